@@ -16,7 +16,8 @@ from benchmarks.printing import options, show, table
 from benchmarks.walks import Walk, known_robot
 from surefoot.arrays import FloatArray
 from surefoot.audit.motion import touching
-from surefoot.estimation import ContactDetector, FrictionTracker, detection_errors
+from surefoot.estimation.contact_detection import ContactDetector, detection_errors
+from surefoot.estimation.friction import FrictionTracker
 from surefoot.log import Log
 from surefoot.simulation.run import Push
 from surefoot.spatial import GRAVITY

@@ -29,9 +29,9 @@ from surefoot.planning.direct import (
     planar_hopper,
     rest_to_rest,
 )
-from surefoot.planning.direct.contact_rows import ContactLaw
 from surefoot.planning.direct.planner import SMOOTHINGS
 from surefoot.planning.trajectory import Trajectory
+from surefoot.planning.transcription.contact_rows import ContactLaw
 from surefoot.robot import load_robot
 from surefoot.simulation.rigid import RigidWorld
 

@@ -20,8 +20,8 @@ from rich.table import Table
 
 from benchmarks.printing import show, table
 from benchmarks.problems.tosses import random_tosses
-from surefoot.estimation import identify
 from surefoot.estimation.cube_model import CubeModel
+from surefoot.estimation.identify import identify
 
 LAW = {"mu": 0.18, "restitution": 0.15, "rounding": 0.05}
 GROUND = (0.003, 0.01, -0.005)

@@ -14,24 +14,17 @@ import json
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from surefoot.planning.schedule import ScheduleProblem, optimise
-from surefoot.planning.schedule.centroidal import CentroidalProblem, optimise_centroidal
-from surefoot.planning.schedule.centroidal_start import centroidal_problem, whole_body_start
+from surefoot.planning.schedule.centroidal import optimise_centroidal
+from surefoot.planning.schedule.limbs import whole_body_guess
 from surefoot.planning.schedule.motions import backflip, jump
 from surefoot.planning.schedule.search import ACCEPTED
 from surefoot.robot import Robot, load_robot
 
 MU, MORE = 0.6, 0.03
 """Friction, and what `surefoot plan` plans beyond what is asked for [m]."""
-LEGS = np.array([0.3, 0.1, 0.2])
-"""Box about the places below the hips that a foot of Go2 reaches in a flip [m]."""
-LATE = 0.8
-"""Share of the time on the rear feet after which the reference of the flip begins to turn."""
 MOST = 200
 """Iterations of a search."""
 NEAR = 1e-3
@@ -51,23 +44,6 @@ class Row(NamedTuple):
     cost: float
 
 
-def _as_it_is(problem: ScheduleProblem) -> CentroidalProblem:
-    return centroidal_problem(problem)
-
-
-def _turning_late(problem: ScheduleProblem) -> CentroidalProblem:
-    """Return a flip's centroidal problem whose reference turns as the feet are about to leave the ground."""
-    asked = centroidal_problem(problem, reach=LEGS)
-    down, some = asked.stance.all(axis=1), asked.stance.any(axis=1)
-    push, air = np.flatnonzero(~down)[0], np.flatnonzero(~some)
-    begin = push + LATE * (air[0] - push)
-    share = np.clip((np.arange(asked.knots + 1) - begin) / (air[-1] + 1 - begin), 0.0, 1.0)
-    reference = asked.reference.copy()
-    reference[:, 3:] = 0.0
-    reference[:, 4], reference[:, 6] = np.sin(-np.pi * share), np.cos(np.pi * share)
-    return replace(asked, reference=reference)
-
-
 class _Heard:
     """Keeps the costs and violations of a search's iterations."""
 
@@ -84,31 +60,29 @@ class _Heard:
         return max((k + 1 for k, fine in enumerate(good) if not fine), default=0)
 
 
-Made = tuple[Callable[[Robot], ScheduleProblem], Callable[[ScheduleProblem], CentroidalProblem]]
-MOTIONS: dict[str, Made] = {
-    "jump": (lambda robot: jump(robot, 0.4 + MORE, 0.0, MU), _as_it_is),
-    "jump-up": (lambda robot: jump(robot, 0.0, 0.2 + MORE, MU), _as_it_is),
-    "backflip": (lambda robot: backflip(robot, MU), _turning_late),
+MOTIONS: dict[str, Callable[[Robot], ScheduleProblem]] = {
+    "jump": lambda robot: jump(robot, 0.4 + MORE, 0.0, MU),
+    "jump-up": lambda robot: jump(robot, 0.0, 0.2 + MORE, MU),
+    "backflip": lambda robot: backflip(robot, MU),
 }
 
 
 def rows(name: str, quick: bool) -> list[Row]:
     """Return the searches of a motion; `quick` leaves out the whole body's."""
-    make, reduce = MOTIONS[name]
-    problem = make(load_robot("go2"))
+    problem = MOTIONS[name](load_robot("go2"))
     begin = time.process_time()
     heard = _Heard()
-    motion = optimise_centroidal(reduce(problem), MOST, heard)
+    motion = optimise_centroidal(problem, MOST, heard)
     spent = time.process_time() - begin
-    said = motion.found, heard.near(), motion.iterations, spent, motion.cost
+    said = motion.found, heard.near(), motion.iterate.iterations, spent, motion.iterate.cost
     out = [Row(name, "centroidal", "reference", *said)]
     for start in () if quick else ("reference", "centroidal"):
         begin = time.process_time()
-        variables = whole_body_start(problem, motion) if start == "centroidal" else None
+        guess = whole_body_guess(problem, motion) if start == "centroidal" else None
         heard = _Heard()
-        found = optimise(problem, variables, MOST, heard)
+        found = optimise(problem, guess, MOST, heard)
         spent = time.process_time() - begin
-        said = found.found, heard.near(), found.iterations, spent, found.cost
+        said = found.found, heard.near(), found.iterate.iterations, spent, found.iterate.cost
         out.append(Row(name, "whole body", start, *said))
     return out
 

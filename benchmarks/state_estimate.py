@@ -21,7 +21,8 @@ from rich.table import Table
 from benchmarks.printing import options, show, table
 from benchmarks.walks import Walk, known_robot
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.estimation import InvariantEkf, Reading, StateEstimator
+from surefoot.estimation.inekf_robot import InvariantEkf
+from surefoot.estimation.state_estimator import Reading, StateEstimator
 from surefoot.simulation.run import Ice, Push
 from surefoot.simulation.sensors import SensorModel
 from surefoot.spatial import GRAVITY

@@ -6,7 +6,7 @@ from typing import Any
 
 from docs.measured import Rows, Table, printed
 
-PROBLEMS = ("ball", "slide", "hopper", "push", "kicker")
+PROBLEMS = ("ball", "slide", "hopper", "push")
 ROADS = ("given schedule", "own shooting", "direct method")
 
 

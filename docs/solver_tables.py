@@ -66,12 +66,6 @@ def _questions(told: Any) -> Rows:
     return rows
 
 
-def _solref(told: Any) -> Rows:
-    rows = told["experiments"]["solref"]["besides"]["mujoco"]["table"]
-    scales = {"time constant [s]": 1.0, "rest depth [m]": 1e3, "deepest [m]": 1e3, "peak load / weight": 1.0}
-    return [[f"{scale * row[key]:.3g}" for key, scale in scales.items()] for row in rows]
-
-
 def _seconds(value: float) -> str:
     """Return a time of three digits in the unit that fits."""
     scale, unit = (1e6, "µs") if value < 1e-4 else (1e3, "ms") if value < 1.0 else (1.0, "s")
@@ -286,10 +280,6 @@ TABLES = {
     ),
     "horizons": Table(WALK, "mpc.md", SCENES, speed_tables.horizons),
     "steps": Table(WALK, "walking.md", ("robot", "call", "median / 99 % [µs]"), speed_tables.steps),
-    "solref": Table(
-        "surefoot worlds solref --world mujoco", "worlds.md",
-        ("time constant [s]", "rest depth [mm]", "deepest [mm]", "peak load / weight"), _solref,
-    ),
     "readme": Table(
         "; ".join((FORCES, STATICS, CONTACT, WALK, STAND)), "../README.md",
         ("question", "Surefoot, exact cones, median [µs]", "rivals", "command"), readme,

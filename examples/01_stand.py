@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import surefoot as sf
+from surefoot.viz.video import Renderer, RenderError, cone_lines, log_arrows
 
 
 def main(picture: Path) -> np.ndarray:
@@ -31,12 +32,12 @@ def main(picture: Path) -> np.ndarray:
         print(f"{picture} exists already, not drawn again")
         return normal
     try:
-        renderer = sf.Renderer(robot, terrain, 1200, 640, fine=True)
-    except sf.RenderError as error:
+        renderer = Renderer(robot, terrain, 1200, 640, fine=True)
+    except RenderError as error:
         print(error)
         return normal
-    lines = sf.cone_lines(log, len(log) - 1, terrain, 0.15, rays=16)
-    pixels = renderer.frame(log["q"][-1], sf.log_arrows(log, len(log) - 1, terrain, 0.0045), lines)
+    lines = cone_lines(log, len(log) - 1, terrain, 0.15, rays=16)
+    pixels = renderer.frame(log["q"][-1], log_arrows(log, len(log) - 1, terrain, 0.0045), lines)
     renderer.close()
 
     from imageio.v2 import imwrite

@@ -9,11 +9,13 @@ import sys
 from pathlib import Path
 
 import surefoot as sf
+from surefoot.terrain.rough import rough_ground
+from surefoot.viz.walk_plots import draw_footfalls, draw_velocity
 
 
 def main(folder: Path, duration: float = 5.0) -> dict[str, float]:
     """Return the mean forward velocity after 2 s, the highest use of a cone, and the commanded excess."""
-    robot, terrain = sf.load_robot("go2"), sf.rough_ground(seed=1, height=0.04)
+    robot, terrain = sf.load_robot("go2"), rough_ground(seed=1, height=0.04)
     controller = sf.WalkingController(robot, sf.VelocityCommand.constant(0.4), "trot", terrain)
     push = sf.Push(start=2.5, force=(0.0, 100.0, 0.0), duration=0.1)
     scenario = sf.Scenario(duration, mu=0.6, pushes=[push], seed=0)
@@ -27,7 +29,7 @@ def main(folder: Path, duration: float = 5.0) -> dict[str, float]:
 
     out = folder / "30_trot"
     out.mkdir(parents=True, exist_ok=True)
-    for draw, name in ((sf.draw_velocity, "velocity.png"), (sf.draw_footfalls, "footfalls.png")):
+    for draw, name in ((draw_velocity, "velocity.png"), (draw_footfalls, "footfalls.png")):
         if not (out / name).exists():
             print("picture:", draw(log, out / name))
     return {

@@ -15,7 +15,6 @@ import numpy as np
 import pinocchio
 
 import surefoot as sf
-from surefoot.control.whole_body import Tasks, WholeBodyController
 from surefoot.viz.style import FOOT_COLOURS, INK, new_figure, save
 
 
@@ -23,11 +22,11 @@ def main(folder: Path) -> dict[str, float]:
     """Return the largest sideways acceleration found, and the one that friction allows [m/s²]."""
     robot, mu = sf.load_robot("go2"), 0.6
     q, v = sf.place(robot), np.zeros(robot.model.nv)
-    controller = WholeBodyController(robot, mu)
+    controller = sf.WholeBodyController(robot, mu)
     wanted = np.linspace(0.0, 10.0, 41)
     given, use = [], []
     for acceleration in wanted:
-        tasks = Tasks(
+        tasks = sf.Tasks(
             stance=np.ones(4, dtype=bool),
             com_acceleration=np.array([0.0, acceleration, 0.0]),
             turn_acceleration=np.zeros(3),

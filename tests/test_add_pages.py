@@ -76,3 +76,19 @@ def test_a_gait_from_outside_walks() -> None:
     assert summary.laws_broken == []
     planned = log["planned"][1000:].mean(axis=0)  # after the start, whole cycles of half a second
     np.testing.assert_allclose(planned, 0.6, atol=0.02)
+
+
+def test_a_behaviour_from_outside_crouches_below_a_bar_and_the_log_says_who_asked() -> None:
+    names = run_page("add-a-behaviour.md")
+    log, walker, crouching = names["log"], names["walker"], names["crouching"]
+    assert log.facts["outcome"] == "done"
+    assert log.facts["behaviours"][-1] == "crouch"
+    x, z = log["q"][:, 0], log["q"][:, 2]
+    assert x[-1] > 1.3  # behind the bar, and up again
+    below, before = np.abs(x - 0.8) < 0.2, x < 0.1
+    assert z[below].max() < z[before].min() - 0.04
+    assert z[-1] == pytest.approx(z[before].mean(), abs=0.01)
+    own = len(walker.arbiter.behaviours) - 1
+    asked = log["asked_by"][crouching]
+    assert (asked[:, names["LOGGED"].index("height")] == own).all()
+    assert np.median(np.gradient(x[below], 1e-3)) < 0.28

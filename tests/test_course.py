@@ -16,6 +16,7 @@ EXERCISES = (3, 3, 3, 3, 3, 3, 2, 2, 2)
 pytest.importorskip("matplotlib", reason="the pages draw: pip install 'surefoot[viz]'")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", [p for p in PAGES if not p.site_only], ids=lambda page: page.name)
 def test_the_page_runs_and_what_it_asserts_holds(page: Page) -> None:
     ran = run_page(page)

@@ -70,9 +70,28 @@ def test_the_stub_is_the_one_list_of_names() -> None:
         assert getattr(sf, name) is getattr(importlib.import_module(f"surefoot.{home}"), name)
 
 
+def test_there_are_100_names_at_most_and_each_is_shown() -> None:
+    """In a page or an example, as a user would write it; `pytest -s` prints how many there are."""
+    root = Path(__file__).resolve().parents[1]
+    found = [
+        root / "README.md",
+        *root.glob("docs/**/*.md"),
+        *root.glob("course/*.md"),
+        *root.glob("examples/*.py"),
+    ]
+    text = "\n".join(page.read_text(encoding="utf-8") for page in found if "build" not in page.parts)
+    shown = {*re.findall(r"\bsf\.(\w+)", text)}
+    for listed in re.findall(r"^from surefoot import ([\w, ]+)$", text, re.MULTILINE):
+        shown |= {name.strip() for name in listed.split(",")}
+    names = {*sf.__all__} - {"__version__"}
+    print(f"\n{len(names)} public names")
+    assert len(names) <= 100
+    assert names <= shown, f"nobody sees {sorted(names - shown)}"
+
+
 def test_the_contract_is_importable() -> None:
     names = "FrictionCone Stance PointContact can_stand friction_needed com_region wrench_cone ContactProblem"
     names += " solve read_problem write_problem load_robot distribute ForceDistributor ContactSolver"
-    names += " register Answer SolverSettings grasp_map StanceBatch can_stand_batch com_region_batch"
-    names += " HalfSpaces laws translate"
+    names += " register Answer SolverSettings StanceBatch can_stand_batch com_region_batch"
+    names += " laws translate"
     assert set(names.split()) <= set(sf.__all__)

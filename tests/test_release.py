@@ -30,7 +30,7 @@ print(sf.__file__)
 """
 IMPORTED = {
     "robot": "pinocchio", "sim": "mujoco", "qp": "qpsolvers", "viz": "matplotlib", "files": "mcap",
-    "sweep": "pyarrow", "scale": "ray", "rerun": "rerun", "jax": "jax", "mjx": "mujoco.mjx", "torch": "torch",
+    "sweep": "pyarrow", "scale": "ray", "jax": "jax", "mjx": "mujoco.mjx", "torch": "torch",
     "plan": "casadi", "lab": "viser", "drake": "pydrake",
     "models": "robot_descriptions", "cdd": "cdd",
     "all": "pinocchio", "dev": "pytest", "docs": "sphinx",

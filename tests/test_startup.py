@@ -77,6 +77,24 @@ print([name for name in ("numba", "scipy", "matplotlib") if name in sys.modules]
     assert run(code).strip().endswith("[]")
 
 
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [("solve", 60), ("can_stand", 45), ("StandingController", 125), ("WalkingController", 180)],
+)
+def test_a_name_loads_what_it_needs(name: str, most: int) -> None:
+    """Modules are counted, not seconds; `docs/install.md` has those."""
+    code = f"""
+import sys, surefoot as sf
+sf.{name}
+ours = [m for m in sys.modules if m.startswith("surefoot.")]
+others = sorted({"scipy.stats", "scipy.optimize", "scipy.spatial", "surefoot.audit"} & sys.modules.keys())
+print(len(ours), others)
+"""
+    count, others = run(code).split(" ", 1)
+    assert others.strip() == "[]"
+    assert int(count) <= most
+
+
 @pytest.fixture
 def two_files(tmp_path: Path):
     """Return the function that writes a kernel and another one in its own file, and asks for f(10)."""
@@ -142,6 +160,7 @@ def test_code_that_was_compiled_beside_read_only_sources_is_used(two_files, tmp_
     assert Path(folder) != beside
 
 
+@pytest.mark.long
 def test_without_compilation_the_results_are_the_same() -> None:
     compiled, plain = (json.loads(run(SMALL, NUMBA_DISABLE_JIT=flag)) for flag in ("0", "1"))
     assert compiled["status"] == plain["status"] == "solved"

@@ -67,14 +67,14 @@ def planned(task: str, quick: bool = False) -> Plan:
     """Return the plan of a task for Go2; a quick stand-up is looked for in MuJoCo, which is faster."""
     from surefoot.planning.planner import plan as make_plan
     from surefoot.planning.tasks.stand_up import StandUp
-    from surefoot.planning.tasks.task import Request
+    from surefoot.planning.tasks.task import PlanRequest
     from surefoot.robot import load_robot
     from surefoot.simulation.mujoco import MujocoWorld
 
     robot = load_robot("go2")
     if task == "stand-up" and quick:
         model = MujocoWorld(robot, dt=2e-3, collision="full")
-        return StandUp(model=model).plan(Request(robot, 180.0, dt=2e-3), lambda iteration: None)
+        return StandUp(model=model).plan(PlanRequest(robot, 180.0, dt=2e-3), lambda iteration: None)
     return make_plan(robot, task, TASKS[task])
 
 

@@ -18,8 +18,7 @@ from surefoot.cli.output import check_out
 from surefoot.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
-    from benchmarks.softening.race import Row
-    from surefoot.planning.transcription.continuation import Answer
+    from benchmarks.softening.race import Answer, Row
 
 QUICK_MOST = 500
 """Most iterations of a start of --quick, over all stages."""
@@ -29,7 +28,7 @@ TITLES = {
     "race": "every form on the same path: a b = 0.1 to 1e-13, from the same starts",
     "causes": "one thing changed at a time",
     "first": "the first smoothing",
-    "recommended": "relaxed to 1e-8, then the modes held",
+    "recommended": "the direct road: relaxed to 1e-8, then the modes held",
 }
 
 
@@ -44,9 +43,9 @@ def softening(
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
-    """Compare relaxation, log-barrier, Fischer-Burmeister and penalty on a ball, a hopper, a push, a kick."""
+    """Compare relaxation, log-barrier, Fischer-Burmeister, penalty on a ball, a point, a hopper, a push."""
     from benchmarks.softening import race
-    from surefoot.planning.transcription.textbook import PROBLEMS
+    from surefoot.planning.direct.textbook import PROBLEMS
 
     check_out(out)
     extras.require(["casadi"], ["matplotlib"] if out is not None else [])
@@ -80,10 +79,18 @@ def softening(
         if "race" in found:
             paths.append(plots.plot_traces(folder, {(r.problem, r.variant): r.trace for r in found["race"]}))
         if answers:
-            motions = {name: (PROBLEMS[name](), a.motion) for name, a in answers.items()}
-            paths.append(plots.plot_motions(folder, motions))
+            paths.append(plots.plot_motions(folder, {name: _curves(name, a) for name, a in answers.items()}))
         for path in paths:
             typer.echo(f"picture: {path}", err=True)
+
+
+def _curves(name: str, answer: Answer) -> Any:
+    """Return what a picture of a motion shows: length of a knot, contacts' names, gaps and impulses."""
+    from surefoot.planning.direct.textbook import PROBLEMS
+
+    problem = PROBLEMS[name]().problem
+    contacts = [*problem.robot.foot_names, *(touch.name for touch in problem.touches)]
+    return problem.dt, contacts, answer.gaps, answer.motion.impulses[..., 2]
 
 
 def _among(kind: str, asked: Sequence[str] | None, known: list[str]) -> list[str]:

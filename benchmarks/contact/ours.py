@@ -10,8 +10,9 @@ import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
 from surefoot.contact import ContactProblem
-from surefoot.solvers import ContactSolver, solve
 from surefoot.solvers.compiled import COMPILED_CONTACTS
+from surefoot.solvers.contact_solver import ContactSolver
+from surefoot.solvers.solver import solve
 
 CONTACT_SOLVER = "contact solver"
 """Name of the real-time path in the tables."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.planning.shooting.engine import Engine
-from surefoot.planning.shooting.horizon import Horizon, Policy
+from surefoot.planning.shooting.horizon import FeedbackPolicy, Horizon
 from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.planning.shooting.state_space import defect, feedback
 from surefoot.robot import Robot
@@ -62,7 +62,7 @@ class MujocoHorizon(Horizon):
         data.ctrl[:], data.qacc_warmstart[:] = self.torques[k], 0.0
 
     def run(
-        self, start: tuple[FloatArray, FloatArray], policy: Policy, share: float, limits: FloatArray,
+        self, start: tuple[FloatArray, FloatArray], policy: FeedbackPolicy, share: float, limits: FloatArray,
         close: bool = False,
     ) -> bool:  # fmt: skip
         """Step from a state under a policy; see `Horizon.run`."""

@@ -19,7 +19,8 @@ from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
-from surefoot.log import Log, read_log
+from surefoot.log import Log
+from surefoot.log.formats import read_log
 from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.run import Push, Scenario, run
 from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium import friction_needed
+from surefoot.equilibrium.statics import friction_needed
 from surefoot.stance import PatchContact, PointContact, Stance
 from surefoot.stance.contact import Contact
 

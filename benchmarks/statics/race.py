@@ -14,7 +14,9 @@ from benchmarks.problems.stances import StanceCase, random_case, random_cases
 from benchmarks.statics import rivals
 from benchmarks.timing import Timing, one_core, time_calls
 from surefoot.cones.representation import halfspaces_from_rays
-from surefoot.equilibrium import can_stand, can_stand_batch, com_region, com_region_batch
+from surefoot.equilibrium.batch import can_stand_batch, com_region_batch
+from surefoot.equilibrium.regions import com_region
+from surefoot.equilibrium.statics import can_stand
 from surefoot.equilibrium.wrench_cone import wrench_cone
 from surefoot.stance import PatchContact, PointContact, Stance, StanceBatch
 

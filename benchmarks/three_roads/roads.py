@@ -12,7 +12,6 @@ from benchmarks.three_roads.task import JumpTask, reached
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 from surefoot.planning.direct import DirectProblem, Guess, plan_direct, plan_with_modes
-from surefoot.planning.direct.judge import exact_cost, window_miss
 from surefoot.planning.shooting import (
     Costs,
     Shooting,
@@ -23,6 +22,7 @@ from surefoot.planning.shooting import (
     TorqueLimits,
 )
 from surefoot.planning.trajectory import Trajectory, rollout
+from surefoot.planning.transcription.judge import exact_cost, window_miss
 from surefoot.stepping import StepOptions, Stepper
 
 PRICES = (1e3, 1e4, 1e5)

@@ -9,10 +9,10 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.planning.direct import DirectProblem, Weights, Window, planar_hopper, rest_to_rest
-from surefoot.planning.direct.contact_rows import OPEN, STICK
-from surefoot.planning.direct.judge import window_miss
-from surefoot.planning.direct.planar import RADIUS
 from surefoot.planning.trajectory import TOLERANCE, Trajectory
+from surefoot.planning.transcription.contact_rows import OPEN, STICK
+from surefoot.planning.transcription.judge import window_miss
+from surefoot.planning.transcription.planar import RADIUS
 from surefoot.robot import load_robot
 from surefoot.terrain import SlopeTerrain
 

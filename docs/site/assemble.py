@@ -16,6 +16,13 @@ from docs.site.page import LANGUAGES, Page, pages
 from docs.site.recipe import recipes, run_recipe
 
 ROOT = Path(__file__).resolve().parents[2]
+LANDINGS = ("extend", "cookbook/README", "learn", "do", "understand", "look-up")
+"""Pages that lead to others: two on a shelf, and four shelves. A page is below the first that links to it."""
+BESIDES = {
+    "learn": ["/course/index"],
+    "look-up": ["/api/index", "/docs/README", "/CHANGELOG", "/CONTRIBUTING", "/README"],
+}
+"""What stands in the menus of shelves and is no page of the docs."""
 COPIED = ("docs/*.md", "docs/cookbook/*.md", "docs/images/*", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 SECTIONS = {
     1: {"en": "Contact and friction laws", "zh": "接触与摩擦定律"},
@@ -112,7 +119,11 @@ def _copy(tree: Path) -> None:
                 target.write_text(without_code_links(path), encoding="utf-8")
             else:
                 shutil.copy(path, target)
-    (tree / "index.md").write_text(front_page(), encoding="utf-8")
+    shutil.copy(Path(__file__).with_name("index.md"), tree / "index.md")
+    for name, below in menus().items():
+        page = tree / "docs" / f"{name}.md"
+        menu = ["", "```{toctree}", ":hidden:", "", *below, "```", ""]
+        page.write_text(page.read_text(encoding="utf-8") + "\n".join(menu), encoding="utf-8")
 
 
 def _cookbook(folder: Path) -> None:
@@ -133,14 +144,20 @@ def _cookbook(folder: Path) -> None:
         page.write_text(page.read_text(encoding="utf-8") + link, encoding="utf-8")
 
 
-def front_page() -> str:
-    """Return the first page: `index.md`, and the docs that it does not list yet in a menu of their own."""
-    text = Path(__file__).with_name("index.md").read_text(encoding="utf-8")
-    names = sorted(path.stem for path in (ROOT / "docs").glob("*.md"))
-    others = [f"docs/{name}" for name in names if f"\ndocs/{name}\n" not in text]
-    if not others:
-        return text
-    return "\n".join([text, "```{toctree}", ":maxdepth: 1", ":caption: More", "", *others, "```", ""])
+def menus() -> dict[str, list[str]]:
+    """Return the documents below each landing page, in the order of its links, each below one."""
+    docs, found, taken = ROOT / "docs", dict[str, list[str]](), {"README", *LANDINGS[2:]}
+    for name in LANDINGS:
+        page = docs / f"{name}.md"
+        links = [
+            (page.parent / link[2]).resolve() for link in _LINK.finditer(page.read_text(encoding="utf-8"))
+        ]
+        inside = [path for path in links if path.suffix == ".md" and path.is_relative_to(docs)]
+        below = [str(path.relative_to(docs).with_suffix("")) for path in inside]
+        fresh = [one for one in dict.fromkeys(below) if one not in taken]
+        taken |= set(fresh)
+        found[name] = [f"/docs/{one}" for one in fresh] + BESIDES.get(name, [])
+    return found
 
 
 _LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s:]+)\)")
@@ -154,6 +171,8 @@ def without_code_links(path: Path) -> str:
 
     def kept(found: re.Match[str]) -> str:
         target = (path.parent / found[2]).resolve()
+        if target == ROOT / "course":
+            return f"[{found[1]}](/course/index.md)"
         inside = target.suffix in (".md", ".png", ".svg") and target.is_file()
         return found[0] if inside else f"{found[1]} (`{target.relative_to(ROOT)}`)"
 

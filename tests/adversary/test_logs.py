@@ -10,7 +10,8 @@ import pytest
 
 from surefoot.audit import RunSummary, summarise_stand, summarise_walk
 from surefoot.errors import ProblemError
-from surefoot.log import FACTS, Log, read_log
+from surefoot.log import FACTS, Log
+from surefoot.log.formats import read_log
 
 DATA = Path(__file__).resolve().parents[1] / "log" / "data"
 LOGS = {

@@ -15,6 +15,7 @@ import pytest
 from scipy.optimize import linprog
 
 import surefoot as sf
+from surefoot.equilibrium.regions import zmp_region
 from surefoot.solvers.backends import ConeProgram, End, solve_program
 
 sys.path.insert(0, str(Path(__file__).parent))  # pytest's importlib mode leaves the folder out
@@ -133,7 +134,7 @@ def judge(rng, family):
     stance, mass, com = asked.stance, asked.mass, None
     if rng.random() < 0.3 and family != "far away":
         com = asked.com
-        region = sf.zmp_region(stance, com, mass, tol, facets=facets)
+        region = zmp_region(stance, com, mass, tol, facets=facets)
     else:
         region = sf.com_region(stance, mass, tol, facets=facets)
     question_of = (stance, mass, region.force_limit, com, region.height, facets)

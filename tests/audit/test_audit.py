@@ -13,6 +13,7 @@ import surefoot as sf
 from benchmarks.problems.logged_runs import CleanRun
 from surefoot.audit.auditor import NEEDED
 from surefoot.audit.intervals import MOST
+from surefoot.audit.report import LawBroken
 from surefoot.audit.rows import PIECE, Rows, sliding_mean, sliding_sum
 from surefoot.audit.setting import setting_of
 from surefoot.cli.output import to_json
@@ -68,7 +69,7 @@ def test_a_broken_law_is_told_with_foot_time_value_and_limit() -> None:
     first = report.symptoms[0]
     assert (first.name, first.contact) == ("pull", pull.contact)
     assert all((first.evidence, first.cause, first.confirm, first.cure))
-    with pytest.raises(sf.LawBroken, match="pull") as caught:
+    with pytest.raises(LawBroken, match="pull") as caught:
         sf.assert_lawful(changed(log, forces=forces))
     assert isinstance(caught.value, AssertionError)
     assert caught.value.report.violations == report.violations

@@ -12,7 +12,8 @@ from surefoot.audit import Laws, check_laws, contact_use, log_laws
 from surefoot.audit.laws import LAWS, LEAST_FRICTION, LOADED_SHARE
 from surefoot.audit.slides import LAG, WORST, free_slides, slide_on, start_slides
 from surefoot.errors import ProblemError
-from surefoot.log import Log, read_log
+from surefoot.log import Log
+from surefoot.log.formats import read_log
 from surefoot.spatial import GRAVITY
 
 WEIGHT = 100.0

@@ -9,6 +9,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.arrays import FloatArray
+from surefoot.contact.solution import ContactSolution
 
 
 class Problems(NamedTuple):
@@ -50,7 +51,7 @@ def redundant() -> Problems:
 
 
 @pytest.fixture(scope="session", params=["coulomb", "convex"])
-def solved(request: pytest.FixtureRequest, problems: Problems) -> tuple[str, list[sf.ContactSolution]]:
+def solved(request: pytest.FixtureRequest, problems: Problems) -> tuple[str, list[ContactSolution]]:
     """The law, and the solutions of `problems` by `surefoot.solve`."""
     law = request.param
     found = [

@@ -11,6 +11,7 @@ import pytest
 import surefoot as sf
 from surefoot.batch.kernel import contact_blocks, contact_jvp, contact_vjp, solve_contacts
 from surefoot.contact.derivative import ContactDerivative
+from surefoot.errors import NoSolution
 
 
 def problems(count: int = 40, contacts: int = 4, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
@@ -178,7 +179,7 @@ def test_the_real_time_path_has_gradients() -> None:
             np.testing.assert_allclose(getattr(back, name), getattr(wanted, name), rtol=1e-5, atol=1e-6)
     with pytest.raises(sf.ProblemError, match=r"shape \(4, 3\)"):
         solver.vjp(G[0], answer, forces=np.zeros(5))
-    with pytest.raises(sf.NoSolution):
+    with pytest.raises(NoSolution):
         solver.vjp(G[0], solver.solve(np.full((12, 12), np.nan), g[0]))
 
 

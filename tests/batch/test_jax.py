@@ -84,6 +84,7 @@ def test_gradients_are_those_of_differences(problems: Any, solved: Any, smoothin
         np.testing.assert_allclose(slope, difference, rtol=1e-5, atol=1e-5 * np.abs(slope).max())
 
 
+@pytest.mark.long
 def test_check_grads_and_vmap(problems: Any) -> None:
     from jax.test_util import check_grads
 
@@ -99,6 +100,7 @@ def test_check_grads_and_vmap(problems: Any) -> None:
     np.testing.assert_allclose(host, whole, rtol=1e-6, atol=1e-9)
 
 
+@pytest.mark.long
 def test_velocities_of_redundant_contacts_have_gradients(redundant: Any) -> None:
     """Along perturbations of g that a motion makes: G keeps its rank and g its range."""
     G, g, mu = (jnp.asarray(v) for v in redundant)
@@ -111,6 +113,7 @@ def test_velocities_of_redundant_contacts_have_gradients(redundant: Any) -> None
     np.testing.assert_allclose((slope * step).sum(1), difference, rtol=1e-4, atol=1e-5)
 
 
+@pytest.mark.long
 def test_absent_contacts_are_no_contacts(problems: Any) -> None:
     mask = np.array([True, False, True, True])
     keep = np.repeat(mask, 3)
@@ -130,6 +133,7 @@ def test_absent_contacts_are_no_contacts(problems: Any) -> None:
         assert (slope[:, 1] == 0.0).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("road", ROADS)
 def test_open_contacts_have_true_zeros_and_smoothing_fills_them(road: Any) -> None:
     G, g, mu = jnp.eye(3), jnp.array([0.1, 0.0, 2.0]), jnp.array([0.5])
@@ -140,6 +144,7 @@ def test_open_contacts_have_true_zeros_and_smoothing_fills_them(road: Any) -> No
     assert -1.0 < slope[2] < -1e-4
 
 
+@pytest.mark.long
 def test_on_the_path_force_times_velocity_is_the_smoothing(problems: Any, solved: Any) -> None:
     law, _ = solved
     found = sfj.solve(*problems, law=law, smoothing=1e-3)
@@ -171,6 +176,7 @@ def test_never_nan(hard: Any, smoothing: float, law: str) -> None:
             assert STATUSES[int(found.status[k])] is not Status.SOLVED
 
 
+@pytest.mark.long
 def test_single_precision(problems: Any) -> None:
     found = sfj.solve(*(v.astype(np.float32) for v in problems))
     exact = sfj.solve(*problems)
@@ -198,6 +204,7 @@ def test_wrong_input_is_named(problems: Any) -> None:
 FORCES = [[0, 0, 0], [0, 0, 1], [1, 0, 0], [1, 1, 1], [0, 0, -1], [0.1, 0.2, 3], [3, -1, 1], [1e-200, 0, 0]]
 
 
+@pytest.mark.long
 def test_cones() -> None:
     f = np.array(FORCES, dtype=float)
     cone = sf.FrictionCone(mu=0.6)

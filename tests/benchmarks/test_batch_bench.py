@@ -8,6 +8,7 @@ from benchmarks.mjx_rival import mjx_present, mjx_row
 from surefoot.cli.main import main
 
 
+@pytest.mark.long
 def test_json_is_the_only_output(capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("mujoco")
     assert main(["bench", "batch", "--quick", "--json"]) == 0

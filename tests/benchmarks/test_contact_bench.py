@@ -22,7 +22,7 @@ from benchmarks.problems.contacts import NamedProblem, families, problem_set
 from benchmarks.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
 from benchmarks.timing import interleaved
 from surefoot.cli.main import main
-from surefoot.contact import write_problem
+from surefoot.contact.files import write_problem
 from surefoot.errors import ProblemError
 
 

@@ -74,6 +74,7 @@ def test_a_descent_arrives_where_the_slope_leads() -> None:
     assert outcomes["implicit, exact"].arrived == 3
 
 
+@pytest.mark.long
 def test_the_command_runs_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     main(["--quick", "--out", str(tmp_path)])
     assert "pushed block" in capsys.readouterr().out

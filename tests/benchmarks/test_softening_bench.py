@@ -11,6 +11,7 @@ from surefoot.cli.main import main
 pytest.importorskip("casadi")
 
 
+@pytest.mark.long
 def test_command_prints_json_only_and_draws(capsys, tmp_path):
     words = ["--problem", "ball", "--table", "race", "--table", "recommended", "--quick", "--json"]
     assert main(["bench", "softening", *words, "--out", str(tmp_path)]) == 0

@@ -44,6 +44,7 @@ def test_a_start_that_cannot_be_stepped_is_not_solved() -> None:
     assert not travel(ROADS["given schedule"], task, over, None).solved
 
 
+@pytest.mark.long
 def test_quick_tables(capsys) -> None:
     main(["--quick"])
     said = capsys.readouterr().out

@@ -82,6 +82,7 @@ def test_scenes_are_what_they_say(scene):
     assert np.linalg.norm(moved) == pytest.approx(0.59 * np.hypot(*scene.velocity), abs=0.15)
 
 
+@pytest.mark.long
 def test_rows_add_up(monkeypatch):
     monkeypatch.setattr(walk, "TUNING_INPUTS", 5)
     bench = measure(["limit"], calls=24, robots=["a1"])

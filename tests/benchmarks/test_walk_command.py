@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 from surefoot.cli.main import main
 
 
@@ -13,6 +15,7 @@ def test_json_is_the_only_output(capsys):
     assert {row["scene"] for row in found["rows"]} == {"trot"}
 
 
+@pytest.mark.long
 def test_tables_and_a_picture(capsys, tmp_path):
     assert main(["bench", "walk", "--scene", "limit", "--calls", "12", "--out", str(tmp_path)]) == 0
     out = capsys.readouterr().out

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.problems.tosses import random_tosses
 from surefoot.cli.main import main
-from surefoot.estimation import write_tosses
+from surefoot.estimation.tosses import write_tosses
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +23,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
+@pytest.mark.long
 def test_json_and_exit_codes(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["audit", str(folder / "lawful.npz"), "--json"]) == 0
     facts = json.loads(capfd.readouterr().out)

@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.problems.tosses import random_tosses
 from surefoot.cli.main import main
-from surefoot.estimation import write_tosses
+from surefoot.estimation.tosses import write_tosses
 
 TRUTH = [0.2, 0.1, 0.05]
 
@@ -29,6 +29,7 @@ def run(folder: Path, capfd: pytest.CaptureFixture[str], *words: str) -> Any:
     return capfd.readouterr().out
 
 
+@pytest.mark.long
 def test_json_holds_the_fit_and_both_errors(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("mujoco")
     words = ("--test", str(folder / "test.npz"), "--rivals", "mujoco", "--no-picture", "--json")

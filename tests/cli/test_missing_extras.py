@@ -50,7 +50,7 @@ def test_all_that_is_missing_is_named_at_once(
         ([], "pin, example-robot-data, mujoco, imageio, imageio-ffmpeg and matplotlib", "robot,sim,viz"),
         (["--no-video"], "pin, example-robot-data, mujoco and matplotlib", "robot,sim,viz"),
         (["--no-video", "--no-report"], "pin, example-robot-data and mujoco", "robot,sim"),
-        (["--urdf", "a.urdf", "--feet", "b", "--no-video", "--no-report"], "pin and mujoco", "robot,sim"),
+        (["a.urdf", "--feet", "b", "--no-video", "--no-report"], "pin and mujoco", "robot,sim"),
     ):
         for command in ("stand", "walk"):
             assert main([command, *options, "--out", str(tmp_path)]) == 2

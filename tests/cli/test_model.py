@@ -41,7 +41,7 @@ def test_fixed_arm_without_feet(capsys):
 
 def test_urdf_with_feet(capsys):
     path = str(robots_folder() / find("solo12").urdf)
-    found = facts(capsys, "--urdf", path, "--feet", "FL_FOOT,HR_FOOT")
+    found = facts(capsys, path, "--feet", "FL_FOOT,HR_FOOT")
     assert [f["name"] for f in found["feet"]] == ["FL_FOOT", "HR_FOOT"]
 
 
@@ -61,4 +61,4 @@ def test_wrong_input_is_one_line(capsys):
     assert "unknown robot 'dog'" in error
     assert main(["model", "go2", "--feet", "paw"]) == 2
     assert "unknown foot frame" in capsys.readouterr().err
-    assert main(["model", "go2", "--urdf", "x.urdf"]) == 2
+    assert main(["model", "x.urdf"]) == 2

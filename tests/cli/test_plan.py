@@ -52,7 +52,7 @@ def test_what_is_not_solved_is_exit_code_1(tmp_path: Path, capfd: pytest.Capture
         (["jump", "99"], "distance [m]"),
         (["jump", "--robot", "g1"], "four feet"),
         (["jump", "--robot", "robodog"], "robodog"),
-        (["jump", "--method", "guess"], "valid names"),
+        (["jump", "--road", "guess"], "valid names"),
         (["jump", "--mu", "-1"], "mu"),
         (["jump", "--dt", "0"], "dt"),
         (["jump", "--execute", "gazebo"], "mujoco"),

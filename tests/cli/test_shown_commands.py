@@ -26,9 +26,7 @@ from benchmarks.softening import race
 from surefoot.cli.extras import missing
 from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
-from surefoot.control.gait_files import write_gaits
-from surefoot.control.gait_library import named_gait
-from surefoot.estimation import write_tosses
+from surefoot.estimation.tosses import write_tosses
 from surefoot.planning import planner
 from surefoot.robot.catalog import find, robots_folder
 from surefoot.simulation.worlds import WORLDS
@@ -38,6 +36,13 @@ ROOT = Path(__file__).resolve().parents[2]
 CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")
 PAGES = [page for page in CHECK["PAGES"] if page.name not in ("CHANGELOG.md", "CONTRIBUTING.md")]
 SHORT, SHORT_ON_TERRAIN = 3.0, 5.0
+QUICK_PAGES = (
+    "README.md", "first-steps.md", "standing.md", "statics.md", "stance-files.md", "cones.md", "momentum.md",
+    "jacobians.md", "contact-files.md", "contact-sequences.md", "translate.md", "audit.md", "lab.md",
+)  # fmt: skip
+"""Pages whose commands take seconds: they run in `make test`, those of the others in `make test-all`."""
+LONG_COMMANDS = ("bench", "plan", "sweep", "warmup")
+"""What takes long on any page."""
 
 
 def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
@@ -58,9 +63,8 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
     if words[0] not in ("stand", "walk"):
         return words
     out = [*words, "--no-video", "--no-report"]
-    told = [words[k + 1].split(":")[0] for k, w in enumerate(words) if w in ("--push", "--ice")]
-    events = [float(time) for time in told if "," not in time]  # others are places
-    even = "--terrain" not in words and "--ice" not in words
+    events = [float(words[k + 1].split(":")[0]) for k, word in enumerate(words) if word == "--push"]
+    even = "--terrain" not in words and not any("/ice" in word for word in words)
     short = SHORT if even and max(events, default=0.0) < SHORT - 1.0 else SHORT_ON_TERRAIN
     if words[0] == "walk" and max(events, default=0.0) < short - 1.0:
         at = out.index("--duration") if "--duration" in out else len(out)
@@ -99,7 +103,13 @@ def all_shown() -> list[Any]:
         before = found.get((same_run(words), shown.code))
         if before is None or len(words) > len(before[0]):
             found[same_run(words), shown.code] = (words, shown)
-    return [pytest.param(words, s.code, id=f"{s.page}: {shlex.join(s.words)}") for words, s in found.values()]
+    return [
+        pytest.param(
+            words, s.code, id=f"{s.page}: {shlex.join(s.words)}",
+            marks=() if s.page in QUICK_PAGES and words[0] not in LONG_COMMANDS else pytest.mark.long,
+        )
+        for words, s in found.values()
+    ]  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -116,8 +126,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "lcp.dat").write_text("2\n0\n2\n2\n2 2\n2 1\n1 2\n-5 -6\n")
     (place / "examples").symlink_to(ROOT / "examples")
     (place / "FILE").write_bytes((ROOT / "examples" / "stances" / "slope.yaml").read_bytes())
-    (place / "speeds.txt").write_text("0 0.3 0 0\n2 0.5 0 0.2\n")
-    write_gaits({"trot": named_gait("trot")}, place / "gait.info")
     text = (robots_folder() / find("a1").urdf).read_text()
     for foot, name in zip(find("a1").feet, "abcd", strict=True):
         text = text.replace(f'"{foot}"', f'"{name}"')
@@ -198,5 +206,5 @@ def test_shown_command_ends_as_the_page_says(
 
 def test_every_page_with_commands_is_run() -> None:
     pages = {str(p.id).split(":")[0] for p in all_shown()}
-    assert {"README.md", "standing.md", "walking.md", "statics.md", "cones.md", "contact-files.md"} <= pages
+    assert {"README.md", "standing.md", "walking.md", "statics.md", "cones.md", "files.md"} <= pages
     assert len(all_shown()) > 50

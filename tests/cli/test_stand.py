@@ -80,43 +80,26 @@ def test_anyway_runs_and_is_honest(tmp_path: Path, capfd: pytest.CaptureFixture[
 def test_any_urdf_with_feet(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     path = robots_folder() / find("a1").urdf
     feet = "FL_foot,FR_foot,RL_foot,RR_foot"
-    options = ["--urdf", str(path), "--feet", feet, "--duration", "1", "--no-video", "--json"]
+    options = [str(path), "--feet", feet, "--duration", "1", "--no-video", "--json"]
     code = main(["stand", *options, "--out", str(tmp_path)])
     assert code == 0
     assert json.loads(capfd.readouterr().out)["robot"] == "a1"
-
-
-def test_pyramids_and_other_solvers(tmp_path: Path) -> None:
-    for options in (
-        ["--facets", "8"],
-        ["--facets", "4", "--fit", "outer", "--solver", "quadprog"],
-        ["--solver", "clarabel"],
-    ):
-        assert (
-            main(["stand", "--duration", "0.2", *options, "--out", str(tmp_path), "--no-video", "--json"])
-            == 0
-        )
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
         (["dog"], "unknown robot 'dog'; valid names: a1,"),
-        (["--urdf", "none.urdf", "--feet", "a"], "no URDF file at"),
-        (["--urdf", "none.urdf"], "--urdf needs --feet"),
-        (["go2", "--urdf", "x.urdf", "--feet", "a"], "either a robot or --urdf"),
+        (["none.urdf", "--feet", "a"], "no URDF file at"),
+        (["none.urdf"], "none.urdf needs --feet"),
         (["--feet", "toe"], "unknown foot frame of go2.urdf 'toe'; valid names:"),
         (["--mu", "-0.1"], "--mu must be a number"),
         (["--mu", "nan"], "--mu must be a number"),
-        (["--facets", "2"], "--facets must be a whole number >= 3 or 'exact', got '2'"),
-        (["--fit", "middle"], "unknown fit 'middle'; valid names: inner, outer"),
         (["--push", "1:2"], "--push '1:2' is not of the form T:FX,FY,FZ:DURATION"),
         (["--push", "1:a,0,0:1"], "--push: 'a' is not a finite number"),
         (["--push", "1:1,0,0:-1"], "DURATION >= 0.001 s"),
-        (["--ice", "x"], "--ice 'x' is not of the form T:MU"),
         (["--lift", "FL"], "--lift 'FL' is not of the form FOOT:T0:T1"),
         (["--lift", "toe:1:2"], "unknown foot of go2 'toe'"),
-        (["--solver", "magic"], "unknown solver 'magic'"),
         (["--world", "moon"], "unknown world 'moon'"),
         (["--duration", "-1"], "--duration must be between 0.1 (to be judged) and 3600 s"),
         (["--payload", "-1"], "--payload must be a number"),

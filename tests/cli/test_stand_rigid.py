@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.cli.main import main
-from surefoot.log import read_log
+from surefoot.log.formats import read_log
 
 
 def summary(capsys, tmp_path, *arguments):

@@ -14,7 +14,8 @@ import pytest
 
 from surefoot.cli.main import main
 from surefoot.errors import SimulationError
-from surefoot.log import parts, read_log, recorder
+from surefoot.log import parts, recorder
+from surefoot.log.formats import read_log
 from surefoot.simulation.mujoco import MujocoWorld
 
 STAND = ["stand", "--duration", "1", "--no-video", "--out"]

@@ -81,12 +81,12 @@ def test_samples_with_errors_are_told(
     tmp_path: Path, balls: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from surefoot.errors import SimulationError
-    from surefoot.sweep.experiments.drop import Drop
+    from surefoot.sweep.drop import DropExperiment
 
-    def fail(self: Drop, sample: object) -> None:
+    def fail(self: DropExperiment, seed: int) -> None:
         raise SimulationError("motion", 0.1, 1e-3, "root_joint", 1e9)
 
-    monkeypatch.setattr(Drop, "run", fail)
+    monkeypatch.setattr(DropExperiment, "run", fail)
     words = ["sweep", str(balls), "--out", str(tmp_path / "a"), "--backend", "serial"]
     assert main(words) == 1
     said = capfd.readouterr().out
@@ -102,8 +102,8 @@ def test_an_interrupt_keeps_what_is_written(
     file.write_text(BALLS.replace("samples: 30", "samples: 3000"))
     words = ["sweep", str(file), "--out", str(tmp_path / "a"), "--backend", "serial", "--json"]
     process = subprocess.Popen([sys.executable, "-m", "surefoot", *words], stderr=subprocess.PIPE)
-    parts, deadline = tmp_path / "a" / "parts", time.monotonic() + 120.0
-    while not list(parts.glob("part-*.parquet")):
+    rows, deadline = tmp_path / "a" / "sweep.sqlite", time.monotonic() + 120.0
+    while not rows.exists() or rows.stat().st_size < 20_000:
         assert time.monotonic() < deadline
         assert process.poll() is None
         time.sleep(0.02)
@@ -112,9 +112,7 @@ def test_an_interrupt_keeps_what_is_written(
     assert process.returncode == code
     assert b"the same command goes on from there" in said
     assert b"Traceback" not in said
-    kept = len(list(parts.glob("part-*.parquet")))
-    assert kept >= 1
-    assert not list(parts.glob("*.tmp"))
+    assert [p.name for p in (tmp_path / "a").iterdir()] == ["sweep.sqlite"]
     assert main([*words, "--no-picture"]) == 0
     facts = json.loads(capfd.readouterr().out)
     assert facts["samples"] == 3000

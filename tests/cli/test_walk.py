@@ -9,10 +9,8 @@ import pytest
 
 from surefoot.cli import parsing
 from surefoot.cli.main import main
-from surefoot.control.gait_files import write_gaits
-from surefoot.control.gait_library import named_gait
 from surefoot.errors import ProblemError
-from surefoot.log import read_log
+from surefoot.log.formats import read_log
 from surefoot.terrain import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain
 
 QUICK = ("--duration", "1.2", "--no-video")
@@ -47,17 +45,6 @@ def test_every_quadruped_walks_as_a_new_user_calls_it(
     assert "state estimate: velocity off by" in said.out
 
 
-def test_the_true_state_is_told_on_demand(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    words = ["walk", *QUICK, "--no-report", "--json", "--out", str(tmp_path)]
-    told, estimated = [], []
-    for more, answers in ((["--estimator", "truth"], told), ([], estimated)):
-        assert main([*words, *more]) == 0
-        answers.append(json.loads(capfd.readouterr().out))
-    assert "estimate" not in told[0]
-    assert estimated[0]["estimate"]["velocity_rms"] < 0.01
-    assert estimated[0]["velocity"]["forward"] != told[0]["velocity"]["forward"]
-
-
 def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     code = main(["walk", *QUICK, "--no-report", "--json", "--out", str(tmp_path)])
     out = capfd.readouterr()
@@ -68,21 +55,6 @@ def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.Capt
     assert summary["commanded_cone_excess"] == 0.0
     assert summary["gait"] == "trot"
     assert not list(tmp_path.rglob("*.html"))
-
-
-def test_velocities_and_gaits_come_from_files(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    speeds = tmp_path / "speeds.txt"
-    speeds.write_text("0 0.2 0 0\n0.5 0 0.1 0.2\n")
-    gaits = write_gaits({"mine": named_gait("walk")}, tmp_path / "gait.info")
-    options = ["--velocity-file", str(speeds), "--gait-file", str(gaits), "--gait", "mine"]
-    code = main(["walk", *QUICK, *options, "--no-report", "--json", "--out", str(tmp_path / "runs")])
-    summary = json.loads(capfd.readouterr().out)
-    assert code == 0
-    assert summary["gait"] == "mine"
-    (folder,) = (tmp_path / "runs").iterdir()
-    command = read_log(folder / "log.npz")["command"]
-    assert command[600, 0] > 0.1
-    assert command[-1].tolist() == pytest.approx([0.0, 0.1, 0.2], abs=0.02)
 
 
 def test_an_impossible_speed_is_slowed_and_said(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -116,13 +88,7 @@ def test_a_fall_is_exit_code_one(tmp_path: Path, capfd: pytest.CaptureFixture[st
         (["--duration", "0"], "--duration must be between"),
         (["--mu", "-1"], "--mu must be"),
         (["--push", "1:2"], "is not of the form T:FX,FY,FZ:DURATION"),
-        (["--period", "0"], "period must be"),
-        (["--velocity-file", "none.txt"], "cannot read the velocity file"),
-        (["--gait-file", "none.info"], "cannot read the gait file"),
-        (["--delay", "-1"], "delay must be"),
         (["g1", "--gait", "trot"], "unknown gait for 2 feet 'trot'; valid names: stand, walk"),
-        (["--estimator", "oracle"], "unknown estimator 'oracle'; valid names: inekf, truth"),
-        (["--noise", "-1"], "--noise must be"),
     ],
 )
 def test_wrong_input_is_one_line_and_exit_code_two(

@@ -66,23 +66,6 @@ def test_a_world_that_does_not_keep_to_it_is_exit_1(
     assert found["experiments"]["drop"]["rows"][0]["verdict"] == "differs"
 
 
-def test_what_a_world_cannot_do_is_told(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made = EXPERIMENTS["drop"]
-    words = (made.name, made.says, made.compares, made.measure, made.theory, made.axes, ("drake",))
-    monkeypatch.setitem(EXPERIMENTS, "drop", Experiment(*words))
-    assert main(["worlds", "drop", "--world", "rigid", "--no-pictures"]) == 2
-    assert "drop cannot be run in rigid, only in drake" in capsys.readouterr().err
-    code, found = asked(capsys, "drop", "slide", "--world", "rigid", "--no-pictures")
-    assert code == 0
-    assert found["experiments"]["drop"]["rows"] == []
-    assert found["experiments"]["drop"]["left_out"] == ["rigid"]
-    assert found["experiments"]["slide"]["left_out"] == []
-    assert main(["worlds", "drop", "slide", "--world", "rigid", "--no-pictures"]) == 0
-    assert "drop: not run in rigid, only in drake" in capsys.readouterr().out
-
-
 def test_absent_worlds_are_one_line_each(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

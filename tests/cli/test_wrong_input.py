@@ -11,8 +11,8 @@ import pytest
 import surefoot as sf
 from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
-from surefoot.estimation import Cube, Tosses, write_tosses
-from surefoot.log import read_log
+from surefoot.estimation.tosses import Cube, Tosses, write_tosses
+from surefoot.log.formats import read_log
 
 STANCE = Path(__file__).parents[2] / "examples" / "stances" / "slope.yaml"
 LINK = "<link name='b'><inertial><mass value='{}'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/>"
@@ -62,7 +62,7 @@ CASES = [
         for f in ("''", ".", "GO2", "'go2 '")
     ),
     *(
-        (f"{c} --urdf {f} --feet b", "surefoot: ")
+        (f"{c} {f} --feet b", "surefoot: ")
         for c in ("stand", "walk", "check", "region", "model")
         for f in (*BROKEN, "folder", "''", "noise.dat", "none.urdf")
     ),
@@ -72,20 +72,16 @@ CASES = [
         for f in ("''", "FL_foot,,RR_foot")
     ),
     *((f"{c} --push 99:1,0,0:1", "starts at 99 s, when the run is over") for c in BOTH),
-    *((f"{c} --duration 2 --ice 2:0.1", "starts at 2 s, when the run is over") for c in BOTH),
     ("stand solo12 --lift FL:9:10", "--lift 'FL:9:10' starts at 9 s"),
     *((f"{c} --push 1:1e300,0,0:1", "must not exceed") for c in BOTH),
     *((f"{c} --push 1:1,0,0:1e-5", "DURATION >= 0.001 s") for c in BOTH),
-    *((f"{c} --ice 1:1e9", "MU between 0 and 1000") for c in BOTH),
     *((f"{c} --duration 0.0001", "--duration must be between") for c in BOTH),
     *((f"{c} --seed 1{'0' * 400}", "--seed must be a whole number") for c in BOTH),
     *((f"{c} {o} {n}", o) for c in BOTH for o in ("--mu", "--payload", "--duration") for n in NOT_FINITE),
     *(
-        (f"{c} --facets {n}", "--facets must be a whole number")
-        for c in ("stand", "check stance.yaml")
+        (f"check stance.yaml --facets {n}", "--facets must be a whole number")
         for n in ("2", "x", "''", "1000000")
     ),
-    *((f"walk solo12 {o} {n}", o) for o in ("--noise", "--delay", "--believed-mu") for n in NOT_FINITE),
     *((f"walk solo12 --velocity={n}", "--velocity") for n in ("nan", "inf,0,0", "1,2,3,4", ",,")),
     *(
         (f"{c} --payload {n}", "--payload")
@@ -93,11 +89,7 @@ CASES = [
         for n in ("''", "@0,0,0", "1@", "1@a,b,c", "1@0,0,nan")
     ),
     ("walk solo12 --gait stand", "gait 'stand' takes no steps"),
-    *(
-        (f"walk solo12 --{k}-file {f}", "cannot read")
-        for k in ("velocity", "gait")
-        for f in ("folder", "noise.dat")
-    ),
+    *((f"walk solo12 --scenario {f}", "cannot read the scenario") for f in ("folder", "noise.dat")),
     *(
         (f"{c} {f}", "surefoot: ")
         for c in ("check", "region")
@@ -107,12 +99,8 @@ CASES = [
     *((f"{c} sticky.yaml", "mu must be a number between 0 and 1000") for c in ("check", "region")),
     *((f"{c} stance.yaml --mu {n}", "--mu must be") for c in ("check", "region") for n in NOT_FINITE),
     *((f"{c} stance.yaml --lift {n}", "") for c in ("check", "region") for n in ("toe", "''")),
-    *(
-        (f"{c} --robot solo12 --slope {n}", "--slope must be")
-        for c in ("check", "region")
-        for n in ("nan", "89")
-    ),
-    *((f"{c} --robot ''", "unknown robot ''") for c in ("check", "region")),
+    *((f"{c} solo12 --slope {n}", "--slope must be") for c in ("check", "region") for n in ("nan", "89")),
+    *((f"{c} dog", "unknown robot 'dog'") for c in ("check", "region")),
     *((f"cone {o} {n}", o) for o in ("--mu", "--phase") for n in ("nan", "inf", "1e300")),
     ("cone --facets 1000000", "--facets must be a whole number from 3 to 1000"),
     *(

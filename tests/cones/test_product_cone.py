@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from surefoot import FrictionCone, ProductCone, WrenchCone
+from surefoot import FrictionCone, WrenchCone
+from surefoot.cones.product import ProductCone
 
 
 def test_margin_is_the_least_inside_and_the_distance_outside():

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from surefoot import PolyhedralCone, ProblemError
+from surefoot import ProblemError
 from surefoot.cones.double_description import polar_rays_exact
+from surefoot.cones.polyhedral import PolyhedralCone
 from surefoot.cones.representation import (
     halfspaces_from_rays,
     lineality,

@@ -9,13 +9,13 @@ import pytest
 from set_judge import check_laws
 
 import surefoot as sf
-from surefoot.contact.sets import ContactKind
+from surefoot.contact.sets.contact_set import ContactSet
 
 C = sf.contact_sets
 LAWS = (sf.laws.COULOMB, sf.laws.CONVEX, sf.laws.Law("half dilatant", shift=0.5))
 
 
-def draw(rng: np.random.Generator) -> ContactKind:
+def draw(rng: np.random.Generator) -> Contact:
     """A contact with ordinary and with degenerate parameters; sometimes bounded, sometimes off."""
     kind, mu = rng.integers(8), float(rng.choice([0.0, 0.2, 0.6, 1.5, 5.0]))
     length = float(rng.choice([1e-3, 0.05, 1.0]))
@@ -42,7 +42,7 @@ def mixture(seed: int) -> tuple[sf.ContactProblem, bool]:
     """A problem, and whether g is a motion of the bodies, so that only a jam is without solution."""
     rng = np.random.default_rng(seed)
     contacts = [draw(rng) for _ in range(rng.integers(1, 7))]
-    s = sf.ContactSet(contacts)
+    s = ContactSet(contacts)
     J = rng.normal(size=(s.rows, rng.integers(1, s.rows + 4))) / s.lengths[:, None]
     if rng.random() < 0.3:
         J *= 10.0 ** rng.uniform(-2, 2, size=J.shape[1])

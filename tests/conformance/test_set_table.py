@@ -17,6 +17,7 @@ from set_judge import check_laws
 
 import surefoot as sf
 from surefoot.contact.sets import ContactKind
+from surefoot.contact.sets.contact_set import ContactSet
 
 C = sf.contact_sets
 KINDS: dict[str, ContactKind] = {
@@ -40,7 +41,7 @@ def problem_of(
 ) -> sf.ContactProblem:
     """A problem whose contacts press, slide, tip and take off; of full rank, or of a rank."""
     rng = np.random.default_rng(seed)
-    s = sf.ContactSet(contacts)
+    s = ContactSet(contacts)
     J = rng.normal(size=(s.rows, rank or 2 * s.rows)) / s.lengths[:, None]
     G = J @ J.T / J.shape[1]
     if rank is None:

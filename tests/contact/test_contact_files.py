@@ -10,8 +10,7 @@ import scipy.sparse as sp
 
 import surefoot as sf
 from benchmarks.problems.contacts import problem_set
-from surefoot.contact import read_lcp, read_problem, write_problem
-from surefoot.contact.files import holds_lcp
+from surefoot.contact.files import holds_lcp, read_lcp, read_problem, write_problem
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
 needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason=f"no data files in {SHARED}")

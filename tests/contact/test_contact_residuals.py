@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import minimize
 
 import surefoot as sf
+from surefoot.cones.polyhedral import FrictionPyramid
 
 
 def nearest(x: np.ndarray, mu: float, low: float, high: float, rows: np.ndarray | None) -> np.ndarray:
@@ -45,7 +46,7 @@ def test_velocity_error_is_its_definition(law: str, facets: int | None, fit: str
         speed = np.linalg.norm(start, axis=1).max()
         errors = []
         for k in range(2):
-            pyramid = None if facets is None else sf.FrictionPyramid(float(mu[k]), facets, fit)  # type: ignore[arg-type]
+            pyramid = None if facets is None else FrictionPyramid(float(mu[k]), facets, fit)  # type: ignore[arg-type]
             shifted = u[k].copy()
             if law == "coulomb":
                 limit = (

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import surefoot as sf
 from surefoot.contact.sets import ContactKind
+from surefoot.contact.sets.contact_set import ContactSet
 
 C = sf.contact_sets
 KINDS: dict[str, ContactKind] = {
@@ -210,11 +211,11 @@ def test_a_soft_finger_without_radius_is_a_point_and_a_plane_a_section_of_one() 
 
 
 def test_a_set_splits_packs_and_copies() -> None:
-    contacts = sf.ContactSet([C.Planar(0.5), C.Patch(0.5, 0.2, 0.1, 0.0), C.Frictionless()])
+    contacts = ContactSet([C.Planar(0.5), C.Patch(0.5, 0.2, 0.1, 0.0), C.Frictionless()])
     assert (len(contacts), contacts.rows, contacts.shape) == (3, 9, (9,))
     assert [part.size for part in contacts.split(np.arange(9.0))] == [2, 6, 1]
     assert contacts.normal_rows.tolist() == [1, 4, 8]
-    assert sf.ContactSet([C.SoftFinger(0.5, 0.1)] * 3).shape == (3, 4)
+    assert ContactSet([C.SoftFinger(0.5, 0.1)] * 3).shape == (3, 4)
     problem = sf.ContactProblem(np.eye(9), -np.ones(9), contacts=contacts)
     for other in (
         pickle.loads(pickle.dumps(problem)),

@@ -10,6 +10,7 @@ import pytest
 import surefoot as sf
 from surefoot.contact.derivative import BLOCKS
 from surefoot.contact.derivative_path import central_path
+from surefoot.errors import NoSolution
 
 
 def a_problem(seed: int = 0, contacts: int = 4, **changes: Any) -> sf.ContactProblem:
@@ -63,7 +64,7 @@ def test_the_point_is_polished() -> None:
 
 def test_unsolved_problems_have_none() -> None:
     impossible = sf.ContactProblem(np.diag([1.0, 1.0, 0.0]), [0.0, 0.0, -1.0], 0.5)
-    with pytest.raises(sf.NoSolution):
+    with pytest.raises(NoSolution):
         sf.solve(impossible).derivative()
 
 

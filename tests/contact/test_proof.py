@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.errors import NoSolution
 from surefoot.solvers.infeasibility import find_proof
 
 
@@ -38,7 +39,7 @@ def test_a_squeezed_mass(law: str, facets: int | None) -> None:
     assert found.proof is not None
     assert found.proof.conclusive
     assert found.proof.reach <= exact_reach(problem.G, g, found.proof.direction) * (1 + 1e-12)
-    with pytest.raises(sf.NoSolution):
+    with pytest.raises(NoSolution):
         found.raise_if_failed()
     G, g = walls(-1e-6)  # the walls give way
     assert sf.solve(sf.ContactProblem(G, g, 0.5, law=law, facets=facets)).solved  # type: ignore[arg-type]

@@ -6,6 +6,7 @@ import pytest
 import surefoot as sf
 from benchmarks.problems.contacts import problem_set
 from benchmarks.problems.rigid_bodies import Scene
+from surefoot.solvers.minimum_norm import minimum_norm
 
 
 def table(legs: int) -> tuple[sf.ContactProblem, np.ndarray]:
@@ -52,7 +53,7 @@ def test_minimum_norm_spreads_a_load_evenly() -> None:
     uneven = np.zeros((6, 3))
     uneven[0, 2] = 0.1
     start = sf.solve(problem, "nsgs", warm_start=uneven).raise_if_failed()
-    found = sf.minimum_norm(start)
+    found = minimum_norm(start)
     assert found.solved
     assert found.forces[:, 2] == pytest.approx(np.full(6, 10.0 * 9.81 * 2e-3 / 6), rel=1e-6)
     assert np.linalg.norm(found.forces) < np.linalg.norm(start.forces)
@@ -62,7 +63,7 @@ def test_minimum_norm_spreads_a_load_evenly() -> None:
 def test_minimum_norm_keeps_the_laws_where_contacts_slide_or_part() -> None:
     for named in problem_set("robot", copies=0.25):
         solution = sf.solve(named.problem).raise_if_failed()
-        found = sf.minimum_norm(solution)
+        found = minimum_norm(solution)
         assert found.residuals.velocity_error <= 1e-8
         assert np.linalg.norm(found.forces) <= np.linalg.norm(solution.forces) * (1 + 1e-6)
 
@@ -70,6 +71,6 @@ def test_minimum_norm_keeps_the_laws_where_contacts_slide_or_part() -> None:
 def test_minimum_norm_wants_a_solution() -> None:
     problem, _ = table(4)
     with pytest.raises(sf.ProblemError, match="only a solved problem"):
-        sf.minimum_norm(sf.solve(problem, "nsgs", max_iterations=0))
+        minimum_norm(sf.solve(problem, "nsgs", max_iterations=0))
     with pytest.raises(sf.ProblemError, match="exact cones"):
-        sf.minimum_norm(sf.solve(problem.polyhedral(8)).raise_if_failed())
+        minimum_norm(sf.solve(problem.polyhedral(8)).raise_if_failed())

@@ -32,7 +32,7 @@ def record(speed: Callable[[float], float], until: float = 10.0) -> tuple[np.nda
     promised: dict[float, list[bool]] = {}
     for i, t in enumerate(times.tolist()):
         if i % 20 == 0:
-            gait.update(t, np.array([speed(t), 0.0, 0.0]))
+            gait.follow(t, np.array([speed(t), 0.0, 0.0]))
             ahead = gait.horizon(t, 0.02, 15)
             promised.update({round(t + 0.02 * j + 0.01, 6): row.tolist() for j, row in enumerate(ahead)})
         told = gait.phases(t).tolist()
@@ -104,7 +104,7 @@ def test_into_step_with_the_ground_and_out_two_feet_carry_nearly_always(seen: fl
     for i, t in enumerate(times.tolist()):
         there[0] = seen <= t < 9.0
         if i % 20 == 0:
-            gait.update(t, np.array([0.4, 0.0, 0.0]))
+            gait.follow(t, np.array([0.4, 0.0, 0.0]))
             gait.horizon(t, 0.03, 10)
         rows.append([gait.phase(k, t)[0] for k in range(4)])
         turning.append(gait.turning)
@@ -125,7 +125,7 @@ def test_into_step_with_the_ground_and_out_two_feet_carry_nearly_always(seen: fl
 def test_a_gait_that_is_held_lets_feet_land_and_lifts_none(at: float) -> None:
     gait = AdaptiveGait("trot", stride, stride(np.array([0.5, 0.0, 0.0]), "trot"))
     for t in np.arange(0.0, at, 0.01).tolist():
-        gait.update(t, np.array([0.5, 0.0, 0.0]))
+        gait.follow(t, np.array([0.5, 0.0, 0.0]))
     before = [gait.phase(k, at) for k in range(4)]
     gait.hold(at)
     for k, (on, _, end) in enumerate(before):
@@ -133,10 +133,10 @@ def test_a_gait_that_is_held_lets_feet_land_and_lifts_none(at: float) -> None:
         assert gait.phase(k, (at if on else end) + 3.0)[0]
         if not on:
             assert gait.phase(k, at)[2] == end  # it lands when it was to
-    gait.update(at + 3.0, np.array([0.5, 0.0, 0.0]))
+    gait.follow(at + 3.0, np.array([0.5, 0.0, 0.0]))
     assert gait.contacts(np.linspace(at + 1.0, at + 5.0, 401)).all()
     gait.held = False
-    gait.update(at + 5.0, np.array([0.5, 0.0, 0.0]))
+    gait.follow(at + 5.0, np.array([0.5, 0.0, 0.0]))
     after = gait.contacts(np.linspace(at + 5.0, at + 7.0, 401))
     assert after[0].all()
     assert not after.all(axis=0).any()  # every foot steps again

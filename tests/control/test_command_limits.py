@@ -120,7 +120,7 @@ def test_a_name_stays_a_plain_gait_until_it_must_hurry() -> None:
     assert isinstance(slow.schedule, Gait)
     assert isinstance(fast.schedule, AdaptiveGait)
     assert fast.schedule.name == "trot"
-    fast.schedule.update(0.0, np.array([2.0, 0.0, 0.0]))
+    fast.schedule.follow(0.0, np.array([2.0, 0.0, 0.0]))
     fast.schedule.horizon(0.0, 0.1, 40)
     assert fast.schedule.pace.duty < 0.45
     assert fast.shortest < slow.shortest
@@ -131,7 +131,7 @@ def test_auto_stands_walks_and_trots() -> None:
         schedule = chosen((2.0, 0.0, 0.0), "auto").schedule
         assert isinstance(schedule, AdaptiveGait)
         schedule.reset()
-        schedule.update(0.0, np.array([speed, 0.0, 0.0]))
+        schedule.follow(0.0, np.array([speed, 0.0, 0.0]))
         return schedule.wanted.name, schedule.wanted.moving
 
     assert kinds(0.0)[1] is False

@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.feet_kernels import follow_phases, ramp_shares, set_timing
-from surefoot.control.gait import ContactSchedule, Gait, ModeSchedule
+from surefoot.control.gait import Gait, ModeSchedule
 from surefoot.control.walking_kernels import advance_body, body_rise
 
 N = 6

@@ -122,7 +122,7 @@ def test_a_slow_body_sets_off_when_its_feet_will_fall_well(start: float) -> None
     for k in range(4000):
         clock = k * DT
         if k % 20 == 0:
-            gait.update(clock, np.array([SPEED, 0.0, 0.0]))
+            gait.follow(clock, np.array([SPEED, 0.0, 0.0]))
             phase.look(body, clock)
         waited += DT * phase.waiting
         speed = (0.1 if phase.waiting else 1.0) * SPEED

@@ -13,6 +13,7 @@ from docs.site.recipe import COOKBOOK, Recipe, read_recipe, recipes, run_recipe
 ROOT = Path(__file__).resolve().parents[2]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("recipe", recipes(), ids=lambda recipe: recipe.path.stem)
 def test_a_recipe_prints_what_it_says(recipe: Recipe, tmp_path: Path) -> None:
     if recipe.missing:

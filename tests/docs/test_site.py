@@ -9,13 +9,15 @@ import pytest
 
 import surefoot
 from docs.site import reference
-from docs.site.assemble import SECTIONS, front_page, without_code_links
+from docs.site.assemble import BESIDES, LANDINGS, SECTIONS, menus, without_code_links
 from docs.site.links import broken_links, loaded_from_outside, undocumented
 from docs.site.page import COURSE, pages, read_page
 from docs.site.recipe import recipes
 from docs.site.render import recipe_notebook
 
 ROOT = Path(__file__).resolve().parents[2]
+DOCS = [*(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "cookbook").glob("*.md")]
+OTHERS = {name for names in BESIDES.values() for name in names if not name.startswith("/docs/")}
 
 
 def test_every_public_name_is_in_the_reference(tmp_path: Path) -> None:
@@ -45,16 +47,27 @@ def test_broken_links_are_found(tmp_path: Path) -> None:
     assert undocumented(tmp_path, ["solve"]) == ["surefoot.solve is not in the reference"]
 
 
-def test_every_page_of_the_docs_is_in_a_menu() -> None:
-    menu = front_page()
-    for path in (ROOT / "docs").glob("*.md"):
-        assert f"\ndocs/{path.stem}\n" in menu, path.name
+def test_every_page_is_below_one_landing_page() -> None:
+    """The home leads to four shelves; these, and the two landing pages on them, lead to everything else."""
+    home = (ROOT / "docs" / "site" / "index.md").read_text()
+    for shelf in ("learn", "do", "look-up", "understand"):
+        assert f"](docs/{shelf}.md)" in home
+        assert f"\ndocs/{shelf}\n" in home
+    below = [name for names in menus().values() for name in names]
+    assert len(below) == len(set(below))
+    pages_there = {f"/docs/{path.relative_to(ROOT / 'docs').with_suffix('')}" for path in DOCS}
+    assert pages_there == {*below, *(f"/docs/{shelf}" for shelf in LANDINGS[2:])} - OTHERS
 
 
-def test_every_recipe_is_in_a_menu_and_a_notebook() -> None:
-    menu = front_page()
+def test_a_landing_page_is_a_screen_and_says_for_whom() -> None:
+    for name in ("learn", "do", "look-up", "understand", "extend"):
+        text = (ROOT / "docs" / f"{name}.md").read_text()
+        assert "For who" in text.split("\n\n")[1]
+        assert len(text.splitlines()) <= 40
+
+
+def test_every_recipe_is_a_notebook() -> None:
     for recipe in recipes():
-        assert f"\ndocs/cookbook/{recipe.path.stem}\n" in menu, recipe.path.name
         cells = json.loads(recipe_notebook(recipe))["cells"]
         code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
         assert code == [block.code.rstrip() for block in recipe.blocks]
@@ -67,8 +80,11 @@ def test_every_course_page_belongs_to_a_section() -> None:
 
 def test_links_to_code_become_names(tmp_path: Path) -> None:
     text = without_code_links(ROOT / "docs" / "README.md")
-    assert "the course (`course`)" in text
+    assert "[the course](/course/index.md)" in text
     assert "[Install](install.md)" in text
+    page = tmp_path / "page.md"
+    page.write_text(f"[a]({ROOT}/pyproject.toml)")
+    assert without_code_links(page) == "a (`pyproject.toml`)"
 
 
 def test_a_page_of_both_languages_builds(tmp_path: Path) -> None:

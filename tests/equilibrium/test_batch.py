@@ -8,6 +8,7 @@ import pytest
 import surefoot as sf
 from benchmarks.problems.stances import KINDS, random_case
 from surefoot.equilibrium.batch import stand_each
+from surefoot.equilibrium.verdict import Verdict
 
 FEET = np.array([[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])
 
@@ -22,7 +23,7 @@ def arrays(rng: np.random.Generator, size: int, most: int = 6) -> tuple[np.ndarr
     return rng.normal(size=(size, most, 3)) * [0.3, 0.2, 0.05], normals, mu, counts
 
 
-def assert_same(one: sf.Verdict, other: sf.Verdict) -> None:
+def assert_same(one: Verdict, other: Verdict) -> None:
     assert one.status == other.status
     assert one.reach == pytest.approx(other.reach, rel=1e-6)
     assert one.margin == pytest.approx(other.margin, rel=1e-9, abs=1e-9)

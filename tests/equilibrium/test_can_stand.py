@@ -12,6 +12,7 @@ import surefoot as sf
 from benchmarks.problems.stances import KINDS, random_case, random_cases
 from benchmarks.statics import rivals
 from benchmarks.statics.race import agreement
+from surefoot.equilibrium.limits import ForceLimits
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
@@ -289,7 +290,7 @@ def test_bounds_that_never_bind_change_nothing():
         case = random_case(rng, KINDS[k % 5])
         plain = ask(case)
         most = 1e5 * np.linalg.norm(plain.load)
-        loose = sf.ForceLimits(np.eye(case.stance.dim)[2:3], np.array([most]), ("loose",))
+        loose = ForceLimits(np.eye(case.stance.dim)[2:3], np.array([most]), ("loose",))
         bounded = ask(case, limits=loose)
         assert bool(plain) == bool(bounded)
         assert bounded.verify()

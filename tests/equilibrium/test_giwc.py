@@ -6,7 +6,7 @@ import pytest
 import surefoot as sf
 from benchmarks.problems.stances import random_case
 from benchmarks.statics.rivals import cddlib_rows
-from surefoot.equilibrium import wrench_cone_size
+from surefoot.equilibrium.wrench_cone import wrench_cone_size
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 

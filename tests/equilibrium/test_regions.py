@@ -12,6 +12,8 @@ from surefoot.equilibrium.comparison import clip, compare_regions, overlap_loss
 from surefoot.equilibrium.limits import squeeze_limit
 from surefoot.equilibrium.polygons import without_flat_corners
 from surefoot.equilibrium.region import convex_hull, polygon_area
+from surefoot.equilibrium.regions import support_polygon, zmp_region
+from surefoot.equilibrium.volume import com_volume
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
@@ -36,7 +38,7 @@ def rough_cases(count, seed, kinds=("tilted", "patches", "chimney")):
 
 def test_level_ground_gives_the_support_polygon():
     for stance in (level(), sf.Stance([sf.PatchContact([0, y, 0], 0.2, 0.1) for y in (0.1, -0.1)])):
-        region, support = sf.com_region(stance, 15.0), sf.support_polygon(stance)
+        region, support = sf.com_region(stance, 15.0), support_polygon(stance)
         assert region.area == pytest.approx(polygon_area(support), rel=1e-5)
         assert overlap_loss(support, region.inner) < 1e-6
         assert region.gap < 1e-3
@@ -181,14 +183,14 @@ def test_bad_requests_are_named():
     with pytest.raises(ProblemError, match="mass"):
         sf.com_region(level(), -1.0)
     with pytest.raises(ProblemError, match="height must differ"):
-        sf.zmp_region(level(), [0, 0, 0.0], 15.0)
+        zmp_region(level(), [0, 0, 0.0], 15.0)
 
 
 def test_zmp_region_of_level_ground_is_the_support_polygon_within_the_friction():
     """With enough friction the support polygon; with little, a disc of radius mu h around the CoM."""
-    enough = sf.zmp_region(level(mu=2.0), [0.05, 0, 0.3], 15.0)
+    enough = zmp_region(level(mu=2.0), [0.05, 0, 0.3], 15.0)
     assert enough.area == pytest.approx(0.12, rel=1e-5)
-    scarce = sf.zmp_region(level(mu=0.3), [0.0, 0, 0.3], 15.0, tol=1e-5)
+    scarce = zmp_region(level(mu=0.3), [0.0, 0, 0.3], 15.0, tol=1e-5)
     assert scarce.area == pytest.approx(math.pi * 0.09**2, rel=1e-3)
     for angle in np.linspace(0, 6, 7):
         side = np.array([math.cos(angle), math.sin(angle)])
@@ -203,7 +205,7 @@ def test_zmp_region_agrees_with_can_stand():
         com, weight = case.com, case.mass * GRAVITY
         com[:2] = case.stance.positions[:, :2].mean(axis=0)
         com[2] = case.stance.positions[:, 2].max() + 0.4
-        region = sf.zmp_region(case.stance, com, case.mass, tol=1e-3)
+        region = zmp_region(case.stance, com, case.mass, tol=1e-3)
         if len(region.inner) < 3 or region.force_limit < math.inf:
             continue
         checked += 1
@@ -217,10 +219,10 @@ def test_zmp_region_agrees_with_can_stand():
 
 def test_volume_of_accelerations():
     stance = level(mu=0.8)
-    still = sf.com_volume(stance, 15.0, heights=(0.2, 0.5))
+    still = com_volume(stance, 15.0, heights=(0.2, 0.5))
     assert still.volume == pytest.approx(0.12 * 0.3, rel=1e-4)
     moves = [[x, y, 0.0] for x in (-2.0, 2.0) for y in (-2.0, 2.0)]
-    moving = sf.com_volume(stance, 15.0, moves, heights=(0.2, 0.5))
+    moving = com_volume(stance, 15.0, moves, heights=(0.2, 0.5))
     assert 0.0 < moving.volume < still.volume
     rng = np.random.default_rng(4)
     points = rng.uniform([-0.25, -0.2, 0.21], [0.25, 0.2, 0.49], size=(60, 3))
@@ -229,11 +231,11 @@ def test_volume_of_accelerations():
         if min(abs(v.margin) for v in verdicts) > 0.5:
             assert all(verdicts) == inside
     assert np.all(moving.contains(moving.corners))
-    assert sf.com_volume(stance, 15.0, [50.0, 0, 0], heights=(0.2, 0.5)).empty
+    assert com_volume(stance, 15.0, [50.0, 0, 0], heights=(0.2, 0.5)).empty
     with pytest.raises(ProblemError, match="heights"):
-        sf.com_volume(stance, 15.0, heights=(0.5, 0.2))
+        com_volume(stance, 15.0, heights=(0.5, 0.2))
     with pytest.raises(ProblemError, match="accelerations"):
-        sf.com_volume(stance, 15.0, [[1.0, 2.0]])
+        com_volume(stance, 15.0, [[1.0, 2.0]])
 
 
 def test_polygons():

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.estimation import FilterNoise, InvariantFilter
+from surefoot.estimation.inekf import FilterNoise, InvariantFilter
 from surefoot.spatial import GRAVITY, skew
 
 State = tuple[Rotation, FloatArray]

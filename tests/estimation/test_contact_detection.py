@@ -9,6 +9,7 @@ import pytest
 import surefoot as sf
 from surefoot.audit.motion import touching
 from surefoot.errors import ProblemError
+from surefoot.estimation.contact_detection import DetectionSettings, detection_errors
 from surefoot.spatial import GRAVITY
 from tests.audit.logs import SLOPE, STAND, TROT, changed, log_of
 from tests.pages import run_page
@@ -18,7 +19,7 @@ from tests.pages import run_page
 def test_a_trots_contacts_are_found_within_milliseconds(run: object) -> None:
     log = log_of(run)  # type: ignore[arg-type]
     told = sf.detect_contacts(sf.load_robot("go2"), log)
-    errors = sf.detection_errors(told, touching(log), log.fact("dt"))
+    errors = detection_errors(told, touching(log), log.fact("dt"))
     assert errors.contacts >= 8
     assert errors.missed == 0
     assert errors.false <= 1  # a foot brushes the ground for 4 ms, which is found and counts as no contact
@@ -34,8 +35,8 @@ def test_noise_invents_no_contact() -> None:
     v = log["v"] + np.r_[np.full(6, 0.02), np.full(12, 0.05)] * random.normal(size=log["v"].shape)
     tau = log["torques"] + 0.3 * random.normal(size=log["torques"].shape)
     told = sf.detect_contacts(sf.load_robot("go2"), changed(log, v=v, torques=tau))
-    errors = sf.detection_errors(told, touching(log), log.fact("dt"))
-    quiet = sf.detection_errors(sf.detect_contacts(sf.load_robot("go2"), log), touching(log), log.fact("dt"))
+    errors = detection_errors(told, touching(log), log.fact("dt"))
+    quiet = detection_errors(sf.detect_contacts(sf.load_robot("go2"), log), touching(log), log.fact("dt"))
     assert (errors.missed, errors.false) == (0, quiet.false)
 
 
@@ -56,7 +57,7 @@ def test_known_forces_are_seen_whatever_the_motion(name: str) -> None:
     q, v = robot.nominal.copy(), 0.1 * random.normal(size=robot.model.nv)
     tau = 0.05 * robot.mass * random.normal(size=robot.joints)
     forces = robot.mass * random.normal(size=(len(robot.feet), 3))
-    detector = sf.ContactDetector(robot, dt, sf.DetectionSettings(bandwidth=1000.0))
+    detector = sf.ContactDetector(robot, dt, DetectionSettings(bandwidth=1000.0))
     up = np.array([0.0, 0.0, 1.0])
     for _ in range(150):
         found = detector.update(q, v, tau)
@@ -76,7 +77,7 @@ def test_events_are_counted() -> None:
     truth, told = np.zeros((100, 2), dtype=bool), np.zeros((100, 2), dtype=bool)
     truth[20:50, 0] = truth[70:, 0] = truth[30:60, 1] = True
     told[23:58, 0] = told[5:8, 1] = True  # late, one missed; one missed, one false
-    errors = sf.detection_errors(told, truth, 0.01)
+    errors = detection_errors(told, truth, 0.01)
     np.testing.assert_allclose(errors.touchdown_delays, [0.03])
     np.testing.assert_allclose(errors.lift_off_delays, [0.08])
     assert (errors.missed, errors.false, errors.contacts) == (2, 1, 3)
@@ -93,13 +94,13 @@ def test_wrong_input_is_named() -> None:
     with pytest.raises(ProblemError, match="normals must have length 1"):
         detector.update(robot.nominal, np.zeros(18), np.zeros(12), np.zeros((4, 3)))
     with pytest.raises(ProblemError, match="lift_off must not exceed touchdown"):
-        sf.DetectionSettings(touchdown=0.1, lift_off=0.2)
+        DetectionSettings(touchdown=0.1, lift_off=0.2)
     with pytest.raises(ProblemError, match="floating base"):
         sf.ContactDetector(sf.load_robot("go2", fixed_base=True), 0.001)
     with pytest.raises(ProblemError, match="no torques"):
         sf.detect_contacts(robot, changed(log_of(STAND), keep=("q", "v")))
     with pytest.raises(ProblemError, match="of one shape"):
-        sf.detection_errors(np.zeros((3, 2), dtype=bool), np.zeros((4, 2), dtype=bool), 0.1)
+        detection_errors(np.zeros((3, 2), dtype=bool), np.zeros((4, 2), dtype=bool), 0.1)
 
 
 def test_the_page_runs() -> None:

@@ -11,13 +11,13 @@ from scipy.spatial.transform import Rotation
 import surefoot as sf
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
-from surefoot.estimation import Cube
 from surefoot.estimation import cube_contact as layout
 from surefoot.estimation.cube_contact import exchange, place, rise
 from surefoot.estimation.cube_model import PARAMETERS, CubeModel
 from surefoot.estimation.cube_motion import fly, simulate, step
 from surefoot.estimation.ground_plane import Plane
 from surefoot.estimation.toss_model import Scene
+from surefoot.estimation.tosses import Cube
 
 G = 9.81
 CUBE = Cube()

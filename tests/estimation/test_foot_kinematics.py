@@ -7,7 +7,7 @@ import pinocchio
 import pytest
 
 from surefoot.errors import ModelError
-from surefoot.estimation import ContactDetector, DetectionSettings
+from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.credible import credible, known
 from surefoot.estimation.detection_kernels import DAMPING, foot_forces
 from surefoot.estimation.extended_poses import exponential

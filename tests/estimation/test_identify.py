@@ -7,18 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import surefoot as sf
 from benchmarks.problems.tosses import POSITION_NOISE, ROTATION_NOISE, random_tosses
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
-from surefoot.estimation import Cube, Tosses, identify, read_tosses
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.free_flight import fit_free_flight, flying_frames, gravity_of, gravity_terms
 from surefoot.estimation.ground_plane import GroundPoints, Plane, ground_points
-from surefoot.estimation.identify import surroundings
+from surefoot.estimation.identify import TossFit, identify, surroundings
 from surefoot.estimation.response import ResponseSurface
 from surefoot.estimation.toss_errors import paired_difference, resample, toss_errors
 from surefoot.estimation.toss_model import Parameter, Scene
+from surefoot.estimation.tosses import Cube, Tosses, read_tosses, write_tosses
 
 RECORDED = Path(__file__).parents[3] / "shared" / "data" / "tosses" / "cube_tosses.npz"
 TRUTH, GROUND = (0.2, 0.2, 0.05), (0.003, 0.01, -0.005)
@@ -30,12 +29,12 @@ def tosses() -> Tosses:
 
 
 @pytest.fixture(scope="module")
-def fit(tosses: Tosses) -> sf.TossFit:
+def fit(tosses: Tosses) -> TossFit:
     others = random_tosses(12, TRUTH, ground=GROUND, seed=6, steps=2)
     return identify(tosses, CubeModel(steps=2), test=others, resamples=200)
 
 
-def test_truth_is_found_within_tight_intervals(fit: sf.TossFit) -> None:
+def test_truth_is_found_within_tight_intervals(fit: TossFit) -> None:
     truth = dict(zip(("mu", "restitution", "rounding"), TRUTH, strict=True))
     truth |= {"ground": GROUND[0], "gravity": 9.81}
     truth |= {"tilt_x": np.degrees(np.arctan(GROUND[1])), "tilt_y": np.degrees(np.arctan(GROUND[2]))}
@@ -51,7 +50,7 @@ def test_truth_is_found_within_tight_intervals(fit: sf.TossFit) -> None:
         assert estimate.low <= estimate.value <= estimate.high
 
 
-def test_errors_on_other_tosses_are_as_small(fit: sf.TossFit) -> None:
+def test_errors_on_other_tosses_are_as_small(fit: TossFit) -> None:
     assert fit.test is not None
     assert fit.train.position.shape == (32,)
     assert fit.test.position.shape == (12,)
@@ -60,13 +59,13 @@ def test_errors_on_other_tosses_are_as_small(fit: sf.TossFit) -> None:
     assert np.median(fit.test.rotation) < 1.0
 
 
-def test_noise_of_the_recording_is_measured(fit: sf.TossFit) -> None:
+def test_noise_of_the_recording_is_measured(fit: TossFit) -> None:
     assert fit.position_noise == pytest.approx(POSITION_NOISE, rel=0.2)
     assert fit.rotation_noise == pytest.approx(ROTATION_NOISE, rel=0.2)
 
 
 def test_the_same_seed_gives_the_same_fit_and_a_file_is_as_good(tosses: Tosses, tmp_path: Path) -> None:
-    path = sf.write_tosses(tosses, tmp_path / "tosses.npz")
+    path = write_tosses(tosses, tmp_path / "tosses.npz")
     model = CubeModel(steps=1)
     first, again = (identify(t, model, most=8, resamples=50, seed=1) for t in (tosses, path))
     assert first.parameters == again.parameters

@@ -14,9 +14,9 @@ from scipy.stats import chi2
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.errors import ProblemError
-from surefoot.estimation import FilterNoise, InvariantFilter
 from surefoot.estimation import inekf_kernels as kernels
 from surefoot.estimation.extended_poses import adjoint, exponential, gammas, inverse, logarithm, product
+from surefoot.estimation.inekf import FilterNoise, InvariantFilter
 from surefoot.spatial import GRAVITY, skew
 from tests.estimation.quaternion_ekf import QuaternionEkf
 

@@ -12,14 +12,6 @@ import pytest
 import surefoot as sf
 from surefoot.audit.estimate import EstimateErrors, estimate_errors
 from surefoot.errors import ProblemError
-from surefoot.estimation import (
-    Health,
-    InvariantEkf,
-    InvariantFilter,
-    Reading,
-    StateEstimator,
-    WatchSettings,
-)
 from surefoot.estimation.foot_kinematics import (
     FootKinematics,
     base_state,
@@ -29,8 +21,10 @@ from surefoot.estimation.foot_kinematics import (
     roll,
     state_ahead,
 )
-from surefoot.estimation.inekf_robot import HEIGHT, SETTLING, SLIDING
+from surefoot.estimation.inekf import InvariantFilter
+from surefoot.estimation.inekf_robot import HEIGHT, SETTLING, SLIDING, InvariantEkf
 from surefoot.estimation.latency import FURTHEST, WINDOW
+from surefoot.estimation.state_estimator import Health, Reading, StateEstimator, WatchSettings
 from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
 from surefoot.simulation.sensors import SensorModel, Sensors

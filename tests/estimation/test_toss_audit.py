@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.problems.tosses import random_tosses
 from surefoot.errors import ProblemError
-from surefoot.estimation import Cube, Tosses, audit_tosses
+from surefoot.estimation.toss_audit import audit_tosses
+from surefoot.estimation.tosses import Cube, Tosses
 
 MU, ROUND = 0.2, 0.05
 DT = 1.0 / 148.0

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from surefoot.errors import ProblemError
-from surefoot.estimation import Cube, Tosses, read_tosses, write_tosses
+from surefoot.estimation.tosses import Cube, Tosses, read_tosses, write_tosses
 
 
 def arrays(tosses: int = 3, frames: int = 6) -> dict[str, Any]:

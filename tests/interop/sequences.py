@@ -13,23 +13,30 @@ FRAMES = ("LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT")
 
 
 def random_sequence(
-    seed: int, patches: bool = True, facets: int | None = None, fit: str | None = None
+    seed: int,
+    patches: bool = True,
+    facets: int | None = None,
+    fit: str | None = None,
+    lean: float = 0.3,
 ) -> ContactSequence:
-    """Return a sequence of four feet on tilted ground, with flights, bounds, patches and forces."""
+    """Return a sequence of four feet on tilted ground, with flights, bounds, patches and forces.
+
+    `lean` is the standard deviation of the normals' slopes.
+    """
     rng = np.random.default_rng(seed)
     facets = int(rng.choice([4, 6, 8, 12])) if facets is None else facets
     fit = str(rng.choice(["inner", "outer"])) if fit is None else fit
     phases = []
     for _ in range(int(rng.integers(1, 7))):
         touching = [name for name in FRAMES if rng.random() < 0.6]
-        stance = Stance([_contact(rng, name, patches) for name in touching])
+        stance = Stance([_contact(rng, name, patches, lean) for name in touching])
         forces = rng.normal(size=stance.dim) * 30.0 if rng.random() < 0.5 else None
         phases.append(SequencePhase(float(rng.uniform(0.01, 1.0)), stance, forces))
     return ContactSequence(phases, FRAMES, "anymal", float(rng.uniform(1.0, 60.0)), facets, fit)
 
 
-def _contact(rng: np.random.Generator, name: str, patches: bool) -> PointContact | PatchContact:
-    normal = rng.normal(size=3) * 0.3 + [0.0, 0.0, 1.0]
+def _contact(rng: np.random.Generator, name: str, patches: bool, lean: float) -> PointContact | PatchContact:
+    normal = rng.normal(size=3) * lean + [0.0, 0.0, 1.0]
     low = float(rng.uniform(0.0, 5.0)) if rng.random() < 0.5 else 0.0
     high = float(rng.uniform(50.0, 500.0)) if rng.random() < 0.5 else math.inf
     common = {

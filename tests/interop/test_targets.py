@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from surefoot.control.gait_files import read_gaits
+import surefoot as sf
 from surefoot.errors import ProblemError
-from surefoot.interop import export_sequence, target_names
+from surefoot.interop import ContactSequence, SequencePhase, export_sequence, target_names
 from surefoot.interop.targets.table import find_target
 from surefoot.simulation import drake_python
+from surefoot.stance import PointContact
 
 sys.path.insert(0, str(Path(__file__).parent))
 from sequences import random_sequence, sampled_forces
@@ -58,18 +59,19 @@ def module_from(path: Path, **stand_ins: Any) -> Any:
 @pytest.mark.parametrize("name", target_names())
 def test_every_target_writes_what_compiles(name: str, tmp_path: Path) -> None:
     for seed in range(10):
-        for path in export_sequence(random_sequence(seed), name, tmp_path / str(seed)):
+        sequence = random_sequence(seed, patches=name != "ocs2", lean=0.05)
+        for path in export_sequence(sequence, name, tmp_path / str(seed)):
             text = path.read_text(encoding="utf-8")
             assert text.strip()
             if path.suffix == ".py":
                 compile(text, str(path), "exec")
                 assert "surefoot" not in text.lower().replace("written by surefoot", "")
     with pytest.raises(ProblemError, match="exists already"):
-        export_sequence(random_sequence(0), name, tmp_path / "0")
+        export_sequence(sequence, name, tmp_path / "0")
 
 
 def test_an_unknown_target_lists_the_known() -> None:
-    with pytest.raises(ProblemError, match="valid names: acados, casadi"):
+    with pytest.raises(ProblemError, match="valid names: casadi, crocoddyl"):
         find_target("matlab")
 
 
@@ -113,43 +115,77 @@ def test_casadi_exact_cones_are_round_and_smooth(tmp_path: Path) -> None:
     assert np.isfinite(np.asarray(jacobian(np.zeros(stance.dim)))).all()  # also at the apex
 
 
-def test_acados_takes_the_same_rows(tmp_path: Path) -> None:
-    ca = pytest.importorskip("casadi")
-    sequence = random_sequence(4)
-    phase = longest(sequence)
-    made = module_from(export_sequence(sequence, "acados", tmp_path)[0])
-    f = ca.SX.sym("f", sequence.phases[phase].stance.dim)
-    none = types.SimpleNamespace
-    ocp = none(model=none(con_h_expr=ca.SX(0, 0)), constraints=none(lh=np.zeros(0), uh=np.zeros(0)))
-    made.add_contact_constraints(ocp, phase, f)
-    h = ca.Function("h", [f], [ocp.model.con_h_expr])
-    forces = sampled_forces(sequence, phase, 500, 4)
-    allowed = np.array([bool((np.asarray(h(x)).ravel() <= ocp.constraints.uh).all()) for x in forces])
-    ours, near = verdicts(sequence, phase, forces)
-    assert np.array_equal(allowed | near, ours | near)
-    rows = ocp.constraints.uh.size
-    made.add_contact_constraints(ocp, phase, f)  # what is there is kept
-    assert ocp.constraints.uh.size == ocp.constraints.lh.size == 2 * rows
-    assert ocp.model.con_h_expr.numel() == 2 * rows
+def info(text: str) -> dict[str, Any]:
+    """Return INFO notation as Boost's `read_info` reads it: words by line, `;` begins a comment."""
+    tree: dict[str, Any] = {}
+    stack, last = [tree], ""
+    for line in text.splitlines():
+        for word in [line.split(";")[0].split()]:
+            if word == ["{"]:
+                stack[-1][last] = inner = {}
+                stack.append(inner)
+            elif word == ["}"]:
+                stack.pop()
+            elif word:
+                last, stack[-1][word[0]] = word[0], " ".join(word[1:])
+    assert len(stack) == 1
+    return tree
+
+
+def values(block: dict[str, Any]) -> list[str]:
+    """Return [0], [1], ... as OCS2's `loadStdVector` does: up to the first that is missing."""
+    out: list[str] = []
+    while f"[{len(out)}]" in block:
+        out.append(block[f"[{len(out)}]"])
+    return out
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_ocs2_reads_back_the_same_modes(seed: int, tmp_path: Path) -> None:
-    sequence = random_sequence(seed)
-    path = export_sequence(sequence, "ocs2", tmp_path)[0]
-    schedule = read_gaits(path, 4, max_flight=np.inf)["sequence"]
-    assert np.allclose(schedule.event_times, sequence.switching[1:-1], atol=1e-9)
-    for k, phase in enumerate(sequence.phases):
-        middle = sequence.switching[k] + 0.5 * phase.duration
-        assert schedule.contacts([middle])[0].tolist() == [name in phase.names for name in sequence.frames]
+def test_ocs2_reads_gait_and_schedule(seed: int, tmp_path: Path) -> None:
+    """What its `loadModeSequenceTemplate`, `loadModeSchedule` and `loadFrictionConeSettings` ask for."""
+    sequence = random_sequence(seed, patches=False, lean=0.05)
+    gaits, friction = export_sequence(sequence, "ocs2", tmp_path)
+    found = info(gaits.read_text())
+    for name in values(found["list"]):
+        assert len(values(found[name]["modeSequence"])) == len(sequence.phases)
+    assert np.allclose(np.array(values(found["sequence"]["switchingTimes"]), float), sequence.switching)
+    events = values(found["initialModeSchedule"].get("eventTimes", {}))
+    assert np.allclose(np.array(events, float), sequence.switching[1:-1], atol=1e-9)
+    for phase, mode in zip(sequence.phases, values(found["sequence"]["modeSequence"]), strict=True):
+        feet = zip(("LF", "RF", "LH", "RH"), sequence.frames, strict=True)
+        on = "_".join(label for label, frame in feet if frame in phase.names)
+        assert mode == {"": "FLY", "LF_RF_LH_RH": "STANCE"}.get(on, on)
+    keys = info(friction.read_text())["frictionConeSoftConstraint"]
+    assert {k: float(v) for k, v in keys.items() if k != "frictionCoefficient"} == {"mu": 0.1, "delta": 5.0}
 
 
-def test_ocs2_refuses_three_feet() -> None:
-    sequence = random_sequence(0)
-    from dataclasses import replace
+@pytest.mark.parametrize("seed", range(5))
+def test_ocs2s_upright_cone_is_inside_every_contacts_own(seed: int, tmp_path: Path) -> None:
+    sequence = random_sequence(seed, patches=False, lean=0.03)
+    friction = export_sequence(sequence, "ocs2", tmp_path)[1]
+    mu = float(info(friction.read_text())["frictionConeSoftConstraint"]["frictionCoefficient"])
+    angle = np.linspace(0.0, 2.0 * np.pi, 720)
+    edge = np.column_stack([mu * np.cos(angle), mu * np.sin(angle), np.ones(720)])
+    used = []
+    for contact in (c for phase in sequence.phases for c in phase.stance):
+        own = edge @ contact.rotation_world_contact
+        used.append((np.hypot(own[:, 0], own[:, 1]) / (contact.mu * own[:, 2])).max())
+    assert max(used) == pytest.approx(1.0, abs=1e-4)  # and no smaller than it has to be
 
-    with pytest.raises(ProblemError, match="2 or 4 feet"):
-        find_target("ocs2").files(replace(sequence, frames=(*sequence.frames, "ARM")))
+
+def test_what_ocs2_cannot_say_is_refused() -> None:
+    normal = sf.SlopeTerrain(25.0).normal([0.0, 0.0])
+    feet = [PointContact((x, 0.0, 0.0), normal, 0.4, f"{x}") for x in range(4)]
+    for frames, contacts, told in (
+        (5, [], "name 4 feet, the sequence has 5"),
+        (2, [], "name 4 feet, the sequence has 2"),
+        (4, [sf.PatchContact((0.0, 0.0, 0.0), length=0.1, width=0.1, name="0")], "0 is a patch"),
+        (4, feet, "none is inside that of 0, which leans by 25 deg at mu 0.4"),
+    ):
+        names = [f"{k}" for k in range(frames)]
+        sequence = ContactSequence([SequencePhase(0.1, sf.Stance(contacts))], names)
+        with pytest.raises(ProblemError, match=told):
+            find_target("ocs2").files(sequence)
 
 
 def test_isaac_lab_gives_every_foot_its_ground(tmp_path: Path) -> None:
@@ -168,6 +204,47 @@ def test_isaac_lab_gives_every_foot_its_ground(tmp_path: Path) -> None:
         for name in set(sequence.frames) - set(phase.names):
             with pytest.raises(KeyError):
                 made.ground_material(name, middle)
+
+
+class TsidContact(types.SimpleNamespace):
+    """Stands for TSID's contacts: keeps what it is given, and has their rows."""
+
+    def __init__(self, name: str, robot: object, frame: str, *rest: Any) -> None:
+        *corners, normal, mu, low, high = rest
+        super().__init__(name=name, frame=frame, corners=corners, normal=normal, mu=mu, low=low, high=high)
+        self.local = True  # TaskSE3Equality's own choice
+
+    def useLocalFrame(self, local: bool) -> None:
+        self.local = local
+
+    @property
+    def rows(self) -> np.ndarray:
+        """B of B @ force <= 0 (4, 3), as updateForceInequalityConstraints() of its source forms it."""
+        first = np.cross(self.normal, [1.0, 0.0, 0.0])
+        second = np.cross(self.normal, first)
+        sides = [v / np.linalg.norm(v) for v in (first, second)]
+        return np.array([sign * v - self.mu * self.normal for v in sides for sign in (-1.0, 1.0)])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_tsids_pyramids_are_inside_the_cones_of_their_contacts(seed: int, tmp_path: Path) -> None:
+    sequence = random_sequence(seed, fit="inner")
+    tsid = types.SimpleNamespace(ContactPoint=TsidContact, Contact6d=TsidContact)
+    made = module_from(export_sequence(sequence, "tsid", tmp_path)[0], tsid=tsid)
+    forces = np.random.default_rng(seed).normal(size=(2000, 3)) * [20.0, 20.0, 20.0] + [0.0, 0.0, 30.0]
+    for k, phase in enumerate(sequence.phases):
+        found = made.contacts(None, k)
+        assert set(found) == set(phase.names)
+        for contact in phase.stance:
+            one, point = found[contact.name], isinstance(contact, PointContact)
+            assert one.frame == contact.name
+            allowed = forces[(forces @ one.rows.T <= 0.0).all(axis=1)]
+            local = allowed if one.local else allowed @ contact.rotation_world_contact
+            assert one.local != point  # in the foot's own axes the normal would turn with a tilted foot
+            assert len(allowed) > 20
+            assert sf.FrictionCone(contact.mu).contains(local).all()
+            for corners in one.corners:
+                assert np.ptp(corners, axis=1).tolist() == [contact.length, contact.width, 0.0]
 
 
 def ask(python: str, code: str, folder: Path, forces: np.ndarray) -> np.ndarray:

@@ -12,7 +12,10 @@ import pytest
 
 import surefoot as sf
 from surefoot.errors import ProblemError
-from surefoot.log import LogMapping, Take, find_doubts, read_log, read_mapping
+from surefoot.log.doubts import find_doubts
+from surefoot.log.formats import read_log
+from surefoot.log.log import Log
+from surefoot.log.mapping import LogMapping, Take, read_mapping
 from surefoot.spatial import rotation_from_quaternion
 
 GO1 = Path(__file__).resolve().parents[3] / "shared" / "data" / "go1_log" / "go1.csv"
@@ -154,7 +157,7 @@ def test_what_does_not_map_is_one_line(text: str, message: str, tmp_path: Path) 
     [
         ("", "is empty"),
         ("time,mu\n", "has no rows"),
-        ("time,mu\n0,1\n1\n", "line 3: 1 cells, the first line names 2"),
+        ("time,mu\n0,1\n1\n", "line 3: 1 cells, 2 columns are named"),
         ("time,mu\n0,1\n1,two\n", "line 3, column mu: 'two' is no number"),
         ("time,mu\n0,1\nnan,2\n", "the time stamp of row 1 is no finite number"),
         ("0,1\n1,2\n", "the first line must name the columns, got numbers"),
@@ -320,3 +323,35 @@ def test_the_walking_go1_is_read() -> None:
     assert log["joint_positions"].shape == (10148, 12)
     assert log["imu_acceleration"][:, 2].mean() == pytest.approx(9.673, abs=0.01)
     assert len(log.doubts) == 1
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
+def test_a_table_without_names_is_given_them(separator: str, tmp_path: Path) -> None:
+    rows = [[0.0, 0.5, 40.0], [0.01, 0.6, 41.0]]
+    text = "\n".join(separator.join(map(str, row)) for row in rows)
+    bare, named = tmp_path / "bare.csv", tmp_path / "named.csv"
+    bare.write_text(text)
+    named.write_text(separator.join(("time", "mu", "load")) + "\n" + text)
+    mapping = LogMapping({"time": Take(("time",)), "mu": Take(("mu",))})
+    log = read_log(bare, mapping, columns=["time", "mu", "load"])
+    np.testing.assert_array_equal(log["mu"], [0.5, 0.6])
+    for name in log:
+        np.testing.assert_array_equal(log[name], read_log(named, mapping)[name])
+    with pytest.raises(ProblemError, match=r"got numbers.*give their 3 names, columns="):
+        read_log(bare, mapping)
+
+
+def test_names_that_do_not_fit_a_table_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "bare.csv").write_text("0,1\n1,2\n")
+    for columns, told in ((["time"], "line 1: 2 cells, 1 columns are named"), (["a", "a"], "called 'a'")):
+        with pytest.raises(ProblemError, match=told):
+            read_log(tmp_path / "bare.csv", columns=columns)
+    log = Log({"time": np.arange(3.0)})
+    with pytest.raises(ProblemError, match="take no mapping and no columns"):
+        read_log(log.save(tmp_path / "log.npz"), columns=["time"])
+
+
+def test_a_log_goes_over_its_channels() -> None:
+    log = Log({"time": np.arange(3.0), "mu": np.ones(3)})
+    assert [*log] == ["time", "mu"]
+    assert {name: log[name][0] for name in log} == {"time": 0.0, "mu": 1.0}

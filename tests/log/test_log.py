@@ -13,8 +13,9 @@ import surefoot as sf
 from surefoot.audit import RunSummary, summarise_stand, summarise_walk
 from surefoot.cli.output import to_json
 from surefoot.errors import ProblemError
-from surefoot.log import CHANNELS, Channel, Log, read_log
+from surefoot.log import CHANNELS, Channel, Log
 from surefoot.log.channels import SCHEMA, check_shapes
+from surefoot.log.formats import read_log
 
 DATA = Path(__file__).parent / "data"
 """Short runs of a Go2 in MuJoCo, logged and summarised by the last version that wrote schema 1."""

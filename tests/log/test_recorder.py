@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 
 from surefoot.errors import ProblemError, WriteError
-from surefoot.log import CHANNELS, Log, Recorder, npz, parts, read_log
+from surefoot.log import CHANNELS, Log, npz, parts
 from surefoot.log import recorder as recorder_module
 from surefoot.log.channels import Channel
-from surefoot.log.recorder import CHUNK_BYTES
+from surefoot.log.formats import read_log
+from surefoot.log.recorder import CHUNK_BYTES, Recorder
 
 ROWS = [CHANNELS[name].sized(nq=19, p=4) for name in ("time", "q", "forces", "active", "grasp_map")]
 NAMES = [channel.name for channel in ROWS]

@@ -8,7 +8,7 @@ import pytest
 from surefoot import audit_log
 from surefoot.contact import Status
 from surefoot.errors import NoSolution, ProblemError
-from surefoot.log import read_log
+from surefoot.log.formats import read_log
 from surefoot.planning import Plan, Search, plan_from, rollout
 from surefoot.planning import planner as planners
 from surefoot.planning.tasks import table
@@ -34,7 +34,7 @@ def test_a_lawful_motion_that_reaches_its_goal_is_solved(go2, standing):
     plan = plan_from(standing, go2, FOUND)
     assert plan.status is Status.SOLVED
     assert plan.raise_if_failed() is plan
-    assert (plan.task, plan.method, plan.cost, plan.iterations, plan.time) == (
+    assert (plan.task, plan.road, plan.cost, plan.iterations, plan.time) == (
         "stand",
         "by hand",
         1.5,
@@ -106,14 +106,14 @@ def test_a_log_that_is_no_plan_is_refused(go2, standing, tmp_path):
 class Wait:
     """Stands still."""
 
-    name, meaning, amount, default, robots, methods = "wait", "stands", "seconds", 0.04, True, ("pd", "none")
+    name, meaning, amount, default, robots, roads = "wait", "stands", "seconds", 0.04, True, ("pd", "none")
 
     def plan(self, request, tell):
         q = place(request.robot)
         steps = round(request.amount / (request.dt or 0.002))
         policy = lambda k, a, v: 60.0 * (q[7:] - a[7:]) - 2.0 * v[6:]  # noqa: E731
         motion = rollout(request.robot, q, np.zeros(18), policy, dt=request.dt or 0.002, steps=steps)
-        return plan_from(motion, request.robot, replace(FOUND, task="wait", method=request.method))
+        return plan_from(motion, request.robot, replace(FOUND, task="wait", road=request.road))
 
 
 @pytest.fixture
@@ -125,8 +125,8 @@ def wait(monkeypatch):
 @pytest.mark.usefixtures("wait")
 def test_a_task_from_outside_is_planned(go2):
     plan = planners.plan(go2, "wait")
-    assert (len(plan), plan.method) == (20, "pd")
-    assert len(planners.plan(go2, "wait", 0.02, dt=0.004, method="none")) == 5
+    assert (len(plan), plan.road) == (20, "pd")
+    assert len(planners.plan(go2, "wait", 0.02, dt=0.004, road="none")) == 5
 
 
 @pytest.mark.usefixtures("wait")
@@ -134,7 +134,7 @@ def test_a_task_from_outside_is_planned(go2):
     ("task", "amount", "more", "told"),
     [
         ("fly", None, {}, "valid names"),
-        ("wait", None, {"method": "guess"}, "pd"),
+        ("wait", None, {"road": "guess"}, "pd"),
         ("wait", float("nan"), {}, "seconds"),
         ("wait", None, {"mu": -0.1}, "mu"),
         ("wait", None, {"dt": 0.0}, "dt"),

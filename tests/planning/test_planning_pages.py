@@ -5,6 +5,7 @@ import pytest
 from tests.pages import run_page
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", ["shooting.md", "contact-implicit-mpc.md"])
 def test_the_python_of_a_page_runs(page: str) -> None:
     names = run_page(page)

@@ -5,6 +5,7 @@ import pinocchio
 import pytest
 
 import surefoot as sf
+from surefoot.errors import ModelError
 from surefoot.robot.jacobians import (
     REFERENCES,
     Baumgarte,
@@ -182,5 +183,5 @@ def test_unknown_names_are_told(make):
     robot = make.robot("go2")
     with pytest.raises(sf.ProblemError, match="unknown reference 'body'; valid names: contact, local"):
         contact_jacobian(robot, robot.nominal, robot.stance(), "body")
-    with pytest.raises(sf.ModelError, match="unknown frame of go2 'wheel'"):
+    with pytest.raises(ModelError, match="unknown frame of go2 'wheel'"):
         contact_jacobian(robot, robot.nominal, sf.Stance([sf.PointContact([0, 0, 0], name="wheel")]))

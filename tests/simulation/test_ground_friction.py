@@ -58,16 +58,9 @@ def test_the_rigid_world_has_one_friction_everywhere() -> None:
 
 
 def test_the_two_forms_of_ice() -> None:
-    assert parsing.ice("2:0.05") == Ice(2.0, 0.05)
-    assert parsing.ice("1,-1,2,1:0.05") == IcePatch((1.0, -1.0), (2.0, 1.0), 0.05)
-
-
-@pytest.mark.parametrize(
-    "text", ["1,2:0.1", "2,0,1,1:0.1", "0,1,1,1:0.1", "0,0,1,1:-1", "0,0,1,x:0.1", "0,0,1,1"]
-)
-def test_wrong_ice_is_refused(text: str) -> None:
-    with pytest.raises(ProblemError, match="--ice"):
-        parsing.ice(text)
+    assert parsing.ice({"from": 2.0, "mu": 0.05}) == Ice(2.0, 0.05)
+    patch = parsing.ice({"lower": (1.0, -1.0), "upper": (2.0, 1.0), "mu": 0.05})
+    assert patch == IcePatch((1.0, -1.0), (2.0, 1.0), 0.05)
 
 
 def test_a_patch_without_an_inside_is_refused() -> None:

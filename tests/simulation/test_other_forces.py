@@ -11,6 +11,7 @@ from surefoot.audit.setting import setting_of
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.scenario import Fall
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.terrain.terrain import Terrain
 from tests.audit.logs import changed
 
 ROBOT = sf.load_robot("go2")
@@ -30,7 +31,7 @@ class Hold(sf.Controller):
 class Lying(Fall):
     """Whatever the robot does, the run goes on."""
 
-    def happened(self, q: np.ndarray, height: float, terrain: sf.Terrain) -> None:
+    def happened(self, q: np.ndarray, height: float, terrain: Terrain) -> None:
         return None
 
 

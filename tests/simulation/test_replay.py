@@ -16,6 +16,7 @@ from surefoot.simulation import drake_python
 from surefoot.simulation.replay import replay_log
 from surefoot.simulation.replay_task import replay_task
 from surefoot.terrain import SlopeTerrain, read_terrain
+from surefoot.terrain.heightfield import HeightfieldTerrain
 from tests.audit.logs import SLOPE, STAND, TROT, changed, log_of
 
 pytest.importorskip("mujoco")
@@ -200,5 +201,5 @@ def test_terrains_say_themselves() -> None:
     for text in ("flat", "slope:12.345678901", "stairs:0.12,0.3", "rough:3,0.04", "pit:1,0.3,0.05"):
         ground = read_terrain(text)
         np.testing.assert_array_equal(read_terrain(ground.text).height(places), ground.height(places))
-    assert sf.StairsTerrain(steps=3).text == sf.HeightfieldTerrain(np.zeros((2, 2)), 1.0).text == ""
+    assert sf.StairsTerrain(steps=3).text == HeightfieldTerrain(np.zeros((2, 2)), 1.0).text == ""
     assert SlopeTerrain(-3.5).text == "slope:-3.5"

@@ -13,6 +13,7 @@ from surefoot.errors import SimulationError
 from surefoot.simulation.bodies import ball, box
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
+from surefoot.terrain.terrain import Terrain
 from tests.simulation.rigid_runs import NONE, on_slope, run
 
 
@@ -217,7 +218,7 @@ def test_a_start_into_the_ground_stops_at_it():
     assert reading.gaps.min() > -1e-9
 
 
-class Bowl(sf.Terrain):
+class Bowl(Terrain):
     """z = (x² + y²) / (2 R), R = 2 m."""
 
     def height(self, xy):

@@ -17,6 +17,7 @@ from surefoot.errors import SimulationError
 from surefoot.simulation.bodies import ball, box
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
+from surefoot.terrain.heightfield import HeightfieldTerrain
 from tests.simulation.rigid_runs import NONE, on_slope, run
 
 
@@ -219,7 +220,7 @@ def test_bad_input():
 
 @pytest.mark.parametrize(
     "terrain",
-    [sf.StairsTerrain(0.1, 0.4, 3), sf.HeightfieldTerrain(np.zeros((5, 5)) + 0.07, 0.5)],
+    [sf.StairsTerrain(0.1, 0.4, 3), HeightfieldTerrain(np.zeros((5, 5)) + 0.07, 0.5)],
     ids=["stairs", "heightfield"],
 )
 def test_ball_rests_on_other_terrains(terrain):

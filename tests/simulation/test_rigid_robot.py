@@ -11,6 +11,7 @@ from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
+from surefoot.terrain.heightfield import HeightfieldTerrain
 
 
 def dropped(name, height, seconds, terrain=None, **settings):
@@ -71,7 +72,7 @@ def test_go2_on_a_slope_holds_by_friction():
 
 
 @pytest.mark.parametrize(
-    "terrain", [sf.HeightfieldTerrain.rough(seed=1), sf.StairsTerrain(0.05, 0.2, 5)], ids=["rough", "stairs"]
+    "terrain", [HeightfieldTerrain.rough(seed=1), sf.StairsTerrain(0.05, 0.2, 5)], ids=["rough", "stairs"]
 )
 def test_go2_stands_on_uneven_ground(terrain):
     world, rows = dropped("go2", 0.0, 0.5, terrain)

@@ -11,11 +11,13 @@ import pytest
 import surefoot as sf
 from surefoot.control.controller import Command, RobotState
 from surefoot.control.standing_plan import Lift
-from surefoot.log import Ending, read_log
+from surefoot.log import Ending
+from surefoot.log.formats import read_log
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.observers import Moment, Observer, Progress
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Fall
+from surefoot.terrain.terrain import Terrain
 
 
 class Watcher(Observer):
@@ -47,7 +49,7 @@ class Told(sf.StandingController):
         return super().step(state)
 
 
-def standing(robot: sf.Robot, terrain: sf.Terrain | None = None, **more: Any) -> Told:
+def standing(robot: sf.Robot, terrain: Terrain | None = None, **more: Any) -> Told:
     ground = terrain or sf.FlatTerrain()
     q = sf.place(robot, ground)
     plan = sf.StandingPlan(robot, ground, q, more.pop("lifts", ()))

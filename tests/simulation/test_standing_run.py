@@ -13,7 +13,8 @@ from surefoot.audit.motion import tilt_angles
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import Lift, StandingPlan
 from surefoot.errors import ProblemError
-from surefoot.log import CHANNELS, Log, read_log
+from surefoot.log import CHANNELS, Log
+from surefoot.log.formats import read_log
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import (

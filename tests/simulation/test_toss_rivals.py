@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from surefoot.errors import MissingExtra, ModelError, ProblemError
-from surefoot.estimation import Cube
+from surefoot.errors import ProblemError
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.ground_plane import Plane
 from surefoot.estimation.toss_model import Scene, TossModel
-from surefoot.simulation import drake_python
-from surefoot.simulation.drake_python import VARIABLE
-from surefoot.simulation.tosses.drake_cube import DrakeCube
+from surefoot.estimation.tosses import Cube
 from surefoot.simulation.tosses.rivals import RIVALS, make_rival, present_rivals
 
-STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99], "drake": [0.2, 2e5, 0.005]}
+STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99]}
 
 
 def scene(*starts: list[float], slope: float = 0.0, frames: int = 40) -> Scene:
@@ -59,19 +54,6 @@ def test_a_flat_slide_is_the_same(name: str, slope: float) -> None:
     np.testing.assert_allclose(theirs[:, :3], ours[:, :3], atol=4e-3)
 
 
-def test_unknown_and_missing_rivals_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(ProblemError, match="unknown rival 'bullet'; valid names: drake, mujoco"):
+def test_unknown_rivals_are_named() -> None:
+    with pytest.raises(ProblemError, match="unknown rival 'bullet'; valid names: mujoco"):
         make_rival("bullet")
-    monkeypatch.setattr(drake_python, "present", lambda: False)
-    with pytest.raises(MissingExtra, match="drake"):
-        DrakeCube()
-
-
-def test_an_interpreter_that_cannot_run_drake_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    given = scene([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, *[0.0] * 6])
-    monkeypatch.setenv(VARIABLE, os.devnull)
-    with pytest.raises(ModelError, match=VARIABLE):
-        DrakeCube().rollout(np.array(STIFF["drake"]), given)
-    monkeypatch.setenv(VARIABLE, "/bin/true")
-    with pytest.raises(ModelError, match="Drake's process ended"):
-        DrakeCube().rollout(np.array(STIFF["drake"]), given)

@@ -60,6 +60,7 @@ def test_a_trot_follows_its_command_inside_the_cones(velocity: tuple[float, floa
     assert log["attained"].all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("terrain", "speed", "duration"),
     [
@@ -100,6 +101,7 @@ def test_a_trot_crosses_ice() -> None:
     assert log["mu"].min() == 0.2
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("robot", ["anymal", "a1"])
 def test_other_robots_walk_with_the_same_code(robot: str) -> None:
     summary = summarise_walk(walk(robot=robot, duration=4.0))
@@ -108,6 +110,7 @@ def test_other_robots_walk_with_the_same_code(robot: str) -> None:
     assert summary.commanded_cone_excess == 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("gait", "speed"), [("walk", 0.3), ("pace", 0.4), ("bound", 0.4), ("flying_trot", 0.6)]
 )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.contact.sets.contact_set import ContactSet
 from surefoot.solvers import set_kernels
 from surefoot.solvers.set_admm import Sets
 
@@ -25,7 +26,7 @@ CONTACTS = [
     C.Pyramid(0.6, 8, "outer", normal_min=0.5, normal_max=2.0),
     C.Bilateral(2),
 ]
-SET = sf.ContactSet(CONTACTS)
+SET = ContactSet(CONTACTS)
 
 
 def draws(count: int) -> list[np.ndarray]:
@@ -87,7 +88,7 @@ def test_newton_matrix_is_the_derivative_of_the_natural_map(law: sf.laws.Law) ->
 
 def test_a_disc_without_radius_holds_its_rows_wherever_the_point_is() -> None:
     """Frictionless: the tangential force is zero and stays so, also on the normal itself."""
-    contacts = sf.ContactSet([sf.contact_sets.Point(mu=0.0)])
+    contacts = ContactSet([sf.contact_sets.Point(mu=0.0)])
     packed = set_kernels.pack(contacts, sf.laws.Law("coulomb", 1.0), np.ones(1))
     for tangent in (0.0, 0.3):
         J = np.empty((1, set_kernels.WIDEST, set_kernels.WIDEST))

@@ -7,6 +7,8 @@ import pytest
 
 import surefoot as sf
 from surefoot.solvers.backends import ConeProgram, solve_program
+from surefoot.stance.grasp import grasp_map
+from surefoot.stance.halfspaces import HalfSpaces
 
 FEET = np.array([[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])
 NAMES = ("FL", "FR", "RL", "RR")
@@ -18,9 +20,9 @@ def quadruped(mu: float = 0.6, normal: tuple[float, ...] = (0.0, 0.0, 1.0)) -> s
     return sf.Stance([sf.PointContact(p, normal, mu, name, 10.0, 500.0) for p, name in feet])
 
 
-def standing_forces(stance: sf.Stance, rows: sf.HalfSpaces, mass: float, world: bool = False) -> np.ndarray:
+def standing_forces(stance: sf.Stance, rows: HalfSpaces, mass: float, world: bool = False) -> np.ndarray:
     """Return the smallest forces that hold the weight, by an outside QP solver."""
-    G = sf.grasp_map(stance.positions, [0.0, 0.0, 0.3], None if world else stance.rotations)
+    G = grasp_map(stance.positions, [0.0, 0.0, 0.3], None if world else stance.rotations)
     load = np.array([0.0, 0.0, mass * 9.81, 0.0, 0.0, 0.0])
     P = G.T @ G + 1e-6 * np.eye(12)
     zero = None if len(rows.E) == 0 else (rows.E, rows.e)
@@ -117,13 +119,13 @@ def test_wrong_input_is_named(arguments: dict, message: str) -> None:
 def test_grasp_map_of_arrays_is_that_of_a_stance() -> None:
     stance = quadruped(normal=(0.6, 0.0, 0.8))
     com = np.array([0.02, -0.01, 0.3])
-    assert sf.grasp_map(stance.positions, com, stance.rotations) == pytest.approx(
+    assert grasp_map(stance.positions, com, stance.rotations) == pytest.approx(
         stance.grasp_map(com), abs=1e-15
     )
     many = np.stack([stance.positions, stance.positions + 1.0])
-    both = sf.grasp_map(many, [com, com + 1.0])
+    both = grasp_map(many, [com, com + 1.0])
     assert both.shape == (2, 6, 12)
-    assert both[0] == pytest.approx(sf.grasp_map(stance.positions, com))
+    assert both[0] == pytest.approx(grasp_map(stance.positions, com))
     assert both[1] == pytest.approx(both[0])
     f = np.random.default_rng(0).normal(size=(4, 3))
     moment = np.cross(stance.positions - com, f).sum(axis=0)
@@ -142,4 +144,4 @@ def test_grasp_map_of_arrays_is_that_of_a_stance() -> None:
 )
 def test_grasp_map_refuses_what_does_not_fit(arguments: tuple, message: str) -> None:
     with pytest.raises(sf.ProblemError, match=message):
-        sf.grasp_map(*arguments)
+        grasp_map(*arguments)

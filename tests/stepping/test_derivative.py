@@ -21,10 +21,11 @@ from surefoot.stepping import State, Step, StepOptions, Stepper, step_derivative
 from surefoot.stepping import motion as rules
 from surefoot.stepping.state import StepRemainder
 from surefoot.terrain import Terrain
+from surefoot.terrain.heightfield import HeightfieldTerrain
 
 STEP, NEAR = 1e-6, 2e-6
 EXACT = StepOptions(tol=1e-12)
-ROUGH = sf.HeightfieldTerrain.rough(0.03, seed=1)
+ROUGH = HeightfieldTerrain.rough(0.03, seed=1)
 
 
 def outcome(stepper: Stepper, a: Step, b: Step) -> np.ndarray:

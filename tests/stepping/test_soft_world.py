@@ -186,6 +186,7 @@ def test_thrown_box_never_gains_energy(law, seed):
     assert world.unsolved == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["go2", "g1"])
 @pytest.mark.parametrize("law", [SpringDamper(2e4, 100.0), HuntCrossley(2e5, 0.5)], ids=["linear", "hunt"])
 def test_limp_robot_makes_no_energy_beyond_the_first_order_of_the_step(name, law):

@@ -11,37 +11,41 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from surefoot.errors import SimulationError
-from surefoot.sweep import Experiment, Interval, Sample, Space, SweepConfig
+from surefoot.sweep import NumberRange, Space, SweepConfig, SweepExperiment, number
 
 
 @dataclass(frozen=True)
-class Deadly(Experiment):
+class Deadly(SweepExperiment):
     """Kills its worker, raises, or returns its mu; every run leaves a line in a file."""
 
-    parameters: ClassVar[tuple[str, ...]] = ("mu",)
     columns: ClassVar[Mapping[str, str]] = {"survived": "bool", "twice": "float"}
 
+    mu: float = number(0.0, 0.0, 1.0)
     killers: tuple[int, ...] = ()
     failing: tuple[int, ...] = ()
     broken: tuple[int, ...] = ()
     seen: str = ""
     seconds: float = 0.0
 
-    def run(self, sample: Sample) -> dict[str, Any]:
+    def run(self, seed: int) -> dict[str, Any]:
+        index = INDICES[seed]
         if self.seen:
             with Path(self.seen).open("a") as stream:
-                stream.write(f"{sample.index}\n")
+                stream.write(f"{index}\n")
         time.sleep(self.seconds)
-        if sample.index in self.killers:
+        if index in self.killers:
             os.kill(os.getpid(), signal.SIGKILL)
-        if sample.index in self.failing:
+        if index in self.failing:
             raise SimulationError("motion", 0.1, 1e-3, "knee", 1e9)
-        if sample.index in self.broken:
+        if index in self.broken:
             raise ZeroDivisionError("a bug")
-        mu = sample.number("mu", 0.0)
-        return {"survived": mu > 0.5, "twice": 2.0 * mu}
+        return {"survived": self.mu > 0.5, "twice": 2.0 * self.mu}
+
+
+INDICES = {sample.seed: sample.index for s in (0, 1) for sample in Space({}, s).sample(range(256))}
+"""Which sample a seed is of, in the sweeps of `deadly`."""
 
 
 def deadly(samples: int = 20, seed: int = 0, **settings: Any) -> SweepConfig:
     """Return a sweep of `Deadly` over mu from 0 to 1."""
-    return SweepConfig("deadly", Deadly(**settings), Space({"mu": Interval(0.0, 1.0)}, seed), samples)
+    return SweepConfig("deadly", Deadly(**settings), Space({"mu": NumberRange(0.0, 1.0)}, seed), samples)

@@ -65,14 +65,6 @@ def _command(pid: int) -> str:
         return ""
 
 
-def rows_written(folder: Path) -> int:
-    """Return the number of rows in a sweep's files."""
-    import pyarrow.parquet
-
-    files = [*folder.glob("parts/part-*.parquet"), *folder.glob("samples.parquet")]
-    return sum(pyarrow.parquet.read_metadata(f).num_rows for f in files)
-
-
 def run_and_kill(
     folder: Path, backend: str, seed: int, kills: int = 5, address: str | None = None
 ) -> dict[str, int]:

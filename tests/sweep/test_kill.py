@@ -67,7 +67,7 @@ def test_killed_drivers_and_workers_change_nothing(tmp_path: Path, undisturbed: 
     assert found.num_rows == 2000
     assert found.equals(undisturbed)
     assert set(found["status"].to_pylist()) == {"done"}
-    assert not list((tmp_path / "a" / "parts").iterdir())
+    assert sorted(p.name for p in (tmp_path / "a").iterdir()) == ["samples.parquet", "sweep.sqlite"]
 
 
 def test_on_two_ray_workers_as_well(

@@ -24,4 +24,4 @@ def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("file", sorted((EXAMPLES / "sweeps").glob("*.yaml")), ids=lambda f: f.name)
 def test_every_example_is_a_sweep(file: Path) -> None:
-    assert read_sweep(file).space.drawn()
+    assert read_sweep(file).space.drawn

@@ -9,8 +9,8 @@ import pytest
 from scipy.stats import binomtest
 
 from surefoot.errors import ProblemError
-from surefoot.sweep import Choice, Space, SweepConfig, run_sweep, sweep_from_dict
-from surefoot.sweep.survival import counts, margins, medians, survival_grid, wilson
+from surefoot.sweep import Space, SweepConfig, TextRange, run_sweep, sweep_from_dict
+from surefoot.sweep.survival import check_varying, counts, margins, survival_grid, wilson
 from tests.sweep.deadly import Deadly, deadly
 
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
@@ -74,8 +74,8 @@ def test_without_results_there_is_no_share(tmp_path: Path) -> None:
 
 
 def test_a_sweep_of_nothing_but_its_seed(tmp_path: Path) -> None:
-    config = SweepConfig("deadly", Deadly(), Space({"mu": Choice(("1",))}), 4)
-    assert margins(config, run_sweep(config, tmp_path / "a", backend="serial").table)[0].labels == ("1",)
+    config = SweepConfig("deadly", Deadly(), Space({"seen": TextRange(("",))}), 4)
+    assert margins(config, run_sweep(config, tmp_path / "a", backend="serial").table)[0].labels == ("",)
     bare = SweepConfig("deadly", Deadly(), Space({}), 4)
     assert run_sweep(bare, tmp_path / "b", backend="serial").table["twice"].to_pylist() == [0.0] * 4
 
@@ -83,9 +83,9 @@ def test_a_sweep_of_nothing_but_its_seed(tmp_path: Path) -> None:
 def test_medians_are_those_of_the_samples_of_a_bin_that_are_done(tmp_path: Path) -> None:
     config = deadly(61, failing=(3, 4), broken=(9,))
     table = run_sweep(config, tmp_path / "a", backend="serial").table
-    (margin,), found = margins(config, table), medians(config, table, "mu")
+    (margin,) = margins(config, table)
     rows = [row for row in table.to_pylist() if row["status"] == "done"]
-    for k, middle in enumerate(found):
+    for k, middle in enumerate(margin.medians):
         low, high = margin.edges[k : k + 2]
         inside = sorted(row["twice"] for row in rows if low <= row["mu"] < high)
         n = len(inside)
@@ -96,7 +96,7 @@ def test_medians_are_those_of_the_samples_of_a_bin_that_are_done(tmp_path: Path)
 def test_a_bin_without_samples_has_no_median(tmp_path: Path) -> None:
     config = deadly(3)
     table = run_sweep(config, tmp_path / "a", backend="serial").table
-    found = [middle["twice"] for middle in medians(config, table, "mu")]
+    found = [middle["twice"] for middle in margins(config, table)[0].medians]
     assert sorted(k is None for k in found) == [False] * 3 + [True] * 5
     with pytest.raises(ProblemError, match=r"unknown parameter that varies 'slope'.*mu"):
-        medians(config, table, "slope")
+        check_varying(config, "slope")

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from surefoot import FlatTerrain, HeightfieldTerrain, ProblemError, SlopeTerrain, StairsTerrain
+from surefoot import FlatTerrain, ProblemError, SlopeTerrain, StairsTerrain
+from surefoot.terrain.heightfield import HeightfieldTerrain
 
 ROUGH = HeightfieldTerrain.rough(amplitude=0.08, wavelength=0.4, size=4.0, seed=3)
 SMOOTH = {"flat": FlatTerrain(), "slope": SlopeTerrain(25.0), "down": SlopeTerrain(-40.0), "rough": ROUGH}

@@ -17,7 +17,8 @@ from surefoot.audit.report import AuditReport, FrictionInterval, Judgement, LawB
 from surefoot.audit.rows import Rows, lacking, pieces
 from surefoot.audit.setting import Setting, setting_of
 from surefoot.audit.slides import WORST, slide_on, start_slides
-from surefoot.log import Log, read_log
+from surefoot.log import Log
+from surefoot.log.formats import read_log
 from surefoot.robot import Robot
 
 FINITE, CLOCK = "finite", "clock"

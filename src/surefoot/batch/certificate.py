@@ -122,7 +122,7 @@ def nearest(xp: Any, p: Any, mu: Any) -> Any:
     """Return p projected to the friction cones."""
     radius, z = xp.hypot(p[..., 0], p[..., 1]), p[..., 2]
     height = xp.clip(mu * radius + z, 0.0) / (1.0 + mu * mu)
-    outside = radius > mu * z
+    outside = (radius > mu * z) | (z < 0.0)  # without friction the cone is a ray, with nothing below
     share = xp.where(outside, mu * height / xp.where(radius > 0.0, radius, 1.0), 1.0)
     return xp.stack([p[..., 0] * share, p[..., 1] * share, xp.where(outside, height, z)], -1)
 

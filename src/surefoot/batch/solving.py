@@ -29,8 +29,8 @@ from surefoot.contact.laws import LAWS, Law
 from surefoot.contact.matrix import ASYMMETRY, SINGLE_ASYMMETRY
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError, unknown_name
-from surefoot.solvers import solve
 from surefoot.solvers.compiled import COMPILED_CONTACTS, NOT_NUMBERS
+from surefoot.solvers.solver import solve
 
 SMALL = 128
 """Problems up to which one thread does it: waking others takes longer."""

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.audit_output import new_audit_folder, tell
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import check_out
 from surefoot.cli.page import Table, report_sections, write_page
-from surefoot.errors import MissingExtra, ProblemError, SurefootError
+from surefoot.errors import MissingExtra, SurefootError
 from surefoot.simulation.worlds import WORLDS
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from surefoot.log import Log
     from surefoot.simulation.replay import ReplayReport
 
-SHOW = "show"
-"""What --rerun takes for its viewer."""
 MOST = 40
 """Rows of a table on the screen and on the page; the JSON has all."""
 
@@ -32,7 +30,7 @@ def audit(
         Path,
         typer.Argument(help="A log: .npz or any other format that sf.read_log reads; or tosses of a cube."),
     ],
-    robot: shared.LogRobot = None,
+    robot: options.LogRobot = None,
     replay: Annotated[
         str | None,
         typer.Option(
@@ -48,31 +46,27 @@ def audit(
     mu: Annotated[
         float | None, typer.Option(help="Friction: of the replay, where the log tells none, or under tosses.")
     ] = None,
-    rerun: Annotated[
-        str | None, typer.Option(help="FILE.rrd to save the log for Rerun, or show to open its viewer.")
-    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for report.html and audit.json; None for no files.")
     ] = None,
-    as_json: shared.AsJson = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Tell which law of contact a log broke, when, where, and what the likely cause is.
 
     Exit code 0 if it is lawful and survives its replay, 1 if not or if one cannot tell, 2 for wrong input.
     """
-    from surefoot.estimation import holds_tosses
+    from surefoot.estimation.tosses import holds_tosses
 
     if holds_tosses(log):
         from surefoot.cli.toss_audit import audit_toss_file
 
-        given = {"--robot": robot, "--replay": replay, "--terrain": terrain, "--rerun": rerun}
+        given = {"--robot": robot, "--replay": replay, "--terrain": terrain}
         return audit_toss_file(log, mu, given, out, as_json)
     from surefoot.audit import audit_log
-    from surefoot.log import read_log
+    from surefoot.log.formats import read_log
     from surefoot.robot import load_robot
 
     check_out(out)
-    _check_rerun(rerun)
     read, whose = read_log(log), None if robot is None else load_robot(robot)
     again = None if replay is None else _replay(read, replay, whose, terrain, mu)
     report = audit_log(read, whose)
@@ -82,8 +76,6 @@ def audit(
         facts["replay"] = again.as_dict()
     console = plain_console(quiet=as_json)
     tell(console, facts, _tables(report, again), _lines(report), verdicts, as_json)
-    if rerun is not None:
-        _rerun(read, rerun, console)
     if out is not None:
         folder = new_audit_folder(out, log, facts)
         figures = report_sections(_tables(report, again, on_page=True), _lines(report))
@@ -99,27 +91,6 @@ def _replay(log: Log, world: str, robot: Any, terrain: str | None, mu: float | N
 
     ground = None if terrain is None else read_terrain(terrain, "--terrain")
     return replay_log(log, world, robot, ground, mu)
-
-
-def _check_rerun(target: str | None) -> None:
-    """Refuse what --rerun does not take, before any work."""
-    if target is None:
-        return
-    if target != SHOW and not target.endswith(".rrd"):
-        raise ProblemError(f"--rerun takes a file that ends in .rrd, or {SHOW}, got {target!r}")
-    from surefoot.log.rerun_file import import_rerun
-
-    import_rerun()
-
-
-def _rerun(log: Log, target: str, console: Any) -> None:
-    """Open a log in Rerun's viewer, or save it for that."""
-    from surefoot.log import rerun_file
-
-    if target == SHOW:
-        rerun_file.show(log)
-    else:
-        say(console, f"rerun: {log.save(target)}")
 
 
 def _tables(report: AuditReport, again: ReplayReport | None, on_page: bool = False) -> list[Table]:

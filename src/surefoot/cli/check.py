@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import picture_folder
 from surefoot.cli.stance_input import StanceOptions
@@ -27,56 +27,60 @@ PUSHES = {
 
 def check(
     *,
-    asked: StanceOptions,
-    facets: shared.Facets = "exact",
-    fit: shared.Fit = "inner",
+    stance: StanceOptions,
+    facets: options.Facets = "exact",
+    fit: options.Fit = "inner",
     motors: Annotated[
         bool, typer.Option("--motors/--no-motors", help="Ask the robot's torque limits.")
     ] = True,
-    out: shared.PictureOut = Path("runs"),
-    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the stance.")] = True,
-    as_json: shared.AsJson = False,
+    out: options.PictureOut = Path("runs"),
+    picture: options.Picture = True,
+    as_json: options.AsJson = False,
 ) -> int:
     """Tell whether a stance can hold its robot at rest. Exit code 0 possible, 1 impossible, 2 bad input."""
     from surefoot.cli import parsing
     from surefoot.cones.polyhedral import checked_fit
 
     side = checked_fit(fit)
-    given = asked.asked()
-    facts, ground, motor = _facts(given, parsing.facets(facets), side, motors)
+    case = stance.case()
+    facts, ground, motor = _facts(case, parsing.facets(facets), side, motors)
     folder, facts["note"] = picture_folder(out, "check") if picture else (None, "")
     if folder is not None:
         from surefoot.viz.stance_plots import draw_check
 
         verdict = motor if ground.feasible and motor is not None else ground
-        facts["picture"] = str(draw_check(given.question, verdict, facts["verdict"], folder / "stance.png"))
+        facts["picture"] = str(draw_check(case.question, verdict, facts["verdict"], folder / "stance.png"))
     show(facts, as_json, _print)
     return 0 if facts["possible"] else 1
 
 
-def _facts(given: Any, facets: int | None, fit: Any, motors: bool) -> tuple[dict[str, Any], Any, Any]:
+def _facts(case: Any, facets: int | None, fit: Any, motors: bool) -> tuple[dict[str, Any], Any, Any]:
     """Return everything the command says, the ground's verdict and, for a robot, the motors'."""
-    from surefoot.equilibrium import actuation, can_stand, com_region, friction_needed
+    from surefoot.equilibrium import actuation
+    from surefoot.equilibrium.regions import com_region
+    from surefoot.equilibrium.statics import can_stand, friction_needed
 
-    asked = given.question
-    ground = can_stand(asked.stance, asked.com, asked.mass, asked.external_wrench, facets, fit)
+    question = case.question
+    ground = can_stand(question.stance, question.com, question.mass, question.external_wrench, facets, fit)
     motor = None
-    if given.robot is not None and motors and len(asked.stance):
-        motor = actuation.can_stand(given.robot, asked.stance, given.q, asked.external_wrench, facets, fit)
-    needed = friction_needed(asked.stance, asked.com, asked.mass, asked.external_wrench)
+    if case.robot is not None and motors and len(question.stance):
+        motor = actuation.can_stand(
+            case.robot, question.stance, case.q, question.external_wrench, facets, fit
+        )
+    needed = friction_needed(question.stance, question.com, question.mass, question.external_wrench)
     possible = ground.feasible and (motor is None or motor.feasible)
     best = motor if motor is not None and motor.feasible else ground
     facts: dict[str, Any] = {
-        "name": asked.name,
+        "name": question.name,
         "possible": possible,
-        "verdict": _sentence(asked, ground, motor, needed),
-        "mass": asked.mass,
-        "com": asked.com,
-        "external_wrench": asked.external_wrench,
+        "verdict": _sentence(question, ground, motor, needed),
+        "mass": question.mass,
+        "com": question.com,
+        "external_wrench": question.external_wrench,
         "cones": "exact" if facets is None else f"{fit} pyramids with {facets} sides",
         "margin": best.margin if possible else (ground if not ground.feasible else motor).margin,  # type: ignore[union-attr]
         "friction_needed": needed,
-        "contacts": _contact_rows(asked.stance, best if possible else None),
+        "contacts": _contact_rows(question.stance, best if possible else None),
         "largest_push": {
             name: best.largest_disturbance([*axis, 0.0, 0.0, 0.0]) for name, axis in PUSHES.items()
         }
@@ -88,21 +92,21 @@ def _facts(given: Any, facets: int | None, fit: Any, motors: bool) -> tuple[dict
         else {"possible": motor.feasible, "margin": motor.margin, "limiting": list(motor.limiting)},
         "picture": None,
     }
-    if len(asked.stance):
-        region = com_region(asked.stance, asked.mass, external_wrench=asked.external_wrench)
+    if len(question.stance):
+        region = com_region(question.stance, question.mass, external_wrench=question.external_wrench)
         facts["com_region"] = {"corners": region.inner, "area": region.area, "gap": region.gap}
-        facts["com_region"]["distance"] = region.distance(asked.com)
+        facts["com_region"]["distance"] = region.distance(question.com)
     return facts, ground, motor
 
 
-def _sentence(asked: Any, ground: Any, motor: Any, needed: float) -> str:
+def _sentence(question: Any, ground: Any, motor: Any, needed: float) -> str:
     """Return the verdict in one line."""
-    if not len(asked.stance):
+    if not len(question.stance):
         return "impossible: nothing touches the ground"
-    least = float(asked.stance.mu.min())
+    least = float(question.stance.mu.min())
     if ground.feasible and (motor is None or motor.feasible):
         best = ground if motor is None else motor
-        edge = best.margin < 1e-6 * asked.mass * GRAVITY
+        edge = best.margin < 1e-6 * question.mass * GRAVITY
         margin = "without limit" if math.isinf(best.margin) else f"{best.margin:.3g} N"
         margin = "none, on the very edge" if edge else margin
         return f"possible: margin {margin}; friction needed {needed:.3f}, least friction here {least:g}"

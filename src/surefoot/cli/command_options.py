@@ -1,31 +1,19 @@
-"""How a walking controller's commands reach the motors: options, and what they put around the controller."""
+"""How a walking controller's commands reach the motors, and what is put around the controller for that."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from surefoot.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
+    from surefoot.cli.scenario_file import ScenarioFile
     from surefoot.control.controller import Controller
 
-Commands: TypeAlias = Annotated[
-    str, typer.Option(help="torques, or targets: joint angles, speeds, gains and torques for the drives.")
-]
-ControlRate: TypeAlias = Annotated[
-    float, typer.Option(help="Steps of the controller in a second; drives go on at 1000.")
-]
-Latency: TypeAlias = Annotated[
-    str, typer.Option(help="Delay that the controller allows for: auto, which measures it, none, or [s].")
-]
-Dropouts: TypeAlias = Annotated[
-    list[str] | None, typer.Option("--dropout", help="T:DURATION without a fresh state [s]; repeatable.")
-]
 KINDS = ("torques", "targets")
-"""What drives can be told."""
+"""What drives can be commanded."""
 WORLD_RATE = 1000
 """Steps of the world in a second."""
 
@@ -79,30 +67,14 @@ class Wiring:
         return controller
 
 
-def wiring(commands: str, rate: float, latency: str, dropouts: list[str] | None) -> Wiring:
-    """Return what the options say, or raise for what they cannot mean."""
-    from surefoot.cli import parsing
-    from surefoot.control.latency import LONGEST
-
+def wiring(commands: str, dropouts: Sequence[tuple[float, float]], said: ScenarioFile) -> Wiring:
+    """Return what options and scenario say, or raise for what they cannot mean."""
     if commands not in KINDS:
         raise ProblemError(unknown_name("--commands", commands, KINDS))
-    every = round(WORLD_RATE / rate) if rate > 0.0 else 0
-    if not (1 <= every <= 50) or abs(every * rate - WORLD_RATE) > 1e-6 * WORLD_RATE:
+    every = round(WORLD_RATE / said.control_rate)
+    if abs(every * said.control_rate - WORLD_RATE) > 1e-6 * WORLD_RATE:
         raise ProblemError(
-            f"--control-rate must be 1000 over a whole number up to 50, as 500 or 250, got {rate:g}"
+            f"control_rate must be 1000 over a whole number, as 500 or 250, got {said.control_rate:g}"
         )
-    allowed = {"auto": None, "none": 0.0}
-    delay = allowed[latency] if latency in allowed else parsing.number("--latency", latency)
-    if delay is not None and not 0.0 <= delay <= LONGEST:
-        raise ProblemError(f"--latency must be auto, none or from 0 to {LONGEST:g} s, got {latency}")
-    return Wiring(commands == "targets", every, delay, tuple(_dropout(text) for text in dropouts or ()))
-
-
-def _dropout(text: str) -> tuple[float, float]:
-    """Return start and duration of "T:DURATION" [s]."""
-    from surefoot.cli import parsing
-
-    start, colon, duration = text.partition(":")
-    if not colon:
-        raise ProblemError(f"--dropout is T:DURATION [s], got {text!r}")
-    return parsing.number("--dropout", start), parsing.number("--dropout", duration)
+    latency = None if isinstance(said.latency, str) else said.latency
+    return Wiring(commands == "targets", every, latency, tuple(dropouts))

@@ -11,7 +11,7 @@ import typer
 from rich.console import Console
 
 from surefoot.arrays import real_number
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.console import say, show, table
 from surefoot.cli.extras import picture_folder
 
@@ -25,9 +25,9 @@ def cone(
     facets: Annotated[int, typer.Option(help="Sides of the pyramid, at least 3.")] = 8,
     fit: Annotated[str, typer.Option(help="inner or outer.")] = "inner",
     phase: Annotated[float, typer.Option(help="Turn of the pyramid about the normal [deg].")] = 0.0,
-    out: shared.PictureOut = Path("runs"),
-    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the pyramids.")] = True,
-    as_json: shared.AsJson = False,
+    out: options.PictureOut = Path("runs"),
+    picture: options.Picture = True,
+    as_json: options.AsJson = False,
 ) -> int:
     """Print the half-spaces, the rays and the exact fit errors of a friction pyramid, and draw it."""
     from surefoot.cli import parsing

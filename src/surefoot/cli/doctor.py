@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot import __version__
+from surefoot.cli import options
 from surefoot.cli.console import say, show, table
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ VARIABLES = (
 
 def doctor(
     draw: Annotated[bool, typer.Option("--draw/--no-draw", help="Try whether pictures can be drawn.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Say what of Surefoot works on this machine, and what would make the rest work.
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from surefoot.arrays import real_number
 from surefoot.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
@@ -16,12 +15,8 @@ ESTIMATORS = ("inekf", "truth")
 EstimatorName: TypeAlias = Annotated[
     str,
     typer.Option(
-        help="inekf: the state is estimated from IMU, encoders and torques; truth: the controller is told it."
+        help="inekf: the state is estimated from IMU, encoders and torques; truth: the controller knows it."
     ),
-]
-Noise: TypeAlias = Annotated[
-    float | None,
-    typer.Option(help="Sensor noise, 1 for that of ordinary sensors; None for 1 with inekf, 0 with truth."),
 ]
 
 
@@ -31,10 +26,8 @@ def sensors_of(estimator: str, noise: float | None) -> tuple[SensorModel | None,
     Raises
     ------
     ProblemError
-        For an unknown name, or a level that is out of range.
+        For an unknown name.
     """
-    if noise is not None:
-        real_number("--noise", noise, low=0.0, high=100.0)
     if estimator not in ESTIMATORS:
         raise ProblemError(unknown_name("estimator", estimator, ESTIMATORS))
     if estimator == "truth":

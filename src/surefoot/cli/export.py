@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from surefoot.cli import options
 from surefoot.cli.console import say, show
 from surefoot.cli.output import new_run_folder
 from surefoot.errors import ProblemError, unknown_name
@@ -19,7 +20,7 @@ def export(
     source: Annotated[Path, typer.Argument(help="A contact sequence (.json), or a log or plan.")],
     to: Annotated[
         list[str] | None,
-        typer.Option(help="sequence, ocs2, crocoddyl, tsid, casadi, acados, drake, isaaclab; repeatable."),
+        typer.Option(help="sequence, ocs2, crocoddyl, tsid, casadi, drake, isaaclab; repeatable."),
     ] = None,
     facets: Annotated[
         int | None, typer.Option(help="Sides of the pyramids; None for the file's, or 8.")
@@ -29,7 +30,7 @@ def export(
         float, typer.Option(help="Phases of a log shorter than this join the one before [s].")
     ] = 0.02,
     out: Annotated[Path, typer.Option(help="Parent of the new folder.")] = Path("runs"),
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Write the contacts of a log, a plan or a sequence for other tools: data, and scripts that hold it.
 
@@ -68,7 +69,7 @@ def _read(source: Path, facets: int | None, fit: str | None, shortest: float) ->
     from dataclasses import replace
 
     from surefoot.interop import read_sequence, sequence_from_log
-    from surefoot.log import read_log
+    from surefoot.log.formats import read_log
 
     if source.suffix == ".json":
         sequence = read_sequence(source)

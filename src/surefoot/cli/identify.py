@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.arrays import whole_number
+from surefoot.cli import options
 from surefoot.cli.console import say, show, table
 from surefoot.cli.extras import picture_folder
 from surefoot.cli.output import check_out
@@ -18,7 +19,8 @@ from surefoot.errors import ProblemError
 if TYPE_CHECKING:  # the other commands need no compiled code
     from rich.console import Console
 
-    from surefoot.estimation import Tosses, TossFit
+    from surefoot.estimation.identify import TossFit
+    from surefoot.estimation.tosses import Tosses
 
 EXPECTED = 45.0
 """Simulations of all tosses that a fit takes, give or take: for the progress bar."""
@@ -37,18 +39,17 @@ def identify(
     rivals: Annotated[
         str,
         typer.Option(
-            help="Simulators to be tuned by the same search: mujoco, drake, comma-separated, or none; auto: "
-            "with --test, all that are there."
+            help="Simulators to be tuned by the same search: mujoco, or none; auto: with --test, if there."
         ),
     ] = NAMED,
     resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,
     seed: Annotated[int, typer.Option(help="Of the resampling and of the points tried.")] = 0,
-    out: Annotated[Path, typer.Option(help="Parent of the new folder for the picture.")] = Path("runs"),
-    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw errors and a toss.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    out: options.PictureOut = Path("runs"),
+    picture: options.Picture = True,
+    as_json: options.AsJson = False,
 ) -> int:
     """Fit a contact law and the ground to recorded tosses of a cube, with 95 % bootstrap intervals."""
-    from surefoot.estimation import read_tosses
+    from surefoot.estimation.tosses import read_tosses
 
     whole_number("--seed", seed)
     whole_number("--resamples", resamples, low=20)
@@ -59,10 +60,10 @@ def identify(
         raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
     models = [*_laws(law or ["rigid"]), *_rivals(rivals, test is not None)]
     fits: dict[str, TossFit] = {}
-    for model, most in models:
+    for model in models:
         with progress_bar(not as_json, f"{model.name}: simulating tosses", 1.0) as moved:
-            fits[model.name] = _fit(model, most, recorded, others, resamples, seed, moved)
-    names = [model.name for model, _ in models]
+            fits[model.name] = _fit(model, recorded, others, resamples, seed, moved)
+    names = [model.name for model in models]
     facts = _facts(fits, names[: len(law or ["rigid"])], recorded, others)
     folder, note = picture_folder(out, "identify") if picture else (None, "")
     if folder is not None:
@@ -76,34 +77,28 @@ def identify(
 
 
 def _laws(names: list[str]) -> list[Any]:
-    """Return (model, None) for each law, each once."""
+    """Return the model of each law, each once."""
     from surefoot.estimation.cube_model import CubeModel
 
-    return [(CubeModel(name), None) for name in dict.fromkeys(names)]
+    return [CubeModel(name) for name in dict.fromkeys(names)]
 
 
 def _rivals(names: str, testing: bool) -> list[Any]:
-    """Return (model, tosses it is tuned on) for each rival."""
-    from surefoot.simulation.tosses.rivals import RIVALS, make_rival, present_rivals
+    """Return the model of each rival."""
+    from surefoot.simulation.tosses.rivals import make_rival, present_rivals
 
     if names == NAMED:
         wanted = present_rivals() if testing else []
     else:
         wanted = [] if names == "none" else [name.strip() for name in names.split(",")]
-    return [(make_rival(name), RIVALS[name].most) for name in dict.fromkeys(wanted)]
+    return [make_rival(name) for name in dict.fromkeys(wanted)]
 
 
 def _fit(
-    model: Any,
-    most: int | None,
-    recorded: Tosses,
-    others: Tosses | None,
-    resamples: int,
-    seed: int,
-    moved: Any,
+    model: Any, recorded: Tosses, others: Tosses | None, resamples: int, seed: int, moved: Any
 ) -> TossFit:
     """Fit one model, moving the bar."""
-    from surefoot.estimation import identify as fit
+    from surefoot.estimation.identify import identify as fit
 
     expected = EXPECTED * len(recorded)
 
@@ -111,7 +106,7 @@ def _fit(
         if moved is not None:
             moved(1.0 - math.exp(-2.0 * simulated / expected))
 
-    return fit(recorded, model, test=others, most=most, resamples=resamples, seed=seed, progress=progress)
+    return fit(recorded, model, test=others, resamples=resamples, seed=seed, progress=progress)
 
 
 def _facts(

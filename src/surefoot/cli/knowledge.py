@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from surefoot.cli import parsing
 from surefoot.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
@@ -16,15 +15,11 @@ if TYPE_CHECKING:
 
 KNOWLEDGE = ("exact", "map", "blind")
 ASSUMED = 0.6
-"""Friction that is believed in until a foot slides, with ``--believed-mu auto``."""
-BelievedMu: TypeAlias = Annotated[
-    str | None,
-    typer.Option(help="Friction that the controller believes in; auto: as its feet find it; None for --mu."),
-]
+"""Friction that is believed in until a foot slides, with `believed_mu: auto`."""
 TerrainKnowledge: TypeAlias = Annotated[
     str,
     typer.Option(
-        help="exact: the controller is told the terrain; map: a height map from a sensor; blind: touch."
+        help="exact: the controller knows the terrain; map: a height map from a sensor; blind: touch."
     ),
 ]
 
@@ -48,24 +43,23 @@ class Beliefs:
     terrain: str
 
     @staticmethod
-    def read(believed_mu: str | None, mu: float, terrain: str, planner: str) -> Beliefs:
-        """Return the beliefs that options say, `mu` [-] being the ground's own.
+    def read(believed_mu: float | str | None, mu: float, terrain: str, planner: str) -> Beliefs:
+        """Return the beliefs that options and scenario say, `mu` [-] being the ground's own.
 
         Raises
         ------
         ProblemError
-            For an unknown word, friction out of range, or a planner that cannot do with less than the truth.
+            For an unknown word, or a planner that cannot do with less than the truth.
         """
         if terrain not in KNOWLEDGE:
             raise ProblemError(unknown_name("--terrain-knowledge", terrain, KNOWLEDGE))
-        watch = believed_mu == "auto"
+        watch = isinstance(believed_mu, str)
         if planner != "convex" and (watch or terrain != "exact"):
-            given = "--believed-mu auto" if watch else f"--terrain-knowledge {terrain}"
+            given = "believed_mu: auto" if watch else f"--terrain-knowledge {terrain}"
             raise ProblemError(f"{given} goes with --planner convex")
-        if watch:
+        if isinstance(believed_mu, str):
             return Beliefs(ASSUMED, True, terrain)
-        told = mu if believed_mu is None else parsing.number("--believed-mu", believed_mu)
-        return Beliefs(parsing.friction("--believed-mu", told), False, terrain)
+        return Beliefs(mu if believed_mu is None else believed_mu, False, terrain)
 
     def ground(self, terrain: Terrain) -> Terrain:
         """Return the ground that the controller plans on."""

@@ -48,10 +48,9 @@ app = typer.Typer(
 for _command in (
     stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve,
     translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds, plan.plan, export.export,
-    warmup.warmup, doctor.doctor,
+    warmup.warmup, doctor.doctor, lab.lab,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(ungrouped(_command))
-app.add_typer(lab.app, name="lab")
 app.add_typer(bench.app, name="bench")
 
 

@@ -7,21 +7,20 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.console import show, table
 
 
 def model(
-    robot: shared.RobotName = None,
-    urdf: shared.Urdf = None,
-    feet: shared.FootFrames = None,
+    robot: options.RobotName = None,
+    feet: options.FootFrames = None,
     fixed_base: Annotated[bool, typer.Option("--fixed-base", help="Bolt the base to the world.")] = False,
-    as_json: shared.AsJson = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Print masses, joints and limits, feet, ranks of the contact Jacobian and the centroidal inertia."""
     from surefoot.cli.robots import load
 
-    show(describe(load(robot, urdf, feet, fixed_base=fixed_base or None)), as_json, _print)
+    show(describe(load(robot, feet, fixed_base=fixed_base or None)), as_json, _print)
     return 0
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from surefoot.arrays import real_number
 from surefoot.errors import ProblemError
@@ -66,30 +66,28 @@ def push(text: str) -> Push:
     return Push(start, (x, y, z), duration)
 
 
-def ice(text: str) -> Ice | IcePatch:
-    """Return the change of friction of "T:MU", or the patch of "X0,Y0,X1,Y1:MU".
+def ice(entry: Mapping[str, Any]) -> Ice | IcePatch:
+    """Return the change of friction of an entry of a scenario: from a time on, or in a rectangle.
 
-    >>> ice("1,-1,2,1:0.1")
+    >>> ice({"lower": (1.0, -1.0), "upper": (2.0, 1.0), "mu": 0.1})
     IcePatch(lower=(1.0, -1.0), upper=(2.0, 1.0), mu=0.1)
     """
     from surefoot.simulation.scenario import Ice, IcePatch
 
-    parts = text.split(":")
-    where = parts[0].split(",")
-    if len(parts) != 2 or len(where) not in (1, 4):
-        raise ProblemError(
-            f"--ice {text!r} is not of the form T:MU, e.g. 2:0.05, or X0,Y0,X1,Y1:MU, e.g. 1,-1,2,1:0.05"
-        )
-    mu = number("--ice", parts[1])
-    if len(where) == 4:
-        x0, y0, x1, y1 = (number("--ice", one) for one in where)
-        if x0 >= x1 or y0 >= y1 or not 0.0 <= mu <= MU_MAX:
-            raise ProblemError(f"--ice {text!r}: X0 must be < X1, Y0 < Y1 and MU between 0 and {MU_MAX:g}")
-        return IcePatch((x0, y0), (x1, y1), mu)
-    start = number("--ice", parts[0])
-    if start < 0.0 or not 0.0 <= mu <= MU_MAX:
-        raise ProblemError(f"--ice {text!r}: T must be >= 0 and MU between 0 and {MU_MAX:g}")
-    return Ice(start, mu)
+    keys = sorted(entry)
+    if keys == ["from", "mu"]:
+        return Ice(entry["from"], entry["mu"])
+    if keys == ["lower", "mu", "upper"]:
+        return IcePatch(entry["lower"], entry["upper"], entry["mu"])
+    raise ProblemError(f"ice takes from and mu, or lower, upper and mu, got {', '.join(keys)}")
+
+
+def dropout(text: str) -> tuple[float, float]:
+    """Return start and duration of "T:DURATION" [s]."""
+    start, colon, duration = text.partition(":")
+    if not colon:
+        raise ProblemError(f"--dropout is T:DURATION [s], got {text!r}")
+    return number("--dropout", start), number("--dropout", duration)
 
 
 def payload(text: str) -> tuple[float, tuple[float, float, float]]:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli import run_options as options
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.page import Table
@@ -32,11 +31,10 @@ def plan(
     amount: Annotated[
         float | None, typer.Argument(help="The task's number: a distance or height [m], a speed [m/s].")
     ] = None,
-    robot: Annotated[str | None, typer.Option(help="A known robot (default go2).")] = None,
-    urdf: shared.Urdf = None,
-    feet: shared.FootFrames = None,
-    method: Annotated[
-        str | None, typer.Option(help="The road; each task names its own, the recommended one is taken.")
+    robot: Annotated[str | None, typer.Option(help="A known robot (default go2), or a robot's file.")] = None,
+    feet: options.FootFrames = None,
+    road: Annotated[
+        str | None, typer.Option(help="schedule (or direct, of jumps); each task has its own.")
     ] = None,
     mu: options.Friction = 0.6,
     dt: Annotated[float | None, typer.Option(help="Length of a knot [s].")] = None,
@@ -62,13 +60,13 @@ def plan(
     found = find_task(task)
     if execute is not None and execute not in EXECUTORS:
         raise ProblemError(unknown_name("world of --execute", execute, EXECUTORS))
-    options.require(robot, urdf, ("pin", *(["mujoco"] if execute else [])), leaving)
-    who = _robot(robot, urdf, feet, found)
+    options.require(robot, ("pin", *(["mujoco"] if execute else [])), leaving)
+    who = _robot(robot, feet, found)
     numbers = {
-        "mu": mu, "dt": dt, "knots": knots, "method": method, "seed": seed, "max_iterations": max_iterations,
+        "mu": mu, "dt": dt, "knots": knots, "road": road, "seed": seed, "max_iterations": max_iterations,
     }  # fmt: skip
     with ends_softly() as stop:
-        search = _Search(console, leaving.as_json)
+        search = _Progress(console, leaving.as_json)
         made = search.run(who, task, amount, numbers)
         folder = new_run_folder(leaving.out, f"plan-{task}")
         executed = None if execute is None else _execute(made, execute, seed, folder)
@@ -78,20 +76,19 @@ def plan(
     return 0 if good else 1
 
 
-def _robot(name: str | None, urdf: Path | None, feet: str | None, task: Any) -> Any:
+def _robot(name: str | None, feet: str | None, task: Any) -> Any:
     """Return the robot that was asked for; None for the task's own."""
     from surefoot.cli.robots import load
 
-    if name is None and urdf is None:
-        return load(None, None, feet) if task.robots else None
     if not task.robots:
-        given = f"--robot {name}" if urdf is None else f"--urdf {urdf}"
-        raise ProblemError(f"the task {task.name} has a robot of its own: it takes no {given}")
-    return load(name, urdf, feet, feet_needed=True)
+        if name is not None:
+            raise ProblemError(f"the task {task.name} has a robot of its own: it takes no --robot {name}")
+        return None
+    return load(name, feet, feet_needed=True)
 
 
 @dataclass
-class _Search:
+class _Progress:
     """Runs the search, shows how it goes and keeps its iterations."""
 
     console: Any
@@ -147,7 +144,7 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
     return {
         "task": made.task,
         "robot": made.facts["robot"],
-        "method": made.method,
+        "road": made.road,
         "status": made.status.value,
         "goal": made.facts["goal"],
         "cost": made.cost,
@@ -202,7 +199,7 @@ def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
     """Return the tables of a plan."""
     rows = [
         ["status", facts["status"]],
-        ["method", facts["method"]],
+        ["road", facts["road"]],
         ["cost", f"{facts['cost']:.5g}"],
         ["law residual", f"{facts['law_residual']:.2e}"],
         ["iterations", str(facts["iterations"])],

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from surefoot.arrays import real_number
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import picture_folder
 from surefoot.cli.stance_input import StanceOptions
@@ -18,11 +18,11 @@ from surefoot.errors import ProblemError
 
 def region(
     *,
-    asked: StanceOptions,
+    stance: StanceOptions,
     tol: Annotated[float, typer.Option(help="Largest gap of the regions [m].")] = 1e-3,
-    out: shared.PictureOut = Path("runs"),
-    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the regions.")] = True,
-    as_json: shared.AsJson = False,
+    out: options.PictureOut = Path("runs"),
+    picture: options.Picture = True,
+    as_json: options.AsJson = False,
 ) -> int:
     """Draw where the centre of mass and the zero-moment point may be, and say where they differ and why.
 
@@ -31,7 +31,7 @@ def region(
     from surefoot.equilibrium.comparison import compare_regions
 
     real_number("--tol", tol, low=1e-9, high=1.0)
-    question = asked.asked().question
+    question = stance.case().question
     if not len(question.stance):
         raise ProblemError("the stance has no contacts: there is no region to draw")
     found = compare_regions(question.stance, question.com, question.mass, tol)

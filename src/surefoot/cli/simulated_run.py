@@ -13,10 +13,10 @@ from surefoot.audit import RunSummary
 from surefoot.cli import run_files
 from surefoot.cli.console import say
 from surefoot.cli.engine_warnings import engine_warnings
+from surefoot.cli.options import Leaving
 from surefoot.cli.output import to_json
 from surefoot.cli.page import Table
 from surefoot.cli.progress import progress_bar
-from surefoot.cli.run_options import Leaving
 from surefoot.cli.run_output import law_table
 from surefoot.cli.signals import ends_softly
 from surefoot.control.controller import Controller

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from surefoot.arrays import real_number
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.console import show
 
 if TYPE_CHECKING:  # the other commands need no compiled code
@@ -35,14 +35,13 @@ def solve(
         ),
     ] = 1e-8,
     max_time: Annotated[float, typer.Option(min=0.0, help="Bound on each solve [s].")] = math.inf,
-    json: shared.AsJson = False,
+    json: options.AsJson = False,
 ) -> int:
     """Solve the problems in files, contacts or LCPs, and print a certificate for each.
 
     Exit code 1 if one of them is not solved.
     """
-    from surefoot.contact import read_problem
-    from surefoot.contact.files import holds_lcp, read_lcp
+    from surefoot.contact.files import holds_lcp, read_lcp, read_problem
     from surefoot.contact.lcp import LCP
     from surefoot.errors import ProblemError, SolverNotFound, unknown_name
     from surefoot.solvers.lcp import lcp_solver_names
@@ -73,8 +72,9 @@ def solve(
 
 def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_time: float) -> dict[str, Any]:
     """Solve one contact problem; return its record."""
-    from surefoot.contact import redundancy, residuals
-    from surefoot.solvers import solve as solve_problem
+    from surefoot.contact import residuals
+    from surefoot.contact.diagnosis import redundancy
+    from surefoot.solvers.solver import solve as solve_problem
 
     found = solve_problem(problem, solver, tol, max_time=max_time)
     proof, rows = found.proof, redundancy(problem)

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.arrays import real_number
-from surefoot.cli import extras, parsing
-from surefoot.cli import shared_options as shared
-from surefoot.cli.robots import load
+from surefoot.cli import extras, options, parsing
+from surefoot.cli.robots import is_file, load
 from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Asked:
+class StanceCase:
     """What a command is about; robot and q are None for a stance file."""
 
     question: StanceQuestion
@@ -31,56 +30,48 @@ class Asked:
 class StanceOptions:
     """Which stance it is: of a file, or of a robot on a terrain."""
 
-    file: Annotated[Path | None, typer.Argument(help="A stance file (YAML); see docs/stance-files.md.")] = (
-        None
-    )
-    robot: Annotated[str | None, typer.Option(help="A known robot instead of a file.")] = None
-    urdf: shared.Urdf = None
-    feet: Annotated[str | None, typer.Option(help="Foot frames of the robot, comma-separated.")] = None
+    subject: Annotated[
+        str,
+        typer.Argument(
+            help="A stance file (YAML, see docs/files.md), or ROBOT: a name, a .urdf or an .xml.",
+            metavar="FILE|ROBOT",
+        ),
+    ]
+    feet: options.FootFrames = None
     slope: Annotated[float, typer.Option(help="Slope under the robot that rises along +x [deg].")] = 0.0
     mu: Annotated[float | None, typer.Option(help="Friction of every contact (robot: 0.6).")] = None
     lift: Annotated[str | None, typer.Option(help="Contacts that are in the air, comma-separated.")] = None
 
-    def asked(self) -> Asked:
-        """Return the stance of the file, or of the robot placed on the slope.
-
-        Raises
-        ------
-        ProblemError
-            If neither or both are given.
-        """
+    def case(self) -> StanceCase:
+        """Return the stance of the file, or of the robot placed on the slope."""
         if self.mu is not None:
             parsing.friction("--mu", self.mu)
         real_number("--slope", self.slope, low=-80.0, high=80.0)
-        named = self.robot is not None or self.urdf is not None
-        if (self.file is None) == (not named):
-            raise ProblemError("give a stance file, or --robot NAME, or --urdf FILE; exactly one")
-        return self._of_robot() if self.file is None else Asked(self._of_file(self.file))
+        path = Path(self.subject)
+        of_file = not is_file(self.subject) and (path.exists() or path.suffix or "/" in self.subject)
+        return StanceCase(self._of_file(path)) if of_file else self._of_robot()
 
     def _of_file(self, file: Path) -> StanceQuestion:
         from surefoot.stance import StanceQuestion, read_stance
 
-        if not str(file).strip("."):
-            raise ProblemError(f"no stance file at {str(file)!r}")
         if self.feet is not None or self.slope != 0.0:
-            raise ProblemError("--feet and --slope go with --robot or --urdf, not with a stance file")
+            raise ProblemError("--feet and --slope go with a robot, not with a stance file")
         said = read_stance(file)
         _check_sizes(said, file)
         stance = said.stance if self.mu is None else said.stance.with_friction(self.mu)
         stance = stance.without(*(parsing.names("--lift", self.lift) or []))
         return StanceQuestion(said.name, stance, said.mass, said.com, said.external_wrench)
 
-    def _of_robot(self) -> Asked:
+    def _of_robot(self) -> StanceCase:
         import numpy as np
 
         from surefoot.robot import place
         from surefoot.stance import StanceQuestion
         from surefoot.terrain import SlopeTerrain
 
-        named = self.robot if self.urdf is None else str(self.urdf.absolute())
-        extras.require(extras.robot_packages(named))
+        extras.require(extras.robot_packages(self.subject))
         terrain = SlopeTerrain(self.slope)
-        robot = load(self.robot, self.urdf, self.feet)
+        robot = load(self.subject, self.feet)
         q = place(robot, terrain)
         stance = robot.stance(q, mu=0.6 if self.mu is None else self.mu, terrain=terrain)
         lifted = [robot.foot(n).name for n in parsing.names("--lift", self.lift) or []]
@@ -90,7 +81,7 @@ class StanceOptions:
         if lifted:
             title += f", {', '.join(lifted)} lifted"
         stance = stance.without(*lifted)
-        return Asked(StanceQuestion(title, stance, robot.mass, robot.com(q), np.zeros(6)), robot, q)
+        return StanceCase(StanceQuestion(title, stance, robot.mass, robot.com(q), np.zeros(6)), robot, q)
 
 
 def _check_sizes(question: StanceQuestion, file: Path) -> None:

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import typer
 
 from surefoot.arrays import real_number
-from surefoot.cli import run_options as options
-from surefoot.cli import shared_options as shared
-from surefoot.cli import world_options as worlds
+from surefoot.cli import options, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.robots import load
+from surefoot.cli.scenario_file import FAULTS, STAND_KEYS, ScenarioFile
 from surefoot.errors import ProblemError
 from surefoot.simulation.worlds import WORLDS
 
@@ -25,21 +23,17 @@ SHORTEST = 0.1
 
 def stand(
     *,
-    robot: shared.RobotName = None,
-    urdf: shared.Urdf = None,
-    feet: shared.FootFrames = None,
+    robot: options.RobotName = None,
+    feet: options.FootFrames = None,
     mu: options.Friction = 0.6,
     slope: Annotated[float, typer.Option(help="Slope that rises along +x [deg].")] = 0.0,
-    facets: shared.Facets = "exact",
-    fit: shared.Fit = "inner",
-    solver: Annotated[str, typer.Option(help="Solver that shares the wrench among the feet.")] = "auto",
     duration: options.Duration = 5.0,
     payload: options.Payload = "0",
     push: options.Pushes = None,
-    ice: options.IcePatches = None,
     lift: Annotated[list[str] | None, typer.Option(help="FOOT:T0:T1, foot in the air; repeatable.")] = None,
     seed: options.Seed = None,
-    physics: worlds.Physics,
+    obeyed: options.Physics,
+    scenario: options.ScenarioPath = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
     leaving: options.Leaving,
 ) -> int:
@@ -50,19 +44,22 @@ def stand(
     from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.control.standing import StandingController
+    from surefoot.simulation.faults import Faults
     from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 
     console = plain_console(quiet=leaving.as_json)
     options.check_numbers(mu, duration, SHORTEST, seed)
     carried = parsing.payload(payload)
-    told = physics.settings(mu)
-    scenario = options.scenario_of(duration, mu, push, ice, seed, depth=START_DEPTH, fall=STANDING_FALL)
+    said = ScenarioFile.read(scenario, STAND_KEYS)
+    settings = physics.world_settings(obeyed, said, mu)
+    faults = Faults(0.0, said.delay, said.weak_joint, said.torque_loss) if FAULTS & {*said.given} else None
+    more: dict[str, Any] = {"depth": START_DEPTH, "fall": STANDING_FALL, "faults": faults}
+    happens = options.scenario_of(duration, mu, push, seed, said, **more)
     lifts = parsing.each(parsing.lift, lift)
     parsing.within_run("--lift", lift, [one.start for one in lifts], duration)
-    sides = parsing.facets(facets)
-    options.require(robot, urdf, WORLDS[physics.world][1], leaving)
-    setup = model, terrain, q, plan = _set_up(robot, urdf, feet, slope, lifts)
-    allocation = _allocation(setup, mu, sides, fit, solver)
+    options.require(robot, WORLDS[obeyed.world][1], leaving)
+    setup = model, terrain, q, plan = _set_up(robot, feet, slope, lifts)
+    allocation = _allocation(setup, mu, said)
     with plain_console(stderr=True, quiet=leaving.as_json).status(
         "asking whether it can stand (a first run compiles)"
     ):
@@ -74,10 +71,10 @@ def stand(
             print(to_json({**named, "stood": False, "outcome": "impossible", "statics": statics}))
         return 1
     controller = StandingController(model, plan, terrain, q, mu, allocation=allocation)
-    world = worlds.build_world(physics.world, model, terrain, mu, carried, told, console)
+    world = physics.build_world(obeyed.world, model, None, terrain, mu, carried, settings, console)
     folder = new_run_folder(leaving.out, f"stand-{model.name}")
     run = SimulatedRun(model, terrain, folder, leaving, console)
-    return run.carry_out(world, controller, replace(scenario, start=q), _account(statics))
+    return run.carry_out(world, controller, replace(happens, start=q), _account(statics))
 
 
 class _Setup(NamedTuple):
@@ -89,13 +86,13 @@ class _Setup(NamedTuple):
     plan: Any
 
 
-def _set_up(name: str | None, urdf: Path | None, feet: str | None, slope: float, lifts: list[Any]) -> _Setup:
+def _set_up(name: str | None, feet: str | None, slope: float, lifts: list[Any]) -> _Setup:
     """Return the robot in its stance, or raise for what cannot be."""
     from surefoot.control.standing_plan import StandingPlan
     from surefoot.robot import place
     from surefoot.terrain import FlatTerrain, SlopeTerrain
 
-    robot = load(name, urdf, feet, feet_needed=True)
+    robot = load(name, feet, feet_needed=True)
     if robot.feet and sum(len(foot.centres) for foot in robot.feet) < 3:
         count = len(robot.feet)
         raise ProblemError(f"{robot.name} cannot stand still: {count} point feet span no area to stand on")
@@ -105,12 +102,11 @@ def _set_up(name: str | None, urdf: Path | None, feet: str | None, slope: float,
     return _Setup(robot, terrain, q, StandingPlan(robot, terrain, q, lifts))
 
 
-def _allocation(setup: _Setup, mu: float, facets: int | None, fit: str, solver: str) -> Any:
+def _allocation(setup: _Setup, mu: float, said: ScenarioFile) -> Any:
     """Return how forces are shared; None for the default, exact cones."""
     from surefoot.cones.polyhedral import checked_fit
 
-    side = checked_fit(fit)
-    if facets is None and solver in ("auto", "distribution"):
+    if said.facets is None and said.solver in ("auto", "distribution"):
         return None
     import numpy as np
 
@@ -119,7 +115,9 @@ def _allocation(setup: _Setup, mu: float, facets: int | None, fit: str, solver: 
 
     points = sum(len(foot.centres) for foot in setup.robot.feet)
     weights = wrench_weights(setup.robot, setup.q)
-    return SolverAllocation(np.full(points, mu), weights, FORCE_WEIGHT, solver, facets, side)
+    return SolverAllocation(
+        np.full(points, mu), weights, FORCE_WEIGHT, said.solver, said.facets, checked_fit(said.fit)
+    )
 
 
 def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -> list[dict[str, Any]]:
@@ -130,7 +128,7 @@ def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -
     import numpy as np
 
     from surefoot.cli.stand_output import statics_line
-    from surefoot.equilibrium import can_stand, friction_needed
+    from surefoot.equilibrium.statics import can_stand, friction_needed
     from surefoot.spatial import rotation_from_quaternion
 
     robot, plan = setup.robot, setup.plan

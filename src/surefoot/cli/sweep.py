@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from surefoot.cli import options
 from surefoot.cli.console import plain_console, say, show, table
 from surefoot.cli.progress import progress_bar
 from surefoot.cli.signals import INTERRUPTED, ends_softly
@@ -16,7 +17,7 @@ from surefoot.errors import ProblemError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from surefoot.sweep import SweepResult
+    from surefoot.sweep import SweepConfig, SweepResult
     from surefoot.sweep.survival import Margin
 
 SHOWN = 6
@@ -37,8 +38,8 @@ def sweep(
     over: Annotated[
         list[str] | None, typer.Option(help="Print results' medians over this parameter too; repeatable.")
     ] = None,
-    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw survival maps.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    picture: options.Picture = True,
+    as_json: options.AsJson = False,
 ) -> int:
     """Run an experiment over samples of ranges, write a Parquet table, and draw what survives.
 
@@ -68,13 +69,13 @@ def sweep(
     if picture:
         facts["pictures"], note = _draw(result)
         facts["notes"] += [note] if note else []
-    show(facts, as_json, partial(_print, found=found, over=over or []))
+    show(facts, as_json, partial(_print, config=result.config, found=found, over=over or []))
     return 1 if facts["errors"] or facts["crashed"] else 0
 
 
 def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
     """Return what --json prints, and survival over each parameter."""
-    from surefoot.sweep.survival import counts, margins, medians, wilson
+    from surefoot.sweep.survival import counts, margins, wilson
 
     config, number = result.config, counts(result.config, result.table)
     found = sorted(margins(config, result.table), key=lambda m: -m.effect())
@@ -94,9 +95,7 @@ def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
         "parameters": {
             m.name: [
                 {"bin": name, "samples": int(n), **vars(share), "medians": middle}
-                for name, n, share, middle in zip(
-                    m.labels, m.counts, m.shares(), medians(config, result.table, m.name), strict=True
-                )
+                for name, n, share, middle in zip(m.labels, m.counts, m.shares(), m.medians, strict=True)
             ]
             for m in found
         },
@@ -107,7 +106,7 @@ def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
         "folder": str(result.folder),
         "table": str(result.path),
         "pictures": [],
-        "notes": list(result.notes),
+        "notes": [],
     }, found
 
 
@@ -140,18 +139,18 @@ def _draw(result: SweepResult) -> tuple[list[str], str]:
     return [str(p) for p in draw_sweep(result.config, result.table, result.folder)], ""
 
 
-def _print(console: Console, facts: dict[str, Any], found: list[Margin], over: list[str]) -> None:
-    from surefoot.viz.sweep_plots import label
-
+def _print(
+    console: Console, facts: dict[str, Any], config: SweepConfig, found: list[Margin], over: list[str]
+) -> None:
     for margin in found[:SHOWN]:
         rows = [
             (name, f"{count}", f"{share.value:.3f}", f"{share.low:.3f} to {share.high:.3f}")
             for name, count, share in zip(margin.labels, margin.counts, margin.shares(), strict=True)
         ]
-        title = f"{facts['goal']} over {label(margin.name)}"
+        title = f"{facts['goal']} over {config.label(margin.name)}"
         console.print(table(("", "samples", "share", "95 % interval"), rows, title))
     for name in over:
-        console.print(_medians_table(name, facts))
+        console.print(_medians_table(config, name, facts))
     results = [
         (name, *(f"{values[part]:.4g}" for part in ("median", "p5", "p95")))
         for name, values in facts["results"].items()
@@ -161,17 +160,15 @@ def _print(console: Console, facts: dict[str, Any], found: list[Margin], over: l
     say(console, *_lines(facts))
 
 
-def _medians_table(name: str, facts: dict[str, Any]) -> Any:
+def _medians_table(config: SweepConfig, name: str, facts: dict[str, Any]) -> Any:
     """Return the table of results' medians over a parameter."""
-    from surefoot.viz.sweep_plots import label
-
     bins = facts["parameters"][name]
     results = [column for column in facts["results"] if any(b["medians"][column] is not None for b in bins)]
     rows = []
     for b in bins:
         values = (b["medians"][column] for column in results)
         rows.append((b["bin"], f"{b['samples']}", *("" if v is None else f"{v:.3g}" for v in values)))
-    return table(("", "samples", *results), rows, f"Medians over {label(name)}", overflow="fold")
+    return table(("", "samples", *results), rows, f"Medians over {config.label(name)}", overflow="fold")
 
 
 def _lines(facts: dict[str, Any]) -> list[str]:

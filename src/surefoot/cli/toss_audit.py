@@ -14,7 +14,7 @@ from surefoot.cli.page import Table, report_sections, write_page
 from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
-    from surefoot.estimation import TossAudit
+    from surefoot.estimation.toss_audit import TossAudit
 
 MOST = 20
 """Rows of a table on the screen and on the page; the JSON has all."""
@@ -24,7 +24,8 @@ def audit_toss_file(
     path: Path, mu: float | None, options: Mapping[str, object], out: Path | None, as_json: bool
 ) -> int:
     """Audit a file of tosses, say what was found and return the exit code."""
-    from surefoot.estimation import audit_tosses, read_tosses
+    from surefoot.estimation.toss_audit import audit_tosses
+    from surefoot.estimation.tosses import read_tosses
 
     given = [name for name, value in options.items() if value is not None]
     if given:

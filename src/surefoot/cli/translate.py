@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from surefoot.cli import options
 from surefoot.cli.console import show, table
 from surefoot.errors import ProblemError
 
@@ -36,7 +37,7 @@ def translate(
     keep: Annotated[str, typer.Option(help="motion or rest, where both cannot be kept.")] = "motion",
     impedance: Annotated[float, typer.Option(help="MuJoCo's d, where MuJoCo is wanted.")] = 1e-3,
     prove: Annotated[bool, typer.Option("--prove", help="Run the wanted engine, if it is here.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Print a contact's parameters as another simulator takes them, what agrees and what is lost."""
     from surefoot.contact.engines import combination_rules

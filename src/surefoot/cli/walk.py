@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from surefoot.arrays import real_number
 from surefoot.cli import command_options as wires
-from surefoot.cli import estimators, knowledge, live
-from surefoot.cli import mjcf_options as files
-from surefoot.cli import run_options as options
-from surefoot.cli import shared_options as shared
-from surefoot.cli import world_options as worlds
+from surefoot.cli import estimators, knowledge, live, options, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
+from surefoot.cli.robots import load
+from surefoot.cli.scenario_file import WALK_KEYS, ScenarioFile
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.simulation.worlds import WORLDS
 
@@ -27,52 +22,48 @@ SHORTEST = 0.5
 
 def walk(
     *,
-    robot: shared.RobotName = None,
-    urdf: shared.Urdf = None,
-    mjcf: files.Mjcf = None,
-    feet: shared.FootFrames = None,
+    robot: options.RobotName = None,
+    feet: options.FootFrames = None,
     gait: Annotated[
         str | None,
         typer.Option(
             help="stand, trot, walk, pace, bound, flying_trot (on two feet stand, walk), auto (by speed), "
-            "or one in --gait-file; None for trot, on two feet walk."
+            "or one of the scenario's gait_file; None for trot, on two feet walk."
         ),
     ] = None,
-    gait_file: Annotated[Path | None, typer.Option(help="Gaits in OCS2's format.")] = None,
-    period: Annotated[float | None, typer.Option(help="Length of a cycle of the gait [s].")] = None,
     planner: Annotated[
         str, typer.Option(help="convex, which follows the gait, or contact-implicit, which takes none.")
     ] = "convex",
     velocity: Annotated[
         str, typer.Option(help="VX,VY,WZ: forward, left [m/s], yaw rate [rad/s].")
     ] = "0.5,0,0",
-    velocity_file: Annotated[
-        Path | None, typer.Option(help="Lines of 'time vx vy yaw_rate' instead of --velocity.")
-    ] = None,
     terrain: Annotated[
         str,
         typer.Option(
             help="flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT or pit:START,LENGTH,DEPTH [m]."
         ),
     ] = "flat",
-    mu: options.Friction = 0.6,
-    believed_mu: knowledge.BelievedMu = None,
     terrain_knowledge: knowledge.TerrainKnowledge = "exact",
+    mu: options.Friction = 0.6,
     push: options.Pushes = None,
-    ice: options.IcePatches = None,
     payload: options.Payload = "0",
-    estimator: estimators.EstimatorName = "inekf",
-    noise: estimators.Noise = None,
-    delay: Annotated[float, typer.Option(help="Delay of the commands [s].")] = 0.0,
-    latency: wires.Latency = "auto",
-    commands: wires.Commands = "torques",
-    control_rate: wires.ControlRate = 1000.0,
-    dropout: wires.Dropouts = None,
+    dropout: Annotated[
+        list[str] | None, typer.Option(help="T:DURATION without a fresh state [s]; repeatable.")
+    ] = None,
+    commands: Annotated[
+        str, typer.Option(help="torques, or targets: joint angles, speeds, gains and torques for the drives.")
+    ] = "torques",
+    obeyed: options.Physics,
     duration: options.Duration = 10.0,
     seed: options.Seed = None,
-    physics: worlds.Physics,
-    substeps: worlds.Substeps = None,
-    view: live.View = False,
+    scenario: options.ScenarioPath = None,
+    view: Annotated[
+        bool,
+        typer.Option(
+            "--view",
+            help="Show the walk in a window, in real time; arrows or WASD, Q, E, space and a gamepad steer.",
+        ),
+    ] = False,
     leaving: options.Leaving,
 ) -> int:
     """Let a robot walk in simulation and account for every contact force.
@@ -88,59 +79,107 @@ def walk(
     if view:
         live.check(planner)
     options.check_numbers(mu, duration, SHORTEST, seed)
-    carried = parsing.payload(payload)
-    belief = knowledge.Beliefs.read(believed_mu, mu, terrain_knowledge, planner)
-    sensors, level = estimators.sensors_of(estimator, noise)
-    real_number("--delay", delay, low=0.0, high=1.0)
-    told = physics.settings(mu, substeps)
-    files.check(mjcf, physics.world, told)
+    carried, dropouts = parsing.payload(payload), parsing.each(parsing.dropout, dropout)
+    said = ScenarioFile.read(scenario, WALK_KEYS)
+    belief = knowledge.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
+    sensors, level = estimators.sensors_of(said.estimator, said.noise)
+    file = robot if physics.is_world(robot, obeyed.world) else None
+    settings = physics.world_settings(obeyed, said, mu, file)
     ground = parsing.terrain(terrain)
-    if physics.world == "mujoco" and mjcf is None:
-        told.setdefault("substeps", substeps_of(ground, terrain_knowledge))
-    command = _command(velocity, velocity_file)
-    wired = wires.wiring(commands, control_rate, latency, dropout)
-    parsing.within_run("--dropout", dropout, [start for start, _ in wired.dropouts], duration)
-    faults = Faults(noise=level, delay=delay, dropouts=wired.dropouts)
-    scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, **belief.senses(sensors))
-    options.require(robot, urdf, WORLDS[physics.world][1], leaving)
-    model, motors = files.robot_and_motors(mjcf, robot, urdf, feet, physics.actuators)
-    given = gait, gait_file, period
-    asked = _Asked(model, belief.ground(ground), given, command, belief, motors, wired)
-    controller = _planner(planner)(asked)
+    if obeyed.world == "mujoco" and file is None:
+        settings.setdefault("substeps", substeps_of(ground, terrain_knowledge))
+    command = _command(velocity, said)
+    wired = wires.wiring(commands, dropouts, said)
+    parsing.within_run("--dropout", dropout, [start for start, _ in dropouts], duration)
+    faults = Faults(level, said.delay, said.weak_joint, said.torque_loss, dropouts=wired.dropouts)
+    happens = options.scenario_of(duration, mu, push, seed, said, faults=faults, **belief.senses(sensors))
+    options.require(robot, WORLDS[obeyed.world][1], leaving)
+    model = load(robot, feet, feet_needed=True)
+    motors = obeyed.actuators if file is None else _file_motors(model)
+    task = _Task(model, belief.ground(ground), gait, said, command, belief, motors, wired)
+    controller = _controller(planner, task)
     q = _start(model, ground, mu)
-    world = (
-        worlds.build_world(physics.world, model, ground, mu, carried, told, console)
-        if mjcf is None
-        else files.file_world(mjcf, model, ground, mu, carried, told)
-    )
+    world = physics.build_world(obeyed.world, model, file, ground, mu, carried, settings, console)
     say(console, *controller.facts.get("notes", ()))
     folder = new_run_folder(leaving.out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, leaving, console)
     watching = live.watching(model, ground, controller) if view else []
-    return run.carry_out(world, controller, replace(scenario, start=q), _account(), watching)
+    return run.carry_out(world, controller, replace(happens, start=q), _account(), watching)
 
 
-def _planner(name: str) -> Callable[[_Asked], Any]:
-    """Return who makes the controller of a planner's name."""
+class _Task(NamedTuple):
+    """What a controller is made for; `gait` is a name, None where nothing is said."""
+
+    robot: Any
+    ground: Any
+    gait: str | None
+    said: ScenarioFile
+    command: Any
+    belief: knowledge.Beliefs
+    actuators: Any
+    wired: wires.Wiring
+
+
+def _controller(planner: str, task: _Task) -> Any:
+    """Return the controller of a planner's name."""
     planners = {"convex": _convex, "contact-implicit": _contact_implicit}
-    if name not in planners:
-        raise ProblemError(unknown_name("--planner", name, planners))
-    return planners[name]
+    if planner not in planners:
+        raise ProblemError(unknown_name("--planner", planner, planners))
+    return planners[planner](task)
 
 
-def _schedule(robot: Any, gait: str, file: Path | None, period: float | None) -> Any:
+def _convex(task: _Task) -> Any:
+    """Return the controller that follows a gait."""
+    from surefoot.control.actuators import actuators_of
+    from surefoot.control.walkers import default_gait, walking_controller
+
+    robot, belief = task.robot, task.belief
+    schedule = _schedule(robot, task.gait or default_gait(robot), task.said)
+    _check_steps(robot, schedule, task.command)
+    controller = walking_controller(
+        robot, task.command, schedule, task.ground, belief.mu, actuators_of(robot, task.actuators),
+        task.wired.dt, watch_friction=belief.watch,
+    )  # fmt: skip
+    return task.wired.around(controller, robot)
+
+
+def _contact_implicit(task: _Task) -> Any:
+    """Return the controller that takes no gait."""
+    from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+    from surefoot.simulation.actuated import equipped
+
+    if task.gait not in (None, "trot") or task.said.gait_file is not None or task.said.period is not None:
+        raise ProblemError("--planner contact-implicit takes no --gait, gait_file or period")
+    if not task.wired.plain:
+        raise ProblemError(
+            "--planner contact-implicit takes no --commands, --dropout, control_rate or latency"
+        )
+    robot, settings = equipped(task.robot, task.actuators)[0], MpcSettings(mu=task.belief.mu)
+    return ContactImplicitMpc(robot, task.command, task.ground, settings)
+
+
+def _file_motors(robot: Any) -> Any:
+    """Return what an MJCF file says of its motors."""
+    from surefoot.control.actuators import told_actuators
+
+    return told_actuators(robot)
+
+
+def _schedule(robot: Any, gait: str, said: ScenarioFile) -> Any:
     """Return a gait's name, or the schedule of a file."""
     from surefoot.control.gait import Gait
     from surefoot.control.gait_files import read_gaits
     from surefoot.control.gait_library import named_gait
 
-    if file is None:
-        return gait if period is None else named_gait(gait, len(robot.feet), period=period)
-    gaits = read_gaits(file, len(robot.feet))
+    if said.gait_file is None:
+        return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)
+    gaits = read_gaits(said.gait_file, len(robot.feet))
     if gait not in gaits:
-        raise ProblemError(unknown_name(f"gait in {file}", gait, gaits))
+        raise ProblemError(unknown_name(f"gait in {said.gait_file}", gait, gaits))
     schedule = gaits[gait]
-    return schedule.scaled(period) if period is not None and isinstance(schedule, Gait) else schedule
+    return (
+        schedule.scaled(said.period) if said.period is not None and isinstance(schedule, Gait) else schedule
+    )
 
 
 def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
@@ -152,54 +191,14 @@ def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
         raise ProblemError(f"gait {name!r} takes no steps: it goes with --velocity 0")
 
 
-def _command(velocity: str, file: Path | None) -> Any:
+def _command(velocity: str, said: ScenarioFile) -> Any:
+    """Return the commanded velocity over time."""
     from surefoot.cli import parsing
     from surefoot.control.walking_body import VelocityCommand
 
-    return (
-        VelocityCommand.constant(*parsing.velocity(velocity)) if file is None else VelocityCommand.read(file)
-    )
-
-
-class _Asked(NamedTuple):
-    """What a controller is made for; `gait` is a name, a file and a period, None where nothing is said."""
-
-    robot: Any
-    ground: Any
-    gait: tuple[str | None, Path | None, float | None]
-    command: Any
-    belief: knowledge.Beliefs
-    actuators: Any
-    wired: wires.Wiring
-
-
-def _convex(asked: _Asked) -> Any:
-    """Return the controller that follows a gait."""
-    from surefoot.control.actuators import actuators_of
-    from surefoot.control.walkers import default_gait, walking_controller
-
-    robot, belief, (name, file, period) = asked.robot, asked.belief, asked.gait
-    schedule = _schedule(robot, default_gait(robot) if name is None else name, file, period)
-    _check_steps(robot, schedule, asked.command)
-    controller = walking_controller(
-        robot, asked.command, schedule, asked.ground, belief.mu, actuators_of(robot, asked.actuators),
-        asked.wired.dt, watch_friction=belief.watch,
-    )  # fmt: skip
-    return asked.wired.around(controller, robot)
-
-
-def _contact_implicit(asked: _Asked) -> Any:
-    """Return the controller that takes no gait."""
-    from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
-    from surefoot.simulation.actuated import equipped
-
-    if asked.gait not in ((None, None, None), ("trot", None, None)):
-        raise ProblemError("--planner contact-implicit takes no --gait, --gait-file or --period")
-    if not asked.wired.plain:
-        told = "--commands, --control-rate, --latency or --dropout"
-        raise ProblemError(f"--planner contact-implicit takes no {told}")
-    robot, settings = equipped(asked.robot, asked.actuators)[0], MpcSettings(mu=asked.belief.mu)
-    return ContactImplicitMpc(robot, asked.command, asked.ground, settings)
+    if said.velocity_file is not None:
+        return VelocityCommand.read(said.velocity_file)
+    return VelocityCommand.constant(*parsing.velocity(velocity))
 
 
 def _start(robot: Any, ground: Any, mu: float) -> Any:

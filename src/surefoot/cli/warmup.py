@@ -8,10 +8,9 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
+from surefoot.cli import options
 from surefoot.cli.compiling import silent
 from surefoot.cli.console import say, show, table
 from surefoot.cli.progress import progress_bar
@@ -28,7 +27,7 @@ COM, MASS, MU = (0.0, 0.0, 0.3), 16.0, 0.6
 
 
 def warmup(
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Compile everything that the commands need, once per machine, and say where it is kept.
 
@@ -112,8 +111,9 @@ def _problems() -> Iterator[ContactProblem]:
 
 
 def _solve() -> None:
-    from surefoot.contact import ContactProblem, contact_sets, redundancy
-    from surefoot.solvers import solve
+    from surefoot.contact import ContactProblem, contact_sets
+    from surefoot.contact.diagnosis import redundancy
+    from surefoot.solvers.solver import solve
 
     for problem in _problems():
         found = solve(problem)
@@ -156,17 +156,17 @@ def _forces() -> None:
 
 
 def _statics() -> None:
-    from surefoot import equilibrium
+    from surefoot.equilibrium import regions, statics
     from surefoot.stance import PointContact, Stance
 
     stance = _stance()
     walls = Stance([PointContact([x, 0.0, 0.5], normal=[-x / abs(x), 0.0, 0.0], mu=0.9) for x in (-0.3, 0.3)])
     for each, com in ((stance, COM), (stance, (1.0, 0.0, 0.3)), (walls, (0.0, 0.0, 0.5))):
-        equilibrium.can_stand(each, com, MASS)
-        equilibrium.friction_needed(each, com, MASS)
-    equilibrium.com_region(stance, MASS)
-    equilibrium.support_polygon(stance)
-    equilibrium.zmp_region(stance, COM, MASS)
+        statics.can_stand(each, com, MASS)
+        statics.friction_needed(each, com, MASS)
+    regions.com_region(stance, MASS)
+    regions.support_polygon(stance)
+    regions.zmp_region(stance, COM, MASS)
 
 
 def _cones() -> None:
@@ -180,10 +180,10 @@ def _cones() -> None:
 def _identify() -> None:
     import numpy as np
 
-    from surefoot.estimation import Cube
     from surefoot.estimation.cube_model import CubeModel
     from surefoot.estimation.ground_plane import Plane
     from surefoot.estimation.toss_model import Scene
+    from surefoot.estimation.tosses import Cube
     from surefoot.spatial import GRAVITY
 
     start = np.zeros((1, 13))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from surefoot.cli import options
 from surefoot.cli.console import plain_console, table
 from surefoot.cli.output import check_out, to_json
 from surefoot.errors import MissingExtra, ProblemError, unknown_name
@@ -14,9 +15,9 @@ from surefoot.errors import MissingExtra, ProblemError, unknown_name
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from surefoot.simulation.experiments import Experiment, Outcome
+    from surefoot.simulation.experiments import Outcome
 
-NAMES = "drop, bounce, slide, stick, tip, spin, roll, stack, stand, trot, friction, harden, solref"
+NAMES = "drop, bounce, slide, stick, tip, spin, roll, stand, trot, friction"
 
 
 def worlds(
@@ -27,7 +28,7 @@ def worlds(
     dt: Annotated[float, typer.Option(help="Step; it is doubled and halved for its error [s].")] = 1e-3,
     out: Annotated[Path, typer.Option(help="Parent of the new folder with a picture each.")] = Path("runs"),
     pictures: Annotated[bool, typer.Option("--pictures/--no-pictures", help="Draw them.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Run the same experiments in every world that is here and hold them against closed forms.
 
@@ -53,7 +54,6 @@ def worlds(
     check_out(out if pictures else None)
     status = plain_console(stderr=True, quiet=as_json)
     outcomes = []
-    _check_doable(chosen, here)
     for experiment in chosen:
         with status.status(f"{experiment.name} (a first run compiles)") as line:
             outcomes.append(carry_out(experiment, here, dt, line.update))
@@ -74,14 +74,6 @@ def worlds(
         print(to_json(facts))
     console.print(_headline(outcomes, agrees))
     return 0 if agrees else 1
-
-
-def _check_doable(chosen: list[Experiment], here: list[str]) -> None:
-    """Refuse experiments none of which is for any of the worlds: nothing would be run, and nothing shown."""
-    if not any(experiment.takes(name) for experiment in chosen for name in here):
-        names = ", ".join(dict.fromkeys(name for experiment in chosen for name in experiment.worlds or ()))
-        asked = ", ".join(experiment.name for experiment in chosen)
-        raise ProblemError(f"{asked} cannot be run in {', '.join(here)}, only in {names}")
 
 
 def _headline(outcomes: list[Outcome], agrees: bool) -> str:
@@ -107,17 +99,8 @@ def _print(outcome: Outcome, console: Console) -> None:
         header = ("quantity", "closed form", "world", "value", "off by", "step error", "tolerance", "")
         title = f"{outcome.experiment.name}: {outcome.experiment.says}"
         console.print(table(header, rows, title, left=("quantity", "world", "")))
-    for world, seen in outcome.seen.items():
-        if seen.table:
-            lines = ([f"{value:.4g}" for value in line.values()] for line in seen.table)
-            console.print(table(list(seen.table[0]), lines, f"in {world}", left=0))
-        if seen.note:
-            console.print(f"{world}: {seen.note}")
     for world, why in outcome.failures.items():
         console.print(f"{outcome.experiment.name} in {world}: {why}")
-    for world in outcome.left_out:
-        only = ", ".join(outcome.experiment.worlds or ())
-        console.print(f"{outcome.experiment.name}: not run in {world}, only in {only}")
 
 
 def _draw(outcomes: list[Outcome], out: Path, console: Console) -> list[str]:
@@ -144,7 +127,5 @@ def _facts(outcome: Outcome) -> dict[str, Any]:
         "compares": experiment.compares,
         "agrees": outcome.agrees,
         "rows": [row.as_dict() for row in outcome.rows],
-        "besides": {w: {"table": s.table, "note": s.note} for w, s in outcome.seen.items() if s.table},
         "failures": outcome.failures,
-        "left_out": outcome.left_out,
     }

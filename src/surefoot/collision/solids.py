@@ -64,7 +64,8 @@ class Geometry:
     apart
         Pairs of indices into `solids`, the smaller one first, that are never tested: neighbours in a robot.
     combine
-        How the coefficients of two surfaces make those of a contact, see `sf.combination_rules`.
+        How the coefficients of two surfaces make those of a contact, see
+        `surefoot.contact.engines.combination_rules`.
     propagation
         Whether impacts run from body to body one after the other, as in Newton's cradle; else Newton's law
         holds for all contacts at once.

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.gait import SAME_TIME, ContactSchedule
+from surefoot.control.contact_schedule import SAME_TIME, ContactSchedule
 from surefoot.control.leg_demand import Pace
 
 STANCE_STEP, AIR_STEP, OFFSET_STEP = 1.35, 1.15, 0.07
@@ -31,11 +31,8 @@ UNFIT = 1.1
 """A cycle is not fit for a speed if its feet would carry this much longer than they should there."""
 AHEAD = 0.6
 """Stances are remembered that ended less than this ago [s]."""
-FIRST_LIFT, AFTER_HOLD = 0.02, 0.15
-"""A foot at rest lifts no sooner than this after a walk is wanted again [s], and where feet were held on the
-ground none waits for longer than this."""
-ALONE = 10.0
-"""A foot that lifts alone is expected back after this time, until it is told to land [s]."""
+FIRST_LIFT = 0.02
+"""A foot at rest lifts no sooner than this after a walk is wanted again [s]."""
 EARLIER = 0.25
 """Feet that would lift so much earlier than a leading one wait for a cycle, as a share of it."""
 LEAST_AIR = 0.95
@@ -72,7 +69,7 @@ Choose = Callable[[FloatArray, str], Stride]
 
 
 class AdaptiveGait(ContactSchedule):
-    """A schedule that follows the speed; call `update` with rising times.
+    """A schedule that follows the speed; call `follow` with rising times.
 
     Parameters
     ----------
@@ -93,6 +90,8 @@ class AdaptiveGait(ContactSchedule):
         The newest cycle's, and the one that suits the velocity that is `asked` for, (3,) [m/s, m/s, rad/s].
     """
 
+    adapts = True
+
     def __init__(self, name: str, choose: Choose, first: Stride) -> None:
         self.name, self.feet = name, len(first.offset)
         self._choose, self._first = choose, first
@@ -105,7 +104,7 @@ class AdaptiveGait(ContactSchedule):
         self._stances: list[list[list[float]]] = [[[-math.inf, math.inf]] for _ in range(self.feet)]
         self.asked = np.zeros(3)
         self._next = 0.0
-        self._resting, self.held, self.leading, self._stood = True, False, 0, False
+        self._resting, self.held, self.leading = True, False, 0
         if self._first.moving:
             self._begin(0.0)
 
@@ -115,16 +114,31 @@ class AdaptiveGait(ContactSchedule):
         return self.stride.pace
 
     @property
-    def period(self) -> float:
+    def period(self) -> float:  # type: ignore[override]
         """Length of the newest cycle [s]."""
         return self.stride.pace.period
 
     @property
-    def stance_time(self) -> float:
+    def stance_time(self) -> float:  # type: ignore[override]
         """Time that a foot carries in the newest cycle [s]."""
         return self.stride.pace.stance_time
 
-    def update(self, time: float, velocity: FloatArray) -> None:
+    @property
+    def clearance(self) -> float:  # type: ignore[override]
+        """Height of the newest cycle's swings [m]."""
+        return self.stride.pace.clearance
+
+    @property
+    def in_step(self) -> bool:  # type: ignore[override]
+        """Whether the stride that is wanted is in step with the ground."""
+        return self.wanted.in_step
+
+    @property
+    def coming_period(self) -> float:
+        """Length of the cycle that is wanted [s]."""
+        return self.wanted.pace.period
+
+    def follow(self, time: float, velocity: FloatArray) -> None:
         """Follow a (3,) velocity [m/s, m/s, rad/s] at a time [s]: cycles that are not made yet fit it."""
         self._forget_phases()
         self.wanted, self.asked = self._choose(velocity, self.wanted.name), velocity
@@ -143,29 +157,18 @@ class AdaptiveGait(ContactSchedule):
             return
         self._make(time + SAME_TIME)
         self._forget_phases()
-        self.held = self._resting = self._stood = True
+        self.held = self._resting = True
         for stances in self._stances:
             coming = next(k for k, (_, end) in enumerate(stances) if end > time + SAME_TIME)
             del stances[coming + 1 :]
             stances[coming][1] = math.inf
 
-    def lift_alone(self, foot: int, time: float) -> None:
-        """Let one foot of those that are held be in the air from a time [s] on, until `land_alone`."""
-        stances = self._stances[foot]
-        if self.held and stances[-1][0] <= time:
-            self._forget_phases()
-            stances[-1][1] = time + SAME_TIME
-            stances.append([time + ALONE, math.inf])
-
-    def land_alone(self, foot: int, time: float) -> None:
-        """Let it be on the ground again from a time [s] on."""
-        stances = self._stances[foot]
-        if self.held and stances[-1][0] > time:
-            self._forget_phases()
-            stances[-1][0] = time
+    def release(self, leading: int) -> None:
+        """Let feet lift again; `leading` is to be among the first."""
+        self.held, self.leading = False, leading
 
     @property
-    def turning(self) -> bool:
+    def turning(self) -> bool:  # type: ignore[override]
         """Whether the newest cycle is not yet in step with the ground, and should be."""
         if not self.wanted.in_step or self._resting:
             return False
@@ -221,11 +224,7 @@ class AdaptiveGait(ContactSchedule):
         self.stride = stride = self.wanted
         pace = stride.pace
         air = pace.period - pace.stance_time
-        longest = AFTER_HOLD if self._stood else math.inf
-        self._stood = False
-        lifts = [
-            max(time + FIRST_LIFT, min(s[-1][0] + pace.stance_time, time + longest)) for s in self._stances
-        ]
+        lifts = [max(time + FIRST_LIFT, s[-1][0] + pace.stance_time) for s in self._stances]
         shares = [float(o) for o in stride.offset]
         others = [o < shares[self.leading] - EARLIER for o in shares]  # lift a cycle later
         shares = [o + other for o, other in zip(shares, others, strict=True)]

@@ -26,8 +26,7 @@ from surefoot.contact.problem import Fit
 from surefoot.control.force_distribution import ForceDistributor
 from surefoot.errors import ProblemError
 from surefoot.kernels import MATRIX, VECTOR, entry_point, kernel
-from surefoot.solvers import solve
-from surefoot.solvers.solver import find_solver
+from surefoot.solvers.solver import find_solver, solve
 
 SHARES = 0.9, 1.0
 """Shares of the friction: forces use the first as long as it gives the wanted wrench."""

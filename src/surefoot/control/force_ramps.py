@@ -14,8 +14,8 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.feet_kernels import ramp_shares
-from surefoot.control.gait import ContactSchedule
 from surefoot.kernels import kernel
 
 SAMPLES = 4

@@ -9,7 +9,6 @@ RF, LH, RH a trot alternates between 9 (LF, RH) and 6 (RF, LH); 15 is standing, 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
@@ -18,13 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
+from surefoot.control.contact_schedule import SAME_TIME, ContactSchedule
 from surefoot.control.walking_kernels import mode_rows
 from surefoot.errors import ProblemError
 
 MAX_FLIGHT = 0.35
 """Longest time without any foot on the ground that a schedule may ask for [s]."""
-SAME_TIME = 1e-9
-"""Events closer than this are one event [s]."""
 SHARE_DIGITS = 6
 """Phases of a gait are shares of its period, rounded to this many digits."""
 
@@ -57,52 +55,6 @@ def mode_feet(number: int, feet: int) -> BoolArray:
     if not 0 <= int(number) < 2**feet:
         raise ProblemError(f"mode number must be between 0 and {2**feet - 1} for {feet} feet, got {number}")
     return np.array([bool(int(number) >> (feet - 1 - k) & 1) for k in range(feet)])
-
-
-class ContactSchedule(ABC):
-    """When each foot carries; what a gait and a mode schedule have in common.
-
-    A schedule that changes calls `_forget_phases`.
-
-    Attributes
-    ----------
-    feet
-        Number of feet.
-    """
-
-    feet: int
-    _rows: FloatArray
-    _since, _until = math.inf, -math.inf  # `_rows` are of the times between: of none yet
-
-    @abstractmethod
-    def contacts(self, times: ArrayLike) -> BoolArray:
-        """Return which feet carry at (...) times [s]: (..., feet)."""
-
-    @abstractmethod
-    def phase(self, foot: int, time: float) -> tuple[bool, float, float]:
-        """Return whether a foot carries at a time, and when that phase began and will end [s].
-
-        The ends are infinite for a foot that never changes.
-        """
-
-    def phases(self, time: float) -> FloatArray:
-        """Return `phase` of every foot: (feet, 3), the first 1 for a foot that carries and else 0.
-
-        What was said is remembered until a foot lifts or lands; it is not to be written to.
-        """
-        if not self._since <= time < self._until:
-            self._rows = np.array([self.phase(k, time) for k in range(self.feet)], dtype=np.float64)
-            self._since = float(self._rows[:, 1].max()) - SAME_TIME
-            self._until = float(self._rows[:, 2].min()) - SAME_TIME
-        return self._rows
-
-    def _forget_phases(self) -> None:
-        """Forget what `phases` has said."""
-        self._since, self._until = math.inf, -math.inf
-
-    def horizon(self, start: float, step: float, count: int) -> BoolArray:
-        """Return which feet carry in the middle of `count` steps of `step` [s]: (count, feet)."""
-        return self.contacts(start + step * (np.arange(count) + 0.5))
 
 
 class _ModeTable(ContactSchedule):
@@ -248,7 +200,7 @@ class Gait(_ModeTable):
         return max(spans, default=0.0)
 
     @property
-    def stance_time(self) -> float:
+    def stance_time(self) -> float:  # type: ignore[override]
         """The longest time that a moving foot carries [s]; the period when standing."""
         spans = [end - start for foot in self._intervals if len(foot) > 1 for start, end, on in foot if on]
         return max(spans, default=self.period)

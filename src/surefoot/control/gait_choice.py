@@ -16,7 +16,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.control.adaptive_gait import AdaptiveGait, Stride
 from surefoot.control.command_limits import HURRIED_DUTY, Limits, hurried
-from surefoot.control.gait import ContactSchedule, Gait
+from surefoot.control.contact_schedule import ContactSchedule
+from surefoot.control.gait import Gait
 from surefoot.control.gait_library import PATTERNS, REFERENCE_LEG, GaitPattern, gait_names, named_gait
 from surefoot.control.leg_demand import Pace
 from surefoot.control.stair_gait import DUTY, OFFSETS, speed_in_step, stair_gait
@@ -191,11 +192,11 @@ def _fixed(body: Body, command: VelocityCommand, schedule: ContactSchedule) -> C
             f"the gait is for {schedule.feet} feet, {body.robot.name} has {len(body.robot.feet)}"
         )
     period, pace = 0.0, _pace(body, GaitPattern(0.4, 0.55, ()))
-    if isinstance(schedule, Gait):
-        period = schedule.period
-        if schedule.swing_time == 0.0:
+    if schedule.period > 0.0:
+        period, moving = schedule.period, schedule.duty < 1.0
+        if not moving.any():
             return Chosen(schedule, command, [], period, lambda other: other)
-        pace = Pace(period, float(schedule.duty[schedule.duty < 1.0].min()), body.clearance)
+        pace = Pace(period, float(schedule.duty[moving].min()), body.clearance)
     hurry = _Hurry(body.limits(pace, False), command)
     return Chosen(schedule, hurry.command, hurry.notes, period, hurry.limit)
 

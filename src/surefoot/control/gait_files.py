@@ -34,7 +34,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from surefoot.control.gait import MAX_FLIGHT, ContactSchedule, Gait, ModeSchedule, mode_feet
+from surefoot.control.contact_schedule import ContactSchedule
+from surefoot.control.gait import MAX_FLIGHT, Gait, ModeSchedule, mode_feet
 from surefoot.errors import ProblemError, unknown_name
 
 QUADRUPED = ("LF", "RF", "LH", "RH")

@@ -15,8 +15,7 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.adaptive_gait import AdaptiveGait
-from surefoot.control.gait import Gait
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.step_windows import FINE, LOOK, nearest_shift, step_windows
 from surefoot.control.walking_body import BodyPlan
 from surefoot.control.walking_kernels import turned_arms
@@ -64,7 +63,7 @@ class StepPhase:
     """
 
     def __init__(
-        self, terrain: Terrain, schedule: Gait | AdaptiveGait, offsets: FloatArray, margin: float
+        self, terrain: Terrain, schedule: ContactSchedule, offsets: FloatArray, margin: float
     ) -> None:
         self.terrain, self.schedule, self.offsets, self.margin = terrain, schedule, offsets, margin
         self._ahead = np.arange(-0.5 * LOOK, 0.5 * LOOK + FINE, 2.0 * FINE)
@@ -93,17 +92,17 @@ class StepPhase:
         """
         place, flow, period = body.position[:2], body.flow() / self.share, self.schedule.period
         self.stride = None
-        if unsure or (isinstance(self.schedule, AdaptiveGait) and self.schedule.held):  # no foot will lift
+        if unsure or self.schedule.held:  # no foot will lift
             self.lead, self.waiting, self._off, self._waits_from = 0.0, False, False, clock
             return
         self.waiting = self._should_wait(place, flow, clock)
-        if (self.waiting or self._off) and isinstance(self.schedule, AdaptiveGait):
+        if self.waiting or self._off:
             # a body that gains speed falls behind one that has it
             c, s = math.cos(body.yaw), math.sin(body.yaw)
             asked = self.schedule.asked[:2] @ [[c, s], [-s, c]]
             missing = asked - flow
             place = place - 0.5 * math.hypot(missing[0], missing[1]) / body.acceleration * missing
-            flow, period = asked, self.schedule.wanted.pace.period
+            flow, period = asked, self.schedule.coming_period
         stride = period * flow
         length = math.hypot(float(stride[0]), float(stride[1]))
         if not self._in_step(length):
@@ -125,10 +124,9 @@ class StepPhase:
     def _should_wait(self, place: FloatArray, flow: FloatArray, clock: float) -> bool:
         """Return whether a body that has slowed down before stairs should not yet set off."""
         schedule = self.schedule
-        if not isinstance(schedule, AdaptiveGait) or not schedule.wanted.in_step:
+        if not schedule.in_step:
             self._off = False
             return False
-        self._off |= self.terrain.underway
         if schedule.turning and not self._off:
             self._waits_from = clock
             return False
@@ -174,7 +172,7 @@ class StepPhase:
         velocity, asked
             (3,) of the body, and as commanded [m/s, m/s, rad/s].
         """
-        if isinstance(self.schedule, AdaptiveGait) and self.schedule.wanted.in_step:
+        if self.schedule.in_step:
             most = (1.0 + CHANGE) * math.hypot(float(asked[0]), float(asked[1]))
             if math.hypot(float(velocity[0]), float(velocity[1])) <= most:
                 return asked

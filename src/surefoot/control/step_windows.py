@@ -57,8 +57,7 @@ def step_windows(
     begin = np.flatnonzero(first)
     last = np.append(begin[1:], len(at)) - 1
     edges = 0.5 * (ways[at[begin] + 1] + ways[at[last] + 1])
-    shin = max(SHIN + (UNSURE if terrain.learns else 0.0) - terrain.shorter, margin)
-    margin += terrain.shorter
+    shin = max(SHIN + (UNSURE if terrain.learns else 0.0), margin)
     behind = np.where(jumps[at[begin]] < 0.0, shin, margin)
     low = np.concatenate([[-math.inf], edges + behind])
     high = np.concatenate([edges - margin, [math.inf]])

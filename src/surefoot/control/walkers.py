@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from surefoot.control.actuators import Actuators
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import Controller
-from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
@@ -62,10 +62,10 @@ def walking_controller(
         from surefoot.control.biped.settings import BipedSettings
         from surefoot.control.biped.walking import BipedController
 
-        if not isinstance(chosen, (str, Gait)):
+        if not isinstance(chosen, str) and chosen.period == 0.0:
             raise ProblemError("two flat feet walk with a gait that repeats, not with a list of modes")
         if watch_friction or (terrain is not None and terrain.learns):
-            raise ProblemError(f"{robot.name} has flat feet: terrain and friction must be told it")
+            raise ProblemError(f"{robot.name} has flat feet: it has to know terrain and friction")
         biped = BipedSettings(mu=mu, actuators=actuators)
         return BipedController(robot, command, chosen, terrain, biped, dt)
     from surefoot.control.walking import WalkingController, WalkSettings

@@ -10,8 +10,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.body_motion import BodyReference
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.foothold import fit_plane
-from surefoot.control.gait import ContactSchedule
 from surefoot.control.walking_kernels import advance_body, body_rise, cruise, slope_frames
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
@@ -140,6 +140,8 @@ class BodyPlan:
         Share of the height that it comes down by over the slope that it descends [-].
     stance
         Longest time that a foot stands [s].
+    ceiling
+        The highest that the centre of mass may be now, as `height` [m].
     """
 
     height: float
@@ -151,6 +153,7 @@ class BodyPlan:
     lowered: float = 0.0
     dip: float = 0.0
     stance: float = 0.0
+    ceiling: float = math.inf
 
     def __post_init__(self) -> None:
         self.change = ACCELERATION * GRAVITY
@@ -172,7 +175,7 @@ class BodyPlan:
             Step [s].
         """
         self.yaw, self.ground, self.lowered = advance_body(
-            self.position, self.velocity, self.slope, command, com, dt, self.height,
+            self.position, self.velocity, self.slope, command, com, dt, min(self.height, self.ceiling),
             self.yaw, self.ground, self.lowered, self.acceleration, self.dip, LEAD, LOWERING,
         )  # fmt: skip
 
@@ -190,7 +193,8 @@ class BodyPlan:
 
     def _rise(self) -> float:
         """Return the wanted height over the ground along the vertical, see `body_rise`."""
-        return body_rise(self.slope, self.yaw, self.height, self.dip, self.lowered)
+        height = min(self.height, self.ceiling)
+        return body_rise(self.slope, self.yaw, height, self.dip, self.lowered)
 
     def flow(self) -> FloatArray:
         """Return the (2,) wanted velocity along x and y of the world [m/s]."""

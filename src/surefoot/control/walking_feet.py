@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.feet_kernels import follow_phases, set_timing
 from surefoot.control.foothold import FootholdSearch
-from surefoot.control.gait import ContactSchedule
 from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
 from surefoot.control.walking_kernels import swing_accelerations, swing_paths
 from surefoot.estimation.live_arrays import Bound
@@ -46,25 +45,6 @@ DOWN_NOISY, NOISY, RAISE = 0.85, 0.012, 0.7
 believed the ground is taken for, over its noise: so that it is met gently where it is higher, too."""
 
 
-class FootProbe(NamedTuple):
-    """What one foot should do while the others stand.
-
-    Attributes
-    ----------
-    foot
-        Its number.
-    place, velocity
-        (3,) of its lowest point, world axes [m], [m/s].
-    down
-        Whether it may land.
-    """
-
-    foot: int
-    place: FloatArray
-    velocity: FloatArray
-    down: bool
-
-
 @dataclass
 class Feet(Bound):
     """The feet's state machine; all arrays have one row per foot.
@@ -95,10 +75,6 @@ class Feet(Bound):
         (2,) along which feet are moved off edges; None for each one's own way.
     careful
         Whether feet that are still late when their next swing begins lift from where they are then.
-    probe
-        What a foot in the air does instead of a swing.
-    lower
-        By how much less than `clearance` feet are lifted over edges [m].
     stride
         (2,) from one stand to the next in step with stairs: it chooses the tread [m]; None elsewhere.
     """
@@ -114,8 +90,6 @@ class Feet(Bound):
     heading: FloatArray | None = None
     stride: FloatArray | None = None
     careful: bool = False
-    probe: FootProbe | None = None
-    lower: float = 0.0
 
     def __post_init__(self) -> None:
         n = len(self.radii)
@@ -277,8 +251,6 @@ class Feet(Bound):
     def aim(self, k: int, place: FloatArray) -> None:
         """Set the target of a foot in the air: (2,) nominal place [m], moved to good ground."""
         share = float(self.share[k])
-        if self.probe is not None and self.probe.foot == k:
-            return
         if share > (FREEZE if self._plane else FREEZE_ROUGH):
             return
         if share > FREEZE_ROUGH:  # ever less can be changed without a rush
@@ -305,8 +277,7 @@ class Feet(Bound):
             # the bump is put on the line between both ends, which is as steep as the plane
             self.apex[k] = 0.5 * float(self.start[k, 2] + self.target[k, 2]) + self.clearance
         else:
-            clearance = self.clearance - self.lower
-            self.apex[k] = apex_height(self.start[k], self.target[k], self._below(k), clearance)
+            self.apex[k] = apex_height(self.start[k], self.target[k], self._below(k), self.clearance)
             self._lift_first[k] = clear_lift(
                 self.start[k], self.target[k], float(self.apex[k]), self.terrain, float(self.radii[k]),
                 0.5 * float(self.radii[k]),
@@ -344,15 +315,9 @@ class Feet(Bound):
         gain
             Stiffness [1/s²] and damping [1/s] of the feedback.
         """
-        out = swing_accelerations(
+        return swing_accelerations(
             ~self.carrying, *self._paths(time), centres, twists, self.descent, *self._search_down(), *gain
         )
-        if self.probe is not None and not self.carrying[self.probe.foot]:
-            k, velocity = self.probe.foot, self.probe.velocity
-            self.target[k] = self.probe.place
-            self.target[k, 2] += self.radii[k]
-            out[k, :3] = gain[0] * (self.target[k] - centres[k]) + gain[1] * (velocity - twists[k, :3])
-        return out
 
     def motions(self, time: float) -> FloatArray:
         """Return wanted place [m], velocity and acceleration of feet in the air, else zero: (n, 3, 3)."""

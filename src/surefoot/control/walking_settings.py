@@ -8,12 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.actuators import Actuators
+from surefoot.control.behaviours import BEHAVIOURS, MakeBehaviour
+from surefoot.control.behaviours.arbiter import LOGGED
 from surefoot.control.controller import Command
 from surefoot.control.load_adaptation import LoadSettings
 from surefoot.control.mpc import MpcWeights
-from surefoot.control.whole_body import Weights, WholeBodyCommand
+from surefoot.control.whole_body import TaskWeights, WholeBodyCommand
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class WalkSettings:
     mu
         Friction that the controller believes in.
     watch_friction
-        Whether it believes in less where its feet slide, and slows; see `surefoot.control.grip`.
+        Whether it believes in less where its feet slide, and slows; see `behaviours/slip.py`.
     friction_share
         Share of `mu` that commanded forces may use; the rest is for what the model leaves out.
     start
@@ -48,6 +50,8 @@ class WalkSettings:
         Time over which the upper one grows after touchdown, and falls before lift-off [sqrt(h / g)].
     actuators
         The motors that it believes to command; None for ideal ones.
+    behaviours
+        What makes each behaviour, the highest rank first; see docs/add-a-behaviour.md.
     """
 
     mu: float = 0.6
@@ -65,8 +69,9 @@ class WalkSettings:
     load: LoadSettings | None = field(default_factory=LoadSettings)
     ramp: float = 0.17
     mpc: MpcWeights = field(default_factory=MpcWeights)
-    whole_body: Weights = field(default_factory=Weights)
+    whole_body: TaskWeights = field(default_factory=TaskWeights)
     actuators: Actuators | None = None
+    behaviours: tuple[MakeBehaviour, ...] = BEHAVIOURS
 
 
 @dataclass(frozen=True)
@@ -85,6 +90,9 @@ class WalkCommand(Command):
         (n, 3) where feet in the air will touch, or last did.
     load
         Values of the channels of `LoadAdaptation`.
+    asked_by
+        (13,) rank of the behaviour that has got its way with each quantity of
+        `surefoot.control.behaviours.arbiter.LOGGED`; -1 for none.
     """
 
     planned: BoolArray
@@ -92,10 +100,12 @@ class WalkCommand(Command):
     wanted: FloatArray
     targets: FloatArray
     load: Mapping[str, FloatArray] = field(default_factory=dict)
+    asked_by: IntArray = field(default_factory=lambda: np.full(len(LOGGED), -1))
 
     def rows(self) -> dict[str, Any]:
-        """Return which feet are planned on the ground, the wanted velocity, what is observed of a load."""
-        return {"planned": self.planned, "command": self.wanted, **self.load}
+        """Return planned contacts, wanted velocity, who asked for what, and what is observed of a load."""
+        own = {"planned": self.planned, "command": self.wanted, "asked_by": self.asked_by}
+        return {**own, **self.load}
 
 
 def damping_command(

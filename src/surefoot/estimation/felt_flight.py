@@ -1,13 +1,10 @@
-"""A flight of steps that feet have felt: edges that they struck or slid over, heights where they stood.
+"""A flight of steps that feet have felt: edges where they struck risers, heights where they stood.
 
 A foot that strikes a riser in the air tells where it is, to the foot's radius; one that stands tells a
 height. Two numbers say where the edges are, the place of the first one and the depth of a tread, and two how
 high the treads are, the level before them and the rise of a step. Each pair is the state of a Kalman filter
 [1]_. Until a second riser has been felt the depth of the treads is not known, and the ground behind the first
 is one tread without end.
-
-Steps down are the same with a negative rise: their edges are felt by feet that slide over them, and a stand
-on another tread than expected, near an edge, tells on which side of it the foot is.
 
 References
 ----------
@@ -35,12 +32,6 @@ TREADS = 0.15, 0.6
 """The depths of treads that are believed [m]."""
 NEAR = 0.06
 """A strike that is farther from an edge is none of its riser [m]."""
-SLID = 0.006
-"""Standard deviation of an edge that a foot has slid over [m]."""
-BESIDE = 0.006
-"""A foot that stands on another tread than expected is at least so far from the edge [m]."""
-PERHAPS, ON_EDGE = 0.05, 0.012
-"""By how much an edge may be off, and how much lower than a tread a foot on its edge may be [m]."""
 LIKE = 0.3
 """Heights count as those of a tread if they are off by no more than this share of a step."""
 ONWARD = 4
@@ -48,7 +39,7 @@ ONWARD = 4
 
 
 class FeltFlight(StepLine):
-    """Steps along a direction: up from a riser that a foot has struck, or down (`downwards`).
+    """Steps up along a direction, from a riser that a foot has struck.
 
     Parameters
     ----------
@@ -88,57 +79,6 @@ class FeltFlight(StepLine):
         self._P, self._Q = np.diag([STRIKE, LIKELY_TREAD]) ** 2, np.diag([STAND, LIKELY_RISE]) ** 2
         self.rise_known = self.tread_known = self.ended = self._confirmed = False
         self.last = self.misses = 0
-
-    @classmethod
-    def downwards(
-        cls, along: FloatArray, edges: FloatArray, level: float, depth: float, deepest: float
-    ) -> FeltFlight:
-        """Return steps down whose edges feet have slid over.
-
-        Parameters
-        ----------
-        along
-            (2,) unit vector down the steps, across the edges.
-        edges
-            (2,) places of the first two along it; the second is nan if there is none so near [m].
-        level, depth
-            Height of the ground before the first edge, and how much lower it is behind [m].
-        deepest
-            No tread of more steps is deeper [m].
-
-        Examples
-        --------
-        >>> down = FeltFlight.downwards(np.array([1.0, 0.0]), np.array([0.0, 0.3]), 0.0, 0.1, 0.5)
-        >>> down.height([-0.1, 0.1, 0.4]).round(3).tolist(), round(down.above(0.1, -0.08), 3)
-        ([0.0, -0.1, -0.2], 0.02)
-        """
-        alone = math.isnan(edges[1])
-        flight = cls(along, float(edges[0]), level, -depth, deepest if alone else float(edges[1] - edges[0]))
-        flight._P = np.array([[1.0, -1.0], [-1.0, 2.0]]) * SLID**2
-        flight._Q[1, 1] = 2.0 * STAND**2
-        flight.rise_known = flight.tread_known = flight._confirmed = True
-        flight.ended = alone
-        flight._reach(1)
-        return flight
-
-    @property
-    def down(self) -> bool:
-        """Whether the steps go down."""
-        return bool(self._z[1] < 0.0)
-
-    def above(self, along: float, height: float) -> float:
-        """Return how far a sole at a place along the flight and a height is above ground that may be there.
-
-        Zero for one that stands on it [m].
-        """
-        least = math.inf
-        for number in range(self.last + 2):
-            behind = number == 0 or along > self.edge(number - 1) - PERHAPS
-            before = number > self.last or along < self.edge(number) + PERHAPS
-            off = height - float(self._z[0] + number * self._z[1])
-            if behind and before and off > -ON_EDGE:
-                least = min(least, max(off, 0.0))
-        return least if math.isfinite(least) else 0.0
 
     def number(self, along: ArrayLike) -> FloatArray:
         """Return how many edges lie before (...) places along the flight [m]: (...)."""
@@ -184,8 +124,6 @@ class FeltFlight(StepLine):
             self.misses, self._confirmed = 0, self._confirmed or number == 1.0
             correct(self._z, self._Q, np.array([1.0, number]), height, STAND**2, math.inf)
             self._reach(int(number))
-        elif self.down and abs(abs(steps) - 1.0) < LIKE and self._beside(along, steps):
-            self.misses = 0
         elif abs(steps - 1.0) < LIKE and number == 1.0 and not self.tread_known:
             self.strike(along)  # the foot came down behind a riser that it passed above
         elif number == 1.0 and not self._confirmed:  # what told the rise was no stand
@@ -194,16 +132,6 @@ class FeltFlight(StepLine):
             self.last, self.ended = int(number) - 2, True
         else:
             self.misses += 1
-
-    def _beside(self, along: float, steps: float) -> bool:
-        """Learn that a foot stands a step beyond an edge that it seemed not to have passed, or before one.
-
-        Return False for a place that is not near that edge.
-        """
-        edge = int(self.number(along)) - (0 if steps > 0.0 else 1)
-        if not 0 <= edge <= self.last:
-            return False
-        return self.strike(along - math.copysign(BESIDE, steps))
 
     def _reach(self, number: int) -> None:
         """Believe that the flight goes on beyond a tread that has been reached."""

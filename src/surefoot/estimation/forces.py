@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.equilibrium import Verdict, can_stand
+from surefoot.equilibrium.statics import can_stand
+from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
 from surefoot.robot.dynamics import generalised_torque

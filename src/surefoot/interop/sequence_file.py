@@ -48,8 +48,8 @@ def sequence_from_dict(content: Any) -> ContactSequence:
         "the file", content, ("format", "version", "frames", "friction", "phases"), ("robot", "mass")
     )
     if top["format"] != FORMAT or top["version"] != VERSION:
-        told = f"{top['format']!r} version {top['version']!r}"
-        raise ProblemError(f"a contact sequence has the format {FORMAT!r} version {VERSION}, got {told}")
+        found = f"{top['format']!r} version {top['version']!r}"
+        raise ProblemError(f"a contact sequence has the format {FORMAT!r} version {VERSION}, got {found}")
     friction = _mapping("friction", top["friction"], ("facets", "fit"))
     phases = [_phase(f"phases[{k}]", p, friction) for k, p in enumerate(_list("phases", top["phases"]))]
     names = [str(name) for name in _list("frames", top["frames"])]
@@ -135,11 +135,11 @@ def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
         contact, force = _contact(f"{where}.contacts[{k}]", one, friction)
         contacts.append(contact)
         forces.append(force)
-    told = [force for force in forces if force is not None]
-    if told and len(told) < len(forces):
+    stated = [force for force in forces if force is not None]
+    if stated and len(stated) < len(forces):
         raise ProblemError(f"{where}: either all contacts have a force or none has one")
     try:
-        return SequencePhase(given["duration"], Stance(contacts), np.concatenate(told) if told else None)
+        return SequencePhase(given["duration"], Stance(contacts), np.concatenate(stated) if stated else None)
     except ProblemError as error:
         raise ProblemError(f"{where}: {error}") from error
 
@@ -175,11 +175,11 @@ def _shape(patch: Any, options: dict[str, Any]) -> Contact:
     return PatchContact(length=sizes["length"], width=sizes["width"], **options)
 
 
-def _check_rows(contact: Contact, told: Any, friction: dict[str, Any]) -> None:
+def _check_rows(contact: Contact, entry: Any, friction: dict[str, Any]) -> None:
     """Refuse half-spaces that are not those of the contact: a file that says two things says nothing."""
-    if told is None:
+    if entry is None:
         return
-    given = _mapping("halfspaces", told, ("A", "b"))
+    given = _mapping("halfspaces", entry, ("A", "b"))
     rows = Stance([contact]).halfspaces(friction["facets"], friction["fit"])
     kept = np.isfinite(rows.b)
     A = finite_array("halfspaces.A", given["A"], (None, contact.dim))

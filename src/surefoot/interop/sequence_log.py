@@ -6,10 +6,11 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.cones.cone import Fit
-from surefoot.control.gait import SAME_TIME, ContactSchedule
+from surefoot.control.contact_schedule import SAME_TIME, ContactSchedule
 from surefoot.errors import ProblemError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.log import Log
+from surefoot.log.scene import contact_names
 from surefoot.spatial import GRAVITY
 from surefoot.stance import PointContact, Stance
 
@@ -45,9 +46,9 @@ def sequence_from_log(
         If the log does not tell what is needed.
     """
     real_number("shortest", shortest, low=0.0)
-    feet, owner = list(log.fact("feet")), np.asarray(log.fact("contact_foot"), dtype=np.int64)
-    mass, dt = float(log.fact("mass")), float(log.fact("dt"))
-    names = _point_names(feet, owner)
+    for needed in ("feet", "contact_foot"):
+        log.fact(needed)
+    mass, dt, names = float(log.fact("mass")), float(log.fact("dt")), tuple(contact_names(log))
     forces: FloatArray = np.asarray(log["forces"])
     on = forces[:, :, 2] > LOADED * mass * GRAVITY
     starts = _phase_starts(on, max(1, round(shortest / dt)))
@@ -100,8 +101,8 @@ def sequence_from_schedule(
     [('FL', 'RR'), (), ('FR', 'RL'), ()]
     """
     if schedule.feet != len(stance.contacts):
-        told = f"the schedule has {schedule.feet} feet, the stance {len(stance.contacts)} contacts"
-        raise ProblemError(told)
+        sizes = f"the schedule has {schedule.feet} feet, the stance {len(stance.contacts)} contacts"
+        raise ProblemError(sizes)
     start, end = (real_number("span", t, low=-1e9, high=1e9) for t in span)
     if not start < end:
         raise ProblemError(f"span must be a first and a later last time [s], got {start:g} and {end:g}")
@@ -119,17 +120,6 @@ def sequence_from_schedule(
 def _next_switch(schedule: ContactSchedule, now: float) -> float:
     """Return when the next foot touches down or lifts off [s]."""
     return min(schedule.phase(foot, now)[2] for foot in range(schedule.feet))
-
-
-def _point_names(feet: list[str], owner: np.ndarray) -> tuple[str, ...]:
-    """Return a name for every contact point."""
-    counts = np.bincount(owner, minlength=len(feet))
-    seen = dict.fromkeys(range(len(feet)), 0)
-    names = []
-    for foot in owner.tolist():
-        names.append(feet[foot] if counts[foot] == 1 else f"{feet[foot]}:{seen[foot]}")
-        seen[foot] += 1
-    return tuple(names)
 
 
 def _phase_starts(on: BoolArray, least: int) -> list[int]:

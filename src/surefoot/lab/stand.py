@@ -11,7 +11,10 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.cones.cone import Fit
 from surefoot.control.stance_forces import distribute
-from surefoot.equilibrium import Region, Verdict, can_stand, com_region, friction_needed
+from surefoot.equilibrium.region import Region
+from surefoot.equilibrium.regions import com_region
+from surefoot.equilibrium.statics import can_stand, friction_needed
+from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.lab import drawing as draw
 from surefoot.lab.contacts import force_rows

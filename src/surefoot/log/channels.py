@@ -113,6 +113,7 @@ _TABLE = (
     Channel("mu", (), "1", meaning="friction of the ground"),
     Channel("planned", ("n",), flag=True, meaning="whether the gait wants a foot on the ground"),
     Channel("command", (3,), "m/s, rad/s", "heading", meaning="wanted velocity: forward, left, yaw rate"),
+    Channel("asked_by", (13,), meaning="rank of the behaviour that each quantity is by; -1 for none"),
     Channel("contact_friction", ("p",), "1", meaning="friction of each contact, where they differ"),
     Channel("foot_sensors", ("n",), "raw", meaning="readings of the feet's sensors, not calibrated"),
     Channel("joint_positions", ("joints",), "rad, m", meaning="in the order of the fact joints"),
@@ -125,7 +126,7 @@ _TABLE = (
     Channel("imu_angular_velocity", (3,), "rad/s", "base", meaning="as the IMU says"),
     Channel("q_estimated", ("nq",), "m, rad", "world", meaning="configuration as estimated, like q"),
     Channel("v_estimated", ("nv",), "m/s, rad/s", "base", meaning="velocity as estimated, like v"),
-    Channel("contact_estimated", ("n",), flag=True, meaning="which feet touch, as the controller is told"),
+    Channel("contact_estimated", ("n",), flag=True, meaning="which feet touch, as the controller is given"),
     Channel("estimator_time", (), "s", meaning="wall time of the estimator's step"),
     Channel("load_estimated", (4,), "kg, kg m", "base", meaning="unknown payload: mass, first moment"),
     Channel("wrench_estimated", (6,), "N, N m", "world", meaning="other wrench from outside, about the base"),
@@ -163,8 +164,8 @@ def check_shapes(arrays: Mapping[str, Any], channels: Mapping[str, Channel]) -> 
             factor, symbol = _split(size)
             known = factor * sizes.setdefault(symbol, length // factor) if symbol else factor
             if known != length:
-                told = f", {symbol} = {sizes[symbol]}" if symbol else ""
-                raise ProblemError(f"channel {name} must have shape ({expected}){told}, got {shape}")
+                more = f", {symbol} = {sizes[symbol]}" if symbol else ""
+                raise ProblemError(f"channel {name} must have shape ({expected}){more}, got {shape}")
     return sizes
 
 

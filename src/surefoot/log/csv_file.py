@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +17,10 @@ MOST_COLUMNS = 10_000
 """A table with more columns than this is no log."""
 
 
-def source(path: Path) -> Source:
+def source(path: Path, columns: Sequence[str] | None = None) -> Source:
     """Return the table of a CSV file: columns separated by comma, semicolon, tab or blanks.
 
-    An empty cell is NaN.
+    An empty cell is NaN. The first line names the columns unless `columns` does.
 
     Raises
     ------
@@ -31,31 +32,38 @@ def source(path: Path) -> Source:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             line = file.readline(1 << 20)
-            names, separator = _header(path, line)
-            text = file.read()
+            cells, separator = _cells(line)
+            names = _checked_names(path, line, cells) if columns is None else list(columns)
+            text = file.read() if columns is None else line + file.read()
     except UnicodeDecodeError as error:
         raise ProblemError(f"{path} is no text: {error.reason} at byte {error.start}") from error
+    twice = [name for k, name in enumerate(names) if name in names[:k]]
+    if twice:
+        raise ProblemError(f"{path}: two columns are called {twice[0]!r}")
     if "\0" in line or "\0" in text:
         raise ProblemError(f"{path} is no text: it holds zero bytes")
-    table = _numbers(path, text, names, separator)
+    table = _numbers(path, text, names, separator, 2 if columns is None else 1)
     return Source({"": Topic(None, {name: table[:, k] for k, name in enumerate(names)})})
 
 
-def _header(path: Path, line: str) -> tuple[list[str], str]:
-    """Return the columns' names and what separates them."""
+def _cells(line: str) -> tuple[list[str], str]:
+    """Return the cells of a line and what separates them."""
     separator = max(",;\t", key=line.count)
     cells = next(csv.reader([line], delimiter=separator), []) if separator in line else line.split()
+    return cells, separator if separator in line else " "
+
+
+def _checked_names(path: Path, line: str, cells: list[str]) -> list[str]:
+    """Return the columns' names that the first line gives."""
     names = [cell.strip().strip('"') for cell in cells]
     if len(names) < 2 or len(names) > MOST_COLUMNS:
         raise ProblemError(f"{path}: the first line must name the columns, got {line.strip()[:80]!r}")
     if sum(map(_is_number, names)) > len(names) / 2:
         raise ProblemError(
-            f"{path}: the first line must name the columns, got numbers: {line.strip()[:80]!r}"
+            f"{path}: the first line must name the columns, got numbers: {line.strip()[:80]!r}; give their "
+            f"{len(names)} names, columns=[...]"
         )
-    twice = [name for k, name in enumerate(names) if name in names[:k]]
-    if twice:
-        raise ProblemError(f"{path}: two columns are called {twice[0]!r}")
-    return names, separator if separator in line else " "
+    return names
 
 
 def _is_number(text: str) -> bool:
@@ -66,8 +74,8 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _numbers(path: Path, text: str, names: list[str], separator: str) -> FloatArray:
-    """Return the (T, columns) table."""
+def _numbers(path: Path, text: str, names: list[str], separator: str, first: int) -> FloatArray:
+    """Return the (T, columns) table of a text that begins in line `first` of the file."""
     if not text.strip():
         raise ProblemError(f"{path} has no rows")
     try:
@@ -78,13 +86,13 @@ def _numbers(path: Path, text: str, names: list[str], separator: str) -> FloatAr
     except (ValueError, IndexError):
         pass  # the slow way says what is wrong, or takes empty cells
     rows = []
-    for at, cells in enumerate(csv.reader(io.StringIO(text), delimiter=separator), start=2):
+    for at, cells in enumerate(csv.reader(io.StringIO(text), delimiter=separator), start=first):
         if not cells:
             continue
         if separator == " ":
             cells = [cell for cell in cells if cell]
         if len(cells) != len(names):
-            raise ProblemError(f"{path}, line {at}: {len(cells)} cells, the first line names {len(names)}")
+            raise ProblemError(f"{path}, line {at}: {len(cells)} cells, {len(names)} columns are named")
         rows.append([_cell(path, at, name, cell) for name, cell in zip(names, cells, strict=True)])
     return np.array(rows, dtype=np.float64)
 

@@ -13,7 +13,7 @@ from surefoot.spatial import GRAVITY, rotation_from_quaternion
 ROWS = 20_000
 """Rows that are looked at for everything but stamps and numbers that are not finite: the first of them."""
 SPREAD = 0.3
-"""Share of m g by which the mean load of a log may miss it before that is told."""
+"""Share of m g by which the mean load of a log may miss it before that is reported."""
 _DEGREE = 180.0 / np.pi
 
 
@@ -24,12 +24,12 @@ def find_doubts(log: Log) -> list[str]:
     the mean load against m g, velocities against the change of positions. A doubt may be wrong; no doubt
     does not mean that all is right.
     """
-    told = [*_stamps(log), *_missing(log)]
+    found = [*_stamps(log), *_missing(log)]
     first = log.rows(slice(0, ROWS))
     for check in CHECKS:
         with np.errstate(all="ignore"):
-            told += check(first)
-    return told
+            found += check(first)
+    return found
 
 
 def _stamps(log: Log) -> Iterator[str]:

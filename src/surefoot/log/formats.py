@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from surefoot.errors import ProblemError, SurefootError, WriteError
-from surefoot.log import csv_file, foxglove, mcap_file, npz, parts, rerun_file, rosbag
+from surefoot.log import csv_file, mcap_file, npz, parts, rosbag
 from surefoot.log.log import Log
 from surefoot.log.mapped import log_from_source
 from surefoot.log.mapping import LogMapping
@@ -26,12 +26,13 @@ class Format:
     suffixes
         How its files' names end, in lower case with their dot.
     read
-        From the path of an existing file or folder to its log. Whatever it raises is told as
+        From the path of an existing file or folder to its log. Whatever it raises is reported as
         "is not a log of this format"; an error of Surefoot's own goes on as it is. None where `source` is.
     write
         Writes a log to an empty file; None for a format that is only read.
     source
-        From the path to topics and fields that a mapping turns into a log, for files that others wrote.
+        From the path to topics and fields that a mapping turns into a log, for files that others wrote;
+        of a table also from its columns' names, where the file does not hold them.
     marker
         A file by which a folder is known to be of this format.
     """
@@ -40,7 +41,7 @@ class Format:
     suffixes: tuple[str, ...]
     read: Callable[[Path], Log] | None = None
     write: Callable[[Log, Path], None] | None = None
-    source: Callable[[Path], Source] | None = None
+    source: Callable[..., Source] | None = None
     marker: str = ""
 
 
@@ -48,8 +49,7 @@ FORMATS: dict[str, Format] = {
     "npz": Format("npz", (".npz",), npz.read, npz.write),
     "parts": Format("parts", (".parts",), parts.read, marker=parts.FACTS_FILE),
     "csv": Format("csv", (".csv", ".tsv"), source=csv_file.source),
-    "mcap": Format("mcap", (".mcap",), write=foxglove.write, source=mcap_file.source),
-    "rerun": Format("rerun", (".rrd",), write=rerun_file.write),
+    "mcap": Format("mcap", (".mcap",), write=mcap_file.write, source=mcap_file.source),
     "rosbag": Format("rosbag", (".bag", ".db3"), source=rosbag.source, marker=rosbag.MARKER),
 }
 
@@ -82,7 +82,11 @@ def format_of(path: Path) -> Format:
     raise ProblemError(f"{path} is not a Surefoot log: its name should end in one of {valid}")
 
 
-def read_log(path: Path | str, mapping: LogMapping | Path | str | None = None) -> Log:
+def read_log(
+    path: Path | str,
+    mapping: LogMapping | Path | str | None = None,
+    columns: Sequence[str] | None = None,
+) -> Log:
     """Read a log from a file of any format, or from the folder of parts that a killed run left.
 
     A long log of Surefoot's own is mapped from files and not read into memory. What others wrote (CSV,
@@ -95,7 +99,9 @@ def read_log(path: Path | str, mapping: LogMapping | Path | str | None = None) -
         File or folder.
     mapping
         From fields to channels, or the YAML file that holds it; None for what the file brings itself or else
-        a guess, which is told in the fact ``mapping``.
+        a guess, which stands in the fact ``mapping``.
+    columns
+        Names of the columns of a CSV file whose first line does not name them.
 
     Raises
     ------
@@ -109,13 +115,23 @@ def read_log(path: Path | str, mapping: LogMapping | Path | str | None = None) -
     entry = format_of(path)
     with _told(path, "is not a Surefoot log", entry):
         if entry.source is not None:
-            return log_from_source(entry.source(path), mapping, str(path))
-        if entry.read is None or mapping is not None:
-            raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping")
+            return log_from_source(_source(entry, path, columns), mapping, str(path))
+        if entry.read is None or mapping is not None or columns is not None:
+            raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping and no columns")
         return entry.read(path)
 
 
-def read_source(path: Path | str) -> Source:
+def _source(entry: Format, path: Path, columns: Sequence[str] | None) -> Source:
+    """Return what a file of others holds; columns are given to tables only."""
+    assert entry.source is not None
+    if columns is None:
+        return entry.source(path)
+    if entry.name != "csv":
+        raise ProblemError(f"{path}: files of the format {entry.name} name their fields themselves")
+    return entry.source(path, columns)
+
+
+def read_source(path: Path | str, columns: Sequence[str] | None = None) -> Source:
     """Return what a file of others holds before any mapping: topics, fields, numbers.
 
     Raises
@@ -128,7 +144,7 @@ def read_source(path: Path | str) -> Source:
     if entry.source is None:
         raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping")
     with _told(path, "cannot be read", entry):
-        return entry.source(path)
+        return _source(entry, path, columns)
 
 
 @contextmanager
@@ -139,8 +155,8 @@ def _told(path: Path, what: str, entry: Format) -> Iterator[None]:
     except SurefootError:
         raise
     except Exception as error:
-        told = " ".join(str(error).split())[:300] or type(error).__name__
-        raise ProblemError(f"{path} {what} ({entry.name}): {told}") from error
+        reason = " ".join(str(error).split())[:300] or type(error).__name__
+        raise ProblemError(f"{path} {what} ({entry.name}): {reason}") from error
 
 
 def write_log(log: Log, path: Path) -> Path:

@@ -82,6 +82,9 @@ class Log:
     def __contains__(self, name: object) -> bool:
         return name in self.arrays
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.arrays)
+
     def __len__(self) -> int:
         return len(self.arrays["time"])
 
@@ -102,8 +105,8 @@ class Log:
     @property
     def doubts(self) -> tuple[str, ...]:
         """What is not plausible in a log from outside, one line each; see `surefoot.log.find_doubts`."""
-        told = self.facts.get("doubts", ())
-        return (told,) if isinstance(told, str) else tuple(map(str, told))
+        found = self.facts.get("doubts", ())
+        return (found,) if isinstance(found, str) else tuple(map(str, found))
 
     def rows(self, which: Any) -> Log:
         """Return the log of some rows: a slice or a (T,) mask."""

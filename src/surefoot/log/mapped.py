@@ -23,7 +23,7 @@ from surefoot.spatial import rotation_from_quaternion
 LATEST = 1e30
 """A stamp beyond this is none [s]; nanoseconds taken for seconds are far below."""
 HELD = 1.5
-"""A topic slower than the clock by more than this factor is told to be held."""
+"""A topic slower than the clock by more than this factor is reported as held."""
 
 
 def log_from_source(source: Source, mapping: LogMapping | Path | str | None = None, name: str = "") -> Log:
@@ -54,10 +54,10 @@ def log_from_source(source: Source, mapping: LogMapping | Path | str | None = No
         return Log(arrays, dict(mapping.facts), channels=dict(mapping.define))
     facts = {"source": name, **build.facts(arrays), "mapping": mapping.as_yaml(), **mapping.facts}
     log = Log(arrays, facts, channels=dict(mapping.define))
-    told = [*source.notes, *build.doubts, *find_doubts(log)]
+    doubts = [*source.notes, *build.doubts, *find_doubts(log)]
     if mapping.guessed:
-        told.insert(0, f"the mapping was guessed ({', '.join(mapping.channels)}): look at the fact mapping")
-    log.facts["doubts"] = told
+        doubts.insert(0, f"the mapping was guessed ({', '.join(mapping.channels)}): look at the fact mapping")
+    log.facts["doubts"] = doubts
     return log
 
 
@@ -214,7 +214,7 @@ class _Build:
             shape = ", ".join(str(s if w is None else w) for s, w in zip(channel.shape, wanted, strict=True))
             raise ProblemError(f"channel {name} has the row shape ({shape}), its fields give {count} numbers")
         if free > 1:
-            raise ProblemError(f"channel {name} cannot be told from a flat row")
+            raise ProblemError(f"channel {name} cannot be made of a flat row")
         shaped = values.reshape(len(values), *(-1 if w is None else w for w in wanted))
         if channel.flag:
             if not np.isin(shaped, (0.0, 1.0)).all():

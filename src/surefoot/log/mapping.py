@@ -65,7 +65,7 @@ class LogMapping:
     ----------
     channels
         Name of a channel to where it comes from; the channel ``time`` for the stamps, which messages have
-        without being told.
+        without a field of their own.
     feet, joints
         Names in the order of the numbers; joints may pick from the names that a message brings.
     facts
@@ -113,8 +113,8 @@ class LogMapping:
 def _take_to(take: Take) -> Any:
     fields = take.fields[0] if len(take.fields) == 1 else list(take.fields)
     rest = {"unit": take.unit, "frame": take.frame, "quaternion": take.quaternion}
-    told = {key: value for key, value in rest.items() if value}
-    return {"from": fields, **told, **({} if take.scale == 1.0 else {"scale": take.scale})}
+    content = {key: value for key, value in rest.items() if value}
+    return {"from": fields, **content, **({} if take.scale == 1.0 else {"scale": take.scale})}
 
 
 def read_mapping(path: Path | str) -> LogMapping:
@@ -135,41 +135,41 @@ def read_mapping(path: Path | str) -> LogMapping:
 def mapping_from_yaml(text: str, name: str = "the mapping") -> LogMapping:
     """Return the mapping that a YAML text holds; `name` is what errors call it."""
     try:
-        told = yaml.safe_load(text)
+        content = yaml.safe_load(text)
     except (yaml.YAMLError, RecursionError) as error:
         raise ProblemError(f"{name} is no YAML: {' '.join(str(error).split())[:200]}") from error
-    if not isinstance(told, dict):
+    if not isinstance(content, dict):
         raise ProblemError(f"{name} must hold the keys {', '.join(_KEYS)}, got {text[:60]!r}")
-    _only(name, told, _KEYS)
-    takes = told.get("channels", {})
+    _only(name, content, _KEYS)
+    takes = content.get("channels", {})
     if not isinstance(takes, dict):
         raise ProblemError(f"{name}: channels must be a table of names, got {takes!r:.80}")
-    if "time" in told:
-        takes = {"time": told["time"], **takes}
-    facts = told.get("facts") or {}
+    if "time" in content:
+        takes = {"time": content["time"], **takes}
+    facts = content.get("facts") or {}
     if not isinstance(facts, dict):
         raise ProblemError(f"{name}: facts must be a table, got {facts!r:.80}")
     return LogMapping(
         {str(channel): _take_from(name, str(channel), take) for channel, take in takes.items()},
-        _texts(name, "feet", told.get("feet", ())),
-        _texts(name, "joints", told.get("joints", ())),
+        _texts(name, "feet", content.get("feet", ())),
+        _texts(name, "joints", content.get("joints", ())),
         facts,
-        _defined(name, told.get("define", [])),
+        _defined(name, content.get("define", [])),
     )
 
 
-def _defined(name: str, told: Any) -> dict[str, Channel]:
+def _defined(name: str, content: Any) -> dict[str, Channel]:
     from surefoot.log.npz import channels_from
 
     try:
-        return channels_from(told)
+        return channels_from(content)
     except (TypeError, KeyError) as error:
         raise ProblemError(f"{name}: define must list channels with name, shape, unit: {error}") from error
 
 
-def _take_from(name: str, channel: str, told: Any) -> Take:
+def _take_from(name: str, channel: str, content: Any) -> Take:
     """Return where a channel comes from: a field's name, a list of them, or a table with ``from``."""
-    table = told if isinstance(told, dict) else {"from": told}
+    table = content if isinstance(content, dict) else {"from": content}
     _only(f"{name}, {channel}", table, _TAKE_KEYS)
     scale = table.get("scale", 1.0)
     if isinstance(scale, bool) or not isinstance(scale, (int, float)):

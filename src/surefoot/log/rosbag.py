@@ -39,11 +39,11 @@ def source(path: Path) -> Source:
     with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
         for connection, stamp, raw in reader.messages():
             try:
-                told: Any = reader.deserialize(raw, connection.msgtype)
+                decoded: Any = reader.deserialize(raw, connection.msgtype)
             except KeyError:
                 unread.add(f"{connection.topic} is of the unknown type {connection.msgtype}: not read")
                 continue
-            messages.add(connection.topic, connection.msgtype, stamp, told)
+            messages.add(connection.topic, connection.msgtype, stamp, decoded)
     found = messages.source()
     found.notes += sorted(unread)
     return found

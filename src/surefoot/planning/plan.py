@@ -12,7 +12,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact import Status
 from surefoot.errors import NoSolution, ProblemError
-from surefoot.log import Log, read_log
+from surefoot.log import Log
+from surefoot.log.formats import read_log
 from surefoot.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -39,8 +40,8 @@ class Search:
     ----------
     task
         Its name.
-    method
-        The road that was taken.
+    road
+        The way that was taken.
     cost
         Of what was found.
     reached
@@ -56,7 +57,7 @@ class Search:
     """
 
     task: str
-    method: str
+    road: str
     cost: float
     reached: bool
     iterations: int
@@ -104,13 +105,13 @@ class Plan(Log):
         return str(self.facts["task"])
 
     @property
-    def method(self) -> str:
-        """The road that found it."""
-        return str(self.facts["method"])
+    def road(self) -> str:
+        """The way that found it."""
+        return str(self.facts["road"])
 
     @property
     def cost(self) -> float:
-        """Of the method's own objective, in the unit of that."""
+        """Of the road's own objective, in the unit of that."""
         return float(self.facts["cost"])
 
     @property
@@ -120,7 +121,7 @@ class Plan(Log):
 
     @property
     def iterations(self) -> int:
-        """Of the method."""
+        """Of the road."""
         return int(self.facts["iterations"])
 
     @property
@@ -189,7 +190,7 @@ class Plan(Log):
         ProblemError
             If it does not tell what a plan tells.
         """
-        for name in ("task", "method", "status", "cost", "law_residual", "iterations", "search_time", "goal"):
+        for name in ("task", "road", "status", "cost", "law_residual", "iterations", "search_time", "goal"):
             log.fact(name)
         return cls(log.arrays, log.facts, channels=log.channels)
 
@@ -222,36 +223,46 @@ def plan_from(
     terrain = FlatTerrain() if terrain is None else terrain
     arrays = _arrays(trajectory, robot, terrain, rows)
     status = _status(trajectory, search, rows)
-    told = {
-        "kind": "plan",
-        "task": search.task,
-        "method": search.method,
-        "status": status.value,
-        "goal": search.goal,
-        "cost": float(search.cost),
-        "law_residual": trajectory.law_residual,
-        "iterations": int(search.iterations),
-        "search_time": float(search.seconds),
-        "robot": robot.name,
-        "world": "first-order steps",
-        "mass": robot.mass,
-        "mass_controller": robot.mass,
-        "dt": trajectory.dt,
+    said = plan_facts(
+        robot, search, status, trajectory.law_residual, (trajectory.dt, trajectory.mu),
+        (trajectory.q[rows], trajectory.v[rows]),
+    ) | {
         "duration": trajectory.dt * len(trajectory),
-        "feet": list(robot.foot_names),
-        "joints": list(robot.joint_names),
-        "contact_foot": robot.contact_points.foot,
-        "contact_centres": robot.contact_points.centres,
-        "effort_limits": robot.effort_limits,
-        "normal_min": 0.0,
-        "normal_max": float("inf"),
-        "mu_controller": trajectory.mu,
         "outcome": "done" if rows == len(trajectory) else "invalid",
-        "end_q": trajectory.q[rows],
-        "end_v": trajectory.v[rows],
-        **facts,
-    }
-    return Plan(arrays, told, robot=robot, terrain=terrain)
+    }  # fmt: skip
+    return Plan(arrays, said | facts, robot=robot, terrain=terrain)
+
+
+def plan_facts(
+    robot: Robot,
+    search: Search,
+    status: Status,
+    law_residual: float,
+    numbers: tuple[float, float],
+    end: tuple[FloatArray, FloatArray],
+) -> dict[str, Any]:
+    """Return what is said once of a plan.
+
+    Parameters
+    ----------
+    robot, search, status, law_residual
+        Who moves, how the plan was found, and what it is worth.
+    numbers
+        Length of a row [s] and friction.
+    end
+        (nq,), (nv,) the last state.
+    """
+    points, (dt, mu) = robot.contact_points, numbers
+    return {
+        "kind": "plan", "task": search.task, "road": search.road, "status": status.value,
+        "goal": search.goal, "cost": float(search.cost), "law_residual": law_residual,
+        "iterations": int(search.iterations), "search_time": float(search.seconds), "robot": robot.name,
+        "world": "first-order steps", "mass": robot.mass, "mass_controller": robot.mass, "dt": dt,
+        "duration": 0.0, "feet": list(robot.foot_names), "joints": list(robot.joint_names),
+        "contact_foot": points.foot, "contact_centres": points.centres, "effort_limits": robot.effort_limits,
+        "normal_min": 0.0, "normal_max": float("inf"), "mu_controller": mu, "outcome": "done",
+        "end_q": end[0].copy(), "end_v": end[1].copy(),
+    }  # fmt: skip
 
 
 def _status(trajectory: Trajectory, search: Search, rows: int) -> Status:

@@ -8,7 +8,7 @@ from surefoot.arrays import real_number, whole_number
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.planning.plan import Plan
 from surefoot.planning.tasks.table import TASKS, find_task
-from surefoot.planning.tasks.task import Iteration, Request, Task, Tell
+from surefoot.planning.tasks.task import Iteration, PlanRequest, Task, Tell
 from surefoot.robot import Robot
 
 
@@ -25,7 +25,7 @@ def plan(
     mu: float = 0.6,
     dt: float | None = None,
     knots: int | None = None,
-    method: str | None = None,
+    road: str | None = None,
     seed: int = 0,
     max_iterations: int | None = None,
     tell: Tell | None = None,
@@ -46,8 +46,9 @@ def plan(
         Length of a knot [s]; None for the task's.
     knots
         Number of knots; None for the task's.
-    method
-        The road: which ones there are, each task says; None for the recommended one.
+    road
+        How it is looked for: "schedule" or "direct" for a jump. Each task says which there are; None for
+        the recommended one.
     seed
         Of random starts.
     max_iterations
@@ -63,12 +64,12 @@ def plan(
     Raises
     ------
     ProblemError
-        For an unknown task or method, a number out of range, or a robot that the task is not for.
+        For an unknown task or road, a number out of range, or a robot that the task is not for.
     MissingExtra
-        If what a method needs is not installed.
+        If what a road needs is not installed.
     """
     found = find_task(task)
-    request = _checked(found, Request(robot, amount, mu, dt, knots, method, seed, max_iterations))
+    request = _checked(found, PlanRequest(robot, amount, mu, dt, knots, road, seed, max_iterations))
     return found.plan(request, tell or _silent)
 
 
@@ -76,7 +77,7 @@ def _silent(iteration: Iteration) -> None:
     """Tell nobody."""
 
 
-def _checked(task: Task, request: Request) -> Request:
+def _checked(task: Task, request: PlanRequest) -> PlanRequest:
     """Return a request with its blanks filled in, after checking what does not depend on the task."""
     real_number("mu", request.mu, low=0.0, high=1e6)
     whole_number("seed", request.seed)
@@ -86,8 +87,8 @@ def _checked(task: Task, request: Request) -> Request:
         whole_number("knots", request.knots, low=1)
     if request.max_iterations is not None:
         whole_number("max_iterations", request.max_iterations, low=1)
-    if request.method is not None and request.method not in task.methods:
-        raise ProblemError(unknown_name(f"method of {task.name}", request.method, task.methods))
+    if request.road is not None and request.road not in task.roads:
+        raise ProblemError(unknown_name(f"road of {task.name}", request.road, task.roads))
     if request.robot is not None and not task.robots:
         raise ProblemError(f"the task {task.name} has a robot of its own: it takes none")
     if request.amount is not None:
@@ -95,4 +96,4 @@ def _checked(task: Task, request: Request) -> Request:
             raise ProblemError(f"the task {task.name} takes no number, got {request.amount!r}")
         real_number(task.amount, request.amount, low=-1e3, high=1e3)
     amount = task.default if request.amount is None else request.amount
-    return replace(request, amount=amount, method=request.method or task.methods[0])
+    return replace(request, amount=amount, road=request.road or task.roads[0])

@@ -15,7 +15,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
-from surefoot.stepping.detection import TerrainDetection
+from surefoot.stepping.detection import Detection
 from surefoot.stepping.knot import Knot
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.stepper import Stepper
@@ -23,7 +23,7 @@ from surefoot.terrain import Terrain
 
 TOLERANCE = 1e-8
 """Of the contact problems of a plan, see `surefoot.contact.Residuals`."""
-Policy = Callable[[int, FloatArray, FloatArray], FloatArray]
+TorquePolicy = Callable[[int, FloatArray, FloatArray], FloatArray]
 """Torques (joints,) of a knot, its number and state: (k, q, v)."""
 
 
@@ -53,6 +53,8 @@ class Trajectory:
         (N,) velocity error of each knot's contact problem [-], NaN where the motion was lost.
     solved
         (N,) whether it is solved to `TOLERANCE`.
+    touch_impulses
+        (N, t, 3) of touches beside feet on the ground [N s]; None for none.
     """
 
     dt: float
@@ -66,6 +68,18 @@ class Trajectory:
     speeds: FloatArray
     residuals: FloatArray
     solved: BoolArray
+    touch_impulses: FloatArray | None = None
+
+    @classmethod
+    def blank(cls, robot: Robot, count: int, dt: float, mu: float) -> Trajectory:
+        """Return a trajectory of `count` knots whose states are not known yet: NaN."""
+        model, p = robot.model, len(robot.contact_points)
+        return cls(
+            dt, mu, np.full((count + 1, model.nq), np.nan), np.full((count + 1, model.nv), np.nan),
+            np.zeros((count, robot.joints)), np.zeros((count, p, 3)), np.full((count + 1, p), np.nan),
+            np.full((count + 1, p, 3), np.nan), np.full((count, p, 3), np.nan), np.full(count, np.nan),
+            np.zeros(count, dtype=bool),
+        )  # fmt: skip
 
     def __len__(self) -> int:
         return len(self.torques)
@@ -86,12 +100,24 @@ class Trajectory:
         worst = float(np.max(self.residuals, initial=0.0))
         return worst if self.lawful and np.isfinite(worst) else np.inf
 
+    def locate(self, stepper: Stepper) -> None:
+        """Fill in where the contact points are, and how they move with the velocity at the knot's end."""
+        detection = stepper.bodies.contacts
+        assert isinstance(detection, Detection)  # order 1 is of feet on the ground
+        for k, q in enumerate(self.q):
+            if not np.isfinite(q).all():
+                return
+            seen = stepper.contacts(stepper.start(q))
+            self.gaps[k], self.positions[k] = seen.gaps, seen.positions
+            if k < len(self):
+                self.speeds[k] = seen.velocities(self.v[k + 1])
+
 
 def rollout(
     robot: Robot,
     q: FloatArray,
     v: FloatArray,
-    torques: FloatArray | Policy,
+    torques: FloatArray | TorquePolicy,
     *,
     dt: float,
     mu: float = 0.6,
@@ -137,10 +163,10 @@ def rollout(
     ((11, 19), True, True)
     """
     knot = Knot(Stepper(robot, terrain, StepOptions(dt=dt, order=1, tol=TOLERANCE)))
-    model, p = robot.model, len(robot.contact_points)
+    model = robot.model
     q, v = finite_array("q", q, (model.nq,)), finite_array("v", v, (model.nv,))
     policy, count = _policy(robot, torques, steps)
-    out = _empty(count, int(model.nq), int(model.nv), robot.joints, p, knot.stepper.options.dt, mu)
+    out = Trajectory.blank(robot, count, knot.stepper.options.dt, mu)
     out.q[0], out.v[0] = q, v
     for k in range(count):
         out.torques[k] = policy(k, out.q[k], out.v[k])
@@ -149,11 +175,11 @@ def rollout(
             break
         out.q[k + 1], out.v[k + 1], out.impulses[k] = knot.q, knot.v, knot.impulses
         out.residuals[k], out.solved[k] = knot.residual, done
-    _place(knot.stepper, out)
+    out.locate(knot.stepper)
     return out
 
 
-def _policy(robot: Robot, torques: FloatArray | Policy, steps: int | None) -> tuple[Policy, int]:
+def _policy(robot: Robot, torques: FloatArray | TorquePolicy, steps: int | None) -> tuple[TorquePolicy, int]:
     """Return who gives the torques, and for how many knots."""
     if callable(torques):
         if steps is None or steps < 1:
@@ -161,26 +187,3 @@ def _policy(robot: Robot, torques: FloatArray | Policy, steps: int | None) -> tu
         return torques, steps
     given = finite_array("torques", torques, (None, robot.joints))
     return (lambda k, q, v: given[k]), len(given)
-
-
-def _empty(count: int, nq: int, nv: int, joints: int, p: int, dt: float, mu: float) -> Trajectory:
-    """Return a trajectory of NaN."""
-    many = count + 1
-    return Trajectory(
-        dt, mu, np.full((many, nq), np.nan), np.full((many, nv), np.nan), np.zeros((count, joints)),
-        np.zeros((count, p, 3)), np.full((many, p), np.nan), np.full((many, p, 3), np.nan),
-        np.full((count, p, 3), np.nan), np.full(count, np.nan), np.zeros(count, dtype=bool),
-    )  # fmt: skip
-
-
-def _place(stepper: Stepper, out: Trajectory) -> None:
-    """Fill in where the contact points are, and how they move with the velocity at the knot's end."""
-    detection = stepper.bodies.contacts
-    assert isinstance(detection, TerrainDetection)  # order 1 is of feet on the ground
-    for k, q in enumerate(out.q):
-        if not np.isfinite(q).all():
-            return
-        seen = stepper.contacts(stepper.start(q))
-        out.gaps[k], out.positions[k] = seen.gaps, seen.positions
-        if k < len(out):
-            out.speeds[k] = seen.velocities(out.v[k + 1])

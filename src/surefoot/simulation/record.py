@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 
 from surefoot.errors import ProblemError
-from surefoot.log import CHANNELS, Ending, Log, Recorder, find_doubts
+from surefoot.log import CHANNELS, Ending, Log
+from surefoot.log.doubts import find_doubts
+from surefoot.log.recorder import Recorder
 from surefoot.simulation.mujoco import import_mujoco
 from surefoot.simulation.record_contacts import Slots
 from surefoot.simulation.record_tree import Tree

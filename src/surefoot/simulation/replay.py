@@ -19,7 +19,9 @@ import numpy as np
 from surefoot.arrays import FloatArray, real_number
 from surefoot.audit import AuditReport, audit_log
 from surefoot.errors import ProblemError, SimulationError
-from surefoot.log import CHANNELS, Ending, Log, Recorder, read_log
+from surefoot.log import CHANNELS, Ending, Log
+from surefoot.log.formats import read_log
+from surefoot.log.recorder import Recorder
 from surefoot.robot import Robot
 from surefoot.simulation.replay_task import ReplayTask, replay_task
 from surefoot.simulation.scenario import Fall

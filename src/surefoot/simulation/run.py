@@ -14,8 +14,9 @@ from surefoot.arrays import BoolArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.standstill import Standstill
 from surefoot.errors import ProblemError, SurefootError, WriteError
-from surefoot.log import CHANNELS, Ending, Log, Recorder
+from surefoot.log import CHANNELS, Ending, Log
 from surefoot.log.channels import Channel
+from surefoot.log.recorder import Recorder
 from surefoot.simulation.actuated import given_by
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.ground_friction import GroundFriction

@@ -88,8 +88,8 @@ class Scene(Robot):
     robot
         With all its collision geometry, in its nominal pose at the start.
     combine
-        How two surfaces' coefficients make a contact's, see `sf.combination_rules`; of two surfaces with the
-        ground's the ground's.
+        How two surfaces' coefficients make a contact's, see `surefoot.contact.engines.combination_rules`; of
+        two surfaces with the ground's the ground's.
     propagation
         Whether impacts run from body to body one after the other, as through a row of balls; else Newton's
         law of restitution holds for all contacts at once.

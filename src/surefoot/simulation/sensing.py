@@ -11,7 +11,8 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command, RobotState
-from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator
+from surefoot.estimation.inekf_robot import InvariantEkf
+from surefoot.estimation.state_estimator import Health, Reading, StateEstimator
 from surefoot.log import CHANNELS
 from surefoot.log.channels import Channel
 from surefoot.simulation.faults import ActiveFaults

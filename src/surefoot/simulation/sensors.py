@@ -10,7 +10,8 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.errors import ProblemError
-from surefoot.estimation import FilterNoise, Reading
+from surefoot.estimation.inekf import FilterNoise
+from surefoot.estimation.state_estimator import Reading
 from surefoot.robot import Robot
 from surefoot.simulation.sensor_kernels import heard, sense
 from surefoot.spatial import GRAVITY

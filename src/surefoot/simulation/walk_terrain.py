@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium import can_stand, friction_needed
+from surefoot.equilibrium.statics import can_stand, friction_needed
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot, place
 from surefoot.terrain import Terrain

@@ -41,7 +41,7 @@ class StanceQuestion:
 
 
 def read_stance(path: str | Path) -> StanceQuestion:
-    """Read a stance file; docs/stance-files.md describes it.
+    """Read a stance file; docs/files.md describes it.
 
     Raises
     ------

@@ -13,7 +13,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact import ContactProblem, ContactSolution
-from surefoot.solvers import solve
+from surefoot.solvers.solver import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.detection import Contacts, Surfaces

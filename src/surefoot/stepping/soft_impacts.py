@@ -17,7 +17,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import ContactProblem
 from surefoot.contact.laws.soft import SoftLaw
-from surefoot.solvers import solve
+from surefoot.solvers.solver import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.impacts import GAIN, SWERVE, LostMotion, Meeting

@@ -41,7 +41,7 @@ from surefoot.contact import ContactProblem, ContactSolution
 from surefoot.contact.laws.soft import stable_step_together
 from surefoot.errors import ProblemError, SimulationError
 from surefoot.robot import Robot
-from surefoot.solvers import solve
+from surefoot.solvers.solver import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.bodies import Bodies, finite_vector

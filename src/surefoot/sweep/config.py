@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from surefoot import __version__
 from surefoot.arrays import whole_number
 from surefoot.errors import ProblemError, unknown_name
-from surefoot.sweep.experiments import Experiment, make_experiment
-from surefoot.sweep.parameters import PARAMETERS
+from surefoot.sweep.experiment import SweepExperiment, make_experiment
 from surefoot.sweep.ranges import read_range
 from surefoot.sweep.space import MOST, Space
 
 _KEYS = ("experiment", "samples", "seed", "settings", "ranges", "maps")
-VERSION = "surefoot"
-"""Key of the version in a sweep's identity: another version may come to other results."""
 SAMPLES = 1000
 """Samples of a file that does not say how many."""
 
@@ -35,7 +31,7 @@ class SweepConfig:
     experiment
         With its settings.
     space
-        Ranges and seed.
+        Ranges and seed; a sample's values take the place of the experiment's settings.
     samples
         How many; more can be asked for later, the first ones stay what they are.
     maps
@@ -43,7 +39,7 @@ class SweepConfig:
     """
 
     name: str
-    experiment: Experiment
+    experiment: SweepExperiment
     space: Space
     samples: int = SAMPLES
     maps: tuple[tuple[str, str], ...] = ()
@@ -52,26 +48,39 @@ class SweepConfig:
         whole_number("seed", self.space.seed)
         if whole_number("samples", self.samples, low=1) > MOST:
             raise ProblemError(f"samples must be at most 2^30, got {self.samples}")
-        self.experiment.check(self.space)
-        for pair in self.maps:
-            for name in pair:
-                if name not in self.space.drawn():
-                    raise ProblemError("maps: " + unknown_name("drawn number", name, self.space.drawn()))
+        ranges = self.space.ranges
+        first: dict[str, Any] = {name: drawn.ends[0] for name, drawn in ranges.items()}
+        replace(self.experiment, **first).check()
+        for name, drawn in ranges.items():
+            for end in drawn.ends[1:]:  # what an experiment refuses is refused before long work
+                replace(self.experiment, **{**first, name: end})
+        for name in (name for pair in self.maps for name in pair):
+            if name not in self.space.drawn:
+                raise ProblemError("maps: " + unknown_name("drawn number", name, self.space.drawn))
 
     def identity(self) -> dict[str, Any]:
-        """Return what decides about every sample's results: all but how many, and what is drawn of them."""
+        """Return what decides about every sample's results: all but how many, and what is drawn of them.
+
+        Another version of Surefoot may come to other results; another one of SciPy may draw other points.
+        """
         return {
-            VERSION: __version__,
+            "surefoot": __version__,
             "experiment": self.name,
             "seed": self.space.seed,
-            "settings": self.experiment.as_dict(),
-            "ranges": {name: self.space.ranges[name].as_dict() for name in self.space.names},
+            "settings": asdict(self.experiment),
+            "ranges": {name: asdict(drawn) for name, drawn in self.space.ranges.items()},
+            "first": dict(self.space.sample([1])[0].values),
         }
 
     def fingerprint(self) -> str:
         """Return a short text that two sweeps share if their samples are the same."""
         text = json.dumps(self.identity(), sort_keys=True, allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def label(self, name: str) -> str:
+        """Return a parameter's name with its unit, such as "delay [s]"."""
+        unit = self.experiment.unit(name)
+        return f"{name} [{unit}]" if unit else name
 
     def with_numbers(self, samples: int | None, seed: int | None) -> SweepConfig:
         """Return the sweep with another number of samples or seed, None for the same."""
@@ -112,27 +121,16 @@ def sweep_from_dict(content: Any, folder: Path | None = None) -> SweepConfig:
     if "experiment" not in top:
         raise ProblemError("the file lacks 'experiment'")
     name = str(top["experiment"])
-    settings = _mapping("settings", top.get("settings") or {})
-    ranges = _mapping("ranges", top.get("ranges") or {})
-    experiment = make_experiment(name, settings)
-    for given in ranges:
-        if given in PARAMETERS and given not in experiment.parameters:
-            raise ProblemError(unknown_name(f"parameter of {name}", given, experiment.parameters))
-    place = Path() if folder is None else folder
-    space = Space({n: read_range(n, entry, place) for n, entry in ranges.items()}, _whole("seed", top, 0))
-    return SweepConfig(name, experiment, space, _whole("samples", top, SAMPLES), _maps(top.get("maps") or []))
-
-
-def _whole(name: str, top: Mapping[str, Any], otherwise: int) -> int:
-    return whole_number(name, top.get(name, otherwise))
-
-
-def _maps(entry: Any) -> tuple[tuple[str, str], ...]:
-    """Return pairs of different names."""
-    pairs = entry if isinstance(entry, list) else None
-    if pairs is None or not all(isinstance(p, list) and len(p) == 2 and p[0] != p[1] for p in pairs):
-        raise ProblemError(f"maps must be a list of pairs of parameters, got {entry!r:.60}")
-    return tuple((str(x), str(y)) for x, y in pairs)
+    experiment = make_experiment(name, _mapping("settings", top.get("settings") or {}))
+    entries = _mapping("ranges", top.get("ranges") or {})
+    read = {n: read_range(experiment, n, entry, folder or Path()) for n, entry in entries.items()}
+    ranges = {n: read[n] for n in experiment.parameters() if n in read}  # the file's order does not matter
+    maps = top.get("maps") or []
+    if not isinstance(maps, list) or not all(isinstance(p, list) and len(p) == len({*p}) == 2 for p in maps):
+        raise ProblemError(f"maps must be a list of pairs of parameters, got {maps!r:.60}")
+    samples = whole_number("samples", top.get("samples", SAMPLES))
+    space = Space(ranges, whole_number("seed", top.get("seed", 0)))
+    return SweepConfig(name, experiment, space, samples, tuple((str(x), str(y)) for x, y in maps))
 
 
 def _mapping(name: str, value: Any) -> dict[str, Any]:

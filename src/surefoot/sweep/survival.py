@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.sweep.config import SweepConfig
-from surefoot.sweep.ranges import Interval
+from surefoot.sweep.ranges import TextRange
 from surefoot.sweep.worker import CRASHED, DONE, ERROR
 
 Z95 = 1.959963984540054
@@ -32,7 +32,7 @@ class Share:
 
 @dataclass(frozen=True)
 class Margin:
-    """Survival over one parameter.
+    """Survival over one parameter, of the samples that are done.
 
     Attributes
     ----------
@@ -43,7 +43,9 @@ class Margin:
     labels
         A text for each bin.
     counts, survived
-        (bins,) samples that are done, and those of them that survived.
+        (bins,) samples, and those of them that survived.
+    medians
+        For each bin the median of each numeric result by name; None without samples.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Margin:
     labels: tuple[str, ...]
     counts: IntArray
     survived: IntArray
+    medians: tuple[dict[str, float | None], ...]
 
     def shares(self) -> list[Share]:
         """Return the share that survived, bin by bin."""
@@ -82,24 +85,41 @@ def wilson(hits: int, count: int) -> Share:
 
 
 def margins(config: SweepConfig, table: Any) -> list[Margin]:
-    """Return survival over each parameter that is drawn, in the order of the columns."""
-    rows = _done(config, table)
-    return [_margin(config, rows, name) for name in config.space.varying()]
+    """Return survival over each parameter that varies, in the order of the columns."""
+    rows, goal = _done(table), config.experiment.goal
+    results = [name for name, kind in config.experiment.columns.items() if kind == "float"]
+    survived = _values(rows, goal).astype(np.bool_)
+    found = []
+    for name in config.space.varying:
+        edges, place, labels = _bins(config, rows, name)
+        number = len(labels)
+        found.append(
+            Margin(
+                name, edges, labels,
+                np.bincount(place, minlength=number), np.bincount(place[survived], minlength=number),
+                tuple(_medians(rows, results, place == k) for k in range(number)),
+            )
+        )  # fmt: skip
+    return found
 
 
-def medians(config: SweepConfig, table: Any, name: str) -> list[dict[str, float | None]]:
-    """Return, for each bin of `margins`, the median of each numeric result by name; None without samples.
+def counts(config: SweepConfig, table: Any) -> dict[str, int]:
+    """Return how many samples are done, survived, ended with an error, and crashed."""
+    status = table["status"].to_pylist()
+    out = {name: status.count(name) for name in (DONE, ERROR, CRASHED)}
+    return {**out, "survived": table[config.experiment.goal].to_pylist().count(True)}
 
-    Raises
-    ------
-    ProblemError
-        See `check_varying`.
-    """
-    check_varying(config, name)
-    results = [column for column, kind in config.experiment.columns.items() if kind == "float"]
-    rows = _done(config, table, *results)
-    place, labels = _place(config, rows, name)[1:]
-    return [{column: _median(rows[column][place == k]) for column in results} for k in range(len(labels))]
+
+def survival_grid(
+    config: SweepConfig, table: Any, first: str, second: str, bins: int = BINS
+) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
+    """Return edges along two parameters, and counts and survivors: (bins, bins), the first along axis 0."""
+    rows = _done(table)
+    (x, i, _), (y, j, _) = (_bins(config, rows, name, bins) for name in (first, second))
+    number, survived = np.zeros((bins, bins), dtype=np.int64), np.zeros((bins, bins), dtype=np.int64)
+    np.add.at(number, (i, j), 1)
+    np.add.at(survived, (i, j), _values(rows, config.experiment.goal).astype(np.int64))
+    return x, y, number, survived
 
 
 def check_varying(config: SweepConfig, name: str) -> None:
@@ -110,69 +130,39 @@ def check_varying(config: SweepConfig, name: str) -> None:
     ProblemError
         Listing those that vary.
     """
-    if name not in config.space.varying():
-        raise ProblemError(unknown_name("parameter that varies", name, config.space.varying()))
+    if name not in config.space.varying:
+        raise ProblemError(unknown_name("parameter that varies", name, config.space.varying))
 
 
-def _median(values: Any) -> float | None:
-    numbers = [value for value in values if value is not None]
-    return float(np.median(numbers)) if numbers else None
+def _done(table: Any) -> Any:
+    """Return the rows that have results."""
+    return table.filter(np.array([status == DONE for status in table["status"].to_pylist()], dtype=np.bool_))
 
 
-def counts(config: SweepConfig, table: Any) -> dict[str, int]:
-    """Return how many samples are done, survived, ended with an error, and crashed."""
-    status = table["status"].to_pylist()
-    out = {name: status.count(name) for name in (DONE, ERROR, CRASHED)}
-    return {**out, "survived": int(_done(config, table)[config.experiment.goal].sum())}
+def _values(rows: Any, name: str) -> Any:
+    """Return a column of numbers as an array (n,); NaN for what is missing."""
+    return np.array(rows[name].to_pylist(), dtype=np.float64)
 
 
-def bins_of(config: SweepConfig, name: str, count: int = BINS) -> FloatArray:
-    """Return the (count + 1,) edges of a drawn number's bins, even in the scale that it is drawn in."""
-    drawn = config.space.ranges[name]
-    assert isinstance(drawn, Interval)
-    return np.array([drawn.at(k / count) for k in range(count + 1)], dtype=np.float64)
-
-
-def survival_grid(
-    config: SweepConfig, table: Any, first: str, second: str, bins: int = BINS
-) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
-    """Return edges along two parameters, and counts and survivors: (bins, bins), the first along axis 0."""
-    rows = _done(config, table)
-    edges = bins_of(config, first, bins), bins_of(config, second, bins)
-    places = [_bin(e, rows[n]) for e, n in zip(edges, (first, second), strict=True)]
-    number, survived = np.zeros((bins, bins), dtype=np.int64), np.zeros((bins, bins), dtype=np.int64)
-    np.add.at(number, tuple(places), 1)
-    np.add.at(survived, tuple(places), rows[config.experiment.goal].astype(np.int64))
-    return *edges, number, survived
-
-
-def _done(config: SweepConfig, table: Any, *results: str) -> dict[str, Any]:
-    """Return parameters, goal and more results of the samples that are done, as arrays."""
-    done = np.array([status == DONE for status in table["status"].to_pylist()], dtype=np.bool_)
-    names = (*config.space.names, config.experiment.goal, *results)
-    return {name: np.array(table[name].to_pylist(), dtype=object)[done] for name in names}
-
-
-def _bin(edges: FloatArray, values: Any) -> IntArray:
-    """Return the bin of each value."""
-    numbers = np.asarray(values, dtype=np.float64)
-    return np.clip(np.searchsorted(edges, numbers, side="right") - 1, 0, len(edges) - 2)
-
-
-def _place(
-    config: SweepConfig, rows: dict[str, Any], name: str
+def _bins(
+    config: SweepConfig, rows: Any, name: str, count: int = BINS
 ) -> tuple[FloatArray, IntArray, tuple[str, ...]]:
-    """Return a parameter's edges, the bin of each row, and a label for each bin."""
-    if config.space.kind(name) == "text":
-        texts = tuple(dict.fromkeys(config.space.ranges[name].as_dict()["choices"]))
-        place = np.array([texts.index(text) for text in rows[name]], dtype=np.int64)
+    """Return a parameter's edges, even in the scale it is drawn in, the bin of each row, and labels."""
+    drawn = config.space.ranges[name]
+    if isinstance(drawn, TextRange):
+        texts = tuple(dict.fromkeys(drawn.choices))
+        place = np.array([texts.index(text) for text in rows[name].to_pylist()], dtype=np.int64)
         return np.arange(len(texts) + 1, dtype=np.float64), place, texts
-    edges = bins_of(config, name)
-    return edges, _bin(edges, rows[name]), tuple(f"{a:.3g} to {b:.3g}" for a, b in pairwise(edges))
+    edges = np.array([drawn.at(k / count) for k in range(count + 1)], dtype=np.float64)
+    place = np.clip(np.searchsorted(edges, _values(rows, name), side="right") - 1, 0, count - 1)
+    return edges, place, tuple(f"{a:.3g} to {b:.3g}" for a, b in pairwise(edges))
 
 
-def _margin(config: SweepConfig, rows: dict[str, Any], name: str) -> Margin:
-    edges, place, labels = _place(config, rows, name)
-    number, good = len(labels), rows[config.experiment.goal].astype(np.bool_)
-    every, survivors = np.bincount(place, minlength=number), np.bincount(place[good], minlength=number)
-    return Margin(name, edges, labels, every.astype(np.int64), survivors.astype(np.int64))
+def _medians(rows: Any, results: list[str], chosen: BoolArray) -> dict[str, float | None]:
+    """Return the median of each result over the chosen rows, without those that have none."""
+    out: dict[str, float | None] = {}
+    for name in results:
+        values = _values(rows, name)[chosen]
+        values = values[~np.isnan(values)]
+        out[name] = float(np.median(values)) if values.size else None
+    return out

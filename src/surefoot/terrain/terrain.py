@@ -29,19 +29,12 @@ class Terrain(ABC):
         Whether the ground is one plane, so that normal and frame are the same everywhere.
     learns
         Whether it is a belief that changes with what a robot senses (`surefoot.control.terrain_knowledge`).
-    underway
-        Whether a robot that begins to walk already stands on its steps.
-    shorter
-        By how much nearer feet stay to the edges behind them, and farther from those ahead, since treads may
-        be shorter than believed [m].
     noise
         Height differences between neighbouring places that mean nothing [m]; zero for ground that is known.
     """
 
     planar: ClassVar[bool] = False
     learns: ClassVar[bool] = False
-    underway: bool = False
-    shorter: float = 0.0
     noise: float = 0.0
 
     @property
@@ -53,6 +46,11 @@ class Terrain(ABC):
     def steepness(self) -> float:
         """Rise over way that a body follows: of a slope, of stairs; 0 on level or rough ground [-]."""
         return 0.0
+
+    @property
+    def unsure(self) -> bool:
+        """Whether there are steps and it is not known where."""
+        return False
 
     @property
     def highest_step(self) -> float:

@@ -12,7 +12,7 @@ from surefoot.audit import AuditReport, Violation
 from surefoot.audit.rows import Rows
 from surefoot.audit.setting import BODY, setting_of
 from surefoot.log import Log
-from surefoot.log.skeleton import robot_of
+from surefoot.log.scene import robot_of
 from surefoot.viz.shapes import cone_rim
 from surefoot.viz.style import BAD, FOOT_COLOURS, FORCE, GROUND, INK, MUTED, new_axis, new_figure, save
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.arrays import FloatArray
 from surefoot.planning.transcription.forms import fischer_burmeister, fischer_burmeister_eps
-from surefoot.planning.transcription.problem import Motion, SmallProblem
 from surefoot.viz.style import BAD, FOOT_COLOURS, MUTED, new_figure, save
 
 BOOK = (0.1, 0.01, 0.001)
@@ -93,14 +93,23 @@ def plot_traces(folder: Path, traces: Mapping[tuple[str, str], Trace], name: str
     return save(figure, folder / f"{name}.png")
 
 
-def plot_motions(folder: Path, found: Mapping[str, tuple[SmallProblem, Motion]]) -> Path:
-    """Write the gaps and normal forces of a motion of each problem over time."""
+def plot_motions(
+    folder: Path, found: Mapping[str, tuple[float, Sequence[str], FloatArray, FloatArray]]
+) -> Path:
+    """Write the gaps and normal forces of a motion of each problem over time.
+
+    Parameters
+    ----------
+    folder
+        Where the picture goes.
+    found
+        Problem to the length of a knot [s], the contacts' names, and (N, p) gaps [m] and impulses [N s].
+    """
     figure, axes = new_figure(2, len(found), size=(max(3.1 * len(found), 4.5), 5.0), sharex="col")
-    for column, (name, (problem, motion)) in enumerate(found.items()):
-        time = problem.dt * np.arange(1, problem.knots + 1)
-        gaps = np.array([np.array(problem.system.gap(q)).ravel() for q in motion.q[1:]])
-        _draw(axes[0, column], problem, time, gaps)
-        _draw(axes[1, column], problem, time, motion.normal / problem.dt)
+    for column, (name, (dt, contacts, gaps, impulses)) in enumerate(found.items()):
+        time = dt * np.arange(1, len(gaps) + 1)
+        _draw(axes[0, column], contacts, time, gaps)
+        _draw(axes[1, column], contacts, time, impulses / dt)
         axes[0, column].set_title(name)
         axes[1, column].set_xlabel("time [s]")
         axes[0, column].legend(fontsize=7)
@@ -109,9 +118,9 @@ def plot_motions(folder: Path, found: Mapping[str, tuple[SmallProblem, Motion]])
     return save(figure, folder / "softened-motions.png")
 
 
-def _draw(axis: Any, problem: SmallProblem, time: Any, curves: Any) -> None:
+def _draw(axis: Any, contacts: Sequence[str], time: Any, curves: FloatArray) -> None:
     """Draw a column of curves for each contact."""
-    for k, touch in enumerate(problem.system.touches):
-        axis.plot(time, curves[:, k], ".-", ms=3, color=FOOT_COLOURS[k], label=touch.name)
+    for k, name in enumerate(contacts):
+        axis.plot(time, curves[:, k], ".-", ms=3, color=FOOT_COLOURS[k], label=name)
     if np.ptp(curves) < 1e-6:  # a constant: no magnified rounding
         axis.set_ylim(curves.mean() - 0.1, curves.mean() + 0.1)

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium import Region, Verdict, com_region, support_polygon
 from surefoot.equilibrium.comparison import RegionComparison
-from surefoot.equilibrium.region import polygon_area
+from surefoot.equilibrium.region import Region, polygon_area
+from surefoot.equilibrium.regions import com_region, support_polygon
+from surefoot.equilibrium.verdict import Verdict
 from surefoot.stance import Contact, Stance, StanceQuestion
 from surefoot.viz.shapes import cone_rim, ring
 from surefoot.viz.style import BAD, FOOT_COLOURS, FORCE, INK, MUTED, blank_figure, house_style, save

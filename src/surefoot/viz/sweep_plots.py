@@ -46,7 +46,7 @@ def draw_sweep(config: SweepConfig, table: Any, folder: Path) -> list[Path]:
 
 def _pairs(config: SweepConfig, found: list[Margin]) -> tuple[tuple[str, str], ...]:
     """Return the pairs among the three numbers that matter most."""
-    numbers = [m for m in found if m.name in config.space.drawn()]
+    numbers = [m for m in found if m.name in config.space.drawn]
     strongest = {m.name for m in sorted(numbers, key=lambda m: -m.effect())[:3]}
     return tuple(itertools.combinations([m.name for m in numbers if m.name in strongest], 2))
 
@@ -75,9 +75,9 @@ def _draw_margin(axis: Any, config: SweepConfig, margin: Margin) -> None:
         middle = np.sqrt(margin.edges[:-1] * margin.edges[1:])
     value, low, high = (np.array([getattr(s, part) for s in shares]) for part in ("value", "low", "high"))
     axis.errorbar(middle, value, [value - low, high - value], fmt="o", ms=4, color=SURVIVED, ecolor=MUTED)
-    if margin.name not in config.space.drawn():  # texts
+    if margin.name not in config.space.drawn:  # texts
         axis.set_xticks(middle, margin.labels, rotation=20)
-    axis.set(xlabel=label(margin.name), ylim=(-0.03, 1.03))
+    axis.set(xlabel=config.label(margin.name), ylim=(-0.03, 1.03))
 
 
 def _draw_maps(config: SweepConfig, table: Any, pairs: tuple[tuple[str, str], ...], path: Path) -> Path:
@@ -101,7 +101,7 @@ def _draw_maps(config: SweepConfig, table: Any, pairs: tuple[tuple[str, str], ..
         for name, scale in zip(pair, (axis.set_xscale, axis.set_yscale), strict=True):
             if _log(config, name):
                 scale("log")
-        axis.set(xlabel=label(pair[0]), ylabel=label(pair[1]))
+        axis.set(xlabel=config.label(pair[0]), ylabel=config.label(pair[1]))
         axis.grid(visible=False)
     with house_style():
         figure.colorbar(image, ax=axes, label=f"share that {config.experiment.goal}")
@@ -109,17 +109,5 @@ def _draw_maps(config: SweepConfig, table: Any, pairs: tuple[tuple[str, str], ..
     return save(figure, path)
 
 
-def label(name: str) -> str:
-    """Return a parameter's name with its unit.
-
-    >>> label("delay")
-    'delay [s]'
-    """
-    from surefoot.sweep.parameters import PARAMETERS
-
-    unit = PARAMETERS[name].unit if name in PARAMETERS else ""
-    return f"{name} [{unit}]" if unit else name
-
-
 def _log(config: SweepConfig, name: str) -> bool:
-    return config.space.ranges[name].as_dict().get("scale") == "log"
+    return getattr(config.space.ranges[name], "scale", "") == "log"

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.estimation import TossErrors, Tosses, TossFit
+from surefoot.estimation.identify import TossFit
+from surefoot.estimation.toss_errors import TossErrors
+from surefoot.estimation.tosses import Tosses
 from surefoot.viz.shapes import along_path
 from surefoot.viz.style import FOOT_COLOURS, GROUND, INK, MUTED, new_figure, save
 

@@ -15,7 +15,6 @@ from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, new_figure, save
 LEAST = 1e-16
 """Errors below count as this, so that a logarithmic axis can show them."""
 
-
 SMALLEST_SHARE = 1e-6
 """Shares of a tolerance below are drawn there."""
 
@@ -75,11 +74,8 @@ def _draw_lines(axis: Any, outcome: Outcome) -> None:
     experiment, theory = outcome.experiment, outcome.experiment.theory()
     styles = ("-", "--", "-.", ":")
     for k, (world, seen) in enumerate(outcome.seen.items()):
-        mark = "o" if len(seen.curve.x) < 12 else None
-        axis.plot(*seen.curve, styles[k % 4], color=FOOT_COLOURS[k], label=world, lw=1.8, marker=mark, ms=4)
+        axis.plot(*seen.curve, styles[k % 4], color=FOOT_COLOURS[k], label=world, lw=1.8)
     axis.plot(theory.x, theory.y, color=INK, lw=0.8, label="closed form")
-    if experiment.logarithmic:
-        axis.set(xscale="log", yscale="log")
     axis.set(xlabel=experiment.axes[0], ylabel=experiment.axes[1])
     axis.set_title(f"{experiment.name}: {experiment.says}", fontsize=8, loc="left", wrap=True)
     axis.legend(fontsize=8)

@@ -23,9 +23,9 @@ from surefoot.planning.direct import (
     planar_biped,
     planar_hopper,
 )
-from surefoot.planning.direct.contact_rows import STICK, read_modes
-from surefoot.planning.direct.planar import passive_joints
-from surefoot.planning.direct.search import DirectSearch
+from surefoot.planning.direct.transcribe import DirectNlp
+from surefoot.planning.transcription.contact_rows import STICK, read_modes
+from surefoot.planning.transcription.planar import passive_joints
 from surefoot.robot import load_robot, place
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.terrain import SlopeTerrain, StairsTerrain
@@ -90,10 +90,10 @@ def test_a_finer_plan_from_a_coarse_one_is_lawful_to_the_audit(hop) -> None:
 def test_the_modes_of_a_plan_given_as_a_schedule_lead_to_it(hop) -> None:
     """And a schedule in which the foot never leaves the ground leads nowhere."""
     problem, found = hop
-    search = DirectSearch(problem, GivenModes())
-    modes = read_modes(found.motion.impulses, *search.seen(found.motion), problem.mu)
+    nlp = DirectNlp(problem, GivenModes())
+    modes = read_modes(found.motion.impulses, *nlp.contact_speeds(found.motion), problem.mu)
     again = plan_with_modes(problem, modes)
-    assert again.plan.raise_if_failed().method == "given modes"
+    assert again.plan.raise_if_failed().road == "given modes"
     assert again.plan.cost == pytest.approx(found.plan.cost, rel=1e-3)
     stuck = plan_with_modes(problem, np.full_like(modes, STICK), max_iterations=60)
     assert stuck.plan.status.value == "stalled"

@@ -17,8 +17,8 @@ from surefoot.planning.direct import (
     planar_biped,
     planar_hopper,
 )
-from surefoot.planning.direct.contact_rows import OPEN, SLIDE, STICK, read_modes
-from surefoot.planning.direct.search import DirectSearch
+from surefoot.planning.direct.transcribe import DirectNlp
+from surefoot.planning.transcription.contact_rows import OPEN, SLIDE, STICK, read_modes
 from surefoot.robot import load_robot, place
 from surefoot.terrain import FlatTerrain, SlopeTerrain
 
@@ -48,10 +48,10 @@ CASES = {
 }
 
 
-def worst_row(search: DirectSearch, motion: Guess, eps: float, bounds=None, rows=None) -> float:
+def worst_row(nlp: DirectNlp, motion: Guess, eps: float, bounds=None, rows=None) -> float:
     """The largest violation of a row of a motion, by no iteration of Ipopt."""
-    found = search.solve(
-        search.pack(motion), eps, contact_bounds=bounds, row_bounds=rows, max_iter=0, bound_push=1e-16,
+    found = nlp.solve(
+        nlp.pack(motion), eps, contact_bounds=bounds, row_bounds=rows, max_iter=0, bound_push=1e-16,
         bound_frac=1e-16, slack_bound_push=1e-16, slack_bound_frac=1e-16,
     )  # fmt: skip
     assert found.iterations == 0
@@ -69,18 +69,19 @@ def test_knots_obey_the_rows_of_every_law(case) -> None:
     )  # fmt: skip
     guess, modes = Guess.of(motion), None
     for law in (RoundCone(), GivenModes(), *([Facets(2)] if problem.planar else [])):
-        search = DirectSearch(problem, law)
-        closing, sliding = search.seen(guess)
+        nlp = DirectNlp(problem, law)
+        closing, sliding = nlp.contact_speeds(guess)
         given = ()
         if isinstance(law, GivenModes):
             modes = read_modes(guess.impulses, closing, sliding, 0.4)
             d = problem.tangents - 1
-            given = law.bounds(modes, d), law.row_bounds(modes, d)
-        assert worst_row(search, guess, 1e-8, *given) < ACCURACY
+            mu = problem.frictions
+            given = law.bounds(modes, d, mu), law.row_bounds(modes, d, mu)
+        assert worst_row(nlp, guess, 1e-8, *given) < ACCURACY
         bent = replace(guess, torques=guess.torques + 0.1 * (problem.torque_limits > 0.0))
-        assert worst_row(search, bent, 1e-8, *given) > 1e-4
+        assert worst_row(nlp, bent, 1e-8, *given) > 1e-4
         light = replace(guess, impulses=0.5 * guess.impulses)
-        assert worst_row(search, light, 1e-8, *given) > 1e-3
+        assert worst_row(nlp, light, 1e-8, *given) > 1e-3
     assert modes is not None
     assert {OPEN, STICK, SLIDE} >= set(modes.ravel().tolist())
     assert len(set(modes.ravel().tolist())) > 1
@@ -90,8 +91,8 @@ def test_knots_obey_the_rows_of_every_law(case) -> None:
 def test_variables_mean_the_motion_they_were_made_from(law) -> None:
     robot = planar_biped()
     motion = Guess.of(thrown(robot, FlatTerrain(), 5))
-    search = DirectSearch(DirectProblem(robot, motion.q[0], motion.v[0], KNOTS, DT), law)
-    back = search.unpack(search.pack(motion))
+    nlp = DirectNlp(DirectProblem(robot, motion.q[0], motion.v[0], KNOTS, DT), law)
+    back = nlp.unpack(nlp.pack(motion))
     for name in ("q", "v", "torques"):
         assert np.array_equal(getattr(back, name), getattr(motion, name))
     assert np.abs(back.impulses - motion.impulses).max() < 1e-12
@@ -102,7 +103,9 @@ def test_facets_of_space_hold_the_impulse_they_start_from(count) -> None:
     """Σ D β is the tangential impulse for any regular set of directions, and β >= 0."""
     law, rng = Facets(count), np.random.default_rng(1)
     impulses = rng.normal(size=(5, 3, 3))
-    values = law.start(impulses, np.ones((5, 3)), rng.normal(size=(5, 3, 2)), 0.6).reshape(5, 3, -1)
+    values = law.start(impulses, np.ones((5, 3)), rng.normal(size=(5, 3, 2)), np.full(3, 0.6)).reshape(
+        5, 3, -1
+    )
     beta = values[..., :count]
     assert (beta >= 0.0).all()
     assert np.abs(beta @ law.directions.T - impulses[..., :2]).max() < 1e-12

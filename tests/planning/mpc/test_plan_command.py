@@ -31,7 +31,6 @@ def test_a_walk_without_a_gait_says_how_it_plans(capsys: pytest.CaptureFixture[s
     [
         (["--planner", "magic"], "contact-implicit"),
         (["--planner", "contact-implicit", "--gait", "pace"], "--gait"),
-        (["--planner", "contact-implicit", "--period", "0.4"], "--period"),
         (["g1", "--planner", "contact-implicit"], "g1"),
     ],
 )

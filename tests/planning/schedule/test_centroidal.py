@@ -1,65 +1,38 @@
-"""Centroidal motions over schedules: momentum in NumPy, cones, flights, footholds, bounds, refusals."""
+"""The centroidal start: momentum in NumPy, cones, flights, footholds; and legs under it."""
+
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from surefoot.control.gait import ModeSchedule
-from surefoot.control.gait_files import read_gaits
-from surefoot.errors import ProblemError
+from surefoot.robot import load_robot, place
+from surefoot.robot.centroidal import momentum
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import SlopeTerrain
 
 pytest.importorskip("casadi")
 
-from surefoot.planning.direct.problem import Window
-from surefoot.planning.schedule.centroidal import (
-    CentroidalProblem,
-    CentroidalWeights,
-    optimise_centroidal,
-)
+from surefoot.planning.schedule.centroidal import CentroidalModel, optimise_centroidal
+from surefoot.planning.schedule.limbs import soles, whole_body_guess
+from surefoot.planning.schedule.motions import backflip, jump
+from surefoot.planning.tasks.scheduled import best_motion
+from surefoot.planning.tasks.task import PlanRequest
+from tests.pages import run_page
 
-MASS, INERTIA = 15.0, np.array([[0.1, 0.005, -0.01], [0.005, 0.25, 0.0], [-0.01, 0.0, 0.3]])
-HEIGHT = 0.3
-STAND = np.array([[x, y, -HEIGHT] for x in (0.19, -0.19) for y in (0.14, -0.14)])
 G = np.array([0.0, 0.0, -9.81])
-JUMP = ModeSchedule([0.3, 0.55], [15, 0, 15], feet=4)
-FILE = """list
-{
-  [0] hop
-}
-hop
-{
-  modeSequence
-  {
-    [0] STANCE
-    [1] LF_RH
-    [2] STANCE
-    [3] FLY
-    [4] STANCE
-  }
-  eventTimes
-  {
-    [0] 0.15
-    [1] 0.3
-    [2] 0.45
-    [3] 0.65
-  }
-}
-"""
 
 
-def ask(schedule=JUMP, knots=40, forward=0.25, **changes):
-    """Return a jump forward, from rest to rest, on flat ground."""
-    pose = np.array([0.0, 0.0, HEIGHT, 0.0, 0.0, 0.0, 1.0])
-    reference = np.tile(pose, (knots + 1, 1))
-    reference[:, 0] = forward * np.linspace(0.0, 1.0, knots + 1)
-    end = Window(reference[-1] - 1e-3, reference[-1] + 1e-3, np.full(6, -1e-3), np.full(6, 1e-3))
-    given = {
-        "mass": MASS, "inertia": INERTIA, "stand": STAND, "schedule": schedule, "dt": 0.025, "knots": knots,
-        "pose": pose, "velocity": np.zeros(6), "feet": pose[:3] + STAND, "reference": reference,
-        "windows": {knots: end},
-    }  # fmt: skip
-    return CentroidalProblem(**{**given, **changes})
+@pytest.fixture(scope="module")
+def go2():
+    return load_robot("go2")
+
+
+@pytest.fixture(scope="module")
+def jumped(go2):
+    problem = jump(go2, 0.3, 0.0, 0.6, 0.02)
+    return problem, optimise_centroidal(problem)
 
 
 def marched(problem, motion, pieces):
@@ -67,7 +40,7 @@ def marched(problem, motion, pieces):
     c, v, h = motion.com[0].copy(), motion.velocity[0].copy(), motion.momentum[0].copy()
     out, t = [(c, v, h)], problem.dt / pieces
     for forces, places in zip(motion.forces, np.nan_to_num(motion.footholds), strict=True):
-        a = forces.sum(axis=0) / problem.mass + G
+        a = forces.sum(axis=0) / problem.robot.mass + G
         for _ in range(pieces):
             middle = c + 0.5 * t * v + 0.125 * t * t * a  # the centre half-way through a small step
             h = h + t * np.cross(places - middle, forces).sum(axis=0)
@@ -76,10 +49,16 @@ def marched(problem, motion, pieces):
     return (np.array(part) for part in zip(*out, strict=True))
 
 
-@pytest.fixture(scope="module")
-def jumped():
-    problem = ask()
-    return problem, optimise_centroidal(problem)
+def test_the_model_is_the_robots(go2, jumped):
+    problem, _ = jumped
+    known, seen = momentum(go2, problem.q, problem.v), CentroidalModel(problem)
+    R = rotation_from_quaternion(problem.q[3:7])
+    assert np.allclose(seen.pose[:3], known.com)
+    assert np.allclose(R @ seen.inertia @ R.T, known.inertia, atol=1e-9)
+    assert np.allclose(seen.pose[:3] + seen.stand @ R.T, seen.feet)
+    assert np.abs(seen.feet[:, 2]).max() < 1e-3  # soles on the ground
+    shift = seen.reference[:, :3] - problem.reference[:, :3]
+    assert np.allclose(shift, known.com - problem.q[:3])  # a jump forward keeps the base level
 
 
 def test_forces_lead_to_the_motion(jumped):
@@ -88,16 +67,15 @@ def test_forces_lead_to_the_motion(jumped):
     c, v, h = marched(problem, motion, 400)
     assert np.abs(c - motion.com).max() < 1e-6
     assert np.abs(v - motion.velocity).max() < 1e-6
-    assert np.abs(h - motion.momentum).max() < 1e-6
+    assert np.abs(h - motion.momentum).max() < 2e-6
     assert np.ptp(motion.momentum[:, 1]) > 0.01  # there is some
 
 
 def test_a_flight_is_the_parabola(jumped):
-    _, motion = jumped
+    problem, motion = jumped
     first, last = np.flatnonzero(~motion.stance.any(axis=1))[[0, -1]]
-    t = motion.times[first : last + 2] - motion.times[first]
+    t = problem.dt * np.arange(last - first + 2)
     fall = motion.com[first] + t[:, None] * motion.velocity[first] + 0.5 * t[:, None] ** 2 * G
-    assert len(t) == 11
     assert np.abs(motion.com[first : last + 2] - fall).max() < 1e-7
     assert np.abs(motion.momentum[first : last + 2] - motion.momentum[first]).max() < 1e-7
     assert (motion.forces[first : last + 1] == 0.0).all()
@@ -105,108 +83,89 @@ def test_a_flight_is_the_parabola(jumped):
 
 def test_feet_stay_where_they_stand_within_reach(jumped):
     problem, motion = jumped
+    first, last = np.flatnonzero(~motion.stance.any(axis=1))[[0, -1]]
     for foot in range(4):
-        before, after = motion.footholds[:12, foot], motion.footholds[-18:, foot]
+        before, after = motion.footholds[:first, foot], motion.footholds[last + 1 :, foot]
         assert np.ptp(before, axis=0).max() < 1e-7
         assert np.ptp(after, axis=0).max() < 1e-7
-        assert np.allclose(before, STAND[foot] + [0.0, 0.0, HEIGHT], atol=1e-7)
         assert after[0, 0] > before[0, 0] + 0.1  # and jump with the body
-        assert np.isnan(motion.footholds[12:22, foot]).all()
+        assert np.isnan(motion.footholds[first : last + 1, foot]).all()
+    reach, stand = CentroidalModel(problem).reach, CentroidalModel(problem).stand
     for k in range(1, problem.knots):
         for at in (k, k + 1):
             R = rotation_from_quaternion(motion.quaternion[at])
-            off = (motion.footholds[k] - motion.com[at]) @ R - STAND
-            assert (np.abs(off[motion.stance[k]]) <= problem.reach + 1e-6).all()
+            off = (motion.footholds[k] - motion.com[at]) @ R - stand
+            assert (np.abs(off[motion.stance[k]]) <= reach + 1e-6).all()
 
 
 @pytest.mark.parametrize("angle", [0.0, 10.0])
-def test_forces_are_inside_exact_cones_of_the_ground(angle):
+def test_forces_are_inside_exact_cones_of_the_ground(go2, angle):
     terrain = SlopeTerrain(angle)
-    frame = terrain.frame([0.0, 0.0])
-    half = 0.5 * np.arctan2(frame[0, 2], frame[2, 2])
-    pose = np.concatenate([HEIGHT * frame[:, 2], [0.0, np.sin(half), 0.0, np.cos(half)]])
-    problem = ask(
-        ModeSchedule([0.2, 0.45], [15, 9, 15], feet=4), 30, terrain=terrain, mu=0.4, pose=pose, windows={},
-        feet=pose[:3] + STAND @ frame.T, reference=np.tile(pose, (31, 1)),
-    )  # fmt: skip
+    q, frame = place(go2, terrain), terrain.frame([0.0, 0.0])
+    flat = jump(go2, 0.0, 0.0, 0.6, 0.02)
+    problem = replace(
+        flat, terrain=terrain, q=q, reference=np.tile(q, (flat.knots + 1, 1)), windows={}, mu=0.4
+    )
     motion = optimise_centroidal(problem)
     assert motion.found
     local = motion.forces @ frame
     sideways = np.linalg.norm(local[..., :2], axis=-1)
-    assert (sideways <= 0.4 * local[..., 2] + 1e-6).all()
-    assert (local[..., 2] >= -1e-6).all()
+    assert (sideways <= 0.4 * local[..., 2] + 1e-5).all()
     assert np.nanmax(np.abs(motion.footholds @ frame[:, 2])) < 1e-9
     if angle:
         assert sideways.max() > 1.0
 
 
-def test_a_file_of_modes_is_carried_out(tmp_path):
-    path = tmp_path / "modes.info"
-    path.write_text(FILE)
-    schedule = read_gaits(path)["hop"]
-    motion = optimise_centroidal(ask(schedule, 44, forward=0.15))
-    assert motion.found
-    assert motion.stance[:6].all()
-    assert motion.stance[6:12].tolist() == [[True, False, False, True]] * 6
-    assert not motion.stance[18:26].any()
-    assert motion.stance[26:].all()
-    assert (motion.forces[~motion.stance] == 0.0).all()
-
-
-def test_a_flight_that_gravity_forbids_is_not_found():
+def test_a_flight_that_gravity_forbids_is_not_found(go2):
     """Off the ground for 0.3 s from rest, the centre of mass cannot be where it was: it falls by 0.44 m."""
-    schedule = ModeSchedule([0.3], [0, 15], feet=4, max_flight=np.inf)
-    pose = np.array([0.0, 0.0, HEIGHT, 0.0, 0.0, 0.0, 1.0])
-    level = Window(pose - 0.01, pose + 0.01)
-    motion = optimise_centroidal(ask(schedule, 20, forward=0.0, windows={12: level}), max_iterations=200)
+    made = jump(go2, 0.0, 0.0, 0.6, 0.02)
+    (window,) = made.windows.values()
+    schedule = ModeSchedule([0.3], [0, 15], feet=4, max_flight=math.inf)
+    motion = optimise_centroidal(replace(made, schedule=schedule, windows={15: window}))
     assert not motion.found
-    assert motion.violation > 1e-3
-    assert motion.said != "Solve_Succeeded"
+    assert motion.iterate.violation > 1e-3
 
 
-def test_a_turn_takes_angular_momentum_and_keeps_it_in_the_air():
-    """A full turn about the vertical axis in the air: the turned angle is that of h / I."""
-    knots, inertia = 40, np.diag([0.1, 0.25, 0.3])
-    angle = 1.0 * np.clip((np.arange(knots + 1) - 8) / 20, 0.0, 1.0)
-    pose = np.array([0.0, 0.0, HEIGHT, 0.0, 0.0, 0.0, 1.0])
-    reference = np.tile(pose, (knots + 1, 1))
-    reference[:, 5], reference[:, 6] = np.sin(0.5 * angle), np.cos(0.5 * angle)
-    end = Window(reference[-1] - 1e-3, reference[-1] + 1e-3)
-    motion = optimise_centroidal(ask(inertia=inertia, reference=reference, windows={knots: end}))
+def test_a_flip_takes_its_angular_momentum_along(go2):
+    problem = backflip(go2, 0.6, 0.02)
+    motion = optimise_centroidal(problem)
     assert motion.found
-    yaw = 2.0 * np.arctan2(motion.quaternion[:, 2], motion.quaternion[:, 3])
-    assert yaw[-1] == pytest.approx(1.0, abs=5e-3)
     first, last = np.flatnonzero(~motion.stance.any(axis=1))[[0, -1]]
-    wanted = motion.momentum[first, 2] / 0.3 * (last + 1 - first) * 0.025
-    assert wanted > 0.1
-    assert yaw[last + 1] - yaw[first] == pytest.approx(wanted, rel=2e-2)
+    pitch = np.unwrap(2.0 * np.arctan2(motion.quaternion[:, 1], motion.quaternion[:, 3]), period=2.0 * np.pi)
+    assert pitch[-1] - pitch[0] == pytest.approx(-2.0 * np.pi, abs=0.2)
+    rate = motion.momentum[first, 1] / CentroidalModel(problem).inertia[1, 1]
+    turned = pitch[last + 1] - pitch[first]
+    assert turned == pytest.approx(rate * problem.dt * (last + 1 - first), rel=2e-2)
+    assert turned < -1.0
 
 
-@pytest.mark.parametrize("bound", [0.05, 0.02])
-def test_momentum_is_a_cost_or_bounded_and_not_zero(jumped, bound):
-    free = np.abs(jumped[1].momentum[:, 1])
-    motion = optimise_centroidal(ask(momentum_bound=np.full(3, bound)))
+def test_the_guess_is_the_centroidal_motion_on_the_robots_legs(go2, jumped):
+    problem, motion = jumped
+    guess = whole_body_guess(problem, motion)
+    assert np.allclose(guess.impulses / problem.dt, motion.forces, atol=1e-9)
+    standing = [k for k in range(1, problem.knots) if motion.stance[k].all()]
+    data = go2.model.createData()
+    for k in standing[:: len(standing) // 6]:
+        q, v = guess.q[k], guess.v[k]
+        known = momentum(go2, q, v)
+        assert np.abs(soles(problem, data, q) - motion.footholds[k]).max() < 2e-3
+        # legs are moved, the lever is that of the start
+        assert np.abs(known.com - motion.com[k]).max() < 0.03
+        assert np.abs(known.linear / go2.mass - motion.velocity[k]).max() < 0.3
+    assert (np.abs(guess.torques) <= problem.torque_limits).all()
+
+
+def test_a_search_that_starts_light_tells_of_both_models(go2):
+    problem, heard = jump(go2, 0.3, 0.0, 0.6, 0.02), []
+    motion = best_motion(problem, PlanRequest(go2), heard.append, light=True)
     assert motion.found
-    size = np.abs(motion.momentum).max()
-    assert free.max() > 0.05
-    assert 0.1 * bound < size <= bound + 1e-6
-    dear = optimise_centroidal(ask(weights=CentroidalWeights(momentum=1e4)))
-    assert dear.found
-    assert 0.0 < np.sum(dear.momentum**2) < 0.5 * np.sum(jumped[1].momentum ** 2)
+    notes = [iteration.note for iteration in heard]
+    assert list(dict.fromkeys(notes)) == ["centre of mass over the schedule", "whole body over the schedule"]
+    numbers = [iteration.number for iteration in heard]
+    assert numbers[0] == 1
+    assert (np.diff(numbers) >= 0).all()
 
 
-@pytest.mark.parametrize(
-    ("changes", "word"),
-    [
-        ({"momentum_bound": np.zeros(3)}, "cannot turn"),
-        ({"mass": -1.0}, "mass"),
-        ({"inertia": np.zeros((3, 3))}, "inertia"),
-        ({"stand": np.zeros((2, 3))}, "stand"),
-        ({"windows": {99: Window()}}, "windows"),
-        ({"mu": 0.0}, "mu"),
-        ({"reach": np.array([0.1, -0.1, 0.1])}, "reach"),
-    ],
-)
-def test_what_is_no_problem_is_refused(changes, word):
-    with pytest.raises(ProblemError, match=word):
-        ask(**changes)
+def test_the_page_runs():
+    names = run_page("schedules.md")
+    assert names["motion"].found

@@ -15,7 +15,7 @@ from surefoot.errors import ModelError, ProblemError
 from surefoot.planning.planner import plan
 from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
 from surefoot.planning.schedule.motions import backflip, jump, modes
-from surefoot.planning.schedule.search import start_from
+from surefoot.planning.schedule.search import guess_from, pack_guess
 from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
 from surefoot.planning.schedule.transcribe import swing_heights
 from surefoot.planning.tasks.backflip import turned
@@ -39,7 +39,7 @@ def found(go2) -> tuple[ScheduleProblem, ScheduledMotion]:
 
 def test_the_motion_keeps_to_the_equations_of_motion(go2, found) -> None:
     problem, motion = found
-    assert motion.found, motion.said
+    assert motion.found, motion.iterate.said
     model, points = go2.model, go2.contact_points
     data = model.createData()
     for k in range(problem.knots):
@@ -47,7 +47,7 @@ def test_the_motion_keeps_to_the_equations_of_motion(go2, found) -> None:
         effort = pin.rnea(model, data, motion.q[k], motion.v[k], rate)
         pin.computeJointJacobians(model, data, motion.q[k])
         for force, joint, centre, radius in zip(
-            motion.forces[k], points.joints, points.places, points.radii, strict=True
+            motion.impulses[k] / problem.dt, points.joints, points.places, points.radii, strict=True
         ):
             J = pin.getJointJacobian(model, data, int(joint), pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
             arm = data.oMi[int(joint)].rotation @ centre - [0.0, 0.0, radius]
@@ -65,9 +65,9 @@ def test_the_motion_keeps_to_the_equations_of_motion(go2, found) -> None:
 def test_forces_modes_and_limits(go2, found) -> None:
     problem, motion = found
     stance = problem.stance
-    assert np.abs(motion.forces[~stance]).max() == 0.0
-    normal = motion.forces[..., 2][stance]
-    tangential = np.hypot(motion.forces[..., 0], motion.forces[..., 1])[stance]
+    assert np.abs(motion.impulses[~stance]).max() == 0.0
+    forces = motion.impulses / problem.dt
+    normal, tangential = forces[..., 2][stance], np.hypot(forces[..., 0], forces[..., 1])[stance]
     assert (normal >= problem.force_min - 1e-6).all()
     assert (tangential <= problem.mu * normal + 2e-3 * problem.weight).all()
     assert (np.abs(motion.torques) <= problem.torque_limits * (1.0 + 1e-6)).all()
@@ -78,9 +78,13 @@ def test_forces_modes_and_limits(go2, found) -> None:
 def test_left_and_right_do_the_same(found) -> None:
     _, motion = found
     assert np.abs(motion.q[:, 1]).max() < 2e-3
-    assert np.abs(motion.forces[:, 0, 2] - motion.forces[:, 1, 2]).max() < 0.02 * np.abs(motion.forces).max()
+    assert (
+        np.abs(motion.impulses[:, 0, 2] - motion.impulses[:, 1, 2]).max()
+        < 0.02 * np.abs(motion.impulses).max()
+    )
 
 
+@pytest.mark.long
 def test_exact_steps_lead_to_the_same_motion(go2) -> None:
     found = plan(go2, "jump", 0.2, dt=0.02)
     assert found.status is Status.SOLVED, found.facts["goal"]
@@ -102,6 +106,7 @@ def test_a_search_that_is_stopped_is_not_solved(go2) -> None:
     assert plan(go2, "jump", 0.2, dt=0.02, max_iterations=3).status is not Status.SOLVED
 
 
+@pytest.mark.long
 def test_what_motors_cannot_do_is_not_found(go2) -> None:
     problem = replace(jump(go2, 0.4, 0.0, 0.6, 0.02), torque_share=0.15)
     motion = optimise(problem, max_iterations=60)
@@ -170,6 +175,7 @@ def test_swing_heights_rise_and_fall(go2) -> None:
     assert flight.max() == pytest.approx(problem.clearance, rel=0.01)
 
 
+@pytest.mark.long
 def test_motors_soft_landings_and_reach_are_kept_to(go2) -> None:
     curve = motor_limits(go2, "curve")
     problem = replace(
@@ -177,7 +183,7 @@ def test_motors_soft_landings_and_reach_are_kept_to(go2) -> None:
         torque_share=curve.driving,
     )  # fmt: skip
     motion = optimise(problem)
-    assert motion.found, motion.said
+    assert motion.found, motion.iterate.said
     # the motor gives each torque at both ends of its knot
     for speeds in (motion.v[:-1, 6:], motion.v[1:, 6:]):
         for torques, speed in zip(motion.torques, speeds, strict=True):
@@ -200,7 +206,10 @@ def test_a_backflip_turns_its_reference_once(go2) -> None:
     problem = backflip(go2, 0.6, 0.02)
     assert turned(problem.reference) == pytest.approx(-2.0 * math.pi, abs=1e-6)
     assert problem.reference[-1, 6] == pytest.approx(-problem.q[6], abs=1e-9)
-    assert start_from(problem).shape == (problem.knots * (37 + 24) + 37,)
+    variables = pack_guess(problem, guess_from(problem))
+    assert variables.shape == (problem.knots * (37 + 24) + 37,)
+    shares = variables[:-37].reshape(problem.knots, -1)[:, 37 + 12 :].reshape(problem.knots, 4, 3)
+    assert np.abs(shares.sum(axis=1)[:, 2] - problem.stance.any(axis=1)).max() < 1e-12  # the whole weight
 
 
 @pytest.mark.parametrize(

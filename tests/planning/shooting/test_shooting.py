@@ -24,7 +24,7 @@ from surefoot.planning.shooting import (
     TorqueLimits,
 )
 from surefoot.planning.shooting.guess import holding_torques
-from surefoot.planning.shooting.horizon import Horizon, Policy
+from surefoot.planning.shooting.horizon import FeedbackPolicy, Horizon
 from surefoot.planning.tasks.task import Iteration
 from surefoot.robot import Robot, load_robot, place
 
@@ -213,7 +213,7 @@ def test_steps_that_are_not_finite_are_refused_and_change_nothing() -> None:
     horizon.torques[1] = np.nan
     other = Horizon(go2(), 3, 0.02, 0.6, None)
     still = np.zeros((3, 12, 36)), np.zeros((3, 12)), np.zeros((3, 36))
-    policy = Policy(horizon.q, horizon.v, horizon.torques, *still)
+    policy = FeedbackPolicy(horizon.q, horizon.v, horizon.torques, *still)
     limits = np.tile(np.array([np.full(12, -50.0), np.full(12, 50.0)]), (3, 1, 1))
     start = place(go2()), np.zeros(18)
     assert not other.run(start, policy, 1.0, limits)

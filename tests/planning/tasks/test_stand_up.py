@@ -10,7 +10,7 @@ from surefoot.contact import Status
 from surefoot.planning import Plan
 from surefoot.planning.sampling.lying import upright
 from surefoot.planning.tasks.stand_up import STAND_UP, StandUp
-from surefoot.planning.tasks.task import Iteration, Request
+from surefoot.planning.tasks.task import Iteration, PlanRequest
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.plan_execution import execute
 
@@ -25,9 +25,10 @@ def told() -> list[Iteration]:
 @pytest.fixture(scope="module")
 def plan(told: list[Iteration]) -> Plan:
     task = StandUp(model=MujocoWorld(ROBOT, dt=2e-3, collision="full"))
-    return task.plan(Request(ROBOT, 180.0, dt=2e-3), told.append)
+    return task.plan(PlanRequest(ROBOT, 180.0, dt=2e-3), told.append)
 
 
+@pytest.mark.long
 def test_the_plan_gets_up_lawfully(plan: Plan, told: list[Iteration]) -> None:
     assert plan.status is Status.SOLVED
     assert plan.law_residual < 1e-8
@@ -42,6 +43,7 @@ def test_the_plan_gets_up_lawfully(plan: Plan, told: list[Iteration]) -> None:
     assert (plan["q"][:, 7:] < high + 0.02).all()
 
 
+@pytest.mark.long
 def test_it_stands_up_where_it_is_not_expected(plan: Plan) -> None:
     done = execute(plan, "mujoco", "curve", seed=3, settle=1.0, dt=1e-3)
     assert done.landed, done.why
@@ -50,6 +52,7 @@ def test_it_stands_up_where_it_is_not_expected(plan: Plan) -> None:
     assert any("base_0" in pair for pair in done.links)
 
 
+@pytest.mark.long
 def test_a_saved_plan_is_executed_the_same_way(plan: Plan, tmp_path: object) -> None:
     from pathlib import Path
 
@@ -62,4 +65,4 @@ def test_a_saved_plan_is_executed_the_same_way(plan: Plan, tmp_path: object) -> 
 
 def test_who_cannot() -> None:
     with pytest.raises(sf.ProblemError, match="four legs"):
-        STAND_UP.plan(Request(sf.load_robot("g1")), lambda iteration: None)
+        STAND_UP.plan(PlanRequest(sf.load_robot("g1")), lambda iteration: None)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from surefoot.control.actuators import Actuators
+from surefoot.control.behaviours import Cruise, MakeBehaviour, StandStill
 from surefoot.control.mpc import MpcWeights
-from surefoot.control.whole_body import Weights
+from surefoot.control.whole_body import TaskWeights
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,8 @@ class BipedSettings:
         Weights.
     actuators
         What is known of the motors; None for ideal ones.
+    behaviours
+        What makes each behaviour, the highest rank first.
     """
 
     mu: float = 0.6
@@ -83,5 +86,6 @@ class BipedSettings:
             force=1e-6,
         )
     )
-    whole_body: Weights = field(default_factory=Weights)
+    whole_body: TaskWeights = field(default_factory=TaskWeights)
     actuators: Actuators | None = None
+    behaviours: tuple[MakeBehaviour, ...] = (StandStill, Cruise)

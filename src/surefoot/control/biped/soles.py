@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.gait import ContactSchedule
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.swing import minimum_jerk
 from surefoot.control.walking_feet import Feet
 from surefoot.robot import Robot

@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.biped.footsteps import Footstep, StepGeometry, stances, touching
 from surefoot.control.biped.soles import Soles
-from surefoot.control.gait import Gait
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.swing import swing_motion
 from surefoot.control.walking_body import BodyPlan
 
@@ -32,7 +32,7 @@ class StepPlanner:
         body would put it.
     """
 
-    gait: Gait
+    gait: ContactSchedule
     geometry: StepGeometry
     sides: FloatArray
     capture: float

@@ -12,7 +12,8 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.control.behaviours.behaviour import Request
 from surefoot.control.biped.footsteps import Footstep, StepGeometry, pressure_path
 from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
@@ -20,15 +21,15 @@ from surefoot.control.biped.posture import Posture, stretching
 from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.biped.soles import Soles, sole_damping
 from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
-from surefoot.control.damping import computable
-from surefoot.control.gait import Gait
 from surefoot.control.gait_library import named_gait
+from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.mpc import BodyReference, BodyState, MpcPlan
 from surefoot.control.walker import Walker
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
+from surefoot.control.walking_feet import Feet
 from surefoot.control.walking_kernels import slope_frames
-from surefoot.control.walking_settings import WalkCommand
 from surefoot.control.whole_body import Kinematics, Tasks
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot
@@ -73,13 +74,13 @@ class BipedController(Walker):
     """
 
     settings: BipedSettings
-    schedule: Gait
+    soles: Soles
 
     def __init__(
         self,
         robot: Robot,
         command: VelocityCommand,
-        gait: str | Gait = "walk",
+        gait: str | ContactSchedule = "walk",
         terrain: Terrain | None = None,
         settings: BipedSettings | None = None,
         dt: float = 1e-3,
@@ -146,63 +147,68 @@ class BipedController(Walker):
         self._unit_spin = np.linalg.inv(self._inertia)
         self._point_foot = self.whole_body.point_foot
         self._pressed = np.full(2, s.sole_press * self._height)
+        self._set_behaviours(self.robot.contact_points.foot_radii, 0.5 * self._geometry.width, False)
+        self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, None)
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: the next step begins a walk from where the robot stands."""
-        self.mpc.reset()
-        self.whole_body.reset()
-        self.soles: Soles | None = None
+        for part in (self.mpc, self.whole_body, self.arbiter):
+            part.reset()
+        self.feet = None
         self._planned_at = -math.inf
-        self._plan: MpcPlan | None = None
+        self._plan_made: MpcPlan | None = None
         self._last = None
 
-    def step(self, state: RobotState) -> WalkCommand:
-        """Return the command for a state; where no foot feels, the gait's plan is taken for the contacts.
+    def _adapt(self, state: RobotState) -> None:
+        """Learn nothing: what soles carry is not observed."""
 
-        Never raises on a hard instance; see `WholeBodyCommand.feasible`. A state that is not finite, or too
-        large to compute with, gets a command that slows the joints, and changes nothing else.
-        """
-        if not computable(state.q, state.v):
-            return self._blind(state.v)
-        now = self.whole_body.update(state.q, state.v)
-        turned = self.whole_body.foot_rotations
-        if self.soles is None:
-            self._begin(now, turned)
-        assert self.soles is not None
-        feet, time = self.soles.feet, state.time
-        clock = time - self._start
-        sensed = feet.planned.copy() if state.contact is None else state.contact
-        changed = clock >= 0.0 and self.soles.update(clock, sensed, now.centres, turned)
-        self.body.height = min(self.body.height + self._rise * self.dt / self._start, self._height)
-        self.body.advance(self._wanted(clock), now.com, self.dt)
-        due = time - self._planned_at >= self._interval - 0.5 * self.dt
-        if due or changed:
-            self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
-            self._aim(clock, time)
-            self._replan(now, clock, time)
-        body = self.whole_body.solve(self._tasks(now, clock, time, state))
-        return self._commanded(body, feet)
-
-    def _begin(self, now: Kinematics, turned: FloatArray) -> None:
+    def _begin(self, now: Kinematics, state: RobotState) -> Feet:
         """Start from where the robot stands."""
         clearance = self.settings.clearance * self._height
         descent = DESCENT * math.sqrt(GRAVITY * self._height)
+        turned = self.whole_body.foot_rotations.copy()
         self.soles = Soles(
-            self.robot, self.schedule, self.terrain, clearance, descent, now.centres.copy(), turned.copy()
+            self.robot, self.schedule, self.terrain, clearance, descent, now.centres.copy(), turned
         )
+        self.feet = self.soles.feet
         ahead = now.rotation @ self._upright.T[:, 0]
         self.body = BodyPlan(self._height - self._rise, now.com.copy(), math.atan2(ahead[1], ahead[0]))
         self.body.position[:2] = now.centres[:, :2].mean(axis=0)
         self.body.fit_ground(self.soles.corners, math.inf)
+        return self.feet
 
-    def _wanted(self, clock: float) -> FloatArray:
-        """Return the wanted velocity: none before the gait begins."""
-        return self.command.at(clock) if clock >= 0.0 else np.zeros(3)
+    def _sort_touches(self, state: RobotState, now: Kinematics, sensed: BoolArray, clock: float) -> BoolArray:
+        """Return which feet stand: those that touch."""
+        return sensed
+
+    def _move_feet(self, now: Kinematics, standing: BoolArray, clock: float) -> bool:
+        """Bring the soles up to the clock; return whether one has lifted or landed."""
+        return self.soles.update(clock, standing, now.centres, self.whole_body.foot_rotations)
+
+    def _learn(self, state: RobotState, now: Kinematics, clock: float) -> None:
+        """Learn nothing: soles walk on ground that is known."""
+
+    def _move_body(self, request: Request, now: Kinematics) -> None:
+        """Move the wanted body by one step, which rises before it walks."""
+        body = self.body
+        body.height = min(body.height + self._rise * self.dt / self._start, self._height)
+        body.ceiling = request.height
+        body.advance(self.arbiter.velocity, now.com, self.dt)
+
+    def _plan(
+        self, state: RobotState, now: Kinematics, request: Request, clock: float, standing: BoolArray,
+        changed: bool,
+    ) -> None:  # fmt: skip
+        """Choose the landings of feet in the air, and plan the forces of the steps ahead, if it is time."""
+        time = state.time
+        if changed or time - self._planned_at >= self._interval - 0.5 * self.dt:
+            self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
+            self._aim(clock, time)
+            self._replan(now, clock, time)
 
     def _aim(self, clock: float, time: float) -> None:
         """Choose where feet in the air land."""
-        assert self.soles is not None
         feet = self.soles.feet
         for k in np.flatnonzero(~feet.carrying & ~feet.planned):
             left = max(self.schedule.phase(int(k), clock)[2] - clock, 0.0)
@@ -212,7 +218,7 @@ class BipedController(Walker):
 
     def _divergence(self, after: float) -> FloatArray:
         """Return the divergent motion that the last plan predicts for a time after it was made: (2,) [m]."""
-        plan = self._plan
+        plan = self._plan_made
         assert plan is not None
         at = min(max(after / self._mpc_dt, 0.0), float(self.settings.horizon))
         i = min(int(at), self.settings.horizon - 1)
@@ -224,7 +230,6 @@ class BipedController(Walker):
     def _replan(self, now: Kinematics, clock: float, time: float) -> None:
         """Run the MPC for the footsteps from now on."""
         soles = self.soles
-        assert soles is not None
         N, dt = self.settings.horizon, self._mpc_dt
         toes = [soles.heading(r, k) for k, r in enumerate(self.whole_body.foot_rotations)]
         steps = self.steps.ahead(soles, toes, self.body, clock, self.settings.preview)
@@ -234,7 +239,9 @@ class BipedController(Walker):
         spin = now.angular_velocity + self._leg_spin[0]
         state = BodyState(now.rotation @ self._upright.T, now.com, now.com_velocity, spin)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
-        self._plan = self.mpc.solve(state, reference, places, contacts, soles.feet.frames[self._point_foot])
+        self._plan_made = self.mpc.solve(
+            state, reference, places, contacts, soles.feet.frames[self._point_foot]
+        )
         self._planned_at, self._from = time, now
 
     def _reference(self, now: Kinematics, steps: list[Footstep], clock: float) -> BodyReference:
@@ -249,7 +256,6 @@ class BipedController(Walker):
         flow = self._preview.motion(now.com[:2], pressure)[1][::2]
         times = dt * np.arange(len(flow), dtype=np.float64)
         yaw = body.yaw + body.velocity[2] * times
-        assert self.soles is not None
         speeds = foot_speeds(self.soles, steps, clock + times, self.settings.clearance * self._height)
         momentum = self._legs.momentum(speeds, np.column_stack([flow, flow @ body.slope]), yaw)
         gained = np.repeat(np.diff(momentum, axis=0), 2, axis=0)[:, :2] / (dt * self.robot.mass * GRAVITY)
@@ -279,10 +285,9 @@ class BipedController(Walker):
                 xi = ahead[i] + (at - i) * (ahead[i + 1] - ahead[i])
                 self._offsets[one.foot] = xi - one.place
 
-    def _tasks(self, now: Kinematics, clock: float, time: float, state: RobotState) -> Tasks:
+    def _tasks(self, state: RobotState, now: Kinematics, clock: float) -> Tasks:
         """Return the whole-body tasks: the plan's motion now, feedback on it, feet in the air, posture."""
-        soles, plan, begin = self.soles, self._plan, self._from
-        assert soles is not None
+        soles, plan, begin, time = self.soles, self._plan_made, self._from, state.time
         assert plan is not None
         feet, t, dt = soles.feet, time - self._planned_at, self._mpc_dt
         acceleration = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt

@@ -1,45 +1,96 @@
-"""OCS2: a mode schedule in INFO notation, and the friction settings of its legged robot example.
+"""OCS2: gait and mode schedule in INFO notation, and the friction settings of its legged robot example.
 
-OCS2 has one friction coefficient and one least normal force for all feet and times; the smallest, and the
-largest, of the sequence are written, so that what it allows is allowed here.
+Checked against the source of leggedrobotics/ocs2 at commit 2638675: `loadModeSequenceTemplate` wants
+`switchingTimes` and throws without them, `loadModeSchedule` wants `eventTimes`; a mode names LF, RF, LH, RH.
+`loadFrictionConeSettings` reads three keys: the friction coefficient, and mu and delta of a relaxed barrier.
+Its cone is mu F_z - sqrt(F_x^2 + F_y^2 + 25 N^2) >= 0 for all feet and times, **in world axes** whatever the
+ground (`t_R_w` is the identity, `setSurfaceNormalInWorld` throws), without bounds on normal forces.
 """
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
-from surefoot.control.gait import ModeSchedule
-from surefoot.control.gait_files import LABELS, format_gaits
+from surefoot.control.gait_files import QUADRUPED
 from surefoot.errors import ProblemError
 from surefoot.interop.sequence import ContactSequence
+from surefoot.stance import Contact, PointContact
+
+FRICTION = """; Of task.info: replaces the block of this name.
+; The largest cone about the world's z axis that is inside the cones of all contacts{lean}.
+frictionConeSoftConstraint
+{{
+  frictionCoefficient  {mu:.17g}
+
+  ; relaxed log barrier parameters: those of OCS2's example
+  mu                   0.1
+  delta                5.0
+}}
+"""
 
 
 class Ocs2:
-    """Mode schedules of two or four feet, in the order of the sequence's frames (OCS2: LF, RF, LH, RH)."""
+    """Gait, schedule and friction of four point feet, in the order of the frames (OCS2: LF, RF, LH, RH)."""
 
     name = "ocs2"
-    meaning = "mode schedule and friction settings in INFO notation"
+    meaning = "gait, mode schedule and friction settings in INFO notation"
 
     def files(self, sequence: ContactSequence) -> dict[str, str]:
         """Return gait.info and friction.info."""
-        feet = len(sequence.frames)
-        if feet not in LABELS:
-            raise ProblemError(f"OCS2's modes name 2 or 4 feet, the sequence has {feet} frames")
-        table = np.array([[name in phase.names for name in sequence.frames] for phase in sequence.phases])
-        # a schedule goes on for ever on both sides: there its first and last modes hold
-        schedule = ModeSchedule(sequence.switching[1:-1], table, max_flight=np.inf)
+        feet = dict(zip(sequence.frames, QUADRUPED, strict=False))
+        if len(sequence.frames) != len(QUADRUPED):
+            raise ProblemError(f"OCS2's modes name 4 feet, the sequence has {len(sequence.frames)} frames")
         contacts = [contact for phase in sequence.phases for contact in phase.stance]
-        mu = min((c.mu for c in contacts), default=0.0)
-        least = max((c.normal_min for c in contacts), default=0.0)
-        labels = "".join(
-            f"; {label} is {name}\n" for label, name in zip(LABELS[feet], sequence.frames, strict=True)
+        for contact in contacts:
+            if not isinstance(contact, PointContact):
+                raise ProblemError(f"OCS2's legged robot has point feet, {contact.name} is a patch")
+        modes = [_mode([feet[name] for name in sequence.frames if name in p.names]) for p in sequence.phases]
+        times = [f"{time:.12g}" for time in sequence.switching]
+        gait = [
+            *(f"; {label} is {name}" for name, label in feet.items()),
+            *_block("list", _entries(["sequence"])),
+            *_block("sequence", _gait(modes, "switchingTimes", times)),
+            # a schedule goes on for ever on both sides: there its first and last modes hold
+            *_block("initialModeSchedule", _gait(modes, "eventTimes", times[1:-1])),
+        ]
+        mu = min((_upright_friction(contact) for contact in contacts), default=0.0)
+        lean = max((_lean(contact) for contact in contacts), default=0.0)
+        said = f", which lean by up to {math.degrees(lean):.3g} deg" if lean > 1e-9 else ""
+        return {"gait.info": "\n".join(gait) + "\n", "friction.info": FRICTION.format(mu=mu, lean=said)}
+
+
+def _mode(feet: list[str]) -> str:
+    """Return OCS2's name of the mode in which these feet touch."""
+    return "STANCE" if len(feet) == len(QUADRUPED) else "_".join(feet) or "FLY"
+
+
+def _gait(modes: list[str], key: str, times: list[str]) -> list[str]:
+    return [*_block("modeSequence", _entries(modes)), *_block(key, _entries(times))]
+
+
+def _entries(values: list[str]) -> list[str]:
+    return [f"[{k}] {value}" for k, value in enumerate(values)]
+
+
+def _block(name: str, lines: list[str]) -> list[str]:
+    return [name, "{", *("  " + line for line in lines), "}"]
+
+
+def _lean(contact: Contact) -> float:
+    """Return the angle between a contact's normal and the world's z axis [rad]."""
+    x, y, z = contact.rotation_world_contact[:, 2]
+    return math.atan2(math.hypot(x, y), z)
+
+
+def _upright_friction(contact: Contact) -> float:
+    """Return the friction of the largest upright cone inside a contact's own: tan(atan(mu) - lean)."""
+    spare = math.atan(contact.mu) - _lean(contact)
+    if spare <= 0.0:
+        raise ProblemError(
+            f"OCS2's friction cones stand upright in the world: none is inside that of {contact.name}, which "
+            f"leans by {math.degrees(_lean(contact)):.3g} deg at mu {contact.mu:g}"
         )
-        friction = (
-            "; smallest friction and largest least force of the sequence\n"
-            "frictionConeSoftConstraint\n"
-            f"{{\n  frictionCoefficient  {mu:.17g}\n  minimumNormalForce  {least:.17g}\n}}\n"
-        )
-        return {"gait.info": labels + format_gaits({"sequence": schedule}), "friction.info": friction}
+    return math.tan(spare)
 
 
 TARGET = Ocs2()

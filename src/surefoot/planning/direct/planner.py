@@ -13,7 +13,7 @@ solution is a motion of the exact step. The road:
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +22,12 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray, whole_number
 from surefoot.contact import Status
 from surefoot.errors import ProblemError
-from surefoot.planning.direct.contact_rows import (
+from surefoot.planning.direct.problem import DirectProblem
+from surefoot.planning.direct.transcribe import DirectNlp
+from surefoot.planning.plan import Plan, Search, plan_from
+from surefoot.planning.tasks.task import Iteration, Tell
+from surefoot.planning.trajectory import Trajectory
+from surefoot.planning.transcription.contact_rows import (
     OPEN,
     SLIDE,
     STICK,
@@ -32,16 +37,11 @@ from surefoot.planning.direct.contact_rows import (
     RoundCone,
     read_modes,
 )
-from surefoot.planning.direct.follow import follow
-from surefoot.planning.direct.guess import Guess
-from surefoot.planning.direct.judge import REACH, departure, exact_cost, window_miss
-from surefoot.planning.direct.problem import DirectProblem
-from surefoot.planning.direct.search import DirectSearch, Iterate, contact_motion
-from surefoot.planning.direct.transcribe import contact_velocities
-from surefoot.planning.plan import Plan, Search, plan_from
-from surefoot.planning.tasks.task import Iteration, Tell
-from surefoot.planning.trajectory import Trajectory
+from surefoot.planning.transcription.follow import follow
 from surefoot.planning.transcription.forms import schedule
+from surefoot.planning.transcription.guess import Guess
+from surefoot.planning.transcription.judge import REACH, departure, exact_cost, window_miss
+from surefoot.planning.transcription.nlp import Iterate
 
 SMOOTHINGS = schedule(1.0, 1e-8)
 """Of the continuation [J]."""
@@ -112,6 +112,8 @@ def plan_direct(
     guess: Guess | Trajectory | None = None,
     smoothings: Sequence[float] = SMOOTHINGS,
     max_iterations: int = MAX_ITERATIONS,
+    total: int | None = None,
+    within: float = np.inf,
     task: str = "direct",
     tell: Tell | None = None,
 ) -> DirectPlan:
@@ -128,8 +130,10 @@ def plan_direct(
         What to start from: a motion of any number of knots. None for the straight way to the reference.
     smoothings
         Of the continuation [J], falling. One small value with a good guess is a warm start.
-    max_iterations
-        Of Ipopt, at each smoothing.
+    max_iterations, total
+        Of Ipopt, at each smoothing and of all together.
+    within
+        The exact motion counts only where it is no further than this from the optimiser's [m, rad].
     task
         What the plan is called.
     tell
@@ -164,13 +168,17 @@ def plan_direct(
     began = time.perf_counter()
     law = (Facets(2) if problem.planar else RoundCone()) if law is None else law
     most = whole_number("max_iterations", max_iterations, low=1)
-    search, stages = DirectSearch(problem, law), _Stages(tell)
-    soft = _soften_less(search, search.pack(_start(problem, guess)), smoothings, most, stages)
-    found = [soft]
-    if not stages.interrupted:
-        modes = read_modes(soft.guess.impulses, *search.seen(soft.guess), problem.mu)
-        found.insert(0, _with_modes(problem, soft.guess, modes, most, stages, **NEAR))
-    return _made_exact(problem, found, (task, "direct"), stages, began)
+    nlp, stages = DirectNlp(problem, law), _Stages(tell, total)
+    found = []
+    soft = _soften_less(nlp, nlp.pack(_start(problem, guess)), smoothings, most, stages)
+    if soft.finite:
+        motion = nlp.unpack(soft.variables)
+        found.append(motion)
+        if not stages.interrupted and stages.left(most):
+            modes = read_modes(motion.impulses, *nlp.contact_speeds(motion), problem.frictions)
+            held = DirectNlp(problem, GivenModes())
+            found = [*_with_modes(held, motion, modes, stages.left(most), stages, **NEAR), motion]
+    return _made_exact(problem, nlp.contact_speeds, found, (task, "direct"), stages, began, within)
 
 
 def plan_with_modes(
@@ -206,21 +214,26 @@ def plan_with_modes(
         )
         raise ProblemError(f"modes must have shape {wanted}, of 0 (open), 1 (sticks), 2 (slides), {said}")
     stages = _Stages(tell)
-    found = _with_modes(problem, _start(problem, guess), modes, max_iterations, stages)
-    return _made_exact(problem, [found], (task, "given modes"), stages, began)
+    nlp = DirectNlp(problem, GivenModes())
+    found = _with_modes(nlp, _start(problem, guess), modes, max_iterations, stages)
+    return _made_exact(problem, nlp.contact_speeds, found, (task, "given modes"), stages, began)
 
 
 class _Stages(list[Stage]):
     """Ipopt's runs, told as they come."""
 
-    def __init__(self, tell: Tell | None) -> None:
+    def __init__(self, tell: Tell | None, total: int | None = None) -> None:
         super().__init__()
-        self._tell, self.interrupted = tell, False
+        self._tell, self._total, self.interrupted = tell, total, False
 
     @property
     def iterations(self) -> int:
         """Of all runs."""
         return sum(s.iterations for s in self)
+
+    def left(self, most: int) -> int:
+        """Return how many iterations the next run may take, `most` unless fewer are left of all."""
+        return most if self._total is None else max(min(most, self._total - self.iterations), 0)
 
     def note(self, smoothing: float, found: Iterate) -> None:
         """Keep a run, and tell of it."""
@@ -237,19 +250,21 @@ def _start(problem: DirectProblem, guess: Guess | Trajectory | None) -> Guess:
 
 
 def _soften_less(
-    search: DirectSearch, start: FloatArray, smoothings: Sequence[float], most: int, stages: _Stages
+    nlp: DirectNlp, start: FloatArray, smoothings: Sequence[float], most: int, stages: _Stages
 ) -> Iterate:
     """Return what the continuation ends in: every smoothing from the solution of the one before."""
     if not len(smoothings):
         raise ProblemError("a continuation needs at least one smoothing")
     found: Iterate | None = None
     for eps in smoothings:
-        options: dict[str, Any] = {"max_iter": most, "tol": min(1e-6, max(eps, 1e-8))}
+        if found is not None and not (stages.left(most) and found.finite):
+            break
+        options: dict[str, Any] = {"max_iter": stages.left(most), "tol": min(1e-6, max(eps, 1e-8))}
         if found is not None:
             options |= {**WARM, "mu_init": min(1e-2, eps)}
         variables, multipliers = (start, None) if found is None else (found.variables, found.multipliers)
         try:
-            found = search.solve(variables, eps, multipliers=multipliers, **options)
+            found = nlp.solve(variables, eps, multipliers=multipliers, **options)
             stages.note(eps, found)
         except KeyboardInterrupt:
             if found is None:
@@ -261,46 +276,55 @@ def _soften_less(
 
 
 def _with_modes(
-    problem: DirectProblem, motion: Guess, modes: IntArray, most: int, stages: _Stages, **start: Any
-) -> Iterate:
-    """Return the motion that obeys the equations of modes (N, p), from one that need not."""
-    law = GivenModes()
-    search, d = DirectSearch(problem, law), problem.tangents - 1
-    found = search.solve(
-        search.pack(motion), 0.0, contact_bounds=law.bounds(modes, d), row_bounds=law.row_bounds(modes, d),
+    nlp: DirectNlp, motion: Guess, modes: IntArray, most: int, stages: _Stages, **start: Any
+) -> list[Guess]:
+    """Return the motion that obeys the equations of modes (N, p), from one that need not; none if lost."""
+    law, d, mu = GivenModes(), nlp.problem.tangents - 1, nlp.problem.frictions
+    found = nlp.solve(
+        nlp.pack(motion), 0.0, contact_bounds=law.bounds(modes, d, mu),
+        row_bounds=law.row_bounds(modes, d, mu),
         max_iter=most, tol=1e-9, bound_relax_factor=0.0, **start,
     )  # fmt: skip
     stages.note(0.0, found)
-    return found
+    return [nlp.unpack(found.variables)] if found.finite else []
 
 
 def _made_exact(
-    problem: DirectProblem, found: Sequence[Iterate], names: tuple[str, str], stages: _Stages, began: float
+    problem: DirectProblem,
+    contact_speeds: Callable[[Guess], tuple[FloatArray, FloatArray]],
+    found: Sequence[Guess],
+    names: tuple[str, str],
+    stages: _Stages,
+    began: float,
+    within: float = np.inf,
 ) -> DirectPlan:
     """Return the plan of the motion whose exact one comes nearest to the goal, the first if both arrive."""
     best: tuple[float, Guess, Trajectory] | None = None
     for candidate in found:
-        if not np.isfinite(candidate.variables).all():
-            continue
-        trajectory = follow(problem, candidate.guess)
+        trajectory = follow(problem, candidate)
         miss = window_miss(problem, trajectory)
         if best is None or (miss < best[0] and best[0] > REACH):
-            best = miss, candidate.guess, trajectory
+            best = miss, candidate, trajectory
     if best is None:  # Ipopt met an error: nothing but to stay
         motion = _start(problem, None)
         trajectory = follow(problem, motion, feedback=False)
         best = window_miss(problem, trajectory), motion, trajectory
     miss, motion, trajectory = best
-    closing, _ = contact_motion(contact_velocities(problem), motion)
+    closing, _ = contact_speeds(motion)
     products = np.minimum(closing * problem.dt, motion.impulses[..., 2])
-    alone = follow(problem, motion, feedback=False)
-    cost, reached = exact_cost(problem, trajectory), miss <= REACH
-    goal = f"ends {miss:.2g} outside its windows (allowed {REACH:g})"
+    alone, off = follow(problem, motion, feedback=False), departure(problem.robot, motion, trajectory)
+    cost, reached = exact_cost(problem, trajectory), miss <= REACH and off <= within
+    goal = f"ends {miss:.2g} outside its windows (allowed {REACH:g}), {off:.1e} from the optimiser's motion"
     spent = time.perf_counter() - began
     stopped = Status.MAX_TIME if stages.interrupted else Status.STALLED
+    if not stages.left(MAX_ITERATIONS):
+        stopped = Status.MAX_ITERATIONS
     search = Search(*names, cost, reached, stages.iterations, spent, goal, stopped)
+    facts: dict[str, Any] = {"interrupted": True} if stages.interrupted else {}
+    if trajectory.touch_impulses is not None:
+        facts["touch_impulses"] = trajectory.touch_impulses
     return DirectPlan(
-        plan_from(trajectory, problem.robot, search, problem.terrain), motion, trajectory, tuple(stages),
-        departure(problem, motion, trajectory), departure(problem, motion, alone),
+        plan_from(trajectory, problem.robot, search, problem.terrain, **facts), motion, trajectory,
+        tuple(stages), off, departure(problem.robot, motion, alone),
         float(np.abs(products).max(initial=0.0)), miss,
     )  # fmt: skip

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_array, real_number, whole_number
 from surefoot.errors import ProblemError
-from surefoot.planning.direct.planar import passive_joints
+from surefoot.planning.transcription.planar import passive_joints
+from surefoot.planning.transcription.touches import Touch
 from surefoot.robot import Robot
 from surefoot.terrain import FlatTerrain, Terrain
 
@@ -49,15 +50,28 @@ class Window:
             sides += [np.where(np.isnan(middle), s * np.inf, middle + s * reach) for s in (-1.0, 1.0)]
         return cls(*sides)
 
-    def narrow(self, low: FloatArray, high: FloatArray, nq: int, unit: FloatArray | float = 1.0) -> None:
-        """Write the window into bounds (nq + nv,) of a state whose velocities are in a unit of their own."""
+    def narrow(
+        self, low: FloatArray, high: FloatArray, nq: int, knot: int, unit: FloatArray | float = 1.0
+    ) -> None:
+        """Write the window into bounds (nq + nv,) of a knot's state; velocities in a unit of their own.
+
+        Raises
+        ------
+        ProblemError
+            Where it leaves nothing within the bounds, or does not fit.
+        """
         places, speeds = slice(0, nq), slice(nq, None)
-        sides = ((places, self.q_low, self.q_high, 1.0), (speeds, self.v_low, self.v_high, unit))
-        for part, least, most, of in sides:
+        sides = (("q", places, self.q_low, self.q_high, 1.0), ("v", speeds, self.v_low, self.v_high, unit))
+        for name, part, least, most, of in sides:
+            shape = low[part].shape
             if least is not None:
-                low[part] = np.maximum(low[part], least / of)
+                low[part] = np.maximum(low[part], real_array(f"{name}_low", least, shape) / of)
             if most is not None:
-                high[part] = np.minimum(high[part], most / of)
+                high[part] = np.minimum(high[part], real_array(f"{name}_high", most, shape) / of)
+            empty = low[part] > high[part]
+            if empty.any():
+                said = f"{name} of the window at knot {knot}[{int(np.argmax(empty))}]"
+                raise ProblemError(f"{said} leaves nothing within the limits")
 
 
 @dataclass(frozen=True)
@@ -117,6 +131,8 @@ class DirectProblem:
         Whether the model's limits on joint positions and speeds hold.
     planar
         Whether all contacts move in the plane y = 0; None to find out.
+    touches
+        Contacts between bodies of a planar robot, beside those of its feet with the ground.
 
     Raises
     ------
@@ -138,6 +154,7 @@ class DirectProblem:
     torque_limits: FloatArray | None = None
     joint_limits: bool = True
     planar: bool | None = None
+    touches: tuple[Touch, ...] = ()
 
     def __post_init__(self) -> None:
         robot, model = self.robot, self.robot.model
@@ -163,12 +180,20 @@ class DirectProblem:
                 raise ProblemError(f"windows are of knots 1 to {self.knots}, got {k}")
         if self.planar is None:
             object.__setattr__(self, "planar", _moves_in_plane(robot))
+        if self.touches and not (self.planar and model.nq == model.nv):
+            raise ProblemError(f"touches are of planar robots, {robot.name} is none")
 
     @property
     def references(self) -> FloatArray:
         """(knots + 1, nq) the posture that costs nothing."""
         assert self.reference is not None
         return self.reference
+
+    @property
+    def frictions(self) -> FloatArray:
+        """(p,) of all contacts: the feet's points, then the touches."""
+        feet = np.full(len(self.robot.contact_points), self.mu)
+        return np.concatenate([feet, [touch.mu for touch in self.touches]])
 
     @property
     def tangents(self) -> int:
@@ -184,8 +209,7 @@ class DirectProblem:
         if self.joint_limits:
             limit_joints(self.robot, low, high)
         for k, window in [*self.windows.items(), (self.knots, self.end)]:
-            _narrow(f"q of the window at knot {k}", window.q_low, window.q_high, low[k, :nq], high[k, :nq])
-            _narrow(f"v of the window at knot {k}", window.v_low, window.v_high, low[k, nq:], high[k, nq:])
+            window.narrow(low[k], high[k], nq, k)
         low[0] = high[0] = np.concatenate([self.q, self.v])
         return low, high
 
@@ -215,20 +239,7 @@ def limit_joints(robot: Robot, low: FloatArray, high: FloatArray, speed_share: f
     model, base = robot.model, (7 if robot.floating else 0)
     nq = int(model.nq)
     below, above = np.array(model.lowerPositionLimit)[base:], np.array(model.upperPositionLimit)[base:]
-    ordered = (below < above) & (below > -UNBOUNDED) & (above < UNBOUNDED)
-    low[1:, base:nq] = np.where(ordered, below, -np.inf)
-    high[1:, base:nq] = np.where(ordered, above, np.inf)
+    low[1:, base:nq] = np.where((below < above) & (below > -UNBOUNDED), below, -np.inf)
+    high[1:, base:nq] = np.where((below < above) & (above < UNBOUNDED), above, np.inf)
     speed = speed_share * robot.speed_limits
     low[1:, nq + robot.base_dof :], high[1:, nq + robot.base_dof :] = -speed, speed
-
-
-def _narrow(
-    name: str, below: FloatArray | None, above: FloatArray | None, low: FloatArray, high: FloatArray
-) -> None:
-    """Write a window into the bounds of one state."""
-    if below is not None:
-        low[:] = np.maximum(low, real_array(name, below, low.shape))
-    if above is not None:
-        high[:] = np.minimum(high, real_array(name, above, high.shape))
-    if (low > high).any():
-        raise ProblemError(f"{name}[{int(np.argmax(low > high))}] leaves nothing within the limits")

@@ -1,4 +1,4 @@
-"""The step of `surefoot.stepping.Knot` as the rows of a block of an NLP.
+"""The step of `surefoot.stepping.Knot` as the rows of a block of an NLP, and Ipopt on it.
 
 Semi-implicit Euler with all forces at the start, written as inverse dynamics (no mass matrix is inverted)::
 
@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.direct.blocks import Block
-from surefoot.planning.direct.contact_rows import AXES, ContactLaw, Rows
 from surefoot.planning.direct.problem import DirectProblem
-from surefoot.planning.direct.symbolic_body import SymbolicBody
+from surefoot.planning.transcription.contact_rows import AXES, ContactLaw, ContactRows
 from surefoot.planning.transcription.forms import import_casadi
+from surefoot.planning.transcription.guess import Guess
+from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, Sides, pack, unpack
+from surefoot.planning.transcription.symbolic_body import SymbolicBody
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class Transcription:
     Attributes
     ----------
     block
-        Of `build_nlp`; its parameter is eps [J], its data the reference posture of the knot.
+        Of `Nlp`; its parameter is eps [J], its data the reference posture of the knot.
     contacts
         Variables and bounds of the contacts, the last ones of the block's u; torques come before.
     row_low, row_high
@@ -38,22 +39,17 @@ class Transcription:
         Number of rows of the contact laws, the last ones.
     impulses
         Function of the contacts' variables: (3, p) [N s].
+    seen
+        Function of (q, v⁺): φ (p, 1) and u_t (d - 1, p) [m/s].
     """
 
     block: Block
-    contacts: Rows
+    contacts: ContactRows
     row_low: FloatArray
     row_high: FloatArray
     law_rows: int
     impulses: Any
-
-
-def contact_velocities(problem: DirectProblem) -> Any:
-    """Return a CasADi function (q, v⁺) to φ (p, 1) and u_t (d - 1, p) [m/s]."""
-    ca = import_casadi()
-    body = SymbolicBody(problem.robot.model, problem.robot.contact_points)
-    q, after = ca.SX.sym("q", body.nq), ca.SX.sym("v", body.nv)
-    return ca.Function("seen", [q, after], [*_seen(problem, body, q, after)])
+    seen: Any
 
 
 def transcribe(problem: DirectProblem, law: ContactLaw) -> Transcription:
@@ -65,12 +61,17 @@ def transcribe(problem: DirectProblem, law: ContactLaw) -> Transcription:
     q, v, q_after, v_after = x[: body.nq], x[body.nq :], after[: body.nq], after[body.nq :]
     torques, eps = ca.SX.sym("torques", problem.robot.joints), ca.SX.sym("eps")
     reference = ca.SX.sym("reference", body.nq + 1)
-    contacts = law.write(*_seen(problem, body, q, v_after), problem.mu, eps)
+    touches = [touch.at(q) for touch in problem.touches]
+    closing, sliding = _contact_speeds(problem, body, touches, q, v_after)
+    contacts = law.write(closing, sliding, problem.frictions, eps)
     frame = problem.terrain.frame([0.0, 0.0])
-    forces = ca.mtimes(ca.DM(frame), contacts.impulses) / dt
+    forces = ca.mtimes(ca.DM(frame), contacts.impulses[:, : body.points]) / dt
     effort = body.inverse_dynamics(q, v, (v_after - v) / dt, forces, frame[:, 2])
     motors = ca.vertcat(ca.SX.zeros(problem.robot.base_dof), torques)
-    equal = ca.vertcat(dt * (effort - motors), q_after - body.integrate(q, dt * v_after))
+    moved = dt * (effort - motors)
+    for k, (_, J) in enumerate(touches):
+        moved -= ca.mtimes(J.T, contacts.impulses[[0, 2], body.points + k])
+    equal = ca.vertcat(moved, q_after - body.integrate(q, dt * v_after))
     rows = [(equal, 0.0, 0.0), *contacts.rows]
     low = np.concatenate([np.full(r.shape[0], a) for r, a, _ in rows])
     high = np.concatenate([np.full(r.shape[0], b) for r, _, b in rows])
@@ -82,14 +83,108 @@ def transcribe(problem: DirectProblem, law: ContactLaw) -> Transcription:
     u = ca.vertcat(torques, contacts.variables)
     block = Block(x, u, after, eps, ca.vertcat(*(r for r, _, _ in rows)), cost + contacts.cost, reference)
     impulses = ca.Function("impulses", [contacts.variables], [contacts.impulses])
-    return Transcription(block, contacts, low, high, len(low) - int(equal.shape[0]), impulses)
+    seen = ca.Function("seen", [q, v_after], [closing, sliding])
+    return Transcription(block, contacts, low, high, len(low) - int(equal.shape[0]), impulses, seen)
 
 
-def _seen(problem: DirectProblem, body: SymbolicBody, q: Any, after: Any) -> tuple[Any, Any]:
+def _contact_speeds(
+    problem: DirectProblem, body: SymbolicBody, touches: list[tuple[Any, Any]], q: Any, after: Any
+) -> tuple[Any, Any]:
     """Return φ (p, 1) and u_t (d - 1, p)."""
     ca = import_casadi()
     frame, points = problem.terrain.frame([0.0, 0.0]), problem.robot.contact_points
     above = points.radii + float(problem.terrain.height([0.0, 0.0])) * frame[2, 2]
     gaps = ca.mtimes(ca.DM(frame[:, 2:].T), body.sphere_centres(q)).T - ca.DM(above)
     velocities = ca.mtimes(ca.DM(frame.T), body.point_velocities(q, after, frame[:, 2]))
-    return gaps / problem.dt + velocities[2, :].T, velocities[list(AXES[problem.tangents]), :]
+    closing = [gaps / problem.dt + velocities[2, :].T]
+    sliding = [velocities[list(AXES[problem.tangents]), :]]
+    for gap, J in touches:
+        rate = ca.mtimes(J, after)
+        closing.append(gap / problem.dt + rate[1])
+        sliding.append(rate[0])
+    return ca.vertcat(*closing), ca.horzcat(*sliding)
+
+
+class DirectNlp:
+    """A problem under one way to write the contact laws, ready to be solved again and again.
+
+    Parameters
+    ----------
+    problem
+        See `DirectProblem`.
+    law
+        See `contact_rows`.
+    """
+
+    def __init__(self, problem: DirectProblem, law: ContactLaw) -> None:
+        self.problem, self.law = problem, law
+        self.transcription = transcribe(problem, law)
+        self._nlp = Nlp(self.transcription.block, problem.knots)
+
+    def bounds(self, contact_bounds: Sides | None = None) -> Sides:
+        """Return the bounds of all variables; those of the contacts (N, m) where they differ by knot."""
+        t, n = self.transcription, self.problem.knots
+        limits = self.problem.torque_limits
+        assert limits is not None
+        states = self.problem.state_bounds()
+        contacts = (t.contacts.low, t.contacts.high) if contact_bounds is None else contact_bounds
+        out = []
+        for sign, state, contact in zip((-1.0, 1.0), states, contacts, strict=True):
+            own = np.broadcast_to(contact, (n, np.shape(contact)[-1]))
+            out.append(pack(state, np.hstack([np.tile(sign * limits, (n, 1)), own])))
+        return out[0], out[1]
+
+    def pack(self, guess: Guess) -> FloatArray:
+        """Return the NLP's variables (n,) that mean a motion."""
+        contacts = self.law.start(guess.impulses, *self.contact_speeds(guess), self.problem.frictions)
+        return pack(np.hstack([guess.q, guess.v]), np.hstack([guess.torques, contacts]))
+
+    def unpack(self, variables: FloatArray) -> Guess:
+        """Return the motion that the NLP's variables (n,) mean."""
+        nq, joints = int(self.problem.robot.model.nq), self.problem.robot.joints
+        states, inputs = unpack(variables, int(self.transcription.block.x.shape[0]), self.problem.knots)
+        impulses = np.array([np.array(self.transcription.impulses(row)).T for row in inputs[:, joints:]])
+        return Guess(states[:, :nq].copy(), states[:, nq:].copy(), inputs[:, :joints].copy(), impulses)
+
+    def contact_speeds(self, guess: Guess) -> tuple[FloatArray, FloatArray]:
+        """Return φ (N, p) and u_t (N, p, d - 1) of a motion [m/s]."""
+        closing, sliding = [], []
+        for q, v in zip(guess.q[:-1], guess.v[1:], strict=True):
+            phi, u = self.transcription.seen(q, v)
+            closing.append(np.array(phi).ravel())
+            sliding.append(np.array(u).T)
+        return np.array(closing), np.array(sliding)
+
+    def solve(
+        self,
+        start: FloatArray,
+        eps: float,
+        *,
+        multipliers: tuple[FloatArray, FloatArray] | None = None,
+        contact_bounds: Sides | None = None,
+        row_bounds: Sides | None = None,
+        **options: Any,
+    ) -> Iterate:
+        """Return what Ipopt makes of variables at a softening.
+
+        Parameters
+        ----------
+        start, multipliers
+            Variables, and of a warm start those of bounds and rows.
+        eps
+            [J].
+        contact_bounds, row_bounds
+            (N, m) of the contacts' variables and (N, m) of the laws' rows, where they differ by knot.
+        options
+            Ipopt's.
+        """
+        t, n = self.transcription, self.problem.knots
+        row_low, row_high = np.tile(t.row_low, (n, 1)), np.tile(t.row_high, (n, 1))
+        if row_bounds is not None:
+            row_low[:, -t.law_rows :], row_high[:, -t.law_rows :] = row_bounds
+        last = np.zeros((n, 1))
+        last[-1] = 1.0
+        data = np.hstack([self.problem.references[1:], last])
+        return self._nlp.solve(
+            start, data, self.bounds(contact_bounds), (row_low, row_high), (eps,), multipliers, **options
+        )

@@ -29,7 +29,7 @@ from surefoot.log.channels import CHANNELS
 from surefoot.planning.mpc.cost import WalkWeights, walking_costs
 from surefoot.planning.mpc.receding import move_on, torques_between
 from surefoot.planning.shooting.engine import Engine
-from surefoot.planning.shooting.horizon import Policy
+from surefoot.planning.shooting.horizon import FeedbackPolicy
 from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.robot import Robot
 from surefoot.robot.placement import place
@@ -186,7 +186,7 @@ class ContactImplicitMpc(Controller):
         }  # fmt: skip
         self.reset()
 
-    def _fallbacks(self) -> tuple[FloatArray, Policy]:
+    def _fallbacks(self) -> tuple[FloatArray, FeedbackPolicy]:
         """Return gains that stand by `step`, and the policy that stands in rollouts.
 
         Springs and dampers of rollouts are as stiff as a step of a knot's length takes with a leg in the air.
@@ -198,7 +198,7 @@ class ContactImplicitMpc(Controller):
         legs = np.diag(inertia)[n - m :]
         soft = _springs(N, n, SOFTNESS * legs / dt**2, 2.0 * SOFTNESS * legs / dt)
         q, hold = np.tile(self._pose, (N + 1, 1)), np.tile(self._hold, (N, 1))
-        standing = Policy(q, np.zeros((N + 1, n)), hold, soft, np.zeros((N, m)), np.zeros((N, 2 * n)))
+        standing = FeedbackPolicy(q, np.zeros((N + 1, n)), hold, soft, np.zeros((N, m)), np.zeros((N, 2 * n)))
         return _springs(N, n, np.full(m, STIFFNESS), np.full(m, DAMPING)), standing
 
     def reset(self) -> None:
@@ -337,11 +337,11 @@ class ContactImplicitMpc(Controller):
             engine.damping = min(3.0 * engine.damping, MOST)
         return True
 
-    def _track(self, policy: Policy) -> tuple[Policy, float]:
+    def _track(self, policy: FeedbackPolicy) -> tuple[FeedbackPolicy, float]:
         """Return the policy that follows a motion by springs and dampers at the joints."""
         return policy._replace(gains=self._still.gains), 0.0
 
-    def _standing(self) -> Policy:
+    def _standing(self) -> FeedbackPolicy:
         """Return the policy that holds the nominal pose where the robot is."""
         now, still = self.engine.now, self._still
         still.q[:, :7] = now.q[0, :7]

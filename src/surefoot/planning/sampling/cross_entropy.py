@@ -20,7 +20,7 @@ KEPT = 0.2
 
 
 @dataclass(frozen=True)
-class Sampled:
+class CrossEntropyResult:
     """What a search found.
 
     Attributes
@@ -51,7 +51,7 @@ def cross_entropy(
     enough: float = -np.inf,
     seed: int = 0,
     tell: Callable[[int, float], None] | None = None,
-) -> Sampled:
+) -> CrossEntropyResult:
     """Return the best of the points that were tried.
 
     The mean itself is the first sample, so that a good first guess is never lost. A `KeyboardInterrupt` ends
@@ -118,4 +118,4 @@ def cross_entropy(
             deviation = KEPT * deviation + (1.0 - KEPT) * chosen.std(axis=0)
     except KeyboardInterrupt:
         pass
-    return Sampled(best, least, done, tried, least <= enough)
+    return CrossEntropyResult(best, least, done, tried, least <= enough)

@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact import Status
-from surefoot.planning.plan import Plan, Search
+from surefoot.planning.plan import Plan, Search, plan_facts
 from surefoot.planning.sampling.forward import RigidModel
 from surefoot.planning.sampling.postures import Postures
 from surefoot.planning.trajectory import TOLERANCE
@@ -69,10 +69,10 @@ def lying_plan(model: RigidModel, law: Postures, start: FloatArray, search: Sear
     goal = (
         f"stand up: {tilt:.1f} deg off, {height:.2f} of its height, joints {over:.3f} rad beyond their range"
     )
-    return Plan(
-        _finished(arrays, model, law.effort),
-        {**_facts(model, replace(search, reached=reached, goal=goal), status, q, v), **_law(law, legs)},
-    )
+    found = replace(search, reached=reached, goal=goal)
+    facts = plan_facts(robot, found, status, model.worst_residual, (model.dt, model.mu), (q, v))
+    facts["world"] = "rigid steps with all links"
+    return Plan(_finished(arrays, model, law.effort), {**facts, **_law(law, legs)})
 
 
 def _finished(arrays: dict[str, Any], model: RigidModel, effort: FloatArray) -> dict[str, Any]:
@@ -85,21 +85,6 @@ def _finished(arrays: dict[str, Any], model: RigidModel, effort: FloatArray) -> 
         "normals": normals, "active": forces[:, :, 2] > 0.0, "attained": np.ones(rows, dtype=bool),
         "saturated": (np.abs(arrays["torques"]) >= effort * (1.0 - 1e-6)).any(axis=1),
         "push": np.zeros((rows, 3)), "mu": np.full(rows, model.mu),
-    }  # fmt: skip
-
-
-def _facts(model: RigidModel, search: Search, status: Status, q: FloatArray, v: FloatArray) -> dict[str, Any]:
-    """Return what is said once of a plan."""
-    robot, points = model.robot, model.robot.contact_points
-    return {
-        "kind": "plan", "task": search.task, "method": search.method, "status": status.value,
-        "goal": search.goal, "cost": search.cost, "law_residual": model.worst_residual,
-        "iterations": search.iterations, "search_time": search.seconds, "robot": robot.name,
-        "world": "rigid steps with all links", "mass": robot.mass, "mass_controller": robot.mass,
-        "dt": model.dt, "duration": 0.0, "feet": list(robot.foot_names), "joints": list(robot.joint_names),
-        "contact_foot": points.foot, "contact_centres": points.centres, "effort_limits": robot.effort_limits,
-        "normal_min": 0.0, "normal_max": math.inf, "mu_controller": model.mu, "outcome": "done",
-        "end_q": q.copy(), "end_v": v.copy(),
     }  # fmt: skip
 
 

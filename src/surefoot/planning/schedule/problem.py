@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
-from surefoot.control.gait import ContactSchedule
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.motor_limits import MotorLimits
 from surefoot.errors import ProblemError
 from surefoot.planning.direct.problem import Window
+from surefoot.planning.transcription.touches import Touch
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
@@ -163,6 +164,11 @@ class ScheduleProblem:
     def weight(self) -> float:
         """M g [N]."""
         return float(self.robot.mass * GRAVITY)
+
+    @property
+    def touches(self) -> tuple[Touch, ...]:
+        """None: feet on the ground are all."""
+        return ()
 
     @property
     def stance(self) -> BoolArray:

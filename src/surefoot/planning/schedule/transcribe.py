@@ -18,12 +18,12 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.control.motor_limits import MotorLimits
-from surefoot.planning.direct.blocks import Block, pack
 from surefoot.planning.direct.problem import limit_joints
-from surefoot.planning.direct.symbolic_body import SymbolicBody
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
 from surefoot.planning.transcription.forms import import_casadi
+from surefoot.planning.transcription.nlp import Block, Sides, pack
+from surefoot.planning.transcription.symbolic_body import SymbolicBody
 from surefoot.robot import Robot
 
 ROUND = 1e-3
@@ -180,7 +180,7 @@ def _motor_use(motors: MotorLimits, torques: Any, speeds: tuple[Any, Any]) -> An
     return ca.vertcat(*(load + speed / ca.DM(motors.speed) for speed in speeds))
 
 
-def row_bounds(problem: ScheduleProblem, parts: Parts) -> tuple[FloatArray, FloatArray]:
+def row_bounds(problem: ScheduleProblem, parts: Parts) -> Sides:
     """Return the bounds (knots, m) of all rows; both infinite where a row does not matter."""
     n, stance = problem.knots, problem.stance
     low = np.full((n, parts.count), -np.inf)
@@ -225,7 +225,7 @@ def swing_heights(problem: ScheduleProblem) -> FloatArray:
     return out
 
 
-def variable_bounds(problem: ScheduleProblem) -> tuple[FloatArray, FloatArray]:
+def variable_bounds(problem: ScheduleProblem) -> Sides:
     """Return the bounds of all variables, (n,) each, in the order of the NLP."""
     robot, model, n = problem.robot, problem.robot.model, problem.knots
     nq, nx = int(model.nq), int(model.nq + model.nv)
@@ -233,7 +233,7 @@ def variable_bounds(problem: ScheduleProblem) -> tuple[FloatArray, FloatArray]:
     high = -low
     limit_joints(robot, low, high, problem.speed_share)
     for k, window in problem.windows.items():
-        window.narrow(low[k], high[k], nq)
+        window.narrow(low[k], high[k], nq, k)
     low[0] = high[0] = np.concatenate([problem.q, problem.v])
     force = np.repeat(problem.stance, 3, axis=1)
     most = np.where(force, np.inf, 0.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.planning.shooting.cost_kernels import cost_slopes
-from surefoot.planning.shooting.horizon import Horizon, Policy
+from surefoot.planning.shooting.horizon import FeedbackPolicy, Horizon
 from surefoot.planning.shooting.problem import ShootingProblem, Times, TorqueLimits
 from surefoot.planning.shooting.riccati import backward_pass
 
@@ -145,7 +145,7 @@ class Engine:
         self.times.rollout += time.process_time() - start
         return taken
 
-    def choose(self, candidates: Sequence[tuple[Policy, float]], enough: float) -> int:
+    def choose(self, candidates: Sequence[tuple[FeedbackPolicy, float]], enough: float) -> int:
         """Roll policies out without gaps and keep the cheapest motion; return its number, -1 for none.
 
         Unlike `search` this may raise the cost, since the motion begins anew where the gaps are: what a
@@ -176,10 +176,10 @@ class Engine:
         return best
 
     @property
-    def policy(self) -> Policy:
+    def policy(self) -> FeedbackPolicy:
         """The current motion with the gains and steps of the last backward pass."""
         now = self.now
-        return Policy(now.q, now.v, now.torques, self.gains, self.steps, now.gaps)
+        return FeedbackPolicy(now.q, now.v, now.torques, self.gains, self.steps, now.gaps)
 
     @property
     def expected(self) -> float:

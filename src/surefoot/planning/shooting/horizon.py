@@ -25,7 +25,7 @@ SOFTER = (1.0, 10.0, 100.0)
 """Factors on the smoothing, tried in turn where the central path is not reached."""
 
 
-class Policy(NamedTuple):
+class FeedbackPolicy(NamedTuple):
     """Torques u + a k + K (x ⊖ x̄) about a motion, for a share a.
 
     Attributes
@@ -114,7 +114,7 @@ class Horizon:
         return len(self.torques)
 
     def run(
-        self, start: tuple[FloatArray, FloatArray], policy: Policy, share: float, limits: FloatArray,
+        self, start: tuple[FloatArray, FloatArray], policy: FeedbackPolicy, share: float, limits: FloatArray,
         close: bool = False,
     ) -> bool:  # fmt: skip
         """Step from a state under a policy; return whether every contact problem is solved.

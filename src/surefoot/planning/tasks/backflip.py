@@ -9,8 +9,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.planning.plan import Plan
 from surefoot.planning.tasks.jump import at_rest
-from surefoot.planning.tasks.scheduled import METHOD, scheduled_plan
-from surefoot.planning.tasks.task import Request, Tell
+from surefoot.planning.tasks.scheduled import ROAD, scheduled_plan
+from surefoot.planning.tasks.task import PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory
 from surefoot.robot import load_robot
 
@@ -24,9 +24,9 @@ class Backflip:
     name, meaning = "backflip", "a full turn backwards in the air, from standing to standing"
     amount, robots = "", True
     default: float | None = None
-    methods: tuple[str, ...] = (METHOD,)
+    roads: tuple[str, ...] = (ROAD,)
 
-    def plan(self, request: Request, tell: Tell) -> Plan:
+    def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan of a backflip, see `Task.plan`."""
         from surefoot.planning.schedule.motions import backflip
 
@@ -39,7 +39,7 @@ class Backflip:
             whole = abs(angle + 2.0 * math.pi) <= OFF
             return bool(whole and still), f"turns by {math.degrees(angle):.0f} deg, {said}"
 
-        return scheduled_plan(self.name, problem, request, tell, goal)
+        return scheduled_plan(self.name, problem, request, tell, goal, light=True)
 
 
 def turned(q: FloatArray) -> float:

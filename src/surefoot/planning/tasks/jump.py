@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.planning.plan import Plan
-from surefoot.planning.tasks.scheduled import METHOD, scheduled_plan
-from surefoot.planning.tasks.task import Request, Tell
+from surefoot.planning.tasks.scheduled import DIRECT, ROAD, direct_plan, scheduled_plan
+from surefoot.planning.tasks.task import PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory
-from surefoot.robot import load_robot
+from surefoot.robot import Robot, load_robot
 from surefoot.spatial import rotation_from_quaternion
+
+if TYPE_CHECKING:
+    from surefoot.planning.direct.problem import DirectProblem
 
 MORE = 0.03
 """What is planned beyond what is asked for [m]: an execution loses a little."""
 SHORT = 0.01
 """How much less than asked for still is a jump of that length or height [m]."""
+KNOT, LASTS, HOP = 0.03, 0.6, 0.1
+"""On the direct road: length of a knot and of the motion [s], and how far a jump forward rises [m]."""
 LEAN, SLOW = math.radians(6.0), 0.15
 """Largest tilt [rad] and speed [m/s, rad/s] at the end."""
 
@@ -28,10 +34,10 @@ class Jump:
 
     name, meaning = "jump", "all feet leave the ground and land further ahead"
     amount, default, robots = "distance [m]", 0.4, True
-    methods: tuple[str, ...] = (METHOD,)
+    roads: tuple[str, ...] = (ROAD, DIRECT)
     up = False
 
-    def plan(self, request: Request, tell: Tell) -> Plan:
+    def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan of a jump, see `Task.plan`."""
         from surefoot.planning.schedule.motions import jump, time_scale
 
@@ -43,7 +49,7 @@ class Jump:
             raise ProblemError(f"height [m] must be at least 0.02, got {asked:g}")
         more = MORE * time_scale(robot) ** 2
         forward = 0.0 if self.up else asked + math.copysign(more, asked)
-        problem = jump(robot, forward, asked + more if self.up else 0.0, request.mu, request.dt)
+        rise = asked + more if self.up else 0.0
         feet = len(robot.contact_points)
 
         def goal(motion: Trajectory) -> tuple[bool, str]:
@@ -54,6 +60,9 @@ class Jump:
             words = f"{'rises by' if self.up else 'the feet get'} {got:.3f} m of {asked:g} asked for, {said}"
             return bool(enough and still and flown), words
 
+        if request.road == DIRECT:
+            return direct_plan(self.name, _any_contacts(robot, forward, rise, request), request, tell, goal)
+        problem = jump(robot, forward, rise, request.mu, request.dt)
         return scheduled_plan(self.name, problem, request, tell, goal)
 
 
@@ -63,6 +72,17 @@ class JumpUp(Jump):
     name, meaning = "jump-up", "all feet leave the ground and land where they were"
     amount, default = "height [m]", 0.15
     up = True
+
+
+def _any_contacts(robot: Robot, forward: float, rise: float, request: PlanRequest) -> DirectProblem:
+    """Return the jump as a problem of the direct method: only its height says that it flies."""
+    from surefoot.planning.direct.motions import rest_to_rest
+    from surefoot.planning.schedule.motions import time_scale
+
+    scale = time_scale(robot)
+    dt = KNOT * scale if request.dt is None else request.dt
+    knots = request.knots or round(LASTS * scale / dt)
+    return rest_to_rest(robot, forward, rise or HOP * scale**2, knots=knots, dt=dt, mu=request.mu)
 
 
 def _moved(motion: Trajectory) -> float:

@@ -1,66 +1,62 @@
-"""Tasks on the first road: a mode schedule is given, the whole body's motion over it is found."""
+"""Whole-body tasks: over a mode schedule that is given, or on the direct road, which finds the contacts."""
 
 from __future__ import annotations
 
-import time as clock
+import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from surefoot.contact import Status
 from surefoot.planning.plan import Plan, Search, plan_from
-from surefoot.planning.tasks.task import Iteration, Request, Tell
+from surefoot.planning.tasks.task import Iteration, PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory
 
 if TYPE_CHECKING:
+    from surefoot.planning.direct.problem import DirectProblem
     from surefoot.planning.schedule import ScheduleProblem
     from surefoot.planning.schedule.search import ScheduledMotion
     from surefoot.robot import Robot
 
-METHOD = "schedule"
+ROAD, DIRECT = "schedule", "direct"
 FEEDBACK = 0.95
 """Share of the torque limits that the exact motion may use: the optimiser used less."""
 DRIFT = 5e-3
 """How far the exact motion may be from the optimiser's [m, rad]."""
 OVER = 1e-3
 """By how much a joint may exceed a limit [N m, rad/s, rad]: rounding, and a little feedback."""
+LIGHT = 100
+"""Most iterations of the centroidal motion that a search starts from."""
 Goal = Callable[[Trajectory], tuple[bool, str]]
 """Whether a motion does what it should, and what it does, in words."""
 
 
-@dataclass(frozen=True)
-class Attempt:
-    """What the optimiser found and where its torques lead.
+def best_motion(problem: ScheduleProblem, request: PlanRequest, tell: Tell, light: bool) -> ScheduledMotion:
+    """Return the motion that the optimiser finds over a schedule.
 
-    Attributes
+    Parameters
     ----------
-    motion
-        Of the optimiser.
-    trajectory
-        By exact steps that follow it with small corrections, which are part of its torques.
-    drift
-        Largest distance of the two [m, rad].
+    problem, request, tell
+        See `scheduled_plan`.
+    light
+        Whether to start from the centroidal motion, where one is found, and not from the reference.
     """
-
-    motion: ScheduledMotion
-    trajectory: Trajectory
-    drift: float
-
-
-def carry_out(problem: ScheduleProblem, request: Request, tell: Tell) -> Attempt:
-    """Return the motion of a problem, and its torques through the exact step."""
-    from surefoot.planning.direct.follow import follow
-    from surefoot.planning.direct.judge import departure
     from surefoot.planning.schedule import optimise
+    from surefoot.planning.schedule.centroidal import optimise_centroidal
+    from surefoot.planning.schedule.limbs import whole_body_guess
 
-    def heard(number: int, cost: float, violation: float) -> None:
-        tell(Iteration(number, cost, violation, "whole body over the schedule"))
+    most, before, guess = request.max_iterations or 600, 0, None
 
-    motion = optimise(problem, max_iterations=request.max_iterations or 600, tell=heard)
-    trajectory = follow(replace(problem, mu=request.mu, torque_share=FEEDBACK), motion)
-    return Attempt(motion, trajectory, departure(problem, motion, trajectory))
+    def heard(note: str) -> Callable[[int, float, float], None]:
+        return lambda number, cost, violation: tell(Iteration(before + number, cost, violation, note))
+
+    if light:
+        small = optimise_centroidal(problem, min(most, LIGHT), heard("centre of mass over the schedule"))
+        before = small.iterate.iterations
+        guess = whole_body_guess(problem, small) if small.found else None
+    return optimise(problem, guess, most, heard("whole body over the schedule"))
 
 
 def beyond_limits(robot: Robot, motion: Trajectory) -> str:
@@ -79,27 +75,62 @@ def beyond_limits(robot: Robot, motion: Trajectory) -> str:
     return "joints beyond their limits: " + ", ".join(over) if over else ""
 
 
-def scheduled_plan(task: str, problem: ScheduleProblem, request: Request, tell: Tell, goal: Goal) -> Plan:
-    """Return the plan of a problem: SOLVED where its exact rollout is lawful and does what the goal says."""
-    start = clock.perf_counter()
-    tried = carry_out(problem, request, tell)
-    motion = tried.motion
-    if np.isfinite(tried.trajectory.q).all():
-        done, said = goal(tried.trajectory)
-        beyond = beyond_limits(problem.robot, tried.trajectory)
-        done, said = done and not beyond, f"{said}; {beyond}" if beyond else said
-    else:
-        done, said = False, "the motion is lost"
+def judged(motion: Trajectory, robot: Robot, goal: Goal) -> tuple[bool, str]:
+    """Return whether an exact motion reaches a goal within the robot's limits, and what it does, in words."""
+    if not np.isfinite(motion.q).all():
+        return False, "the motion is lost"
+    done, said = goal(motion)
+    beyond = beyond_limits(robot, motion)
+    return done and not beyond, f"{said}; {beyond}" if beyond else said
+
+
+def scheduled_plan(
+    task: str, problem: ScheduleProblem, request: PlanRequest, tell: Tell, goal: Goal, light: bool = False
+) -> Plan:
+    """Return the plan of a problem: SOLVED where its exact rollout is lawful and does what the goal says.
+
+    Parameters
+    ----------
+    task, request, tell
+        Its name, what was asked, and who hears of iterations.
+    problem
+        The schedule's.
+    goal
+        Of the exact motion: that of the optimiser's torques, with small corrections, through exact steps.
+    light
+        See `best_motion`.
+    """
+    from surefoot.planning.transcription.follow import follow
+    from surefoot.planning.transcription.judge import departure
+
+    begun = time.perf_counter()
+    motion = best_motion(problem, request, tell, light)
+    trajectory = follow(replace(problem, mu=request.mu, torque_share=FEEDBACK), motion)
+    done, said = judged(trajectory, problem.robot, goal)
+    ended, off = motion.iterate.said, departure(problem.robot, motion, trajectory)
     if not motion.found:
-        said += f"; the optimiser ended with {motion.said}, {motion.violation:.1e} off its constraints"
-    elif tried.drift > DRIFT:
-        said += f"; the exact motion departs by {tried.drift:.1e} from the optimiser's"
-    stopped = Status.MAX_ITERATIONS if motion.said == "Maximum_Iterations_Exceeded" else Status.STALLED
+        said += f"; the optimiser ended with {ended}, {motion.iterate.violation:.1e} off its constraints"
+    elif off > DRIFT:
+        said += f"; the exact motion departs by {off:.1e} from the optimiser's"
+    stopped = Status.MAX_ITERATIONS if ended == "Maximum_Iterations_Exceeded" else Status.STALLED
     search = Search(
-        task, METHOD, motion.cost, bool(done and motion.found), motion.iterations,
-        clock.perf_counter() - start, said, stopped,
+        task, ROAD, motion.iterate.cost, bool(done and motion.found), motion.iterate.iterations,
+        time.perf_counter() - begun, said, stopped,
     )  # fmt: skip
     facts: dict[str, object] = {"mode_events": list(getattr(problem.schedule, "event_times", []))}
-    if motion.said == "interrupted":
+    if ended == "interrupted":
         facts["interrupted"] = True
-    return plan_from(tried.trajectory, problem.robot, search, problem.terrain, **facts)
+    return plan_from(trajectory, problem.robot, search, problem.terrain, **facts)
+
+
+def direct_plan(task: str, problem: DirectProblem, request: PlanRequest, tell: Tell, goal: Goal) -> Plan:
+    """Return the plan of a problem whose contacts nobody gives; SOLVED where the goal says so as well."""
+    from surefoot.planning.direct.planner import plan_direct
+
+    found = plan_direct(problem, total=request.max_iterations, task=task, tell=tell)
+    done, said = judged(found.trajectory, problem.robot, goal)
+    made, missed = found.plan, str(found.plan.facts["goal"])
+    made.facts["goal"] = f"{said}; {missed}"
+    if not done and made.status is Status.SOLVED:
+        made.facts["status"] = Status.STALLED.value
+    return made

@@ -22,7 +22,7 @@ from surefoot.planning.sampling.cross_entropy import cross_entropy
 from surefoot.planning.sampling.forward import ForwardModel, RigidModel
 from surefoot.planning.sampling.lying import beyond, lying_plan, upright
 from surefoot.planning.sampling.postures import Postures, postures
-from surefoot.planning.tasks.task import Iteration, Request, Tell
+from surefoot.planning.tasks.task import Iteration, PlanRequest, Tell
 from surefoot.robot import Robot, load_robot
 from surefoot.spatial import GRAVITY
 
@@ -54,16 +54,16 @@ class StandUp:
     amount: str = "roll angle of the lying start, 180 for the back [deg]"
     default: float | None = 180.0
     robots: bool = True
-    methods: tuple[str, ...] = ("sampling",)
+    roads: tuple[str, ...] = ("sampling",)
     model: ForwardModel | None = field(default=None, compare=False)
 
-    def plan(self, request: Request, tell: Tell) -> Plan:
+    def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan; see `Task.plan`."""
         robot = request.robot or load_robot("go2")
         legs = _legs(robot)
         dt = request.dt or STEP
         model = self.model or RigidModel(robot, request.mu, dt)
-        search = _Search(robot, model, legs)
+        search = _Rollouts(robot, model, legs)
         begin = clock.perf_counter()
         start = search.lie(math.radians(request.amount if request.amount is not None else 180.0))
         found = cross_entropy(
@@ -92,7 +92,7 @@ def _legs(robot: Robot) -> IntArray:
     return np.array(rows, dtype=np.int64)
 
 
-class _Search:
+class _Rollouts:
     """Rollouts of one robot in one model."""
 
     def __init__(self, robot: Robot, model: ForwardModel, legs: IntArray) -> None:

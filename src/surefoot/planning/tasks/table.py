@@ -8,9 +8,9 @@ from surefoot.errors import ProblemError, unknown_name
 from surefoot.planning.tasks.task import Task
 
 TASKS: dict[str, str] = {
-    "ball": "surefoot.planning.tasks.ball:TASK",
-    "hopper": "surefoot.planning.tasks.hopper:TASK",
-    "push": "surefoot.planning.tasks.push:TASK",
+    "ball": "surefoot.planning.tasks.small:BALL",
+    "hopper": "surefoot.planning.tasks.small:HOPPER",
+    "push": "surefoot.planning.tasks.small:PUSH",
     "jump": "surefoot.planning.tasks.jump:JUMP",
     "jump-up": "surefoot.planning.tasks.jump:JUMP_UP",
     "backflip": "surefoot.planning.tasks.backflip:BACKFLIP",

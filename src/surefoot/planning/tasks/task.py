@@ -21,7 +21,7 @@ class Iteration:
     cost
         Of the current candidate.
     law_residual
-        How far it is from the laws, in the method's own measure.
+        How far it is from the laws, in the road's own measure.
     note
         What the search does: a stage of a continuation, say.
     """
@@ -37,7 +37,7 @@ Tell = Callable[[Iteration], None]
 
 
 @dataclass(frozen=True)
-class Request:
+class PlanRequest:
     """What a task is asked for; None leaves it to the task.
 
     Attributes
@@ -52,8 +52,8 @@ class Request:
         Length of a knot [s].
     knots
         Their number.
-    method
-        The road.
+    road
+        How it is looked for.
     seed
         Of random starts.
     max_iterations
@@ -65,7 +65,7 @@ class Request:
     mu: float = 0.6
     dt: float | None = None
     knots: int | None = None
-    method: str | None = None
+    road: str | None = None
     seed: int = 0
     max_iterations: int | None = None
 
@@ -83,8 +83,8 @@ class Task(Protocol):
         The number where none is given.
     robots
         Whether a robot of the catalogue can be given; else the task has its own.
-    methods
-        The roads, the recommended first.
+    roads
+        The ways to look for it, the recommended first.
     """
 
     name: str
@@ -92,9 +92,9 @@ class Task(Protocol):
     amount: str
     default: float | None
     robots: bool
-    methods: tuple[str, ...]
+    roads: tuple[str, ...]
 
-    def plan(self, request: Request, tell: Tell) -> Plan:
+    def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan for a request whose blanks are filled in; `tell` hears of every iteration.
 
         A task that cannot be done returns a plan that is not SOLVED, and says why in its fact ``goal``; a

@@ -15,11 +15,11 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.contact import Status
 from surefoot.planning.plan import Plan, Search, plan_from
 from surefoot.planning.tasks.jump import lean
-from surefoot.planning.tasks.task import Iteration, Request, Tell
+from surefoot.planning.tasks.task import Iteration, PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory, rollout
 from surefoot.robot import Robot, load_robot, place
 
-METHOD = "contact-implicit"
+ROAD = "contact-implicit"
 STEP, LENGTH = 2e-3, 3.0
 """Length of a knot and of the motion [s]."""
 JUDGED = 1.0
@@ -35,9 +35,9 @@ class Trot:
 
     name, meaning = "trot", "walk at a speed; the gait is found, not given"
     amount, default, robots = "speed [m/s]", 0.5, True
-    methods: tuple[str, ...] = (METHOD,)
+    roads: tuple[str, ...] = (ROAD,)
 
-    def plan(self, request: Request, tell: Tell) -> Plan:
+    def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return what the contact-implicit controller does, see `Task.plan`."""
         from surefoot.control.controller import RobotState
         from surefoot.control.walking_body import VelocityCommand
@@ -69,7 +69,7 @@ class Trot:
         motion = rollout(robot, q, np.zeros(int(robot.model.nv)), policy, dt=dt, mu=request.mu, steps=steps)
         done, said = judge(robot, motion, speed)
         spent, cost = clock.perf_counter() - start, float(mpc.engine.now.cost)
-        search = Search(self.name, METHOD, cost, done, steps // every, spent, said, Status.STALLED)
+        search = Search(self.name, ROAD, cost, done, steps // every, spent, said, Status.STALLED)
         made = plan_from(motion, robot, search)
         if interrupted:
             made.facts["interrupted"] = True

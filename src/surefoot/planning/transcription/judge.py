@@ -1,86 +1,98 @@
-"""One definition of solved for every way to soften: the laws, read from the motion and from nothing else."""
+"""One judge for all roads: how far a motion is from windows, laws and another motion; its cost."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from surefoot.planning.transcription.problem import Motion, SmallProblem
-from surefoot.planning.transcription.program import pairs_at
+from surefoot.arrays import FloatArray
+from surefoot.planning.trajectory import Trajectory
 
-COMPLEMENTARITY, DEFECT = 1e-6, 1e-8
-"""What a solved problem may miss: min(a, b) of every pair, and the dynamics, in SI units."""
+if TYPE_CHECKING:
+    from surefoot.planning.direct.problem import DirectProblem
+    from surefoot.robot import Robot
+
+REACH = 1e-3
+"""How far the exact motion may be outside a window that it was to reach [m, rad; ten times as many m/s]."""
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How far a motion is from the laws and from its goal.
+class Motion(Protocol):
+    """States of knots: q (N + 1, nq), v (N + 1, nv), and torques (N, joints) [N m]."""
 
-    Attributes
+    @property
+    def q(self) -> FloatArray:
+        """(N + 1, nq)."""
+
+    @property
+    def v(self) -> FloatArray:
+        """(N + 1, nv)."""
+
+    @property
+    def torques(self) -> FloatArray:
+        """(N, joints) [N m]."""
+
+
+def window_miss(problem: DirectProblem, motion: Motion) -> float:
+    """Return how far a motion is outside the windows of a problem: [m, rad], or in tenths of m/s."""
+    nq, nv = motion.q.shape[1], motion.v.shape[1]
+    worst = 0.0
+    scale = np.concatenate([np.ones(nq), np.full(nv, 0.1)])
+    for k, window in [*problem.windows.items(), (problem.knots, problem.end)]:
+        state = np.concatenate([motion.q[k], motion.v[k]])
+        sides = [(window.q_low, window.v_low, 1.0), (window.q_high, window.v_high, -1.0)]
+        for q, v, sign in sides:
+            free = -sign * np.inf
+            edge = np.concatenate(
+                [np.full(nq, free) if q is None else q, np.full(nv, free) if v is None else v]
+            )
+            beyond = scale * sign * (edge - state)
+            if not np.isfinite(state).all():
+                return np.inf
+            worst = max(worst, float(beyond.max()))
+    return worst
+
+
+def departure(robot: Robot, motion: Motion, trajectory: Trajectory) -> float:
+    """Return the largest entry of q ⊖ q between a motion and a trajectory [m, rad], infinite if lost."""
+    import pinocchio
+
+    if not np.isfinite(trajectory.q).all():
+        return np.inf
+    pairs = zip(motion.q, trajectory.q, strict=True)
+    return max(float(np.abs(pinocchio.difference(robot.model, a, b)).max()) for a, b in pairs)
+
+
+def complementarity(impulses: FloatArray, gaps: FloatArray, sliding: FloatArray, mu: FloatArray) -> float:
+    """Return max |min(a, b)| over the pairs of the laws, in SI units; infinite where one is not a number.
+
+    Gap and normal impulse, sliding speed and what is left of the cone, and friction against the sliding.
+
+    Parameters
     ----------
-    complementarity
-        max |min(a, b)| over all pairs of all knots: gap [m] and impulse [N s], sliding [m/s] and friction,
-        cone [N s] and sliding.
-    product
-        max |gap · normal impulse| [m N s].
-    penetration
-        Deepest overlap at the end of a knot [m].
-    defect
-        Largest error of the dynamics and of q⁺ = q + dt v⁺ [N s, m].
-    beyond
-        How far a bound of coordinates or motors is broken.
-    cost
-        Σ effort u² dt.
-    reached
-        Whether the goal is.
+    impulses
+        (N, p, 3) in contact axes [N s].
+    gaps
+        (N, p) at the ends of the knots as their velocities predict them [m].
+    sliding
+        (N, p, 1 or 2) tangential velocities [m/s].
+    mu
+        (p,) friction.
     """
-
-    complementarity: float
-    product: float
-    penetration: float
-    defect: float
-    beyond: float
-    cost: float
-    reached: bool
-
-    @property
-    def error(self) -> float:
-        """The largest error of laws, dynamics and bounds."""
-        return max(self.complementarity, self.defect, self.beyond)
-
-    @property
-    def solved(self) -> bool:
-        """Whether the laws hold and the goal is reached."""
-        lawful = self.complementarity < COMPLEMENTARITY and self.defect < DEFECT and self.beyond < DEFECT
-        return lawful and self.reached
+    normal, friction = impulses[..., 2], impulses[..., : sliding.shape[-1]]
+    speed = np.linalg.norm(sliding, axis=-1)
+    spare = mu * normal - np.linalg.norm(friction, axis=-1)
+    against = np.maximum(np.sum(friction * sliding, axis=-1) / np.maximum(speed, 1e-300), 0.0)
+    pairs = (np.minimum(gaps, normal), np.minimum(speed, spare), np.minimum(speed, against))
+    if not all(np.isfinite(pair).all() for pair in pairs):
+        return np.inf
+    return float(max(np.abs(pair).max(initial=0.0) for pair in pairs))
 
 
-def judge(problem: SmallProblem, motion: Motion) -> Outcome:
-    """Return how far a motion is from the laws: friction's sliding speed is that of the motion."""
-    system, dt = problem.system, problem.dt
-    worst = product = depth = defect = 0.0
-    for k in range(problem.knots):
-        a, b = pairs_at(problem, motion, k)
-        p = len(system.touches)
-        worst = max(worst, _size(np.minimum(a, b)))
-        product = max(product, _size(a[:p] * b[:p]))
-        depth = max(depth, -float(a[:p].min()))
-        q, v, after = motion.q[k], motion.v[k], motion.v[k + 1]
-        force = dt * (system.selection @ motion.u[k] - np.array(system.bias(q, v)).ravel())
-        force = force + np.array(system.normal(q)).T @ motion.normal[k]
-        force = force + np.array(system.tangent(q)).T @ motion.friction[k]
-        moved = motion.q[k + 1] - q - dt * after
-        defect = max(defect, _size(np.array(system.mass(q)) @ (after - v) - force), _size(moved))
-    beyond = max(
-        float(np.max(problem.low - motion.q[1:], initial=0.0)),
-        float(np.max(motion.q[1:] - problem.high, initial=0.0)),
-        float(np.max(np.abs(motion.u) - problem.limit, initial=0.0)),
-    )
-    cost = problem.effort * dt * float((motion.u**2).sum())
-    return Outcome(worst, product, depth, defect, beyond, cost, problem.reached(motion))
-
-
-def _size(x: np.ndarray) -> float:
-    """Return the largest magnitude, infinite where an entry is not a number."""
-    return float(np.abs(x).max(initial=0.0)) if np.isfinite(x).all() else np.inf
+def exact_cost(problem: DirectProblem, trajectory: Trajectory) -> float:
+    """Return the cost of a trajectory under a problem's weights."""
+    w, dt, t = problem.weights, problem.dt, trajectory
+    off, change = t.q[1:] - problem.references[1:], np.diff(t.v, axis=0)
+    running = w.torque * np.sum(t.torques**2) + w.velocity * np.sum(t.v[1:] ** 2) + w.posture * np.sum(off**2)
+    end = np.sum(off[-1] ** 2) + np.sum(t.v[-1] ** 2)
+    return float(dt * running + w.change / dt * np.sum(change**2) + w.end * end)

@@ -36,8 +36,6 @@ class Scene:
         self.bodies = [self.plant.world_body()]
         joints = [self.add(joint, index) for index, joint in enumerate(scene["joints"])]
         self.rows = {self.touch(*sphere): row for row, sphere in enumerate(scene["spheres"])}
-        for joint, place, size, mu in scene.get("boxes", ()):
-            self.register(self.bodies[joint], np.eye(3), place, self.box(size), mu)
         for shape in scene["ground"]:
             self.ground(shape)
         self.plant.Finalize()
@@ -83,36 +81,26 @@ class Scene:
             kind(name, frame, body.body_frame(), joint["axis"], joint["low"], joint["high"], 0.0)
         )
 
-    def touch(self, joint: int, place: list[float], radius: float, mu: float | None = None) -> Any:
+    def touch(self, joint: int, place: list[float], radius: float) -> Any:
         """Return the geometry of a contact sphere on the body of a joint, place and radius in [m]."""
         from pydrake.geometry import Sphere
 
-        return self.register(self.bodies[joint], np.eye(3), place, Sphere(radius), mu)
-
-    def box(self, size: list[float]) -> Any:
-        """Return a box of full lengths [m]."""
-        from pydrake.geometry import Box
-
-        return Box(*size)
+        return self.register(self.bodies[joint], np.eye(3), place, Sphere(radius))
 
     def ground(self, shape: dict[str, Any]) -> None:
-        """Add a half-space, or a box."""
-        from pydrake.geometry import HalfSpace
+        """Add a half-space, or a box of full lengths [m]."""
+        from pydrake.geometry import Box, HalfSpace
 
-        made = self.box(shape["size"]) if "size" in shape else HalfSpace()
+        made = Box(*shape["size"]) if "size" in shape else HalfSpace()
         self.register(self.plant.world_body(), shape["rotation"], shape["place"], made)
 
-    def register(self, body: Any, rotation: Any, place: Any, shape: Any, mu: float | None = None) -> Any:
+    def register(self, body: Any, rotation: Any, place: Any, shape: Any) -> Any:
         """Return the id of a new collision geometry; those of one body never meet each other."""
         from pydrake.math import RigidTransform, RotationMatrix
 
         pose = RigidTransform(RotationMatrix(np.array(rotation)), place)
         geometry = self.plant.RegisterCollisionGeometry(
-            body,
-            pose,
-            shape,
-            f"geometry{len(self.geometries)}",
-            self.properties(self.mu if mu is None else mu),
+            body, pose, shape, f"geometry{len(self.geometries)}", self.properties(self.mu)
         )
         self.geometries.append(geometry)
         return geometry
@@ -145,10 +133,25 @@ class Scene:
         given = np.zeros(len(effort))
         given[self.velocities] = effort
         self.effort.FixValue(self.context, given)
+        self.advance()
+        return {**self.state(), "contacts": self.contacts()}
+
+    def advance(self) -> None:
+        """Go on by a step."""
         self.count += 1
         # half a step short of the next: k updates have then been made, whatever rounding does to times
         self.simulator.AdvanceTo((self.count - 0.5) * self.dt)
-        return {**self.state(), "contacts": self.contacts()}
+
+    def track(self, steps: int, above: float | None) -> dict[str, Any]:
+        """Take steps of a scene of one joint; the last is that in which it rises from above a place [m]."""
+        places, speeds = [], []
+        for _ in range(steps):
+            self.advance()
+            places.append(float(self.plant.GetPositions(self.context)[0]))
+            speeds.append(float(self.plant.GetVelocities(self.context)[0]))
+            if above is not None and places[-1] > above and speeds[-1] > 0.0:
+                break
+        return {"q": places, "v": speeds}
 
     def friction(self, mu: float) -> dict[str, Any]:
         """Change the friction [-] everywhere."""

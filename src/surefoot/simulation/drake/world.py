@@ -107,7 +107,7 @@ class DrakeWorld:
         self.mu = real_number("mu", mu, low=0.0, high=HIGHEST)
         chosen = near_rigid(robot.mass + payload, self.dt) if contact is None else contact
         scene = scene_of(robot, self.terrain, payload, self.payload_position)
-        scene |= {"dt": self.dt, "mu": self.mu, **_contact_words(chosen)}
+        scene |= {"dt": self.dt, "mu": self.mu, **contact_words(chosen)}
         scene["near_rigid"] = None if contact is None else 0.0
         self._worker.ask(["scene", scene])
         self.reset(robot.nominal)
@@ -226,7 +226,7 @@ class DrakeWorld:
         )
 
 
-def _contact_words(contact: Mapping[str, Any]) -> dict[str, Any]:
+def contact_words(contact: Mapping[str, Any]) -> dict[str, Any]:
     """Return a contact's approximation and material as the worker takes them."""
     if not isinstance(contact, Mapping) or not isinstance(contact.get("each_body"), Mapping):
         raise ProblemError(f"contact must be a mapping with one named each_body, got {contact!r:.80}")

@@ -1,52 +1,40 @@
-"""A mass on a vertical slide over a half-space, in Drake, which this file's neighbour drives."""
+"""A mass on a vertical slide over a plane, in Drake: a scene of one joint and one sphere for its worker."""
 
 from __future__ import annotations
-
-import functools
-import json
-import subprocess
-from dataclasses import asdict
-from pathlib import Path
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import ModelError
-from surefoot.simulation import drake_python
+from surefoot.simulation.drake.world import WORKER, contact_words
 from surefoot.simulation.drake_python import EXTRA as EXTRA
 from surefoot.simulation.drake_python import PACKAGE as PACKAGE
+from surefoot.simulation.drake_python import Worker
+from surefoot.simulation.drake_python import present as present
 from surefoot.simulation.drops.task import Drop
 
-WORKER = Path(__file__).with_name("drake_worker.py")
-
-
-@functools.cache
-def present() -> bool:
-    """Return whether Drake can be run."""
-    other = drake_python.named()
-    if not other:
-        return drake_python.present()
-    try:
-        done = subprocess.run(
-            [other, "-c", "import pydrake.multibody.plant"], capture_output=True, timeout=120
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise ModelError(f"{drake_python.VARIABLE}={other!r} cannot be run: {error}") from error
-    if done.returncode:
-        raise ModelError(f"{drake_python.VARIABLE}={other!r} cannot import pydrake")
-    return True
+RADIUS, MU = 1.0, 0.5
+"""Of the sphere [m], which only slides up and down, and its friction, which therefore does nothing."""
 
 
 def run(drop: Drop) -> tuple[FloatArray, FloatArray]:
     """Return gaps [m] and speeds [m/s] at every step: (T,)."""
-    done = subprocess.run(
-        [drake_python.interpreter(), str(WORKER)],
-        input=json.dumps(asdict(drop)),
-        capture_output=True,
-        text=True,
-    )
-    if done.returncode:
-        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
-        raise ModelError(f"Drake's run failed: {last}")
-    answer = json.loads(done.stdout)
-    return np.array(answer["gaps"]), np.array(answer["speeds"])
+    level = np.eye(3).tolist()
+    joint = {
+        "parent": 0, "rotation": level, "place": [0.0] * 3, "mass": drop.mass, "com": [0.0] * 3,
+        "inertia": np.diag([0.4 * drop.mass * RADIUS**2] * 3).tolist(), "kind": "prismatic",
+        "axis": [0.0, 0.0, 1.0], "low": -np.inf, "high": np.inf,
+    }  # fmt: skip
+    words = contact_words(drop.settings)
+    scene = {
+        "dt": drop.dt, "mu": MU, "gravity": [0.0, 0.0, -drop.gravity], **words, "joints": [joint],
+        "near_rigid": 0.0 if words["approximation"] == "sap" else None,
+        "spheres": [[1, [0.0] * 3, RADIUS]], "ground": [{"rotation": level, "place": [0.0] * 3}],
+    }  # fmt: skip
+    worker = Worker(WORKER)
+    try:
+        worker.ask(["scene", scene])
+        worker.ask(["reset", [RADIUS + drop.gap], [drop.speed]])
+        answer = worker.ask(["track", drop.steps, RADIUS if drop.until == "apart" else None])
+    finally:
+        worker.close()
+    return np.array([drop.gap, *(np.array(answer["q"]) - RADIUS)]), np.array([drop.speed, *answer["v"]])

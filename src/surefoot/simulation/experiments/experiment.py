@@ -10,7 +10,7 @@ does not converge cannot agree with everything.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -71,17 +71,11 @@ class Measurement:
         What they are held against.
     curve
         For the picture.
-    table
-        What was seen besides, row by row, and ...
-    note
-        ... what it comes to, in one line.
     """
 
     values: Sequence[float]
     quantities: Sequence[Quantity]
     curve: Curve
-    table: Sequence[Mapping[str, float]] = ()
-    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -102,10 +96,6 @@ class Experiment:
         The closed form's line in the picture.
     axes
         Labels of the picture's abscissa and ordinate.
-    worlds
-        Which worlds can do it; None for all.
-    logarithmic
-        Whether the picture's axes are.
     """
 
     name: str
@@ -114,12 +104,6 @@ class Experiment:
     measure: Callable[[str, float], Measurement]
     theory: Callable[[], Curve]
     axes: tuple[str, str]
-    worlds: tuple[str, ...] | None = None
-    logarithmic: bool = False
-
-    def takes(self, world: str) -> bool:
-        """Return whether a world can do it."""
-        return self.worlds is None or world in self.worlds
 
 
 @dataclass(frozen=True)
@@ -174,15 +158,12 @@ class Outcome:
         World to its measurement at the step asked for.
     failures
         World to what stopped it.
-    left_out
-        Worlds that were asked for and cannot do it.
     """
 
     experiment: Experiment
     rows: list[Row] = field(default_factory=list)
     seen: dict[str, Measurement] = field(default_factory=dict)
     failures: dict[str, str] = field(default_factory=dict)
-    left_out: list[str] = field(default_factory=list)
 
     @property
     def agrees(self) -> bool:
@@ -223,7 +204,7 @@ def carry_out(
     dt: float = 1e-3,
     tell: Callable[[str], object] | None = None,
 ) -> Outcome:
-    """Return an experiment in those of the worlds that can do it; what stops one is kept, not raised.
+    """Return an experiment in some worlds; what stops one is kept, not raised.
 
     `tell` is called before each run with a phrase that says which.
 
@@ -233,8 +214,8 @@ def carry_out(
         For a step that is no step.
     """
     real_number("dt", dt, low=1e-5, high=0.02)
-    outcome = Outcome(experiment, left_out=[world for world in worlds if not experiment.takes(world)])
-    for world in filter(experiment.takes, worlds):
+    outcome = Outcome(experiment)
+    for world in worlds:
         try:
             rows, outcome.seen[world] = compare(experiment, world, dt, tell)
         except SurefootError as error:

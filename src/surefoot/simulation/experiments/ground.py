@@ -67,8 +67,3 @@ def slid_down(time: FloatArray, degrees: float, mu: float) -> FloatArray:
     """Return how far a body slides down a slope [deg] in times (n,) [s], from rest: (n,) [m]."""
     theta = math.radians(degrees)
     return np.asarray(0.5 * GRAVITY * (math.sin(theta) - mu * math.cos(theta)) * time**2)
-
-
-def period(stiffness: float, mass: float) -> float:
-    """Return the period [s] of a mass [kg] on a stiffness [N/m]."""
-    return 2.0 * math.pi * math.sqrt(mass / stiffness)

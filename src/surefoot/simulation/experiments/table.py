@@ -6,10 +6,8 @@ from surefoot.errors import ProblemError, unknown_name
 from surefoot.simulation.experiments.bodies import BODIES
 from surefoot.simulation.experiments.experiment import Experiment
 from surefoot.simulation.experiments.robots import ROBOTS
-from surefoot.simulation.experiments.softness import SOFTNESS
-from surefoot.simulation.experiments.stack import STACK
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*BODIES, STACK, *ROBOTS, *SOFTNESS)}
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*BODIES, *ROBOTS)}
 """Name to experiment, in the order in which they are shown."""
 
 

@@ -4,35 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib.util import find_spec
-from typing import NamedTuple
 
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.estimation.toss_model import TossModel
-from surefoot.simulation import drake_python
-from surefoot.simulation.tosses.drake_cube import DrakeCube
 from surefoot.simulation.tosses.mujoco_cube import MujocoCube
 
-
-class Rival(NamedTuple):
-    """A simulator: how to make it, whether it is there, and how many tosses it is tuned on (None: all).
-
-    Drake takes a second per toss: fewer of them, by the same search.
-    """
-
-    make: Callable[[], TossModel]
-    present: Callable[[], bool]
-    most: int | None = None
-
-
-RIVALS = {
-    "mujoco": Rival(MujocoCube, lambda: find_spec("mujoco") is not None),
-    "drake": Rival(DrakeCube, drake_python.present, most=48),
-}
+RIVALS: dict[str, Callable[[], TossModel]] = {"mujoco": MujocoCube}
+"""Name, which is that of the simulator's package as well, to what makes it."""
 
 
 def present_rivals() -> list[str]:
     """Return the names of the rivals that can be run here."""
-    return [name for name, rival in RIVALS.items() if rival.present()]
+    return [name for name in RIVALS if find_spec(name) is not None]
 
 
 def make_rival(name: str) -> TossModel:
@@ -47,4 +30,4 @@ def make_rival(name: str) -> TossModel:
     """
     if name not in RIVALS:
         raise ProblemError(unknown_name("rival", name, RIVALS))
-    return RIVALS[name].make()
+    return RIVALS[name]()

@@ -1,0 +1,126 @@
+"""The world of a simulated run, made of its options and of what its scenario says of the ground."""
+
+from __future__ import annotations
+
+import inspect
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
+
+from rich.console import Console
+
+from surefoot.cli.console import say
+from surefoot.cli.robots import is_file
+from surefoot.cli.scenario_file import schema
+from surefoot.errors import ProblemError, StiffContactWarning, unknown_name
+from surefoot.simulation.worlds import WORLDS
+
+if TYPE_CHECKING:
+    from surefoot.cli.options import Physics
+    from surefoot.cli.scenario_file import ScenarioFile
+    from surefoot.laws import SoftLaw
+    from surefoot.robot import Robot
+    from surefoot.simulation.mujoco import MujocoWorld
+    from surefoot.simulation.world import World
+    from surefoot.terrain import Terrain
+
+_PLAIN = {"collision": "feet", "actuators": "ideal"}
+"""What every world is unless asked for more."""
+_OWNERS = {
+    "law": ("rigid",), "solref": ("mujoco",), "solimp": ("mujoco",), "substeps": ("mujoco",),
+    "collision": ("mujoco", "rigid"), "actuators": ("mujoco", "rigid"),
+}  # fmt: skip
+"""What is said -> the worlds that take it."""
+_IN_A_FILE = ("solref", "solimp", "substeps")
+"""What the world of an MJCF file takes."""
+
+
+def contact_law(said: Mapping[str, Any], mu: float) -> SoftLaw:
+    """Return the soft law of a scenario, with exact friction.
+
+    >>> contact_law({"name": "spring-damper", "stiffness": 2e4, "damping": 100.0}, 0.6).stiffness
+    20000.0
+    """
+    from surefoot import laws
+
+    makers: dict[str, Any] = {
+        "spring-damper": laws.SpringDamper, "hunt-crossley": laws.HuntCrossley, "hertz": laws.Hertz,
+        "sphere": laws.Hertz.sphere, "mujoco": laws.MujocoLaw,
+    }  # fmt: skip
+    name, values = said["name"], {key: value for key, value in said.items() if key != "name"}
+    maker = makers[name]
+    takes = inspect.signature(maker).parameters
+    for key in values:
+        if key not in takes:
+            known = takes.keys() & schema()["properties"]["law"]["properties"].keys()
+            raise ProblemError(unknown_name(f"parameter of the law {name}", key, known))
+    missing = [key for key, one in takes.items() if one.default is one.empty and key not in values]
+    if missing:
+        raise ProblemError(f"the law {name} needs {', '.join(missing)}")
+    return cast("SoftLaw", replace(maker(**values), friction=laws.ExactFriction(mu)))
+
+
+def world_settings(
+    physics: Physics, said: ScenarioFile, mu: float, robot: str | None = None
+) -> dict[str, Any]:
+    """Return what options and scenario say to the world, or raise for what it does not have.
+
+    `robot` is a file where an MJCF file is the world, too.
+    """
+    if physics.world not in WORLDS:
+        raise ProblemError(unknown_name("world", physics.world, tuple(WORLDS)))
+    given = {name: getattr(physics if name in _PLAIN else said, name) for name in _OWNERS}
+    settings = {name: value for name, value in given.items() if value != _PLAIN.get(name)}
+    for name, value in settings.items():
+        option = f"--{name} {value}" if name in _PLAIN else name
+        if physics.world not in _OWNERS[name]:
+            owners = " or ".join(_OWNERS[name])
+            raise ProblemError(f"{option} is of --world {owners}, got --world {physics.world}")
+        if is_world(robot, physics.world) and name not in _IN_A_FILE:
+            raise ProblemError(f"{robot} is a world of its own: it goes without {option}")
+    if said.law is not None:
+        settings["law"] = contact_law(said.law, mu)
+    if said.integration != "implicit":
+        if said.law is None:
+            raise ProblemError("integration goes with law")
+        settings["integration"] = said.integration
+    return settings
+
+
+def is_world(robot: str | None, world: str) -> bool:
+    """Tell whether a robot's file is the world, too: MJCF, in MuJoCo."""
+    return is_file(robot) and str(robot).lower().endswith(".xml") and world == "mujoco"
+
+
+def build_world(
+    name: str,
+    robot: Robot,
+    file: str | None,
+    terrain: Terrain,
+    mu: float,
+    payload: tuple[float, tuple[float, float, float]],
+    settings: dict[str, Any],
+    console: Console,
+) -> World:
+    """Return the world, `payload` being mass and place; what it says about the chosen step is printed.
+
+    Where `file` is given, it is robot and world.
+    """
+    from surefoot.simulation.worlds import make_world
+
+    mass, place = payload
+    parts = settings.pop("substeps", 1)
+    at = {"payload_position": place} if any(place) else {}
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", StiffContactWarning)
+        if file is None:
+            world = make_world(name, robot, terrain, mu, payload=mass, **at, **settings)
+        else:
+            from surefoot.simulation.mjcf_world import MjcfWorld
+
+            world = MjcfWorld(robot, file, terrain, mu, payload=mass, payload_position=place, **settings)
+    if parts != 1 or file is not None:  # only MuJoCo's is asked
+        cast("MujocoWorld", world).divide(parts)
+    say(console, *(str(warning.message) for warning in said))
+    return world

@@ -1,0 +1,42 @@
+"""Standing still: before the gait begins nobody goes anywhere, and a body that is pushed away takes steps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.control.behaviours.behaviour import NOTHING, Request, View, Walk
+from surefoot.spatial import GRAVITY
+
+UNREST = 0.1
+"""A body that should stand but moves faster than this share of sqrt(g h) takes steps, if its gait may."""
+STANDING = Request(pace=0.0)
+
+
+class StandStill:
+    """Keeps a robot in place that is not asked to go.
+
+    Parameters
+    ----------
+    walk
+        What it is for.
+    """
+
+    name = "stand still"
+
+    def __init__(self, walk: Walk) -> None:
+        self._unrest = UNREST * math.sqrt(GRAVITY * walk.height)
+
+    def reset(self) -> None:
+        """Forget nothing: it knows the present alone."""
+
+    def propose(self, view: View) -> Request:
+        """Ask for no speed before the gait begins, and for steps of a body that moves."""
+        x, y = view.now.com_velocity[0], view.now.com_velocity[1]
+        drift = None
+        if math.hypot(x, y) > self._unrest and not view.velocity.any():
+            drift = np.array([x, y, 0.0])
+        if view.clock < 0.0:
+            return STANDING._replace(step_times=drift)
+        return NOTHING if drift is None else Request(step_times=drift)

@@ -1,0 +1,48 @@
+"""After a stumble feet are lifted higher, and over ground whose bumps are not known, too."""
+
+from __future__ import annotations
+
+from surefoot.control.behaviours.behaviour import NOTHING, Request, View, Walk
+from surefoot.control.ground_belief import GroundBelief
+
+MEMORY = 4.0
+"""How long a stumble is remembered [s]: for half of it feet are lifted as high as right after it."""
+LIFT = 0.2
+"""By how much feet are lifted more after a stumble, in heights of the centre of mass: over a step of 6 cm for
+a robot of Go2's size, which blind walks over rubble met."""
+HIGHEST = 0.25
+"""Most that feet are lifted more, likewise: more takes a trot's swing more joint speed than motors have."""
+
+
+class Stumble:
+    """Lifts feet over what they have struck.
+
+    Parameters
+    ----------
+    walk
+        What it is for.
+    belief
+        The ground, which knows when a foot has struck an edge and how far bumps may stick out.
+    """
+
+    name = "stumble"
+
+    def __init__(self, walk: Walk, belief: GroundBelief) -> None:
+        self._belief, self._height = belief, walk.height
+
+    @classmethod
+    def of(cls, walk: Walk) -> Stumble | None:
+        """Return the behaviour on ground that is only believed."""
+        return cls(walk, walk.terrain) if isinstance(walk.terrain, GroundBelief) else None
+
+    def reset(self) -> None:
+        """Forget nothing: what was struck is the belief's to know."""
+
+    def propose(self, view: View) -> Request:
+        """Ask for a higher swing."""
+        if self._belief.edges_known:  # feet are lifted over these already
+            return NOTHING
+        calm = max(0.0, 1.0 - (view.time - self._belief.struck_at) / MEMORY)
+        stumble = LIFT * self._height * min(2.0 * calm, 1.0)
+        lift = min(max(self._belief.bumps, stumble), HIGHEST * self._height)
+        return Request(clearance=lift) if lift > 0.0 else NOTHING

@@ -1,0 +1,206 @@
+"""What a walking robot believes about the ground that it does not know: a `Terrain` that learns.
+
+Whoever plans footholds, swings or the body's pose on it does not see the difference. All of it lives in the
+estimated frame, in which the robot knows its own place. It answers geometry, and how sure of it one may be.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections import deque
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.controller import RobotState
+from surefoot.terrain import Terrain
+
+LANDINGS = 3
+"""How many landings of each foot the plane under the feet goes through."""
+FORGETTING = 0.7
+"""Weight of a foot's landing against its next one."""
+DAMPING = 1e-4
+"""Pull of the plane's slopes to zero where footholds do not say them [m²]."""
+SMOOTH = 0.004
+"""Distances of footholds from their plane that count as flat ground [m]."""
+BUMPS = 1.5
+"""Height by which ground may stick out, over the footholds' deviation from their plane."""
+BIAS_GAIN, LARGEST_BIAS = 0.3, 0.3
+"""Share of the error of an expected height by which the next are corrected, and the most, in body heights."""
+STRIKE_REACH = 0.25
+"""A foot over known ground strikes what is so near before it, in heights of the centre of mass."""
+
+
+class GroundBelief(Terrain):
+    """A terrain that learns from what the robot senses.
+
+    Attributes
+    ----------
+    radius
+        Of the feet [m].
+    struck_at
+        When a foot has last struck an edge [s].
+    seen
+        Whether a sensor sees the ground before feet touch it.
+    """
+
+    learns = True
+    seen = False
+    radius: float = 0.0
+    struck_at: float = -math.inf
+
+    def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
+        """Start from where the robot stands.
+
+        Parameters
+        ----------
+        state
+            First state.
+        ground
+            (n, 3) contact points of the feet [m].
+        height
+            Of the centre of mass above them [m].
+        """
+        self._height = height
+        self._only_now(ground)
+        self._stood = np.ones(len(ground), dtype=bool)
+        self._sought: dict[int, FloatArray] = {}
+        self.struck_at = -math.inf
+        self._spread = 0.0
+        self._fit()
+
+    def observe(
+        self, state: RobotState, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
+    ) -> None:
+        """Learn from a step.
+
+        Parameters
+        ----------
+        state
+            What is sensed.
+        ground
+            (n, 3) where feet stand or last stood [m].
+        carrying, sought
+            (n,) which feet carry, and which look for the ground below them.
+        soles
+            (n, 3) lowest points of the feet [m].
+        """
+        landed = carrying & ~self._stood
+        self._stood = carrying.copy()
+        for k in np.flatnonzero(landed).tolist():
+            self._landings[k].append(ground[k].copy())
+            self._touched(ground[k])
+        # where a foot looks for the ground, it is no higher than the foot
+        self._sought = {k: soles[k] for k in np.flatnonzero(sought).tolist()}
+        if landed.any() or sought.any():
+            self._fit()
+
+    def _only_now(self, ground: FloatArray) -> None:
+        """Remember no landings but where the feet stand now, (n, 3) [m]."""
+        self._landings: list[deque[FloatArray]] = [deque([g.copy()], maxlen=LANDINGS) for g in ground]
+
+    @property
+    def slope(self) -> FloatArray:
+        """Slope along x and y of the plane through the last footholds (2,) [-]."""
+        return self._slope
+
+    @property
+    def bumps(self) -> float:
+        """How far the ground may stick out between places where it is known [m]."""
+        return BUMPS * max(self._spread - SMOOTH, 0.0)
+
+    @property
+    def edges_known(self) -> bool:
+        """Whether what feet have struck is known as the edge of a step."""
+        return False
+
+    def stumbled(self, time: float) -> None:
+        """Learn that a foot struck an edge at a time [s]."""
+        self.struck_at = time
+
+    def above(self, soles: FloatArray, asked: BoolArray) -> FloatArray:
+        """Return how far (n, 3) soles are above the ground, of those `asked`, over what may be noise: (n,).
+
+        Zero where nothing is known.
+        """
+        return np.zeros(len(soles))
+
+    def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
+        """Return whether there may be an edge before a foot: (3,) sole [m] and velocity [m/s]."""
+        return True
+
+    def _path_ahead(self, sole: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Return places (5, 2) before a foot whose sole (3,) moves at a velocity (>= 2,) [m], [m/s]."""
+        ways = np.linspace(0.0, STRIKE_REACH * self._height, 5)[:, None]
+        return sole[:2] + ways * velocity[:2] / max(math.hypot(velocity[0], velocity[1]), 1e-6)
+
+    def _fit(self) -> None:
+        """Fit the plane under the feet."""
+        places, weights = [], []
+        for k, landings in enumerate(self._landings):
+            known = [*landings, self._sought[k]] if k in self._sought else landings
+            for age, place in enumerate(reversed(known)):
+                places.append(place)
+                weights.append(FORGETTING**age)
+        points, shares = np.array(places), np.array(weights)
+        about = points[:, :2].mean(axis=0)
+        rows = np.column_stack([np.ones(len(points)), points[:, :2] - about])
+        normal = (rows * shares[:, None]).T @ rows
+        normal[1:, 1:] += DAMPING * np.eye(2)
+        plane = np.linalg.solve(normal, rows.T @ (shares * points[:, 2]))
+        off = points[:, 2] - rows @ plane
+        self._spread = math.sqrt(float(shares @ off**2) / max(float(shares.sum()) - 3.0, 1.0))
+        self._about, self._level, self._slope = about, float(plane[0]), plane[1:]
+        self._fitted()
+
+    def _touched(self, point: FloatArray) -> None:
+        """Learn that a foot has landed at a (3,) point [m]."""
+
+    @abstractmethod
+    def _fitted(self) -> None:
+        """Use a new plane: `_level` [m] at `_about`, `_slope`."""
+
+
+class TouchedGround(GroundBelief):
+    """The plane through the last footholds, by touch alone.
+
+    Examples
+    --------
+    >>> ground = TouchedGround()
+    >>> feet = np.array([[0.2, 0.1, 0.02], [0.2, -0.1, 0.02], [-0.2, 0.1, -0.02], [-0.2, -0.1, -0.02]])
+    >>> ground.begin(RobotState(np.zeros(7), np.zeros(6)), feet, 0.3)
+    >>> ground.height([0.4, 0.0]).round(3), ground.gradient([0.4, 0.0]).round(3) + 0.0
+    (np.float64(0.04), array([0.1, 0. ]))
+    """
+
+    def __init__(self) -> None:
+        self._about, self._level, self._slope = np.zeros(2), 0.0, np.zeros(2)
+        self._bias = 0.0
+
+    def __repr__(self) -> str:
+        return "TouchedGround()"
+
+    def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
+        """See `GroundBelief.begin`."""
+        self._bias = 0.0
+        super().begin(state, ground, height)
+
+    def height(self, xy: ArrayLike) -> FloatArray:
+        """Return the expected height under (..., 2) places [m]: (...)."""
+        above = (np.asarray(xy, dtype=np.float64) - self._about) @ self._slope
+        return np.asarray(self._level + self._bias + above)
+
+    def gradient(self, xy: ArrayLike) -> FloatArray:
+        """Return the plane's slope [-] at (..., 2) places [m]: (..., 2)."""
+        return np.broadcast_to(self._slope, np.shape(xy)).copy()
+
+    def _touched(self, point: FloatArray) -> None:
+        """Learn how far the ground lies above what was expected: the plane comes late onto stairs."""
+        error = float(point[2] - self.height(point[:2]))
+        most = LARGEST_BIAS * self._height
+        self._bias = min(max(self._bias + BIAS_GAIN * error, -most), most)
+
+    def _fitted(self) -> None:
+        """See `GroundBelief`; the plane is read as it is."""

@@ -1,0 +1,149 @@
+"""Walking on ground that is only believed: which touches are landings, and what the belief learns of them.
+
+Feet that strike an edge swing anew, late ones are sent down faster, and the gait waits for a foot
+that has not found the ground while all others stand: a trot that lifted two more would have one foot left.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.behaviours.behaviour import Request, Search
+from surefoot.control.controller import RobotState
+from surefoot.control.ground_belief import GroundBelief
+from surefoot.control.landing import LandingWatch
+from surefoot.control.stumble import sort_touches
+from surefoot.control.walking_feet import SEARCH_SPEED, Feet
+from surefoot.control.whole_body_tasks import Kinematics
+from surefoot.spatial import GRAVITY, base_velocity, heading_of
+from surefoot.terrain import Terrain
+
+LONGEST_WAIT, WAIT_CAREFUL = 1.5, 3.0
+"""Longest time that the gait waits for a foot, over sqrt(h / g), and where it goes carefully."""
+SLOWING = 1.3
+"""Deceleration of late feet that should go on more slowly, as a share of g."""
+AT_ONCE = 3.0
+"""A foot that lifts after no more than so many steps lifts now."""
+LEAD_TIME = 0.03
+"""Time in which late feet gain the body's speed [s]."""
+USUAL = Search(SEARCH_SPEED)
+"""How late feet look for ground that nothing is known of."""
+
+
+class TouchSense:
+    """Feeds a belief about the ground, and reacts to what contradicts it.
+
+    Parameters
+    ----------
+    belief
+        The ground that the controller plans on.
+    weight, height
+        m g [N], and of the centre of mass [m].
+    dt
+        Time between steps [s].
+    """
+
+    def __init__(self, belief: GroundBelief, weight: float, height: float, dt: float) -> None:
+        self.belief, self.dt = belief, dt
+        self._weight, self._height = weight, height
+        self._fall, self._root = math.sqrt(height / GRAVITY), math.sqrt(GRAVITY * height)
+        self._waited = self._lead = 0.0
+
+    def begin(self, state: RobotState, centres: FloatArray, radii: FloatArray) -> None:
+        """Start a walk with feet of `radii` (n,) at (n, 3) `centres` [m]."""
+        self._waited = 0.0
+        self._landings = LandingWatch(len(radii), self.dt)
+        self.belief.radius = float(radii.mean())
+        self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self._height)
+
+    def sort(
+        self, state: RobotState, feet: Feet, sensed: BoolArray, clock: float, now: Kinematics, last: Request
+    ) -> BoolArray:
+        """Return which feet stand on the ground, (n,); those that have struck an edge begin their swing anew.
+
+        Parameters
+        ----------
+        state, feet
+            At this step.
+        sensed
+            (n,) which feet touch anything.
+        clock
+            On the schedule [s].
+        now
+            Where the robot is.
+        last
+            What was asked for in the last step.
+        """
+        self._seek(state, feet, clock, last.search or USUAL)
+        if not last.hold:
+            feet.schedule.release(last.leading or 0)
+        elif clock >= 0.0:
+            feet.schedule.hold(clock)
+        if state.forces is None:
+            return sensed
+        soles = now.centres - feet.radii[:, None] * feet.frames[:, :, 2]
+        ground = sensed
+        if not feet.carrying.all():
+            speeds = feet.motions(clock)[:, 1]
+            moving = now.twists[:, :3]
+            ground, struck = sort_touches(feet, sensed, state.forces, speeds, moving, self._weight)
+            for k in np.flatnonzero(struck).tolist():
+                if self.belief.may_strike(soles[k], speeds[k]):
+                    self.belief.stumbled(state.time)
+                    feet.interrupt(k, clock, now.centres[k])
+        above = self.belief.above(soles, ground & ~feet.carrying)
+        ground = self._landings.believe(ground, feet.carrying, above)
+        for k in np.flatnonzero(self._landings.taken_back(feet.carrying)).tolist():
+            feet.take_back(k, now.centres[k])
+        return ground
+
+    def _seek(self, state: RobotState, feet: Feet, clock: float, search: Search) -> None:
+        """Send late feet down as is asked for."""
+        fastest = search.speed * self._root
+        if feet.fastest is None or not search.careful:
+            feet.fastest, self._lead = fastest, 0.0
+        else:
+            slower = max(fastest, feet.fastest - SLOWING * GRAVITY * self.dt)
+            change = self.dt / LEAD_TIME
+            self._lead += min(max(search.lead - self._lead, -change), change)
+            flow = base_velocity(state.q, state.v)
+            feet.slow_search(clock, slower, self._lead * self.dt * flow[:2])
+        feet.heading, feet.careful = heading_of(state.q[3:7]), search.careful
+
+    def learn(self, state: RobotState, feet: Feet, now: Kinematics, clock: float) -> None:
+        """Let the belief learn where the feet are, and hold the gait while one looks for the ground.
+
+        Parameters
+        ----------
+        state, feet, clock, now
+            As for `sort`.
+        """
+        soles = now.centres - feet.radii[:, None] * feet.frames[:, :, 2]
+        sought = feet.late & ~feet.carrying
+        self.belief.observe(state, feet.ground, feet.carrying, sought, soles)
+        if feet.careful:  # the body comes down with its feet
+            feet.ground[sought] = soles[sought]
+        overdue = feet.overdue()
+        if not overdue.any():
+            self._waited = 0.0
+        elif self._waited < self._fall * (WAIT_CAREFUL if feet.careful else LONGEST_WAIT) and (
+            (feet.carrying | overdue).all() or self._lifts_next(feet, clock)
+        ):
+            self._waited += self.dt
+            feet.wait += self.dt
+
+    def _lifts_next(self, feet: Feet, clock: float) -> bool:
+        """Return whether another foot would lift now, where care is taken not to stand on too few."""
+        if not feet.careful:
+            return False
+        phases = feet.schedule.phases(clock)
+        lifting = (phases[:, 0] > 0.0) & (phases[:, 2] <= clock + AT_ONCE * self.dt)
+        return bool((feet.carrying & lifting).any())
+
+
+def touch_sense(terrain: Terrain, weight: float, height: float, dt: float) -> TouchSense | None:
+    """Return what feeds a terrain that learns, None for one that is known; parameters of `TouchSense`."""
+    return TouchSense(terrain, weight, height, dt) if isinstance(terrain, GroundBelief) else None

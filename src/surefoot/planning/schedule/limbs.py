@@ -1,0 +1,126 @@
+"""The legs under a centroidal motion: a start for the whole body's search."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.planning.schedule.problem import ScheduleProblem
+from surefoot.planning.transcription.guess import Guess
+from surefoot.spatial import rotation_from_quaternion
+
+if TYPE_CHECKING:
+    from surefoot.planning.schedule.centroidal import CentroidalMotion
+
+STEPS, DAMPING, LONGEST = 20, 1e-3, 0.3
+"""Of the inverse kinematics: steps a knot, damping [m²], largest change of a joint per step [rad]."""
+
+
+def whole_body_guess(problem: ScheduleProblem, motion: CentroidalMotion) -> Guess:
+    """Return a motion of the whole body to start `optimise` from.
+
+    The base is where the centre of mass says, the feet that stand are taken to their footholds by inverse
+    kinematics, and the joints of feet in the air go from one stance to the next. Torques are those of inverse
+    dynamics under the forces.
+
+    Parameters
+    ----------
+    problem
+        Of the whole body.
+    motion
+        Of `optimise_centroidal`.
+    """
+    import pinocchio
+
+    robot, model, N = problem.robot, problem.robot.model, problem.knots
+    data, joints = model.createData(), robot.joints
+    pinocchio.centerOfMass(model, data, problem.q)
+    lever = rotation_from_quaternion(problem.q[3:7]).T @ (np.array(data.com[0]) - problem.q[:3])
+    q = problem.reference.copy()
+    q[0] = problem.q
+    known = np.zeros((N + 1, joints), dtype=bool)
+    known[0] = known[-1] = True
+    for k in range(1, N + 1):
+        knot = min(k, N - 1)  # the foot stands to the end of a knot
+        q[k, 3:7] = motion.quaternion[k] / np.linalg.norm(motion.quaternion[k])
+        q[k, :3] = motion.com[k] - rotation_from_quaternion(q[k, 3:7]) @ lever
+        q[k, 7:] = q[k - 1, 7:]
+        stands = np.flatnonzero(motion.stance[knot])
+        _reach(problem, data, q[k], motion.footholds[knot], stands)
+        for foot in stands:
+            known[k] |= robot.contact_points.foot_support[foot][robot.base_dof :]
+    for j in range(joints):
+        at = np.flatnonzero(known[:, j])
+        q[:, 7 + j] = np.interp(np.arange(N + 1), at, q[at, 7 + j])
+    v = np.zeros((N + 1, model.nv))
+    v[0] = problem.v
+    for k in range(N):
+        v[k + 1] = pinocchio.difference(model, q[k], q[k + 1]) / problem.dt
+    return _with_forces(problem, motion, data, q, v)
+
+
+def _with_forces(
+    problem: ScheduleProblem, motion: CentroidalMotion, data: Any, q: FloatArray, v: FloatArray
+) -> Guess:
+    """Return states (N + 1, nq), (N + 1, nv) with a motion's forces, and the torques that go with them."""
+    import pinocchio
+
+    robot, model, N = problem.robot, problem.robot.model, problem.knots
+    points = robot.contact_points
+    share = 1.0 / np.bincount(points.foot)[points.foot]
+    frame = np.asarray(problem.terrain.frame([0.0, 0.0]))
+    torques, impulses = np.empty((N, robot.joints)), np.empty((N, len(points), 3))
+    for k in range(N):
+        world = motion.forces[k, points.foot] * share[:, None]
+        torque = np.array(pinocchio.rnea(model, data, q[k], v[k], (v[k + 1] - v[k]) / problem.dt))
+        pinocchio.computeJointJacobians(model, data, q[k])
+        for i, foot in enumerate(points.foot):
+            torque -= _jacobian(problem, data, foot).T @ world[i]
+        torques[k] = torque[robot.base_dof :]
+        impulses[k] = world @ frame * problem.dt
+    return Guess(q, v, np.clip(torques, -problem.torque_limits, problem.torque_limits), impulses)
+
+
+def _reach(problem: ScheduleProblem, data: Any, q: FloatArray, footholds: FloatArray, stands: Any) -> None:
+    """Move the joints of (nq,) q so that feet reach (n, 3) footholds, as near as they can get [m]."""
+    import pinocchio
+
+    robot, model = problem.robot, problem.robot.model
+    low, high = np.array(model.lowerPositionLimit)[7:], np.array(model.upperPositionLimit)[7:]
+    for _ in range(STEPS):
+        places = soles(problem, data, q)
+        if len(stands) == 0 or np.abs(footholds[stands] - places[stands]).max() < 1e-6:
+            return
+        pinocchio.computeJointJacobians(model, data, q)
+        for foot in stands:
+            J = _jacobian(problem, data, foot)[:, robot.base_dof :]
+            off = footholds[foot] - places[foot]
+            move = J.T @ np.linalg.solve(J @ J.T + DAMPING * np.eye(3) * np.linalg.norm(off), off)
+            q[7:] += move * min(1.0, LONGEST / max(float(np.abs(move).max()), 1e-12))
+        q[7:] = np.clip(q[7:], low, high)
+
+
+def _jacobian(problem: ScheduleProblem, data: Any, foot: int) -> FloatArray:
+    """Return the Jacobian (3, nv) of a foot's frame, world axes."""
+    import pinocchio
+
+    robot, axes = problem.robot, pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    frame = robot.contact_points.frames[foot]
+    return np.asarray(pinocchio.getFrameJacobian(robot.model, data, frame, axes)[:3])
+
+
+def soles(problem: ScheduleProblem, data: Any, q: FloatArray) -> FloatArray:
+    """Return where the feet touch the ground below them: (n, 3) [m]."""
+    import pinocchio
+
+    points = problem.robot.contact_points
+    pinocchio.framesForwardKinematics(problem.robot.model, data, q)
+    normal = np.asarray(problem.terrain.frame([0.0, 0.0]))[:, 2]
+    return np.array(
+        [
+            data.oMf[frame].act(middle) - radius * normal
+            for frame, middle, radius in zip(points.frames, points.middles, points.foot_radii, strict=True)
+        ]
+    )

@@ -1,0 +1,125 @@
+"""Where a search starts: a motion between two postures, a plan there is already, or noise about either."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.errors import ProblemError
+from surefoot.planning.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from surefoot.planning.direct.problem import DirectProblem
+
+
+@dataclass(frozen=True, eq=False)
+class Guess:
+    """A motion that need not be one: what an optimiser starts from, and what it ends in.
+
+    Attributes
+    ----------
+    q, v
+        (N + 1, nq), (N + 1, nv).
+    torques
+        (N, joints) [N m].
+    impulses
+        (N, p, 3), contact axes [N s]; those of touches beside feet on the ground come last.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    torques: FloatArray
+    impulses: FloatArray
+
+    @classmethod
+    def between(cls, problem: DirectProblem, q: FloatArray | None = None) -> Guess:
+        """Return the straight way from a problem's start to (nq,) q, None for the reference of the last knot.
+
+        The robot's weight rests on all contact points alike.
+        """
+        import pinocchio
+
+        model, n = problem.robot.model, problem.knots
+        goal = problem.references[-1] if q is None else finite_array("q", q, (model.nq,))
+        way = pinocchio.difference(model, problem.q, goal)
+        states = np.array(
+            [pinocchio.integrate(model, problem.q, s * way) for s in np.linspace(0.0, 1.0, n + 1)]
+        )
+        v = np.broadcast_to(way / (n * problem.dt), (n + 1, model.nv)).copy()
+        v[0] = problem.v
+        points = len(problem.robot.contact_points)
+        impulses = np.zeros((n, len(problem.frictions), 3))
+        weight = problem.robot.mass * float(np.linalg.norm(model.gravity.linear))
+        impulses[:, :points, 2] = weight * problem.dt / points
+        return cls(states, v, np.zeros((n, problem.robot.joints)), impulses)
+
+    @classmethod
+    def of(cls, motion: Trajectory | Guess, problem: DirectProblem | None = None) -> Guess:
+        """Return a motion as a guess, on the knots of a problem: held, stretched or thinned to their number.
+
+        Velocities and impulses are scaled to the problem's time step where the motion has its own.
+        """
+        guess = cls(motion.q, motion.v, motion.torques, motion.impulses)
+        if problem is None:
+            return guess
+        own = len(guess.torques) * motion.dt if isinstance(motion, Trajectory) else problem.knots * problem.dt
+        rate = own / (problem.knots * problem.dt)
+        return guess.stretched(problem.knots, rate)
+
+    def stretched(self, knots: int, rate: float = 1.0) -> Guess:
+        """Return the guess on another number of knots, `rate` times as fast."""
+        have = len(self.torques)
+        at = np.linspace(0.0, have, knots + 1)
+        first = np.minimum(at.astype(np.int64), have - 1)
+        share = (at - first)[:, None]
+        q = (1.0 - share) * self.q[first] + share * self.q[first + 1]
+        v = (1.0 - share) * self.v[first] + share * self.v[first + 1]
+        nearest = np.minimum(((at[:-1] + at[1:]) / 2.0).astype(np.int64), have - 1)
+        scale = have / knots / rate
+        return Guess(q, rate * v, self.torques[nearest].copy(), scale * self.impulses[nearest])
+
+    def noisy(self, problem: DirectProblem, rng: np.random.Generator, size: float = 0.1) -> Guess:
+        """Return the guess with noise on its motion after the start, and none on what it stands on.
+
+        Parameters
+        ----------
+        problem
+            Whose robot moves.
+        rng
+            Where the noise comes from.
+        size
+            Standard deviation of q's tangent [m, rad]; of v ten times as much [m/s, rad/s].
+        """
+        import pinocchio
+
+        model = problem.robot.model
+        moved = [pinocchio.integrate(model, q, size * rng.normal(size=model.nv)) for q in self.q[1:]]
+        v = self.v.copy()
+        v[1:] += 10.0 * size * rng.normal(size=v[1:].shape)
+        scale = rng.uniform(0.0, 2.0, size=self.impulses.shape[:2])
+        return Guess(np.vstack([self.q[:1], moved]), v, self.torques.copy(), scale[..., None] * self.impulses)
+
+    def checked(self, problem: DirectProblem) -> Guess:
+        """Return the guess if it fits a problem.
+
+        Raises
+        ------
+        ProblemError
+            For arrays of another size.
+        """
+        model, n = problem.robot.model, problem.knots
+        wanted = {
+            "q": (n + 1, model.nq),
+            "v": (n + 1, model.nv),
+            "torques": (n, problem.robot.joints),
+            "impulses": (n, len(problem.frictions), 3),
+        }
+        for name, shape in wanted.items():
+            if getattr(self, name).shape != shape:
+                raise ProblemError(
+                    f"{name} of the guess must have shape {shape}, got {getattr(self, name).shape}"
+                )
+        return self

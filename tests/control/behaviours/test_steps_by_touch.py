@@ -1,0 +1,148 @@
+"""A drop that a blind robot's foot finds: what it makes of it, and Go2 at a step down, and back from it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from surefoot.control.behaviours.behaviour import NOTHING
+from surefoot.control.behaviours.steps_by_touch import StepsByTouch, Stop
+from surefoot.control.controller import RobotState
+from surefoot.control.ground_belief import TouchedGround
+from surefoot.control.ledge import DROP, REACH, Ledge
+from surefoot.control.touched_steps import TouchedSteps
+from surefoot.control.walking import WalkingController
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.robot import load_robot
+from surefoot.simulation.mujoco import MujocoWorld
+from surefoot.simulation.run import run
+from surefoot.simulation.scenario import Scenario
+from surefoot.simulation.walk_terrain import start_pose
+from surefoot.spatial import rotation_from_quaternion
+from surefoot.terrain import PitTerrain
+from tests.control.behaviours.views import view_of, walk_of
+
+HEIGHT, RADIUS = 0.3, 0.022
+HIPS = np.array([[0.19, 0.14], [0.19, -0.14], [-0.19, 0.14], [-0.19, -0.14]])
+ALL, NONE = np.ones(4, dtype=bool), np.zeros(4, dtype=bool)
+ONE_UP = np.array([False, True, True, True])
+
+
+def state(time: float, x: float = 0.0, speed: float = 0.4) -> RobotState:
+    """Return a level robot with its base 0.3 m above the ground that goes forward [m/s]."""
+    q, v = np.zeros(19), np.zeros(18)
+    q[0], q[2], q[6], v[0] = x, 0.3, 1.0, speed
+    return RobotState(q, v, time)
+
+
+def reach_down(ground: TouchedGround, depths: list[float], place: float = 0.3) -> np.ndarray:
+    """Let the left front foot look for the ground at a place, ever lower [m]; return the stands."""
+    stands = np.column_stack([HIPS, np.zeros(4)])
+    ground.radius = RADIUS
+    ground.begin(state(0.0), stands, HEIGHT)
+    ground.observe(state(0.001), stands, ONE_UP, NONE, stands)
+    for k, depth in enumerate(depths):
+        soles = stands.copy()
+        soles[0] = place, 0.14, -depth
+        ground.observe(state(0.1 + 0.01 * k), stands, ONE_UP, ~ONE_UP, soles)
+    return stands
+
+
+def stand(ground: TouchedGround, stands: np.ndarray, at: tuple[float, float]) -> None:
+    """Let the left front foot stand at (x, z)."""
+    stands[0] = at[0], 0.14, at[1]
+    ground.observe(state(0.4), stands, ALL, NONE, stands)
+
+
+def test_a_foot_that_finds_no_ground_stops_the_body_and_the_walk_says_why() -> None:
+    ground = TouchedSteps()
+    one = StepsByTouch.of(walk_of(ground))
+    assert one is not None
+    command = (0.4, 0.1, 0.0)
+    reach_down(ground, [0.0, 0.03, 0.06])
+    assert ground.drop is None  # a hole as on rough ground
+    assert one.propose(view_of(command)) is NOTHING
+    stands = reach_down(ground, [0.0, 0.03, 0.06, 0.08, 0.11])
+    assert ground.drop is not None
+    asked = one.propose(view_of(command, ground=stands, carrying=ONE_UP))
+    assert asked.velocity is not None
+    assert asked.velocity.tolist() == [0.0, 0.0, 0.0]
+    assert asked.search is not None
+    assert asked.search.careful
+    assert asked.note == ""
+    stand(ground, stands, (0.3, -0.12))
+    assert ground.drop.depth == pytest.approx(0.12)
+    note = one.propose(view_of(command, ground=stands, time=0.4)).note
+    assert note.startswith("stopped from 0.40 s on: a foot found the ground 120 mm lower")
+    stand(ground, stands, (0.31, -0.12))
+    assert one.propose(view_of(command, ground=stands, time=0.5)).note == note
+    one.reset()
+    ground.begin(state(0.0), stands, HEIGHT)
+    assert one.propose(view_of(command)) is NOTHING
+
+
+def test_a_small_step_is_none_and_the_walk_goes_on_as_on_a_plane() -> None:
+    low = 0.9 * DROP * HEIGHT
+    ground, plane = TouchedSteps(), TouchedGround()
+    stands = reach_down(ground, [0.0, 0.05, low - 0.005])
+    assert ground.drop is not None
+    stand(ground, stands, (0.3, -low))
+    assert (ground.drop, ground.unsure) == (None, False)
+    stand(plane, reach_down(plane, [0.0, 0.05, low - 0.005]), (0.3, -low))
+    assert ground.height(HIPS) == pytest.approx(plane.height(HIPS))
+
+
+@pytest.mark.parametrize("turn", [0.0, 1.0, 2.5])
+def test_commands_that_lead_back_are_left(turn: float) -> None:
+    along = np.array([np.cos(turn), np.sin(turn)])
+    across = np.array([-along[1], along[0]])
+    drop = Stop(Ledge(along, 0.5, 0.6, 0.0, 0.12, HEIGHT, RADIUS), HEIGHT)
+    assert drop.slowed(0.4 * along + 0.1 * across).tolist() == [0.0, 0.0]
+    assert drop.slowed(-0.4 * along) == pytest.approx(-0.4 * along)
+    assert drop.slowed(0.3 * along + 0.3 * across) == pytest.approx(0.3 * across)
+
+
+def test_feet_keep_to_where_feet_have_stood() -> None:
+    drop = Ledge(np.array([1.0, 0.0]), 0.5, 0.6, 0.0, 0.12, HEIGHT, RADIUS)
+    drop.stand(0.6, -0.12)
+    places = np.linspace(0.3, 1.2, 91)
+    found = np.array([drop.nearest(float(s), 0.3, False) for s in places])
+    before, beyond = found <= 0.5, found >= drop.edge + REACH
+    assert (before | beyond).all()
+    assert before[places < 0.5].all()
+    assert beyond[places > 0.65].all()
+    assert drop.height(found[before]).tolist() == [0.0] * before.sum()
+    assert drop.height(found[beyond]).tolist() == [-0.12] * beyond.sum()
+    assert found.max() < 0.6 + HEIGHT
+    assert not drop.left(np.array([[0.52, 0.0], [0.3, 0.0]]))
+    assert drop.left(np.array([[0.4, 0.0], [0.1, 0.0]]))
+
+
+def walk_to(
+    edge: float, command: VelocityCommand, duration: float
+) -> tuple[TouchedSteps, WalkingController, dict]:
+    """Return belief, controller and log of a blind Go2 that walks to a drop of 12 cm."""
+    go2, ground = load_robot("go2"), TouchedSteps()
+    pit = PitTerrain(edge, 3.0, 0.12)
+    walker = WalkingController(go2, command, "trot", ground)
+    log = run(MujocoWorld(go2, pit, 0.6), walker, Scenario(duration, 0.6, start=start_pose(go2, pit)), [])
+    return ground, walker, log
+
+
+def test_a_blind_go2_stops_at_a_drop_and_goes_back_when_told_to() -> None:
+    steps = VelocityCommand(np.array([0.0, 3.5]), np.array([[0.4, 0.0, 0.0], [-0.3, 0.0, 0.0]]))
+    ground, walker, log = walk_to(0.45, steps, 12.0)
+    assert log.fact("outcome") == "done"
+    assert rotation_from_quaternion(log["q"][:, 3:7])[:, 2, 2].min() > np.cos(np.radians(26.0))
+    at_rest = log["q"][3300:3500, 0]
+    assert np.ptp(at_rest) < 0.05  # it stands astride, and goes on no more
+    assert 0.2 < at_rest.mean() < 0.65
+    assert log["q"][3400, 2] < 0.31
+    (note,) = log.fact("notes")
+    assert "not taken by touch alone" in note
+    assert log["q"][-1, 0] < 0.2  # up again and back on level ground, where the drop is forgotten
+    assert log["q"][-1, 2] > 0.32
+    assert ground.drop is None
+    ground.begin(state(0.0), np.column_stack([HIPS, np.zeros(4)]), HEIGHT)
+    assert walker.notes == []  # of the next walk; this one's log keeps its line
+    assert log.fact("notes") == [note]

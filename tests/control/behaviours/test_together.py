@@ -1,0 +1,56 @@
+"""Behaviours together: each gait on ground that is known, seen or touched walks upright for a second."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from surefoot.control.behaviours import BEHAVIOURS
+from surefoot.control.behaviours.arbiter import LOGGED, RULES
+from surefoot.control.terrain_knowledge import KNOWLEDGE, believed_ground
+from surefoot.control.walking import WalkingController, WalkSettings
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.robot import load_robot
+from surefoot.simulation.height_scan import RangeSensor
+from surefoot.simulation.mujoco import MujocoWorld
+from surefoot.simulation.run import run
+from surefoot.simulation.scenario import Scenario
+from surefoot.simulation.walk_terrain import start_pose
+from surefoot.spatial import rotation_from_quaternion
+from surefoot.terrain import Terrain, read_terrain
+
+NAMES = {
+    "exact": ["stand still", "cruise"],
+    "map": ["stand still", "seen stairs", "stumble", "cruise"],
+    "blind": ["stand still", "steps by touch", "seen stairs", "stumble", "cruise"],
+}
+"""Behaviours of a fixed gait by what it knows of the ground; friction that is watched adds "slip"."""
+
+
+@pytest.mark.parametrize("watch", [False, True], ids=["", "slip"])
+@pytest.mark.parametrize("ground", ["flat", "slope:8"])
+@pytest.mark.parametrize("knowledge", KNOWLEDGE)
+@pytest.mark.parametrize("gait", ["trot", "walk", "auto"])
+def test_behaviours_walk_together(gait: str, knowledge: str, ground: str, watch: bool) -> None:
+    terrain: Terrain = read_terrain(ground, "terrain")
+    belief = believed_ground(knowledge, terrain)
+    go2, settings = load_robot("go2"), WalkSettings(watch_friction=watch, behaviours=BEHAVIOURS)
+    walker = WalkingController(go2, VelocityCommand.constant(0.3), gait, belief, settings)
+    scanner = RangeSensor() if knowledge == "map" else None
+    scenario = Scenario(1.0, 0.6, start=start_pose(go2, terrain), scanner=scanner)
+    log = run(MujocoWorld(go2, terrain, 0.6), walker, scenario, [])
+    assert log.fact("outcome") == "done"
+    up = rotation_from_quaternion(log["q"][:, 3:7])[:, 2, 2]
+    assert up.min() > np.cos(np.radians(20.0))
+    assert log["q"][-1, 0] > log["q"][0, 0] + 0.08
+    names = log.facts["behaviours"]
+    assert [name for name in names if name != "slip"] == [
+        name for name in NAMES[knowledge] if name != "seen stairs" or name in names
+    ]
+    assert ("slip" in names) == watch
+    asked_by = log["asked_by"]
+    assert asked_by.shape == (1000, len(RULES))
+    start = asked_by[:250, LOGGED.index("pace")]
+    assert (start == names.index("stand still")).all()  # nobody goes before the gait begins
+    if watch:
+        assert (asked_by[:, LOGGED.index("mu")] == names.index("slip")).all()
