@@ -9,6 +9,7 @@ import pytest
 from set_judge import check_laws
 
 import surefoot as sf
+from surefoot.contact.sets import ContactKind
 from surefoot.contact.sets.contact_set import ContactSet
 
 C = sf.contact_sets
