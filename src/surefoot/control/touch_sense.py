@@ -17,7 +17,7 @@ from surefoot.control.landing import LandingWatch
 from surefoot.control.stumble import sort_touches
 from surefoot.control.walking_feet import SEARCH_SPEED, Feet
 from surefoot.control.whole_body_tasks import Kinematics
-from surefoot.estimation.ground_belief import GroundBelief
+from surefoot.estimation.ground_belief import GroundBelief, believed
 from surefoot.spatial import GRAVITY, base_velocity, heading_of
 from surefoot.terrain import Terrain
 
@@ -146,4 +146,5 @@ class TouchSense:
 
 def touch_sense(terrain: Terrain, weight: float, height: float, dt: float) -> TouchSense | None:
     """Return what feeds a terrain that learns, None for one that is known; parameters of `TouchSense`."""
-    return TouchSense(terrain, weight, height, dt) if isinstance(terrain, GroundBelief) else None
+    belief = believed(terrain)
+    return None if belief is None else TouchSense(belief, weight, height, dt)

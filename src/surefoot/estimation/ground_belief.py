@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections import deque
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -86,10 +86,13 @@ class GroundBelief(Terrain):
         When a foot has last struck an edge [s].
     seen
         Whether a sensor sees the ground before feet touch it.
+    finds_steps
+        Whether it finds steps and drops by touch, as `TouchedSteps` does.
     """
 
     learns = True
     seen = False
+    finds_steps = False
     radius: float = 0.0
     struck_at: float = -math.inf
 
@@ -203,6 +206,11 @@ class GroundBelief(Terrain):
     @abstractmethod
     def _fitted(self) -> None:
         """Use a new plane: `_level` [m] at `_about`, `_slope`."""
+
+
+def believed(terrain: Terrain) -> GroundBelief | None:
+    """Return a terrain that learns as the belief that it is, None for one that is known."""
+    return cast(GroundBelief, terrain) if terrain.learns else None
 
 
 class TouchedGround(GroundBelief):

@@ -55,6 +55,8 @@ class TouchedSteps(TouchedGround):
         The farthest along the steps that a foot has touched, to its radius [m].
     """
 
+    finds_steps = True
+
     def __init__(self) -> None:
         super().__init__()
         self.flight: TouchedFlight | None = None

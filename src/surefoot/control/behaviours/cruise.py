@@ -15,7 +15,7 @@ from surefoot.control.behaviours.behaviour import NOTHING, Request, View, Walk
 from surefoot.control.command_limits import slope_speed, step_speed
 from surefoot.control.gait_library import named_gait
 from surefoot.control.stair_gait import speed_in_step
-from surefoot.estimation.ground_belief import GroundBelief
+from surefoot.estimation.ground_belief import GroundBelief, believed
 
 SLACK = 1.08
 """What is believed may be off by so much: a command at the limit should not be slowed by it."""
@@ -35,7 +35,7 @@ class Cruise:
     name = "cruise"
 
     def __init__(self, walk: Walk) -> None:
-        self._belief = walk.terrain if isinstance(walk.terrain, GroundBelief) else None
+        self._belief = believed(walk.terrain)
         self._mu, self._height, self._radius = walk.friction_share * walk.mu, walk.height, walk.radius
         in_step = walk.schedule.adapts and walk.schedule.name == "trot" and walk.schedule.feet == 4
         self._period = named_gait("trot", 4, walk.height).period if in_step else 0.0

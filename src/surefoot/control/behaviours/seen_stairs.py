@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from surefoot.control.behaviours.behaviour import NOTHING, Request, Search, View, Walk
-from surefoot.estimation.ground_belief import GroundBelief
+from surefoot.estimation.ground_belief import believed
 
 APPROACH = 0.1
 """Share of its speed with which a body comes near to steps, until its gait is in step with them."""
@@ -24,7 +24,7 @@ class SeenStairs:
 
     def __init__(self, walk: Walk) -> None:
         self._schedule = walk.schedule
-        self._belief = walk.terrain if isinstance(walk.terrain, GroundBelief) else None
+        self._belief = believed(walk.terrain)
         seen = self._belief is not None and self._belief.seen
         self._usual = Request(search=Search(SEEN_SPEED)) if seen else NOTHING
         self._slowly = self._usual._replace(pace=APPROACH)

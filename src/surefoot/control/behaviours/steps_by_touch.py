@@ -12,6 +12,7 @@ that is left is back.
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.behaviours.behaviour import NOTHING, Request, Search, View, Walk
 from surefoot.control.behaviours.seen_stairs import SEEN_SPEED
 from surefoot.control.swing import DOWN_LAST, LIFT_FIRST, minimum_jerk
+from surefoot.estimation.ground_belief import believed
 from surefoot.estimation.ledge import DROP, Ledge
 from surefoot.estimation.touched_steps import TouchedSteps
 from surefoot.spatial import GRAVITY, base_velocity
@@ -102,7 +104,9 @@ class StepsByTouch:
     @classmethod
     def of(cls, walk: Walk) -> StepsByTouch | None:
         """Return the behaviour for walks by touch alone."""
-        return cls(walk, walk.terrain) if isinstance(walk.terrain, TouchedSteps) else None
+        belief = believed(walk.terrain)
+        found = belief is not None and belief.finds_steps
+        return cls(walk, cast(TouchedSteps, belief)) if found else None
 
     def reset(self) -> None:
         """Forget the last drop."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from surefoot.control.behaviours.behaviour import NOTHING, Request, View, Walk
-from surefoot.estimation.ground_belief import GroundBelief
+from surefoot.estimation.ground_belief import GroundBelief, believed
 
 MEMORY = 4.0
 """How long a stumble is remembered [s]: for half of it feet are lifted as high as right after it."""
@@ -33,7 +33,8 @@ class Stumble:
     @classmethod
     def of(cls, walk: Walk) -> Stumble | None:
         """Return the behaviour on ground that is only believed."""
-        return cls(walk, walk.terrain) if isinstance(walk.terrain, GroundBelief) else None
+        belief = believed(walk.terrain)
+        return None if belief is None else cls(walk, belief)
 
     def reset(self) -> None:
         """Forget nothing: what was struck is the belief's to know."""
