@@ -31,7 +31,7 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.laws import Law
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.proof import InfeasibilityProof, check_proof, connected_parts
-from surefoot.contact.sets import Contact, ContactSet
+from surefoot.contact.sets import ContactKind, ContactSet
 from surefoot.kernels import working_time
 from surefoot.solvers.set_kernels import (
     CODE,
@@ -156,7 +156,7 @@ class _Directions:
     `starts` (n,) is the first row of each contact, `lengths` (m,) what moments are counted over.
     """
 
-    def __init__(self, chosen: list[Contact], law: Law) -> None:
+    def __init__(self, chosen: list[ContactKind], law: Law) -> None:
         contacts = ContactSet(chosen)
         self.starts, self.lengths = contacts.offsets[:-1], contacts.lengths
         offset, group, table = pack(contacts, law, np.ones(len(chosen)))
