@@ -74,6 +74,7 @@ class ImplicitStep(SoftLaw):
         return self.law.stored(depth)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not _drake(), reason="Drake is not here; SUREFOOT_DRAKE_PYTHON names a Python with it")
 @pytest.mark.parametrize("engine", ["drake", "drake-hunt-crossley"])
 @pytest.mark.parametrize(

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 PARTS, PROOF, EARLY_PROOF = "connected parts apart", "infeasibility proof", "early infeasibility proof"
-ON_BLOCKS, MORE_NEWTON = "sweeps and newton on blocks", "more newton on blocks"
-ADMM_AND_NEWTON = "admm and newton"
+ADMM_AND_NEWTON, MORE_NEWTON = "admm and newton", "more newton on blocks"
 """What is tried besides solvers; see `auto`. The early proof is looked for in little time."""
 
 
@@ -42,7 +41,6 @@ CONES: dict[str, Plan] = {
         Stage(PROOF),
         Stage("newton"),
         Stage("admm", 1500),
-        Stage(ON_BLOCKS, 20_000),
         Stage("interior_point"),
         Stage("admm", 10_000, warm=True),
         Stage("nsgs", 20_000, warm=True),
