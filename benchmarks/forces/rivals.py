@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.prepared import RIVALS, rival
 from benchmarks.problems.allocation_program import Program, cone_program
 from surefoot.arrays import FloatArray
-from surefoot.solvers.backends import BACKENDS, Backend, Options, backend, installed
+from surefoot.solvers.backends import Backend, Options, installed
 
 TOLERANCE = 1e-6
 """Asked of solvers that stop by a tolerance, unless the benchmark finds that a looser one will do."""
@@ -23,29 +24,29 @@ TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class Kind:
-    """A solver by its name in tables; in small letters it is its name in `BACKENDS`."""
+    """A solver by its name in tables; in small letters it is its name in `RIVALS`."""
 
     name: str
 
     @property
     def backend(self) -> str:
-        """Its name in `BACKENDS`."""
+        """Its name in `RIVALS`."""
         return self.name.lower()
 
     @property
     def exact(self) -> bool:
         """Whether it is given exact cones, not facets."""
-        return BACKENDS[self.backend].takes_cones
+        return RIVALS[self.backend].takes_cones
 
     @property
     def can_warm(self) -> bool:
         """Whether it can go on from the last solution."""
-        return BACKENDS[self.backend].warm_starts
+        return RIVALS[self.backend].warm_starts
 
     @property
     def has_tol(self) -> bool:
         """Whether it stops by a tolerance that decides how accurate it is: not so an active set."""
-        return BACKENDS[self.backend].has_tol and self.backend != "daqp"
+        return RIVALS[self.backend].has_tol and self.backend != "daqp"
 
     def __call__(self, tol: float = TOLERANCE) -> Rival:
         """Return one with nothing to go on from."""
@@ -58,8 +59,8 @@ class Rival:
     def __init__(self, kind: Kind, tol: float) -> None:
         self.kind, self.tol = kind, tol
         given = tol if kind.has_tol else None
-        self._cold = backend(kind.backend, Options(given))
-        self._warm = backend(kind.backend, Options(given, keep=True, warm=True))
+        self._cold = rival(kind.backend, Options(given))
+        self._warm = rival(kind.backend, Options(given, keep=True, warm=True))
 
     def ready(self, p: Program) -> Any:
         """Return a program in the rival's own words: well before the call, for it empties the caches."""
@@ -96,4 +97,4 @@ FACET_RIVALS = (DAQP, *map(Kind, ("quadprog", "ProxQP", "OSQP", "PIQP", "HiGHS")
 
 def available(rivals: tuple[Kind, ...]) -> list[Kind]:
     """Return the rivals whose package is installed."""
-    return [rival for rival in rivals if installed(rival.backend)]
+    return [kind for kind in rivals if installed(kind.backend)]

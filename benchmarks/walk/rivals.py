@@ -15,11 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
+from benchmarks.prepared import rival
 from benchmarks.walk import hpipm as mpc_hpipm
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid
 from surefoot.control.mpc import ConvexMpc, HorizonProgram
-from surefoot.solvers.backends import ConeProgram, Options, backend, solve_program
+from surefoot.solvers.backends import ConeProgram, Options, solve_program
 from surefoot.solvers.backends.program import stacked
 
 DECADES = tuple(range(-2, -12, -1))
@@ -85,12 +86,12 @@ def driven(
     """Return the rival that a backend of `surefoot.solvers` is, with settings by its own names."""
 
     def ready(m: Matrices, form: str) -> tuple[Matrices, Any]:
-        return m, backend(solver.lower(), Options(sparse=form == "sparse")).ready(cone_program(m))
+        return m, rival(solver.lower(), Options(sparse=form == "sparse")).ready(cone_program(m))
 
     def make(variant: Variant) -> Callable[[tuple[Matrices, Any]], FloatArray]:
         sparse = variant.form == "sparse"
         options = Options(variant.tol, keep=True, warm=variant.warm, sparse=sparse, own=own)
-        run = backend(solver.lower(), options)
+        run = rival(solver.lower(), options)
 
         def solve(item: tuple[Matrices, Any]) -> FloatArray:
             m, given = item

@@ -58,7 +58,7 @@ def test_positive_definite_problems_are_never_called_infeasible(
     found: Counter[sf.Status] = Counter()
     for seed in range(120):
         lcp = positive_definite(seed, spread, condition)
-        for name in ("lemke", "interior_point", "newton") if seed < 20 else ("lemke",):
+        for name in ("lemke", "interior_point") if seed < 20 else ("lemke",):
             solution = sf.solve_lcp(lcp, name)
             assert solution.status not in (sf.Status.INFEASIBLE, sf.Status.INVALID), (seed, name)
             assert np.isfinite(solution.z).all(), (seed, name)
@@ -145,7 +145,7 @@ def test_solvable_problems_of_any_kind_are_never_called_infeasible() -> None:
         M[rng.uniform(size=(n, n)) < 0.3] = 0.0
         on = rng.uniform(size=n) < 0.5
         q = np.where(on, 0.0, rng.uniform(0.1, 1.0, size=n)) - M @ np.where(on, rng.uniform(size=n), 0.0)
-        for name in ("lemke", "newton"):
+        for name in ("lemke", "interior_point"):
             assert sf.solve_lcp(sf.LCP(M, q), name).status is not sf.Status.INFEASIBLE, (seed, name)
 
 
@@ -184,7 +184,7 @@ def test_answers_that_rounding_swallows_are_not_solved() -> None:
 
 
 @pytest.mark.parametrize("scale", [1e-320, 1e-300, 1e-150, 1e150, 1e300, 1e308])
-@pytest.mark.parametrize("name", ["lemke", "pgs", "interior_point", "newton"])
+@pytest.mark.parametrize("name", ["lemke", "interior_point"])
 def test_extreme_sizes_end_in_a_verdict(scale: float, name: str) -> None:
     for M, q in (
         (np.array([[2.0, 1.0], [1.0, 2.0]]) * min(scale, 5e307), [-5.0, -6.0]),

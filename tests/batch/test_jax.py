@@ -9,6 +9,8 @@ import pytest
 
 import surefoot as sf
 from surefoot.batch.answers import STATUSES
+from surefoot.batch.certificate import scales
+from surefoot.batch.modes import certified
 from surefoot.contact import Status
 from surefoot.errors import ProblemError
 
@@ -48,8 +50,8 @@ def test_certificate_is_the_packages_own(problems: Any, solved: Any) -> None:
     rough = found.forces * (1.0 + 1e-5)  # and that of forces which are a little off
     for forces in (found.forces, rough):
         on = jnp.ones(problems.mu.shape, bool)
-        scales = sfj.scales(jnp, *problems[:2], on)
-        own = sfj.certified(jnp, *problems, on, scales, forces, True, law == "convex", 1e-8)
+        size = scales(sfj.JAX, *problems[:2], on)
+        own = certified(sfj.JAX, *problems, on, size, forces, True, law == "convex", 1e-8)
         own = jax.tree.map(np.asarray, own)
         for k, (G, g, mu) in enumerate(zip(*problems, strict=True)):
             numbers = sf.residuals(sf.ContactProblem(G, g, mu, law=law), np.asarray(forces[k]))

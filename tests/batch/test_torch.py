@@ -39,10 +39,29 @@ def test_gradcheck(problems: Any, solved: Any) -> None:
     assert torch.autograd.gradcheck(answer, _tensors(problems, 3), eps=1e-7, atol=1e-4, rtol=1e-4)
 
 
-def test_never_nan(hard: Any) -> None:
+@pytest.mark.parametrize("smoothing", [0.0, 1e-3])
+def test_gradients_in_its_own_arrays(problems: Any, smoothing: float) -> None:
+    """The array form, as on a device: in double precision gradcheck holds there, too."""
+
+    def answer(G: Any, g: Any, mu: Any) -> Any:
+        found = sft.solve(0.5 * (G + G.mT), g, mu, smoothing=smoothing, on_host=False)
+        return found.forces, found.velocities
+
+    assert torch.autograd.gradcheck(
+        answer, _tensors(problems, 2), eps=1e-7, atol=1e-4, rtol=1e-4, fast_mode=True
+    )
+    single = sft.solve(*_tensors(problems, dtype=torch.float32), smoothing=smoothing, on_host=False)
+    assert single.forces.dtype == torch.float32
+    assert (single.status == 0).all()
+    with pytest.raises(ProblemError, match="smoothing must be >= 0"):
+        sft.solve(*_tensors(problems), smoothing=-1.0)
+
+
+@pytest.mark.parametrize("on_host", [True, False])
+def test_never_nan(hard: Any, on_host: bool) -> None:
     for name, given in hard:
         tensors = _tensors(given)
-        found = sft.solve(*tensors)
+        found = sft.solve(*tensors, on_host=on_host)
         (found.forces.sum() + found.velocities.sum()).backward()
         numbers = (found.forces, found.velocities, *(t.grad for t in tensors))
         assert all(torch.isfinite(v).all() for v in numbers), name

@@ -31,14 +31,17 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_clean_log_ends_with_zero(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["audit", str(folder / "clean.npz")]) == 0
-    assert "lawful: all 7 laws that could be judged hold (1200 rows, 1.2 s)" in capsys.readouterr().out
+    assert (
+        "lawful: all 11 laws that could be judged hold (1200 rows, 1.2 s); the task was attained"
+        in capsys.readouterr().out
+    )
 
 
 def test_json_is_the_report_and_nothing_else(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["audit", str(folder / "sunk.npz"), "--json"]) == 1
     told = json.loads(capsys.readouterr().out)
     assert told["verdict"] == "broken"
-    (one,) = told["violations"]
+    (one,) = (v for v in told["violations"] if v["law"] == "penetration")
     assert (one["law"], one["contact"]) == ("penetration", "FL_foot")
     assert (one["start"], one["end"]) == pytest.approx((0.2, 0.3), abs=2e-3)
     assert told["symptoms"][0]["name"] == "sinking"
@@ -48,8 +51,8 @@ def test_the_page_holds_verdict_timeline_moments_and_tables(folder: Path, tmp_pa
     assert main(["audit", str(folder / "sunk.npz"), "--out", str(tmp_path)]) == 1
     (made,) = tmp_path.iterdir()
     page = (made / "report.html").read_text(encoding="utf-8")
-    assert 'class="verdict">broken: 1 violations of penetration' in page
-    assert page.count("data:image/png;base64,") == 2
+    assert 'class="verdict">broken: 3 violations of gap rate, penetration' in page
+    assert page.count("data:image/png;base64,") == 3
     for title in ("Timeline", "Symptoms", "Violations", "What could be judged", "Friction of the ground"):
         assert f"<h2>{title}" in page
     assert json.loads((made / "audit.json").read_text())["verdict"] == "broken"

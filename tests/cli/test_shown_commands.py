@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 import surefoot as sf
 from benchmarks.problems.logged_runs import CleanRun
@@ -64,6 +65,9 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
         return words
     out = [*words, "--no-video", "--no-report"]
     events = [float(words[k + 1].split(":")[0]) for k, word in enumerate(words) if word == "--push"]
+    if "--scenario" in words:
+        said = yaml.safe_load((ROOT / words[words.index("--scenario") + 1]).read_text(encoding="utf-8"))
+        events += [float(ice.get("from", 0.0)) for ice in said.get("ice", ())]
     even = "--terrain" not in words and not any("/ice" in word for word in words)
     short = SHORT if even and max(events, default=0.0) < SHORT - 1.0 else SHORT_ON_TERRAIN
     if words[0] == "walk" and max(events, default=0.0) < short - 1.0:

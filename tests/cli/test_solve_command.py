@@ -82,7 +82,7 @@ def test_complementarity_problems(lcp_files: list[Path], capsys: pytest.CaptureF
 def test_both_kinds_at_once(file: Path, lcp_files: list[Path], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["solve", str(file), str(lcp_files[0]), "--json"]) == 0
     assert [r["kind"] for r in json.loads(capsys.readouterr().out)] == ["contact", "lcp"]
-    assert main(["solve", str(lcp_files[0]), "--solver", "pgs"]) == 0
+    assert main(["solve", str(lcp_files[0]), "--solver", "interior_point"]) == 0
     capsys.readouterr()
     assert main(["solve", str(lcp_files[0]), "--solver", "simplex"]) == 2
     assert "unknown LCP solver 'simplex'; valid names: auto" in capsys.readouterr().err

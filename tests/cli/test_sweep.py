@@ -81,12 +81,12 @@ def test_samples_with_errors_are_told(
     tmp_path: Path, balls: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from surefoot.errors import SimulationError
-    from surefoot.sweep.drop import Drop
+    from surefoot.sweep.drop import DropExperiment
 
-    def fail(self: Drop, seed: int) -> None:
+    def fail(self: DropExperiment, seed: int) -> None:
         raise SimulationError("motion", 0.1, 1e-3, "root_joint", 1e9)
 
-    monkeypatch.setattr(Drop, "run", fail)
+    monkeypatch.setattr(DropExperiment, "run", fail)
     words = ["sweep", str(balls), "--out", str(tmp_path / "a"), "--backend", "serial"]
     assert main(words) == 1
     said = capfd.readouterr().out

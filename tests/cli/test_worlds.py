@@ -12,8 +12,8 @@ import pytest
 from surefoot.cli import worlds
 from surefoot.cli.main import main
 from surefoot.simulation.drake_python import VARIABLE
-from surefoot.simulation.experiments import EXPERIMENTS, Curve, Experiment, Measurement
-from surefoot.simulation.experiments.experiment import Quantity
+from surefoot.simulation.experiments import EXPERIMENTS, Curve, Measurement, WorldExperiment
+from surefoot.simulation.experiments.experiment import ComparedQuantity
 
 
 def asked(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[str, Any]]:
@@ -55,11 +55,11 @@ def test_a_world_that_does_not_keep_to_it_is_exit_1(
     def wrong(world: str, dt: float) -> Measurement:
         import numpy as np
 
-        return Measurement((2.0,), (Quantity("x", "m", 1.0),), Curve(np.zeros(2), np.zeros(2)))
+        return Measurement((2.0,), (ComparedQuantity("x", "m", 1.0),), Curve(np.zeros(2), np.zeros(2)))
 
     made = EXPERIMENTS["drop"]
     monkeypatch.setitem(
-        EXPERIMENTS, "drop", Experiment("drop", made.says, made.compares, wrong, made.theory, made.axes)
+        EXPERIMENTS, "drop", WorldExperiment("drop", made.says, made.compares, wrong, made.theory, made.axes)
     )
     code, found = asked(capsys, "drop", "--world", "rigid", "--no-pictures")
     assert code == 1

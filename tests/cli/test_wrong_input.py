@@ -113,7 +113,7 @@ CASES = [
     ("identify tosses.npz --test good.npz", "good.npz holds no tosses"),
     ("identify tosses.npz --test other.npz", "other.npz holds tosses of another cube than tosses.npz"),
     ("identify tosses.npz --law hertz", "unknown contact law 'hertz'; valid names: hunt-crossley, rigid"),
-    ("identify tosses.npz --rivals bullet", "unknown rival 'bullet'; valid names: drake, mujoco"),
+    ("identify tosses.npz --rivals bullet", "unknown rival 'bullet'; valid names: mujoco"),
     ("identify tosses.npz --seed -1", "--seed must be"),
     ("identify tosses.npz --resamples 1", "--resamples must be"),
     ("identify tosses.npz --out good.npz/x", "cannot write to --out good.npz/x"),

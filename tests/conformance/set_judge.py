@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 import surefoot as sf
-from surefoot.contact.sets import Contact
+from surefoot.contact.sets import ContactKind
 
 
-def check_laws(contact: Contact, f: np.ndarray, u: np.ndarray, theta: float, tol: float) -> None:
+def check_laws(contact: ContactKind, f: np.ndarray, u: np.ndarray, theta: float, tol: float) -> None:
     """Admissible, unilateral, and of maximum dissipation; θ Γ(u) less, contacts open by (1 - θ) Γ(u)."""
     name = type(contact).__name__
     if name == "Bilateral":

@@ -96,8 +96,7 @@ control.torque_kernels   friction_losses      control/test_torque_kernels.py::te
 control.torque_kernels   hold_to_motors       control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels   motor_bounds         control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
-control.torque_kernels   torque_range         control/test_torque_kernels.py::test_the_range_at_a_speed_is_that_of_its_parts
-control.torque_kernels   usable_range         control/test_torque_kernels.py::test_the_usable_range_is_within_motors_and_command
+control.torque_kernels   torque_range         control/test_torque_kernels.py::test_the_usable_range_is_within_motors_and_command
 control.walking_kernels  advance_body         control/test_feet_kernels.py::test_a_body_goes_where_it_should
 control.walking_kernels  body_rise            control/test_feet_kernels.py::test_a_body_goes_where_it_should
 control.walking_kernels  mode_rows            control/test_walking_kernels.py::test_rows_of_a_repeated_table_are_those_of_the_schedule by horizon

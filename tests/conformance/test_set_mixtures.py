@@ -9,14 +9,14 @@ import pytest
 from set_judge import check_laws
 
 import surefoot as sf
-from surefoot.contact.sets import Contact
+from surefoot.contact.sets import ContactKind
 from surefoot.contact.sets.contact_set import ContactSet
 
 C = sf.contact_sets
 LAWS = (sf.laws.COULOMB, sf.laws.CONVEX, sf.laws.Law("half dilatant", shift=0.5))
 
 
-def draw(rng: np.random.Generator) -> Contact:
+def draw(rng: np.random.Generator) -> ContactKind:
     """A contact with ordinary and with degenerate parameters; sometimes bounded, sometimes off."""
     kind, mu = rng.integers(8), float(rng.choice([0.0, 0.2, 0.6, 1.5, 5.0]))
     length = float(rng.choice([1e-3, 0.05, 1.0]))

@@ -16,11 +16,11 @@ from scipy.optimize import minimize, nnls
 from set_judge import check_laws
 
 import surefoot as sf
-from surefoot.contact.sets import Contact
+from surefoot.contact.sets import ContactKind
 from surefoot.contact.sets.contact_set import ContactSet
 
 C = sf.contact_sets
-KINDS: dict[str, Contact] = {
+KINDS: dict[str, ContactKind] = {
     "frictionless": C.Frictionless(),
     "planar": C.Planar(0.5),
     "point": C.Point(0.5),
@@ -36,7 +36,9 @@ HALF = sf.laws.Law("half dilatant", shift=0.5)
 LAWS = (sf.laws.COULOMB, sf.laws.CONVEX, HALF)
 
 
-def problem_of(contacts: list[Contact], seed: int, law: str, rank: int | None = None) -> sf.ContactProblem:
+def problem_of(
+    contacts: list[ContactKind], seed: int, law: str, rank: int | None = None
+) -> sf.ContactProblem:
     """A problem whose contacts press, slide, tip and take off; of full rank, or of a rank."""
     rng = np.random.default_rng(seed)
     s = ContactSet(contacts)
@@ -73,7 +75,7 @@ def test_solves_its_share_by_the_laws_themselves(solver: str, kind: str, law: st
     assert solved >= SOLVERS[solver] * total, f"solved {solved} of {total}"
 
 
-def cone_rows(contact: Contact) -> list[np.ndarray]:
+def cone_rows(contact: ContactKind) -> list[np.ndarray]:
     """The second-order cones of a set by hand: a matrix's first row times f bounds the norm of the others."""
     E = np.eye(contact.rows)
     z = E[contact.normal]
@@ -97,7 +99,7 @@ def cone_rows(contact: Contact) -> list[np.ndarray]:
     return rows
 
 
-def by_clarabel(problem: sf.ContactProblem, contacts: list[Contact]) -> np.ndarray:
+def by_clarabel(problem: sf.ContactProblem, contacts: list[ContactKind]) -> np.ndarray:
     """The forces of least energy, by an interior point of other people."""
     clarabel = pytest.importorskip("clarabel")
     blocks: list[Any] = []

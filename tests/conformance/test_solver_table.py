@@ -35,7 +35,6 @@ TABLE = {
         ("convex", "k"): 0.95,
     },
     "interior_point": {("coulomb", "exact"): 0.9, ("convex", "exact"): 1.0},
-    "staggered": {("coulomb", "exact"): 0.8, ("convex", "exact"): 0.75},
     "lemke": {("coulomb", "k"): 0.95},
     "distribution": {("convex", "exact"): 1.0},
     "set_admm": {
@@ -174,7 +173,7 @@ def test_no_claim_without_a_solution(name: str, case: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["auto", "nsgs", "admm", "newton", "staggered", "interior_point", "set_admm", "set_newton"]
+    "name", ["auto", "nsgs", "admm", "newton", "interior_point", "set_admm", "set_newton"]
 )
 def test_time_is_bounded(name: str) -> None:
     problem = large_problems()[0][1]
@@ -186,7 +185,7 @@ def test_time_is_bounded(name: str) -> None:
 
 def test_zero_iterations_and_zero_time_are_survived() -> None:
     problem = family_problems()[0][1]
-    for name in ("auto", "nsgs", "admm", "newton", "staggered", "interior_point"):
+    for name in ("auto", "nsgs", "admm", "newton", "interior_point"):
         assert sf.solve(problem, name, max_iterations=0).forces.shape == (problem.contacts, 3)
         assert sf.solve(problem, name, max_time=0.0).forces.shape == (problem.contacts, 3)
     assert sf.solve(sf.ContactProblem(np.zeros((0, 0)), [], 0.5)).solved

@@ -13,11 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import surefoot as sf
-from surefoot.contact.sets import Contact
+from surefoot.contact.sets import ContactKind
 from surefoot.contact.sets.contact_set import ContactSet
 
 C = sf.contact_sets
-KINDS: dict[str, Contact] = {
+KINDS: dict[str, ContactKind] = {
     "frictionless": C.Frictionless(),
     "frictionless, bounded": C.Frictionless(normal_min=0.5, normal_max=2.0),
     "planar": C.Planar(0.6),
@@ -41,13 +41,13 @@ seeds = st.integers(0, 2**32 - 1)
 few = settings(max_examples=40, deadline=None)
 
 
-def draw(contact: Contact, seed: int) -> np.ndarray:
+def draw(contact: ContactKind, seed: int) -> np.ndarray:
     """A random wrench, its moments of the size that the contact can carry."""
     rng = np.random.default_rng(seed)
     return rng.normal(size=contact.rows) * 10.0 ** rng.uniform(-1, 1.5) * contact.lengths
 
 
-def admissible(contact: Contact, f: np.ndarray, slack: float = 1e-9) -> bool:
+def admissible(contact: ContactKind, f: np.ndarray, slack: float = 1e-9) -> bool:
     """Membership, written out kind by kind from the words of the docs, not from `factors`."""
     if contact.bilateral:
         return True
@@ -87,7 +87,7 @@ def admissible(contact: Contact, f: np.ndarray, slack: float = 1e-9) -> bool:
 @kinds
 @few
 @given(seed=seeds)
-def test_projection_is_admissible_idempotent_and_nearest(contact: Contact, seed: int) -> None:
+def test_projection_is_admissible_idempotent_and_nearest(contact: ContactKind, seed: int) -> None:
     """Nearest: (x - P(x))·(y - P(x)) <= 0 for all y of the set, in the contact's metric."""
     x = draw(contact, seed)
     p = contact.project(x)
@@ -105,7 +105,7 @@ def test_projection_is_admissible_idempotent_and_nearest(contact: Contact, seed:
 @kinds
 @few
 @given(seed=seeds)
-def test_moreau(contact: Contact, seed: int) -> None:
+def test_moreau(contact: ContactKind, seed: int) -> None:
     """For a cone, x - P(x) is orthogonal to P(x) and in the polar: its support over the set is zero."""
     if contact.normal_min > 0.0 or contact.normal_max < np.inf:
         return
@@ -123,7 +123,7 @@ def test_moreau(contact: Contact, seed: int) -> None:
 @kinds
 @few
 @given(seed=seeds)
-def test_support_is_reached_and_not_exceeded(contact: Contact, seed: int) -> None:
+def test_support_is_reached_and_not_exceeded(contact: ContactKind, seed: int) -> None:
     """Over the set cut to a finite height, whose maximum a far projection finds."""
     if contact.bilateral:
         assert contact.support(np.zeros(contact.rows)) == 0.0
@@ -144,7 +144,7 @@ def test_support_is_reached_and_not_exceeded(contact: Contact, seed: int) -> Non
 @kinds
 @few
 @given(seed=seeds)
-def test_jacobian_is_that_of_finite_differences(contact: Contact, seed: int) -> None:
+def test_jacobian_is_that_of_finite_differences(contact: ContactKind, seed: int) -> None:
     x = draw(contact, seed)
     h = 1e-6 * contact.lengths * (1.0 + float(np.abs(x / contact.lengths).max()))
     J = contact.jacobian(x)
@@ -169,7 +169,7 @@ def test_jacobian_is_that_of_finite_differences(contact: Contact, seed: int) -> 
 @kinds
 @few
 @given(seed=seeds)
-def test_the_shift_is_the_most_power_friction_can_take(contact: Contact, seed: int) -> None:
+def test_the_shift_is_the_most_power_friction_can_take(contact: ContactKind, seed: int) -> None:
     """Γ(u) = max of -λ_t·u_t over the friction rows of forces of unit normal force, and is reached."""
     if contact.bilateral:
         return
@@ -186,7 +186,7 @@ def test_the_shift_is_the_most_power_friction_can_take(contact: Contact, seed: i
 
 
 @kinds
-def test_residual_vanishes_where_it_must(contact: Contact) -> None:
+def test_residual_vanishes_where_it_must(contact: ContactKind) -> None:
     """At a force inside with no velocity, and at none with a velocity that opens."""
     if contact.bilateral or contact.normal_max == 0.0:
         return

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-
 import numpy as np
 import pinocchio
 import pytest
@@ -11,7 +9,7 @@ import pytest
 import surefoot as sf
 from surefoot.control.actuators import Actuators, actuators_of, real_actuators
 from surefoot.control.motor_limits import MotorLimits, motor_limits
-from surefoot.control.torque_range import TorqueRange
+from surefoot.control.torque_kernels import commanded
 from surefoot.control.whole_body import Tasks, WholeBodyController
 from surefoot.errors import ProblemError
 
@@ -69,40 +67,23 @@ def test_what_is_no_actuator_is_refused(make, said: str) -> None:
         make()
 
 
-def test_a_range_without_actuators_is_the_box() -> None:
-    box = TorqueRange(GO2.effort_limits)
-    box.update(np.full(12, 25.0))
-    wild = np.linspace(-100.0, 100.0, 12)
-    np.testing.assert_array_equal(box.command(wild), np.clip(wild, -GO2.effort_limits, GO2.effort_limits))
-    np.testing.assert_array_equal([box.middle, box.half], [np.zeros(12), GO2.effort_limits])
-
-
 def test_a_range_is_what_motors_leave_for_the_legs() -> None:
     """Whatever is commanded lies between the motors' bounds; inside, legs get what they ask for."""
     rng = np.random.default_rng(6)
-    span = TorqueRange(GO2.effort_limits, REAL)
     for _ in range(20):
         speed = rng.normal(size=12) * 10.0
-        span.update(speed)
+        middle, half, losses = REAL.usable(speed, GO2.effort_limits)
         low, high = REAL.bounds(speed)
         for wanted in rng.normal(size=(5, 12)) * 40.0:
-            command = span.command(wanted)
+            command = commanded(wanted, middle, half, losses)
             slack = 0.02 * GO2.effort_limits  # of motors near their no-load speed
             assert (command >= low - slack - 1e-9).all()
             assert (command <= high + slack + 1e-9).all()
-            inside = np.abs(wanted - span.middle) <= span.half
+            inside = np.abs(wanted - middle) <= half
             left = command - REAL.losses(speed)
             np.testing.assert_allclose(left[inside], wanted[inside], atol=1e-9)
-            np.testing.assert_allclose(left[~inside], span.nearest(wanted)[~inside], atol=1e-9)
-
-
-def test_a_copy_of_a_range_follows_its_own_speeds() -> None:
-    span = TorqueRange(GO2.effort_limits, REAL)
-    span.update(np.zeros(12))
-    before, other = span.losses.copy(), copy.deepcopy(span)
-    other.update(np.full(12, 10.0))
-    np.testing.assert_allclose(other.losses, REAL.losses(np.full(12, 10.0)))
-    np.testing.assert_array_equal(span.losses, before)
+            bound = middle + np.copysign(half, wanted - middle)
+            np.testing.assert_allclose(left[~inside], bound[~inside], atol=1e-9)
 
 
 def tasks(push: float, swing: float = 0.0) -> Tasks:

@@ -138,7 +138,6 @@ def test_of_a_wrench_no_more_is_told_than_the_bound() -> None:
     assert out.observer is not None
     now = out._whole_body.update(robot.nominal, np.zeros(18))
     out.observer.state[4:] = [0.2, -0.2, 0.03, 0.0, 0.0, -0.2]
-    out._look()
     out.pull(now, robot.nominal[:3])
     weight, height = robot.mass * 9.81, out.observer.height
     wanted = np.array([0.05, -0.05, 0.03, 0.0, 0.0, -0.05 * height]) * weight
@@ -163,7 +162,7 @@ def steps_seen(lean: float, gap: float = DT, settings: LoadSettings | None = Non
         out.observe(RobotState(q, v, k * gap, on))
         out._whole_body.update(q, v)
         out._whole_body.solve(tasks)
-        out.acted(k * gap, v, np.zeros(12), on)
+        out.acted(k * gap, np.zeros(12), on)
     return bool(out.observer.state.any())
 
 

@@ -152,8 +152,8 @@ def test_without_a_term_nothing_changes():
     program = plain.program(*given)
     force, point = np.empty((program.step.size, 3)), np.full((program.step.size, 3), np.nan)
     newton(
-        plain._K, plain._P, program.q, program.step, program.M, program.bounds, program.centre, program.rho,
-        plain.tol, 16, plain.max_iterations, point, force,
+        plain._inverse, program.P, program.q, program.step, program.M, program.bounds, program.centre,
+        program.rho, plain.tol, 16, plain.max_iterations, point, force,
     )  # fmt: skip
     assert np.array_equal(plain.solve(*given).forces[program.step, program.foot], force)
 

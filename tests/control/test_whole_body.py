@@ -9,7 +9,7 @@ import pinocchio
 import pytest
 
 from surefoot.control import whole_body_kernels as kernels
-from surefoot.control.whole_body import Tasks, Weights, WholeBodyController
+from surefoot.control.whole_body import Tasks, TaskWeights, WholeBodyController
 from surefoot.errors import ModelError
 from surefoot.robot import Robot, load_robot
 from surefoot.solvers.backends import ConeProgram, solve_program
@@ -144,7 +144,7 @@ def test_the_rolling_drift_is_the_rate_of_the_contact_velocity(name: str) -> Non
 
 def oracle(
     robot: Robot, q: np.ndarray, v: np.ndarray, tasks: Tasks, mu: float, bounds: tuple[float, float],
-    weights: Weights, damping: float, limits: np.ndarray,
+    weights: TaskWeights, damping: float, limits: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Solve the problem of the module's header in (a, f) with Clarabel, matrices from Pinocchio."""
     model, nv = robot.model, robot.model.nv
@@ -230,7 +230,7 @@ def cone_rows(
 def test_the_command_is_optimal(name: str, seed: int) -> None:
     robot, q, v, tasks = random_case(name, 100 + seed)
     weight = robot.mass * GRAVITY
-    bounds, mu, weights = (0.01 * weight, 0.8 * weight), 0.5, Weights(force=0.3)
+    bounds, mu, weights = (0.01 * weight, 0.8 * weight), 0.5, TaskWeights(force=0.3)
     free = np.full(robot.joints, np.inf)
     controller = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), effort_limits=free)
     command = controller.step(q, v, tasks)
@@ -245,7 +245,7 @@ def test_the_command_is_optimal_under_torque_limits(name: str, seed: int) -> Non
     robot, q, v, tasks = random_case(name, 200 + seed, feet_down=3)
     weight = robot.mass * GRAVITY
     tasks = tasks._replace(feet=0.1 * tasks.feet)
-    bounds, mu, weights = (0.0, 0.8 * weight), 0.5, Weights(force=0.3)
+    bounds, mu, weights = (0.0, 0.8 * weight), 0.5, TaskWeights(force=0.3)
     free = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), np.full(robot.joints, np.inf))
     worst = np.abs(free.step(q, v, tasks).torques)
     limits = np.full(robot.joints, 0.8 * worst.max())
@@ -263,7 +263,7 @@ def test_a_leg_in_the_air_too_weak_for_its_task_gives_way_optimally(seed: int) -
     foot = int(np.flatnonzero(~tasks.stance)[0])
     tasks = tasks._replace(feet=20.0 * tasks.feet, forces=np.abs(tasks.forces))
     free = np.full(robot.joints, np.inf)
-    bounds, mu, weights = (0.0, 400.0), 0.5, Weights(force=0.3)
+    bounds, mu, weights = (0.0, 400.0), 0.5, TaskWeights(force=0.3)
     torques = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), free).step(q, v, tasks).torques
     leg = slice(3 * foot, 3 * foot + 3)
     limits = np.full(robot.joints, 1e3)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import copy
-import pickle
 from functools import cache
 
 import numpy as np
 import pinocchio
 import pytest
 
+from surefoot.control import whole_body_step as parts
 from surefoot.control.model_views import ModelViews
-from surefoot.control.whole_body_step import C, H, StepMemory, force_problem, kinematics, reduce, torques_of
+from surefoot.control.whole_body_step import force_problem, kinematics, part, reduce, step_memory, torques_of
 from surefoot.robot import Robot, load_robot
-from surefoot.spatial import GRAVITY
 
 WEIGHTS = np.array([1.0, 0.1, 2.0, 0.3, 30.0, 12.0, 20.0, 35.0])
 
@@ -34,15 +33,29 @@ def views_at(robot: Robot, q: np.ndarray, v: np.ndarray) -> ModelViews:
     return views
 
 
-def prepared(
-    name: str, seed: int
-) -> tuple[Robot, StepMemory, ModelViews, np.ndarray, tuple[np.ndarray, ...]]:
+class Memory:
+    """The numbers and the memory of a step, with views of the parts that the tests look at."""
+
+    def __init__(self, robot: Robot) -> None:
+        nv = robot.model.nv
+        self.numbers, self.memory = step_memory(
+            nv, robot.contact_points, WEIGHTS, np.full(robot.joints, 1e-3)
+        )
+        shapes = {
+            "ROTATIONS": (-1, 3, 3), "TWISTS": (6, nv), "ROWS": (-1, nv), "E": (-1, nv), "WANTED": (-1,),
+            "OFFSET": (nv,), "GAIN": (nv, 6), "TARGET": (6,), "MAP": (6, -1), "H": (nv, nv), "C": (nv,),
+        }  # fmt: skip
+        for name, shape in shapes.items():
+            setattr(self, name.lower(), part(self.numbers, self.memory, getattr(parts, name), *shape))
+
+
+def prepared(name: str, seed: int) -> tuple[Robot, Memory, ModelViews, np.ndarray, tuple[np.ndarray, ...]]:
     """Return a robot, its memory after `kinematics` at a random state, views, velocity, and the answer."""
     robot, rng = robot_of(name), np.random.default_rng(seed)
     q = pinocchio.integrate(robot.model, robot.nominal, 0.2 * rng.normal(size=robot.model.nv))
     v = rng.normal(size=robot.model.nv)
     views = views_at(robot, q, v)
-    memory = StepMemory(robot.model.nv, robot.contact_points, WEIGHTS, np.full(robot.joints, 1e-3))
+    memory = Memory(robot)
     found = kinematics(
         memory.numbers, memory.memory, v, views.twists, views.twist_rates, views.rotation, views.com,
         views.com_velocity, views.frame_rotations, views.frame_places,
@@ -117,14 +130,14 @@ def test_accelerations_obey_their_constraints_and_torques_the_dynamics(name: str
     a = memory.offset + memory.gain @ w
     wanted = memory.wanted[:count] + np.r_[w, np.zeros(count - 6)]
     size = np.abs(wanted).max()
-    np.testing.assert_allclose(memory.constraints[:count] @ a, wanted, atol=1e-7 * size)
+    np.testing.assert_allclose(memory.e[:count] @ a, wanted, atol=1e-7 * size)
     np.testing.assert_allclose(memory.wanted[:6], outside - bias[:6], atol=1e-12)
 
     # the cost of forces is that of the tasks, but for a constant
     def missed(force: np.ndarray) -> float:
         return 0.5 * float(np.sum((memory.map @ force.ravel() - memory.target) ** 2))
 
-    tasks, costs = tasks_of(memory, robot.model.nv)
+    tasks, costs = memory.h, memory.c
 
     def cost(force: np.ndarray) -> float:
         at = memory.offset + memory.gain @ (memory.rows.T[:6] @ force.ravel())
@@ -144,25 +157,5 @@ def test_accelerations_obey_their_constraints_and_torques_the_dynamics(name: str
     shares = np.abs(torques - middle) / half
     assert exceeded[0] == pytest.approx(np.max(shares, where=loose, initial=0.0))
     assert exceeded[1] == pytest.approx(np.max(shares, where=~loose, initial=0.0))
-    assert not reduce(memory.numbers, _with_nan(memory), count)
-
-
-def tasks_of(memory: StepMemory, nv: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return matrix and vector of the tasks."""
-    return memory._part(H, nv, nv), memory._part(C, nv)
-
-
-def _with_nan(memory: StepMemory) -> np.ndarray:
-    other = copy.deepcopy(memory)
-    other.wanted[0] = np.nan
-    return other.memory
-
-
-def test_copies_of_a_memory_have_views_of_their_own() -> None:
-    robot = robot_of("go2")
-    memory = StepMemory(robot.model.nv, robot.contact_points, WEIGHTS, np.full(robot.joints, 1e-3))
-    for other in (copy.deepcopy(memory), pickle.loads(pickle.dumps(memory))):
-        other.memory[:] = GRAVITY
-        for name in ("rotations", "touching", "twists", "rows", "constraints", "wanted", "map", "target"):
-            assert (getattr(other, name) == GRAVITY).all()
-            assert not (getattr(memory, name) == GRAVITY).any()
+    memory.wanted[0] = np.nan
+    assert not reduce(memory.numbers, memory.memory, count)

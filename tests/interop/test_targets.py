@@ -206,6 +206,47 @@ def test_isaac_lab_gives_every_foot_its_ground(tmp_path: Path) -> None:
                 made.ground_material(name, middle)
 
 
+class TsidContact(types.SimpleNamespace):
+    """Stands for TSID's contacts: keeps what it is given, and has their rows."""
+
+    def __init__(self, name: str, robot: object, frame: str, *rest: Any) -> None:
+        *corners, normal, mu, low, high = rest
+        super().__init__(name=name, frame=frame, corners=corners, normal=normal, mu=mu, low=low, high=high)
+        self.local = True  # TaskSE3Equality's own choice
+
+    def useLocalFrame(self, local: bool) -> None:
+        self.local = local
+
+    @property
+    def rows(self) -> np.ndarray:
+        """B of B @ force <= 0 (4, 3), as updateForceInequalityConstraints() of its source forms it."""
+        first = np.cross(self.normal, [1.0, 0.0, 0.0])
+        second = np.cross(self.normal, first)
+        sides = [v / np.linalg.norm(v) for v in (first, second)]
+        return np.array([sign * v - self.mu * self.normal for v in sides for sign in (-1.0, 1.0)])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_tsids_pyramids_are_inside_the_cones_of_their_contacts(seed: int, tmp_path: Path) -> None:
+    sequence = random_sequence(seed, fit="inner")
+    tsid = types.SimpleNamespace(ContactPoint=TsidContact, Contact6d=TsidContact)
+    made = module_from(export_sequence(sequence, "tsid", tmp_path)[0], tsid=tsid)
+    forces = np.random.default_rng(seed).normal(size=(2000, 3)) * [20.0, 20.0, 20.0] + [0.0, 0.0, 30.0]
+    for k, phase in enumerate(sequence.phases):
+        found = made.contacts(None, k)
+        assert set(found) == set(phase.names)
+        for contact in phase.stance:
+            one, point = found[contact.name], isinstance(contact, PointContact)
+            assert one.frame == contact.name
+            allowed = forces[(forces @ one.rows.T <= 0.0).all(axis=1)]
+            local = allowed if one.local else allowed @ contact.rotation_world_contact
+            assert one.local != point  # in the foot's own axes the normal would turn with a tilted foot
+            assert len(allowed) > 20
+            assert sf.FrictionCone(contact.mu).contains(local).all()
+            for corners in one.corners:
+                assert np.ptp(corners, axis=1).tolist() == [contact.length, contact.width, 0.0]
+
+
 def ask(python: str, code: str, folder: Path, forces: np.ndarray) -> np.ndarray:
     """Return what another Python says of forces: it may crash, and that is an error of this test."""
     np.save(folder / "forces.npy", forces)

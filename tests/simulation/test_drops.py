@@ -74,6 +74,7 @@ class ImplicitStep(SoftLaw):
         return self.law.stored(depth)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not _drake(), reason="Drake is not here; SUREFOOT_DRAKE_PYTHON names a Python with it")
 @pytest.mark.parametrize("engine", ["drake", "drake-hunt-crossley"])
 @pytest.mark.parametrize(
@@ -83,7 +84,8 @@ def test_drake_does_what_the_translation_says(engine: str, law: SoftLaw) -> None
     dt, mass = 5e-5, 4.0
     found = translate(law, engine, mass, dt=dt)
     got = measure(engine, found.parameters, found.translated, mass, dt=dt)
-    expected = behaviour(ImplicitStep(found.law, dt), mass)
+    # the words of a linear contact take the implicit step's damping off, those of Hunt and Crossley cannot
+    expected = found.translated if engine == "drake" else behaviour(ImplicitStep(found.law, dt), mass)
     assert got.rest_depth == pytest.approx(found.translated.rest_depth, rel=1e-6)
     assert got.restitution == pytest.approx(expected.restitution, rel=2e-3)
     assert got.restitution == pytest.approx(found.translated.restitution, rel=0.01)

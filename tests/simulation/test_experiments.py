@@ -15,14 +15,14 @@ from surefoot.simulation import drake_python
 from surefoot.simulation.experiments import (
     EXPERIMENTS,
     Curve,
-    Experiment,
     Measurement,
+    WorldExperiment,
     bodies,
     carry_out,
     compare,
     experiment_named,
 )
-from surefoot.simulation.experiments.experiment import Quantity
+from surefoot.simulation.experiments.experiment import ComparedQuantity
 from surefoot.spatial import GRAVITY
 
 HERE = {
@@ -49,13 +49,15 @@ def test_worlds_keep_to_the_closed_forms(name: str, world: str) -> None:
     assert np.isfinite(seen.curve.y).all()
 
 
-def made_up(error: object) -> Experiment:
+def made_up(error: object) -> WorldExperiment:
     """Return an experiment in which a world's value is 1 plus a function of the step."""
 
     def measure(world: str, dt: float) -> Measurement:
-        return Measurement((1.0 + error(dt),), (Quantity("x", "m", 1.0),), Curve(np.zeros(2), np.zeros(2)))  # type: ignore[operator]
+        return Measurement(
+            (1.0 + error(dt),), (ComparedQuantity("x", "m", 1.0),), Curve(np.zeros(2), np.zeros(2))
+        )  # type: ignore[operator]
 
-    return Experiment("made", "", "", measure, lambda: Curve(np.zeros(2), np.zeros(2)), ("", ""))
+    return WorldExperiment("made", "", "", measure, lambda: Curve(np.zeros(2), np.zeros(2)), ("", ""))
 
 
 @pytest.mark.parametrize(
@@ -81,7 +83,7 @@ def test_a_world_that_fails_is_told_not_raised() -> None:
         raise SurefootError("lost")
 
     outcome = carry_out(
-        Experiment("x", "", "", fails, lambda: Curve(np.zeros(1), np.zeros(1)), ("", "")), ["rigid"]
+        WorldExperiment("x", "", "", fails, lambda: Curve(np.zeros(1), np.zeros(1)), ("", "")), ["rigid"]
     )
     assert outcome.failures == {"rigid": "lost"}
     assert not outcome.agrees

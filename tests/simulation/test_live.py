@@ -1,4 +1,4 @@
-"""Live runs: pace on a clock of our own, keys and sticks to velocities, a window that is closed."""
+"""Live runs: pace on a clock of our own, keys to velocities, a window that is closed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from surefoot.control.walking_body import ACCELERATION, VelocityCommand
 from surefoot.errors import ProblemError
 from surefoot.log import Ending
 from surefoot.robot import load_robot
-from surefoot.simulation.joystick import JoystickEvent
 from surefoot.simulation.live import Live, Pacer, Steering
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import Scenario, run
@@ -103,21 +102,6 @@ def test_keys_go_on_from_what_was_granted() -> None:
         steered.press(UP)
     steered.press(DOWN)
     assert steered.velocity[0] == pytest.approx(0.15)
-
-
-def test_sticks() -> None:
-    steered = steering()
-    assert steered.handle(JoystickEvent(True, 1, -1.0, False))
-    assert steered.handle(JoystickEvent(True, 0, -1.0, False))
-    assert steered.handle(JoystickEvent(True, 3, 1.0, False))
-    assert steered.velocity == pytest.approx((1.0, 0.5, -1.5))
-    assert steered.handle(JoystickEvent(True, 1, 0.01, False))
-    assert steered.velocity == pytest.approx((0.0, 0.5, -1.5))
-    assert not steered.handle(JoystickEvent(True, 3, 1.0, True)), "how it stands at first"
-    assert not steered.handle(JoystickEvent(True, 5, 1.0, False))
-    assert not steered.handle(JoystickEvent(False, 0, 0.0, False)), "a button that is let go"
-    assert steered.handle(JoystickEvent(False, 0, 1.0, False))
-    assert not steered.velocity.any()
 
 
 class FakeView:

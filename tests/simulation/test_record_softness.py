@@ -9,7 +9,7 @@ import surefoot as sf
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.robot import load_robot, place
-from surefoot.simulation.record_softness import Landing, soft_contact
+from surefoot.simulation.record_softness import HardestLanding, soft_contact
 from surefoot.simulation.run import Scenario, run
 from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 from surefoot.simulation.worlds import make_world
@@ -103,7 +103,7 @@ def test_a_heavier_landing_is_deeper_and_rounding_is_no_softness() -> None:
     mujoco.mj_step(model, data, 10)
     found = soft_contact(mujoco, model, (0, 1), data.contact[0])
     assert found is not None
-    depths = [found.sinking(50.0, Landing(1.0, 0.0, 0.0, a)) for a in (0.05, 0.2, 1.0)]
+    depths = [found.sinking(50.0, HardestLanding(1.0, 0.0, 0.0, a)) for a in (0.05, 0.2, 1.0)]
     assert depths[0] > depths[1] > depths[2] > 0.0
     assert found.sinking(0.0) == pytest.approx(0.0, abs=1e-12)
     assert found.stopping(50.0, 0.0) == 0.0

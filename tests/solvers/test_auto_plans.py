@@ -1,23 +1,133 @@
-"""The plans of `auto` name what exists, and cover every law and cone."""
+"""The plans of `auto` name what exists; parts are solved apart, proofs come early, compiling is free."""
 
 from __future__ import annotations
 
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from numba.core import event
+
 import surefoot as sf
 from surefoot.contact.laws import LAWS
-from surefoot.solvers import auto, plans
+from surefoot.kernels import working_time
+from surefoot.solvers import auto, on_blocks, plans
 
-TABLES = (plans.CONES, plans.CONES_LARGE, plans.PYRAMIDS)
+TABLES = (plans.CONES, plans.CONES_LARGE, plans.PYRAMIDS, plans.GENERAL)
 
 
 def test_every_stage_is_a_solver_or_a_part() -> None:
-    known = {*sf.solver_names(), *auto.PARTS, plans.PROOF, plans.EARLY_PROOF}
+    known = {*sf.solver_names(), *auto.LOOKS, *auto.FUNCTIONS}
     stages = [stage for table in TABLES for plan in table.values() for stage in plan]
-    assert {stage.name for stage in [*stages, *plans.GENERAL]} <= known
+    assert {stage.name for stage in stages} <= known
     assert all(stage.most is None or stage.most > 0 for stage in stages)
 
 
-def test_every_law_has_its_plans_and_each_looks_for_a_proof() -> None:
+def test_every_law_has_its_plans_and_each_parts_and_looks_for_a_proof() -> None:
     for table in TABLES:
-        assert set(table) == set(LAWS)
-        assert all(plans.PROOF in [stage.name for stage in plan] for plan in table.values())
-    assert plans.PROOF in [stage.name for stage in plans.GENERAL]
+        assert set(table) == ({plans.ANY_LAW} if table is plans.GENERAL else set(LAWS))
+        for plan in table.values():
+            assert {plans.PARTS, plans.PROOF} <= {stage.name for stage in plan}
+
+
+LAWFUL = np.array([0.3, 0.0, -1.0])
+WANTED = np.array([-0.3, 0.0, 1.0])
+"""A contact on the unit matrix that sticks, and its force."""
+LOST = {"approaches": [0.0, 0.0, -1.0], "degenerate": [1.0, 0.0, 0.5 - 1e-5]}
+"""Free velocities of a contact that no force moves; the second is unlawful by 1e-5 under the convex law."""
+
+
+def joined(law: str, free: list[float], **options: Any) -> sf.ContactProblem:
+    G = np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    return sf.ContactProblem(G, np.concatenate([LAWFUL, free]), 0.5, law=law, **options)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("options", [{}, {"facets": 8}])
+def test_a_part_without_solution_leaves_the_others_theirs(law: str, options: dict[str, Any]) -> None:
+    for name, free in LOST.items():
+        problem = joined(law, free, **options)
+        found = sf.solve(problem)
+        np.testing.assert_allclose(found.forces[0], WANTED, atol=1e-7)
+        if name == "approaches":
+            assert found.status is sf.Status.INFEASIBLE
+            assert found.proof is not None
+            checked = sf.check_proof(problem, found.proof.direction)
+            assert checked is not None
+            assert checked.conclusive
+        path = sf.ContactSolver(2, 0.5, law, **options)
+        answer = path.solve(problem.G, problem.g)
+        np.testing.assert_allclose(answer.forces[0], WANTED, atol=1e-7)
+        assert answer.status is found.status
+
+
+def test_hardly_degenerate_parts_are_both_solved() -> None:
+    """The second contact is unlawful by 1e-12: within the tolerance, as alone."""
+    found = sf.solve(joined("convex", [1.0, 0.0, 0.5 - 1e-12])).raise_if_failed()
+    np.testing.assert_allclose(found.forces, [WANTED, np.zeros(3)], atol=1e-7)
+
+
+def test_parts_of_contacts_of_any_kind() -> None:
+    contacts = [sf.contact_sets.SoftFinger(0.5, 0.02), sf.contact_sets.SoftFinger(0.5, 0.02)]
+    G, g = np.diag([1.0] * 4 + [0.0] * 4), np.array([0.3, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0])
+    found = sf.solve(sf.ContactProblem(G, g, contacts=contacts))
+    assert found.status is sf.Status.INFEASIBLE
+    np.testing.assert_allclose(found.forces[:4].ravel()[:4], [-0.3, 0.0, 1.0, 0.0], atol=1e-6)
+
+
+def test_many_parts_one_of_them_lost() -> None:
+    """Sixty contacts of twenty bodies, one of them squeezed by walls: the other nineteen are solved."""
+    rng = np.random.default_rng(2)
+    G, g = np.zeros((180, 180)), rng.normal(size=180)
+    for k in range(20):
+        J = rng.normal(size=(9, 12))
+        G[9 * k : 9 * k + 9, 9 * k : 9 * k + 9] = J @ J.T
+    G[:9, :9] = 0.0
+    g[2] = -1.0
+    found = sf.solve(sf.ContactProblem(G, g, 0.4))
+    assert found.status is sf.Status.INFEASIBLE
+    rest = sf.ContactProblem(G[9:, 9:], g[9:], 0.4)
+    assert sf.residuals(rest, found.forces[3:]).worst <= 1e-8
+
+
+def squeezed(contacts: int) -> sf.ContactProblem:
+    """A body between floor and ceiling that close: no forces help, in hundreds of redundant contacts."""
+    rng = np.random.default_rng(0)
+    places = rng.normal(size=(contacts, 3)) * [0.2, 0.2, 0.0]
+    J = np.zeros((3 * contacts, 6))
+    for k, (x, y, _) in enumerate(places):
+        up = 1.0 if k % 2 == 0 else -1.0
+        R, z = np.diag([1.0, up, up]), -0.1 * up
+        J[3 * k : 3 * k + 3] = np.hstack([R, -R @ [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]])
+    g = J @ rng.normal(size=6)
+    g[2::3] -= 0.5
+    return sf.ContactProblem(J @ J.T, g, 0.5)
+
+
+@pytest.mark.parametrize("contacts", [30, 64, 200])
+def test_contradictions_are_proven_before_the_methods_wear_out(contacts: int) -> None:
+    found = sf.solve(squeezed(contacts))
+    assert found.status is sf.Status.INFEASIBLE
+    assert found.iterations < 3000  # sweeps and steps: 34,000 where the proof comes last
+
+
+def test_the_clock_stands_still_while_kernels_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = working_time()
+    event.start_event("numba:compiler_lock")
+    time.sleep(0.05)
+    event.end_event("numba:compiler_lock")
+    assert working_time() - before < 0.04
+    problem = squeezed(64).replace(g=np.tile([0.1, 0.0, -1.0], 64) * np.repeat(np.arange(64) % 2 == 0, 3))
+    sf.solve(problem)  # what is not loaded yet
+    alternate = on_blocks.alternate
+
+    def compiles_first(*given: Any) -> Any:
+        event.start_event("numba:compiler_lock")
+        time.sleep(1.2)
+        event.end_event("numba:compiler_lock")
+        return alternate(*given)
+
+    monkeypatch.setattr(on_blocks, "alternate", compiles_first)
+    found = sf.solve(problem, max_time=1.0, max_iterations=5)
+    assert found.status is not sf.Status.MAX_TIME

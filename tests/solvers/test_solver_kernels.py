@@ -12,7 +12,6 @@ from surefoot.cones.polyhedral import FrictionPyramid
 from surefoot.contact import blocks
 from surefoot.solvers import (
     admm,
-    lcp_iterative,
     lemke,
     newton_sparse,
     newton_step,
@@ -258,16 +257,10 @@ def test_admm_of_few_contacts_is_that_of_many(law: str, facets: int | None) -> N
     assert sf.solve(p, "admm", tol=1e-300, max_time=1e-9).status.value in ("max_time", "almost")
 
 
-def test_lcp_kernels() -> None:
+def test_a_pivot_of_lemke() -> None:
     rng = np.random.default_rng(1)
     J = rng.normal(size=(5, 5))
     M, q = J @ J.T + np.eye(5), rng.normal(size=5)
-    z, twin = np.zeros(5), np.zeros(5)
-    lcp_iterative._sweeps(M, q, z, 3)
-    for _ in range(3):
-        for i in range(5):
-            twin[i] = max(0.0, twin[i] - (M[i] @ twin + q[i]) / M[i, i])
-    assert np.allclose(z, twin)
     T = np.hstack([np.eye(5), -M, -np.ones((5, 1)), q[:, None]])
     pivoted, expected = T.copy(), T.copy()
     lemke._pivot(pivoted, 2, 7)

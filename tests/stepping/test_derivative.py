@@ -19,7 +19,7 @@ from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import State, Step, StepOptions, Stepper, step_derivative
 from surefoot.stepping import motion as rules
-from surefoot.stepping.state import Memory
+from surefoot.stepping.state import StepRemainder
 from surefoot.terrain import Terrain
 from surefoot.terrain.heightfield import HeightfieldTerrain
 
@@ -125,7 +125,7 @@ def test_go2_with_a_memory_slides_and_sticks(terrain: Terrain, mu: float) -> Non
     stepper = Stepper(robot, terrain, replace(EXACT, stabilisation="none"))
     impulses, seen = np.abs(rng.normal(size=(4, 3))), []
     for leaving in (rng.normal(size=(4, 3)), 0.01 * rng.normal(size=(4, 3))):
-        state = State(q, v, 3, Memory(impulses, leaving, False))
+        state = State(q, v, 3, StepRemainder(impulses, leaving, False))
         d = check(stepper, state, torques, mu=mu)
         assert ("slide" if mu < 1.0 else "stick") in d.modes
         seen.append(np.abs(d.leaving).max() > 1e-4)

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from surefoot.errors import SimulationError
-from surefoot.sweep import Experiment, Interval, Space, SweepConfig, number
+from surefoot.sweep import NumberRange, Space, SweepConfig, SweepExperiment, number
 
 
 @dataclass(frozen=True)
-class Deadly(Experiment):
+class Deadly(SweepExperiment):
     """Kills its worker, raises, or returns its mu; every run leaves a line in a file."""
 
     columns: ClassVar[Mapping[str, str]] = {"survived": "bool", "twice": "float"}
@@ -48,4 +48,4 @@ INDICES = {sample.seed: sample.index for s in (0, 1) for sample in Space({}, s).
 
 def deadly(samples: int = 20, seed: int = 0, **settings: Any) -> SweepConfig:
     """Return a sweep of `Deadly` over mu from 0 to 1."""
-    return SweepConfig("deadly", Deadly(**settings), Space({"mu": Interval(0.0, 1.0)}, seed), samples)
+    return SweepConfig("deadly", Deadly(**settings), Space({"mu": NumberRange(0.0, 1.0)}, seed), samples)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from surefoot.errors import ProblemError
-from surefoot.sweep import Interval, read_sweep, sweep_from_dict
+from surefoot.sweep import NumberRange, read_sweep, sweep_from_dict
 
 DROP = {"experiment": "drop", "ranges": {"mu": [0.2, 0.8]}}
 IDENTIFIED = {"fit": {"mu": {"value": 0.2, "low": 0.18, "high": 0.21, "unit": ""},
@@ -84,8 +84,8 @@ def test_numbers_as_yaml_reads_them(tmp_path: Path) -> None:
     """YAML 1.1 takes 1e4 for a text: it is the number that was meant."""
     (tmp_path / "a.yaml").write_text("experiment: drop\nranges:\n  stiffness: [1e4, 1e6]\n  mu: 0.5\n")
     ranges = read_sweep(tmp_path / "a.yaml").space.ranges
-    assert ranges["stiffness"] == Interval(1e4, 1e6)
-    assert ranges["mu"] == Interval(0.5, 0.5)
+    assert ranges["stiffness"] == NumberRange(1e4, 1e6)
+    assert ranges["mu"] == NumberRange(0.5, 0.5)
 
 
 @pytest.mark.parametrize(
@@ -111,11 +111,11 @@ def test_ranges_from_identification(tmp_path: Path) -> None:
     config = sweep_from_dict(drop(mu={**told, "widen": 2}, restitution=told), tmp_path)
     wide, plain = config.space.ranges["mu"], config.space.ranges["restitution"]
     assert (wide.at(0.0), wide.at(1.0)) == pytest.approx((0.16, 0.22))
-    assert plain == Interval(0.0, 0.3)
+    assert plain == NumberRange(0.0, 0.3)
     cut = sweep_from_dict(drop(restitution={**told, "widen": 9}), tmp_path).space.ranges["restitution"]
-    assert cut == Interval(0.0, 1.0)
+    assert cut == NumberRange(0.0, 1.0)
     friction = sweep_from_dict(drop(slope={**told, "as": "mu"}), tmp_path).space.ranges["slope"]
-    assert friction == Interval(0.18, 0.21)
+    assert friction == NumberRange(0.18, 0.21)
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ import pytest
 
 from surefoot.errors import ProblemError
 from surefoot.sweep import run_sweep
-from surefoot.sweep.driver import Crew
+from surefoot.sweep.driver import ChunkQueue
 from surefoot.sweep.pools import Chunk, Pool
-from surefoot.sweep.worker import Row, Task, run_chunk
+from surefoot.sweep.worker import Row, SweepTask, run_chunk
 from tests.sweep.deadly import deadly
 
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
@@ -23,7 +23,11 @@ class Fragile(Pool):
 
     def __init__(self, config: Any, workers: int, killers: set[int], mishaps: set[int]) -> None:
         self.workers, self.given = workers, list[Chunk]()
-        self._task, self._killers, self._mishaps = Task(config.experiment, config.space), killers, mishaps
+        self._task, self._killers, self._mishaps = (
+            SweepTask(config.experiment, config.space),
+            killers,
+            mishaps,
+        )
         self._waiting: deque[Chunk] = deque()
         self._looks = 0
 
@@ -58,7 +62,7 @@ def test_killers_are_found_and_bystanders_get_their_rows(
 ) -> None:
     config = deadly(20)
     pool = Fragile(config, workers, killers, mishaps)
-    crew = Crew(pool, config, list(range(20)))
+    crew = ChunkQueue(pool, config, list(range(20)))
     found = [row for rows in crew.rows() for row in rows]
     assert sorted(row["index"] for row in found) == list(range(20))
     assert {row["index"] for row in found if row["status"] == "crashed"} == killers
@@ -125,4 +129,4 @@ def test_a_cluster_that_is_not_there_is_told(backend: str) -> None:
     )
     config = deadly()
     with pytest.raises(ProblemError, match=r"answers at 127.0.0.1:1"):
-        Pool(backend, Task(config.experiment, config.space), None, "127.0.0.1:1")
+        Pool(backend, SweepTask(config.experiment, config.space), None, "127.0.0.1:1")

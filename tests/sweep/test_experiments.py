@@ -17,7 +17,7 @@ from surefoot.simulation.faults import Faults
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
 from surefoot.sweep import EXPERIMENTS, sweep_from_dict
-from surefoot.sweep.drop import Drop
+from surefoot.sweep.drop import DropExperiment
 from surefoot.sweep.experiment import KINDS, make_experiment
 
 SEED = 1
@@ -49,7 +49,9 @@ def test_no_box_rests_where_coulomb_says_that_it_slides() -> None:
 @pytest.mark.parametrize("restitution", [0.0, 0.4, 0.8])
 def test_a_ball_bounces_by_its_restitution_squared(restitution: float) -> None:
     height, dt = 0.2, 0.001
-    result = Drop(body="ball", height=height, tumble=False, dt=dt, restitution=restitution).run(SEED)
+    result = DropExperiment(body="ball", height=height, tumble=False, dt=dt, restitution=restitution).run(
+        SEED
+    )
     speed = math.sqrt(2.0 * GRAVITY * height)
     assert result["bounce"] == pytest.approx(restitution**2 * height, abs=2.0 * speed * dt)
     assert result["depth_max"] < 1e-6
@@ -58,14 +60,14 @@ def test_a_ball_bounces_by_its_restitution_squared(restitution: float) -> None:
 def test_a_ball_sinks_into_a_spring_as_its_energy_says() -> None:
     height, stiffness, mass = 0.1, 2e4, 1.5
     settings = {"body": "ball", "height": height, "tumble": False, "dt": 1e-4, "duration": 0.3}
-    result = Drop(**settings, stiffness=stiffness, mass=mass).run(SEED)
+    result = DropExperiment(**settings, stiffness=stiffness, mass=mass).run(SEED)
     rest = mass * GRAVITY / stiffness
     assert result["depth_max"] == pytest.approx(rest + math.sqrt(rest**2 + 2.0 * rest * height), rel=0.02)
 
 
 def test_mass_inertia_and_centre_of_mass() -> None:
     robot = load_robot("go2")
-    own = Drop(mass=1.3, inertia=1.5, com_x=0.02, com_z=-0.01).altered(robot)
+    own = DropExperiment(mass=1.3, inertia=1.5, com_x=0.02, com_z=-0.01).altered(robot)
     assert own.mass == pytest.approx(1.3 * robot.mass, rel=1e-12)
     share = robot.model.inertias[1].mass / robot.mass
     turn = pinocchio.Quaternion(robot.nominal[3:7]).toRotationMatrix()
@@ -76,7 +78,7 @@ def test_mass_inertia_and_centre_of_mass() -> None:
         )
     np.testing.assert_array_equal(own.contact_points.places, robot.contact_points.places)
     assert robot.model.inertias[1].mass * 1.3 == own.model.inertias[1].mass  # the robot itself is as it was
-    assert Drop().altered(robot) is robot
+    assert DropExperiment().altered(robot) is robot
 
 
 def test_motors_give_their_share() -> None:

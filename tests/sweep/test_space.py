@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from surefoot.sweep import Choice, Interval, Space, sweep_from_dict
+from surefoot.sweep import NumberRange, Space, TextRange, sweep_from_dict
 
 RANGES = {
-    "delay": Interval(0.0, 0.01),
-    "mu": Interval(0.1, 1.0),
-    "terrain": Choice(("flat", "slope:5", "slope:10")),
-    "stiffness": Interval(1e3, 1e6, "log"),
-    "mass": Interval(1.2, 1.2),
+    "delay": NumberRange(0.0, 0.01),
+    "mu": NumberRange(0.1, 1.0),
+    "terrain": TextRange(("flat", "slope:5", "slope:10")),
+    "stiffness": NumberRange(1e3, 1e6, "log"),
+    "mass": NumberRange(1.2, 1.2),
 }
 
 
@@ -37,7 +37,7 @@ def test_the_order_in_the_file_does_not_matter() -> None:
 
 
 def test_the_points_are_scipys_scrambled_sobol_points() -> None:
-    space = Space({"mu": Interval(0.0, 1.0), "restitution": Interval(0.0, 1.0)}, seed=3)
+    space = Space({"mu": NumberRange(0.0, 1.0), "restitution": NumberRange(0.0, 1.0)}, seed=3)
     points = qmc.Sobol(2, seed=np.random.default_rng(3)).random_base2(7)
     drawn = [[s.values["mu"], s.values["restitution"]] for s in space.sample(range(128))]
     np.testing.assert_array_equal(drawn, points)
@@ -57,6 +57,6 @@ def test_ranges_are_met_and_evenly_filled() -> None:
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0 - 1e-16, 1.0])
 def test_the_ends_of_a_range_are_not_passed(share: float) -> None:
-    for one in (Interval(0.1, 0.3), Interval(0.1, 0.3, "log"), Interval(1e-3, 1e12, "log")):
+    for one in (NumberRange(0.1, 0.3), NumberRange(0.1, 0.3, "log"), NumberRange(1e-3, 1e12, "log")):
         assert one.low <= one.at(share) <= one.high
-    assert Choice(("a", "b")).at(share) in ("a", "b")
+    assert TextRange(("a", "b")).at(share) in ("a", "b")

@@ -15,14 +15,14 @@ from tests.sweep.deadly import deadly
 
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
 from surefoot.sweep.store import Store
-from surefoot.sweep.worker import Task, run_chunk
+from surefoot.sweep.worker import SweepTask, run_chunk
 
 
 def partly_done(folder: Path, config: Any, *parts: range) -> None:
     """Leave what a driver leaves that was killed after some writings."""
     with Store(folder, config) as store:
         for part in parts:
-            store.add(run_chunk(Task(config.experiment, config.space), part))
+            store.add(run_chunk(SweepTask(config.experiment, config.space), part))
 
 
 def whole(config: Any, folder: Path) -> Any:
@@ -90,7 +90,7 @@ def test_samples_drawn_otherwise_are_refused(tmp_path: Path, monkeypatch: pytest
 
 def test_a_worker_of_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     config = deadly(6)
-    task = Task(config.experiment, config.space)
+    task = SweepTask(config.experiment, config.space)
     monkeypatch.setattr("surefoot.sweep.worker.__version__", "99.1")
     with pytest.raises(ProblemError, match=r"has Surefoot 99.1, the driver .*: install the same"):
         run_chunk(task, range(2))
@@ -133,7 +133,7 @@ def test_a_full_disk_is_told_and_what_was_written_kept(tmp_path: Path) -> None:
         (pages,) = store._rows.execute("PRAGMA page_count").fetchone()
         store._rows.execute(f"PRAGMA max_page_count = {pages + 1}")  # SQLite's own word for a full disk
         with pytest.raises(WriteError, match=r"cannot write .*sweep.sqlite: database or disk is full"):
-            store.add(run_chunk(Task(config.experiment, config.space), range(5, 200)))
+            store.add(run_chunk(SweepTask(config.experiment, config.space), range(5, 200)))
         assert store.done == set(range(5))
     assert run_sweep(deadly(20), tmp_path / "a", backend="serial").resumed == 5
 
@@ -142,7 +142,7 @@ def test_rows_are_brought_to_the_disk(tmp_path: Path) -> None:
     """After a power cut a commit is there: SQLite's strictest setting, and no transaction is left open."""
     with Store(tmp_path / "a", deadly()) as store:
         assert store._rows.execute("PRAGMA synchronous").fetchone() == (3,)
-        store.add(run_chunk(Task(deadly().experiment, deadly().space), range(3)))
+        store.add(run_chunk(SweepTask(deadly().experiment, deadly().space), range(3)))
         assert not store._rows.in_transaction
 
 

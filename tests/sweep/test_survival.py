@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import binomtest
 
 from surefoot.errors import ProblemError
-from surefoot.sweep import Choice, Space, SweepConfig, run_sweep, sweep_from_dict
+from surefoot.sweep import Space, SweepConfig, TextRange, run_sweep, sweep_from_dict
 from surefoot.sweep.survival import check_varying, counts, margins, survival_grid, wilson
 from tests.sweep.deadly import Deadly, deadly
 
@@ -74,7 +74,7 @@ def test_without_results_there_is_no_share(tmp_path: Path) -> None:
 
 
 def test_a_sweep_of_nothing_but_its_seed(tmp_path: Path) -> None:
-    config = SweepConfig("deadly", Deadly(), Space({"seen": Choice(("",))}), 4)
+    config = SweepConfig("deadly", Deadly(), Space({"seen": TextRange(("",))}), 4)
     assert margins(config, run_sweep(config, tmp_path / "a", backend="serial").table)[0].labels == ("",)
     bare = SweepConfig("deadly", Deadly(), Space({}), 4)
     assert run_sweep(bare, tmp_path / "b", backend="serial").table["twice"].to_pylist() == [0.0] * 4

@@ -10,6 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.audit.checks import CHECKS, Check
+from surefoot.audit.command import judge_command, judge_task
 from surefoot.audit.diagnosis import diagnose
 from surefoot.audit.friction import FrictionCount
 from surefoot.audit.intervals import JOIN, Interval, Track
@@ -78,7 +79,7 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
 
 
 def assert_lawful(log: Log | Path | str, robot: Robot | None = None, symptoms: bool = False) -> AuditReport:
-    """Audit a log and raise unless it is lawful; for tests.
+    """Audit a log and raise unless it is lawful and its task did not fail; for tests.
 
     Parameters
     ----------
@@ -95,7 +96,7 @@ def assert_lawful(log: Log | Path | str, robot: Robot | None = None, symptoms: b
         See `audit_log`.
     """
     report = audit_log(log, robot)
-    if not report.lawful or (symptoms and report.symptoms):
+    if not report.passed or (symptoms and report.symptoms):
         raise LawBroken(report)
     return report
 
@@ -190,7 +191,7 @@ def _report(
     return AuditReport(
         verdict, violations, more, symptoms, coverage, intervals,
         (*setting.doubts, *setting.notes, *_changes(intervals)), len(log), float(time[0]), float(time[-1]),
-        setting.names, setting.weight, reason,
+        setting.names, setting.weight, reason, *judge_task(log), tuple(judge_command(log, setting)),
     )  # fmt: skip
 
 

@@ -8,23 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import FloatArray
+from surefoot.audit.continuity import contact_velocity, gap_rate, no_plane, state
 from surefoot.audit.laws import CONE_LIMIT, LEAST_FRICTION, PENETRATION_LIMIT, PULL_LIMIT, SLIDE_LIMIT
-from surefoot.audit.rows import Rows, sliding_mean, sliding_sum
-from surefoot.audit.setting import Setting
+from surefoot.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
+from surefoot.audit.setting import DEEP, Setting
+from surefoot.audit.touches import rebound, sparse
 from surefoot.log import Log
-
-Measured: TypeAlias = tuple[FloatArray, FloatArray, BoolArray]
-"""Measure, limit, and where it is exceeded: (T, c) each, c the contacts or contacts and body."""
 
 SMOOTH = 0.01
 """Forces are compared with the motion over this time [s]."""
 MOTION_LIMIT = 0.05
 """Force on a foot, or on the body, that the motion may leave unexplained, as a share of m g."""
+RINGING_TIME, RINGING_LIMIT = 0.05, 0.1
+"""Root mean square over this time [s] of what single rows leave unexplained, as a share of m g: a
+force that rings about the true one has the right mean."""
 MOMENT_ARM = 0.02
 """The moment on the body that may be left unexplained is m g on this arm [m]."""
 SWING_DEPTH = 1.6
@@ -79,32 +80,32 @@ def _no_soles(log: Log, setting: Setting) -> str:
     return "" if soles else "no foot has three contact points"
 
 
-def _over(value: FloatArray, limit: FloatArray | float) -> Measured:
-    bound = np.broadcast_to(limit, value.shape)
-    return value, bound, value > bound
-
-
 def _penetration(rows: Rows) -> Measured:
     """Depth [m]; while a body tumbles onto soft contacts they drive each other deeper."""
     limit = max(PENETRATION_LIMIT, rows.setting.sinking)
-    return _over(-rows.gaps, np.where(rows.swinging, max(limit, SWING_DEPTH * rows.setting.sinking), limit))
+    return over(-rows.gaps, np.where(rows.swinging, max(limit, SWING_DEPTH * rows.setting.sinking), limit))
+
+
+def _depth(rows: Rows) -> Measured:
+    """Depth that is soft, whatever the world declares [m]."""
+    return over(-rows.gaps, DEEP)
 
 
 def _pull(rows: Rows) -> Measured:
-    return _over(-rows.normal, PULL_LIMIT * rows.setting.weight)
+    return over(-rows.normal, PULL_LIMIT * rows.setting.weight)
 
 
 def _friction(rows: Rows) -> Measured:
     """Friction that a force needs; one of hardly any normal force may have the noise of it."""
     needed = rows.tangential / np.maximum(rows.normal, rows.setting.threshold)
-    return _over(needed, CONE_LIMIT * np.maximum(rows.mu, LEAST_FRICTION))
+    return over(needed, CONE_LIMIT * np.maximum(rows.mu, LEAST_FRICTION))
 
 
 def _distance(rows: Rows) -> Measured:
     """Force across a gap, along the normal or across it."""
     pushed = np.maximum(np.abs(rows.normal), rows.tangential) > rows.setting.threshold
     value = np.where(pushed, rows.gaps, 0.0)
-    return _over(value, max(PENETRATION_LIMIT, rows.setting.sinking))
+    return over(value, max(PENETRATION_LIMIT, rows.setting.sinking))
 
 
 def _settled(rows: Rows, value: FloatArray) -> FloatArray:
@@ -131,7 +132,7 @@ def _driving(rows: Rows) -> Measured:
     _, work, most = _work(rows)
     late = SLIDE_LIMIT + 2.0 * rows.setting.stopping
     limit = np.maximum(0.05 * late * rows.setting.weight, 0.05 * most)
-    return _over(_settled(rows, work), limit)
+    return over(_settled(rows, work), limit)
 
 
 def _sliding(rows: Rows) -> Measured:
@@ -139,7 +140,7 @@ def _sliding(rows: Rows) -> Measured:
     way, work, most = _work(rows)
     share = np.clip((0.9 * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
-    return _over(_settled(rows, value), rows.setting.slide_limit + rows.setting.creep * SLIDE_WINDOW)
+    return over(_settled(rows, value), rows.setting.slide_limit + rows.setting.creep * SLIDE_WINDOW)
 
 
 def _motion(rows: Rows) -> Measured:
@@ -153,7 +154,9 @@ def _motion(rows: Rows) -> Measured:
         force = np.linalg.norm(sliding_mean(rest.force, w), axis=-1)
         moment = np.linalg.norm(sliding_mean(rest.moment, w), axis=-1)
         value[:, -1] = np.fmax(force, moment * (MOTION_LIMIT / MOMENT_ARM))
-    return _over(np.nan_to_num(value), MOTION_LIMIT * weight)
+        rings = np.sqrt(sliding_mean((rest.force**2).sum(axis=1), rows.window(RINGING_TIME)))
+        value[:, -1] = np.fmax(value[:, -1], rings * (MOTION_LIMIT / RINGING_LIMIT))
+    return over(np.nan_to_num(value), MOTION_LIMIT * weight)
 
 
 def _pressure(rows: Rows) -> Measured:
@@ -165,7 +168,7 @@ def _pressure(rows: Rows) -> Measured:
         if centres is None or len(mine) < 3:
             continue
         value[:, mine] = _beyond(rows.normal[:, mine], np.asarray(centres)[mine, :2], rows.setting.threshold)
-    return _over(value, PENETRATION_LIMIT)
+    return over(value, PENETRATION_LIMIT)
 
 
 def _beyond(normal: FloatArray, places: FloatArray, least: float) -> FloatArray:
@@ -190,7 +193,7 @@ def _chatter(rows: Rows) -> Measured:
     back[1:] = np.where(step[1:] * step[:-1] < 0.0, np.minimum(np.abs(step[1:]), np.abs(step[:-1])), 0.0)
     ringing = sliding_sum(np.minimum(back, rows.setting.weight), w) / w
     value = np.maximum(sliding_sum(switched, w), ringing / (RINGING * rows.setting.weight) * CHATTER_SWITCHES)
-    out = _over(value, CHATTER_SWITCHES - 0.5)
+    out = over(value, CHATTER_SWITCHES - 0.5)
     return out[0], out[1], out[2] & (sliding_sum(switched + (back > 0.0), rows.window(SMOOTH)) > 0.0)
 
 
@@ -201,7 +204,7 @@ def _blow(rows: Rows) -> Measured:
     if rows.count >= 5:
         around[2:-2] = np.maximum(np.minimum(size[:-4], size[1:-3]), np.minimum(size[4:], size[3:-1]))
     value = np.where(np.isfinite(around), size - around, 0.0) / rows.setting.weight
-    return _over(value, SPIKE)
+    return over(value, SPIKE)
 
 
 def _idle(rows: Rows) -> Measured:
@@ -217,7 +220,7 @@ def _idle(rows: Rows) -> Measured:
     on = (none & closed).astype(np.float64)
     value = np.zeros((rows.count, rows.points + 1))
     value[:, -1:] = sliding_sum(on, w) / w
-    out = _over(value, 0.95)
+    out = over(value, 0.95)
     return out[0], out[1], out[2] & (none & closed)
 
 
@@ -227,7 +230,7 @@ def _frozen(rows: Rows) -> Measured:
     same = np.zeros(rows.normal.shape)
     same[1:] = (rows.normal[1:] == rows.normal[:-1]) & (np.abs(rows.normal[1:]) > rows.setting.threshold)
     value = sliding_sum(same, w) / w
-    out = _over(value, 0.95)
+    out = over(value, 0.95)
     return out[0], out[1], out[2] & (w > 8)
 
 
@@ -239,7 +242,7 @@ def _lean(rows: Rows) -> Measured:
         lean = (n[:, 0] + n[:, 3] - n[:, 1] - n[:, 2]) / rows.setting.weight
         mean = np.abs(sliding_mean(np.where(rows.loaded.all(axis=1), lean, np.nan), rows.window(LEAN_TIME)))
         value[:] = np.nan_to_num(mean)[:, None]
-    return _over(value, LEAN)
+    return over(value, LEAN)
 
 
 FORCES, GAPS = ("forces",), ("forces", "gaps")
@@ -260,6 +263,20 @@ CHECKS = (
         "motion", "forces explain the motion", "N", True, ("forces", "q", "v"), _motion,
         lambda _, setting: setting.why_no_motion,
     ),
+    Check(
+        "restitution", "a touch returns no more than it took", "J", True, ("forces", "contact_velocities"),
+        rebound, sparse,
+    ),
+    Check("state", "positions follow from velocities", "m", True, ("q", "v"), state),
+    Check(
+        "gap rate", "gaps follow from velocities", "m", True, ("gaps", "contact_velocities"), gap_rate,
+        no_plane,
+    ),
+    Check(
+        "contact velocity", "contacts move with the joints", "m/s", True, ("contact_velocities", "q", "v"),
+        contact_velocity, lambda _, setting: setting.why_no_motion,
+    ),
+    Check("depth", "a soft contact", "m", False, ("gaps",), _depth),
     Check("chatter", "switches of contact in 0.1 s", "1", False, FORCES, _chatter),
     Check("blow", "force of one row", "m g", False, FORCES, _blow),
     Check("idle", "nothing carries the robot", "share", False, FORCES, _idle),

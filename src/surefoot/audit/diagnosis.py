@@ -10,13 +10,17 @@ from surefoot.audit.intervals import Interval
 from surefoot.audit.report import Finding
 from surefoot.audit.rows import Rows
 from surefoot.audit.setting import BODY, Setting
-from surefoot.audit.symptoms import SYMPTOMS
+from surefoot.audit.symptoms import SYMPTOMS, Symptom
 from surefoot.log import Log
 
 NEAR = 0.05
 """What fails at one contact within this time is one episode [s]."""
 MOST_EPISODES = 200
 """Episodes that are looked at, of each contact the first."""
+WHOLE = ("no forces", "infeasible", "held rows", "teleport", "other velocities", "velocity jump")
+"""What is said of the body and explains what is amiss at the feet at that time."""
+AT_ONCE = 0.03
+"""A motion that goes wrong so long after an episode's first failure is its consequence [s]."""
 ALL = 0.75
 """A finding at more than this share of the contacts is one of all."""
 
@@ -57,21 +61,28 @@ def _episodes(found: Iterable[Interval], setting: Setting) -> list[tuple[int, in
 
 def _best(episode: Episode, rows: int) -> list[Finding]:
     """Return the strongest finding of an episode, or none."""
-    told = [(found, s) for s in SYMPTOMS if (found := s.evidence(episode)) is not None]
-    told.sort(key=lambda t: -t[0].strength)
+    speaking = [(found, s) for s in SYMPTOMS if (found := s.evidence(episode)) is not None]
+    begun = min(i.first for i in episode.failed.values())
+    soon = begun + episode.rows.window(AT_ONCE)
+
+    def late(s: Symptom) -> bool:
+        """Return whether it rests on a motion that went wrong after what began the episode: a consequence."""
+        return "motion" in s.checks and episode.failed["motion"].first > soon
+
+    speaking.sort(key=lambda t: (late(t[1]), -t[0].strength))
     time, core = episode.rows.time, episode.rows.core
     start = float(time[core.start])
     end = start + rows * episode.rows.setting.dt
     name = BODY if episode.body else episode.rows.setting.names[episode.column]
     return [
         Finding(s.name, name, start, end, found.text, s.cause, s.confirm, s.cure, found.strength)
-        for found, s in told[:1]
+        for found, s in speaking[:1]
     ]
 
 
 def _not_shadowed(found: list[Finding], setting: Setting) -> list[Finding]:
     """Leave out what is said of the body while a foot's wrong force explains it, and the other way round."""
-    whole = [f for f in found if f.contact == BODY and f.name in ("no forces", "infeasible")]
+    whole = [f for f in found if f.contact == BODY and f.name in WHOLE]
     feet = [f for f in found if f.contact != BODY]
     out = []
     for one in found:
@@ -101,5 +112,14 @@ def _joined(found: list[Finding], setting: Setting) -> list[Finding]:
 
 
 def _ranked(found: list[Finding]) -> list[Finding]:
-    """Return the strongest first, of all contacts before one; equally strong ones by time."""
-    return sorted(found, key=lambda f: (-f.strength - 0.02 * (f.contact == "all"), f.start))
+    """Return the strongest first, of all contacts before one; equally strong ones by time.
+
+    Joints come to their stops when a robot falls: what went wrong before comes first.
+    """
+    begun = min((f.start for f in found), default=0.0)
+
+    def key(f: Finding) -> tuple[bool, float, float]:
+        follows = f.name == "joint stop" and f.start > begun + NEAR
+        return follows, -f.strength - 0.02 * (f.contact == "all"), f.start
+
+    return sorted(found, key=key)

@@ -38,11 +38,14 @@ class Unexplained:
         (T, 3) on the whole robot, world axes, the moment about the base [N, N m].
     feet
         (T, n, 3) force on each foot that its leg's joint torques miss, world axes [N]; NaN without torques.
+    velocities
+        (T, p, 3) of the feet's material at the contact points, by the robot's joints, world axes [m/s].
     """
 
     force: FloatArray
     moment: FloatArray
     feet: FloatArray
+    velocities: FloatArray
 
 
 def unexplained(
@@ -79,7 +82,10 @@ def unexplained(
     force, place = forces_world[:-1], np.asarray(log["contact_positions"])[:-1]
     wrench = np.concatenate([force, np.cross(place, force)], axis=2)
     on_points = np.einsum("tpc,tcj->tpj", wrench, jacobian)
-    rest = torque - np.einsum("tpj,pj->tj", on_points, points.support.astype(np.float64))
+    support = points.support.astype(np.float64)
+    rest = torque - np.einsum("tpj,pj->tj", on_points, support)
+    twists = np.einsum("tcj,tj,pj->tpc", jacobian, v[:-1], support)
+    velocities = twists[..., :3] + np.cross(twists[..., 3:], place)
     base = robot.base_dof
     R = rotation_from_quaternion(q[:-1, 3:7])
     if "push" in log:
@@ -95,7 +101,25 @@ def unexplained(
         rest[:, base:] += _lost(log, v[:, base:], acceleration[:, base:], rest[:, base:])
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
-    return Unexplained(force_left, moment_left, feet)
+    return Unexplained(force_left, moment_left, feet, velocities)
+
+
+def balanced_forces(robot: Robot, log: Log) -> FloatArray:
+    """Return the forces on the feet that the joint torques of each row balance at rest: (T, n, 3) world [N].
+
+    What a controller that gives J^T f to stance legs asks of the ground; inertia of the legs is left out.
+
+    Parameters
+    ----------
+    robot
+        Whose log it is.
+    log
+        Rows with q, v, torques and contact_positions.
+    """
+    q, v = np.asarray(log["q"]), np.asarray(log["v"])
+    torque, jacobian = _newton_euler(robot.model, q, v, np.zeros(v.shape))
+    torque[:, robot.base_dof :] -= np.asarray(log["torques"])
+    return _at_feet(robot, torque, jacobian, np.asarray(log["contact_positions"]))
 
 
 def _lost(log: Log, speeds: FloatArray, acceleration: FloatArray, rest: FloatArray) -> FloatArray:

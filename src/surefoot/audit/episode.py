@@ -10,7 +10,10 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit.intervals import Interval
 from surefoot.audit.rows import Rows
+from surefoot.spatial import GRAVITY
 
+AT_REST = 1e-6
+"""Nothing that moves slower has been moving [m/s, rad/s]."""
 LONGEST = 4000
 """Rows of a long episode that are looked at: its first."""
 
@@ -101,6 +104,21 @@ class Episode:
     def loaded(self) -> BoolArray:
         """(m,) where it is loaded."""
         return self.rows.loaded[self.rows.core, self.column]
+
+    @cached_property
+    def static(self) -> bool:
+        """Whether nothing at all changes: a solution of statics, and no sensor that repeats itself."""
+        forces = self.rows.forces[self.rows.core]
+        rests = "v" not in self.rows.log or float(np.abs(self.rows.numbers("v")).max(initial=0.0)) < AT_REST
+        return rests and bool((forces == forces[:1]).all())
+
+    @cached_property
+    def impact(self) -> bool:
+        """Whether the largest force is the blow of a landing: no more than its momentum twice over."""
+        k = int(np.argmax(np.linalg.norm(self.force, axis=1)))
+        speed = float(np.linalg.norm(self.velocity[max(k - 2, 0) : k + 1], axis=1).max())
+        blow = float(np.linalg.norm(self.force[k])) * float(self.dt[k])
+        return blow <= 2.0 * self.weight / GRAVITY * speed
 
     @cached_property
     def consistent(self) -> bool:

@@ -7,12 +7,13 @@ are those of the table and of docs/audit.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
+from surefoot.audit import state_faults
 from surefoot.audit.spoiling import FaultyLog, LogCopy, Spoil, everywhere, on_flight, on_stance
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.log import Log
@@ -292,31 +293,6 @@ def _permute_torques(c: LogCopy, amplitude: float) -> FaultyLog | None:
     return c.whole()
 
 
-def _not_finite(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
-    c.arrays["forces"][part, foot] = np.nan
-
-
-def _clock(shift: Callable[[FloatArray, int], None]) -> Spoil:
-    def spoil(c: LogCopy, amplitude: float) -> FaultyLog | None:
-        row = int(c.rng.integers(100, c.rows - 100))
-        shift(c.arrays["time"], row)
-        return c.done("body", slice(row, row + 2))
-
-    return spoil
-
-
-def _twice(time: FloatArray, row: int) -> None:
-    time[row] = time[row - 1]
-
-
-def _back(time: FloatArray, row: int) -> None:
-    time[row:] -= 0.05
-
-
-def _gap_in_time(time: FloatArray, row: int) -> None:
-    time[row:] += 0.1
-
-
 LOG_FAULTS: tuple[LogFault, ...] = (
     LogFault("pull", "the ground pulls a standing foot", 0.1, "m g", "pull", on_stance(_pull)),
     LogFault("reversed", "force on the ground logged", 1.0, "", "reversed", everywhere(_reverse)),
@@ -371,9 +347,16 @@ LOG_FAULTS: tuple[LogFault, ...] = (
     ),
     LogFault("diagonal", "one diagonal of feet favoured", 0.5, "m g", "solver asymmetry", _diagonal),
     LogFault("torques", "joint torques in another order", 1.0, "", "wrong torques", _permute_torques),
-    LogFault("nan", "numbers that are none", 1.0, "", "", on_stance(_not_finite)),
-    LogFault("twice", "a time stamp twice", 1.0, "row", "", _clock(_twice)),
-    LogFault("backward", "a clock set back", 0.05, "s", "", _clock(_back)),
-    LogFault("lost", "rows lost", 0.1, "s", "", _clock(_gap_in_time)),
+    LogFault("teleport", "the base jumps aside", 0.02, "m", "teleport", state_faults.teleport),
+    LogFault("encoder", "a joint's angle jumps", 0.3, "rad", "teleport", state_faults.encoder_jump),
+    LogFault("stopped", "velocities are zero", 0.2, "s", "other velocities", state_faults.no_velocities),
+    LogFault("kick", "the base's velocity jumps", 0.3, "m/s", "velocity jump", state_faults.velocity_jump),
+    LogFault("held", "rows held", 0.06, "s", "held rows", state_faults.held_rows),
+    LogFault("motor", "a knee without torque", 1.0, "", "dead torque", on_stance(state_faults.dead_torque)),
+    LogFault("tilt", "all forces in a frame a little off", 10.0, "deg", "wrong frame", everywhere(_turn_all)),
+    LogFault("nan", "numbers that are none", 1.0, "", "", on_stance(state_faults.not_finite)),
+    LogFault("twice", "a time stamp twice", 1.0, "row", "", state_faults.clock(state_faults.twice)),
+    LogFault("backward", "a clock set back", 0.05, "s", "", state_faults.clock(state_faults.back)),
+    LogFault("lost", "rows lost", 0.1, "s", "", state_faults.clock(state_faults.gap_in_time)),
 )
 """Every kind of fault, with its amplitude."""

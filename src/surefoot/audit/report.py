@@ -10,6 +10,9 @@ from surefoot.errors import SurefootError
 Judgement: TypeAlias = Literal["lawful", "broken", "cannot tell"]
 """Every law that could be judged holds; one at least is broken; the log does not let one know."""
 
+Task: TypeAlias = Literal["attained", "failed", "unknown"]
+"""The run did what it was for; it did not; the log does not say."""
+
 
 class LawBroken(SurefootError, AssertionError):
     """Raised by `assert_lawful`; carries the report.
@@ -73,7 +76,7 @@ class Finding:
     cause, confirm, cure
         What it likely is, the check that would confirm it, what usually helps.
     strength
-        From 0 to 1: how much of what was measured it explains.
+        From 0 to 1: what explains more of what was measured comes first. An order, and no probability.
     """
 
     name: str
@@ -152,6 +155,12 @@ class AuditReport:
         m g that forces were judged against [N].
     reason
         Why one cannot tell; empty for another verdict.
+    task
+        Whether the run did what it was for: "attained", "failed", or "unknown" where the log does not say.
+    task_reason
+        How it failed; empty otherwise.
+    command
+        Where the controller asked for what no contact can give, or did not get what it asked for.
     """
 
     verdict: Judgement
@@ -167,6 +176,9 @@ class AuditReport:
     contacts: tuple[str, ...]
     weight: float
     reason: str = ""
+    task: Task = "unknown"
+    task_reason: str = ""
+    command: tuple[Finding, ...] = ()
 
     @property
     def lawful(self) -> bool:
@@ -180,7 +192,26 @@ class AuditReport:
 
     @property
     def sentence(self) -> str:
-        """The verdict in one sentence."""
+        """The verdict in one sentence: whether physics held, and whether the task was attained."""
+        task = {"attained": "; the task was attained", "failed": f"; the task failed: {self.task_reason}"}
+        asked = f"; the command: {self.command[0]}" if self.command else ""
+        return self._physics + task.get(self.task, "") + asked
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is lawful, and the task did not fail."""
+        return self.lawful and self.task != "failed"
+
+    @property
+    def exit_code(self) -> int:
+        """0: lawful, and the task did not fail; 1: a law is broken or the task failed; 3: one cannot tell."""
+        if self.verdict == "broken" or self.task == "failed":
+            return 1
+        return 0 if self.lawful else 3
+
+    @property
+    def _physics(self) -> str:
+        """What is to say of the laws."""
         span = f"{self.rows} rows, {self.end - self.start:.3g} s"
         if self.verdict == "lawful":
             known = "" if not self.symptoms else f", but look at: {self.symptoms[0]}"

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.audit.dynamics import MOTOR_FACTS, Unexplained, unexplained
+from surefoot.audit.dynamics import MOTOR_FACTS, Unexplained, balanced_forces, unexplained
 from surefoot.audit.setting import PER_POINT, Setting
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY
 from surefoot.terrain.frames import surface_frames
 
+Measured: TypeAlias = tuple[FloatArray, FloatArray, BoolArray]
+"""Measure, limit, and where it is exceeded: (T, c) each, c the contacts or contacts and body."""
 PAD = 0.15
 """Time before and after a piece that its windows may look at [s]."""
 HARD_TOUCHDOWN = 0.7
@@ -48,7 +51,8 @@ class Rows:
         """Return whether the log has all of these channels."""
         return self.points > 0 and not lacking(self.log, names)
 
-    def _numbers(self, name: str) -> FloatArray:
+    def numbers(self, name: str) -> FloatArray:
+        """Return a channel's rows, zero where they are not finite."""
         values = np.asarray(self.log[name], dtype=np.float64)
         finite = np.isfinite(values)
         return values if finite.all() else np.where(finite, values, 0.0)
@@ -87,7 +91,7 @@ class Rows:
     @cached_property
     def forces(self) -> FloatArray:
         """(T, p, 3) contact frames [N]."""
-        return self._numbers("forces")
+        return self.numbers("forces")
 
     @cached_property
     def normal(self) -> FloatArray:
@@ -107,23 +111,23 @@ class Rows:
     @cached_property
     def gaps(self) -> FloatArray:
         """(T, p) [m]."""
-        return self._numbers("gaps")
+        return self.numbers("gaps")
 
     @cached_property
     def velocities(self) -> FloatArray:
         """(T, p, 3) contact frames [m/s]."""
-        return self._numbers("contact_velocities")
+        return self.numbers("contact_velocities")
 
     @cached_property
     def mu(self) -> FloatArray:
         """Friction of the ground [-]: (T, p) where each contact has its own, else (T, 1)."""
         own = "contact_friction" in self.log
-        return np.maximum(self._numbers("contact_friction") if own else self._numbers("mu")[:, None], 0.0)
+        return np.maximum(self.numbers("contact_friction") if own else self.numbers("mu")[:, None], 0.0)
 
     @cached_property
     def frames(self) -> FloatArray:
         """(T, p, 3, 3) contact frames (rotations) in world axes, from the ground's normals."""
-        normals = self._numbers("normals")
+        normals = self.numbers("normals")
         length = np.linalg.norm(normals, axis=-1, keepdims=True)
         unit = np.where(length > 0.5, normals / np.maximum(length, 0.5), [0.0, 0.0, 1.0])
         flat = np.ascontiguousarray(unit.reshape(-1, 3))
@@ -138,7 +142,7 @@ class Rows:
         if robot is None or self.count < 2:
             return None
         log, time = self.log, self.time
-        arrays = {name: self._numbers(name) for name in _MOTION if name in log}
+        arrays = {name: self.numbers(name) for name in _MOTION if name in log}
         motors = {name: log.facts[name] for name in MOTOR_FACTS if name in log.facts}
         clean = Log({**arrays, "time": time}, motors, channels=log.channels)
         with np.errstate(all="ignore"):
@@ -149,7 +153,8 @@ class Rows:
         steps = np.diff(time)
         wrong = ~(steps > 0.2 * self.setting.dt) | ~(steps < 5.0 * self.setting.dt)
         wrong |= self.lost[:-1].any(axis=1) | self.lost[1:, -1]
-        return Unexplained(*(_with_last(part, wrong) for part in (out.force, out.moment, out.feet)))
+        parts = (out.force, out.moment, out.feet, out.velocities)
+        return Unexplained(*(_with_last(part, wrong) for part in parts))
 
     @cached_property
     def missing(self) -> FloatArray | None:
@@ -165,6 +170,22 @@ class Rows:
             if self.setting.single(k):
                 foot = rest.feet[:, self.setting.owner[k]]
                 out[:, k] = np.einsum("tji,tj->ti", self.frames[:, k], foot)
+        return out
+
+    @cached_property
+    def balanced(self) -> FloatArray | None:
+        """(T, p, 3) force that the joint torques balance at rest, contact frames [N], see `balanced_forces`.
+
+        Of feet with one contact point, NaN for others; None without a robot or its torques.
+        """
+        robot = self.setting.robot
+        if robot is None or "torques" not in self.log:
+            return None
+        feet = balanced_forces(robot, Log({name: self.numbers(name) for name in _BALANCE}, {}))
+        out = np.full(self.forces.shape, np.nan)
+        for k in range(self.points):
+            if self.setting.single(k):
+                out[:, k] = np.einsum("tji,tj->ti", self.frames[:, k], feet[:, self.setting.owner[k]])
         return out
 
     @cached_property
@@ -190,6 +211,7 @@ class Rows:
         return max(1, min(round(seconds / dt), self.count)) if dt > 0.0 else 1
 
 
+_BALANCE = ("time", "q", "v", "torques", "contact_positions")
 _MOTION = ("q", "v", "torques", "push", "other_forces", "contact_positions")
 
 
@@ -198,6 +220,12 @@ def _with_last(part: FloatArray, wrong: BoolArray) -> FloatArray:
     out = np.concatenate([part, np.full((1, *part.shape[1:]), np.nan)])
     out[:-1][wrong] = np.nan
     return np.where(np.abs(out) < 1e150, out, np.nan)
+
+
+def over(value: FloatArray, limit: FloatArray | float) -> Measured:
+    """Return a measure (T, c) with its limit and where it exceeds it."""
+    bound = np.broadcast_to(limit, value.shape)
+    return value, bound, value > bound
 
 
 def sliding_sum(values: FloatArray, rows: int) -> FloatArray:

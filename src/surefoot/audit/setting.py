@@ -18,11 +18,15 @@ from surefoot.spatial import GRAVITY
 BODY = "body"
 """Stands in a report where the whole robot is meant and no single contact."""
 DEEP = 5e-3
-"""A world that lets feet sink deeper hides what the audit should find [m]."""
+"""A world that lets feet sink deeper is soft and hides what the audit should find [m]."""
 SOFTEST = {
     "sinking": (0.05, "m"), "creep": (0.1, "m/s"), "stopping": (0.1, "m"), "settling": (0.1, "s"),
 }  # fmt: skip
 """A world that declares more than this may hide anything: nothing is lawful there."""
+PLANES = ("flat", "slope")
+"""Kinds of ground that are one plane."""
+FASTEST = 5.0
+"""Gaps that change faster are those of a foot that passes an edge [m/s]."""
 PER_POINT = ("forces", "gaps", "contact_velocities", "contact_positions", "normals", "contact_friction")
 """Channels with a row for each contact point."""
 
@@ -47,6 +51,10 @@ class Setting:
         Point mass on the base, part of the weight [kg], and where: (3,) base axes [m].
     robot
         For the equations of motion; None where they cannot be judged, for the reason `why_no_motion`.
+    after
+        Whether a row's contact velocities are those after its force has acted; else those before.
+    plane
+        Whether the ground is known to be one plane, on which a gap changes as its contact moves.
     notes
         What was assumed, a line each.
     doubts
@@ -66,6 +74,8 @@ class Setting:
     payload_position: FloatArray
     robot: Robot | None
     why_no_motion: str
+    after: bool = False
+    plane: bool = False
     notes: tuple[str, ...] = field(default=())
     doubts: tuple[str, ...] = field(default=())
 
@@ -135,8 +145,24 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     weight = _weight(log, model, payload, notes, doubts)
     return Setting(
         names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
+        _velocities_after(log, dt), str(log.facts.get("terrain", "")).split(":")[0] in PLANES,
         tuple(notes), tuple(doubts)
     )  # fmt: skip
+
+
+def _velocities_after(log: Log, dt: float) -> bool:
+    """Return whether a row's contact velocities carry its gap to the next row's: those after its force.
+
+    MuJoCo reports the velocities before the forces act, a time-stepping scheme those after.
+    """
+    if not {"gaps", "contact_velocities"} <= set(log.arrays) or dt <= 0.0:
+        return False
+    gaps, up = (np.asarray(log[name][: 1 << 16]) for name in ("gaps", "contact_velocities"))
+    change, way = np.diff(gaps, axis=0), dt * up[..., 2]
+    with np.errstate(invalid="ignore"):
+        near = np.abs(change) < FASTEST * dt
+    before, after = (float(np.nansum(np.abs(change - w)[near])) for w in (way[1:], way[:-1]))
+    return after < before
 
 
 def _feet(log: Log, count: int) -> tuple[tuple[str, ...], IntArray]:

@@ -84,6 +84,11 @@ def _outcome(log: Log, ended: Ending, slip: float, base: BaseMotion) -> str:
         return "slipped"
     if ended is Ending.FELL:
         return str(ended)
+    return "displaced" if displaced(log, base) else "stood"
+
+
+def displaced(log: Log, base: BaseMotion | None = None) -> bool:
+    """Return whether the base of a stand ends too far from where it started, or leans."""
+    base = _base(log) if base is None else base
     height = abs(float(log["q"][0, 2] - log["contact_positions"][0, :, 2].mean()))
-    moved = base.position_end > DRIFT_LIMIT * height or np.radians(base.tilt_end_deg) > TILT_LIMIT
-    return "displaced" if moved else "stood"
+    return bool(base.position_end > DRIFT_LIMIT * height or np.radians(base.tilt_end_deg) > TILT_LIMIT)

@@ -131,6 +131,11 @@ def summarise_walk(log: Log) -> WalkSummary:
     )
 
 
+def follows(log: Log) -> bool:
+    """Return whether a walk's velocity is the commanded one by half at least, see `Tracking.followed`."""
+    return _tracking(log).followed
+
+
 def _tracking(log: Log) -> Tracking:
     """Return the mean velocities after the start, against the commanded ones."""
     late = log["time"] >= SETTLED

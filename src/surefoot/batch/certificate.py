@@ -1,4 +1,4 @@
-"""The certificate of a batch, in NumPy's or JAX's arrays (`xp`): scales, velocity error, status.
+"""The certificate of a batch in a framework's arrays (`xp`, a `Framework`): scales, velocity error, status.
 
 The definitions are those of `contact.scales` and `contact.residuals`, for exact cones with normal_min = 0
 and normal_max = 0 or infinity. In single precision the roundings are single precision's.
@@ -31,9 +31,14 @@ def blocks_of(xp: Any, G: Any) -> Any:
     return xp.swapaxes(xp.reshape(G, (*G.shape[:-2], n, 3, n, 3)), -3, -2)
 
 
+def diagonal_of(xp: Any, blocks: Any) -> Any:
+    """Return the diagonal blocks (..., n, 3, 3) of (..., n, n, 3, 3)."""
+    return xp.moveaxis(xp.diagonal(blocks, 0, -4, -3), -1, -3)
+
+
 def symmetric_norm(xp: Any, B: Any) -> Any:
     """Return the spectral norms of symmetric (..., 3, 3) matrices, in closed form (O. K. Smith, 1961)."""
-    top = abs(B).max((-2, -1))
+    top = xp.amax(abs(B), (-2, -1))
     unit = xp.where(top > 0.0, top, xp.ones_like(top))
     B = B / unit[..., None, None]
     mean = (B[..., 0, 0] + B[..., 1, 1] + B[..., 2, 2]) / 3.0
@@ -51,7 +56,7 @@ def symmetric_norm(xp: Any, B: Any) -> Any:
 
 def lawful(xp: Any, G: Any, g: Any, mu: Any) -> tuple[Any, Any, Any, Any]:
     """Return the symmetric part of G, g and mu, and which problems are problems; others are made zero."""
-    good = xp.isfinite(G).all((-2, -1)) & xp.isfinite(g).all(-1) & (xp.isfinite(mu) & (mu >= 0.0)).all(-1)
+    good = xp.isfinite(G).all(-1).all(-1) & xp.isfinite(g).all(-1) & (xp.isfinite(mu) & (mu >= 0.0)).all(-1)
     G = xp.where(good[..., None, None], 0.5 * G + 0.5 * xp.swapaxes(G, -1, -2), 0.0)
     return G, xp.where(good[..., None], g, 0.0), xp.where(good[..., None], mu, 0.0), good
 
@@ -66,14 +71,14 @@ def scales(xp: Any, G: Any, g: Any, on: Any) -> Scales:
     """Return the scales of problems (..., 3n, 3n), (..., 3n) with contacts on or off (..., n)."""
     blocks = blocks_of(xp, G)
     n = on.shape[-1]
-    diagonal = xp.moveaxis(xp.diagonal(blocks, axis1=-4, axis2=-3), -1, -3)
+    diagonal = diagonal_of(xp, blocks)
     weight = symmetric_norm(xp, diagonal)
     trace = abs(xp.einsum("...kaa->...k", diagonal))
-    entry = abs(blocks).max((-2, -1))
+    entry = xp.amax(abs(blocks), (-2, -1))
     noise = NOISE * float(xp.finfo(G.dtype).eps)
     both = on[..., :, None] & on[..., None, :]
     free = xp.reshape(g, (*g.shape[:-1], n, 3))
-    top = abs(free).max(-1)
+    top = xp.amax(abs(free), -1)
     unit = xp.where(top > 0.0, top, xp.ones_like(top))
     size = top * xp.sqrt(((free / unit[..., None]) ** 2).sum(-1))
     size = xp.where(on & (size > REST), size, xp.zeros_like(size))
@@ -81,11 +86,11 @@ def scales(xp: Any, G: Any, g: Any, on: Any) -> Scales:
     speed, energy = xp.zeros_like(size), xp.zeros_like(size)
     for share, bound in ((LENT, 0.0), (1.0, noise)):
         joined = (entry > bound * root[..., :, None] * root[..., None, :]) & both
-        part = _closure(xp, joined | xp.eye(n, dtype=bool))
-        most = xp.where(part, size[..., None, :], xp.zeros_like(size[..., None, :])).max(-1)
+        part = _closure(xp, joined | (xp.eye(n, size) > 0.0))
+        most = xp.amax(xp.where(part, size[..., None, :], 0.0), -1)
         speed = xp.maximum(speed, share * most)
     own = xp.where(on & (weight > 0.0), most / xp.where(weight > 0.0, weight, 1.0) * most, 0.0)
-    energy = xp.where(part, own[..., None, :], xp.zeros_like(own[..., None, :])).sum(-1)
+    energy = xp.where(part, own[..., None, :], 0.0).sum(-1)
     return Scales(weight, xp.where(on, speed, xp.zeros_like(speed)), energy)
 
 
@@ -116,8 +121,8 @@ def velocity_errors(xp: Any, forces: Any, velocities: Any, mu: Any, s: Scales, o
 def nearest(xp: Any, p: Any, mu: Any) -> Any:
     """Return p projected to the friction cones."""
     radius, z = xp.hypot(p[..., 0], p[..., 1]), p[..., 2]
-    height = xp.maximum(mu * radius + z, 0.0) / (1.0 + mu * mu)
-    outside = radius > mu * z
+    height = xp.clip(mu * radius + z, 0.0) / (1.0 + mu * mu)
+    outside = (radius > mu * z) | (z < 0.0)  # without friction the cone is a ray, with nothing below
     share = xp.where(outside, mu * height / xp.where(radius > 0.0, radius, 1.0), 1.0)
     return xp.stack([p[..., 0] * share, p[..., 1] * share, xp.where(outside, height, z)], -1)
 
@@ -126,18 +131,18 @@ def judge(
     xp: Any, G: Any, forces: Any, velocities: Any, mu: Any, s: Scales, on: Any, convex: bool, tol: float
 ) -> tuple[Any, Any]:
     """Return status codes and velocity errors (...) as `contact.residuals` would give them."""
-    error = velocity_errors(xp, forces, velocities, mu, s, on, convex).max(-1)
+    error = xp.amax(velocity_errors(xp, forces, velocities, mu, s, on, convex), -1)
     sizes = xp.sqrt((forces * forces).sum(-1))
     norms = xp.sqrt((blocks_of(xp, G) ** 2).sum(-1)).sum(-1)  # at least the block's norm
     open_ = 4.0 * float(xp.finfo(G.dtype).eps) * (norms * sizes[..., None, :]).sum(-1)
     moving = s.speed > 0.0
-    rounding = xp.where(moving, open_ / xp.where(moving, s.speed, 1.0), 0.0).max(-1)
+    rounding = xp.amax(xp.where(moving, open_ / xp.where(moving, s.speed, 1.0), 0.0), -1)
     rest = rounding
     if convex:
         power = abs((forces * velocities).sum(-1))
         some = s.energy > 0.0
         gap = xp.where(some, power / xp.where(some, s.energy, 1.0), xp.where(power > 0.0, xp.inf, 0.0))
-        rest = xp.maximum(rest, gap.max(-1))
+        rest = xp.maximum(rest, xp.amax(gap, -1))
     near = xp.where(error <= tol, SOLVED, xp.where(error <= ALMOST_FACTOR * tol, ALMOST, STALLED))
     status = xp.where(rest <= tol, near, STALLED)
     lost = ~(xp.isfinite(error) | (error == xp.inf))

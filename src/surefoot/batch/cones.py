@@ -53,7 +53,7 @@ def project(xp: Any, hold: Any, forces: Any, mu: Any) -> Any:
     """Return the nearest points of the friction cone to (..., 3) forces [N]."""
     normal = forces[..., 2]
     radius, direction = polar(xp, hold, forces[..., :2])
-    inside, below = radius <= mu * normal, mu * radius + normal <= 0.0
+    inside, below = (radius <= mu * normal) & (normal >= 0.0), mu * radius + normal <= 0.0
     height = (mu * radius + normal) / (1.0 + mu * mu)
     zero = xp.zeros_like(normal)
     height = xp.where(inside, normal, xp.where(below, zero, height))

@@ -1,4 +1,4 @@
-"""The gradient of solved contact problems, batched, in NumPy's or JAX's arrays (`xp`).
+"""The gradient of solved contact problems, batched, in a framework's arrays (`xp`, a `Framework`).
 
 The active system of `surefoot.contact.derivative_system`, with three places for the unknowns of every
 contact, used or not, so that every problem of a batch has the same shape::
@@ -75,7 +75,7 @@ def active(
     slip = xp.hypot(p, q)
     lifted = w * z - (r - mu * slip if convex else r)
     closed = (lifted > 0.0) & on
-    radius = w * mu * xp.maximum(z, zero)
+    radius = w * mu * xp.clip(z, 0.0)
     across, along = w * x - p, w * y - q
     size = xp.hypot(across, along)
     stick = closed & (size <= radius) & (radius > 0.0)
@@ -114,13 +114,13 @@ def matrix(xp: Any, G: Any, a: Active) -> tuple[Any, Any, Any]:
     level = xp.where(level > 0.0, level, xp.ones_like(level))
     used = xp.reshape(a.used, flat)
     diagonal = xp.where(used, xp.reshape(a.weight, flat), level + xp.zeros_like(C[..., 0]))
-    return R @ G @ C + diagonal[..., None] * xp.eye(size, dtype=G.dtype), C, R
+    return R @ G @ C + diagonal[..., None] * xp.eye(size, G), C, R
 
 
 def spread(xp: Any, blocks: Any) -> Any:
     """Return the (..., 3n, 3n) block-diagonal matrix of (..., n, 3, 3) blocks."""
     n = blocks.shape[-3]
-    eye = xp.eye(n, dtype=blocks.dtype)
+    eye = xp.eye(n, blocks)
     wide = xp.swapaxes(blocks[..., None, :, :] * eye[:, :, None, None], -3, -2)
     return xp.reshape(wide, (*blocks.shape[:-3], 3 * n, 3 * n))
 
@@ -135,9 +135,12 @@ def gradients(xp: Any, G: Any, forces: Any, a: Active, cotangents: tuple[Any, An
     f, u, x, slope, target = (
         xp.reshape(v, flat)[..., None] for v in (*cotangents, forces, a.slope, a.target)
     )
-    left, values, right = xp.linalg.svd(A)
+    # a matrix that overflowed has no singular values: NaN, which `finite` makes zero
+    lost = ~xp.isfinite(A).all(-1).all(-1)
+    left, values, right = xp.linalg.svd(xp.where(lost[..., None, None], 0.0, A))
+    values = xp.where(lost[..., None], xp.nan, values)
     keep = values > rank_tolerance(xp, G.dtype) * values[..., :1]
-    inverse = xp.where(keep, 1.0 / xp.where(keep, values, xp.ones_like(values)), xp.zeros_like(values))
+    inverse = xp.where(keep, 1.0 / xp.where(keep, values, 1.0), 0.0 * values)
     size = (R * R).sum(-1)[..., None]
     held = size > UNLOADED**2
     lift = xp.where(held, R / xp.where(held, size, xp.ones_like(size)), 0.0)
@@ -167,15 +170,15 @@ def certified(
     velocities = velocities_of(xp, G, g, forces)
     status, error = judge(xp, G, forces, velocities, mu, s, on, convex, tol)
     modes = active(xp, forces, velocities, mu, s.weight, s.speed, on, convex)
-    status = xp.where(good, status, INVALID).astype(xp.int32)
+    status = xp.integers(xp.where(good, status, INVALID))
     error = xp.where(good, error, xp.full_like(error, xp.inf))
-    return Forces(forces, velocities, status, error, modes.codes.astype(xp.int32), modes.kinks)
+    return Forces(forces, velocities, status, error, xp.integers(modes.codes), modes.kinks)
 
 
 def snapped(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, forces: Any, convex: bool) -> Any:
     """Return forces without what an iteration leaves: zero where open, on the rim where they slide."""
     modes = active(xp, forces, velocities_of(xp, G, g, forces), mu, s.weight, s.speed, on, convex)
-    normal = xp.maximum(forces[..., 2], 0.0)
+    normal = xp.clip(forces[..., 2], 0.0)
     size = xp.hypot(forces[..., 0], forces[..., 1])
     share = mu * normal / xp.where(size > 0.0, size, xp.ones_like(size))
     rim = xp.stack([forces[..., 0] * share, forces[..., 1] * share, normal], -1)

@@ -1,4 +1,4 @@
-"""Newton's equations on the central path of a batch, in NumPy's or JAX's arrays (`xp`).
+"""Newton's equations on the central path of a batch, in a framework's arrays (`xp`, a `Framework`).
 
 In the unknowns y = (λ_t / mu, λ_n) and their slacks s = (mu u_t, u_n + mu ||u_t||) the friction cone is the
 second-order cone, mu or not, and the laws are  y ∈ K,  s ∈ K,  y ∘ s = κ e  with κ = 0 (De Saxcé; the convex
@@ -17,11 +17,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from surefoot.batch.certificate import Scales, blocks_of
+from surefoot.batch.certificate import Scales, blocks_of, diagonal_of
 from surefoot.batch.modes import spread
 
 
-class Path(NamedTuple):
+class ScaledBatch(NamedTuple):
     """A batch in scaled unknowns.
 
     Attributes
@@ -52,29 +52,40 @@ class Path(NamedTuple):
     convex: bool
 
 
-def path_of(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, convex: bool) -> Path:
+def path_of(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, convex: bool) -> ScaledBatch:
     """Return the scaled problem; mu and on are (..., n)."""
     flat = g.shape
     one = xp.ones_like(mu)
     T = xp.reshape(xp.stack([mu, mu, one], -1), flat)
     keep = xp.reshape(xp.stack([on, on, on], -1), flat)
-    blocks = xp.moveaxis(xp.diagonal(blocks_of(xp, G), axis1=-4, axis2=-3), -1, -3)
+    blocks = diagonal_of(xp, blocks_of(xp, G))
     trace = (mu**2 * (blocks[..., 0, 0] + blocks[..., 1, 1]) + blocks[..., 2, 2]) / 3.0
     D = 1.0 / xp.sqrt(xp.where(on & (trace > 0.0), trace, one))
     wide = xp.reshape(xp.stack([D, D, D], -1), flat)
     side = xp.where(keep, T * wide, 0.0)
     free = side * g
-    top = abs(free).max(-1)
+    top = xp.amax(abs(free), -1)
     top = xp.where(top > 0.0, top, 1.0)
     scaled = side[..., :, None] * G * side[..., None, :]
     tilt = mu * D / top[..., None]
-    return Path(scaled, free / top[..., None], on, T * wide * top[..., None], top * top, tilt, s, convex)
+    return ScaledBatch(
+        scaled, free / top[..., None], on, T * wide * top[..., None], top * top, tilt, s, convex
+    )
 
 
-def slacks(xp: Any, path: Path, y: Any, kappa: Any) -> tuple[Any, Any, Any]:
+def velocity(path: ScaledBatch, y: Any) -> Any:
+    """Return the scaled velocities G y + g (..., 3n)."""
+    return (path.G @ y[..., None])[..., 0] + path.g
+
+
+def by_contact(xp: Any, flat: Any) -> Any:
+    """Return (..., 3n) as (..., n, 3)."""
+    return xp.reshape(flat, (*flat.shape[:-1], flat.shape[-1] // 3, 3))
+
+
+def slacks(xp: Any, path: ScaledBatch, velocities: Any, kappa: Any) -> tuple[Any, Any, Any]:
     """Return s (..., n, 3), the slopes (..., n, 2) of the shift in u_t, and in its rounding (..., n)."""
-    shape = (*path.on.shape, 3)
-    u = xp.reshape((path.G @ xp.reshape(y, path.g.shape)[..., None])[..., 0] + path.g, shape)
+    u = by_contact(xp, velocities)
     if path.convex:
         none = xp.zeros_like(u[..., :2])
         return u, none, none[..., 0]
@@ -86,7 +97,7 @@ def slacks(xp: Any, path: Path, y: Any, kappa: Any) -> tuple[Any, Any, Any]:
     return xp.stack([x, z, u[..., 2] + speed], -1), slope, round_ / safe
 
 
-def rounding(xp: Any, path: Path, kappa: Any) -> Any:
+def rounding(xp: Any, path: ScaledBatch, kappa: Any) -> Any:
     """Return what is added to mu² ||u_t||² under the root, in scaled units; ε as in `derivative_path`."""
     w, s = path.scales.weight, path.scales.speed
     power = (kappa * path.unit)[..., None] * w
@@ -127,25 +138,21 @@ def smoothed(xp: Any, z: Any, kappa: Any) -> tuple[Any, Any]:
     return value, xp.stack([xp.stack(row, -1) for row in J], -2)
 
 
-def misses(xp: Any, path: Path, y: Any, kappa: Any) -> Any:
-    """Return F(y), (..., 3n), y itself at contacts that are off."""
-    point = xp.reshape(y, (*path.on.shape, 3))
-    s, _, _ = slacks(xp, path, y, kappa)
+def misses(xp: Any, path: ScaledBatch, y: Any, velocities: Any, kappa: Any) -> Any:
+    """Return F (..., 3n) at y and its `velocity`, y itself at contacts that are off."""
+    point = by_contact(xp, y)
+    s, _, _ = slacks(xp, path, velocities, kappa)
     p, _ = smoothed(xp, point - s, kappa[..., None])
-    return xp.reshape(xp.where(path.on[..., None], point - p, point), path.g.shape)
+    return xp.reshape(xp.where(path.on[..., None], point - p, point), y.shape)
 
 
-def jacobian(xp: Any, path: Path, y: Any, kappa: Any, proximal: Any) -> tuple[Any, Any]:
-    """Return the Jacobian of F with `proximal` (...,) added to G's diagonal, and that of p_κ by contact."""
-    point = xp.reshape(y, (*path.on.shape, 3))
-    s, tilt, _ = slacks(xp, path, y, kappa)
-    _, J = smoothed(xp, point - s, kappa[..., None])
+def jacobian(xp: Any, path: ScaledBatch, y: Any, velocities: Any, kappa: Any) -> tuple[Any, Any]:
+    """Return the Jacobian of F by y (..., 3n, 3n), 1 - J + J S G, and J, that of p_κ by contact."""
+    s, tilt, _ = slacks(xp, path, velocities, kappa)
+    _, J = smoothed(xp, by_contact(xp, y) - s, kappa[..., None])
     J = xp.where(path.on[..., None, None], J, 0.0)
-    eye = xp.eye(path.g.shape[-1], dtype=path.G.dtype)
-    shift = _shift(xp, tilt)
-    H = path.G + proximal[..., None, None] * eye
-    inner = xp.eye(3, dtype=path.G.dtype) - J
-    return spread(xp, inner) + spread(xp, J @ shift) @ H, J
+    inner = xp.eye(3, J) - J
+    return spread(xp, inner) + spread(xp, J @ _shift(xp, tilt)) @ path.G, J
 
 
 def _shift(xp: Any, tilt: Any) -> Any:
@@ -157,7 +164,7 @@ def _shift(xp: Any, tilt: Any) -> Any:
 
 def path_gradients(
     xp: Any,
-    path: Path,
+    path: ScaledBatch,
     y: Any,
     kappa: Any,
     G: Any,
@@ -171,10 +178,11 @@ def path_gradients(
     forces, velocities = point
     f, u = (xp.reshape(v, flat) for v in weights)
     p = f + (G @ u[..., None])[..., 0]
-    M, J = jacobian(xp, path, y, kappa, xp.zeros_like(kappa))
-    v = xp.linalg.solve(xp.swapaxes(M, -1, -2), (path.turn * p)[..., None])
+    at = velocity(path, y)
+    M, J = jacobian(xp, path, y, at, kappa)
+    v = xp.solve(xp.swapaxes(M, -1, -2), (path.turn * p)[..., None])
     h = (xp.swapaxes(J, -1, -2) @ xp.reshape(v, (*shape, 1)))[..., 0]
-    _, tilt, bend = slacks(xp, path, y, kappa)
+    _, tilt, bend = slacks(xp, path, at, kappa)
     lean = xp.stack(
         [h[..., 0] + h[..., 2] * tilt[..., 0], h[..., 1] + h[..., 2] * tilt[..., 1], h[..., 2]], -1
     )
@@ -193,19 +201,20 @@ def path_gradients(
     return 0.5 * (outer + xp.swapaxes(outer, -1, -2)) + on_G, b + on_g, xp.where(path.on, rate, 0.0)
 
 
-def _of_rounding(xp: Any, path: Path, kappa: Any, G: Any, g: Any, weights: Any) -> tuple[Any, Any]:
+def _of_rounding(xp: Any, path: ScaledBatch, kappa: Any, G: Any, g: Any, weights: Any) -> tuple[Any, Any]:
     """Return the gradients in G and g of weights (..., n) on log ε², which depends on w_k and s_k."""
     w, s = path.scales.weight, path.scales.speed
     fast = (s > 0.0) & ((kappa * path.unit)[..., None] * w < s * s)  # ε = κ w / s, else its root
     safe = xp.where(w > 0.0, w, xp.ones_like(w))
     per_w = xp.where(fast, 2.0, 1.0) * weights / safe
-    blocks = xp.moveaxis(xp.diagonal(blocks_of(xp, G), axis1=-4, axis2=-3), -1, -3)
+    blocks = diagonal_of(xp, blocks_of(xp, G))
     axis = xp.linalg.eigh(blocks)[1][..., -1]
     on_G = spread(xp, per_w[..., None, None] * axis[..., :, None] * axis[..., None, :])
     free = xp.reshape(g, (*w.shape, 3))
     size = xp.sqrt((free * free).sum(-1))
     same = (abs(size[..., None, :] - s[..., :, None]) <= 1e-12 * s[..., :, None]) & path.on[..., None, :]
-    share = same / xp.maximum(same.sum(-1), 1)[..., None]  # whose velocity s_k is
+    share = xp.where(same, 1.0, 0.0 * s[..., None])  # whose velocity s_k is
+    share = share / xp.clip(share.sum(-1), 1.0)[..., None]
     per_s = (xp.where(fast, -2.0, 0.0) * weights)[..., :, None] * share
     square = xp.where(size > 0.0, size * size, xp.ones_like(size))
     on_g = (per_s.sum(-2) / square)[..., None] * free

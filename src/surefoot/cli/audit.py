@@ -53,7 +53,8 @@ def audit(
 ) -> int:
     """Tell which law of contact a log broke, when, where, and what the likely cause is.
 
-    Exit code 0 if it is lawful and survives its replay, 1 if not or if one cannot tell, 2 for wrong input.
+    Exit code 0 if it is lawful, its task did not fail and it survives its replay; 1 if not; 2 for wrong
+    input; 3 if one cannot tell.
     """
     from surefoot.estimation.tosses import holds_tosses
 
@@ -70,7 +71,7 @@ def audit(
     read, whose = read_log(log), None if robot is None else load_robot(robot)
     again = None if replay is None else _replay(read, replay, whose, terrain, mu)
     report = audit_log(read, whose)
-    verdicts, facts = [(report.sentence, report.lawful)], report.as_dict()
+    verdicts, facts = [(report.sentence, report.passed)], report.as_dict()
     if again is not None:
         verdicts.append((again.sentence, again.survives))
         facts["replay"] = again.as_dict()
@@ -81,7 +82,7 @@ def audit(
         figures = report_sections(_tables(report, again, on_page=True), _lines(report))
         sections = [*_pictures(read, report, folder), *figures]
         say(console, f"report: {write_page(folder, f'Audit of {log.name}', verdicts, sections)}")
-    return 0 if all(good for _, good in verdicts) else 1
+    return report.exit_code or (0 if again is None or again.survives else 1)
 
 
 def _replay(log: Log, world: str, robot: Any, terrain: str | None, mu: float | None) -> ReplayReport:
@@ -104,6 +105,10 @@ def _tables(report: AuditReport, again: ReplayReport | None, on_page: bool = Fal
         [v.law, v.contact, f"{v.start:.3f}", f"{v.end:.3f}", f"{v.value:.4g} {v.unit}", f"{v.limit:.4g}"]
         for v in report.violations[:MOST]
     ]
+    asked = [
+        [f.name, f.contact, f"{f.start:.3f}", f"{f.end:.3f}", f.evidence, f.cause, f.confirm, f.cure]
+        for f in report.command[:MOST]
+    ]
     covered = [[name, why or "judged"] for name, why in report.coverage.items()]
     friction = [
         [f.contact, f"{f.start:.2f}", f"{f.end:.2f}", f"{f.low:.3f}", _high(f.high), f"{f.slid:.3f}"]
@@ -113,6 +118,7 @@ def _tables(report: AuditReport, again: ReplayReport | None, on_page: bool = Fal
     words = ("symptom", *heads, "evidence", "likely cause", "confirm", "cure")
     found = [
         Table("Symptoms", words[:columns], [s[:columns] for s in symptoms]),
+        Table("Command", words[:columns], [f[:columns] for f in asked]),
         Table("Violations", ("law", *heads, "value", "limit"), broken),
         Table("What could be judged", ("law", "judged"), covered),
         Table("Friction of the ground", (*heads, "at least", "at most", "slid [s]"), friction),

@@ -112,8 +112,8 @@ def _blas() -> dict[str, Any]:
     import numpy as np
 
     built: Any = np.show_config(mode="dicts")
-    told = built.get("Build Dependencies", {}).get("blas", {})
-    return {"name": told.get("name", "unknown"), "version": told.get("version", "unknown")}
+    blas = built.get("Build Dependencies", {}).get("blas", {})
+    return {"name": blas.get("name", "unknown"), "version": blas.get("version", "unknown")}
 
 
 def _kernels() -> dict[str, Any]:

@@ -117,7 +117,7 @@ def _facts(
     laws = list(dict.fromkeys(laws))
     rivals = [name for name in fits if name not in laws]
 
-    def told(law: str) -> dict[str, Any]:
+    def of_law(law: str) -> dict[str, Any]:
         return {
             "fit": _numbers(fits[law]),
             "train": _part(fits, law, rivals, "train"),
@@ -128,8 +128,8 @@ def _facts(
         "law": laws[0],
         "tosses": len(recorded),
         "width": recorded.cube.width,
-        **told(laws[0]),
-        "laws": {name: told(name) for name in laws[1:]},
+        **of_law(laws[0]),
+        "laws": {name: of_law(name) for name in laws[1:]},
         "noise": {"position": first.position_noise, "rotation_deg": math.degrees(first.rotation_noise)},
         "effort": {name: {"simulations": f.evaluations, "seconds": f.seconds} for name, f in fits.items()},
         "notes": list(dict.fromkeys(note for f in fits.values() for note in f.notes)),

@@ -1,4 +1,4 @@
-"""`--view`: a window that shows a walk while it goes, steered by keys and gamepads."""
+"""`--view`: a window that shows a walk while it goes, steered by keys."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ View: TypeAlias = Annotated[
     bool,
     typer.Option(
         "--view",
-        help="Show the walk in a window, in real time; arrows or WASD, Q, E, space and a gamepad steer it.",
+        help="Show the walk in a window, in real time; arrows or WASD, Q, E and space steer it.",
     ),
 ]
 
@@ -34,7 +34,6 @@ def check(planner: str) -> None:
 
 def watching(robot: Any, terrain: Any, controller: Any) -> list[Any]:
     """Return the observers of a walk that is shown."""
-    from surefoot.simulation.joystick import Joystick, find_joysticks
     from surefoot.simulation.live import Live, Steering
     from surefoot.viz.window import Window
 
@@ -46,4 +45,4 @@ def watching(robot: Any, terrain: Any, controller: Any) -> list[Any]:
     if not hasattr(walker, "steer"):
         raise ProblemError(f"--view steers a walk, and {type(walker).__name__} takes no other command")
     steering = Steering(walker.steer, walker.command.at(0.0))
-    return [Live(Window(robot, terrain), steering, [Joystick(path) for path in find_joysticks()])]
+    return [Live(Window(robot, terrain), steering)]

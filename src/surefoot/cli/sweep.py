@@ -49,16 +49,16 @@ def sweep(
     from surefoot.sweep import read_sweep, run_sweep
     from surefoot.sweep.survival import check_varying
 
-    told = read_sweep(config).with_numbers(samples, seed)
+    planned = read_sweep(config).with_numbers(samples, seed)
     for name in over or ():
-        check_varying(told, name)
+        check_varying(planned, name)
     folder = Path("runs") / f"sweep-{config.stem}" if out is None else out
     if backend == "loky" and address is not None:
         raise ProblemError("--address is of --backend ray or dask: loky runs on this machine")
-    with ends_softly() as stop, progress_bar(not as_json, told.name, float(told.samples)) as moved:
+    with ends_softly() as stop, progress_bar(not as_json, planned.name, float(planned.samples)) as moved:
         try:
             result = run_sweep(
-                told, folder, backend=backend, workers=workers, address=address,
+                planned, folder, backend=backend, workers=workers, address=address,
                 tell=None if moved is None else lambda done: moved(float(done)),
             )  # fmt: skip
         except KeyboardInterrupt:

@@ -63,8 +63,9 @@ def translate(
         "parameters": found.parameters,
         "lost": found.lost,
         "agreement": {
-            name: {**q._asdict(), "measured": getattr(measured, name, None)}
+            name: {**q._asdict(), "agrees": q.proven(seen), "measured": seen}
             for name, q in found.agreement.items()
+            for seen in (getattr(measured, name, None),)
         },
         "friction_rules": {
             name: words

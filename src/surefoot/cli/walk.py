@@ -61,7 +61,7 @@ def walk(
         bool,
         typer.Option(
             "--view",
-            help="Show the walk in a window, in real time; arrows or WASD, Q, E, space and a gamepad steer.",
+            help="Show the walk in a window, in real time; arrows or WASD, Q, E and space steer.",
         ),
     ] = False,
     leaving: options.Leaving,

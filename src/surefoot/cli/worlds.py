@@ -15,7 +15,7 @@ from surefoot.errors import MissingExtra, ProblemError, unknown_name
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from surefoot.simulation.experiments import Outcome
+    from surefoot.simulation.experiments import WorldsOutcome
 
 NAMES = "drop, bounce, slide, stick, tip, spin, roll, stand, trot, friction"
 
@@ -76,7 +76,7 @@ def worlds(
     return 0 if agrees else 1
 
 
-def _headline(outcomes: list[Outcome], agrees: bool) -> str:
+def _headline(outcomes: list[WorldsOutcome], agrees: bool) -> str:
     rows = [row for outcome in outcomes for row in outcome.rows]
     failures = sum(len(outcome.failures) for outcome in outcomes)
     good = sum(row.verdict == "agrees" for row in rows)
@@ -86,7 +86,7 @@ def _headline(outcomes: list[Outcome], agrees: bool) -> str:
     )
 
 
-def _print(outcome: Outcome, console: Console) -> None:
+def _print(outcome: WorldsOutcome, console: Console) -> None:
     rows: list[tuple[str, ...]] = []
     last = ""
     for row in sorted(outcome.rows, key=lambda r: [x.quantity for x in outcome.rows].index(r.quantity)):
@@ -103,7 +103,7 @@ def _print(outcome: Outcome, console: Console) -> None:
         console.print(f"{outcome.experiment.name} in {world}: {why}")
 
 
-def _draw(outcomes: list[Outcome], out: Path, console: Console) -> list[str]:
+def _draw(outcomes: list[WorldsOutcome], out: Path, console: Console) -> list[str]:
     """Draw a picture of each experiment, and return their paths."""
     from surefoot.cli.extras import picture_folder
 
@@ -120,7 +120,7 @@ def _draw(outcomes: list[Outcome], out: Path, console: Console) -> list[str]:
     return paths
 
 
-def _facts(outcome: Outcome) -> dict[str, Any]:
+def _facts(outcome: WorldsOutcome) -> dict[str, Any]:
     experiment = outcome.experiment
     return {
         "says": experiment.says,

@@ -14,7 +14,7 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
 
 from surefoot.compilation.progress import LOG, progress
-from surefoot.compilation.tree import PACKAGE, Tree
+from surefoot.compilation.tree import PACKAGE, KernelTree
 
 _caches: list[Cache] = []
 _HOME = os.path.dirname(os.path.dirname(__file__)) + os.sep
@@ -27,7 +27,7 @@ class Cache(FunctionCache):  # type: ignore[misc]
     warmup` for all. What cannot be written is compiled again by the next process, and no error.
     """
 
-    def __init__(self, py_func: Any, tree: Tree) -> None:
+    def __init__(self, py_func: Any, tree: KernelTree) -> None:
         super().__init__(py_func)
         self._tree = tree
         # no line number in the name, or every change of a file would leave old code behind

@@ -12,7 +12,7 @@ from numba.core.registry import CPUDispatcher
 from surefoot.compilation.cache import Cache
 from surefoot.compilation.parts import WHOLE_TREES, PartCompiler
 from surefoot.compilation.progress import LOG, progress
-from surefoot.compilation.tree import Tree
+from surefoot.compilation.tree import KernelTree
 
 
 class KernelType(types.Dispatcher):
@@ -47,7 +47,7 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 
     def __init__(self, py_func: Any, locals: Any = None, targetoptions: Any = None, **options: Any) -> None:
         super().__init__(py_func, locals, targetoptions, **options)
-        self._tree: Tree | None = None
+        self._tree: KernelTree | None = None
         self._part: CPUDispatcher | None = None
 
     @property
@@ -55,10 +55,10 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         return KernelType(self)
 
     @property
-    def tree(self) -> Tree:
+    def tree(self) -> KernelTree:
         """What this kernel is compiled from."""
         if self._tree is None:
-            self._tree = Tree.below(self)
+            self._tree = KernelTree.below(self)
         return self._tree
 
     def compile(self, sig: Any) -> Any:

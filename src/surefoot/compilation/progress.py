@@ -7,7 +7,7 @@ import time
 from types import FunctionType
 from typing import Any
 
-from surefoot.compilation.tree import Tree
+from surefoot.compilation.tree import KernelTree
 
 LOG = logging.getLogger("surefoot.compilation")
 """Says what is compiled: the first time that takes long in a process at level WARNING, the others at INFO,
@@ -20,15 +20,15 @@ RATE = 3.5e-4
 AHEAD = "`surefoot warmup` compiles everything ahead."
 
 
-class Progress:
+class CompilationProgress:
     """Says through `LOG` which tree is being compiled and how far it is; counts what was."""
 
     def __init__(self) -> None:
         self.compiled = 0
-        self._running: list[tuple[Tree, set[FunctionType], float]] = []
+        self._running: list[tuple[KernelTree, set[FunctionType], float]] = []
         self._warned = False
 
-    def start(self, tree: Tree) -> None:
+    def start(self, tree: KernelTree) -> None:
         """Say that a tree was not found on disk."""
         self._running.append((tree, set(), time.perf_counter()))
         seconds, others = RATE * tree.size, len(tree.functions) - 1
@@ -46,7 +46,7 @@ class Progress:
             share = sum(len(f.__code__.co_code) for f in done) / max(tree.size, 1)
             self._say(logging.DEBUG, min(0.7 * share, 0.7), f"translated {function.__name__}")
 
-    def end(self, tree: Tree) -> None:
+    def end(self, tree: KernelTree) -> None:
         """Say that it is compiled."""
         self.compiled += 1
         while self._running and self._running[-1][0] is not tree:  # what failed to compile
@@ -61,7 +61,7 @@ class Progress:
         LOG.log(level, "%s", text, extra=extra)
 
 
-progress = Progress()
+progress = CompilationProgress()
 
 
 def compiled_so_far() -> int:

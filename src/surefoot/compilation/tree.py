@@ -22,7 +22,7 @@ FORMAT = 1
 
 
 @dataclass
-class Tree:
+class KernelTree:
     """A kernel and all that it calls.
 
     Attributes
@@ -37,7 +37,7 @@ class Tree:
     key: str = ""
 
     @classmethod
-    def below(cls, kernel: CPUDispatcher) -> Tree:
+    def below(cls, kernel: CPUDispatcher) -> KernelTree:
         """Return the tree of a kernel."""
         tree, feed = cls(), hashlib.sha256()
         versions = numba.__version__, llvmlite.__version__, np.__version__, FORMAT, WHOLE_TREES

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
-from surefoot.contact.derivative_kinks import Choice, choices_of, directional
+from surefoot.contact.derivative_kinks import Continuation, choices_of, directional
 from surefoot.contact.derivative_path import SmoothSystem, central_path
 from surefoot.contact.derivative_system import ActiveSystem, move, polished
 from surefoot.contact.problem import ContactProblem
@@ -141,7 +141,7 @@ class ContactDerivative:
             raise ProblemError("derivatives take contacts of three rows each")
         self.problem, self.smoothing = problem, smoothing
         self.kinks: tuple[Kink, ...] = ()
-        self._choices: list[Choice] = []
+        self._choices: list[Continuation] = []
         self._system: ActiveSystem | SmoothSystem
         f, u, contacts, modes = polished(problem, forces, velocities)
         if smoothing > 0.0:

@@ -30,7 +30,7 @@ from surefoot.contact.derivative_modes import (
     LOW,
     SLIDE,
     STICK,
-    Contact,
+    ContactState,
     Mode,
     Section,
     piece,
@@ -46,7 +46,7 @@ TURNS, PIVOTS, CHOICES = 25, 100, 256
 
 
 @dataclass(frozen=True)
-class Choice:
+class Continuation:
     """The modes that a contact may continue in.
 
     Attributes
@@ -72,17 +72,17 @@ class Choice:
 
 
 def choices_of(
-    problem: ContactProblem, contacts: Sequence[Contact], modes: Sequence[Mode], tol: float
-) -> list[Choice]:
+    problem: ContactProblem, contacts: Sequence[ContactState], modes: Sequence[Mode], tol: float
+) -> list[Continuation]:
     """Return the choice of every contact, whose present modes are given."""
     speeds = problem.scales[1]
     units = np.where(speeds > 0.0, speeds, 1.0)
     return [_choice(c, m, float(s), tol) for c, m, s in zip(contacts, modes, units, strict=True)]
 
 
-def _choice(contact: Contact, mode: Mode, unit: float, tol: float) -> Choice:
+def _choice(contact: ContactState, mode: Mode, unit: float, tol: float) -> Continuation:
     if mode.normal == HELD:
-        return Choice((mode,), np.inf, False, (), unit, tol)
+        return Continuation((mode,), np.inf, False, (), unit, tol)
     force = contact.weight / unit
     height, lift = float(contact.force[2]), abs(contact.lift) / unit
     misfits = {FREE: lift, LOW: (height - contact.low) * force, HIGH: (contact.high - height) * force}
@@ -117,10 +117,10 @@ def _choice(contact: Contact, mode: Mode, unit: float, tol: float) -> Choice:
             else:
                 found.append(piece(contact, normal, tangent, index))
     active = () if contact.section is None else tuple(np.flatnonzero(_slacks(contact, unit) <= tol).tolist())
-    return Choice(tuple(found), distance, point, active, unit, tol)
+    return Continuation(tuple(found), distance, point, active, unit, tol)
 
 
-def _heading(contact: Contact, ready: bool) -> tuple[FloatArray, float]:
+def _heading(contact: ContactState, ready: bool) -> tuple[FloatArray, float]:
     """Return the direction of sliding at a kink and how far the force follows it; see `slide_mode`."""
     force, slip = contact.force[:2], contact.velocity[:2]
     if ready:
@@ -131,7 +131,7 @@ def _heading(contact: Contact, ready: bool) -> tuple[FloatArray, float]:
     return (-slip / speed if speed > 0.0 else np.array([1.0, 0.0])), 0.0
 
 
-def _round_pieces(contact: Contact, mode: Mode, unit: float) -> dict[tuple[str, int], float]:
+def _round_pieces(contact: ContactState, mode: Mode, unit: float) -> dict[tuple[str, int], float]:
     """Return the misfit of sticking and sliding on a round cone."""
     slip = float(np.hypot(*contact.velocity[:2])) / unit
     room = (contact.radius - float(np.hypot(*contact.force[:2]))) * contact.weight / unit
@@ -140,7 +140,7 @@ def _round_pieces(contact: Contact, mode: Mode, unit: float) -> dict[tuple[str, 
     return pieces
 
 
-def _slacks(contact: Contact, unit: float) -> FloatArray:
+def _slacks(contact: ContactState, unit: float) -> FloatArray:
     """Return the distance of the force to every face of the pyramid, as a velocity over the unit."""
     section = contact.section
     assert section is not None
@@ -153,7 +153,7 @@ def _shares(section: Section, corner: int, vector: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.solve(section.normals[[corner - 1, corner]].T, vector))
 
 
-def _faces(contact: Contact, unit: float) -> dict[tuple[str, int], float]:
+def _faces(contact: ContactState, unit: float) -> dict[tuple[str, int], float]:
     """Return the misfit of sticking, of every face and of every edge of a pyramid."""
     section, slacks = contact.section, _slacks(contact, unit)
     assert section is not None
@@ -168,8 +168,8 @@ def _faces(contact: Contact, unit: float) -> dict[tuple[str, int], float]:
 
 def directional(
     G: FloatArray,
-    contacts: Sequence[Contact],
-    choices: Sequence[Choice],
+    contacts: Sequence[ContactState],
+    choices: Sequence[Continuation],
     b: FloatArray,
     rates: tuple[FloatArray, ...],
 ) -> tuple[list[Mode], bool]:
@@ -205,7 +205,10 @@ def directional(
 
 
 def _changed(
-    choices: Sequence[Choice], picked: Sequence[int], faults: Sequence[float], seen: set[tuple[int, ...]]
+    choices: Sequence[Continuation],
+    picked: Sequence[int],
+    faults: Sequence[float],
+    seen: set[tuple[int, ...]],
 ) -> list[int] | None:
     """Return the choice with all offenders changed, or one, the worst first; None if all were seen."""
     offenders = [k for k in np.argsort(faults)[::-1].tolist() if faults[k] > CONSISTENT]
@@ -219,7 +222,7 @@ def _changed(
 
 
 def _judge(
-    G: FloatArray, contacts: Sequence[Contact], choices: Sequence[Choice], picked: Sequence[int],
+    G: FloatArray, contacts: Sequence[ContactState], choices: Sequence[Continuation], picked: Sequence[int],
     b: FloatArray, rates: tuple[FloatArray, ...],
 ) -> tuple[list[Mode], list[float]]:  # fmt: skip
     """Solve for the rates in the picked modes; return the modes, turned, and every contact's fault."""
@@ -259,13 +262,13 @@ def _judge(
     return modes, faults
 
 
-def _radius_rate(contact: Contact, k: int, forces: FloatArray, rates: tuple[FloatArray, ...]) -> float:
+def _radius_rate(contact: ContactState, k: int, forces: FloatArray, rates: tuple[FloatArray, ...]) -> float:
     """Return the rate of mu λ_n."""
     return float(rates[0][k] * contact.force[2] + contact.mu * forces[k, 2])
 
 
 def _fault(
-    contact: Contact, choice: Choice, mode: Mode, force: FloatArray, velocity: FloatArray, k: int,
+    contact: ContactState, choice: Continuation, mode: Mode, force: FloatArray, velocity: FloatArray, k: int,
     rates: tuple[FloatArray, ...], forces: FloatArray,
 ) -> float:  # fmt: skip
     """Return by how much the rates of a contact have the wrong sign for its mode [m/s]."""
@@ -296,8 +299,8 @@ def _fault(
     return max(faults)
 
 
-def _lift_rate(contact: Contact, choice: Choice, velocity: FloatArray, mu_rate: float) -> float:
-    """Return the rate of `Contact.lift`, in the direction of the velocity's rate."""
+def _lift_rate(contact: ContactState, choice: Continuation, velocity: FloatArray, mu_rate: float) -> float:
+    """Return the rate of `ContactState.lift`, in the direction of the velocity's rate."""
     if not contact.convex:
         return float(velocity[2])
     slip, rate = contact.velocity[:2], velocity[:2]
@@ -313,7 +316,12 @@ def _lift_rate(contact: Contact, choice: Choice, velocity: FloatArray, mu_rate: 
 
 
 def _section_faults(
-    contact: Contact, choice: Choice, mode: Mode, force: FloatArray, velocity: FloatArray, radius: float
+    contact: ContactState,
+    choice: Continuation,
+    mode: Mode,
+    force: FloatArray,
+    velocity: FloatArray,
+    radius: float,
 ) -> list[float]:
     """Return the faults of a contact on a pyramid: faces that are crossed, slip against a face."""
     section = contact.section

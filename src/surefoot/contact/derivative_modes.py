@@ -70,7 +70,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Contact:
+class ContactState:
     """One contact of a problem at a solution: its law, force λ, velocity u, and the weight w = ||G_kk||."""
 
     mu: float
@@ -97,7 +97,7 @@ class Contact:
             return float(u[2] - self.mu * np.hypot(u[0], u[1]))
         return float(u[2] - self.mu * np.max(-self.section.corners @ u[:2]))
 
-    def at(self, force: FloatArray, velocity: FloatArray) -> Contact:
+    def at(self, force: FloatArray, velocity: FloatArray) -> ContactState:
         """Return the same contact with another force (3,) [N s] and velocity (3,) [m/s]."""
         return replace(self, force=force, velocity=velocity)
 
@@ -133,7 +133,7 @@ class Mode:
         """What tells modes of one contact apart."""
         return self.normal, self.tangent, self.index
 
-    def name(self, contact: Contact) -> str:
+    def name(self, contact: ContactState) -> str:
         """Return the mode in words."""
         if self.normal == HELD:
             return "bilateral"
@@ -145,13 +145,13 @@ class Mode:
         return f"{self.tangent} at normal_{'min' if self.normal == LOW else 'max'}"
 
 
-def contacts_of(problem: ContactProblem, forces: FloatArray, velocities: FloatArray) -> list[Contact]:
+def contacts_of(problem: ContactProblem, forces: FloatArray, velocities: FloatArray) -> list[ContactState]:
     """Return the contacts of a problem with (n, 3) forces [N s] and velocities [m/s]."""
     section = None if problem.facets is None else Section.of(problem.facets, problem.fit == "inner")
     weights = problem.scales[0]
     convex = problem.law == "convex"
     return [
-        Contact(
+        ContactState(
             float(problem.mu[k]), float(problem.normal_min[k]), float(problem.normal_max[k]), convex,
             section, forces[k], velocities[k], float(weights[k]) if weights[k] > 0.0 else 1.0,
         )
@@ -159,7 +159,7 @@ def contacts_of(problem: ContactProblem, forces: FloatArray, velocities: FloatAr
     ]  # fmt: skip
 
 
-def normal_state(contact: Contact) -> str:
+def normal_state(contact: ContactState) -> str:
     """Return which piece of the unilateral law the state lies on: the projection of λ_n - v / w."""
     if contact.low == -np.inf:
         return HELD
@@ -169,7 +169,7 @@ def normal_state(contact: Contact) -> str:
     return HIGH if lifted >= contact.high else FREE
 
 
-def natural_mode(contact: Contact) -> Mode:
+def natural_mode(contact: ContactState) -> Mode:
     """Return the mode that the natural map is on: where λ - u / w is projected to."""
     normal = normal_state(contact)
     if normal == HELD:
@@ -187,7 +187,7 @@ def natural_mode(contact: Contact) -> Mode:
     return slide_mode(contact, normal, direction, radius / length if length > 0.0 else 0.0)
 
 
-def piece(contact: Contact, normal: str, tangent: str, index: int) -> Mode:
+def piece(contact: ContactState, normal: str, tangent: str, index: int) -> Mode:
     """Return a mode of a pyramid, or a stick, by its names."""
     if tangent == STICK:
         return stick_mode(normal)
@@ -195,7 +195,7 @@ def piece(contact: Contact, normal: str, tangent: str, index: int) -> Mode:
 
 
 def _mode(
-    contact: Contact, normal: str, tangent: str, index: int, ray: FloatArray, slope: FloatArray,
+    contact: ContactState, normal: str, tangent: str, index: int, ray: FloatArray, slope: FloatArray,
     own: tuple[FloatArray, FloatArray, float] | None,
 ) -> Mode:  # fmt: skip
     """Build a mode whose force moves along a ray (slope, 1) if its normal is free, and in one direction more.
@@ -232,7 +232,7 @@ def stick_mode(normal: str) -> Mode:
     return Mode(normal, STICK, 0, eye.T, eye, none, np.zeros(3), up, none, np.zeros(2))
 
 
-def slide_mode(contact: Contact, normal: str, direction: FloatArray, ratio: float) -> Mode:
+def slide_mode(contact: ContactState, normal: str, direction: FloatArray, ratio: float) -> Mode:
     """Return the mode of a contact whose force lies on the round cone, in a (2,) unit direction e.
 
     λ_t = mu λ_n e with e against u_t: its part across e obeys ratio e⊥·u_t' + w (1 - ratio) e⊥·λ_t' = 0, with
@@ -243,7 +243,7 @@ def slide_mode(contact: Contact, normal: str, direction: FloatArray, ratio: floa
     return _mode(contact, normal, SLIDE, 0, contact.mu * direction, direction, own)
 
 
-def face_mode(contact: Contact, normal: str, index: int) -> Mode:
+def face_mode(contact: ContactState, normal: str, index: int) -> Mode:
     """Return the mode of a contact on a pyramid's face: it slips against the face's normal only."""
     section = contact.section
     assert section is not None
@@ -252,14 +252,14 @@ def face_mode(contact: Contact, normal: str, index: int) -> Mode:
     return _mode(contact, normal, FACE, index, contact.mu * slope, slope, (along, along, 0.0))
 
 
-def edge_mode(contact: Contact, normal: str, index: int) -> Mode:
+def edge_mode(contact: ContactState, normal: str, index: int) -> Mode:
     """Return the mode of a contact on a pyramid's edge: its force only grows or shrinks."""
     assert contact.section is not None
     corner = contact.section.corners[index]
     return _mode(contact, normal, EDGE, index, contact.mu * corner, corner, None)
 
 
-def defect(contact: Contact, mode: Mode) -> tuple[FloatArray, FloatArray]:
+def defect(contact: ContactState, mode: Mode) -> tuple[FloatArray, FloatArray]:
     """Return the (3,) step of the force onto the mode's surface, and the (c,) targets of its equations."""
     step, target = np.zeros(3), np.zeros(mode.weight.size)
     force = contact.force

@@ -24,7 +24,7 @@ from surefoot.contact.derivative_modes import (
     HELD,
     HIGH,
     LOW,
-    Contact,
+    ContactState,
     Mode,
     contacts_of,
     defect,
@@ -135,7 +135,7 @@ def move(
 
 def polished(
     problem: ContactProblem, forces: FloatArray, velocities: FloatArray
-) -> tuple[FloatArray, FloatArray, list[Contact], list[Mode]]:
+) -> tuple[FloatArray, FloatArray, list[ContactState], list[Mode]]:
     """Return (n, 3) forces, velocities, contacts and modes after Newton steps on the active system.
 
     A semismooth Newton method: the modes are read anew from the natural map at every step. The steps stop

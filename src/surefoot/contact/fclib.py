@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import FloatArray
-from surefoot.contact.foreign import condensed, from_foreign, turned
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.contact.foreign import SHRINKS, SMALL, condensed, from_foreign, turned
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import MissingExtra, ProblemError
 
@@ -33,46 +33,117 @@ def read(path: Path) -> ContactProblem:
     h5py = _h5py()
     try:
         with h5py.File(path, "r") as file:
-            kind = next((k for k in ("fclib_local", "fclib_global") if k in file), None)
-            if any("rolling" in str(key) for key in file):
-                raise ProblemError(f"{path.name}: rolling friction is not supported")
-            if kind is None:
-                raise ProblemError(f"{path.name} holds no fclib_local or fclib_global problem")
-            group = file[kind]
-            dimension = int(np.ravel(group["spacedim"][()])[0])
-            mu = np.ravel(group["vectors/mu"][()])
-            if kind == "fclib_local":
-                if "V" in group:
-                    raise ProblemError(f"{path.name}: local problems with equality constraints are not read")
-                W, q = _matrix(group["W"]), np.ravel(group["vectors/q"][()])
-            else:
-                W, q = _condense(group)
-            reference = np.ravel(file["solution/r"][()]) if "solution/r" in file else None
-    except ProblemError:
-        raise
-    except (OSError, KeyError, ValueError, IndexError, TypeError) as error:
-        raise ProblemError(f"{path.name} is no FCLIB file: {error}") from error
-    if reference is not None:
-        reference = reference.reshape(-1, dimension) if reference.size == q.size else None
+            W, q, mu, dimension, reference = _read(file)
+    except ProblemError as error:
+        raise ProblemError(f"{path.name}: {error}") from error.__cause__
+    # whatever h5py says of a broken file, in one line
+    except (OSError, LookupError, ValueError, TypeError, RuntimeError, ArithmeticError) as error:
+        reason = str(error).strip("'\"").partition("\n")[0]
+        raise ProblemError(f"{path.name} is no FCLIB file: {reason}") from error
     return from_foreign(W, q, mu, dimension, path.name, reference)
 
 
-def _matrix(group: Any) -> Any:
-    """Return a sparse matrix that CSparse wrote."""
-    rows, columns, kind = (int(np.ravel(group[name][()])[0]) for name in ("m", "n", "nz"))
-    p, i, x = (np.ravel(group[name][()]) for name in ("p", "i", "x"))
-    if kind == -1:
-        return sp.csc_matrix((x, i, p), shape=(rows, columns)).tocsr()
-    if kind == -2:
-        return sp.csr_matrix((x, i, p), shape=(rows, columns))
-    return sp.csr_matrix((x[:kind], (i[:kind], p[:kind])), shape=(rows, columns))
+def _read(file: Any) -> tuple[Any, FloatArray, FloatArray, int, FloatArray | None]:
+    """Return W, q, mu, the dimension and the solution, if there is one."""
+    kind = next((k for k in ("fclib_local", "fclib_global") if k in file), None)
+    if any("rolling" in str(key) for key in file):
+        raise ProblemError("rolling friction is not supported")
+    if kind is None:
+        raise ProblemError("holds no fclib_local or fclib_global problem")
+    group = _open(file, kind)
+    dimension = _whole(group, "spacedim")
+    if dimension not in (2, 3):
+        raise ProblemError(f"the dimension must be 2 or 3, got {dimension}")
+    mu = _vector(group, "vectors/mu")
+    if kind == "fclib_local":
+        if "V" in group:
+            raise ProblemError("local problems with equality constraints are not read")
+        q = _vector(group, "vectors/q")
+        W = _matrix(group, "W", q.size, q.size)
+    else:
+        W, q = _condense(group)
+    reference = _vector(file, "solution/r") if "solution/r" in file else None
+    if reference is not None:
+        fits = reference.size == q.size and q.size % dimension == 0
+        reference = reference.reshape(-1, dimension) if fits else None
+    return W, q, mu, dimension, reference
+
+
+def _open(group: Any, name: str) -> Any:
+    """Return what is in a group under a name; no link leads out of the file."""
+    for part in name.split("/"):
+        if isinstance(group.get(part, getlink=True), _h5py().ExternalLink):
+            raise ProblemError(f"{part!r} is a link to another file")
+        group = group[part]
+    return group
+
+
+def _numbers(group: Any, name: str, kinds: str) -> Any:
+    """Return an array of numbers, flat, whose size and kind were looked at before it was read."""
+    found = _open(group, name)
+    if not isinstance(found, _h5py().Dataset) or found.dtype.kind not in kinds:
+        raise ProblemError(f"{name} must be an array of {'numbers' if 'f' in kinds else 'whole numbers'}")
+    if found.nbytes > SHRINKS * found.id.get_storage_size() + SMALL:
+        raise ProblemError(f"{name} claims {found.size} entries, more than the file can hold")
+    return np.ravel(found[()])
+
+
+def _vector(group: Any, name: str) -> FloatArray:
+    return np.asarray(_numbers(group, name, "iuf"), dtype=np.float64)
+
+
+def _indices(group: Any, name: str) -> IntArray:
+    return np.asarray(_numbers(group, name, "iu"), dtype=np.int64)
+
+
+def _whole(group: Any, name: str) -> int:
+    found = _indices(group, name)
+    if found.size != 1:
+        raise ProblemError(f"{name} must be one whole number, got {found.size}")
+    return int(found[0])
+
+
+def _matrix(group: Any, name: str, rows: int, columns: int) -> Any:
+    """Return a sparse matrix that CSparse wrote, of the shape that the vectors beside it ask for.
+
+    SciPy does not look at indices: one that is out of range loses an entry, or ends the interpreter.
+    """
+    matrix = _open(group, name)
+    shape, kind = (_whole(matrix, "m"), _whole(matrix, "n")), _whole(matrix, "nz")
+    if shape != (rows, columns):
+        raise ProblemError(f"{name} must be {rows}x{columns} for the vectors beside it, got {shape}")
+    p, i, x = _indices(matrix, "p"), _indices(matrix, "i"), _vector(matrix, "x")
+    if kind not in (-1, -2):
+        if not 0 <= kind <= min(p.size, i.size, x.size):
+            raise ProblemError(f"{name} says {kind} entries and holds {min(p.size, i.size, x.size)}")
+        triplets = x[:kind], (i[:kind], p[:kind])
+        _check_range(name, i[:kind], rows)
+        _check_range(name, p[:kind], columns)
+        return sp.csr_matrix(triplets, shape=shape)
+    major, minor = (columns, rows) if kind == -1 else (rows, columns)
+    if p.size != major + 1 or p[0] != 0 or (np.diff(p) < 0).any() or p[-1] > min(i.size, x.size):
+        raise ProblemError(f"{name}'s p must rise from 0 to the number of entries, in {major + 1} numbers")
+    if x[p[-1] :].any():
+        raise ProblemError(f"{name} holds {x.size} entries, of which p counts {p[-1]}")
+    _check_range(name, i[: p[-1]], minor)
+    made = sp.csc_matrix if kind == -1 else sp.csr_matrix
+    return made((x[: p[-1]], i[: p[-1]], p), shape=shape).tocsr()
+
+
+def _check_range(name: str, index: IntArray, size: int) -> None:
+    wrong = (index < 0) | (index >= size)
+    if wrong.any():
+        raise ProblemError(f"{name} has an entry at {index[wrong][0]}, outside of 0 to {size - 1}")
 
 
 def _condense(group: Any) -> tuple[FloatArray, FloatArray]:
     """Return the contact matrix and free velocity of a global problem, see `condensed`."""
-    G, b = (_matrix(group["G"]), np.ravel(group["vectors/b"][()])) if "G" in group else (None, None)
-    f, w = np.ravel(group["vectors/f"][()]), np.ravel(group["vectors/w"][()])
-    return condensed(_matrix(group["M"]), _matrix(group["H"]), f, w, G, b)
+    f, w = _vector(group, "vectors/f"), _vector(group, "vectors/w")
+    M, H = _matrix(group, "M", f.size, f.size), _matrix(group, "H", f.size, w.size)
+    if "G" not in group:
+        return condensed(M, H, f, w)
+    b = _vector(group, "vectors/b")
+    return condensed(M, H, f, w, _matrix(group, "G", f.size, b.size), b)
 
 
 def write(problem: ContactProblem, path: Path, forces: FloatArray | None) -> None:

@@ -11,7 +11,9 @@ file says that a `ContactProblem` cannot is changed on reading and told in `prob
 
 from __future__ import annotations
 
+import math
 import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.contact import fclib, siconos_text
+from surefoot.contact.foreign import SHRINKS, SMALL
 from surefoot.contact.lcp import LCP
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError, unknown_name
@@ -100,6 +103,31 @@ def holds_lcp(path: str | Path) -> bool:
     return path.suffix == ".dat" and path.is_file() and siconos_text.holds_lcp(path)
 
 
+BROKEN = (
+    ValueError, OSError, EOFError, AttributeError, KeyError, RuntimeError, TypeError, SyntaxError,
+    MemoryError, NotImplementedError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+"""What NumPy and `zipfile` raise for a broken archive."""
+NUMBERS = "iuf"
+NPZ = (
+    *((name, NUMBERS, None) for name in ("G", "g", "mu", "normal_min", "normal_max", "reference")),
+    ("law", "U", 0), ("facets", "iu", 0), ("fit", "U", 0), ("bilateral", "b", None), ("notes", "U", None),
+)  # fmt: skip
+"""Names in a .npz file, the kinds of their entries (NumPy's letters), and 0 where there is one of them."""
+
+
+def _check_sizes(path: Path) -> None:
+    """Refuse an archive whose arrays claim more than it holds, before memory is asked for."""
+    read = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+    with zipfile.ZipFile(path) as archive:
+        for entry in archive.infolist():
+            with archive.open(entry) as stream:
+                shape, _, kind = read[np.lib.format.read_magic(stream)](stream)
+            held = min(entry.file_size, SHRINKS * entry.compress_size + SMALL)
+            if math.prod(shape) * kind.itemsize > held:
+                raise ProblemError(f"{path}: {entry.filename} claims {shape}, more than the file can hold")
+
+
 def _kind(path: Path) -> str:
     if path.suffix not in KINDS:
         raise ProblemError(unknown_name("kind of file", path.suffix or path.name, KINDS))
@@ -132,13 +160,20 @@ def _write_npz(problem: ContactProblem, path: Path, forces: FloatArray | None) -
 
 def _read_npz(path: Path) -> ContactProblem:
     try:
+        _check_sizes(path)
         with np.load(path, allow_pickle=False) as data:
             found = {name: data[name] for name in data.files}
-    except (ValueError, OSError, EOFError, AttributeError, zipfile.BadZipFile) as error:
+    except BROKEN as error:
         raise ProblemError(f"{path} is no .npz file of numbers") from error
     missing = {"G", "g", "mu"} - set(found)
     if missing:
         raise ProblemError(f"{path} has no {', '.join(sorted(missing))}")
+    for name, kinds, shape in NPZ:
+        array = found.get(name)
+        if array is not None and (array.dtype.kind not in kinds or (shape == 0 and array.ndim > 0)):
+            raise ProblemError(
+                f"{path}: {name} is {array.dtype} of shape {array.shape}, not what a problem has"
+            )
     facets = int(found.get("facets", 0))
     problem = ContactProblem(
         found["G"],

@@ -17,6 +17,22 @@ from surefoot.errors import ProblemError
 LARGEST_ASYMMETRY = 0.2
 """Largest |G - Gᵀ| over largest |G| that is read."""
 NOTED_ASYMMETRY = 1e-12
+SHRINKS, SMALL = 1100, 4096
+"""An array claims at most so many times its bytes in the file, deflate's limit, beside so many bytes."""
+LARGEST_DENSE = 2**27
+"""Entries of the largest dense matrix that is made of a sparse one in a file: 1 GB."""
+
+
+def check_dense(what: str, rows: int, columns: int) -> None:
+    """Refuse to fill a (rows, columns) matrix that no memory holds, before it is asked for.
+
+    Raises
+    ------
+    ProblemError
+        If it has more entries than `LARGEST_DENSE`.
+    """
+    if rows * columns > LARGEST_DENSE:
+        raise ProblemError(f"{what} of {rows}x{columns} entries is too large")
 
 
 def turned(count: int, dimension: int = 3) -> IntArray:
@@ -94,6 +110,7 @@ def condensed(
         raise ProblemError(
             f"a global problem's sizes disagree: M {M.shape}, H {H.shape}, f {f.size}, w {w.size}"
         )
+    check_dense("a global problem's H", *H.shape)
     right = np.column_stack([H.toarray(), f])
     if G is not None and b is not None:
         M = sp.bmat([[M, -G], [G.T, None]], format="csc")

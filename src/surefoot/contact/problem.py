@@ -20,7 +20,7 @@ from surefoot.contact.blocks import (
 from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
 from surefoot.contact.matrix import checked_sparse, read_compliance, read_dense, spectral_norm
 from surefoot.contact.scales import scales_blocks, scales_dense
-from surefoot.contact.sets.contact import Contact
+from surefoot.contact.sets.contact import ContactKind
 from surefoot.contact.sets.contact_set import ContactSet, set_of
 from surefoot.contact.sets.scales import set_scales
 from surefoot.errors import ProblemError
@@ -122,7 +122,7 @@ class ContactProblem:
         *,
         compliance: ArrayLike = 0.0,
         bilateral: ArrayLike | None = None,
-        contacts: Sequence[Contact] | None = None,
+        contacts: Sequence[ContactKind] | None = None,
     ) -> None:
         self.law: Law = law_of(law)
         self.notes: tuple[str, ...] = ()

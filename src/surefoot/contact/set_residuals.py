@@ -1,6 +1,6 @@
 """Every contact law as a number for contacts of any kind: what `residuals` does for points, from `sets`.
 
-Plain NumPy, contact by contact, with the operations of `sets.Contact`; no solver shares them. Errors are
+Plain NumPy, contact by contact, with the operations of `sets.ContactKind`; no solver shares them. Errors are
 velocities in the metric of each contact (moments over its lengths), against scales defined as in `scales`.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
-from surefoot.contact.sets.contact import Contact
+from surefoot.contact.sets.contact import ContactKind
 from surefoot.contact.sets.scales import block_sizes
 
 ROUNDING = 4.0 * 2.220446049250313e-16
@@ -47,7 +47,7 @@ def set_certificate(problem: ContactProblem, forces: FloatArray) -> tuple[FloatA
 
 
 def _measure(
-    contact: Contact, force: FloatArray, u: FloatArray, w: float, s: float, energy: float, share: float
+    contact: ContactKind, force: FloatArray, u: FloatArray, w: float, s: float, energy: float, share: float
 ) -> tuple[float, float, float, float, float, float]:
     """Return velocity error over s, energy gap, cone violation, approach, normal and slip power."""
     size = math.hypot(*(force / contact.lengths))

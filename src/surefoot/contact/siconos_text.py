@@ -26,7 +26,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.contact.foreign import condensed, from_foreign, turned
+from surefoot.contact.foreign import check_dense, condensed, from_foreign, turned
 from surefoot.contact.lcp import LCP
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
@@ -168,6 +168,7 @@ def read_lcp(path: Path) -> LCP:
     matrix = _read_matrix(numbers)
     q = numbers.floats(size)
     numbers.end()
+    check_dense(f"{path.name}: a matrix", *matrix.shape)
     return LCP(matrix.toarray() if sp.issparse(matrix) else matrix, q)
 
 
@@ -184,6 +185,9 @@ def holds_lcp(path: Path) -> bool:
 
 def _read_matrix(numbers: _Numbers) -> FloatArray | sp.csr_matrix:
     storage, rows, columns = (int(i) for i in numbers.integers(3))
+    # vectors of both lengths follow, so what is left is longer: looked at before memory is asked for
+    if max(rows, columns) > len(numbers.words) - numbers.at:
+        raise ProblemError(f"{numbers.name}: a matrix is {rows}x{columns}, more than the file can hold")
     if storage == DENSE:
         again = tuple(int(i) for i in numbers.integers(2))
         if again != (rows, columns):

@@ -24,7 +24,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.motor_limits import DRIVING_SHARE, KNEE_SHARE, MotorLimits
-from surefoot.control.torque_kernels import friction_losses
+from surefoot.control.torque_kernels import friction_losses, torque_range
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
 from surefoot.robot.rotors import joint_figures
@@ -38,6 +38,8 @@ RULE = 0.01 / 23.7, 0.1 / 23.7, 0.2 / 23.7
 """Armature, damping, dry friction over a joint's torque [s², s, -] where nothing else is known: the Go2's."""
 LEG_SHARE = 0.5
 """Torque of a joint whose file gives none, or far too much, as a share of m g h: the Go2's, nearly."""
+LEAST_SHARE = 0.02
+"""Half the usable range is at least this share of the limits [-]: a motor that spins away still brakes."""
 _UNITREE = {"": (0.01, 0.1, 0.2)}
 _SERIES_ELASTIC = {"": (0.0, 1.0, 0.1)}
 FIGURES: dict[str, dict[str, tuple[float, float, float]]] = {
@@ -126,6 +128,18 @@ class Actuators:
     def given(self, torques: FloatArray, speed: FloatArray) -> FloatArray:
         """Return what the motors give of (joints,) torques at (joints,) joint speeds [N m]."""
         return self.limits.clip(torques, speed)
+
+    def usable(self, speed: FloatArray, limits: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the range of torques that move the legs at joint speeds (joints,) [rad/s], and the losses.
+
+        The middle, half of the range, and what friction takes of a motor's torque: (joints,) each [N m], for
+        commands within ± limits (joints,) [N m]; speeds that are not finite count as rest.
+        """
+        motors = self.limits
+        return torque_range(
+            speed, self.damping, self.friction, motors.effort, motors.speed, motors.knee, motors.driving,
+            CREEP, limits, LEAST_SHARE,
+        )  # fmt: skip
 
 
 def actuators_of(robot: Robot, actuators: str | Actuators) -> Actuators | None:

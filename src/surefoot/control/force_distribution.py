@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -116,45 +115,41 @@ class ForceDistributor:
         given = {
             "mu": mu, "normal_min": normal_min, "normal_max": normal_max, "force_weight": force_weight,
         }  # fmt: skip
-        self._given = [real_array(name, value) for name, value in given.items()]
+        self._given = tuple(real_array(name, value) for name, value in given.items())
         self._roots = np.sqrt(wrench_metric(wrench_weights))
         self._smoothness = real_number("smoothness", smoothness, low=0.0, high=1e300)
         self.tol = real_number("tol", tol, low=0.0)
         self._limit = int(real_number("max_iterations", max_iterations, low=1, high=10**9))
         self._torque_limit = None if torque_limit is None else torque_limits(torque_limit)
         count = contact_count(self._given)
-        self._fixed = count is not None
         self._build(1 if count is None else count)  # one contact, until the first grasp map says how many
 
     def _build(self, count: int) -> None:
         """Check the per-contact parameters for a number of contacts and make the work space."""
         _call_directly()
         mu, low, high, weight = self._given
-        self._mu = friction(mu, count)
-        self._low, self._high = normal_bounds(low, high, count)
-        self._all = np.ones(count, dtype=np.bool_)
-        self._weights = force_weights(weight, count)
-        self._shape = (6, 3 * count)
-        self._forces_shape = (count, 3)
+        self._bounds = normal_bounds(low, high, count)
+        self._shape, self._forces_shape = (6, 3 * count), (count, 3)
         self._code = layout.INVALID
         self.work = work = layout.new_work(count)
-        self._results, rows = work[count + 1], work[:count]
+        rows, results = work[:count], work[count + 1]
         work[count, layout.ROOT : layout.ROOT + 6] = self._roots
-        total = self._weights + self._smoothness
-        units = 1.0 / np.sqrt(total)
+        # the solver's forces are in units in which every weight is one: r ||f - f_ref||² + s ||f - f_last||²
+        weights = force_weights(weight, count)
+        units = 1.0 / np.sqrt(weights + self._smoothness)
         rows[:, layout.TANGENT], rows[:, layout.NORMAL] = units.T
-        rows[:, layout.MU] = self._mu * units[:, 1] / units[:, 0]
-        rows[:, layout.PULL : layout.PULL + 2] = self._weights * units
+        rows[:, layout.PULL : layout.PULL + 2] = weights * units
         rows[:, layout.DRAG : layout.DRAG + 2] = self._smoothness * units
-        self._results[layout.TOLERANCE] = self.tol * (1.0 / units.max() if count else 1.0)
-        self._results[layout.LIMIT] = self._limit
+        rows[:, layout.MU] = friction(mu, count) * units[:, 1] / units[:, 0]
+        results[layout.TOLERANCE] = self.tol * (1.0 / units.max() if count else 1.0)
+        results[layout.LIMIT] = self._limit
         self._rows: RowsWork | None = None
-        self.set_active(self._all)
+        self.set_active(np.ones(count, dtype=np.bool_))
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take the state of a copy, whose results must again be part of its work space."""
-        self.__dict__.update(state)
-        self._results = self.work[self._mu.size + 1]
+    @property
+    def _results(self) -> FloatArray:
+        """The row of the work space with what the last call found, and what the next starts from."""
+        return np.asarray(self.work[self._forces_shape[0] + 1])
 
     def solve(
         self,
@@ -305,17 +300,18 @@ class ForceDistributor:
         if wrench.shape != _WRENCH:
             raise ProblemError(f"wrench must have shape (6,), got {wrench.shape}")
         columns = grasp_map.shape[-1] if grasp_map.ndim == 2 else -1
-        if grasp_map.shape != (6, columns) or columns % 3 or self._fixed:
-            wanted = f"(6, {self._shape[1]})" if self._fixed else "(6, 3n)"
+        fixed = contact_count(self._given) is not None
+        if grasp_map.shape != (6, columns) or columns % 3 or fixed:
+            wanted = f"(6, {self._shape[1]})" if fixed else "(6, 3n)"
             raise ProblemError(f"grasp_map must have shape {wanted}, got {grasp_map.shape}")
         self._build(columns // 3)
 
     def set_active(self, active: ArrayLike) -> None:
         """Switch contacts on and off: (n,) mask. A contact that is off carries exactly zero."""
         on = np.ascontiguousarray(active, dtype=np.bool_)
-        if on.shape != self._mu.shape:
-            raise ProblemError(f"active must have shape {self._mu.shape}, got {on.shape}")
-        layout.set_limits(self.work, self._low, self._high, on)
+        if on.shape != self._forces_shape[:1]:
+            raise ProblemError(f"active must have shape {self._forces_shape[:1]}, got {on.shape}")
+        layout.set_limits(self.work, *self._bounds, on)
 
     def set_bounds(
         self, normal_min: ArrayLike, normal_max: ArrayLike, active: BoolArray | None = None
@@ -331,18 +327,19 @@ class ForceDistributor:
         """
         low = np.ascontiguousarray(normal_min, _FLOAT)
         high = np.ascontiguousarray(normal_max, _FLOAT)
-        shape, on = self._mu.shape, self._all if active is None else active
+        shape = self._forces_shape[:1]
+        on = np.ones(shape, dtype=np.bool_) if active is None else active
         wrong = not low.shape == high.shape == on.shape == shape
         if wrong or layout.set_limits(self.work, low, high, on) >= 0:
-            self._low, self._high = normal_bounds(normal_min, normal_max, self._mu.size)
+            self._bounds = normal_bounds(normal_min, normal_max, shape[0])
             self.set_active(on)
         else:
-            self._low[:], self._high[:] = low, high
+            self._bounds[0][:], self._bounds[1][:] = low, high
 
     def set_friction(self, mu: ArrayLike) -> None:
         """Change the friction [-], (n,) or a number."""
-        self._mu, rows = friction(mu, self._mu.size), self.work[: self._mu.size]
-        rows[:, layout.MU] = self._mu * rows[:, layout.NORMAL] / rows[:, layout.TANGENT]
+        rows = self.work[: self._forces_shape[0]]
+        rows[:, layout.MU] = friction(mu, len(rows)) * rows[:, layout.NORMAL] / rows[:, layout.TANGENT]
 
     def set_reference(self, forces: ArrayLike) -> None:
         """Set the wanted forces: (n, 3) [N]."""
@@ -354,7 +351,7 @@ class ForceDistributor:
     @property
     def reference(self) -> FloatArray:
         """The wanted forces: (n, 3) [N], to be written in place by loops that cannot wait."""
-        return self.work[: self._mu.size, layout.REFERENCE : layout.REFERENCE + 3]
+        return self.work[: self._forces_shape[0], layout.REFERENCE : layout.REFERENCE + 3]
 
     def reset(self, forces: ArrayLike | None = None) -> None:
         """Forget the warm start; the last command becomes `forces`, (n, 3) [N], or none."""

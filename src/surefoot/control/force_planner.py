@@ -14,7 +14,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.body_motion import BodyReference
 from surefoot.control.force_ramps import ForceRamps
-from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan
+from surefoot.control.mpc import BodyState, ConvexMpc
 from surefoot.control.walking_body import BodyPlan
 from surefoot.control.walking_feet import Feet
 from surefoot.control.walking_kernels import stance_places, turned_arms
@@ -37,8 +37,8 @@ class ForcePlanner:
 
     Attributes
     ----------
-    plan
-        The last one; None before the first.
+    forces
+        (n, 3) of the first step of the last plan, contact frames [N]; None before the first plan.
     motion
         (5, 3) at the time of the plan: centre of mass [m], its velocity [m/s], angular velocity [rad/s], and
         the planned accelerations [m/s²], [rad/s²].
@@ -46,8 +46,6 @@ class ForcePlanner:
         (3, 3) of the body then.
     begun, made
         Times at which the last plan was set up, and solved [s].
-    pending
-        Whether what is set up has still to be solved.
     """
 
     def __init__(self, mpc: ConvexMpc, offsets: FloatArray, radii: FloatArray, step: float) -> None:
@@ -58,9 +56,14 @@ class ForcePlanner:
     def reset(self) -> None:
         """Forget the last plan."""
         self.mpc.reset()
-        self.plan: MpcPlan | None = None
+        self.forces: FloatArray | None = None
         self.begun = self.made = -math.inf
-        self.pending = False
+        self._horizon: tuple[BodyReference, FloatArray, BoolArray, FloatArray] | None = None
+
+    @property
+    def pending(self) -> bool:
+        """Whether what is set up has still to be solved."""
+        return self._horizon is not None
 
     def set_up(
         self, time: float, clock: float, feet: Feet, body: BodyPlan, ramps: ForceRamps, stance: float
@@ -77,7 +80,7 @@ class ForcePlanner:
             Length of a stance [s].
         """
         N, dt = self.mpc.horizon, self.mpc.dt
-        ahead = 0.0 if self.plan is None else self.step
+        ahead = 0.0 if self.forces is None else self.step
         start = clock + ahead
         contacts = feet.schedule.horizon(start, dt, N)
         if start < 0.0:
@@ -86,17 +89,16 @@ class ForcePlanner:
         for k in np.flatnonzero(feet.carrying & ~feet.planned):  # landed early: carries on
             later = np.flatnonzero(contacts[1:, k])
             contacts[: 1 + (later[0] if len(later) else 0), k] = True
-        self._contacts: BoolArray = contacts
-        self._reference: BodyReference = body.reference(N, dt, ahead)
+        reference = body.reference(N, dt, ahead)
         arms = turned_arms(self.offsets, body.yaw + body.velocity[2] * dt * np.arange(N + 1))
-        self._places: FloatArray = stance_places(
-            contacts, feet.carrying, feet.ground, feet.target, feet.frames, self.radii,
-            self._reference.position, arms, round(0.5 * stance / dt), body.ground, body.position, body.slope,
+        places = stance_places(
+            contacts, feet.carrying, feet.ground, feet.target, feet.frames, self.radii, reference.position,
+            arms, round(0.5 * stance / dt), body.ground, body.position, body.slope,
         )  # fmt: skip
-        self._ramps = ramps.ahead(start, dt, N)
-        if self.plan is not None and not self.pending:
+        if self.forces is not None and not self.pending:
             self.mpc.shift(max(time + ahead - self.made, 0.0))
-        self.begun, self.pending = time, True
+        self._horizon = reference, places, contacts, ramps.ahead(start, dt, N)
+        self.begun = time
 
     def solve(self, time: float, now: Kinematics, frames: FloatArray, mu: float | None) -> None:
         """Plan from the state of now.
@@ -112,13 +114,15 @@ class ForcePlanner:
         mu
             Friction to count on; None for that of the MPC [-].
         """
+        assert self._horizon is not None, "set_up comes first"
+        reference, places, contacts, shares = self._horizon
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
-        self.plan = plan = self.mpc.solve(
-            state, self._reference, self._places, self._contacts, frames,
-            mu=None if mu is None else np.full(len(self.radii), mu), normal_share=self._ramps,
+        plan = self.mpc.solve(
+            state, reference, places, contacts, frames,
+            mu=None if mu is None else np.full(len(self.radii), mu), normal_share=shares,
         )  # fmt: skip
         motion, dt = self.motion, self.mpc.dt
         motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity
         motion[3] = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
         motion[4] = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
-        self.rotation, self.made, self.pending = now.rotation, time, False
+        self.forces, self.rotation, self.made, self._horizon = plan.first, now.rotation, time, None

@@ -1,4 +1,4 @@
-"""What a walking controller makes of a payload and of an external wrench that it was not told.
+"""What a walking controller makes of an unknown payload and external wrench.
 
 The payload that `WrenchObserver` finds becomes part of the models of the whole-body controller (inertia of
 the base) and of the MPC (mass, inertia, centre of mass, and with it the footholds); the rest of the wrench is
@@ -8,7 +8,7 @@ a bias force of the whole-body step, and in the MPC an acceleration that fades o
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,8 +18,8 @@ from surefoot.control.mpc import ConvexMpc
 from surefoot.control.walking_body import BodyPlan
 from surefoot.control.whole_body import Kinematics, WholeBodyController
 from surefoot.estimation.wrench_kernels import point_inertia, tell_wrench
-from surefoot.estimation.wrench_observer import Instant, Load, ObserverSettings, WrenchObserver
-from surefoot.log.channels import CHANNELS
+from surefoot.estimation.wrench_observer import FADING, Load, WrenchObserver
+from surefoot.log.channels import CHANNELS, Channel
 from surefoot.robot import Robot
 
 
@@ -29,19 +29,16 @@ class LoadSettings:
 
     Attributes
     ----------
-    observer
-        See `ObserverSettings`.
     load, wrench
-        Share of the payload, and of the rest of the wrench, that the controllers are told; zero to observe
-        and do nothing.
+        Share of the payload, and of the rest of the wrench, that the controllers get; zero to observe and do
+        nothing.
     most
-        Bound on the rest that they are told, along each axis: force over m g, moment over m g h. More of it
-        would make feet slip where the ground gives less than is believed.
+        Bound on the rest that they get, along each axis: force over m g, moment over m g h. More of it would
+        make feet slip where the ground gives less than is believed.
     lean
         The observer stands still while the base leans further than this: the robot falls [rad].
     """
 
-    observer: ObserverSettings = field(default_factory=ObserverSettings)
     load: float = 1.0
     wrench: float = 1.0
     most: float = 0.1
@@ -55,7 +52,7 @@ class LoadSettings:
 
 
 class LoadAdaptation:
-    """Observes, and tells the MPC and the whole-body controller; see the module.
+    """Observes, and changes the models of the MPC and the whole-body controller; see the module.
 
     Parameters
     ----------
@@ -64,7 +61,7 @@ class LoadAdaptation:
     dt
         Time between steps [s].
     mpc, whole_body
-        Whom to tell.
+        Whose models.
     settings
         See `LoadSettings`; None to observe nothing.
 
@@ -72,8 +69,6 @@ class LoadAdaptation:
     ----------
     observer
         What it knows; None if it observes nothing.
-    channels, rows
-        What it adds to a log, and the values: (4,) [kg, kg m], (6,) [N, N m].
     """
 
     def __init__(
@@ -89,13 +84,9 @@ class LoadAdaptation:
         self.robot, self.dt, self.settings = robot, dt, settings or LoadSettings()
         self.observer: WrenchObserver | None = None
         if settings is not None and not any(foot.flat for foot in robot.feet):
-            self.observer = WrenchObserver(robot, dt, settings.observer)
-            self._most = settings.most * self.observer.wrench_unit
-        names = () if self.observer is None else ("load_estimated", "wrench_estimated")
-        self.channels = tuple(CHANNELS[name] for name in names)
+            self.observer = WrenchObserver(robot, dt)
         self._mpc, self._whole_body = mpc, whole_body
-        mpc.fading = self.settings.observer.fading
-        self._upright = math.cos(self.settings.lean)
+        mpc.fading = FADING
         data = robot.model.createData()
         pinocchio.ccrba(robot.model, data, robot.nominal, np.zeros(robot.model.nv))
         base = data.oMi[1]
@@ -104,47 +95,54 @@ class LoadAdaptation:
         self._com = rotation.T @ (np.array(data.com[0]) - np.array(base.translation))
         self.reset()
 
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """What it adds to a log."""
+        return tuple(CHANNELS[name] for name in self.rows)
+
+    @property
+    def rows(self) -> dict[str, FloatArray]:
+        """The values of the channels: (4,) [kg, kg m], (6,) [N, N m]."""
+        if self.observer is None:
+            return {}
+        load = self.observer.load
+        return {
+            "load_estimated": np.array([load.mass, *load.moment]),
+            "wrench_estimated": self.observer.wrench,
+        }
+
     def reset(self) -> None:
         """Forget the load."""
-        self._before: Instant | None = None
+        self._acting = False
         self._time, self._shift = 0.0, np.zeros(3)
-        self._carried: Load | None = None
-        self.rows: dict[str, FloatArray] = {}
+        self._carried = np.zeros(4)
         if self.observer is None:
             return
         self.observer.reset()
-        self._look()
         self._whole_body.carry(None)
         self._mpc.carry(self.robot.mass, self._inertia)
         self._whole_body.outside[:] = self._mpc.outside[:] = 0.0
 
     def observe(self, state: RobotState) -> None:
         """Learn from the (finite) state in which the last step has ended."""
-        before, self._before = self._before, None
-        if self.observer is None or before is None or before.pose[2, 2] < self._upright:
+        acting, self._acting = self._acting, False
+        if self.observer is None or not acting:
+            return
+        before = self._whole_body.instant()
+        if before.pose[2, 2] < math.cos(self.settings.lean):
             return
         if not 0.5 * self.dt < state.time - self._time < 1.5 * self.dt:
             return  # a step is missing in between
         touching = self._pushing if state.contact is None else self._pushing | state.contact
-        if self.observer.observe(before, state.v, self._torques, touching, self._carried):
-            self._look()
+        self.observer.observe(before, state.v, self._torques, touching, self._carried)
 
-    def _look(self) -> None:
-        """Take what the observer knows now."""
-        assert self.observer is not None
-        load, self._wrench = self.observer.load, self.observer.wrench
-        moments = np.array([load.mass, *load.moment])
-        self.rows = {"load_estimated": moments, "wrench_estimated": self._wrench}
-
-    def acted(self, time: float, v: FloatArray, torques: FloatArray, pushing: BoolArray) -> None:
-        """Remember what the next `observe` needs of the step that begins.
+    def acted(self, time: float, torques: FloatArray, pushing: BoolArray) -> None:
+        """Remember what the next `observe` needs of the step that begins with the command of now.
 
         Parameters
         ----------
         time
             At its start [s].
-        v
-            (nv,) velocity then [m/s, rad/s].
         torques
             (joints,) during it [N m].
         pushing
@@ -154,7 +152,7 @@ class LoadAdaptation:
             return
         self._torques = torques - self._whole_body.friction
         self._time, self._pushing = time, pushing.copy()
-        self._before = self._whole_body.instant(v)
+        self._acting = True
 
     def tell(self, body: BodyPlan | None) -> None:
         """Bring the models up to the estimate, and the plan for the (new) centre of mass, not the body's.
@@ -178,14 +176,14 @@ class LoadAdaptation:
             body.height += float(moved[2])
             body.position += self._rotation @ moved
             self._shift = shift
-        self._carried = load
+        self._carried = np.array([load.mass, *load.moment])
 
     def pull(self, now: Kinematics, base: FloatArray) -> None:
-        """Tell the rest of the wrench at a state, with (3,) the place of the base [m]."""
+        """Hand on the rest of the wrench at a state, with (3,) the place of the base [m]."""
         if self.observer is None:
             return
         self._rotation = now.rotation
         tell_wrench(
-            self.settings.wrench * self._wrench, self._most, now.rotation, base, now.com,
-            self._whole_body.outside, self._mpc.outside,
+            self.settings.wrench * self.observer.wrench, self.settings.most * self.observer.wrench_unit,
+            now.rotation, base, now.com, self._whole_body.outside, self._mpc.outside,
         )  # fmt: skip

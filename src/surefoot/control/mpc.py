@@ -8,7 +8,7 @@ because it is not an unknown. The model is in `mpc_model`, the algorithm in `sol
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact, re
 from surefoot.contact.solution import Status
 from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
-from surefoot.control.mpc_momentum import MomentumCost, MpcMomentum, Search
+from surefoot.control.mpc_momentum import PATIENCE, MpcMomentum, minimise_with_momentum
 from surefoot.control.mpc_plan import HorizonProgram, MpcPlan, MpcWeights
 from surefoot.errors import ProblemError
 from surefoot.solvers.dual_newton.horizon import newton
@@ -35,10 +35,7 @@ __all__ = [
 ]
 
 ALMOST_FACTOR = 1e3
-"""Forces whose error bound is within this factor of the tolerance are ALMOST solved."""
-PATIENCE = 16
-"""Newton steps before the force weight is lowered in stages, see `surefoot.solvers.dual_newton.horizon`."""
-_BOUNDS = ("mu", "normal_min", "normal_max")
+"""Forces whose error bound is within this factor of the tolerance are ALMOST solved [-]: 10 N by default."""
 
 
 @dataclass
@@ -103,17 +100,16 @@ class ConvexMpc:
     feet: int = 4
     horizon: int = 10
     dt: float = 0.03
-    mu: ArrayLike = 0.6
-    normal_min: ArrayLike = 0.0
-    normal_max: ArrayLike = math.inf
+    mu: InitVar[ArrayLike] = 0.6
+    normal_min: InitVar[ArrayLike] = 0.0
+    normal_max: InitVar[ArrayLike] = math.inf
     weights: MpcWeights = field(default_factory=MpcWeights)
     tol: float = 1e-2
     max_iterations: int = 100
     passes: int = 1
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike) -> None:
         real_number("mass", self.mass, low=1e-6, high=1e9)
-        real_number("dt", self.dt, low=1e-6, high=10.0)
         real_number("tol", self.tol, low=0.0, high=1e9)
         for name in ("horizon", "feet", "passes"):
             if getattr(self, name) < 1:
@@ -121,15 +117,15 @@ class ConvexMpc:
         inertia = finite_array("inertia", self.inertia, (3, 3))
         if not np.allclose(inertia, inertia.T, rtol=1e-6, atol=0.0) or np.linalg.eigvalsh(inertia)[0] <= 0.0:
             raise ProblemError("inertia must be symmetric and positive definite")
-        self._inverse: FloatArray = np.linalg.inv(inertia).astype(np.float64)
-        limits = [per_contact(name, getattr(self, name), self.feet) for name in _BOUNDS]
+        given = {"mu": mu, "normal_min": normal_min, "normal_max": normal_max}
+        limits = [per_contact(name, value, self.feet) for name, value in given.items()]
         if not np.isfinite(limits[:2]).all():
             raise ProblemError("mu and normal_min must be finite")
         if (limits[1] > limits[2]).any():
             raise ProblemError("normal_min must not be above normal_max")
         self._bounds = np.tile(np.stack(limits, axis=1), (self.horizon, 1, 1))
-        self._level = np.tile(np.eye(3), (self.horizon, self.feet, 1, 1))
         self._weights = self.weights.matrix()
+        self.carry(self.mass, inertia)
         self.pace(self.dt)
         self.outside, self.fading = np.zeros(6), math.inf
 
@@ -137,16 +133,13 @@ class ConvexMpc:
         """Take another length of a step [s]; the previous plan is forgotten."""
         self.dt = real_number("dt", dt, low=1e-6, high=10.0)
         self._P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
-        self._K = np.ascontiguousarray(np.linalg.inv(self._P))
-        term = self.weights.momentum
-        self._momentum: MomentumCost | None = None
-        if term is not None and not term.idle:
-            self._momentum = MomentumCost(term, np.asarray(self.inertia), self._P, self.dt)
+        self._inverse = np.ascontiguousarray(np.linalg.inv(self._P))
         self._points = np.full((self.horizon, self.feet, 3), np.nan)
 
     def carry(self, mass: float, inertia: FloatArray) -> None:
         """Take another mass [kg] and (3, 3) inertia about the centre of mass, body axes [kg m²]."""
-        self.mass, self.inertia, self._inverse = mass, inertia, np.linalg.inv(inertia).astype(np.float64)
+        self.mass, self.inertia = mass, inertia
+        self._mobility: FloatArray = np.linalg.inv(np.asarray(inertia, dtype=np.float64)).astype(np.float64)
 
     def reset(self) -> None:
         """Forget the previous plan."""
@@ -249,12 +242,16 @@ class ConvexMpc:
         self, program: HorizonProgram, given: _Given, point: FloatArray, force: FloatArray
     ) -> tuple[int, float]:
         """Fill the forces of a program from guessed points; return Newton steps and error bound [N]."""
-        if self._momentum is not None:
-            search = Search(self.tol, PATIENCE, self.max_iterations)
-            rates = given.ref_motion[:, 2]
-            return self._momentum.minimise(program, given.ref_rotation, rates, search, point, force)
+        term = self.weights.momentum
+        if term is not None and not term.idle:
+            axes = program.heading.T @ given.ref_rotation[1:]
+            inertia = axes @ np.asarray(self.inertia) @ axes.transpose(0, 2, 1)
+            return minimise_with_momentum(
+                term, inertia, given.ref_motion[1:, 2] @ program.heading, program, self._inverse, self.dt,
+                self.tol, self.max_iterations, point, force,
+            )  # fmt: skip
         return newton(
-            self._K, self._P, program.q, program.step, program.M, program.bounds, program.centre,
+            self._inverse, program.P, program.q, program.step, program.M, program.bounds, program.centre,
             program.rho, self.tol, PATIENCE, self.max_iterations, point, force,
         )  # fmt: skip
 
@@ -262,14 +259,14 @@ class ConvexMpc:
         """Return the program, or None where the input is not finite; see `solve` for the errors."""
         verdict, step, foot, M, limits, centre, q, drift, heading = mpc_model.build(
             given.rotation, given.motion, given.ref_rotation, given.ref_motion, given.feet, given.contacts,
-            given.frames, given.bounds, self.mass, self._inverse, self._weights, self.weights.terminal,
+            given.frames, given.bounds, self.mass, self._mobility, self._weights, self.weights.terminal,
             self.dt, sway,
         )  # fmt: skip
         if verdict == mpc_model.NOT_ROTATION:
             raise ProblemError("frames of contacts must be right-handed rotations (3, 3)")
         if self.fading < math.inf:
             mpc_model.add_wrench(
-                self.outside, self.fading, self.mass, self._inverse, given.ref_rotation, heading,
+                self.outside, self.fading, self.mass, self._mobility, given.ref_rotation, heading,
                 self._weights, self.weights.terminal, self.dt, drift, q,
             )  # fmt: skip
         if verdict == mpc_model.NOT_FINITE:
@@ -291,7 +288,9 @@ class ConvexMpc:
         if schedule.shape != (N, n):
             raise ProblemError(f"contacts must have shape ({N}, {n}), got {schedule.shape}")
         feet = _over_horizon("foot_positions", foot_positions, (N, n, 3))
-        turned = self._level if frames is None else _over_horizon("frames", frames, (N, n, 3, 3))
+        if frames is None:
+            frames = np.tile(np.eye(3), (n, 1, 1))
+        turned = _over_horizon("frames", frames, (N, n, 3, 3))
         bounds = self._bounds if mu is None else self._with_friction(mu)
         motion, ref_motion = np.empty((3, 3)), np.empty((N + 1, 3, 3))
         try:

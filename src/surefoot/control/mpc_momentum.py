@@ -29,7 +29,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,12 +42,16 @@ from surefoot.solvers.dual_newton.horizon import newton
 if TYPE_CHECKING:
     from surefoot.control.mpc_plan import HorizonProgram
 
+PATIENCE = 16
+"""Newton steps before the force weight is lowered in stages [-], see `solvers.dual_newton.horizon`."""
 ROUNDS = 100
-"""Most quadratics for one plan."""
-MEMORY, FARTHER = 8, 2.0
-"""Rounds that a guess of where they lead looks back on; moves so much longer than the last one end it."""
+"""Most quadratics for one plan [-]: a bound on the time."""
+MEMORY = 8
+"""Rounds that a guess of where they lead looks back on [-]."""
+FARTHER = 2.0
+"""A move so many times longer than the one before makes the guess forget [-]: a bound has begun to bite."""
 INNER = 0.25
-"""Share of the tolerance for the error of the forces of one quadratic."""
+"""Share of the tolerance for the error of the forces of one quadratic [-]; the rest is for what it lacks."""
 
 Three = tuple[float, float, float]
 
@@ -127,119 +131,93 @@ def momentum_of(inertia: ArrayLike, rotation: ArrayLike, angular_velocity: Array
     return np.asarray(np.einsum("...ij,jk,...lk,...l->...i", R, np.asarray(inertia), R, w))
 
 
-class Search(NamedTuple):
-    """How far to go: wanted error [N], Newton steps before the staged start, and in all."""
-
-    tol: float
-    patience: int
-    limit: int
-
-
-class _Ahead:
-    """Guesses where the rounds lead from the last few of them: Anderson's acceleration [2]_."""
-
-    def __init__(self) -> None:
-        self._steps: list[tuple[FloatArray, FloatArray]] = []
-
-    def next(self, here: FloatArray, there: FloatArray) -> FloatArray:
-        """Return where to go on after a round that led from (N, 3) rates to others [rad/s]."""
-        move = there - here
-        if self._steps and np.linalg.norm(move) > FARTHER * np.linalg.norm(self._steps[-1][1]):
-            self._steps.clear()
-        self._steps = [*self._steps[-MEMORY:], (there, move)]
-        if len(self._steps) == 1:
-            return there
-        ends, moves = (np.diff([s[i].ravel() for s in self._steps], axis=0).T for i in (0, 1))
-        share = np.linalg.lstsq(moves, move.ravel(), rcond=1e-10)[0]
-        return np.asarray(there - (ends @ share).reshape(there.shape))
-
-
-class MomentumCost:
-    """The momentum term of a horizon, ready for its plans.
+def minimise_with_momentum(
+    term: MpcMomentum, inertia: FloatArray, rates: FloatArray, program: HorizonProgram, inverse: FloatArray,
+    dt: float, tol: float, limit: int, point: FloatArray, force: FloatArray,
+) -> tuple[int, float]:  # fmt: skip
+    """Fill the forces of a horizon whose cost has a term; return Newton steps and an error bound [N].
 
     Parameters
     ----------
     term
         See `MpcMomentum`.
-    inertia
-        (3, 3) body axes [kg m²].
-    P
-        (6, N, N) Hessian of the tracking cost in the accelerations, see `mpc_model.hessians`.
+    inertia, rates
+        (N, 3, 3) and (N, 3) of the reference after every step, heading's axes [kg m²], [rad/s].
+    program, inverse
+        Without the momentum term; (6, N, N) inverses of its P.
     dt
         Length of a step [s].
+    tol, limit
+        Wanted error [N], and the most Newton steps.
+    point, force
+        (c, 3) guess of the points, filled with the answer's, and the forces; see
+        `surefoot.solvers.dual_newton.horizon.newton` [N].
     """
+    N = len(rates)
+    sums = dt * np.tri(N)  # rates after every step of the accelerations in all steps
+    free = predict(program.drift, np.zeros((N, 6)), dt)[1:, 1, 3:]
+    error, total, here = math.inf, 0, np.zeros((N, 3))
+    rounds: list[tuple[FloatArray, FloatArray]] = []
+    for _ in range(ROUNDS):
+        slope, curve = _slope(term, inertia, rates + here), _curvature(term, inertia, rates + here)
+        gradient = slope + curve * (free - here)
+        count, inner = newton(
+            *_with_curve(program, inverse, sums, curve, gradient), program.step, program.M, program.bounds,
+            program.centre, program.rho, INNER * tol, PATIENCE, limit - total, point, force,
+        )  # fmt: skip
+        total += count
+        turning = np.zeros((N, 3))
+        np.add.at(turning, program.step, np.einsum("cxa,cx->ca", program.M[:, :, 3:], force))
+        there = free + sums @ turning
+        # d, by which the slope of the quadratic differs from the true one: ||f - f*|| <= ½ sqrt(dᵀ P⁻¹ d / ρ)
+        missed = sums.T @ (_slope(term, inertia, rates + there) - slope - curve * (there - here))
+        away = float(np.einsum("kj,jkm,mj->", missed, inverse[3:], missed))
+        error = inner + 0.5 * math.sqrt(max(away, 0.0) / program.rho)
+        if error <= tol or not math.isfinite(error) or total >= limit:
+            break
+        here = _ahead(rounds, here, there)
+    return total, error
 
-    def __init__(self, term: MpcMomentum, inertia: FloatArray, P: FloatArray, dt: float) -> None:
-        self._term, self._inertia, self._P, self._dt = term, inertia, P, dt
-        self._K = np.ascontiguousarray(np.linalg.inv(P))
-        self._sum = dt * np.tri(P.shape[1])  # rates after every step of the accelerations in all steps
-        self._weight, self._reference = np.array(term.weight), np.array(term.reference)
-        self._bound = np.array(term.bound)
 
-    def minimise(
-        self, program: HorizonProgram, rotation: FloatArray, rates: FloatArray, search: Search,
-        point: FloatArray, force: FloatArray,
-    ) -> tuple[int, float]:  # fmt: skip
-        """Fill the forces of a horizon; return the Newton steps and the bound on the forces' error [N].
+def _ahead(rounds: list[tuple[FloatArray, FloatArray]], here: FloatArray, there: FloatArray) -> FloatArray:
+    """Return where to go on after a round that led from (N, 3) rates to others [rad/s]; rounds grow by it.
 
-        Parameters
-        ----------
-        program
-            Without the momentum term.
-        rotation, rates
-            (N + 1, 3, 3) and (N + 1, 3) of the reference: rotation_world_body, angular velocity [rad/s].
-        search
-            See `Search`.
-        point, force
-            (c, 3) guess of the points, filled with the answer's, and the forces; see
-            `surefoot.solvers.dual_newton.horizon.newton` [N].
-        """
-        axes = program.heading.T @ rotation[1:]
-        inertia = axes @ self._inertia @ axes.transpose(0, 2, 1)
-        wanted = rates[1:] @ program.heading
-        N = len(wanted)
-        free = predict(program.drift, np.zeros((N, 6)), self._dt)[1:, 1, 3:]
-        error, total, here, ahead = math.inf, 0, np.zeros((N, 3)), _Ahead()
-        for _ in range(ROUNDS):
-            slope, curve = self._slope(inertia, wanted + here), self._curvature(inertia, wanted + here)
-            P, K, q = self._with_curve(curve, slope + curve * (free - here), program.q)
-            count, inner = newton(
-                K, P, q, program.step, program.M, program.bounds, program.centre, program.rho,
-                INNER * search.tol, search.patience, search.limit - total, point, force,
-            )  # fmt: skip
-            total += count
-            turning = np.zeros((N, 3))
-            np.add.at(turning, program.step, np.einsum("cxa,cx->ca", program.M[:, :, 3:], force))
-            there = free + self._sum @ turning
-            missed = self._sum.T @ (self._slope(inertia, wanted + there) - slope - curve * (there - here))
-            away = float(np.einsum("kj,jkm,mj->", missed, self._K[3:], missed))
-            error = inner + 0.5 * math.sqrt(max(away, 0.0) / program.rho)
-            if error <= search.tol or not math.isfinite(error) or total >= search.limit:
-                break
-            here = ahead.next(here, there)
-        return total, error
+    Guesses where the rounds lead from the last few of them: Anderson's acceleration [2]_.
+    """
+    move = there - here
+    if rounds and np.linalg.norm(move) > FARTHER * np.linalg.norm(rounds[-1][1]):
+        rounds.clear()
+    rounds[:] = [*rounds[-MEMORY:], (there, move)]
+    if len(rounds) == 1:
+        return there
+    ends, moves = (np.diff([r[i].ravel() for r in rounds], axis=0).T for i in (0, 1))
+    share = np.linalg.lstsq(moves, move.ravel(), rcond=1e-10)[0]
+    return np.asarray(there - (ends @ share).reshape(there.shape))
 
-    def _slope(self, inertia: FloatArray, w: FloatArray) -> FloatArray:
-        """Return the derivative of the cost (N, 3) in the angular velocities."""
-        h = np.einsum("kij,kj->ki", inertia, w)
-        excess = h - np.clip(h, -self._bound, self._bound)
-        pull = self._weight * (h - self._reference) + self._term.beyond * excess
-        return np.asarray(np.einsum("kij,ki->kj", inertia, pull))
 
-    def _curvature(self, inertia: FloatArray, w: FloatArray) -> FloatArray:
-        """Return a diagonal (N, 3) that is at least the cost's Hessian in the angular velocities."""
-        h = np.einsum("kij,kj->ki", inertia, w)
-        weight = self._weight + self._term.beyond * (np.abs(h) > self._bound)
-        hessian = np.einsum("kij,ki,kil->kjl", inertia, weight, inertia)
-        return np.asarray(np.abs(hessian).sum(axis=2))
+def _slope(term: MpcMomentum, inertia: FloatArray, w: FloatArray) -> FloatArray:
+    """Return the derivative of the cost (N, 3) in the angular velocities; inertia is (N, 3, 3)."""
+    h, bound = np.einsum("kij,kj->ki", inertia, w), np.array(term.bound)
+    excess = h - np.clip(h, -bound, bound)
+    pull = np.array(term.weight) * (h - np.array(term.reference)) + term.beyond * excess
+    return np.asarray(np.einsum("kij,ki->kj", inertia, pull))
 
-    def _with_curve(
-        self, curve: FloatArray, slope: FloatArray, q: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return Hessians, inverses and gradient with a cost on the rates added, see `newton`."""
-        P, K, q = self._P.copy(), self._K.copy(), q.copy()
-        for j in range(3):
-            P[3 + j] += self._sum.T @ (curve[:, j, None] * self._sum)
-            K[3 + j] = np.linalg.inv(P[3 + j])
-            q[3 + j :: 6] += self._sum.T @ slope[:, j]
-        return P, K, q
+
+def _curvature(term: MpcMomentum, inertia: FloatArray, w: FloatArray) -> FloatArray:
+    """Return a diagonal (N, 3) that is at least the cost's Hessian in the angular velocities."""
+    h = np.einsum("kij,kj->ki", inertia, w)
+    weight = np.array(term.weight) + term.beyond * (np.abs(h) > np.array(term.bound))
+    hessian = np.einsum("kij,ki,kil->kjl", inertia, weight, inertia)
+    return np.asarray(np.abs(hessian).sum(axis=2))
+
+
+def _with_curve(
+    program: HorizonProgram, inverse: FloatArray, sums: FloatArray, curve: FloatArray, slope: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return inverses, Hessians and gradient with a cost on the rates added, see `newton`."""
+    P, K, q = program.P.copy(), inverse.copy(), program.q.copy()
+    for j in range(3):
+        P[3 + j] += sums.T @ (curve[:, j, None] * sums)
+        K[3 + j] = np.linalg.inv(P[3 + j])
+        q[3 + j :: 6] += sums.T @ slope[:, j]
+    return K, P, q

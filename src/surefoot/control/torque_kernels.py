@@ -138,34 +138,6 @@ def hold_to_motors(
 
 
 @kernel
-def usable_range(
-    low: FloatArray, high: FloatArray, losses: FloatArray, effort: FloatArray, least: float,
-    middle: FloatArray, half: FloatArray, scale: FloatArray,
-) -> None:  # fmt: skip
-    """Fill middle, half and scale (joints,) of the range of torques that move the legs; see `TorqueRange`.
-
-    Parameters
-    ----------
-    low, high
-        (joints,) bounds of the motors [N m].
-    losses
-        (joints,) what friction takes [N m].
-    effort
-        (joints,) bounds of the command [N m].
-    least
-        Half the range is at least this share of the effort.
-    """
-    for j in range(len(effort)):
-        bottom, top = max(low[j], -effort[j]), min(high[j], effort[j])
-        if math.isfinite(bottom) and math.isfinite(top):
-            middle[j] = 0.5 * (top + bottom) - losses[j]
-            half[j] = max(0.5 * (top - bottom), least * effort[j])
-            scale[j] = effort[j] / half[j] if math.isfinite(half[j]) else 1.0
-        else:
-            middle[j], half[j], scale[j] = 0.0, math.inf, 1.0
-
-
-@kernel
 def friction_losses(speed: FloatArray, damping: FloatArray, friction: FloatArray, creep: float) -> FloatArray:
     """Return the torques that friction takes at joint speeds: (joints,) [N m]; see `Actuators.losses`."""
     out = np.empty(len(speed))
@@ -176,25 +148,43 @@ def friction_losses(speed: FloatArray, damping: FloatArray, friction: FloatArray
 
 @kernel
 def torque_range(
-    speed: FloatArray, figures: FloatArray, knee: float, driving: float, creep: float, least: float,
-    out: FloatArray,
-) -> None:  # fmt: skip
-    """Fill the rows of `out` (4, joints): middle, half, scale and losses, see `TorqueRange`.
+    speed: FloatArray, damping: FloatArray, friction: FloatArray, effort: FloatArray, fastest: FloatArray,
+    knee: float, driving: float, creep: float, limits: FloatArray, least: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
+    """Return middle and half of the range of torques that move the legs, and what friction takes.
+
+    Motors drive a joint less than they brake it, so the range is not symmetric: middle ± half. Of a motor's
+    torque, friction takes its part, see `friction_losses`: what is left for the leg is moved by it.
 
     Parameters
     ----------
     speed
         (joints,) [rad/s]; those not finite count as rest.
-    figures
-        (5, joints) damping and friction, effort and no-load speed of the motors, effort of the command.
-    knee, driving, creep, least
-        See `motor_bounds`, `friction_losses`, `TorqueRange` and `usable_range`.
+    damping, friction, creep
+        See `friction_losses`.
+    effort, fastest, knee, driving
+        Of the motors, see `motor_bounds`.
+    limits
+        (joints,) bounds of the command [N m].
+    least
+        Half the range is at least this share of those.
+
+    Returns
+    -------
+    tuple[FloatArray, FloatArray, FloatArray]
+        (joints,) each [N m]; half is infinite where a bound is.
     """
-    told = np.empty(len(speed))
+    known = np.empty(len(speed))
     for j in range(len(speed)):
-        told[j] = speed[j] if math.isfinite(speed[j]) else 0.0
-    lost = friction_losses(told, figures[0], figures[1], creep)
+        known[j] = speed[j] if math.isfinite(speed[j]) else 0.0
+    losses = friction_losses(known, damping, friction, creep)
+    low, high = motor_bounds(known, effort, fastest, knee, driving)
+    middle, half = np.empty(len(speed)), np.empty(len(speed))
     for j in range(len(speed)):
-        out[3, j] = lost[j]
-    low, high = motor_bounds(told, figures[2], figures[3], knee, driving)
-    usable_range(low, high, out[3], figures[4], least, out[0], out[1], out[2])
+        bottom, top = max(low[j], -limits[j]), min(high[j], limits[j])
+        if math.isfinite(bottom) and math.isfinite(top):
+            middle[j] = 0.5 * (top + bottom) - losses[j]
+            half[j] = max(0.5 * (top - bottom), least * limits[j])
+        else:
+            middle[j], half[j] = 0.0, math.inf
+    return middle, half, losses

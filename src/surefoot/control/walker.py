@@ -93,7 +93,7 @@ class Walker(Controller):
         self._plan(state, now, request, clock, standing, changed)
         # torques
         body = self.whole_body.solve(self._tasks(state, now, clock))
-        self.load.acted(state.time, state.v, body.torques, feet.carrying)
+        self.load.acted(state.time, body.torques, feet.carrying)
         return self._commanded(body, feet)
 
     def _view(self, state: RobotState, now: Kinematics, feet: Feet, clock: float) -> View:

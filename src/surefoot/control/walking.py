@@ -223,7 +223,7 @@ class WalkingController(Walker):
         if changed or self._due(time):
             self.planner.set_up(time, clock, feet, self.body, self.ramps, self._stance_time)
             self._aimless |= changed
-            if self.planner.plan is None:
+            if self.planner.forces is None:
                 self._plan_forces(now, request, time)
         elif self.planner.pending:
             self._plan_forces(now, request, time)
@@ -289,11 +289,11 @@ class WalkingController(Walker):
         """Return the whole-body tasks: the plan's motion now, feedback on it, and the feet in the air."""
         feet, planner = self.feet, self.planner
         assert feet is not None
-        assert planner.plan is not None
+        assert planner.forces is not None
         self._now[0], self._now[1], self._now[2] = now.com, now.com_velocity, now.angular_velocity
         since = state.time - planner.made
         com, turn = follow(planner.motion, planner.rotation, since, self._now, now.rotation, *self._body_gain)
         wanted = feet.accelerations(clock, now.centres, now.twists, self._swing_gain)
         return Tasks(
-            feet.carrying, com, turn, wanted, self._still, planner.plan.first, feet.frames, self._level
+            feet.carrying, com, turn, wanted, self._still, planner.forces, feet.frames, self._level
         )  # fmt: skip

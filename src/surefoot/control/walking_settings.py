@@ -15,7 +15,7 @@ from surefoot.control.behaviours.arbiter import LOGGED
 from surefoot.control.controller import Command
 from surefoot.control.load_adaptation import LoadSettings
 from surefoot.control.mpc import MpcWeights
-from surefoot.control.whole_body import Weights, WholeBodyCommand
+from surefoot.control.whole_body import TaskWeights, WholeBodyCommand
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class WalkSettings:
     load: LoadSettings | None = field(default_factory=LoadSettings)
     ramp: float = 0.17
     mpc: MpcWeights = field(default_factory=MpcWeights)
-    whole_body: Weights = field(default_factory=Weights)
+    whole_body: TaskWeights = field(default_factory=TaskWeights)
     actuators: Actuators | None = None
     behaviours: tuple[MakeBehaviour, ...] = BEHAVIOURS
 

@@ -8,7 +8,8 @@ contact forces near the wanted ones (those of a model-predictive controller, say
     minimise   Σ w_i ||A_i a - b_i||² + w_force ||(f - f_wanted) / m||²
     subject to M a + h = Sᵀ τ + Jᵀ f,   J_c a = -drift + Baumgarte,   f in K,   |τ| <= limit
 
-With actuators the limits are what motors give at the joints' speeds, less their friction, see `TorqueRange`.
+With actuators the limits are what motors give at the joints' speeds, less their friction, see
+`Actuators.usable`.
 
 Torques follow from the joints' rows and accelerations from the ground's generalised force on the base, so
 that six numbers are left: the problem becomes force distribution in the metric of the tasks, which
@@ -31,11 +32,27 @@ from surefoot.control.actuators import Actuators
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.force_distribution import ForceDistributor
 from surefoot.control.model_views import ModelViews
-from surefoot.control.torque_range import TorqueRange
-from surefoot.control.whole_body_step import StepMemory, force_problem, kinematics, reduce, torques_of
+from surefoot.control.whole_body_step import (
+    GAIN,
+    MAP,
+    OFFSET,
+    ROTATIONS,
+    ROWS,
+    TARGET,
+    TOUCHING,
+    TWISTS,
+    WANTED,
+    E,
+    force_problem,
+    kinematics,
+    part,
+    reduce,
+    step_memory,
+    torques_of,
+)
 from surefoot.control.whole_body_tasks import Kinematics as Kinematics
 from surefoot.control.whole_body_tasks import Tasks as Tasks
-from surefoot.control.whole_body_tasks import Weights as Weights
+from surefoot.control.whole_body_tasks import TaskWeights as TaskWeights
 from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
 from surefoot.errors import ModelError
 from surefoot.estimation.wrench_kernels import point_inertia
@@ -43,11 +60,14 @@ from surefoot.estimation.wrench_observer import Instant, Load
 from surefoot.robot import Robot
 from surefoot.robot.rotors import with_rotors
 
-PINNING_ROUNDS, PINNED_SLACK = 4, 1e-6
-"""How often torques may be pinned in a step, and by which share of its limit a torque exceeds it."""
-_Answer = tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]
+PINNING_ROUNDS = 4
+"""How often torques may be pinned in a step [-]: a bound on the time."""
+PINNED_SLACK = 1e-6
+"""Share of its limit by which a torque exceeds it before it is pinned [-]: rounding is less."""
 TORQUE_SLACK = 0.01
-"""Torques beyond their limit by more than this share of it make a step infeasible."""
+"""Share of their limits by which torques may exceed them in a feasible step [-]: clipped, it hardly shows."""
+_Range = tuple[FloatArray, FloatArray, FloatArray]
+_Answer = tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]
 
 
 class WholeBodyController:
@@ -79,6 +99,8 @@ class WholeBodyController:
     ----------
     outside
         (6,) known wrench on the base beside the ground's, about its origin, base axes [N, N m].
+    friction
+        (joints,) part of the last commanded torques that makes up for the motors' friction [N m].
 
     Raises
     ------
@@ -92,61 +114,47 @@ class WholeBodyController:
         mu: float = 0.6,
         normal_min: float = 0.0,
         normal_max: float = math.inf,
-        weights: Weights | None = None,
+        weights: TaskWeights | None = None,
         baumgarte: tuple[float, float] = (0.0, 20.0),
         effort_limits: FloatArray | None = None,
         actuators: Actuators | None = None,
         sole_damping: tuple[float, float] | None = None,
     ) -> None:
-        import pinocchio
-
         if not robot.floating or not robot.feet:
             raise ModelError(f"whole-body control of {robot.name} needs a floating base and feet")
-        robot = robot if actuators is None else with_rotors(robot, actuators.armature)
-        self.robot, self._pin = robot, pinocchio
-        self._model = robot.model.copy()
-        self._views = ModelViews(self._model, robot.model.createData())
-        base = self._base = robot.model.inertias[1].copy()
-        self._trunk = base.mass, np.array(base.lever), np.array(base.inertia)
+        self.robot = robot = robot if actuators is None else with_rotors(robot, actuators.armature)
+        self._views = ModelViews(robot.model.copy(), robot.model.createData())
         self._mass = robot.mass
-        self.outside = np.zeros(6)
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
-        self._range = TorqueRange(self.limits, actuators)
-        self.weights = weights or Weights()
-        self._set_memory((*baumgarte, *(sole_damping or (baumgarte[1], baumgarte[1]))))
-        self._set_forces(mu, normal_min, normal_max)
-        self._failed = WholeBodyCommand(
-            np.zeros(robot.joints), np.zeros(self._nv), np.zeros((self._count, 3)), False, 0.0, Status.INVALID
-        )
-
-    def _set_memory(self, rates: tuple[float, ...]) -> None:
-        """Bring the weights into their units and make the memory of a step; rates as for `contact_rows`."""
-        points, w = self.robot.contact_points, self.weights
-        self.point_foot: IntArray = points.foot
-        self._nv, self._count = int(self._model.nv), len(points.foot)
-        self._support = points.foot_support
-        legs, square = self._support[:, 6:].any(axis=0), max(float(self.robot.nominal[2]), 0.05) ** 2
-        weights = np.array([w.linear, w.angular * square, w.swing, w.swing * square, *rates])
-        joints = w.joints * square * np.where(legs, 1.0, w.body)
-        self._step = StepMemory(self._nv, points, weights, joints)
-
-    def _set_forces(self, mu: float, normal_min: float, normal_max: float) -> None:
-        """Make the force distribution."""
-        count, feet = self._count, len(self.robot.feet)
-        weight = self.weights.force / self.robot.mass**2
-        self.mu = np.full(count, float(mu))
-        bounds = self.mu, np.full(count, normal_min), np.full(count, normal_max)
+        self.actuators = actuators
+        self.outside, self.friction = np.zeros(6), np.zeros(robot.joints)
+        w = weights or TaskWeights()
+        self._set_memory(w, (*baumgarte, *(sole_damping or (baumgarte[1], baumgarte[1]))))
+        points, weight = len(self.point_foot), w.force / robot.mass**2
+        bounds = np.full(points, mu), np.full(points, normal_min), np.full(points, normal_max)
         self._distributor = ForceDistributor(*bounds, 1.0, weight)
         self._limited = ForceDistributor(*bounds, 1.0, weight, torque_limit=self.limits)
         self._bounds: tuple[bytes, bytes] | None = None
-        self._stance = np.ones(feet, dtype=bool)
-        self._loose: BoolArray = np.logical_not(self._support[:, 6:].any(axis=0))
+        self._stance: BoolArray = np.ones(len(robot.feet), dtype=bool)
+        self._loose = self._unloaded()
+
+    def _set_memory(self, w: TaskWeights, rates: tuple[float, ...]) -> None:
+        """Bring the weights into their units and make the memory of a step; rates as for `contact_rows`."""
+        points = self.robot.contact_points
+        legs, square = points.foot_support[:, 6:].any(axis=0), max(float(self.robot.nominal[2]), 0.05) ** 2
+        weights = np.array([w.linear, w.angular * square, w.swing, w.swing * square, *rates])
+        joints = w.joints * square * np.where(legs, 1.0, w.body)
+        self._numbers, self._memory = step_memory(int(self.robot.model.nv), points, weights, joints)
+
+    @property
+    def point_foot(self) -> IntArray:
+        """(p,) the foot of every contact point."""
+        return self.robot.contact_points.foot
 
     def set_friction(self, mu: float) -> None:
         """Change the friction [-] that the controller believes in."""
-        self.mu[:] = mu
         for distributor in (self._distributor, self._limited):
-            distributor.set_friction(self.mu)
+            distributor.set_friction(np.full(len(self.point_foot), mu))
 
     def reset(self) -> None:
         """Forget the forces of the step before, and which feet stood."""
@@ -167,26 +175,22 @@ class WholeBodyController:
 
     def _update(self, q: FloatArray, v: FloatArray) -> Kinematics:
         """See `update`."""
-        pin, model, views = self._pin, self._model, self._views
-        data = views.data
+        import pinocchio as pin
+
+        views = self._views
+        model, data = views.model, views.data
         pin.crba(model, data, q)
         pin.nonLinearEffects(model, data, q, v)
         pin.computeJointJacobiansTimeVariation(model, data, q, v)
         pin.centerOfMass(model, data, q, v, False)
         pin.updateFramePlacements(model, data)
         self._v = v
-        self._now = Kinematics(
+        return Kinematics(
             *kinematics(
-                self._step.numbers, self._step.memory, v, views.twists, views.twist_rates, views.rotation,
-                views.com, views.com_velocity, views.frame_rotations, views.frame_places,
+                self._numbers, self._memory, v, views.twists, views.twist_rates, views.rotation, views.com,
+                views.com_velocity, views.frame_rotations, views.frame_places,
             )
         )  # fmt: skip
-        return self._now
-
-    @property
-    def friction(self) -> FloatArray:
-        """(joints,) part of the commanded torques that makes up for the motors' friction [N m]."""
-        return self._range.losses
 
     def carry(self, load: Load | None) -> None:
         """Take a load on the base into the model from the next `update` on, in place of the one before.
@@ -194,32 +198,36 @@ class WholeBodyController:
         A first moment without a mass moves the centre of mass and leaves the inertia about it as it was, so
         that it stays one that a body can have.
         """
+        import pinocchio
+
+        base, inertias = self.robot.model.inertias[1], self._views.model.inertias
         self._mass = self.robot.mass
         if load is None:
-            self._model.inertias[1] = self._base
+            inertias[1] = base
             return
-        own, lever, inertia = self._trunk
-        mass = own + load.mass
-        reduced = max(load.mass, 0.0) * own / mass
-        centre = (own * lever + load.moment) / mass
-        turned = inertia + reduced * point_inertia(load.place - lever)
-        self._model.inertias[1] = self._pin.Inertia(mass, centre, turned)
+        mass = base.mass + load.mass
+        # load and trunk turn about their common centre: reduced mass times the square of their distance
+        reduced = max(load.mass, 0.0) * base.mass / mass
+        centre = (base.mass * base.lever + load.moment) / mass
+        turned = base.inertia + reduced * point_inertia(load.place - base.lever)
+        inertias[1] = pinocchio.Inertia(mass, centre, turned)
         self._mass += load.mass
 
-    def instant(self, v: FloatArray) -> Instant:
-        """Return the model at the state of the last `solve`, whose velocity is (nv,) v [m/s, rad/s].
+    def instant(self) -> Instant:
+        """Return the model at the state of the last `solve`.
 
         Its arrays are this controller's: they hold until the next `update`.
         """
-        views = self._views
+        views, n = self._views, len(self._stance)
         pose = np.empty((3, 4))
         pose[:, :3], pose[:, 3] = views.rotation, views.place
-        return Instant(views.mass_matrix, views.bias, v, self._step.twists, self._step.touching, pose)
+        twists, touching = self._part(TWISTS, 6, -1), self._part(TOUCHING, n, 3)
+        return Instant(views.mass_matrix, views.bias, self._v, twists, touching, pose)
 
     @property
     def foot_rotations(self) -> FloatArray:
         """(n, 3, 3) rotations of the frames of the feet at the last `update` [-]; its own array."""
-        return self._step.rotations
+        return self._part(ROTATIONS, -1, 3, 3)
 
     def bound_normals(self, low: FloatArray, high: FloatArray) -> None:
         """Change the bounds (n,) on every foot's normal forces [N]; a flat foot's hold for each corner."""
@@ -246,8 +254,8 @@ class WholeBodyController:
         """
         if not self._known:
             return self.damping(self._v)
-        span, views, numbers, memory = self._range, self._views, self._step.numbers, self._step.memory
-        span.update(self._v[6:])
+        views, numbers, memory = self._views, self._numbers, self._memory
+        span = self._usable()
         rows, sound = force_problem(
             numbers, memory, views.mass_matrix, views.bias, self._mass, self.outside, tasks.stance,
             tasks.com_acceleration, tasks.turn_acceleration, tasks.feet, tasks.joints, tasks.frames,
@@ -257,79 +265,98 @@ class WholeBodyController:
         for _ in range(PINNING_ROUNDS):
             if not sound:
                 return self.damping(self._v)
-            forces, (torques, accelerations, command, exceeded) = self._share(tasks)
+            forces, status, (torques, accelerations, command, exceeded) = self._share(tasks, span)
             unloaded, loaded, excess, finite = exceeded
             if not unloaded > 1.0 + PINNED_SLACK:
                 break
-            over = self._loose & (np.abs(torques - span.middle) > (1.0 + PINNED_SLACK) * span.half)
-            rows = self._pin_torques(rows, over, torques)
+            rows = self._pin_torques(rows, torques, span)
             sound = reduce(numbers, memory, rows)
-        if self._status is Status.INVALID or not finite:
+        if status is Status.INVALID or not finite:
             return self.damping(self._v)
         feasible = max(unloaded, loaded) <= 1.0 + TORQUE_SLACK
-        return WholeBodyCommand(command, accelerations, forces, feasible, max(excess, 0.0), self._status)
+        return WholeBodyCommand(command, accelerations, forces, feasible, max(excess, 0.0), status)
 
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
         """Return the command for a state (nq,) [m, -, rad], (nv,) [m/s, rad/s]: `update`, then `solve`."""
         self.update(q, v)
         return self.solve(tasks)
 
-    def _share(self, tasks: Tasks) -> tuple[FloatArray, _Answer]:
+    def _part(self, which: int, *shape: int) -> FloatArray:
+        """Return a view of a part of the memory of a step, see `part`."""
+        return part(self._numbers, self._memory, which, *shape)
+
+    def _usable(self) -> _Range:
+        """Return middle and half of the range of torques that move the legs, and what friction takes."""
+        if self.actuators is None:
+            return self.friction, self.limits, self.friction  # no friction: the range is about zero
+        middle, half, self.friction = self.actuators.usable(self._v[6:], self.limits)
+        return middle, half, self.friction
+
+    def _share(self, tasks: Tasks, span: _Range) -> tuple[FloatArray, Status, _Answer]:
         """Return forces and what follows from them, the torques of loaded joints within their limits."""
-        step = self._step
-        forces = self._distributor.solve(step.map, step.target, tasks.forces)
-        self._status = self._distributor.status
-        answer = self._answer(forces)
+        distributor = self._distributor
+        forces = distributor.solve(self._part(MAP, 6, -1), self._part(TARGET, 6), tasks.forces)
+        answer = self._answer(forces, span)
         if answer[3][1] > 1.0:
-            forces = self._within_limits(tasks)
-            self._status = self._limited.status
-            answer = self._answer(forces)
-        return forces, answer
+            distributor = self._limited
+            forces = self._within_limits(tasks, span)
+            answer = self._answer(forces, span)
+        return forces, distributor.status, answer
 
-    def _answer(self, forces: FloatArray) -> _Answer:
+    def _answer(self, forces: FloatArray, span: _Range) -> _Answer:
         """Return torques, accelerations, the command and what is exceeded, see `torques_of`."""
-        span, views = self._range, self._views
+        views = self._views
         return torques_of(
-            self._step.numbers, self._step.memory, forces, views.mass_matrix, views.bias, span.middle,
-            span.half, span.losses, self._loose,
-        )  # fmt: skip
+            self._numbers, self._memory, forces, views.mass_matrix, views.bias, *span, self._loose
+        )
 
-    def _pin_torques(self, rows: int, over: BoolArray, torques: FloatArray) -> int:
-        """Add constraints that hold torques at the limits that they exceed; return the number of rows."""
-        pinned, step, views = self._range.nearest(torques), self._step, self._views
-        for joint in np.flatnonzero(over):
-            if rows == len(step.wanted):
+    def _pin_torques(self, rows: int, torques: FloatArray, span: _Range) -> int:
+        """Hold unloaded joints' torques at the limits that they exceed; return the number of constraints."""
+        views, (middle, half, _) = self._views, span
+        wanted = self._part(WANTED, -1)
+        constraints = self._part(E, len(wanted), -1)
+        away = torques - middle
+        for joint in np.flatnonzero(self._loose & (np.abs(away) > (1.0 + PINNED_SLACK) * half)):
+            if rows == len(wanted):
                 break
-            step.constraints[rows] = views.mass_matrix[6 + joint]
-            step.wanted[rows] = pinned[joint] - views.bias[6 + joint]
+            pinned = middle[joint] + math.copysign(half[joint], away[joint])
+            constraints[rows] = views.mass_matrix[6 + joint]
+            wanted[rows] = pinned - views.bias[6 + joint]
             rows += 1
         return rows
 
+    def _unloaded(self) -> BoolArray:
+        """Return which joints no contact force loads: (joints,)."""
+        support = self.robot.contact_points.foot_support[self._stance]
+        return np.logical_not(support[:, 6:].any(axis=0))
+
     def _set_stance(self, stance: BoolArray) -> None:
-        """Tell the force distribution which points carry."""
+        """Let the points of the feet in stance push, and no others."""
         if stance.tobytes() != self._stance.tobytes():
             self._stance = stance.copy()
-            # joints that no contact force loads
-            self._loose = np.logical_not(self._support[stance][:, 6:].any(axis=0))
+            self._loose = self._unloaded()
             self._distributor.set_active(stance[self.point_foot])
 
-    def _within_limits(self, tasks: Tasks) -> FloatArray:
+    def _within_limits(self, tasks: Tasks, span: _Range) -> FloatArray:
         """Return the forces that respect the loaded joints' limits, as far as that is possible: (p, 3)."""
-        step, views = self._step, self._views
-        M, ground = views.mass_matrix[6:], step.rows.T
-        slope = M @ (step.gain @ ground[:6]) - ground[6:]
-        offset = M @ step.offset + views.bias[6:]
+        views, (middle, half, _) = self._views, span
+        M, nv = views.mass_matrix[6:], len(views.bias)
+        ground = self._part(ROWS, -1, nv).T
+        # torques = slope f + offset, of a = offset + gain w put into the joints' rows of the dynamics
+        slope = M @ (self._part(GAIN, nv, 6) @ ground[:6]) - ground[6:]
+        offset = M @ self._part(OFFSET, nv) + views.bias[6:]
         slope[self._loose], offset[self._loose] = 0.0, 0.0
         loaded = ~self._loose
-        offset[loaded] -= self._range.middle[loaded]
-        slope, offset = self._range.scale[:, None] * slope, self._range.scale * offset
+        offset[loaded] -= middle[loaded]
+        # in units in which the range is as wide as the box of the limits
+        scale = np.divide(self.limits, half, out=np.ones_like(half), where=np.isfinite(half))
         return self._limited.solve(
-            step.map,
-            step.target,
+            self._part(MAP, 6, -1),
+            self._part(TARGET, 6),
             tasks.forces,
             self._stance[self.point_foot],
-            jacobian=slope.T,
-            torque_offset=offset,
+            jacobian=(scale[:, None] * slope).T,
+            torque_offset=scale * offset,
         )
 
     def damping(self, v: FloatArray) -> WholeBodyCommand:
@@ -337,4 +364,6 @@ class WholeBodyController:
 
         Joints whose speed in (nv,) `v` [m/s, rad/s] is not finite get no torque.
         """
-        return self._failed._replace(torques=damping_torques(self.robot, v, self.limits))
+        torques = damping_torques(self.robot, v, self.limits)
+        none = np.zeros(len(self._views.bias)), np.zeros((len(self.point_foot), 3))
+        return WholeBodyCommand(torques, *none, False, 0.0, Status.INVALID)

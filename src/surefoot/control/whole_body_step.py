@@ -2,7 +2,7 @@
 
 Every call from Python costs a microsecond, and every array that it is given a tenth of one, as much as most
 pieces of `whole_body_kernels` take: what follows one another without a decision in between runs in one, on
-one block of memory (`StepMemory`).
+one block of memory (`step_memory`).
 """
 
 from __future__ import annotations
@@ -22,24 +22,38 @@ from surefoot.control.whole_body_kernels import (
     place_points,
     swing_tasks,
 )
-from surefoot.estimation.live_arrays import Bound
 from surefoot.kernels import inline_kernel, kernel, window
 from surefoot.numerics.points import contact_jacobian
 from surefoot.robot.contact_points import ContactPoints
 from surefoot.spatial import GRAVITY
 
-# sizes, then where each part begins, in `StepMemory.numbers`
+# sizes, then where each part begins, in the numbers of a `step_memory`
 NV, FEET, POINTS, SUPPORT, FLAT, FRAME, FOOT, PARTS = range(8)
-# parts of `StepMemory.memory`: constants first
+# parts of the memory; constants first: weights (8,), of joints (joints,), feet's middles (n, 3) and radii
+# (n,), points' centres (p, 3)
 WEIGHTS, JOINTS, MIDDLES, RADII, OFFSETS = range(5)
-TWISTS, ROTATIONS, PLACES, CENTRES, MOVING, DRIFTS, BASE, H, C, E, WANTED = range(5, 16)
-OFFSET, GAIN, ROOT, TARGET, MAP, ROWS, NORMALS, ARMS, TOUCHING, FRAMES, SPOTS, END = range(16, 28)
+# state: data.J (6, nv); rotations (n, 3, 3) and places (n, 3) of the feet's frames; centres (n, 3), twists
+# and drifts (n, 6) of the feet; rotation of the base (3, 3)
+TWISTS, ROTATIONS, PLACES, CENTRES, MOVING, DRIFTS, BASE = range(5, 12)
+# the least ½ aᵀ H a - cᵀ a of the tasks (nv, nv), (nv,) under the constraints E a = e + [w; 0] (r, nv), (r,)
+H, C, E, WANTED = range(12, 16)
+# accelerations are offset + gain w (nv,), (nv, 6), contact forces f cost ½ ||map f - target||² (6, 3p), (6,),
+# and push along the rows (3p, nv)
+OFFSET, GAIN, ROOT, TARGET, MAP, ROWS = range(16, 22)
+# contacts: normals, arms and touching points of the feet (n, 3), frames (p, 3, 3) and places (p, 3) of points
+NORMALS, ARMS, TOUCHING, FRAMES, SPOTS, END = range(22, 28)
 LINEAR, ANGULAR, SWING, TURN, RATES = range(5)
 """What the weights are: of the base's tasks, of feet in the air, and four rates as for `contact_rows`."""
 
 
-class StepMemory(Bound):
-    """All numbers of a step of whole-body control, with views of those that Python reads.
+def step_memory(
+    nv: int, points: ContactPoints, weights: FloatArray, joints: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Return the whole numbers and the memory of a step of whole-body control.
+
+    The numbers are sizes, which velocity components move each foot, which feet are flat, their frames, and
+    the foot of each of the p points; all the rest is in the memory, see `part`. It has room for r
+    constraints, the most that there can be.
 
     Parameters
     ----------
@@ -49,65 +63,27 @@ class StepMemory(Bound):
         Its contact points.
     weights, joints
         (8,) see `RATES`; (joints,) of the joints' accelerations.
-
-    Attributes
-    ----------
-    numbers
-        Whole numbers: sizes, which velocity components move each foot, which feet are flat, their frames, and
-        the foot of each point, n feet and p points.
-    memory
-        All the rest.
-    rotations, touching
-        (n, 3, 3) of the feet's frames [-]; (n, 3) places where they touch [m].
-    twists
-        (6, nv) Pinocchio's data.J.
-    constraints, wanted
-        (r, nv), (r,) r the most that there can be.
-    offset, gain, target, map
-        (nv,), (nv, 6), (6,), (6, 3p): accelerations are offset + gain w for the ground's force w on the base,
-        and contact forces f cost ½ ||map f - target||².
-    rows
-        (3p, nv) Jacobian of the contact points, contact axes.
     """
+    n, p = len(points.flat), len(points.foot)
+    most = 6 + int(np.where(points.flat, 6, 3).sum()) + len(joints)
+    lengths = [
+        8, len(joints), 3 * n, n, 3 * p, 6 * nv, 9 * n, 3 * n, 3 * n, 6 * n, 6 * n, 9, nv * nv, nv,
+        most * nv, most, nv, 6 * nv, 36, 6, 18 * p, 3 * p * nv, 3 * n, 3 * n, 3 * n, 9 * p, 3 * p,
+    ]  # fmt: skip
+    starts = np.cumsum([0, *lengths])
+    whole = [np.asarray(a).ravel() for a in (points.foot_support, points.flat, points.frames, points.foot)]
+    ends = np.cumsum([PARTS + len(starts), *(len(a) for a in whole)])
+    numbers = np.concatenate([[nv, n, p], ends[:4], starts, *whole], dtype=np.int64, casting="unsafe")
+    memory = np.zeros(starts[-1])
+    given = weights, joints, points.middles, points.foot_radii, points.centres
+    memory[: starts[len(given)]] = np.concatenate([np.ravel(a) for a in given])
+    return numbers, memory
 
-    def __init__(self, nv: int, points: ContactPoints, weights: FloatArray, joints: FloatArray) -> None:
-        n, p = len(points.flat), len(points.foot)
-        most = 6 + int(np.where(points.flat, 6, 3).sum()) + len(joints)
-        self.sizes = nv, n, p, most
-        lengths = [
-            8, len(joints), 3 * n, n, 3 * p, 6 * nv, 9 * n, 3 * n, 3 * n, 6 * n, 6 * n, 9, nv * nv, nv,
-            most * nv, most, nv, 6 * nv, 36, 6, 18 * p, 3 * p * nv, 3 * n, 3 * n, 3 * n, 9 * p, 3 * p,
-        ]  # fmt: skip
-        starts = np.cumsum([0, *lengths])
-        whole = [
-            np.asarray(a).ravel() for a in (points.foot_support, points.flat, points.frames, points.foot)
-        ]
-        ends = np.cumsum([PARTS + len(starts), *(len(a) for a in whole)])
-        self.numbers: IntArray = np.concatenate(
-            [[nv, n, p], ends[:4], starts, *whole], dtype=np.int64, casting="unsafe"
-        )
-        self.memory = np.zeros(starts[-1])
-        given = weights, joints, points.middles, points.foot_radii, points.centres
-        self.memory[: starts[len(given)]] = np.concatenate([np.ravel(a) for a in given])
-        self._bind()
 
-    def _bind(self) -> None:
-        """Make the views."""
-        nv, n, p, most = self.sizes
-        self.rotations, self.touching = self._part(ROTATIONS, n, 3, 3), self._part(TOUCHING, n, 3)
-        self.twists, self.rows = self._part(TWISTS, 6, nv), self._part(ROWS, 3 * p, nv)
-        self.constraints, self.wanted = self._part(E, most, nv), self._part(WANTED, most)
-        self.offset, self.gain = self._part(OFFSET, nv), self._part(GAIN, nv, 6)
-        self.target, self.map = self._part(TARGET, 6), self._part(MAP, 6, 3 * p)
-
-    def _part(self, which: int, *shape: int) -> FloatArray:
-        """Return a view of a part."""
-        start = self.numbers[PARTS + which]
-        return self.memory[start : start + math.prod(shape)].reshape(shape)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return what a copy is made of: no views."""
-        return {"sizes": self.sizes, "numbers": self.numbers, "memory": self.memory}
+def part(numbers: IntArray, memory: FloatArray, which: int, *shape: int) -> FloatArray:
+    """Return a view of a part of a `step_memory`, such as `MAP`, with a shape of which one may be -1."""
+    start, end = numbers[PARTS + which : PARTS + which + 2]
+    return memory[start:end].reshape(shape)
 
 
 @inline_kernel
@@ -141,7 +117,7 @@ def kinematics(
     Parameters
     ----------
     numbers, memory
-        Those of a `StepMemory`.
+        Those of a `step_memory`.
     v
         (nv,).
     twists, rates
@@ -186,7 +162,7 @@ def force_problem(
     Parameters
     ----------
     numbers, memory
-        Those of a `StepMemory`.
+        Those of a `step_memory`.
     M, bias
         (nv, nv), (nv,) mass matrix and bias forces.
     mass, outside
@@ -233,9 +209,9 @@ def force_problem(
 
 @kernel
 def reduce(numbers: IntArray, memory: FloatArray, count: int) -> bool:
-    """Eliminate the accelerations under `count` constraints, see `StepMemory.map`; False if that fails.
+    """Eliminate the accelerations under `count` constraints, see `MAP`; False if that fails.
 
-    Numbers and memory are those of a `StepMemory`, (k,) each.
+    Numbers and memory are those of a `step_memory`, (k,) each.
     """
     nv, p = numbers[NV], numbers[POINTS]
     root, target = _matrix(numbers, memory, ROOT, 6, 6), _vector(numbers, memory, TARGET, 6)
@@ -270,13 +246,13 @@ def torques_of(
     Parameters
     ----------
     numbers, memory
-        Those of a `StepMemory`, after `force_problem`.
+        Those of a `step_memory`, after `force_problem`.
     forces
         (p, 3) contact frames [N].
     M, bias
         (nv, nv), (nv,) mass matrix and bias forces.
     middle, half, losses
-        (joints,) see `TorqueRange` [N m].
+        (joints,) see `torque_range` [N m].
     loose
         (joints,) which of them no contact loads.
     """

@@ -1,4 +1,4 @@
-"""What whole-body control is told and what it answers: state, tasks and their weights, command."""
+"""What goes into whole-body control and comes out of it: tasks and their weights, kinematics, command."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from surefoot.contact import Status
 
 
 @dataclass(frozen=True)
-class Weights:
+class TaskWeights:
     """Weights of the tasks; all act on squared accelerations.
 
     Attributes

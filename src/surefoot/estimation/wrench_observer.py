@@ -23,7 +23,7 @@ References
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -33,63 +33,38 @@ from surefoot.estimation import wrench_kernels as kernels
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
-
-@dataclass(frozen=True)
-class ObserverSettings:
-    """How a wrench is split; masses are shares of the robot's m, forces of m g, places of its height h.
-
-    Attributes
-    ----------
-    block
-        Time over which the wrench is averaged [s].
-    mass, place
-        Standard deviation of the payload's mass, and of its first moment over m h.
-    memory
-        Time in which a payload may become another [s]; its height, which a level robot cannot tell, is
-        forgotten within it.
-    force, moment
-        Standard deviation of the rest, and of its moment over m g h.
-    fading
-        Time in which the rest fades [s].
-    noise_force, noise_moment
-        Standard deviation of a block's mean at least; more where it changes more from block to block.
-    watch
-        Time over which those changes are watched [s].
-    least, most
-        Bounds on the payload's mass; negative where the robot is lighter than its model.
-    furthest
-        Bound on how far a payload lies from the base's origin along each axis.
-    largest
-        Bound on the rest, along each axis.
-    """
-
-    block: float = 0.01
-    mass: float = 0.4
-    place: float = 0.1
-    memory: float = 200.0
-    force: float = 0.1
-    moment: float = 0.05
-    fading: float = 0.3
-    noise_force: float = 0.1
-    noise_moment: float = 0.05
-    watch: float = 0.5
-    least: float = -0.3
-    most: float = 1.5
-    furthest: float = 0.6
-    largest: float = 0.3
-
-    def __post_init__(self) -> None:
-        for name in ("block", "memory", "fading", "noise_force", "noise_moment", "watch"):
-            real_number(name, getattr(self, name), low=1e-6)
-        for name in ("mass", "place", "force", "moment", "most", "furthest", "largest"):
-            real_number(name, getattr(self, name), low=0.0)
-        real_number("least", self.least, low=-0.9, high=0.0)
-
-
+# masses are shares of the robot's m, forces of m g, places of the height h of its centre of mass
+BLOCK = 0.01
+"""Time over which the wrench is averaged [s]: accelerations of single steps are mostly noise."""
+MASS, PLACE = 0.4, 0.1
+"""Standard deviations of a payload's mass, and of its first moment over m h, before anything is seen [-]."""
+MEMORY = 200.0
+"""Time in which a payload may become another [s]; its height, which a level robot cannot tell, is forgotten
+within it."""
+FORCE, MOMENT = 0.1, 0.05
+"""Standard deviations of the rest, and of its moment over m g h [-]."""
+FADING = 0.3
+"""Time in which the rest fades [s]: pushes are shorter than payloads."""
+NOISE_FORCE, NOISE_MOMENT = 0.1, 0.05
+"""Standard deviations of a block's mean at least [-]; more where it changes more from block to block."""
+WATCH = 0.5
+"""Time over which those changes are watched [s]: about a stride."""
+LEAST, MOST = -0.3, 1.5
+"""Bounds on the payload's mass [-]; negative where the robot is lighter than its model."""
+FURTHEST = 0.6
+"""Bound on how far a payload lies from the base's origin along each axis [-]: on the trunk."""
+LARGEST = 0.3
+"""Bound on the rest, along each axis [-]."""
 VIOLENT = 2.0
-"""A block's mean is taken for no more than this, forces in m g and moments in m g h."""
+"""A block's mean is taken for no more than this [-]: touchdowns strike harder than loads weigh."""
 LIGHT = 0.05
-"""Share of the robot's mass below which a payload's place is told nearer than it is: it cannot be known."""
+"""Mass below which a payload's place is given nearer than it is [-]: it cannot be known."""
+BOUNDS = np.array([VIOLENT, LEAST, MOST, FURTHEST, LIGHT, LARGEST])
+"""As `filter_block` takes them [-]."""
+NOISE = np.array([NOISE_FORCE**2] * 3 + [NOISE_MOMENT**2] * 3)
+"""(6,) least variances of a block's mean [-]."""
+DEVIATIONS = np.array([MASS] + [PLACE] * 3 + [FORCE] * 3 + [MOMENT] * 3)
+"""(10,) standard deviations of the state before anything is seen [-]."""
 
 
 class Load(NamedTuple):
@@ -135,6 +110,19 @@ class Instant(NamedTuple):
     pose: FloatArray
 
 
+@cache
+def _decay(block: float) -> tuple[FloatArray, FloatArray, float]:
+    """Return how much of the state (10,) is kept over a block [s], and the variance (10,) that it gains.
+
+    And the share of the newest difference in the spread of the blocks, see `filter_block`.
+    """
+    times = np.array([math.inf] * 3 + [MEMORY] + [FADING] * 6)
+    keep = np.exp(-block / times)
+    drive = DEVIATIONS**2 * (1.0 - keep**2)
+    drive[:3] = DEVIATIONS[:3] ** 2 * 2.0 * block / MEMORY
+    return keep, drive, 1.0 - math.exp(-block / WATCH)
+
+
 class WrenchObserver:
     """Estimates payload and external wrench step by step: `observe` after every step that was taken.
 
@@ -144,41 +132,22 @@ class WrenchObserver:
         With a floating base and feet; what it weighs beyond its model is the payload.
     dt
         Time between steps [s].
-    settings
-        See `ObserverSettings`.
 
     Attributes
     ----------
     state
-        (10,) mass and first moment of the payload, force and moment of the rest, in the units of
-        `ObserverSettings`.
+        (10,) mass and first moment of the payload, force and moment of the rest, in their units.
+    height
+        Of the centre of mass over the feet [m].
     """
 
-    def __init__(self, robot: Robot, dt: float, settings: ObserverSettings | None = None) -> None:
-        self.robot, self.dt, self.settings = (
-            robot,
-            real_number("dt", dt, low=1e-6),
-            settings or ObserverSettings(),
-        )
-        s, points = self.settings, robot.contact_points
-        self._support, self._flat = points.foot_support, points.flat
+    def __init__(self, robot: Robot, dt: float) -> None:
+        self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         height = float(robot.com(robot.nominal)[2] - robot.foot_positions(robot.nominal)[:, 2].mean())
-        self.height, self.weight = max(height, 0.05), robot.mass * GRAVITY
-        force, moment = self.weight, self.weight * self.height
-        load = [robot.mass] + [robot.mass * self.height] * 3
-        self._unit = np.array(load + [force] * 3 + [moment] * 3)
-        self._steps = max(1, round(s.block / self.dt))
-        block = self._steps * self.dt
-        deviation = np.array([s.mass] + [s.place] * 3 + [s.force] * 3 + [s.moment] * 3)
-        times = np.array([math.inf] * 3 + [s.memory] + [s.fading] * 6)
-        self._start = np.diag(deviation**2)
-        self._keep = np.exp(-block / times)
-        self._drive = deviation**2 * (1.0 - self._keep**2)
-        self._drive[:3] = deviation[:3] ** 2 * 2.0 * block / s.memory
-        self._noise = np.array([s.noise_force**2] * 3 + [s.noise_moment**2] * 3)
-        self._watch = 1.0 - math.exp(-block / s.watch)
-        self._bounds = np.array([VIOLENT, s.least, s.most, s.furthest, LIGHT, s.largest])
-        self._none = np.zeros(4)
+        self.height = max(height, 0.05)
+        mass, force = [robot.mass] + [robot.mass * self.height] * 3, robot.mass * GRAVITY
+        self._unit = np.array(mass + [force] * 3 + [force * self.height] * 3)
+        self._steps = max(1, round(BLOCK / self.dt))
         self._warm_up()
         self.reset()
 
@@ -193,19 +162,18 @@ class WrenchObserver:
         twists = np.ascontiguousarray(pinocchio.computeJointJacobians(robot.model, data, robot.nominal))
         instant = Instant(M, bias, still, twists, np.zeros((n, 3)), np.zeros((3, 4)))
         self.reset()
-        nothing = Load(0.0, np.zeros(3), np.zeros(3))
         for _ in range(self._steps):
-            self.observe(instant, still, np.zeros(robot.joints), np.ones(n, dtype=bool), nothing)
+            self.observe(instant, still, np.zeros(robot.joints), np.ones(n, dtype=bool), np.zeros(4))
 
     def reset(self) -> None:
         """Forget the past: no payload, no wrench."""
-        self.state, self._covariance = np.zeros(10), self._start.copy()
+        self.state, self._covariance = np.zeros(10), np.diag(DEVIATIONS**2)
         self._sum, self._count = np.zeros(6), 0
         self._spread, self._last = np.zeros(6), np.full(6, np.nan)
 
     def observe(
         self, before: Instant, after: FloatArray, torques: FloatArray, touching: BoolArray,
-        carried: Load | None = None,
+        carried: FloatArray | None = None,
     ) -> bool:  # fmt: skip
         """Take in a step; return whether that has ended a block, and changed the estimate.
 
@@ -220,12 +188,14 @@ class WrenchObserver:
         touching
             (n,) which feet may have pushed.
         carried
-            What the model of `before` carries already; the estimate is of all that the robot carries.
+            (4,) mass [kg] and first moment [kg m] of a load that the model of `before` has already; the
+            estimate is of all that the robot carries.
         """
-        load = self._none if carried is None else np.array([carried.mass, *carried.moment])
+        points = self.robot.contact_points
+        load = np.zeros(4) if carried is None else carried
         kernels.sum_wrench(
-            before.M, before.bias, before.v, after, self.dt, torques, before.twists, self._support,
-            before.points, self._flat, touching, before.pose, load, self._sum,
+            before.M, before.bias, before.v, after, self.dt, torques, before.twists, points.foot_support,
+            before.points, points.flat, touching, before.pose, load, self._sum,
         )  # fmt: skip
         self._count += 1
         if self._count < self._steps:
@@ -240,8 +210,8 @@ class WrenchObserver:
         if not np.isfinite(mean).all():
             return
         kernels.filter_block(
-            self.state, self._covariance, mean, self._last, self._spread, pose, self._noise, self._keep,
-            self._drive, self._watch, self._bounds,
+            self.state, self._covariance, mean, self._last, self._spread, pose, NOISE,
+            *_decay(self._steps * self.dt), BOUNDS,
         )  # fmt: skip
 
     @property

@@ -20,7 +20,7 @@ _BASE = r"(?:base|body|root|pelvis|torso|trunk|floating_base)_?"
 
 
 @dataclass(frozen=True)
-class Rule:
+class ColumnRule:
     """Columns of a table that make a channel.
 
     Attributes
@@ -40,34 +40,34 @@ class Rule:
 
 
 RULES = (
-    Rule("time", r"(?:sim_?|ros_?)?(?:time|t|stamp|timestamp)(?:_?stamp)?"),
-    Rule("base_orientation", rf"(?:{_BASE})?(?:quaternion|quat|orientation|rot|q)[_.]?{_AXIS}", "xyzw"),
-    Rule("base_position", rf"{_BASE}(?:position|pos|p|com)?[_.]?{_AXIS}", "xyz"),
-    Rule("base_velocity", rf"{_BASE}(?:linear_?)?(?:velocity|vel|v)(?:_?lin)?[_.]?{_AXIS}", "xyz"),
-    Rule(
+    ColumnRule("time", r"(?:sim_?|ros_?)?(?:time|t|stamp|timestamp)(?:_?stamp)?"),
+    ColumnRule("base_orientation", rf"(?:{_BASE})?(?:quaternion|quat|orientation|rot|q)[_.]?{_AXIS}", "xyzw"),
+    ColumnRule("base_position", rf"{_BASE}(?:position|pos|p|com)?[_.]?{_AXIS}", "xyz"),
+    ColumnRule("base_velocity", rf"{_BASE}(?:linear_?)?(?:velocity|vel|v)(?:_?lin)?[_.]?{_AXIS}", "xyz"),
+    ColumnRule(
         "imu_acceleration",
         rf"(?:imu_?|{_BASE})?(?:linear_?)?(?:acceleration|accel|acc|a)[_.]?{_AXIS}",
         "xyz",
     ),
-    Rule(
+    ColumnRule(
         "imu_angular_velocity",
         rf"(?:imu_?|{_BASE})?(?:angular_?velocity|angular_?vel|ang_?vel|gyroscope|gyro|omega|w)[_.]?{_AXIS}",
         "xyz",
     ),
-    Rule(
+    ColumnRule(
         "forces",
         rf"(?:{_FOOT}_?(?:foot_?)?(?:contact_?)?(?:force|grf|f)|(?:force|grf|f)_?(?P<foot2>[FRHL]{{2}}))[_.]?{_AXIS}",
         "xyz",
     ),
-    Rule("foot_sensors", rf"{_FOOT}_?(?:foot_?)?(?:contact_?)?(?:force|sensor|pressure|load)"),
-    Rule("foot_sensors", rf"(?:foot|contact)?_?(?:force|sensor|pressure|load)_?{_FOOT}"),
-    Rule("joint_positions", rf"(?:joint_?|motor_?)?(?:position|pos|angle|q)[_.]?{_JOINT}"),
-    Rule("joint_positions", rf"{_JOINT}[_.](?:position|pos|angle|q)"),
-    Rule("joint_velocities", rf"(?:joint_?|motor_?)?(?:velocity|vel|dq|qd)[_.]?{_JOINT}"),
-    Rule("joint_velocities", rf"{_JOINT}[_.](?:velocity|vel|dq|qd)"),
-    Rule("torques", rf"(?:joint_?|motor_?)?(?:torque|tau|effort)[_.]?{_JOINT}"),
-    Rule("torques", rf"{_JOINT}[_.](?:torque|tau|effort)"),
-    Rule("mu", r"mu|friction"),
+    ColumnRule("foot_sensors", rf"{_FOOT}_?(?:foot_?)?(?:contact_?)?(?:force|sensor|pressure|load)"),
+    ColumnRule("foot_sensors", rf"(?:foot|contact)?_?(?:force|sensor|pressure|load)_?{_FOOT}"),
+    ColumnRule("joint_positions", rf"(?:joint_?|motor_?)?(?:position|pos|angle|q)[_.]?{_JOINT}"),
+    ColumnRule("joint_positions", rf"{_JOINT}[_.](?:position|pos|angle|q)"),
+    ColumnRule("joint_velocities", rf"(?:joint_?|motor_?)?(?:velocity|vel|dq|qd)[_.]?{_JOINT}"),
+    ColumnRule("joint_velocities", rf"{_JOINT}[_.](?:velocity|vel|dq|qd)"),
+    ColumnRule("torques", rf"(?:joint_?|motor_?)?(?:torque|tau|effort)[_.]?{_JOINT}"),
+    ColumnRule("torques", rf"{_JOINT}[_.](?:torque|tau|effort)"),
+    ColumnRule("mu", r"mu|friction"),
 )
 """Rules for the columns of tables, tried in this order; a column belongs to the first that takes it."""
 _SPELT = {

@@ -46,7 +46,7 @@ def read(folder: Path) -> Log:
     return Log({name: array[:rows] for name, array in arrays.items()}, facts, channels=channels)
 
 
-class Parts:
+class PartFiles:
     """The growing files of a log in a new folder.
 
     Parameters

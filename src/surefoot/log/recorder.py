@@ -15,7 +15,7 @@ from surefoot.errors import WriteError
 from surefoot.log import parts
 from surefoot.log.channels import Channel
 from surefoot.log.log import MEMORY, Log
-from surefoot.log.rows import Rows
+from surefoot.log.rows import RowMemory
 
 CHUNK_BYTES = 1 << 20
 """Size of the rows that are held back before they are written to a folder that was asked for."""
@@ -60,12 +60,12 @@ class Recorder:
         self._row_bytes = sum(c.dtype.itemsize * math.prod(c.row_shape) for c in rows)
         room = (MEMORY if folder is None else CHUNK_BYTES) // max(self._row_bytes, 1)
         self._rows = max(1, min(steps, room))
-        self._memory = Rows(rows, self._rows)
+        self._memory = RowMemory(rows, self._rows)
         self.arrays = self._memory.arrays
         self.count = self._written = 0
         self._facts = dict(facts or {})
         self._temporary: tempfile.TemporaryDirectory[str] | None = None
-        self._parts = None if folder is None else parts.Parts(folder, rows, self._facts)
+        self._parts = None if folder is None else parts.PartFiles(folder, rows, self._facts)
 
     def slot(self) -> int:
         """Return the row of `arrays` for the next step, after writing a full chunk away.
@@ -100,7 +100,7 @@ class Recorder:
             try:
                 self._temporary = tempfile.TemporaryDirectory(prefix="surefoot-log-")
                 folder = Path(self._temporary.name) / "parts"
-                self._parts = parts.Parts(folder, self._channels.values(), self._facts)
+                self._parts = parts.PartFiles(folder, self._channels.values(), self._facts)
             except OSError as error:
                 raise WriteError(tempfile.gettempdir(), error) from error
         self._parts.append(self.arrays, self._written, self.count - self._written)

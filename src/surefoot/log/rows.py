@@ -14,7 +14,7 @@ from surefoot.log.channels import Channel
 _dtype = attrgetter("dtype")
 
 
-class Rows:
+class RowMemory:
     """A bounded number of rows of channels.
 
     A row's single numbers come first, then its arrays of numbers, then its arrays of flags.

@@ -15,7 +15,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
-from surefoot.stepping.detection import Detection
+from surefoot.stepping.detection import TerrainDetection
 from surefoot.stepping.knot import Knot
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.stepper import Stepper
@@ -103,7 +103,7 @@ class Trajectory:
     def locate(self, stepper: Stepper) -> None:
         """Fill in where the contact points are, and how they move with the velocity at the knot's end."""
         detection = stepper.bodies.contacts
-        assert isinstance(detection, Detection)  # order 1 is of feet on the ground
+        assert isinstance(detection, TerrainDetection)  # order 1 is of feet on the ground
         for k, q in enumerate(self.q):
             if not np.isfinite(q).all():
                 return

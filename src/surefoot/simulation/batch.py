@@ -110,7 +110,7 @@ class RigidBatch:
         self._arrays["mu"][:] = per_robot("mu", mu, self.count)
         self._arrays["q"][:] = robot.nominal
         edges = np.linspace(0, self.count, workers + 1).astype(int).tolist()
-        self._own = Crew(robot, terrain, self.options, loads, self._arrays, 0, edges[1])
+        self._own = RobotCrew(robot, terrain, self.options, loads, self._arrays, 0, edges[1])
         self._rest: list[tuple[Connection, Any]] = []
         for start, stop in pairwise(edges[1:]):
             here, there = context.Pipe()
@@ -194,7 +194,7 @@ class RigidBatch:
             raise failed[0]
 
 
-class Crew:
+class RobotCrew:
     """Takes the steps of robots `start` to `stop` - 1, with one stepper for each payload."""
 
     def __init__(
@@ -252,7 +252,7 @@ def _serve(
 ) -> None:  # fmt: skip
     """Carry out orders up to None."""
     arrays = {name: _view(raw[name], (len(payload), *shapes[name])) for name in FIELDS}
-    crew = Crew(robot, terrain, options, payload, arrays, start, stop)
+    crew = RobotCrew(robot, terrain, options, payload, arrays, start, stop)
     while (order := pipe.recv()) is not None:
         try:
             crew.obey(order)

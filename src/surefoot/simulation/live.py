@@ -1,4 +1,4 @@
-"""A run that is watched and steered while it goes: paced to real time, commanded by keys or a gamepad.
+"""A run that is watched and steered while it goes: paced to real time, commanded by keys.
 
 Who shows it is a `View`; `surefoot.viz.window` has one. What is steered is a controller with a method
 `steer`, which limits and ramps the velocity as any other (`WalkingController.steer`).
@@ -16,13 +16,10 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.log import Log
-from surefoot.simulation.joystick import Joystick, JoystickEvent, outside_dead_zone
 from surefoot.simulation.observers import Moment, Observer
 
 STEPS = (0.1, 0.1, 0.2)
 """What a key changes: forward, left [m/s], yaw rate [rad/s]."""
-FULL_STICK = (1.0, 0.5, 1.5)
-"""What a stick at its end asks for: forward, left [m/s], yaw rate [rad/s]."""
 STOP_KEY = 32
 """The space bar."""
 KEYS: dict[int, tuple[int, int]] = {
@@ -30,17 +27,14 @@ KEYS: dict[int, tuple[int, int]] = {
     263: (2, 1), ord("A"): (2, 1), 262: (2, -1), ord("D"): (2, -1), ord("Q"): (1, 1), ord("E"): (1, -1),
 }  # fmt: skip
 """Key in GLFW's numbers (up, down, left, right are 265, 264, 263, 262) -> (component, direction)."""
-AXES: dict[int, tuple[int, int]] = {1: (0, -1), 0: (1, -1), 3: (2, -1)}
-"""Axis of a gamepad -> (component, direction): left stick to walk, right stick to turn."""
-STOP_BUTTON = 0
 LATE = 0.25
 """A run that is later than this does not catch up: what was lost is lost [s]."""
 RATE = 60.0
-"""Pictures, and looks at keys and gamepads, per second."""
+"""Pictures, and looks at keys, per second."""
 
 
 class Steering:
-    """The velocity that keys and sticks ask for.
+    """The velocity that keys ask for.
 
     Parameters
     ----------
@@ -63,25 +57,6 @@ class Steering:
             return False
         component, direction = KEYS[key]
         self._ask(component, round(self.velocity[component] + direction * STEPS[component], 6))
-        return True
-
-    def handle(self, event: JoystickEvent) -> bool:
-        """Take what happened on a gamepad; return whether it means something.
-
-        How sticks stand at first means nothing: some rest at an end.
-        """
-        if event.initial:
-            return False
-        if not event.axis:
-            if event.number == STOP_BUTTON and event.value > 0.0:
-                self._ask(slice(None), 0.0)
-                return True
-            return False
-        if event.number not in AXES:
-            return False
-        component, direction = AXES[event.number]
-        speed = direction * outside_dead_zone(event.value) * FULL_STICK[component]
-        self._ask(component, speed + 0.0)  # no minus zero
         return True
 
     def _ask(self, component: int | slice, speed: float) -> None:
@@ -146,17 +121,13 @@ class Live(Observer):
     view
         What shows it; opened here.
     steering
-        What keys and sticks do.
-    joysticks
-        Gamepads, closed in the end.
+        What keys do.
     pacer
         Keeps the time.
     """
 
-    def __init__(
-        self, view: View, steering: Steering, joysticks: Sequence[Joystick] = (), pacer: Pacer | None = None
-    ) -> None:
-        self._view, self._steering, self._joysticks = view, steering, joysticks
+    def __init__(self, view: View, steering: Steering, pacer: Pacer | None = None) -> None:
+        self._view, self._steering = view, steering
         self._pacer = pacer or Pacer()
         self._keys: deque[int] = deque()
         self._next = -math.inf
@@ -175,15 +146,10 @@ class Live(Observer):
         self._next = moment.time + 1.0 / RATE - 1e-9
         while self._keys:
             self._steering.press(self._keys.popleft())
-        for joystick in self._joysticks:
-            for event in joystick.events():
-                self._steering.handle(event)
         if not self._view.show(moment.q, self._steering.velocity):
             raise KeyboardInterrupt
         self._pacer.wait(moment.time)
 
     def end(self, log: Log) -> None:
-        """Close what was opened."""
-        for joystick in self._joysticks:
-            joystick.close()
+        """Close the view."""
         self._view.close()

@@ -18,7 +18,7 @@ from surefoot.log.doubts import find_doubts
 from surefoot.log.recorder import Recorder
 from surefoot.simulation.mujoco import import_mujoco
 from surefoot.simulation.record_contacts import Slots
-from surefoot.simulation.record_tree import Tree
+from surefoot.simulation.record_tree import BodyTree
 
 MOST_STEPS = 10**9
 """Largest number of steps of a recording."""
@@ -35,7 +35,7 @@ class Recording(Log):
                 f"record takes an MjModel and its MjData, got {type(model).__name__} and others"
             )
         self._model, self._data = model, data
-        self._tree = Tree(self._mujoco, model, robot)
+        self._tree = BodyTree(self._mujoco, model, robot)
         self._slots = Slots(self._mujoco, model, self._tree.bodies)
         self._rows = Recorder(MOST_STEPS, _STATE, nq=model.nq, nv=model.nv, joints=self._tree.joints)
         self._original: Any = None

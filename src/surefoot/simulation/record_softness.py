@@ -35,7 +35,7 @@ ROUNDED = 1.0 + 1e-9
 
 
 @dataclass(frozen=True)
-class Landing:
+class HardestLanding:
     """The hardest touchdown of a log: fastest along and across the normal, of the contact with the most mass.
 
     Attributes
@@ -87,7 +87,7 @@ class SoftContact:
         d = float(self.law.impedance(np.array(depth))[0])
         return d, (1.0 - d) / d * self.guess
 
-    def sinking(self, load: float, landing: Landing | None = None) -> float:
+    def sinking(self, load: float, landing: HardestLanding | None = None) -> float:
         """Return the greatest depth under a load [N] after a landing, at least that at rest [m].
 
         A run of MuJoCo's own steps (speed first, then place), to where the contact turns back: a damped
@@ -173,7 +173,9 @@ def soft_contact(mujoco: Any, model: Any, bodies: Iterable[int], contact: Any) -
     return SoftContact(law, guess, normal, friction, damp, mu, float(option.timestep))
 
 
-def declared(contacts: Sequence[SoftContact], load: float, landing: Landing | None) -> dict[str, float]:
+def declared(
+    contacts: Sequence[SoftContact], load: float, landing: HardestLanding | None
+) -> dict[str, float]:
     """Return the facts `sinking`, `creep`, `stopping` and `settling` of contacts; empty without any.
 
     Parameters
@@ -198,11 +200,11 @@ def declared(contacts: Sequence[SoftContact], load: float, landing: Landing | No
 
 def hardest_landing(
     mujoco: Any, model: Any, bodies: Sequence[tuple[int, int]], qpos: FloatArray, points: Mapping[str, Any]
-) -> Landing | None:
+) -> HardestLanding | None:
     """Return the hardest touchdown of a log, None without any.
 
     Where contacts land one after the other on one body, those that landed feel the next: so the parts of a
-    `Landing` are the worst of all, not of one.
+    `HardestLanding` are the worst of all, not of one.
 
     Parameters
     ----------
@@ -234,7 +236,7 @@ def hardest_landing(
         return None
     # what a step from above can reach, and no more
     depth = min(float(np.max(-gaps[first], initial=0.0)), fastest * float(model.opt.timestep))
-    return Landing(fastest, float(across.max()), depth, min(masses))
+    return HardestLanding(fastest, float(across.max()), depth, min(masses))
 
 
 def inverse_mass(

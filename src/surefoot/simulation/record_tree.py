@@ -11,7 +11,7 @@ from surefoot.errors import ModelError, ProblemError, unknown_name
 from surefoot.spatial import quaternion_xyzw, rotation_from_quaternion
 
 
-class Tree:
+class BodyTree:
     """A robot within a MuJoCo model: a body and all below it.
 
     Attributes

@@ -18,7 +18,6 @@ of its kind.
 from __future__ import annotations
 
 import math
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any
@@ -31,7 +30,7 @@ import scipy.sparse.linalg
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.kernels import inline_kernel, kernel
+from surefoot.kernels import inline_kernel, kernel, working_time
 from surefoot.numerics.elimination import invert_shifted
 from surefoot.solvers.pyramid import project_any, shift_any
 from surefoot.solvers.solver import Answer, SolverSettings, register, start_forces
@@ -340,7 +339,7 @@ def solve_admm(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
         return run_admm(s, settings)
     size, tol = s.g.size, settings.tol
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
-    end = time.perf_counter() + settings.max_time
+    end = working_time() + settings.max_time
     inverse, state = np.empty((size, size)), np.array([s.rho, 0.0, s.eta, 0.5 * limit])
     chunk = limit
     if settings.max_time < math.inf:  # the clock is read four times or more
@@ -348,7 +347,7 @@ def solve_admm(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     program, memory = (s.G, s.g, s.D, s.measure), (s.x, s.z, s.y, inverse, state)
     best, least, done, found = s.z * s.D, math.inf, 0, np.empty(size)
     while done < limit and least > tol:
-        if done > 0 and time.perf_counter() > end:
+        if done > 0 and working_time() > end:
             return Answer(best.reshape(-1, 3), done, Status.MAX_TIME)
         used, gap = _run_dense(program, s.laws, memory, tol, min(chunk, limit - done), found)
         done += used
@@ -359,12 +358,12 @@ def solve_admm(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
 
 def run_admm(s: Splitting, settings: SolverSettings, finish: Finish | None = None) -> Answer:
     """Run ADMM; after `finish_from` iterations, then ever less often, `finish` may try from where it is."""
-    end = time.perf_counter() + settings.max_time
+    end = working_time() + settings.max_time
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
     shape, rho, used = s.problem.shape, s.rho, 0.0
     best, least, done, next_finish = s.z * s.D, s.error(s.z), 0, s.finish_from
     while done < limit and least > settings.tol:
-        if time.perf_counter() > end:
+        if working_time() > end:
             return Answer(best.reshape(shape), done, Status.MAX_TIME)
         if rho != used:
             iterate, used = s.iterations(rho), rho

@@ -2,11 +2,10 @@
 
 Exact cones, up to 45 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps with Newton
 steps (`compiled`). Larger problems: sweeps on 3x3 blocks, then Newton steps by sparse factorisation with
-sweeps between them (`on_blocks`). What these leave unsolved is handed on: for Coulomb's law to an interior
-point and ADMM, with Newton steps from where it is, and for the convex law to Newton's method on its dual
-(`distribution`) and an interior point. Pyramids: ADMM, then Lemke's method (Coulomb) or a QP solver (convex).
-Contacts of any kind: ADMM with Newton steps from where it is.
-The forces returned are the best that any of them found; the status is theirs.
+sweeps between them (`on_blocks`). What these leave unsolved falls into its connected parts first, each solved
+by itself: one that has no solution must not keep the others from theirs. A single part goes through the
+stages of its plan, among them the search for a proof that there is no solution, made nowhere else for `auto`.
+The forces returned are the best that any stage found; the status is theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
 clock and is given as many iterations as should fit.
 """
@@ -14,22 +13,22 @@ clock and is given as many iterations as should fit.
 from __future__ import annotations
 
 import math
-import time
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
+from surefoot.contact.proof import InfeasibilityProof, check_proof, connected_parts
 from surefoot.contact.residuals import certificate
+from surefoot.contact.sets import ContactSet
 from surefoot.contact.solution import Status
 from surefoot.errors import MissingExtra, SolverNotFound
+from surefoot.kernels import working_time
 from surefoot.solvers import on_blocks, plans
 from surefoot.solvers.compiled import COMPILED_CONTACTS, attempt
 from surefoot.solvers.infeasibility import find_proof
 from surefoot.solvers.newton_sparse import NO_GUESS
-from surefoot.solvers.newton_step import FEW
-from surefoot.solvers.plans import EARLY_PROOF, ON_BLOCKS, PROOF, Plan, Stage
-from surefoot.solvers.set_newton import set_admm_and_newton
+from surefoot.solvers.plans import EARLY_PROOF, PARTS, PROOF, Plan, Stage
 from surefoot.solvers.solver import (
     Answer,
     SolverFunction,
@@ -38,6 +37,7 @@ from surefoot.solvers.solver import (
     nearest_to_zero,
     register,
     registry,
+    solve,
     start_forces,
 )
 
@@ -46,40 +46,43 @@ NEARLY = 1e-2
 POSSIBLE, EARLY_TIME = 1e-3, 0.1
 """A velocity error of many contacts below which no proof of infeasibility is looked for before all else has
 failed, and seconds for an early look."""
-PARTS: dict[str, SolverFunction] = {
-    ON_BLOCKS: on_blocks.on_blocks,
-    plans.ADMM_AND_NEWTON: on_blocks.admm_and_newton,
-    plans.MORE_NEWTON: on_blocks.more_newton,
-    plans.SETS: set_admm_and_newton,
-}
 
 
-@register("auto", laws=None, bilateral=True, polyhedral=True, general=True, attempt=attempt)
+@register("auto", laws=None, bilateral=True, polyhedral=True, general=True, attempt=attempt, proves=True)
 def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
     """Solve either law from a (n, 3) warm start; an iteration is one of whatever method ran."""
-    start = time.perf_counter()
+    start = working_time()
     if problem.general:
-        return _run(problem, settings, warm_start, 0, plans.GENERAL, start)
+        return _run(problem, settings, warm_start, 0, plans.GENERAL[plans.ANY_LAW], start)
     if problem.facets is not None:
         return _run(problem, settings, warm_start, 0, plans.PYRAMIDS[problem.law], start)
     if problem.contacts <= COMPILED_CONTACTS:
         return _run(problem, settings, warm_start, 0, _small_plan(problem, warm_start), start)
-    forces = start_forces(problem, warm_start)
-    done, error, far = on_blocks.alternate(problem, settings, forces)
-    if error <= settings.tol:
-        return Answer(forces.reshape(-1, 3), done)
+    forces, plan = start_forces(problem, warm_start), plans.CONES_LARGE[problem.law]
+    looks: list[InfeasibilityProof | None] = []
+
+    def hopeless(error: float) -> bool:
+        """Look for a proof, for as long as the solve has taken: forces that run away look like progress."""
+        if error > POSSIBLE:
+            looks.append(find_proof(problem, max(working_time() - start, EARLY_TIME)))
+        return looks[-1:] not in ([], [None])
+
+    done, error, far = on_blocks.alternate(problem, settings, forces, hopeless)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
-    return _run(problem, settings, guess, done, plans.CONES_LARGE[problem.law], start)
+    if error <= settings.tol or (looks and looks[0] is not None):
+        return Answer(forces.reshape(-1, 3), done, proof=looks[0] if looks else None)
+    if looks:
+        plan = tuple(stage for stage in plan if stage.name != EARLY_PROOF)
+    return _run(problem, settings, guess, done, plan, start)
 
 
 def _small_plan(problem: ContactProblem, forces: FloatArray | None) -> Plan:
     """Return the plan of few contacts, in the order that the compiled call's forces suggest."""
     plan = plans.CONES[problem.law]
-    if problem.contacts > FEW:  # a dense iteration of ADMM costs more than a sweep on blocks
-        plan = tuple(sorted(plan, key=lambda stage: stage.name not in (PROOF, ON_BLOCKS)))
-    if forces is not None and worst_of(problem, forces) < NEARLY:  # it has a solution, probably
-        plan = (*plan[1:2], *plan[:1], *plan[2:])
-    return plan
+    if forces is None or not worst_of(problem, forces) < NEARLY:
+        return plan
+    rest = tuple(stage for stage in plan if stage.name != PROOF)  # it has a solution, probably
+    return (*rest[:2], Stage(PROOF), *rest[2:])
 
 
 def _run(
@@ -95,34 +98,42 @@ def _run(
     best_error = worst_of(problem, best)
     if forces is not None and (error := worst_of(problem, forces)) <= best_error:
         best, best_error = forces, error
-    most = settings.max_iterations
+    most, spent, looked = settings.max_iterations, False, False
     for stage in plan:
-        left = settings.max_time - (time.perf_counter() - start)
-        if left <= 0.0 or (most is not None and done >= most):
-            return Answer(best, done, Status.MAX_TIME if left <= 0.0 else Status.MAX_ITERATIONS)
-        if stage.name in (PROOF, EARLY_PROOF):
-            if problem.contacts > COMPILED_CONTACTS and best_error <= POSSIBLE:
+        left = settings.max_time - (working_time() - start)
+        if left <= 0.0:
+            return Answer(best, done, Status.MAX_TIME)
+        spent = most is not None and done >= most
+        if stage.name in (PROOF, EARLY_PROOF):  # takes no iterations
+            possible = problem.contacts > COMPILED_CONTACTS and best_error <= POSSIBLE
+            if looked or (possible and stage is not plan[-1]):
                 continue
-            proof = find_proof(problem, left if stage.name == PROOF else min(left, EARLY_TIME))
-            if proof is not None:
-                return Answer(best, done, Status.INFEASIBLE, proof=proof)
+            looked = stage.name == PROOF
+        elif spent:
             continue
         bound = stage.most if most is None else min(stage.most or most, most - done)
-        answer = _ask(stage, problem, SolverSettings(settings.tol, bound, left), best)
+        answer = try_stage(stage, problem, SolverSettings(settings.tol, bound, left), best)
         if answer is None:
             continue
         done += answer.iterations
+        if answer.proof is not None or stage.name == PARTS:
+            return answer._replace(iterations=done)
         found = np.ascontiguousarray(answer.forces, dtype=np.float64)
         if (error := worst_of(problem, found)) < best_error:
             best, best_error = found, error
         if best_error <= settings.tol:
             break
-    return Answer(best, done, Status.STALLED)
+    return Answer(best, done, Status.MAX_ITERATIONS if spent else Status.STALLED)
 
 
-def _ask(stage: Stage, problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
-    """Return what a stage answers; None where it does not take the problem or its package is missing."""
-    function = PARTS.get(stage.name)
+def try_stage(
+    stage: Stage, problem: ContactProblem, settings: SolverSettings, best: FloatArray
+) -> Answer | None:
+    """Return what a stage answers; None where it is not one for the problem, or its package is missing."""
+    part = LOOKS.get(stage.name)
+    if part is not None:
+        return part(problem, settings, best)
+    function = FUNCTIONS.get(stage.name)
     if function is None:
         entry = registry().get(stage.name)
         if entry is None or mismatch(entry, problem) is not None:
@@ -132,6 +143,80 @@ def _ask(stage: Stage, problem: ContactProblem, settings: SolverSettings, best: 
         return function(problem, settings, best if stage.warm else None)
     except (MissingExtra, SolverNotFound):  # an optional package that is not installed
         return None
+
+
+def look_for_proof(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
+    """Return the best forces so far with a proof that there is no solution; None without one."""
+    proof = find_proof(problem, settings.max_time)
+    return None if proof is None else Answer(best, 0, Status.INFEASIBLE, proof=proof)
+
+
+def look_early(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
+    """Do so in little time."""
+    return look_for_proof(problem, SolverSettings(max_time=min(settings.max_time, EARLY_TIME)), best)
+
+
+def solve_parts(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
+    """Solve the connected parts one by one, the smallest first; None where there is only one.
+
+    Each has an equal share of the iterations and of the time that the ones before it have left. Parts that
+    the best forces so far solve are left as they are.
+    """
+    label = connected_parts(problem)
+    count = int(label.max()) + 1
+    if count == 1:
+        return None
+    end, left = working_time() + settings.max_time, settings.max_iterations
+    forces, done, stops, proof = best.copy(), 0, [], None
+    flat = forces.reshape(-1)
+    for turn, name in enumerate(np.argsort(np.bincount(label), kind="stable")):
+        members = np.flatnonzero(label == name)
+        part, rows = part_of(problem, members)
+        own = flat[rows].reshape(part.shape)
+        if worst_of(part, own) <= settings.tol:
+            continue
+        share = count - turn
+        found = solve(
+            part, "auto", settings.tol, max_time=max(end - working_time(), 0.0) / share,
+            max_iterations=None if left is None else max(left - done, 0) // share,
+        )  # fmt: skip
+        done += found.iterations
+        flat[rows] = found.forces.ravel()
+        if not found.solved:
+            stops.append(found.status)
+        if found.proof is not None and proof is None:
+            direction = np.zeros(problem.g.size)
+            direction[rows] = found.proof.direction.ravel()
+            proof = check_proof(problem, direction.reshape(problem.shape))
+    return Answer(forces, done, stops[0] if stops else Status.STALLED, proof=proof)
+
+
+def part_of(problem: ContactProblem, members: IntArray) -> tuple[ContactProblem, IntArray]:
+    """Return the problem of some contacts alone, and its rows among the whole one's."""
+    if problem.general:
+        contacts, offsets = problem.contact_set, problem.contact_set.offsets
+        rows = np.concatenate([np.arange(offsets[k], offsets[k + 1]) for k in members])
+        chosen = ContactSet([contacts[k] for k in members])
+        G = problem.G[np.ix_(rows, rows)]
+        return ContactProblem(G, problem.g[rows], contacts=chosen, law=problem.law), rows
+    rows = (3 * members[:, None] + np.arange(3)).ravel()
+    held = problem.bilateral
+    changes = {name: getattr(problem, name)[members] for name in ("mu", "normal_max")}
+    low = problem.normal_min if held is None else np.where(held, 0.0, problem.normal_min)
+    part = problem.replace(
+        G=problem.G[np.ix_(rows, rows)], g=problem.g[rows], normal_min=low[members],
+        bilateral=None if held is None else held[members], **changes,
+    )  # fmt: skip
+    return part, rows
+
+
+LOOKS = {PROOF: look_for_proof, EARLY_PROOF: look_early, PARTS: solve_parts}
+"""Stages that look at the problem with the best forces so far, and may end the plan."""
+FUNCTIONS: dict[str, SolverFunction] = {
+    plans.ADMM_AND_NEWTON: on_blocks.admm_and_newton,
+    plans.MORE_NEWTON: on_blocks.more_newton,
+}
+"""Stages that are no solvers of their own."""
 
 
 def worst_of(problem: ContactProblem, forces: FloatArray) -> float:

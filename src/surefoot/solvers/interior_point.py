@@ -16,7 +16,6 @@ Coulomb's law without a proof.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -29,6 +28,7 @@ import scipy.sparse.linalg
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
+from surefoot.kernels import working_time
 from surefoot.solvers.admm import scaling
 from surefoot.solvers.newton_sparse import BlockNewton
 from surefoot.solvers.solver import Answer, Search, SolverSettings, register
@@ -209,7 +209,7 @@ def solve_interior_point(
         if search.over(forces, float(velocity_error(forces, velocities, *laws))):
             break
     best, done = search.best, search.done
-    if settings.tol < search.error < POLISH and time.perf_counter() < search.end:
+    if settings.tol < search.error < POLISH and working_time() < search.end:
         done += BlockNewton(problem, settings.tol, search.end).run(best, 20, 0.1)[0]
     return Answer(best.reshape(-1, 3), done, search.stop)
 

@@ -1,8 +1,7 @@
-"""The contract of LCP solvers: register, solve, certify; the small sibling of `solver`."""
+"""Solve and certify an LCP, the small sibling of `solver`; a method is one file and one line of `METHODS`."""
 
 from __future__ import annotations
 
-import importlib
 import math
 import time
 from collections.abc import Callable
@@ -14,22 +13,12 @@ from surefoot.arrays import FloatArray, real_number
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.errors import NoSolution, SolverNotFound, unknown_name
+from surefoot.kernels import working_time
 from surefoot.solvers.backends import NO_PATH
+from surefoot.solvers.lcp_interior_point import solve_interior_point
 from surefoot.solvers.lcp_proof import farkas
-from surefoot.solvers.solver import ALMOST_FACTOR, SolverSettings
-
-_MODULES = ("lemke", "lcp_iterative", "lcp_interior_point", "lcp_newton", "lcp_quadratic")
-
-
-@dataclass(frozen=True)
-class LcpAnswer:
-    """What an LCP solver hands back: z, why it stopped, and a ray if it met one."""
-
-    z: FloatArray
-    iterations: int
-    stop: Status = Status.MAX_ITERATIONS
-    ray: FloatArray | None = None
-    message: str = ""
+from surefoot.solvers.lemke import solve_lemke
+from surefoot.solvers.solver import ALMOST_FACTOR, Answer, SolverSettings
 
 
 @dataclass(frozen=True)
@@ -86,25 +75,14 @@ class LcpSolution:
         return self
 
 
-LcpFunction = Callable[[LCP, SolverSettings], LcpAnswer]
-_REGISTRY: dict[str, LcpFunction] = {}
-
-
-def register_lcp(name: str) -> Callable[[LcpFunction], LcpFunction]:
-    """Return the decorator that makes a function an LCP solver."""
-
-    def decorate(function: LcpFunction) -> LcpFunction:
-        _REGISTRY[name] = function
-        return function
-
-    return decorate
+LcpFunction = Callable[[LCP, SolverSettings], Answer]
+METHODS: dict[str, LcpFunction] = {"interior_point": solve_interior_point, "lemke": solve_lemke}
+"""All LCP solvers by name."""
 
 
 def lcp_solver_names() -> tuple[str, ...]:
-    """Return the names of all LCP solvers; imports their files on first use."""
-    for module in _MODULES:
-        importlib.import_module(f"surefoot.solvers.{module}")
-    return tuple(sorted(_REGISTRY))
+    """Return the names of all LCP solvers."""
+    return tuple(sorted(METHODS))
 
 
 def solve_lcp(
@@ -122,8 +100,7 @@ def solve_lcp(
     problem
         What to solve.
     solver
-        "lemke" (any matrix that it can process), "pgs" (symmetric positive definite, or diagonally dominant),
-        "interior_point" (PSD), "newton" (any, no promise) or "qp" (PSD).
+        "lemke" (any matrix that it can process) or "interior_point" (PSD).
     tol
         Wanted `LCP.residual` [-].
     max_iterations, max_time
@@ -140,17 +117,16 @@ def solve_lcp(
     >>> solution.status.value, (3 * solution.z).round(6).tolist()
     ('solved', [4.0, 7.0])
     """
-    names = lcp_solver_names()
     if solver == "path":
         raise SolverNotFound(NO_PATH)
-    if solver not in names:
-        raise SolverNotFound(unknown_name("LCP solver", solver, names))
+    if solver not in METHODS:
+        raise SolverNotFound(unknown_name("LCP solver", solver, lcp_solver_names()))
     settings = SolverSettings(
         real_number("tol", tol, low=0.0), max_iterations, real_number("max_time", max_time, low=0.0)
     )
     start = time.perf_counter()
-    answer = _by_parts(problem, _REGISTRY[solver], settings)
-    z, stop, message, proof = answer.z, answer.stop, answer.message, None
+    answer = _by_parts(problem, METHODS[solver], settings)
+    z, stop, message, proof = answer.forces, answer.stop, answer.message, None
     if not np.isfinite(z).all():
         z, stop, message = np.zeros(problem.size), Status.INVALID, "the method left the range of numbers"
     residual = problem.residual(z)
@@ -170,12 +146,12 @@ def solve_lcp(
     )
 
 
-def _by_parts(problem: LCP, method: LcpFunction, settings: SolverSettings) -> LcpAnswer:
+def _by_parts(problem: LCP, method: LcpFunction, settings: SolverSettings) -> Answer:
     """Solve one uncoupled part after the other; stop at the first that the method leaves along a ray.
 
     A part with q >= 0 is solved by z = 0.
     """
-    end = time.perf_counter() + settings.max_time
+    end = working_time() + settings.max_time
     z, iterations, stop = np.zeros(problem.size), 0, None
     ray, message = None, ""
     for index in problem.parts:
@@ -184,9 +160,9 @@ def _by_parts(problem: LCP, method: LcpFunction, settings: SolverSettings) -> Lc
         part, unit = _of_unit_size(problem.part(index))
         left = None if settings.max_iterations is None else max(0, settings.max_iterations - iterations)
         with np.errstate(all="ignore"):  # what is lost shows in the residual
-            found = method(part, SolverSettings(settings.tol, left, max(0.0, end - time.perf_counter())))
-            z[index], iterations = np.ldexp(found.z, unit), iterations + found.iterations
-        if part.residual(found.z) <= settings.tol:
+            found = method(part, SolverSettings(settings.tol, left, max(0.0, end - working_time())))
+            z[index], iterations = np.ldexp(found.forces, unit), iterations + found.iterations
+        if part.residual(found.forces) <= settings.tol:
             continue
         if stop is None or found.stop is Status.INFEASIBLE:
             stop, message = found.stop, found.message
@@ -195,7 +171,7 @@ def _by_parts(problem: LCP, method: LcpFunction, settings: SolverSettings) -> Lc
                 ray[index] = found.ray
         if found.stop is Status.INFEASIBLE:
             break
-    return LcpAnswer(z, iterations, stop or Status.STALLED, ray, message)
+    return Answer(z, iterations, stop or Status.STALLED, ray=ray, message=message)
 
 
 def _of_unit_size(problem: LCP) -> tuple[LCP, int]:

@@ -13,12 +13,10 @@ import scipy.linalg
 from surefoot.arrays import FloatArray
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
-from surefoot.solvers.lcp import LcpAnswer, register_lcp
-from surefoot.solvers.solver import Search, SolverSettings
+from surefoot.solvers.solver import Answer, Search, SolverSettings
 
 
-@register_lcp("interior_point")
-def solve_interior_point(problem: LCP, settings: SolverSettings) -> LcpAnswer:
+def solve_interior_point(problem: LCP, settings: SolverSettings) -> Answer:
     """Solve a monotone LCP by a primal-dual interior-point method."""
     scale = max(float(np.abs(problem.M).max()), 1e-300)
     M, q = problem.M / scale, problem.q / scale
@@ -29,12 +27,12 @@ def solve_interior_point(problem: LCP, settings: SolverSettings) -> LcpAnswer:
         with np.errstate(all="ignore"):
             z, w = _advance(M, q, z, w)
         if not (np.isfinite(z).all() and np.isfinite(w).all()):
-            return LcpAnswer(search.best, search.done + 1, Status.STALLED)
+            return Answer(search.best, search.done + 1, Status.STALLED)
         snapped = np.where(z > w, z, 0.0)
         residuals = problem.residual(z), problem.residual(snapped)
         if search.over(snapped if residuals[1] < residuals[0] else z, min(residuals)):
             break
-    return LcpAnswer(search.best, search.done, search.stop)
+    return Answer(search.best, search.done, search.stop)
 
 
 def _advance(M: FloatArray, q: FloatArray, z: FloatArray, w: FloatArray) -> tuple[FloatArray, FloatArray]:

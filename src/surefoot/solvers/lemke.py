@@ -16,16 +16,13 @@ Outside the classes that it processes (copositive-plus, P, E0 under conditions .
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.lcp import LCP, equilibrated, stewart_trinkle
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.kernels import kernel
-from surefoot.solvers.lcp import LcpAnswer, register_lcp
+from surefoot.kernels import kernel, working_time
 from surefoot.solvers.solver import Answer, SolverSettings, register
 
 PIVOTS = (1e-8, 1e-12)
@@ -130,30 +127,29 @@ def _from_basis(problem: LCP, basis: IntArray, T: FloatArray) -> FloatArray:
     return np.maximum(z if better else tableau, 0.0)
 
 
-@register_lcp("lemke")
-def solve_lemke(problem: LCP, settings: SolverSettings) -> LcpAnswer:
+def solve_lemke(problem: LCP, settings: SolverSettings) -> Answer:
     """Solve an LCP by Lemke's method; an iteration is a pivot."""
     if (problem.q >= 0.0).all():
-        return LcpAnswer(np.zeros(problem.size), 0)
+        return Answer(np.zeros(problem.size), 0)
     M, d = equilibrated(problem.M)
     mantissa, exponent = np.frexp(problem.q)
     top = int((exponent + d)[mantissa != 0.0].max())
     scaled = LCP(M, np.ldexp(problem.q, d - top))
-    end = time.perf_counter() + settings.max_time
+    end = working_time() + settings.max_time
     limit = 50 * problem.size + 1000 if settings.max_iterations is None else settings.max_iterations
     pivots = 0
     for least in PIVOTS:
         found = _pivoted(scaled, least, limit - pivots, end)
         pivots += found.iterations
-        if scaled.residual(found.z) <= settings.tol or pivots >= limit or time.perf_counter() > end:
+        if scaled.residual(found.forces) <= settings.tol or pivots >= limit or working_time() > end:
             break
     with np.errstate(over="ignore"):
-        z = np.ldexp(found.z, d + top)
+        z = np.ldexp(found.forces, d + top)
         ray = None if found.ray is None else np.ldexp(found.ray, d - int(d.max()))
-    return LcpAnswer(z, pivots, found.stop, ray, found.message)
+    return found._replace(forces=z, iterations=pivots, ray=ray)
 
 
-def _pivoted(problem: LCP, least: float, limit: int, end: float) -> LcpAnswer:
+def _pivoted(problem: LCP, least: float, limit: int, end: float) -> Answer:
     """Pivot from the start to a solution, a ray, or a limit; entries below `least` are no pivots."""
     n, q = problem.size, problem.q
     T = np.hstack([np.eye(n), -problem.M, -np.ones((n, 1)), q[:, None] / float(np.abs(q).max())])
@@ -165,15 +161,15 @@ def _pivoted(problem: LCP, least: float, limit: int, end: float) -> LcpAnswer:
     while outcome == MORE and pivots < limit:
         outcome, used, entering = _run(T, basis, entering, min(200, limit - pivots), least)
         pivots += used
-        if outcome == MORE and time.perf_counter() > end:
-            return LcpAnswer(_from_basis(problem, basis, T), pivots, Status.MAX_TIME)
+        if outcome == MORE and working_time() > end:
+            return Answer(_from_basis(problem, basis, T), pivots, Status.MAX_TIME)
     if outcome == RAY:
         return _ray(problem, T, basis, entering, pivots)
     stop = Status.STALLED if outcome == DONE else Status.MAX_ITERATIONS
-    return LcpAnswer(_from_basis(problem, basis, T), pivots, stop)
+    return Answer(_from_basis(problem, basis, T), pivots, stop)
 
 
-def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: int) -> LcpAnswer:
+def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: int) -> Answer:
     """Return the secondary ray's direction in z, a claim of infeasibility that is still to be proven."""
     n = problem.size
     direction = np.zeros(2 * n + 1)
@@ -181,7 +177,8 @@ def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: in
     direction[basis] = -T[:, entering]
     z, slack = np.maximum(direction[n : 2 * n], 0.0), np.flatnonzero(direction[n : 2 * n] > 1e-12)
     message = f"Lemke's method left along a ray in z{slack.tolist()}"
-    return LcpAnswer(_from_basis(problem, basis, T), pivots, Status.INFEASIBLE, z, message)
+    forces = _from_basis(problem, basis, T)
+    return Answer(forces, pivots, Status.INFEASIBLE, ray=z, message=message)
 
 
 @register("lemke", laws=("coulomb",), exact=False, polyhedral=True, bounds=False)
@@ -194,4 +191,4 @@ def solve_friction(
         return Answer(np.zeros((problem.contacts, 3)), 0)
     found = solve_lemke(friction.lcp, settings)
     stop = Status.STALLED if found.stop is Status.INFEASIBLE else found.stop
-    return Answer(friction.forces(found.z), found.iterations, stop)
+    return Answer(friction.forces(found.forces), found.iterations, stop)

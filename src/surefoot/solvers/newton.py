@@ -8,11 +8,10 @@ Source and limits: see `newton_step` and `newton_sparse`.
 
 from __future__ import annotations
 
-import time
-
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
+from surefoot.kernels import working_time
 from surefoot.solvers.compiled import SOON, UNBOUNDED, attempt
 from surefoot.solvers.newton_sparse import BlockNewton
 from surefoot.solvers.newton_step import SHARES_MANY
@@ -37,11 +36,11 @@ def solve_newton(problem: ContactProblem, settings: SolverSettings, warm_start: 
             stop = Status.MAX_ITERATIONS if fits == limit else Status.MAX_TIME
         return Answer(record[: problem.contacts], used, stop)
     forces = start_forces(problem, warm_start)
-    end = time.perf_counter() + settings.max_time
+    end = working_time() + settings.max_time
     most = UNBOUNDED if limit is None else limit
     newton, done = BlockNewton(problem, settings.tol, end), 0
     for turn in range(ROUNDS):
-        if done >= most or time.perf_counter() > end:
+        if done >= most or working_time() > end:
             break
         done += newton.sweep(forces, 1)
         steps, relative = newton.run(forces, min(30, most - done), SHARES_MANY[turn % 3])
@@ -49,4 +48,4 @@ def solve_newton(problem: ContactProblem, settings: SolverSettings, warm_start: 
         if relative <= settings.tol:
             break
     stop = Status.MAX_ITERATIONS if done >= most else Status.STALLED
-    return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME if time.perf_counter() > end else stop)
+    return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME if working_time() > end else stop)

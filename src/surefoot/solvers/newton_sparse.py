@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+from collections.abc import Callable
 
 import numpy as np
 import scipy.linalg
@@ -12,7 +12,7 @@ import scipy.sparse.linalg
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
-from surefoot.kernels import kernel
+from surefoot.kernels import kernel, working_time
 from surefoot.solvers.newton_step import (
     PATIENCE,
     PROXIMAL,
@@ -25,6 +25,8 @@ from surefoot.solvers.stopping import force_error, velocity_error
 
 SWEEPS_GROW, SWEEPS_MOST = 1.1, 400
 """By how much more sweeps follow each further step, and the most of them."""
+DOUBT_AFTER = 10
+"""Steps after which to ask whether there is a solution at all: forces that run away look like progress."""
 NO_GUESS = 0.1
 """A force error above which forces are no better a start than none."""
 DENSE_ABOVE = 0.12
@@ -156,6 +158,7 @@ class BlockNewton:
         sweeps: int = 0,
         patience: int = PATIENCE,
         without_guess: int | None = None,
+        hopeless: Callable[[float], bool] | None = None,
     ) -> tuple[int, float]:
         """Take steps from flat forces, updated in place and never worse; return their number and the error.
 
@@ -173,11 +176,13 @@ class BlockNewton:
             Steps that may pass without a force error that falls well.
         without_guess
             Steps after which to stop where the force error is still above `NO_GUESS`.
+        hopeless
+            Asked once, after `DOUBT_AFTER` steps, with the velocity error: whether to stop.
         """
         current = forces.copy()
         velocities, best, far = self.measure(current)
         nearest, done, steps, since, count = far, 0, 0, 0, float(sweeps)
-        while done < limit and best > self.tol and since < patience and time.perf_counter() < self.end:
+        while done < limit and best > self.tol and since < patience and working_time() < self.end:
             moved = self.step(current, velocities, max(PROXIMAL, min(PROXIMAL_FAR, share * far)))
             done, steps, since = done + 1, steps + 1, since + 1
             if moved is None:
@@ -194,5 +199,7 @@ class BlockNewton:
                 best = error
                 forces[:] = current
             if steps == without_guess and nearest > NO_GUESS:
+                break
+            if steps == DOUBT_AFTER and hopeless is not None and hopeless(best):
                 break
         return done, best

@@ -11,7 +11,6 @@ in their last loop only, and are written out all the same: parts shared between 
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -21,7 +20,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.kernels import inline_kernel, kernel
+from surefoot.kernels import inline_kernel, kernel, working_time
 from surefoot.solvers.one_contact import WIDTH, block_of, prepare, solve_one
 from surefoot.solvers.solver import Answer, SolverSettings, register, start_forces
 from surefoot.solvers.stopping import fill_measure, velocity_error
@@ -201,7 +200,7 @@ def solve_nsgs(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     """Solve either law by Gauss-Seidel with exact local solves from a (n, 3) start; iterations are sweeps."""
     forces = start_forces(problem, warm_start)
     limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations
-    end = time.perf_counter() + settings.max_time
+    end = working_time() + settings.max_time
     laws = problem.mu, problem.normal_min, problem.normal_max, problem.law.shift == 0.0
     matrix: tuple[Any, ...] = (problem.G,)
     prepare: Callable[..., FloatArray] = prepare_dense
@@ -216,6 +215,6 @@ def solve_nsgs(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
         now = min(chunk, limit - done)
         used, solved = run(*matrix, problem.g, *laws, settings.tol, now, local, forces, state)
         done += used
-        if not solved and time.perf_counter() > end:
+        if not solved and working_time() > end:
             return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME)
     return Answer(forces.reshape(-1, 3), done, Status.MAX_ITERATIONS)

@@ -7,14 +7,18 @@ kind of problem to the others.
 from __future__ import annotations
 
 import math
-import time
+from collections.abc import Callable
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
+from surefoot.kernels import working_time
 from surefoot.solvers.admm import Cones, run_admm
 from surefoot.solvers.compiled import UNBOUNDED
 from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
+from surefoot.solvers.set_admm import Sets
+from surefoot.solvers.set_newton import MAX_ITERATIONS as MOST_STEPS
+from surefoot.solvers.set_newton import run_newton
 from surefoot.solvers.solver import Answer, SolverSettings, start_forces
 
 CHUNK, STEP_WORTH = 10, 50
@@ -30,15 +34,6 @@ FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 
 
-def on_blocks(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
-    """Solve few contacts as many are solved, from a (n, 3) warm start."""
-    forces = start_forces(problem, warm_start)
-    done, error, far = alternate(problem, settings, forces)
-    if error > settings.tol:
-        done += run_tries(problem, settings, forces, done, far)[0]
-    return Answer(forces.reshape(-1, 3), done, Status.STALLED)
-
-
 def more_newton(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
     """Take Newton steps from a (n, 3) warm start under other proximal terms than the first try's."""
     forces = start_forces(problem, warm_start)
@@ -49,38 +44,50 @@ def more_newton(problem: ContactProblem, settings: SolverSettings, warm_start: F
 def admm_and_newton(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer:
-    """Run ADMM from a (n, 3) warm start, with Newton steps from where it is every now and then.
+    """Run ADMM from a warm start, with Newton steps from where it is every now and then, on any contacts.
 
     It sorts out who slides long before it converges.
     """
-    newton = BlockNewton(problem, settings.tol, time.perf_counter() + settings.max_time)
-    s = Cones(problem, warm_start)
+    end = working_time() + settings.max_time
+    if problem.general:
+        sets = Sets(problem, warm_start)
+
+        def finish_sets(z: FloatArray) -> tuple[FloatArray, float]:
+            found, error, _ = run_newton(sets, z.copy(), settings.tol, MOST_STEPS, end)
+            return found * sets.D, error
+
+        return run_admm(sets, settings, finish_sets)
+    newton, cones = BlockNewton(problem, settings.tol, end), Cones(problem, warm_start)
 
     def finish(z: FloatArray) -> tuple[FloatArray, float]:
-        found = z * s.D
+        found = z * cones.D
         return found, newton.run(found, UNBOUNDED, *FINISH)[1]
 
-    return run_admm(s, settings, finish)
+    return run_admm(cones, settings, finish)
 
 
 def alternate(
-    problem: ContactProblem, settings: SolverSettings, forces: FloatArray
+    problem: ContactProblem,
+    settings: SolverSettings,
+    forces: FloatArray,
+    hopeless: Callable[[float], bool] | None = None,
 ) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
-    Flat (3n,) forces are updated in place; return sweeps and steps, the velocity error and the force error.
+    Flat (3n,) forces are updated in place; `hopeless` is that of `BlockNewton.run`. Return sweeps and steps,
+    the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
-    newton = BlockNewton(problem, tol, time.perf_counter() + settings.max_time)
+    newton = BlockNewton(problem, tol, working_time() + settings.max_time)
     done, before = 0, math.inf
     _, error, far = newton.measure(forces)
-    while error > tol and done < most and time.perf_counter() < newton.end:
+    while error > tol and done < most and working_time() < newton.end:
         done += newton.sweep(forces, min(CHUNK, most - done))
         before, (_, error, far) = error, newton.measure(forces)
         if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
             break
-    if error > tol and done < most and time.perf_counter() < newton.end:
-        used, error = newton.run(forces, most - done, *FIRST_TRY)
+    if error > tol and done < most and working_time() < newton.end:
+        used, error = newton.run(forces, most - done, *FIRST_TRY, hopeless=hopeless)
         done, far = done + used, newton.measure(forces)[2]
     return done, error, far
 
@@ -94,10 +101,10 @@ def run_tries(
     and the velocity error.
     """
     most = UNBOUNDED if settings.max_iterations is None else settings.max_iterations - done
-    newton = BlockNewton(problem, settings.tol, time.perf_counter() + settings.max_time)
+    newton = BlockNewton(problem, settings.tol, working_time() + settings.max_time)
     used, error = 0, newton.measure(forces)[1]
     for now in NO_GUESS_TRIES if far > NO_GUESS else GUESS_TRIES:
-        if not (error > settings.tol and used < most and time.perf_counter() < newton.end):
+        if not (error > settings.tol and used < most and working_time() < newton.end):
             break
         steps, error = newton.run(forces, most - used, *now)
         used += steps

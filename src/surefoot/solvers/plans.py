@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-PROOF, EARLY_PROOF = "infeasibility proof", "infeasibility proof, in small parts only"
-ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
-MORE_NEWTON, SETS = "more newton on blocks", "admm and newton on sets"
-"""What is tried besides solvers; see `auto`."""
+PARTS, PROOF, EARLY_PROOF = "connected parts apart", "infeasibility proof", "early infeasibility proof"
+ADMM_AND_NEWTON, MORE_NEWTON = "admm and newton", "more newton on blocks"
+"""What is tried besides solvers; see `auto`. The early proof is looked for in little time."""
 
 
 @dataclass(frozen=True)
@@ -29,20 +28,25 @@ class Stage:
     most: int | None = None
     warm: bool = False
 
+    @property
+    def label(self) -> str:
+        """What it is called in tables."""
+        return self.name + (f", {self.most}" if self.most else "") + (", warm" if self.warm else "")
+
 
 Plan = tuple[Stage, ...]
 CONES: dict[str, Plan] = {
     "coulomb": (
+        Stage(PARTS),
         Stage(PROOF),
         Stage("newton"),
         Stage("admm", 1500),
-        Stage(ON_BLOCKS, 20_000),
         Stage("interior_point"),
         Stage("admm", 10_000, warm=True),
-        Stage("staggered", 20, warm=True),
         Stage("nsgs", 20_000, warm=True),
     ),
     "convex": (
+        Stage(PARTS),
         Stage(PROOF),
         Stage("distribution"),
         Stage("interior_point"),
@@ -53,6 +57,7 @@ CONES: dict[str, Plan] = {
 """After the compiled call on few contacts."""
 CONES_LARGE: dict[str, Plan] = {
     "coulomb": (
+        Stage(PARTS),
         Stage(EARLY_PROOF),
         Stage("interior_point", 40),
         Stage(ADMM_AND_NEWTON, 6000, warm=True),
@@ -60,24 +65,43 @@ CONES_LARGE: dict[str, Plan] = {
         Stage(MORE_NEWTON, 30_000, warm=True),
         Stage(ADMM_AND_NEWTON, 20_000, warm=True),
         Stage(MORE_NEWTON, 100_000, warm=True),
+        Stage(PROOF),
     ),
     "convex": (
+        Stage(PARTS),
         Stage(PROOF),
         Stage("interior_point"),
         Stage(ADMM_AND_NEWTON, 4000, warm=True),
         Stage("clarabel"),
+        Stage(PROOF),
     ),
 }
 """After sweeps and Newton steps on blocks."""
 PYRAMIDS: dict[str, Plan] = {
-    "coulomb": (Stage("admm", 2000, warm=True), Stage(PROOF), Stage("lemke"), Stage("admm", warm=True)),
-    "convex": (Stage("admm", 2000, warm=True), Stage(PROOF), Stage("daqp"), Stage("admm", warm=True)),
+    "coulomb": (
+        Stage("admm", 2000, warm=True),
+        Stage(PARTS),
+        Stage(PROOF),
+        Stage("lemke"),
+        Stage("admm", warm=True),
+    ),
+    "convex": (
+        Stage("admm", 2000, warm=True),
+        Stage(PARTS),
+        Stage(PROOF),
+        Stage("daqp"),
+        Stage("admm", warm=True),
+    ),
 }
-GENERAL: Plan = (
-    Stage("set_newton", 30),
-    Stage(SETS, 300),
-    Stage(PROOF),
-    Stage(SETS, 10_000, warm=True),
-    Stage("set_admm", 20_000),
-)
-"""For contacts of any kind."""
+ANY_LAW = "any law"
+GENERAL: dict[str, Plan] = {
+    ANY_LAW: (
+        Stage("set_newton", 30),
+        Stage(PARTS),
+        Stage(ADMM_AND_NEWTON, 300),
+        Stage(PROOF),
+        Stage(ADMM_AND_NEWTON, 10_000, warm=True),
+        Stage("set_admm", 20_000),
+    )
+}
+"""For contacts of any kind, under any law."""

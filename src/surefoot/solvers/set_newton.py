@@ -13,14 +13,12 @@ Limits: fast near a solution and no promise far from one; dense matrices.
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.solvers.admm import run_admm
+from surefoot.kernels import working_time
 from surefoot.solvers.set_admm import Sets
 from surefoot.solvers.set_kernels import WIDEST, jacobian_sets, newton_matrix, project_sets
 from surefoot.solvers.solver import Answer, SolverSettings, register
@@ -38,7 +36,7 @@ def run_newton(
     J, A = np.empty((n, WIDEST, WIDEST)), np.empty((m, m))
     u, error = s.measure(forces)
     best, least, done, since = forces, error, 0, 0
-    while least > tol and done < limit and since < PATIENCE and time.perf_counter() < end:
+    while least > tol and done < limit and since < PATIENCE and working_time() < end:
         jacobian_sets(*s.packed, s.point, J)
         newton_matrix(s.G, *s.packed, s.step, u, J, A)
         A[np.diag_indices(m)] += min(max(SHARE * error, PROXIMAL), PROXIMAL_FAR)
@@ -66,21 +64,8 @@ def solve_set_newton(
 ) -> Answer:
     """Solve contacts of any kind, under any law, as far as Newton's method gets from (n, d), (m,) forces."""
     s = Sets(problem, warm_start)
-    end = time.perf_counter() + settings.max_time
+    end = working_time() + settings.max_time
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
     forces, _, done = run_newton(s, s.z, settings.tol, limit, end)
     stop = Status.MAX_ITERATIONS if done >= limit else Status.STALLED
-    return Answer(forces * s.D, done, Status.MAX_TIME if time.perf_counter() > end else stop)
-
-
-def set_admm_and_newton(
-    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
-) -> Answer:
-    """Run ADMM from (n, d) or (m,) forces, with Newton steps from where it is every now and then."""
-    end, s = time.perf_counter() + settings.max_time, Sets(problem, warm_start)
-
-    def finish(z: FloatArray) -> tuple[FloatArray, float]:
-        found, error, _ = run_newton(s, z.copy(), settings.tol, MAX_ITERATIONS, end)
-        return found * s.D, error
-
-    return run_admm(s, settings, finish)
+    return Answer(forces * s.D, done, Status.MAX_TIME if working_time() > end else stop)

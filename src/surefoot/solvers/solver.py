@@ -18,6 +18,7 @@ from surefoot.contact.proof import InfeasibilityProof
 from surefoot.contact.residuals import certificate
 from surefoot.contact.solution import ContactSolution, Status, record_of
 from surefoot.errors import ProblemError, SolverNotFound, unknown_name
+from surefoot.kernels import working_time
 from surefoot.solvers.infeasibility import find_proof
 
 ALMOST_FACTOR = 1e3
@@ -62,7 +63,7 @@ class Search:
     ) -> None:
         self.tol, self.patience = settings.tol, patience
         self.limit = most if settings.max_iterations is None else settings.max_iterations
-        self.end = time.perf_counter() + settings.max_time
+        self.end = working_time() + settings.max_time
         self.best, self.error, self.done, self.stop = start, error, 0, Status.MAX_ITERATIONS
         self._idle = 0
 
@@ -76,16 +77,17 @@ class Search:
             return True
         if self._idle > self.patience:
             self.stop = Status.STALLED
-        elif time.perf_counter() > self.end:
+        elif working_time() > self.end:
             self.stop = Status.MAX_TIME
         return self.stop is not Status.MAX_ITERATIONS or self.done >= self.limit
 
 
 class Answer(NamedTuple):
-    """What a solver hands back to `solve`: its forces and why it stopped, no claim of success.
+    """What a solver hands back to `solve` or `solve_lcp`: its forces and why it stopped, no claim of success.
 
-    `forces` have the shape of the problem's, (n, 3), and its unit [N s, or N]; `timings` are in seconds [s].
-    `stop` is read only where the residuals do not already say SOLVED or ALMOST; INFEASIBLE needs the proof.
+    `forces` have the shape of the problem's, (n, 3), and its unit [N s, or N], or are z (n,) of an LCP;
+    `timings` are in seconds [s]. `stop` is read only where the residuals do not already say SOLVED or ALMOST;
+    INFEASIBLE needs the proof. `ray` (n,) is a direction of Lemke's method that may lead to one.
     """
 
     forces: FloatArray
@@ -93,6 +95,8 @@ class Answer(NamedTuple):
     stop: Status = Status.MAX_ITERATIONS
     timings: dict[str, float] | None = None
     proof: InfeasibilityProof | None = None
+    ray: FloatArray | None = None
+    message: str = ""
 
 
 SolverFunction = Callable[[ContactProblem, SolverSettings, FloatArray | None], Answer]
@@ -118,6 +122,7 @@ class SolverEntry:
     bounds: bool
     general: bool
     attempt: Attempt | None = None
+    proves: bool = False
 
 
 _REGISTRY: dict[str, SolverEntry] = {}
@@ -128,7 +133,6 @@ _MODULES = (
     "nsgs",
     "admm",
     "interior_point",
-    "staggered",
     "lemke",
     "external",
     "set_admm",
@@ -149,6 +153,7 @@ def register(
     bounds: bool = True,
     general: bool = False,
     attempt: Attempt | None = None,
+    proves: bool = False,
 ) -> Callable[[Function], Function]:
     """Return the decorator that makes a function a solver.
 
@@ -169,12 +174,14 @@ def register(
     attempt
         What `solve` tries first, one compiled call that solves and has `contact.residuals` judge. If that
         is not solved, the function goes on from its forces.
+    proves
+        Whether it looks for a proof of infeasibility itself; for the others `solve` does, once they gave up.
     """
 
     def decorate(function: Function) -> Function:
         own = None if laws is None else tuple(laws)
         _REGISTRY[name] = SolverEntry(
-            name, function, own, exact, polyhedral, bilateral, bounds, general, attempt
+            name, function, own, exact, polyhedral, bilateral, bounds, general, attempt, proves
         )
         return function
 
@@ -250,7 +257,7 @@ def solve(
         warm_start = finite_array("warm_start", warm_start, problem.shape)
     if entry is None:
         entry = find_solver(solver, problem)
-    before = 0
+    before, end = 0, _INFINITY if max_time == _INFINITY else working_time() + max_time
     if entry.attempt is not None:
         first = entry.attempt(problem, tol, max_iterations, max_time, warm_start)
         if first is not None:
@@ -263,13 +270,13 @@ def solve(
         answer = Answer(np.zeros(problem.shape), 0)
     else:
         remaining = None if max_iterations is None else max_iterations - before
-        left = max(max_time - (_clock() - start), 0.0)
+        left = max(end - working_time(), 0.0)
         with np.errstate(all="ignore"):  # the certificate says what became of it
             answer = entry.function(problem, SolverSettings(tol, remaining, left), warm_start)
     answer = answer._replace(iterations=before + answer.iterations)
     found = certify(problem, answer, entry.name, tol, _clock() - start)
-    left = max_time - (_clock() - start)
-    if found.status not in GAVE_UP or answer.proof is not None or left <= 0.0:
+    left = end - working_time()
+    if found.status not in GAVE_UP or entry.proves or left <= 0.0:
         return found
     with np.errstate(all="ignore"):
         proof = find_proof(problem, left)

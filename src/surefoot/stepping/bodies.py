@@ -11,7 +11,7 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.collision import Geometry
 from surefoot.robot import Robot
 from surefoot.stepping import arithmetic
-from surefoot.stepping.detection import Detection
+from surefoot.stepping.detection import TerrainDetection
 from surefoot.stepping.motion import FreeMotion
 from surefoot.stepping.pair_detection import PairDetection
 from surefoot.terrain import Terrain
@@ -59,8 +59,8 @@ class Bodies:
         import pinocchio
 
         self.model = loaded_model(robot, payload, payload_position)
-        self.contacts: Detection | PairDetection = (
-            Detection(self.model, robot.contact_points, terrain)
+        self.contacts: TerrainDetection | PairDetection = (
+            TerrainDetection(self.model, robot.contact_points, terrain)
             if geometry is None
             else PairDetection(self.model, robot, geometry, terrain, dt)
         )

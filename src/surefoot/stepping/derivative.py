@@ -19,7 +19,7 @@ from surefoot.contact.laws import LAWS
 from surefoot.errors import ProblemError
 from surefoot.stepping.derivative_first_order import FirstOrderStages
 from surefoot.stepping.derivative_impact import TOUCHING
-from surefoot.stepping.derivative_stages import Request, Stages
+from surefoot.stepping.derivative_stages import Stages, StepArguments
 from surefoot.stepping.knot import Knot, Outputs
 from surefoot.stepping.state import State, Step
 from surefoot.stepping.stepper import Stepper
@@ -56,8 +56,8 @@ class StepDerivative:
     """The derivative of one step; use `step_derivative` or `RigidWorld.derivative`.
 
     Positions move in the tangent space: δq (nv,) with q ⊕ δq, Pinocchio's `integrate` and `difference`, base
-    velocities in its own axes. A step remembers contact velocities for the next (`Memory.leaving`); `A` holds
-    them still, and derivatives of several steps in a row need their `leaving` passed on as well.
+    velocities in its own axes. A step remembers contact velocities for the next (`StepRemainder.leaving`):
+    `A` holds them still, and derivatives of several steps in a row need their `leaving` passed on as well.
 
     Contacts and their modes are those of the step: who may touch, which of two guesses of the swerve is
     taken, whether a gap is open. Where a mode is about to change `kinks` says so; `jvp` is one-sided there,
@@ -69,7 +69,7 @@ class StepDerivative:
         As given, see `ContactDerivative` [W]; every contact point of the robot takes part then.
     """
 
-    def __init__(self, stepper: Stepper, request: Request) -> None:
+    def __init__(self, stepper: Stepper, request: StepArguments) -> None:
         if stepper.options.soft is not None:
             law = type(stepper.options.soft).__name__
             raise ProblemError(f"derivatives of steps take the laws {', '.join(LAWS)}, got a {law}")
@@ -278,7 +278,7 @@ class StepDerivative:
 class FirstOrderDerivative(StepDerivative):
     """The derivative of a first-order step: A, B and mu at once, from `Knot`, the rest when asked for."""
 
-    def __init__(self, stepper: Stepper, request: Request, out: Outputs | None) -> None:
+    def __init__(self, stepper: Stepper, request: StepArguments, out: Outputs | None) -> None:
         self._out = out
         super().__init__(stepper, request)
 
@@ -350,7 +350,7 @@ def step_derivative(
     """
     smoothing = real_number("smoothing", smoothing, low=0.0, high=1e300)
     mu = real_number("mu", mu, low=0.0)
-    request = Request(state, torques, push, mu, smoothing)
+    request = StepArguments(state, torques, push, mu, smoothing)
     if stepper.options.order == 1:
         return FirstOrderDerivative(stepper, request, out)
     if out is not None:

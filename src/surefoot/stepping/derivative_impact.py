@@ -39,7 +39,7 @@ Respond = Callable[[FloatArray, FloatArray], FloatArray]
 """Rates of the impulses (3k, c) from b (3k, c) and those of mu (c,)."""
 
 
-class Ground(NamedTuple):
+class GroundTurn(NamedTuple):
     """How the ground turns below the contacts; see `derivative_kernels`.
 
     Attributes
@@ -54,7 +54,7 @@ class Ground(NamedTuple):
     slopes: FloatArray
 
     @classmethod
-    def below(cls, terrain: Terrain, contacts: Contacts, radii: FloatArray) -> Ground:
+    def below(cls, terrain: Terrain, contacts: Contacts, radii: FloatArray) -> GroundTurn:
         """Return the ground below contacts of radii (p,) [m], by central differences where it is curved."""
         frames = contacts.frames
         turns = np.zeros((2, *frames.shape))
@@ -125,7 +125,7 @@ class Bumps:
     model: Any
     data: Any
     contacts: Contacts
-    ground: Ground
+    ground: GroundTurn
     L: FloatArray
     twists: FloatArray
     first: IntArray

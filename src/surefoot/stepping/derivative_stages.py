@@ -14,7 +14,7 @@ from surefoot.stepping import arithmetic
 from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import FlowDerivative
-from surefoot.stepping.derivative_impact import Bumps, Ground, Rates
+from surefoot.stepping.derivative_impact import Bumps, GroundTurn, Rates
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.impacts import Tally, finite_problem
 from surefoot.stepping.options import StepOptions
@@ -22,7 +22,7 @@ from surefoot.stepping.state import Impact, State, Step
 from surefoot.stepping.stepper import PROJECTIONS, Stepper
 
 
-class Request(NamedTuple):
+class StepArguments(NamedTuple):
     """A step to be differentiated: the arguments of `Stepper.step`, and the smoothing."""
 
     state: State
@@ -101,7 +101,7 @@ class Stages:
         As `Stepper.step`.
     """
 
-    def __init__(self, stepper: Stepper, request: Request) -> None:
+    def __init__(self, stepper: Stepper, request: StepArguments) -> None:
         self.stepper, self.request = stepper, request
         work: Work | None = stepper.kept.get(Work)
         if work is None:
@@ -175,7 +175,7 @@ class Stages:
         points = stepper.robot.contact_points
         stepper.bodies.weigh(impact.q)
         twists = np.ascontiguousarray(stepper.bodies.contacts.twists(impact.q).T)
-        ground = Ground.below(stepper.terrain, seen, points.radii)
+        ground = GroundTurn.below(stepper.terrain, seen, points.radii)
         bumps = Bumps(
             *model, seen, ground, stepper.bodies.L.copy(), twists, work.first, points.support, points.radii,
             points.foot, span, stepper.bodies.data.oMi[1].rotation.copy(),

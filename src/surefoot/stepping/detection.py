@@ -57,7 +57,7 @@ class Surfaces(NamedTuple):
     propagation: bool
 
 
-class Detection:
+class TerrainDetection:
     """Finds the contacts of a robot on a terrain; one per thread, since it keeps its work arrays.
 
     A sphere on curved ground sees the tangent plane below its centre.

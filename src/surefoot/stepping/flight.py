@@ -33,7 +33,7 @@ STAGES = ((0.0, 1.0, 0.5), (0.5, 2.0, 0.5), (0.5, 2.0, 1.0), (1.0, 1.0, 0.0))
 
 
 @dataclass(frozen=True)
-class Flight:
+class FreeFlight:
     """A flight, step by step.
 
     Attributes
@@ -64,7 +64,7 @@ def fly(
     torque: Control | None = None,
     joint_acceleration: Control | None = None,
     dt: float = 1e-3,
-) -> Flight:
+) -> FreeFlight:
     """Integrate the equations of motion of a robot that touches nothing.
 
     Parameters
@@ -123,7 +123,7 @@ def follow_shape(
     carried: FloatArray | None = None,
     gravity: bool = False,
     dt: float = 1e-3,
-) -> Flight:
+) -> FreeFlight:
     """Integrate the base under a prescribed shape and a conserved momentum: kinematics only, no forces.
 
     Parameters
@@ -206,9 +206,9 @@ def _kinematic_step(
     return np.array(pinocchio.integrate(robot.model, q, h / 6.0 * total))
 
 
-def _recorded(robot: Robot, h: float, states: list[tuple[FloatArray, FloatArray]]) -> Flight:
+def _recorded(robot: Robot, h: float, states: list[tuple[FloatArray, FloatArray]]) -> FreeFlight:
     kept = [momentum(robot, q, v) for q, v in states]
-    return Flight(
+    return FreeFlight(
         h * np.arange(len(states), dtype=np.float64),
         np.array([q for q, _ in states]),
         np.array([v for _, v in states]),

@@ -18,9 +18,9 @@ from surefoot.stepping import knot_kernels as kernels
 from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import ordered
-from surefoot.stepping.derivative_impact import Ground
+from surefoot.stepping.derivative_impact import GroundTurn
 from surefoot.stepping.derivative_kernels import velocity_rates
-from surefoot.stepping.detection import Contacts, Detection
+from surefoot.stepping.detection import Contacts, TerrainDetection
 from surefoot.stepping.impacts import LostMotion
 from surefoot.stepping.state import State
 from surefoot.stepping.stepper import REACH, Stepper
@@ -76,7 +76,7 @@ class Knot:
         if stepper.options.order != 1:
             raise ProblemError(f"a knot takes StepOptions(order=1), got order={stepper.options.order}")
         contacts = stepper.bodies.contacts
-        assert isinstance(contacts, Detection)  # order 1 is of feet on the ground
+        assert isinstance(contacts, TerrainDetection)  # order 1 is of feet on the ground
         self._contacts = contacts
         self.stepper, bodies, options = stepper, stepper.bodies, stepper.options
         points = stepper.robot.contact_points
@@ -301,7 +301,7 @@ class Knot:
     def _look_below(self) -> None:
         """Find how curved ground turns below the contacts."""
         contacts = Contacts(self.gaps, self._positions, self._frames, self._J)
-        ground = Ground.below(self.stepper.terrain, contacts, self._radii)
+        ground = GroundTurn.below(self.stepper.terrain, contacts, self._radii)
         self._turns, self._slopes = ground.turns, ground.slopes
 
     def inertia(self) -> FloatArray:

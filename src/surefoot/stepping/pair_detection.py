@@ -11,7 +11,7 @@ from surefoot.collision import Geometry, PairSearch, ground_solids
 from surefoot.numerics.points import relative_jacobian
 from surefoot.robot import Foot, Robot
 from surefoot.robot.contact_points import contact_points, joint_support
-from surefoot.stepping.detection import Contacts, Detection, Surfaces
+from surefoot.stepping.detection import Contacts, Surfaces, TerrainDetection
 from surefoot.terrain import Terrain
 from surefoot.terrain.frames import surface_frames
 
@@ -22,7 +22,7 @@ SAMPLES = 5
 
 
 class PairDetection:
-    """Finds all contacts of a geometry; used in the place of `Detection`.
+    """Finds all contacts of a geometry; used in the place of `TerrainDetection`.
 
     The contacts are the robot's feet, then the other solids' knots on the ground, then the slots of all
     pairs. On ground that is made of boxes solids other than feet touch those, edges and vertical faces too.
@@ -65,7 +65,7 @@ class PairDetection:
             self.names.append((solid.name, "ground"))
             surfaces.append((solid.friction, solid.restitution, None, None))
         points = contact_points(model, feet)
-        self._ground = Detection(model, points, terrain)
+        self._ground = TerrainDetection(model, points, terrain)
         self.data = self._ground.data
         self._pairs = PairSearch(self._geometry, MARGIN + 2.0 * FASTEST_APPROACH * dt)
         solids = self._geometry.solids
@@ -83,7 +83,7 @@ class PairDetection:
         self._frames, self._J = np.zeros((n, 3, 3)), np.zeros((3 * n, model.nv))
 
     def at(self, q: FloatArray) -> Contacts:
-        """Return the contacts at (nq,) q [m, -, rad], as `Detection.at` does."""
+        """Return the contacts at (nq,) q [m, -, rad], as `TerrainDetection.at` does."""
         ground, p = self._ground.at(q), self._points
         gaps, positions = np.empty(len(self.group)), np.empty((len(self.group), 3))
         gaps[:p], positions[:p], self._frames[:p] = ground.gaps, ground.positions, ground.frames
@@ -99,7 +99,7 @@ class PairDetection:
         return Contacts(gaps, positions, self._frames, self._J)
 
     def twists(self, q: FloatArray) -> FloatArray:
-        """Return the spatial Jacobian (6, nv) at q, see `Detection.twists`."""
+        """Return the spatial Jacobian (6, nv) at q, see `TerrainDetection.twists`."""
         return self._ground.twists(q)
 
     def surfaces(self, mu: float, restitution: float) -> Surfaces:

@@ -69,7 +69,7 @@ class Graph(NamedTuple):
         return np.where(on, self.dt * force, 0.0), np.where(on, self.dt * slope, 0.0)
 
 
-class Rows(NamedTuple):
+class SoftRows(NamedTuple):
     """What each contact's row says: 0 <= λ ⟂ u + compliance λ + bias >= 0, λ <= most.
 
     Attributes
@@ -89,7 +89,7 @@ class Rows(NamedTuple):
     most: FloatArray
 
     @classmethod
-    def of(cls, graph: Graph, speeds: FloatArray, at_wall: BoolArray) -> Rows:
+    def of(cls, graph: Graph, speeds: FloatArray, at_wall: BoolArray) -> SoftRows:
         """Return the rows linearised about (p,) normal velocities [m/s]; `at_wall` (p,) chooses the jump."""
         impulses, slopes = graph.impulses(speeds)
         tangent = (slopes > 0.0) & ~at_wall
@@ -136,7 +136,7 @@ class SoftMeeting(Meeting):
             speeds += swerve[:, 2]
         parts, impact, error = None, None, np.inf
         for count in range(NEWTON):
-            rows = Rows.of(graph, speeds, at_wall)
+            rows = SoftRows.of(graph, speeds, at_wall)
             taken = np.flatnonzero(rows.on)
             if parts is None or not np.array_equal(parts[0], taken):
                 parts = self._assembled(taken, swerve)
@@ -153,11 +153,11 @@ class SoftMeeting(Meeting):
         self.tally.add_law(error, AGREED)
         return impact
 
-    def _assembled(self, taken: IntArray, swerve: FloatArray | None) -> Parts:
+    def _assembled(self, taken: IntArray, swerve: FloatArray | None) -> FreeProblem:
         """Return the rows of J, G and g of the contacts that take part, without the law."""
         contacts = self.contacts
         if not taken.size:
-            return Parts(taken, None, np.zeros((0, 0)), np.zeros(0))
+            return FreeProblem(taken, None, np.zeros((0, 0)), np.zeros(0))
         Y, G, g = arithmetic.assemble(
             contacts.J, self.L, self.before, self.free, np.zeros(contacts.gaps.size), taken, self.horizon,
             0.0, np.inf, 0.0,
@@ -166,10 +166,10 @@ class SoftMeeting(Meeting):
             g += swerve[taken].ravel()
         if not max(arithmetic.largest(g), arithmetic.largest(G.ravel())) < np.inf:
             raise LostMotion("contact problem")
-        return Parts(taken, Y, G, g)
+        return FreeProblem(taken, Y, G, g)
 
     def _solved(
-        self, parts: Parts, rows: Rows, warm: FloatArray, swerve: FloatArray | None, finer: float
+        self, parts: FreeProblem, rows: SoftRows, warm: FloatArray, swerve: FloatArray | None, finer: float
     ) -> Impact:
         """Return the exchange under linear rows, to `finer` times the tolerance if it can be had."""
         taken, Y, G, g = parts
@@ -189,7 +189,7 @@ class SoftMeeting(Meeting):
         return self._outcome(taken, Y, impulses, swerve, solution)
 
 
-class Parts(NamedTuple):
+class FreeProblem(NamedTuple):
     """The contact problem of the contacts `taken` (k,) without the law: Y = L⁻¹ Jᵀ as rows, G, g."""
 
     taken: IntArray
@@ -198,7 +198,9 @@ class Parts(NamedTuple):
     g: FloatArray
 
 
-def _disagreement(graph: Graph, rows: Rows, impact: Impact, parts: Parts) -> tuple[float, BoolArray]:
+def _disagreement(
+    graph: Graph, rows: SoftRows, impact: Impact, parts: FreeProblem
+) -> tuple[float, BoolArray]:
     """Return how far the normal impulses are from the law, and which contacts go to the wall next.
 
     The distance is Newton's next step of each contact by itself, |λ - Λ(u)| / (1 + G_nn |Λ'|), as a share of

@@ -10,7 +10,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact import ContactProblem, ContactSolution
 
 
-class Memory(NamedTuple):
+class StepRemainder(NamedTuple):
     """What a step leaves to the next one besides q and v.
 
     Attributes
@@ -50,7 +50,7 @@ class State(NamedTuple):
     q: FloatArray
     v: FloatArray
     steps: int = 0
-    memory: Memory | None = None
+    memory: StepRemainder | None = None
 
     @property
     def rate(self) -> FloatArray | None:

@@ -52,7 +52,7 @@ from surefoot.stepping.motion import Ahead, FreeMotion
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.pair_impacts import PairMeeting
 from surefoot.stepping.soft_impacts import SoftMeeting
-from surefoot.stepping.state import Impact, Memory, State, Step
+from surefoot.stepping.state import Impact, State, Step, StepRemainder
 from surefoot.terrain import FlatTerrain, Terrain
 
 REACH = 1e-3
@@ -217,7 +217,7 @@ class Stepper:
         if arithmetic.near_ground(end.J, v, still, end.gaps, 0.5 * dt, 0.0).size:
             return None
         nothing = np.zeros(velocities.shape)
-        after = State(q, v, state.steps + 1, Memory(nothing, velocities, True))
+        after = State(q, v, state.steps + 1, StepRemainder(nothing, velocities, True))
         return Step(after, dt, nothing, velocities, start.gaps, start.positions, None, 0, 0.0)
 
     def take_first_order(self, state: State, effort: FloatArray, push: FloatArray | None, mu: float) -> Step:
@@ -275,7 +275,7 @@ class Stepper:
         impulses = impact.impulses if arrival is None else impact.impulses + arrival
         # free motion to the end
         q, v, rate = _moved(bodies.coasting, q, impact.after, 0.5 * dt)
-        memory = Memory(impulses, impact.leaving, not near.size, rate, q, v)
+        memory = StepRemainder(impulses, impact.leaving, not near.size, rate, q, v)
         return Step(
             State(q, v, state.steps + 1, memory), dt, impulses, impact.velocities, contacts.gaps,
             contacts.positions, impact, tally.unsolved, tally.worst, tally.law_error, tally.stable_step,

@@ -2,19 +2,19 @@
 
 from surefoot.sweep.config import SweepConfig, read_sweep, sweep_from_dict
 from surefoot.sweep.driver import SweepResult, run_sweep
-from surefoot.sweep.experiment import EXPERIMENTS, Experiment, number
-from surefoot.sweep.ranges import Choice, Interval
-from surefoot.sweep.space import Sample, Space
+from surefoot.sweep.experiment import EXPERIMENTS, SweepExperiment, number
+from surefoot.sweep.ranges import NumberRange, TextRange
+from surefoot.sweep.space import Space, SweepSample
 
 __all__ = [
     "EXPERIMENTS",
-    "Choice",
-    "Experiment",
-    "Interval",
-    "Sample",
+    "NumberRange",
     "Space",
     "SweepConfig",
+    "SweepExperiment",
     "SweepResult",
+    "SweepSample",
+    "TextRange",
     "number",
     "read_sweep",
     "run_sweep",

@@ -11,7 +11,7 @@ from typing import Any
 from surefoot import __version__
 from surefoot.arrays import whole_number
 from surefoot.errors import ProblemError, unknown_name
-from surefoot.sweep.experiment import Experiment, make_experiment
+from surefoot.sweep.experiment import SweepExperiment, make_experiment
 from surefoot.sweep.ranges import read_range
 from surefoot.sweep.space import MOST, Space
 
@@ -39,7 +39,7 @@ class SweepConfig:
     """
 
     name: str
-    experiment: Experiment
+    experiment: SweepExperiment
     space: Space
     samples: int = SAMPLES
     maps: tuple[tuple[str, str], ...] = ()

@@ -12,7 +12,7 @@ from typing import Any
 from surefoot.sweep.config import SweepConfig
 from surefoot.sweep.pools import Chunk, Pool
 from surefoot.sweep.store import Store
-from surefoot.sweep.worker import CRASHED, Row, Task, row_of
+from surefoot.sweep.worker import CRASHED, Row, SweepTask, row_of
 
 MOST_CRASHES = 3
 """A sample that was alone at work this often when its worker died is recorded as crashed."""
@@ -93,7 +93,7 @@ def run_sweep(
         resumed, lost = len(store.done), 0
         todo = store.missing()
         if todo:
-            pool = Pool(backend, Task(config.experiment, config.space), workers, address)
+            pool = Pool(backend, SweepTask(config.experiment, config.space), workers, address)
             try:
                 lost = _run_missing(store, pool, todo, tell)
             finally:
@@ -105,7 +105,7 @@ def run_sweep(
 
 def _run_missing(store: Store, pool: Pool, todo: list[int], tell: Callable[[int], None] | None) -> int:
     """Run samples and write their rows; return how often a worker died."""
-    crew, new = Crew(pool, store.config, todo), list[Row]()
+    crew, new = ChunkQueue(pool, store.config, todo), list[Row]()
     written = clock.monotonic()
     try:
         for rows in crew.rows():
@@ -120,7 +120,7 @@ def _run_missing(store: Store, pool: Pool, todo: list[int], tell: Callable[[int]
     return crew.lost
 
 
-class Crew:
+class ChunkQueue:
     """Hands out samples to a pool until each has a row.
 
     When a worker dies, the samples of all chunks that went with it are suspects. Once nothing else is left

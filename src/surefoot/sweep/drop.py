@@ -26,7 +26,7 @@ NO_TORQUES = np.zeros(0)
 
 
 @dataclass(frozen=True)
-class Drop(Grounded):
+class DropExperiment(Grounded):
     """Drop a body in the rigid world; it survives if it comes to rest.
 
     Attributes

@@ -21,7 +21,7 @@ def number(default: float | None, low: float, high: float, unit: str = "") -> An
 
 
 @dataclass(frozen=True)
-class Experiment(ABC):
+class SweepExperiment(ABC):
     """A frozen dataclass whose fields are the experiment's settings; it travels to the workers.
 
     A sweep can draw every setting that is a `number` or a text. The order of the fields is that of the
@@ -92,15 +92,15 @@ class Experiment(ABC):
         return str(cls.__dataclass_fields__[name].metadata.get("unit", ""))
 
 
-EXPERIMENTS: dict[str, str | type[Experiment]] = {
-    "drop": "surefoot.sweep.drop:Drop",
+EXPERIMENTS: dict[str, str | type[SweepExperiment]] = {
+    "drop": "surefoot.sweep.drop:DropExperiment",
     "stand": "surefoot.sweep.robots:Stand",
     "walk": "surefoot.sweep.robots:Walk",
 }
 """Name to the class, or "module:class", imported when asked for."""
 
 
-def make_experiment(name: str, settings: Mapping[str, Any] | None = None) -> Experiment:
+def make_experiment(name: str, settings: Mapping[str, Any] | None = None) -> SweepExperiment:
     """Return an experiment of the table with its settings.
 
     Raises

@@ -12,7 +12,7 @@ import numpy as np
 from surefoot.contact.laws.soft import ExactFriction, SpringDamper
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
-from surefoot.sweep.experiment import Experiment, number
+from surefoot.sweep.experiment import SweepExperiment, number
 from surefoot.terrain import FlatTerrain, SlopeTerrain, Terrain, read_terrain, rough_ground
 
 ONLY_IN: Mapping[str, tuple[str, ...]] = {
@@ -25,7 +25,7 @@ SOFT_DEFAULTS = (0.004, 1.0)
 
 
 @dataclass(frozen=True)
-class Grounded(Experiment):
+class Grounded(SweepExperiment):
     """An experiment with one body or robot in a world, on ground that is rigid unless it is said to be soft.
 
     Attributes

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from surefoot.arrays import whole_number
 from surefoot.errors import MissingExtra, ProblemError, unknown_name
-from surefoot.sweep.worker import Row, Task, run_chunk, start_local_worker
+from surefoot.sweep.worker import Row, SweepTask, run_chunk, start_local_worker
 
 Chunk = tuple[int, ...]
 """Indices of samples that a worker is given together."""
@@ -26,7 +26,7 @@ ONE_THREAD = dict.fromkeys(
 """Environment that keeps a worker to one thread: its sums are then the same everywhere."""
 
 
-class Backend(NamedTuple):
+class Workers(NamedTuple):
     """Workers that were started or joined.
 
     Attributes
@@ -47,7 +47,7 @@ class Backend(NamedTuple):
     close: Callable[[], object]
 
 
-def loky(task: Task, workers: int | None, address: str | None) -> Backend:
+def loky(task: SweepTask, workers: int | None, address: str | None) -> Workers:
     """Start processes of this machine, through joblib's executor. When one is killed it gives up all."""
     try:
         from joblib.externals.loky import ProcessPoolExecutor
@@ -59,13 +59,13 @@ def loky(task: Task, workers: int | None, address: str | None) -> Backend:
     executor = ProcessPoolExecutor(
         count, initializer=start_local_worker, initargs=(os.getpid(),), env=ONE_THREAD
     )
-    return Backend(
+    return Workers(
         lambda chunk: executor.submit(run_chunk, task, chunk), count, (BrokenExecutor,),
         lambda: executor.shutdown(wait=True, kill_workers=True),
     )  # fmt: skip
 
 
-def ray(task: Task, workers: int | None, address: str | None) -> Backend:
+def ray(task: SweepTask, workers: int | None, address: str | None) -> Workers:
     """Join a Ray cluster or start one. Ray itself would run a lost task again; here the driver does."""
     try:
         import ray
@@ -83,7 +83,7 @@ def ray(task: Task, workers: int | None, address: str | None) -> Backend:
     except (ConnectionError, ValueError, RuntimeError) as error:
         raise ProblemError(f"no Ray cluster answers at {address}: {error}") from error
     run, sent, gone = ray.remote(max_retries=0)(run_chunk), ray.put(task), ray.exceptions
-    return Backend(
+    return Workers(
         lambda chunk: run.remote(sent, chunk).future(),
         workers or max(1, int(ray.cluster_resources().get("CPU", 1.0))),
         (gone.WorkerCrashedError, gone.OutOfMemoryError, gone.NodeDiedError, gone.ObjectLostError),
@@ -91,7 +91,7 @@ def ray(task: Task, workers: int | None, address: str | None) -> Backend:
     )
 
 
-def dask(task: Task, workers: int | None, address: str | None) -> Backend:
+def dask(task: SweepTask, workers: int | None, address: str | None) -> Workers:
     """Join a Dask cluster or start one, whose scheduler reports every lost worker (others may retry)."""
     try:
         import dask
@@ -119,7 +119,7 @@ def dask(task: Task, workers: int | None, address: str | None) -> Backend:
         if cluster is not None:
             cluster.close()
 
-    return Backend(
+    return Workers(
         lambda chunk: executor.submit(run_chunk, task, chunk),
         workers or max(1, sum(client.nthreads().values())),
         (distributed.scheduler.KilledWorker, CancelledError),
@@ -127,7 +127,7 @@ def dask(task: Task, workers: int | None, address: str | None) -> Backend:
     )
 
 
-def serial(task: Task, workers: int | None, address: str | None) -> Backend:
+def serial(task: SweepTask, workers: int | None, address: str | None) -> Workers:
     """Run chunks in the driver's own process, for debuggers. A sample that kills it ends the sweep."""
     if address is not None or workers not in (None, 1):
         raise ProblemError("--backend serial has one worker and no address")
@@ -137,10 +137,10 @@ def serial(task: Task, workers: int | None, address: str | None) -> Backend:
         future.set_result(run_chunk(task, chunk))
         return future
 
-    return Backend(submit, 1, (), lambda: None)
+    return Workers(submit, 1, (), lambda: None)
 
 
-BACKENDS: dict[str, Callable[[Task, int | None, str | None], Backend]] = {
+BACKENDS: dict[str, Callable[[SweepTask, int | None, str | None], Workers]] = {
     "loky": loky, "ray": ray, "dask": dask, "serial": serial,
 }  # fmt: skip
 """What `--backend` chooses from."""
@@ -169,13 +169,13 @@ class Pool:
     """
 
     def __init__(
-        self, backend: str, task: Task, workers: int | None = None, address: str | None = None
+        self, backend: str, task: SweepTask, workers: int | None = None, address: str | None = None
     ) -> None:
         if backend not in BACKENDS:
             raise ProblemError(unknown_name("backend", backend, BACKENDS))
         if workers is not None:
             whole_number("workers", workers, low=1)
-        self._open: Callable[[], Backend] = partial(BACKENDS[backend], task, workers, address)
+        self._open: Callable[[], Workers] = partial(BACKENDS[backend], task, workers, address)
         self._backend = self._open()
         self.workers = self._backend.workers
         self._running = dict[Future[list[Row]], Chunk]()

@@ -10,13 +10,13 @@ from typing import Any, TypeAlias
 
 from surefoot.arrays import real_number
 from surefoot.errors import ProblemError, unknown_name
-from surefoot.sweep.experiment import Experiment
+from surefoot.sweep.experiment import SweepExperiment
 
 SCALES = ("linear", "log")
 
 
 @dataclass(frozen=True)
-class Interval:
+class NumberRange:
     """Values from `low` to `high`, evenly or, with `scale` "log", evenly in their logarithm."""
 
     low: float
@@ -40,7 +40,7 @@ class Interval:
 
 
 @dataclass(frozen=True)
-class Choice:
+class TextRange:
     """One of some texts, each as often as the others."""
 
     choices: tuple[str, ...]
@@ -55,10 +55,10 @@ class Choice:
         return self.choices
 
 
-Range: TypeAlias = Interval | Choice
+Range: TypeAlias = NumberRange | TextRange
 
 
-def read_range(experiment: Experiment, name: str, entry: Any, folder: Path) -> Range:
+def read_range(experiment: SweepExperiment, name: str, entry: Any, folder: Path) -> Range:
     """Return the range of a parameter as a sweep's file gives it.
 
     Parameters
@@ -82,7 +82,7 @@ def read_range(experiment: Experiment, name: str, entry: Any, folder: Path) -> R
         texts = [entry] if isinstance(entry, str) else entry
         if not isinstance(texts, list) or not texts or not all(isinstance(t, str) for t in texts):
             raise ProblemError(f"{name} must be a text or a list of texts, got {entry!r:.60}")
-        return Choice(tuple(texts))
+        return TextRange(tuple(texts))
     if isinstance(entry, list) and len(entry) == 2:
         entry = {"low": entry[0], "high": entry[1]}
     if isinstance(entry, list):
@@ -94,7 +94,7 @@ def read_range(experiment: Experiment, name: str, entry: Any, folder: Path) -> R
     return _interval(name, entry)
 
 
-def _interval(name: str, entry: dict[str, Any]) -> Interval:
+def _interval(name: str, entry: dict[str, Any]) -> NumberRange:
     """Return the interval of {low, high, scale}; whether its ends make sense is the experiment's affair."""
     _check_keys(name, entry, ("low", "high", "scale"))
     ends = [entry.get(key) for key in ("low", "high")]
@@ -111,10 +111,12 @@ def _interval(name: str, entry: dict[str, Any]) -> Interval:
         raise ProblemError(f"{name}: " + unknown_name("scale", scale, SCALES))
     if scale == "log" and low <= 0.0:
         raise ProblemError(f"{name}: a log scale needs low > 0, got {low:g}")
-    return Interval(low, high, str(scale))
+    return NumberRange(low, high, str(scale))
 
 
-def _identified(experiment: Experiment, name: str, entry: dict[str, Any], folder: Path) -> dict[str, Any]:
+def _identified(
+    experiment: SweepExperiment, name: str, entry: dict[str, Any], folder: Path
+) -> dict[str, Any]:
     """Return the 95 % interval of a fit, widened about its value and cut to what makes sense."""
     _check_keys(name, entry, ("identified", "as", "widen", "scale"))
     file, key = folder / str(entry["identified"]), str(entry.get("as", name))

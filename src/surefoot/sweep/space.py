@@ -14,14 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.sweep.ranges import Interval, Range
+from surefoot.sweep.ranges import NumberRange, Range
 
 MOST = 2**30
 """Points of a Sobol sequence of 30 bits."""
 
 
 @dataclass(frozen=True)
-class Sample:
+class SweepSample:
     """One point of a space.
 
     Attributes
@@ -45,7 +45,7 @@ class Space:
 
     Examples
     --------
-    >>> space = Space({"mu": Interval(0.2, 1.0)}, seed=1)
+    >>> space = Space({"mu": NumberRange(0.2, 1.0)}, seed=1)
     >>> space.sample([5])[0] == space.sample(range(8))[5]
     True
     """
@@ -56,25 +56,25 @@ class Space:
     @property
     def drawn(self) -> tuple[str, ...]:
         """Parameters that are numbers and not constant."""
-        return tuple(n for n, r in self.ranges.items() if isinstance(r, Interval) and r.low < r.high)
+        return tuple(n for n, r in self.ranges.items() if isinstance(r, NumberRange) and r.low < r.high)
 
     @property
     def varying(self) -> tuple[str, ...]:
         """All parameters that are not constant: the drawn numbers, then the texts."""
-        return (*self.drawn, *(n for n, r in self.ranges.items() if not isinstance(r, Interval)))
+        return (*self.drawn, *(n for n, r in self.ranges.items() if not isinstance(r, NumberRange)))
 
-    def sample(self, indices: Iterable[int]) -> list[Sample]:
+    def sample(self, indices: Iterable[int]) -> list[SweepSample]:
         """Return the samples of some indices, in their order."""
         wanted = list(indices)
         rising = enumerate(sorted(set(wanted)))
-        found: dict[int, Sample] = {}
+        found: dict[int, SweepSample] = {}
         for _, group in itertools.groupby(rising, key=lambda pair: pair[1] - pair[0]):
             run = [index for _, index in group]  # indices without a gap are one call
             for index, point in zip(run, self._points(run[0], run[-1] + 1), strict=True):
                 shares = zip(self.ranges.items(), point.tolist(), strict=True)
                 values = {name: drawn.at(share) for (name, drawn), share in shares}
                 seed = int(np.random.SeedSequence([self.seed, index]).generate_state(1)[0])
-                found[index] = Sample(index, seed, values)
+                found[index] = SweepSample(index, seed, values)
         return [found[index] for index in wanted]
 
     def _points(self, start: int, stop: int) -> np.ndarray:

@@ -15,7 +15,7 @@ from typing import Any
 
 from surefoot.errors import MissingExtra, ProblemError, WriteError
 from surefoot.sweep.config import SweepConfig
-from surefoot.sweep.ranges import Choice
+from surefoot.sweep.ranges import TextRange
 from surefoot.sweep.worker import Row
 
 TABLE, ROWS = "samples.parquet", "sweep.sqlite"
@@ -160,7 +160,7 @@ def _import_pyarrow() -> Any:
 def _schema(arrow: Any, config: SweepConfig) -> Any:
     """Return the Arrow schema of a sweep's rows: sample, how it ended, results (null where it has none)."""
     types = {"float": arrow.float64(), "bool": arrow.bool_(), "text": arrow.string()}
-    kinds = {n: "text" if isinstance(r, Choice) else "float" for n, r in config.space.ranges.items()}
+    kinds = {n: "text" if isinstance(r, TextRange) else "float" for n, r in config.space.ranges.items()}
     columns = [
         ("index", arrow.int64()),
         *((name, types[kind]) for name, kind in kinds.items()),

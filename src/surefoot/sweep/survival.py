@@ -12,7 +12,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.sweep.config import SweepConfig
-from surefoot.sweep.ranges import Choice
+from surefoot.sweep.ranges import TextRange
 from surefoot.sweep.worker import CRASHED, DONE, ERROR
 
 Z95 = 1.959963984540054
@@ -149,7 +149,7 @@ def _bins(
 ) -> tuple[FloatArray, IntArray, tuple[str, ...]]:
     """Return a parameter's edges, even in the scale it is drawn in, the bin of each row, and labels."""
     drawn = config.space.ranges[name]
-    if isinstance(drawn, Choice):
+    if isinstance(drawn, TextRange):
         texts = tuple(dict.fromkeys(drawn.choices))
         place = np.array([texts.index(text) for text in rows[name].to_pylist()], dtype=np.int64)
         return np.arange(len(texts) + 1, dtype=np.float64), place, texts

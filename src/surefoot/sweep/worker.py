@@ -14,8 +14,8 @@ from typing import Any
 
 from surefoot import __version__
 from surefoot.errors import ProblemError, SurefootError
-from surefoot.sweep.experiment import Experiment
-from surefoot.sweep.space import Sample, Space
+from surefoot.sweep.experiment import SweepExperiment
+from surefoot.sweep.space import Space, SweepSample
 
 DONE, ERROR, CRASHED = "done", "error", "crashed"
 """How a sample ended: with results, with an exception, or thrice with the end of its worker."""
@@ -23,15 +23,15 @@ Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Task:
+class SweepTask:
     """What every worker needs to run any sample; `version` is the driver's Surefoot."""
 
-    experiment: Experiment
+    experiment: SweepExperiment
     space: Space
     version: str = __version__
 
 
-def run_chunk(task: Task, indices: Sequence[int]) -> list[Row]:
+def run_chunk(task: SweepTask, indices: Sequence[int]) -> list[Row]:
     """Return the rows of some samples.
 
     Raises
@@ -47,13 +47,15 @@ def run_chunk(task: Task, indices: Sequence[int]) -> list[Row]:
     return [_row(task.experiment, sample) for sample in task.space.sample(indices)]
 
 
-def row_of(experiment: Experiment, sample: Sample, status: str, error: str = "", **results: Any) -> Row:
+def row_of(
+    experiment: SweepExperiment, sample: SweepSample, status: str, error: str = "", **results: Any
+) -> Row:
     """Return a row: the sample, how it ended, its results; None for what is missing."""
     head = {"index": sample.index, **sample.values, "status": status, "error": " ".join(error.split())}
     return {**head, **dict.fromkeys((*experiment.columns, "wall_time")), **results}
 
 
-def _row(experiment: Experiment, sample: Sample) -> Row:
+def _row(experiment: SweepExperiment, sample: SweepSample) -> Row:
     """Run one sample. One that fails must not end a sweep of thousands: what it raised is its row."""
     begin, status, said, results = clock.perf_counter(), DONE, "", dict[str, Any]()
     values: dict[str, Any] = {**sample.values}

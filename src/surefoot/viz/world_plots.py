@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.simulation.experiments import Outcome
+from surefoot.simulation.experiments import WorldsOutcome
 from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, new_figure, save
 
 LEAST = 1e-16
@@ -19,7 +19,7 @@ SMALLEST_SHARE = 1e-6
 """Shares of a tolerance below are drawn there."""
 
 
-def draw_outcome(outcome: Outcome, path: Path) -> Path:
+def draw_outcome(outcome: WorldsOutcome, path: Path) -> Path:
     """Draw an experiment: left the worlds and the closed form, right errors on their tolerances.
 
     Raises
@@ -34,7 +34,7 @@ def draw_outcome(outcome: Outcome, path: Path) -> Path:
     return save(figure, path)
 
 
-def draw_overview(outcomes: Sequence[Outcome], path: Path) -> Path:
+def draw_overview(outcomes: Sequence[WorldsOutcome], path: Path) -> Path:
     """Draw all experiments in one: how far each world is from each closed form, over its tolerance.
 
     Raises
@@ -70,7 +70,7 @@ def draw_overview(outcomes: Sequence[Outcome], path: Path) -> Path:
     return save(figure, path)
 
 
-def _draw_lines(axis: Any, outcome: Outcome) -> None:
+def _draw_lines(axis: Any, outcome: WorldsOutcome) -> None:
     experiment, theory = outcome.experiment, outcome.experiment.theory()
     styles = ("-", "--", "-.", ":")
     for k, (world, seen) in enumerate(outcome.seen.items()):
@@ -81,7 +81,7 @@ def _draw_lines(axis: Any, outcome: Outcome) -> None:
     axis.legend(fontsize=8)
 
 
-def _draw_errors(axis: Any, outcome: Outcome) -> None:
+def _draw_errors(axis: Any, outcome: WorldsOutcome) -> None:
     """Draw each row's error as a dot on the bar of its tolerance."""
     worlds = list(outcome.seen)
     quantities = list(dict.fromkeys(row.quantity for row in outcome.rows))

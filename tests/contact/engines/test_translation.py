@@ -45,11 +45,12 @@ def test_what_disagrees_is_said(engine: str, law: SpringDamper) -> None:
 
 def test_published_formulas() -> None:
     ode = translate(SpringDamper(5e3, 15.0), "ode", 2.0, dt=2e-3).contact
-    assert isinstance(ode, OdeContact)  # manual: ERP = h k / (h k + d), CFM = 1 / (h k + d)
-    assert (ode.soft_erp, ode.soft_cfm) == (pytest.approx(10.0 / 25.0), pytest.approx(1.0 / 25.0))
+    # manual: ERP = h k / (h k + d), CFM = 1 / (h k + d), for the damping less the step's own h k
+    assert isinstance(ode, OdeContact)
+    assert (ode.soft_erp, ode.soft_cfm) == (pytest.approx(10.0 / 15.0), pytest.approx(1.0 / 15.0))
     drake = translate(SpringDamper(5e3, 15.0), "drake", 2.0).contact
     assert isinstance(drake, DrakeContact)
-    assert (drake.point_stiffness, drake.relaxation_time) == (pytest.approx(5e3), pytest.approx(3e-3))
+    assert (drake.point_stiffness, drake.relaxation_time) == (pytest.approx(5e3), pytest.approx(2e-3))
     layer = translate(HuntCrossley(3e4, 0.2), "drake-hydroelastic", 2.0, **SOLE).parameters
     assert layer["hydroelastic_modulus"] == pytest.approx(3e4)  # k = E A / H
     assert layer["hunt_crossley_dissipation"] == pytest.approx(0.2)
@@ -83,6 +84,40 @@ def test_sap_softens_what_its_step_cannot_resolve() -> None:
     found = translate(SpringDamper(1e9, 0.0), "drake", 1.0, dt=1e-3)
     assert found.translated.rest_depth > 10.0 * found.given.rest_depth
     assert any(line.startswith("rest depth") for line in found.lost)
+
+
+@pytest.mark.parametrize("engine", ["drake", "physx", "ode", "bullet"])
+def test_implicit_steps_bounce_as_the_law_does(engine: str) -> None:
+    """Against the step itself, v' = v - dt/m (k (x + dt v') + d v'): it adds k dt of damping."""
+    mass, dt, law = 4.0, 1e-4, SpringDamper(2e4, 40.0)
+    found = translate(law, engine, mass, dt=dt)
+    words = found.parameters
+    a, b = (float(v) for v in list(words.values())[:2])
+    k, d = {"drake": (a, a * b), "ode": (a / (b * dt), (1.0 - a) / b)}.get(engine, (a, b))
+    x, v = 0.0, 1.0
+    while True:
+        push = v - dt / mass * (k * x - mass * 9.81)
+        after = push / (1.0 + dt / mass * (d + k * dt))
+        if k * (x + dt * after) + d * after <= 0.0:
+            break
+        x, v = x + dt * after, after
+    # it has left when the overlap is gone, a little after the force
+    assert np.sqrt(v * v - 2.0 * 9.81 * x) == pytest.approx(found.given.restitution, abs=2e-3)
+    assert d == pytest.approx(38.0)
+
+
+def test_a_proof_that_fails_is_no_agreement() -> None:
+    quantity = translate(SpringDamper(2e4, 40.0), "drake", 4.0).agreement["restitution"]
+    assert quantity.proven(None)
+    assert quantity.proven(1.005 * quantity.given)
+    assert not quantity.proven(0.604)  # what Drake did at 1 ms with the damping as given
+
+
+def test_bullet_puts_two_bodies_in_series() -> None:
+    words = translate(SpringDamper(2e4, 40.0), "bullet", 4.0).parameters
+    each = words["each_body"]
+    assert 1.0 / (2.0 / each["contactStiffness"]) == pytest.approx(words["contactStiffness"])
+    assert 2.0 * each["contactDamping"] == pytest.approx(words["contactDamping"])
 
 
 def test_friction_rules() -> None:

@@ -8,13 +8,18 @@ from surefoot.audit.symptoms.symptom import Evidence, Symptom
 __all__ = ["SYMPTOMS", "Evidence", "Symptom"]
 
 SYMPTOMS: tuple[Symptom, ...] = (
-    body.no_forces, body.infeasible, measured.wrong_frame, measured.mirrored, measured.reversed_force,
+    body.no_forces, body.infeasible, body.held_rows, body.teleport, body.other_velocities, body.velocity_jump,
+    measured.wrong_frame, measured.mirrored, measured.reversed_force, measured.dead_torque,
     contact.pull, contact.coarse_facets, contact.too_much_friction, contact.friction_in_the_air,
-    contact.invisible_geometry, measured.phantom_force, contact.sinking, contact.push_off_penetration,
+    contact.invisible_geometry, measured.phantom_force, contact.sinking, contact.deep_contact,
+    contact.push_off_penetration, contact.energy_gain, contact.other_contact_velocity, contact.other_gap,
     contact.chatter, contact.skating, contact.one_step_impulse, contact.solver_asymmetry, measured.joint_stop,
     measured.dropout, measured.frozen, measured.clipped, measured.wrong_scale, measured.bias,
     measured.delayed, measured.swapped_feet, contact.friction_drives, contact.frictionless_slide,
     body.outside_force, body.wrong_mass, measured.wrong_torques, measured.unexplained_motion,
     contact.odd_pressure,
 )  # fmt: skip
-"""In the order of the table on the page; what explains an episode best is told, whatever its place."""
+"""In the order of the table on the page; what explains an episode best is named, whatever its place.
+
+`Evidence.strength` is that order, worked out from how much a symptom explains; it is no probability.
+"""

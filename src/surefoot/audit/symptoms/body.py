@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from surefoot.arrays import FloatArray
+from surefoot.audit.continuity import LEVER, state_slips
 from surefoot.audit.episode import Episode
 from surefoot.audit.symptoms.symptom import Evidence, symptom
 from surefoot.spatial import GRAVITY
+
+HELD = 0.3
+"""A body is held up by an unexplained force from this share of m g on."""
 
 
 @symptom(
@@ -37,6 +42,9 @@ def infeasible(e: Episode) -> Evidence | None:
         return None
     if float(np.median(e.rows.gaps[e.rows.core].min(axis=1))) <= 1e-3:
         return None
+    rest = e.rows.unexplained
+    if rest is not None and float(np.nanmean(rest.force[e.rows.core, 2])) < HELD * e.weight:
+        return None
     return Evidence(0.99, "the body is held up while every foot is off the ground")
 
 
@@ -60,8 +68,8 @@ def outside_force(e: Episode) -> Evidence | None:
 @symptom(
     "wrong mass",
     "motion",
-    cause="a payload, or the model's mass is not the robot's",
-    confirm="weigh the robot",
+    cause="a payload, another mass than the model's, or a constant vertical force on the body",
+    confirm="weigh the robot; a force does not grow with the acceleration",
     cure="correct the mass; estimate the payload while standing",
     body=True,
 )
@@ -77,3 +85,87 @@ def wrong_mass(e: Episode) -> Evidence | None:
     if not upright or np.linalg.norm(spread) > 0.6 * abs(mean[2]):
         return None
     return Evidence(0.9, f"the forces carry {-mean[2] / GRAVITY:+.3g} kg against the log's mass")
+
+
+@symptom(
+    "held rows",
+    "state",
+    cause="rows are repeated: the state was read less often than the log was written",
+    confirm="count rows that are equal to the one before",
+    cure="log only what is new, with its own time",
+    body=True,
+)
+def held_rows(e: Episode) -> Evidence | None:
+    """Tell whether the same state is logged again and again while it moves."""
+    q, v = e.rows.numbers("q")[e.rows.core], e.rows.numbers("v")[e.rows.core]
+    same = (q[1:] == q[:-1]).all(axis=1) & (v[1:] == v[:-1]).all(axis=1) & (np.abs(v[1:]) > 0.0).any(axis=1)
+    if same.sum() < 5:
+        return None
+    return Evidence(1.0, f"{int(same.sum())} rows repeat the one before, with velocities that are not zero")
+
+
+@symptom(
+    "teleport",
+    "state",
+    cause="a reset, a loop closure of the estimator, or a state written into the simulator",
+    confirm="compare the step of q with dt v at that row",
+    cure="mark resets; correct estimates slowly",
+    body=True,
+)
+def teleport(e: Episode) -> Evidence | None:
+    """Tell whether positions jump in a row or two."""
+    size = np.sort(_slips(e))
+    jump = float(size[-2:].sum())
+    if float((size[-2:] ** 2).sum()) < 0.8 * float((size**2).sum()):
+        return None
+    return Evidence(0.999, f"positions jump by {1e3 * jump:.3g} mm (angles on a lever of 0.1 m)")
+
+
+@symptom(
+    "other velocities",
+    "state",
+    cause="velocities are zeroed, late, in another unit or frame, or filtered",
+    confirm="add up v dt and compare with the change of q",
+    cure="log q and v of one instant; base velocities in base axes",
+    body=True,
+)
+def other_velocities(e: Episode) -> Evidence | None:
+    """Tell whether positions and velocities are not those of one motion."""
+    way = 1e3 * e.failed["state"].value
+    return Evidence(0.998, f"positions go {way:.3g} mm beside their velocities in 50 ms")
+
+
+@symptom(
+    "velocity jump",
+    "motion",
+    cause="an impulse that no contact gave: a velocity written into the simulator, a reset, an estimator",
+    confirm="compare m dv with the forces at that row",
+    cure="mark resets; log pushes",
+    body=True,
+)
+def velocity_jump(e: Episode) -> Evidence | None:
+    """Tell whether the velocity changes in a row or two by what no force explains."""
+    rest = e.rows.unexplained
+    if rest is None:
+        return None
+    force = np.nan_to_num(rest.force)[e.rows.core]
+    size = np.linalg.norm(force, axis=1)
+    top = np.argsort(size)[-2:]
+    if size[top].max() < 2.0 * e.weight or float((size[top] ** 2).sum()) < 0.9 * float((size**2).sum()):
+        return None
+    logged = np.linalg.norm(e.rows.forces[e.rows.core], axis=(1, 2))
+    if float(np.abs(logged[top] - np.median(logged)).max()) > 0.5 * float(size[top].max()):
+        return None  # a force of one row, which is a foot's matter
+    change = float((size[top] * e.dt[top]).max()) * GRAVITY / e.weight
+    return Evidence(0.997, f"the body's velocity jumps by {change:.3g} m/s")
+
+
+def _slips(e: Episode) -> FloatArray:
+    """Return how far each row's step of the state is from its velocity (m,) [m], angles on a lever."""
+    q, v = e.rows.numbers("q"), e.rows.numbers("v")
+    slips = state_slips(q, v, e.rows.dt)
+    if slips is None:
+        return np.zeros(len(v))
+    scale = np.full(v.shape[1], LEVER)
+    scale[: q.shape[1] - v.shape[1] and 3] = 1.0
+    return np.asarray(np.linalg.norm(slips * scale, axis=1))

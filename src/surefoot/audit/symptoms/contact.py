@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.audit.episode import Episode
+from surefoot.audit.setting import DEEP
+from surefoot.audit.symptoms.fits import pyramid_facets
 from surefoot.audit.symptoms.symptom import Evidence, symptom
 
 
@@ -36,12 +38,11 @@ def coarse_facets(e: Episode) -> Evidence | None:
     over = fast & (np.hypot(use[:, 0], use[:, 1]) > 1.01)
     if over.sum() < 3:
         return None
-    for facets in (4, 8):
-        angle = 2.0 * np.pi * np.arange(facets) / facets
-        reach = (use[over] @ np.stack([np.cos(angle), np.sin(angle)])).max(axis=1)
-        if np.percentile(reach, 90) < 1.005 and np.percentile(reach, 10) > 0.98:
-            return Evidence(0.995, f"forces lie on the edge of a pyramid of {facets} facets about the cone")
-    return None
+    shape = pyramid_facets(use[over])
+    if shape is None:
+        return None
+    turned = f", turned by {np.degrees(shape[1]):.0f} deg" if shape[1] else ""
+    return Evidence(0.995, f"forces lie on the edge of a pyramid of {shape[0]} facets about the cone{turned}")
 
 
 @symptom(
@@ -141,6 +142,20 @@ def sinking(e: Episode) -> Evidence | None:
 
 
 @symptom(
+    "deep contact",
+    "depth",
+    cause="the contact is soft: what its world declares lawful hides what a policy gains from depth",
+    confirm="halve the contact's time constant: does the motion survive?",
+    cure="a stiffer contact (solref, stiffness) with a shorter step",
+)
+def deep_contact(e: Episode) -> Evidence | None:
+    """Tell whether a contact that is declared soft is deep in the ground."""
+    if e.rows.setting.sinking < DEEP:
+        return None
+    return Evidence(0.9925, f"{1e3 * e.failed['depth'].value:.3g} mm deep, as its world declares")
+
+
+@symptom(
     "push off penetration",
     "penetration",
     cause="the engine turns depth into speed (projection, a stiff spring), and the policy uses it",
@@ -157,6 +172,47 @@ def push_off_penetration(e: Episode) -> Evidence | None:
     return Evidence(
         0.97,
         f"{gained:.3g} J won while it left {-1e3 * float(e.gap.min()):.3g} mm of depth at {speed:.2g} m/s",
+    )
+
+
+@symptom(
+    "energy gain",
+    "restitution",
+    cause="restitution above one, an undamped contact in explicit steps, or depth turned into speed",
+    confirm="drop a ball: does it come back higher?",
+    cure="restitution of one at most; damp the contact, shorten the step",
+)
+def energy_gain(e: Episode) -> Evidence | None:
+    """Tell whether a touch returns more energy than it took."""
+    real = not e.has("motion") and not e.has("penetration") and not e.has("distance")
+    return Evidence(
+        0.994 if real else 0.965, f"{e.failed['restitution'].value:.3g} J more than the touch took"
+    )
+
+
+@symptom(
+    "other contact velocity",
+    "contact velocity",
+    cause="velocities of another point or frame than the contact's, or of another motion",
+    confirm="compare J v with the logged velocity while a foot swings",
+    cure="take the velocity of the material at the contact point, in the contact's axes",
+)
+def other_contact_velocity(e: Episode) -> Evidence | None:
+    """Tell whether the contact does not move as the joints say."""
+    return Evidence(0.9, f"{e.failed['contact velocity'].value:.3g} m/s beside what the joints give")
+
+
+@symptom(
+    "other gap",
+    "gap rate",
+    cause="gaps of another point, surface or time than the contact velocities",
+    confirm="add up the normal velocity of a swing foot and compare with its gap",
+    cure="measure gap and velocity at the same point, at the same time",
+)
+def other_gap(e: Episode) -> Evidence | None:
+    """Tell whether the gap does not change as the contact moves."""
+    return Evidence(
+        0.89, f"{1e3 * e.failed['gap rate'].value:.3g} mm beside what its velocity gives in 20 ms"
     )
 
 
@@ -181,10 +237,13 @@ def chatter(e: Episode) -> Evidence | None:
 )
 def skating(e: Episode) -> Evidence | None:
     """Tell whether the foot travels by chattering."""
+    if e.has("restitution"):
+        return None  # it is thrown
     way = e.velocity[:, :2] * e.dt[:, None]
     gone = float(np.hypot(*way.sum(axis=0)))
-    if gone < 2e-3:
-        return None
+    free = e.force[:, 2] < 0.1 * float(e.force[:, 2].max(initial=0.0))
+    if gone < 2e-3 or float(np.hypot(*way[free].sum(axis=0))) < 0.3 * gone:
+        return None  # it slides under load, which friction may allow
     return Evidence(0.995, f"{1e3 * gone:.3g} mm while it chattered")
 
 
@@ -197,7 +256,7 @@ def skating(e: Episode) -> Evidence | None:
 )
 def one_step_impulse(e: Episode) -> Evidence | None:
     """Tell whether a blow of one step that no foot gives."""
-    if e.failed["blow"].rows > 6:
+    if e.failed["blow"].rows > 6 or e.impact:
         return None
     return Evidence(0.975, f"{e.failed['blow'].value:.3g} m g above the rows on both sides")
 

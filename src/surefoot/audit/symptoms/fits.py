@@ -6,6 +6,9 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 
+SPREAD = 0.02
+"""Scatter of directions (one less their mean resultant) from which points lie in more than one place."""
+
 
 def rotation_between(true: FloatArray, logged: FloatArray) -> FloatArray:
     """Return the rotation R that makes R true come closest to logged: (3, 3), of (m, 3) rows (Kabsch)."""
@@ -39,3 +42,31 @@ def best_shift(true: FloatArray, logged: FloatArray, most: int, core: slice) -> 
         share = 1.0 - float(((logged[core] - known[start:stop]) ** 2).sum()) / amiss
         best = max(best, (share, shift))
     return best
+
+
+def pyramid_facets(use: FloatArray) -> tuple[int, float] | None:
+    """Return facets and phase [rad] of the pyramid about the unit disk on whose edge points lie; else None.
+
+    Facets touch the disk. A pyramid whose edges lie along the axes, or half way between, is told by points in
+    one place; any other phase only by points on more than one side of a corner or along an edge: a single
+    point lies on an edge of some pyramid.
+
+    Parameters
+    ----------
+    use
+        (m, 2) f_t / (mu f_n) of the points outside the disk.
+    """
+    reach, direction = np.hypot(use[:, 0], use[:, 1]), np.arctan2(use[:, 1], use[:, 0])
+    for facets in (4, 8):
+        sector = 2.0 * np.pi / facets
+        if np.percentile(reach, 90) > 1.01 / np.cos(0.5 * sector):
+            continue
+        turns = np.exp(1j * facets * direction)  # one place modulo the sector, or several
+        spread = 1.0 - abs(turns.mean()) > SPREAD
+        free = np.arange(0.0, sector, np.radians(0.25)) if spread else np.array([0.0, 0.5 * sector])
+        for phase in free.tolist():
+            off = (direction - phase + 0.5 * sector) % sector - 0.5 * sector
+            on_edge = reach * np.cos(off)
+            if np.percentile(on_edge, 90) < 1.005 and np.percentile(on_edge, 10) > 0.98:
+                return facets, phase
+    return None

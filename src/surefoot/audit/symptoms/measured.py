@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from surefoot.arrays import FloatArray
 from surefoot.audit.episode import Episode
 from surefoot.audit.symptoms.fits import best_shift, rotation_between
 from surefoot.audit.symptoms.symptom import Evidence, symptom
@@ -30,9 +31,24 @@ def wrong_frame(e: Episode) -> Evidence | None:
     share = e.explained(true @ turn.T)
     if angle < 3.0 or share < 0.8:
         return None
+    doubt = 0.006 if _same_turn(e, turn) else 0.03  # of one foot, more friction may look like a turn
     return Evidence(
-        share - 0.03, f"turning the forces by {angle:.0f} deg explains {100 * share:.0f} % of the mismatch"
+        share - doubt, f"turning the forces by {angle:.0f} deg explains {100 * share:.0f} % of the mismatch"
     )
+
+
+def _same_turn(e: Episode, turn: FloatArray) -> bool:
+    """Return whether the same turn explains the forces of other feet that carry then, too."""
+    others = [k for k in range(e.rows.points) if k != e.column]
+    pairs = [(e.rows.forces[e.rows.core, k], true) for k in others if (true := e.true_of(k)) is not None]
+    if not pairs:
+        return False
+    logged, true = (np.concatenate(part) for part in zip(*pairs, strict=True))
+    known = np.isfinite(true).all(axis=1)
+    amiss = float(((logged - true)[known] ** 2).sum())
+    if amiss < (0.01 * e.weight) ** 2 * known.sum():
+        return False
+    return float(((logged - true @ turn.T)[known] ** 2).sum()) < 0.1 * amiss
 
 
 @symptom(
@@ -198,7 +214,7 @@ def frozen(e: Episode) -> Evidence | None:
     if e.true is not None and not e.has("motion"):
         return None
     same = (np.diff(e.force, axis=0) == 0.0).all(axis=1)
-    if same.mean() < 0.7 or float(np.median(e.gap)) > 1e-3:
+    if same.mean() < 0.7 or float(np.median(e.gap)) > 1e-3 or e.static:
         return None
     value = float(np.median(e.force[:, 2]))
     return Evidence(1.0, f"{value:.6g} N in {e.failed['frozen'].rows} rows, not one digit moves")
@@ -268,6 +284,27 @@ def joint_stop(e: Episode) -> Evidence | None:
         return None
     name = robot.joint_names[int(beyond.sum(axis=0).argmax())]
     return Evidence(1.0, f"{name} is at the end of its range in {100 * share:.0f} % of the rows")
+
+
+@symptom(
+    "dead torque",
+    "motion",
+    cause="a motor or its current sensor is off: the log has zero where the leg needs torque",
+    confirm="hold the joint by hand",
+    cure="check the driver; log the applied torque",
+)
+def dead_torque(e: Episode) -> Evidence | None:
+    """Tell whether one joint of the leg has no torque at all while the leg carries."""
+    robot, log = e.rows.setting.robot, e.rows.log
+    if robot is None or "torques" not in log or not e.has("motion"):
+        return None
+    leg = np.flatnonzero(robot.contact_points.support[e.column][robot.base_dof :])
+    torques = np.asarray(log["torques"])[e.rows.core][:, leg]
+    dead = (torques == 0.0).mean(axis=0) > 0.9
+    if dead.sum() != 1 or not (torques[:, ~dead] != 0.0).any():
+        return None
+    joint = robot.joint_names[int(leg[int(np.argmax(dead))])]
+    return Evidence(1.0, f"{joint} has no torque while the leg carries")
 
 
 @symptom(

@@ -2,12 +2,12 @@
 
 from surefoot.contact.engines.combination import combination_rules, combine_friction
 from surefoot.contact.engines.engine import ENGINES, EngineContact, engine_named
-from surefoot.contact.engines.translation import Quantity, Translation, translate
+from surefoot.contact.engines.translation import Comparison, Translation, translate
 
 __all__ = [
     "ENGINES",
+    "Comparison",
     "EngineContact",
-    "Quantity",
     "Translation",
     "combination_rules",
     "combine_friction",

@@ -10,7 +10,7 @@ from surefoot.arrays import real_number
 from surefoot.errors import ProblemError, unknown_name
 
 
-class Rule(NamedTuple):
+class CombinationRule(NamedTuple):
     """One engine's rule.
 
     Attributes
@@ -25,22 +25,26 @@ class Rule(NamedTuple):
     words: str
 
 
-_RULES: dict[str, Rule] = {
-    "mujoco": Rule(max, "the larger one; the geom of higher priority decides alone; a <pair> sets its own"),
-    "drake": Rule(
+_RULES: dict[str, CombinationRule] = {
+    "mujoco": CombinationRule(
+        max, "the larger one; the geom of higher priority decides alone; a <pair> sets its own"
+    ),
+    "drake": CombinationRule(
         lambda a, b: 2.0 * a * b / (a + b) if a + b else 0.0, "2 a b / (a + b), static and dynamic alike"
     ),
-    "physx": Rule(lambda a, b: 0.5 * (a + b), "average by default; see physx-min, -multiply, -max"),
-    "physx-min": Rule(
+    "physx": CombinationRule(
+        lambda a, b: 0.5 * (a + b), "average by default; see physx-min, -multiply, -max"
+    ),
+    "physx-min": CombinationRule(
         min, "the smaller one; of two materials' modes the later of average < min < multiply < max holds"
     ),
-    "physx-multiply": Rule(lambda a, b: a * b, "the product"),
-    "physx-max": Rule(max, "the larger one"),
-    "bullet": Rule(lambda a, b: a * b, "the product, at most 10 (a callback may replace it)"),
-    "ode": Rule(
+    "physx-multiply": CombinationRule(lambda a, b: a * b, "the product"),
+    "physx-max": CombinationRule(max, "the larger one"),
+    "bullet": CombinationRule(lambda a, b: a * b, "the product, at most 10 (a callback may replace it)"),
+    "ode": CombinationRule(
         min, "none: the caller sets mu of each contact joint; many wrappers take the smaller (Gazebo Classic)"
     ),
-    "surefoot": Rule(
+    "surefoot": CombinationRule(
         lambda a, b: b, "the contact carries one coefficient, that of the pair, as tables give it"
     ),
 }

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from surefoot.contact.engines.engine import EngineContact, Situation
-from surefoot.contact.engines.physical import hunt_crossley, linear
+from surefoot.contact.engines.physical import hunt_crossley, implicit_linear
 from surefoot.contact.laws.soft.hunt_crossley import HuntCrossley
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper
@@ -33,22 +33,24 @@ class DrakeContact(EngineContact):
     """
 
     engine: ClassVar[str] = "drake"
-    implicit: ClassVar[bool] = True
     point_stiffness: float
     relaxation_time: float
 
     def law(self, situation: Situation) -> SoftLaw:
-        """Return the linear spring and damper; SAP softens what its step cannot resolve."""
+        """Return the linear spring and damper; SAP softens what its step cannot resolve.
+
+        The implicit step adds k dt of damping.
+        """
         step, time = situation.dt, self.relaxation_time
         regularised = step * (step + time) * self.point_stiffness
         rigid = 4.0 * math.pi**2 * situation.mass
         stiffness = self.point_stiffness * min(1.0, rigid / regularised if regularised else 1.0)
-        return SpringDamper(stiffness, stiffness * self.relaxation_time)
+        return SpringDamper(stiffness, stiffness * (time + step))
 
     @classmethod
     def from_law(cls, law: SoftLaw, situation: Situation) -> tuple[EngineContact, list[str]]:
         """Return point stiffness and relaxation time, and what is lost."""
-        stiffness, damping, lost = linear(law, situation)
+        stiffness, damping, lost = implicit_linear(law, situation)
         return cls(stiffness, damping / stiffness), lost
 
     def settings(self) -> dict[str, Any]:

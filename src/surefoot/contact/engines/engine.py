@@ -69,7 +69,7 @@ class EngineContact(ABC):
 
     engine: ClassVar[str]
     implicit: ClassVar[bool] = False
-    """Whether the engine's step is implicit, which adds damping."""
+    """Whether the engine's implicit step adds damping that its words cannot take off again."""
 
     @abstractmethod
     def law(self, situation: Situation) -> SoftLaw:

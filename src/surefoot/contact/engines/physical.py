@@ -77,6 +77,16 @@ def linear(law: SoftLaw, situation: Situation) -> tuple[float, float, list[str]]
     return (tangent if situation.keep == "motion" else secant), damping, lost
 
 
+def implicit_linear(law: SoftLaw, situation: Situation) -> tuple[float, float, list[str]]:
+    """Return spring and damper for an engine whose implicit step adds damping of its own, and what is lost.
+
+    An implicit step of dt takes the overlap at its end, -k (x + dt v) - d v: damping d + k dt. So the law's
+    damping is asked for less k dt, as far as there is that much.
+    """
+    stiffness, damping, lost = linear(law, situation)
+    return stiffness, max(damping - situation.dt * stiffness, 0.0), lost
+
+
 def hunt_crossley(law: SoftLaw, situation: Situation) -> tuple[float, float, list[str]]:
     """Return stiffness [N/m] and dissipation [s/m] that bounce alike at one speed, and what is lost."""
     from scipy.optimize import brentq

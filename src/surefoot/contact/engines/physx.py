@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from surefoot.contact.engines.engine import EngineContact, Situation
-from surefoot.contact.engines.physical import linear
+from surefoot.contact.engines.physical import implicit_linear
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper
 
@@ -21,18 +21,18 @@ class PhysxContact(EngineContact):
     """
 
     engine: ClassVar[str] = "physx"
-    implicit: ClassVar[bool] = True
     compliant_contact_stiffness: float
     compliant_contact_damping: float
 
     def law(self, situation: Situation) -> SoftLaw:
-        """Return the spring-damper."""
-        return SpringDamper(self.compliant_contact_stiffness, self.compliant_contact_damping)
+        """Return the spring-damper; k dt of the damping is the implicit step's."""
+        stiffness = self.compliant_contact_stiffness
+        return SpringDamper(stiffness, self.compliant_contact_damping + situation.dt * stiffness)
 
     @classmethod
     def from_law(cls, law: SoftLaw, situation: Situation) -> tuple[EngineContact, list[str]]:
         """Return stiffness and damping, and what is lost."""
-        stiffness, damping, lost = linear(law, situation)
+        stiffness, damping, lost = implicit_linear(law, situation)
         lost.append(PER_POINT)
         return cls(stiffness, damping), lost
 

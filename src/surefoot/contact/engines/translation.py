@@ -16,7 +16,7 @@ AGREED = 0.01
 """Relative difference up to which two contacts agree."""
 
 
-class Quantity(NamedTuple):
+class Comparison(NamedTuple):
     """One number of two contacts, side by side.
 
     Attributes
@@ -30,6 +30,10 @@ class Quantity(NamedTuple):
     given: float
     translated: float
     agrees: bool
+
+    def proven(self, measured: float | None) -> bool:
+        """Return whether what an engine was seen to do is what was given, too; None where it was not run."""
+        return self.agrees and (measured is None or _compared(self.given, measured).agrees)
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,7 @@ class Translation:
         return self.contact.settings()
 
     @property
-    def agreement(self) -> dict[str, Quantity]:
+    def agreement(self) -> dict[str, Comparison]:
         """Return rest depth [m], restitution, frequency [rad/s] and settling time [s] of both contacts."""
         return {
             name: _compared(getattr(self.given, name), getattr(self.translated, name))
@@ -115,7 +119,7 @@ def translate(
     >>> from surefoot.contact.laws.soft import SpringDamper
     >>> found = translate(SpringDamper(1e4, 20.0), to="ode", mass=1.0, dt=0.001)
     >>> found.parameters
-    {'soft_erp': 0.3333333333333333, 'soft_cfm': 0.03333333333333333}
+    {'soft_erp': 0.5, 'soft_cfm': 0.05}
     """
     if keep not in ("motion", "rest"):
         raise ProblemError(unknown_name("keep", keep, ["motion", "rest"]))
@@ -146,5 +150,7 @@ def translate(
     return Translation(contact, made, tuple(lost), given, translated)
 
 
-def _compared(given: float, translated: float) -> Quantity:
-    return Quantity(given, translated, given == translated or abs(given - translated) <= AGREED * abs(given))
+def _compared(given: float, translated: float) -> Comparison:
+    return Comparison(
+        given, translated, given == translated or abs(given - translated) <= AGREED * abs(given)
+    )

@@ -11,7 +11,7 @@ class Law(str):
     """A contact law on the velocity level, a value that reads and compares as its name.
 
     Every law here is one cone complementarity problem, K ∋ λ ⟂ u + θ Γ(u) ∈ K*, with Γ(u) the most power that
-    a unit of normal force can take out by friction, along the normal (`sets.Contact.shift`). At θ = 1
+    a unit of normal force can take out by friction, along the normal (`sets.ContactKind.shift`). At θ = 1
     friction dissipates the most it can and the contact does not open (Coulomb); at θ = 0 the flow is
     associated, u is normal to K, and a sliding contact opens by (1 - θ) Γ(u) (convex). What is between is
     dilatant friction: a sliding contact opens at a slope of its own, as in soil.

@@ -1,7 +1,7 @@
 """Kinds of contact, each with the forces that it can carry in one file: `sf.contact_sets`."""
 
 from surefoot.contact.sets.bilateral import Bilateral
-from surefoot.contact.sets.contact import Contact, Factor
+from surefoot.contact.sets.contact import ContactKind, Factor
 from surefoot.contact.sets.contact_set import ContactSet
 from surefoot.contact.sets.frictionless import Frictionless
 from surefoot.contact.sets.patch import Patch
@@ -13,7 +13,7 @@ from surefoot.contact.sets.soft_finger import SoftFinger
 
 __all__ = [
     "Bilateral",
-    "Contact",
+    "ContactKind",
     "ContactSet",
     "Factor",
     "Frictionless",

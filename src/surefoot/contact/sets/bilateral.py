@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray, whole_number
-from surefoot.contact.sets.contact import Contact
+from surefoot.contact.sets.contact import ContactKind
 from surefoot.errors import ProblemError
 
 
 @dataclass(frozen=True)
-class Bilateral(Contact):
+class Bilateral(ContactKind):
     """Any force in so many rows, no velocity; the same under every law, since nothing slides.
 
     Parameters

@@ -42,7 +42,7 @@ class Factor:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contact:
+class ContactKind:
     """One contact and the forces that it can carry; see the module.
 
     Parameters

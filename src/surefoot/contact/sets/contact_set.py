@@ -10,13 +10,13 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.sets.bilateral import Bilateral
-from surefoot.contact.sets.contact import Contact
+from surefoot.contact.sets.contact import ContactKind
 from surefoot.contact.sets.point import Point
 from surefoot.contact.sets.pyramid import Pyramid
 from surefoot.errors import ProblemError
 
 
-class ContactSet(Sequence[Contact]):
+class ContactSet(Sequence[ContactKind]):
     """What touches, in the order of the rows of G and g.
 
     Parameters
@@ -47,10 +47,10 @@ class ContactSet(Sequence[Contact]):
     (7, (7,), [0, 3, 7])
     """
 
-    def __init__(self, contacts: Sequence[Contact]) -> None:
+    def __init__(self, contacts: Sequence[ContactKind]) -> None:
         self._contacts = tuple(contacts)
         for k, contact in enumerate(self._contacts):
-            if not isinstance(contact, Contact):
+            if not isinstance(contact, ContactKind):
                 raise ProblemError(f"contacts[{k}] must be one of sf.contact_sets, got {contact!r:.80}")
         counts = [contact.rows for contact in self._contacts]
         self.offsets: IntArray = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)]).astype(np.int64)
@@ -64,7 +64,7 @@ class ContactSet(Sequence[Contact]):
     def __getitem__(self, index: Any) -> Any:
         return self._contacts[index]
 
-    def __iter__(self) -> Iterator[Contact]:
+    def __iter__(self) -> Iterator[ContactKind]:
         return iter(self._contacts)
 
     def __repr__(self) -> str:
@@ -109,7 +109,7 @@ class ContactSet(Sequence[Contact]):
 
 def set_of(mu: FloatArray, low: FloatArray, high: FloatArray, facets: int | None, fit: str) -> ContactSet:
     """Return the contacts of a problem's short form, (n,) mu and bounds; low = -inf marks a bilateral one."""
-    out: list[Contact] = []
+    out: list[ContactKind] = []
     for m, a, b in zip(mu.tolist(), low.tolist(), high.tolist(), strict=True):
         if a == -np.inf:
             out.append(Bilateral())

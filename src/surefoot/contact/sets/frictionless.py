@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from surefoot.contact.sets.contact import Contact
+from surefoot.contact.sets.contact import ContactKind
 
 
 @dataclass(frozen=True)
-class Frictionless(Contact):
+class Frictionless(ContactKind):
     """A normal force λ_n >= 0, one row; Signorini's law 0 <= λ_n ⟂ u_n >= 0, under either contact law.
 
     References

@@ -9,12 +9,12 @@ from typing import ClassVar
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.contact.sets.contact import Contact, Factor
+from surefoot.contact.sets.contact import ContactKind, Factor
 from surefoot.errors import ProblemError
 
 
 @dataclass(frozen=True)
-class Patch(Contact):
+class Patch(ContactKind):
     """Wrenches [force; moment] about the centre of a sole of length x width, z its normal.
 
     The friction cone ||(f_x, f_y)|| <= mu f_z, the centre of pressure within the sole, |m_x| <= f_z width / 2

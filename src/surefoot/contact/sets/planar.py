@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from surefoot.contact.sets.contact import Contact, Factor
+from surefoot.contact.sets.contact import ContactKind, Factor
 
 
 @dataclass(frozen=True)
-class Planar(Contact):
+class Planar(ContactKind):
     """Forces (f_t, f_n) of a contact in a plane, |f_t| <= mu f_n.
 
     Maximum dissipation: f_t u_t = -mu f_n |u_t|, so the De Saxcé shift is Γ(u) = mu |u_t|.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from surefoot.contact.sets.contact import Contact, Factor
+from surefoot.contact.sets.contact import ContactKind, Factor
 
 
 @dataclass(frozen=True)
-class Point(Contact):
+class Point(ContactKind):
     """Forces (f_x, f_y, f_z) of the friction cone ||f_t|| <= mu f_z, z the surface normal.
 
     Maximum dissipation: f_t · u_t = -mu f_z ||u_t||, so the De Saxcé shift is Γ(u) = mu ||u_t||.

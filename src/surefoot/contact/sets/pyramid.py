@@ -10,11 +10,11 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid
 from surefoot.contact.admissible import nearest
-from surefoot.contact.sets.contact import Contact, Factor
+from surefoot.contact.sets.contact import ContactKind, Factor
 
 
 @dataclass(frozen=True)
-class Pyramid(Contact):
+class Pyramid(ContactKind):
     """Forces (f_x, f_y, f_z) of a pyramid with so many sides, inside or around the friction cone.
 
     Maximum dissipation over the pyramid's own section: Γ(u) = max of -f_t · u_t over it at f_z = 1, which

@@ -9,11 +9,11 @@ from typing import ClassVar
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.contact.sets.contact import Contact, Factor
+from surefoot.contact.sets.contact import ContactKind, Factor
 
 
 @dataclass(frozen=True)
-class Rolling(Contact):
+class Rolling(ContactKind):
     """Wrenches (f_x, f_y, f_z, m_x, m_y) with ||f_t|| <= mu f_z and ||m_t|| <= resistance f_z.
 
     Sliding and rolling each dissipate the most they can: f_t · u_t = -mu f_z ||u_t|| and m_t · ω_t =

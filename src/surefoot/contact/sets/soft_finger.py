@@ -9,11 +9,11 @@ from typing import ClassVar
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.contact.sets.contact import Contact, Factor
+from surefoot.contact.sets.contact import ContactKind, Factor
 
 
 @dataclass(frozen=True)
-class SoftFinger(Contact):
+class SoftFinger(ContactKind):
     """Wrenches (f_x, f_y, f_z, m_z) with sqrt(f_x² + f_y² + (m_z / radius)²) <= mu f_z.
 
     The limit surface of a pressed pad, taken as an ellipsoid. With D = diag(1/mu, 1/mu, 1/(mu radius)) on

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from surefoot.control.actuators import Actuators
 from surefoot.control.behaviours import Cruise, MakeBehaviour, StandStill
 from surefoot.control.mpc import MpcWeights
-from surefoot.control.whole_body import Weights
+from surefoot.control.whole_body import TaskWeights
 
 
 @dataclass(frozen=True)
@@ -86,6 +86,6 @@ class BipedSettings:
             force=1e-6,
         )
     )
-    whole_body: Weights = field(default_factory=Weights)
+    whole_body: TaskWeights = field(default_factory=TaskWeights)
     actuators: Actuators | None = None
     behaviours: tuple[MakeBehaviour, ...] = (StandStill, Cruise)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from surefoot.errors import ProblemError, WriteError, unknown_name
 from surefoot.interop.sequence import ContactSequence
-from surefoot.interop.targets.target import Target
+from surefoot.interop.targets.target import ExportTarget
 
 TARGETS: dict[str, str] = {
     name: f"surefoot.interop.targets.{name}:TARGET"
@@ -21,7 +21,7 @@ def target_names() -> tuple[str, ...]:
     return tuple(TARGETS)
 
 
-def find_target(name: str) -> Target:
+def find_target(name: str) -> ExportTarget:
     """Return the target of a name.
 
     Raises
@@ -32,7 +32,7 @@ def find_target(name: str) -> Target:
     if name not in TARGETS:
         raise ProblemError(unknown_name("target", name, TARGETS))
     module, _, attribute = TARGETS[name].partition(":")
-    target: Target = getattr(import_module(module), attribute)
+    target: ExportTarget = getattr(import_module(module), attribute)
     return target
 
 

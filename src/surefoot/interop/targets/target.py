@@ -11,7 +11,7 @@ WIDTH = 100
 """Characters of a line of data."""
 
 
-class Target(Protocol):
+class ExportTarget(Protocol):
     """A tool that contact sequences are written for.
 
     Attributes

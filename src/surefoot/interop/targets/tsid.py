@@ -2,6 +2,9 @@
 
 TSID's own pyramids have four sides that touch the round cone from outside along its tangents; with friction
 divided by sqrt(2) they are inside it. That is what an inner fit writes, whatever the number of facets.
+
+Checked against the source of stack-of-tasks/tsid at commit 591f737: forces, corners and normals are in the
+foot's own axes, but for a `ContactPoint` with useLocalFrame(False), which is what is written for points.
 """
 
 from __future__ import annotations
@@ -20,17 +23,22 @@ def friction(contact):
 
 
 def contacts(robot, phase):
-    """Return TSID's contacts of a phase, by frame; `robot` is a tsid.RobotWrapper."""
+    """Return TSID's contacts of a phase, by frame; `robot` is a tsid.RobotWrapper.
+
+    The frame of a patch is taken to lie in its middle with z out of the ground.
+    """
     out = {}
     for contact in PHASES[phase]["contacts"]:
         frame, normal = contact["frame"], np.array(contact["rotation"])[:, 2]
         low, high = contact["normal_min"], min(contact["normal_max"], MOST)
         if contact["patch"] is None:
             made = tsid.ContactPoint(frame, robot, frame, normal, friction(contact), low, high)
+            made.useLocalFrame(False)  # the normal is in world axes
         else:
             x, y = 0.5 * contact["patch"][0], 0.5 * contact["patch"][1]
             corners = np.array([[-x, -x, x, x], [-y, y, -y, y], [0.0] * 4])
-            made = tsid.Contact6d(frame, robot, frame, corners, normal, friction(contact), low, high)
+            up = np.array([0.0, 0.0, 1.0])
+            made = tsid.Contact6d(frame, robot, frame, corners, up, friction(contact), low, high)
         out[frame] = made
     return out
 

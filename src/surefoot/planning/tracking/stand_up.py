@@ -15,7 +15,7 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.contact import Status
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
-from surefoot.control.whole_body import Weights, WholeBodyController
+from surefoot.control.whole_body import TaskWeights, WholeBodyController
 from surefoot.log import Log
 from surefoot.planning.sampling.lying import upright
 from surefoot.planning.sampling.postures import Postures, postures
@@ -55,7 +55,7 @@ class StandUpController(Controller):
         reference = Reference.of(plan, robot)
         self._lying = reference.start[7:]
         self.whole_body = WholeBodyController(
-            robot, s.mu, weights=Weights(force=s.force_share), baumgarte=BAUMGARTE
+            robot, s.mu, weights=TaskWeights(force=s.force_share), baumgarte=BAUMGARTE
         )
         self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
         self.facts = {"kind": "track", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": s.mu}

@@ -19,7 +19,7 @@ from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.motor_limits import motor_limits
-from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
+from surefoot.control.whole_body import Kinematics, Tasks, TaskWeights, WholeBodyController
 from surefoot.errors import ProblemError
 from surefoot.log.channels import Channel
 from surefoot.planning.tracking.flight import Flight, Targets, touchdowns
@@ -72,7 +72,7 @@ class TrackSettings:
     capture
         Share of the capture point's offset that feet are moved by before they land.
     force_share
-        Weight of the plan's forces, see `Weights.force`.
+        Weight of the plan's forces, see `TaskWeights.force`.
     """
 
     mu: float = 0.5
@@ -130,7 +130,7 @@ class TrackingController(Controller):
         self.settings = s = settings or TrackSettings()
         least = LEAST * robot.mass * GRAVITY
         self.whole_body = WholeBodyController(
-            robot, s.mu, least, weights=Weights(force=s.force_share), baumgarte=BAUMGARTE
+            robot, s.mu, least, weights=TaskWeights(force=s.force_share), baumgarte=BAUMGARTE
         )
         self.motors = motor_limits(robot, "curve")
         self.flight = Flight(robot, s.joints, s.capture)

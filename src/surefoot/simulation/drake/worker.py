@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 
-class Scene:
+class DrakeScene:
     """A tree of joints on a terrain."""
 
     def __init__(self, scene: dict[str, Any]) -> None:
@@ -194,7 +194,7 @@ def main() -> None:
         try:
             name, *values = json.loads(line)
             if name == "scene":
-                scene, answer = Scene(*values), {}
+                scene, answer = DrakeScene(*values), {}
             else:
                 answer = getattr(scene, name)(*values)
         except Exception as error:

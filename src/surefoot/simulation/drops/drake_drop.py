@@ -10,13 +10,13 @@ from surefoot.simulation.drake_python import EXTRA as EXTRA
 from surefoot.simulation.drake_python import PACKAGE as PACKAGE
 from surefoot.simulation.drake_python import Worker
 from surefoot.simulation.drake_python import present as present
-from surefoot.simulation.drops.task import Drop
+from surefoot.simulation.drops.task import SlideDrop
 
 RADIUS, MU = 1.0, 0.5
 """Of the sphere [m], which only slides up and down, and its friction, which therefore does nothing."""
 
 
-def run(drop: Drop) -> tuple[FloatArray, FloatArray]:
+def run(drop: SlideDrop) -> tuple[FloatArray, FloatArray]:
     """Return gaps [m] and speeds [m/s] at every step: (T,)."""
     level = np.eye(3).tolist()
     joint = {

@@ -11,7 +11,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.laws.soft.behaviour import Behaviour, settling_time
 from surefoot.errors import MissingExtra, ProblemError, SimulationError, unknown_name
-from surefoot.simulation.drops.task import Drop
+from surefoot.simulation.drops.task import SlideDrop
 from surefoot.spatial import GRAVITY
 
 RUNNERS: dict[str, str] = {
@@ -73,7 +73,7 @@ def measure(
 
     def run(gap: float, velocity: float, seconds: float, until: str = "") -> tuple[FloatArray, FloatArray]:
         steps = max(4, math.ceil(seconds / dt))
-        gaps, speeds = module.run(Drop(settings, mass, gravity, gap, velocity, dt, steps, until))
+        gaps, speeds = module.run(SlideDrop(settings, mass, gravity, gap, velocity, dt, steps, until))
         return np.asarray(gaps), np.asarray(speeds)
 
     settle = expected.settling_time if math.isfinite(expected.settling_time) else 20.0 / expected.frequency

@@ -6,7 +6,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import SurefootError
-from surefoot.simulation.drops.task import Drop
+from surefoot.simulation.drops.task import SlideDrop
 
 PACKAGE, EXTRA = "mujoco", "sim"
 RADIUS = 1.0
@@ -24,7 +24,7 @@ def present() -> bool:
     return True
 
 
-def run(drop: Drop) -> tuple[FloatArray, FloatArray]:
+def run(drop: SlideDrop) -> tuple[FloatArray, FloatArray]:
     """Return gaps [m] and speeds [m/s] at every step: (T,)."""
     from surefoot.simulation.mujoco import import_mujoco
 
@@ -42,7 +42,7 @@ def run(drop: Drop) -> tuple[FloatArray, FloatArray]:
     return gaps, speeds
 
 
-def _model(drop: Drop) -> str:
+def _model(drop: SlideDrop) -> str:
     """Return the MJCF; the contact's own numbers are given to the pair, so that nothing is mixed."""
     words = {name: " ".join(f"{x!r}" for x in drop.settings[name]) for name in ("solref", "solimp")}
     return f"""

@@ -7,7 +7,7 @@ from typing import Any
 
 
 @dataclass(frozen=True)
-class Drop:
+class SlideDrop:
     """What an engine is asked to run.
 
     Attributes

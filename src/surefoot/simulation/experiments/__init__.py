@@ -2,9 +2,9 @@
 
 from surefoot.simulation.experiments.experiment import (
     Curve,
-    Experiment,
     Measurement,
-    Outcome,
+    WorldExperiment,
+    WorldsOutcome,
     carry_out,
     compare,
 )
@@ -13,9 +13,9 @@ from surefoot.simulation.experiments.table import EXPERIMENTS, experiment_named
 __all__ = [
     "EXPERIMENTS",
     "Curve",
-    "Experiment",
     "Measurement",
-    "Outcome",
+    "WorldExperiment",
+    "WorldsOutcome",
     "carry_out",
     "compare",
     "experiment_named",

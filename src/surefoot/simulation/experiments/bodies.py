@@ -11,9 +11,9 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.laws.soft import SpringDamper
 from surefoot.contact.laws.soft.behaviour import behaviour
 from surefoot.simulation.bodies import ball, box
-from surefoot.simulation.experiments.experiment import Curve, Experiment, Measurement, Quantity
+from surefoot.simulation.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
 from surefoot.simulation.experiments.ground import bouncing, slid_down
-from surefoot.simulation.experiments.track import BodyRun, Track, fall
+from surefoot.simulation.experiments.track import BodyRun, BodyTrack, fall
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.terrain import SlopeTerrain, Terrain
 
@@ -24,7 +24,7 @@ FLAT_BOX = (0.4, 0.4, 0.1)
 RADIUS = 0.1
 
 
-def _along(track: Track) -> FloatArray:
+def _along(track: BodyTrack) -> FloatArray:
     """Return the distance from the start [m]: (n + 1,)."""
     return np.asarray(np.linalg.norm(track.q[:, :3] - track.q[0, :3], axis=1))
 
@@ -39,9 +39,9 @@ def _drop(world: str, dt: float) -> Measurement:
     fallen = track.q[0, 2] - track.q[round(FALL / dt), 2]
     carried = dt * float(track.forces[:, 0, 2].sum()) / (MASS * GRAVITY * DROP)
     quantities = (
-        Quantity("fallen in 0.3 s", "m", 0.5 * GRAVITY * FALL**2),
-        Quantity("mean ground force / weight", "", 1.0),
-        Quantity("gap at rest", "m", 0.0, 0.01 * RADIUS),
+        ComparedQuantity("fallen in 0.3 s", "m", 0.5 * GRAVITY * FALL**2),
+        ComparedQuantity("mean ground force / weight", "", 1.0),
+        ComparedQuantity("gap at rest", "m", 0.0, 0.01 * RADIUS),
     )
     return Measurement(
         (fallen, carried, track.q[-1, 2] - RADIUS), quantities, Curve(track.time, track.q[:, 2] - RADIUS)
@@ -71,7 +71,9 @@ def _bounce(world: str, dt: float) -> Measurement:
     if world != "rigid":  # the ground is a spring: the law's own bounce, gravity included
         law = SpringDamper.bouncing(STIFFNESS, RESTITUTION, MASS)
         e = behaviour(law, MASS, math.sqrt(2.0 * GRAVITY * HOP)).restitution
-    return Measurement((top,), (Quantity("height of the bounce", "m", e**2 * HOP),), Curve(track.time, gap))
+    return Measurement(
+        (top,), (ComparedQuantity("height of the bounce", "m", e**2 * HOP),), Curve(track.time, gap)
+    )
 
 
 def _bounce_theory() -> Curve:
@@ -106,7 +108,7 @@ def _slide(world: str, dt: float) -> Measurement:
     run = BodyRun(box(MASS, FLAT_BOX, CORNER), SLIDE, SLIDE_MU, velocity=(SPEED, 0.0, 0.0, 0.0, 0.0, 0.0))
     track = run.run(world, dt)
     exact, distance = SPEED**2 / (2.0 * SLIDE_MU * GRAVITY), _along(track)
-    quantity = Quantity("distance to rest", "m", exact)
+    quantity = ComparedQuantity("distance to rest", "m", exact)
     return Measurement((distance[-1],), (quantity,), Curve(track.time, distance))
 
 
@@ -115,7 +117,7 @@ def _slide(world: str, dt: float) -> Measurement:
 DEGREES, HOLDS, SLIPS, ON_SLOPE = 20.0, 0.45, 0.3, 0.5
 
 
-def _on_slope(world: str, dt: float, mu: float) -> Track:
+def _on_slope(world: str, dt: float, mu: float) -> BodyTrack:
     terrain: Terrain = SlopeTerrain(DEGREES)
     body = box(MASS, FLAT_BOX, CORNER)
     start = body.nominal.copy()
@@ -129,8 +131,8 @@ def _stick(world: str, dt: float) -> Measurement:
     held, slid = _on_slope(world, dt, HOLDS), _on_slope(world, dt, SLIPS)
     exact = float(slid_down(np.array(ON_SLOPE), DEGREES, SLIPS))
     quantities = (
-        Quantity(f"slip at mu {HOLDS:g}", "m", 0.0, exact),
-        Quantity(f"slip at mu {SLIPS:g}", "m", exact),
+        ComparedQuantity(f"slip at mu {HOLDS:g}", "m", 0.0, exact),
+        ComparedQuantity(f"slip at mu {SLIPS:g}", "m", exact),
     )
     curve = Curve(slid.time, _along(slid))
     return Measurement((_along(held)[-1], curve.y[-1]), quantities, curve)
@@ -172,7 +174,7 @@ def _tip(world: str, dt: float) -> Measurement:
     at = float(np.interp(math.radians(UNTIL), angle[last - 1 : last + 1], rate[last - 1 : last + 1]))
     exact = float(_turning(np.array(math.radians(UNTIL))))
     curve = Curve(np.degrees(angle[: last + 1]), rate[: last + 1])
-    return Measurement((at,), (Quantity("turning at 30 deg", "rad/s", exact),), curve)
+    return Measurement((at,), (ComparedQuantity("turning at 30 deg", "rad/s", exact),), curve)
 
 
 def _tip_theory() -> Curve:
@@ -198,7 +200,9 @@ def _spin(world: str, dt: float) -> Measurement:
     angle = np.unwrap(2.0 * np.arctan2(track.q[:, 5], track.q[:, 6]))
     angle = angle - angle[0]
     exact = SPIN**2 / (2.0 * _slowing())
-    return Measurement((angle[-1],), (Quantity("angle to rest", "rad", exact),), Curve(track.time, angle))
+    return Measurement(
+        (angle[-1],), (ComparedQuantity("angle to rest", "rad", exact),), Curve(track.time, angle)
+    )
 
 
 # --- roll: a ball slides, then rolls
@@ -214,8 +218,8 @@ def _roll(world: str, dt: float) -> Measurement:
     begin = 2.0 * ROLL_SPEED / (7.0 * ROLL_MU * GRAVITY)
     way = ROLL_SPEED * begin - 0.5 * ROLL_MU * GRAVITY * begin**2 + 5.0 / 7.0 * ROLL_SPEED * (ROLL - begin)
     quantities = (
-        Quantity("speed of rolling", "m/s", 5.0 / 7.0 * ROLL_SPEED),
-        Quantity("distance in 0.6 s", "m", way),
+        ComparedQuantity("speed of rolling", "m/s", 5.0 / 7.0 * ROLL_SPEED),
+        ComparedQuantity("distance in 0.6 s", "m", way),
     )
     return Measurement((speed[-1], _along(track)[-1]), quantities, Curve(track.time, speed))
 
@@ -226,39 +230,39 @@ def _roll_theory() -> Curve:
 
 
 BODIES = (
-    Experiment(
+    WorldExperiment(
         "drop", "A ball of 2 kg falls 0.5 m and stays.",
         "free fall against g t^2 / 2; the ground's mean force over 0.8 s against the weight; the gap at rest "
         "against none", _drop, _drop_theory, ("time [s]", "gap [m]"),
     ),
-    Experiment(
+    WorldExperiment(
         "bounce", "A ball falls 5 cm on ground of restitution 0.6; a tenth of the step.",
         "the height of the next arc against e^2 h (soft worlds: e of their spring-damper)",
         _bounce, _bounce_theory, ("time [s]", "gap [m]"),
     ),
-    Experiment(
+    WorldExperiment(
         "slide", "A box slides at 2 m/s on ground of friction 0.4.",
         "the distance to rest against v^2 / (2 mu g)",
         _slide, lambda: Curve.over(SLIDE, _until_rest(SPEED, SLIDE_MU * GRAVITY)),
         ("time [s]", "distance [m]"),
     ),
-    Experiment(
+    WorldExperiment(
         "stick", "A box on a slope of 20 degrees, with friction above and below its tangent, 0.364.",
         "the way in 0.5 s against none, and against g (sin - mu cos) t^2 / 2",
         _stick, lambda: Curve.over(ON_SLOPE, lambda t: slid_down(t, DEGREES, SLIPS)),
         ("time [s]", "slip at mu 0.3 [m]"),
     ),
-    Experiment(
+    WorldExperiment(
         "tip", "A tall box falls over its edge from 5 degrees past its balance.",
         "the speed of turning at 30 degrees against energy", _tip, _tip_theory,
         ("angle past balance [deg]", "turning [rad/s]"),
     ),
-    Experiment(
+    WorldExperiment(
         "spin", "A flat box spins at 8 rad/s about its vertical axis on four corners.",
         "the angle to rest against I w^2 / (2 mu m g r)",
         _spin, lambda: Curve.over(SPINNING, _until_rest(SPIN, _slowing())), ("time [s]", "angle [rad]"),
     ),
-    Experiment(
+    WorldExperiment(
         "roll", "A ball without spin slides at 2 m/s until it rolls.",
         "its speed in the end against 5/7 v, and its way", _roll, _roll_theory, ("time [s]", "speed [m/s]"),
     ),

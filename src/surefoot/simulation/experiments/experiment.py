@@ -27,7 +27,7 @@ SAFETY = 2.0
 """Tolerance over step error."""
 
 
-class Quantity(NamedTuple):
+class ComparedQuantity(NamedTuple):
     """A number with a closed form.
 
     Attributes
@@ -74,12 +74,12 @@ class Measurement:
     """
 
     values: Sequence[float]
-    quantities: Sequence[Quantity]
+    quantities: Sequence[ComparedQuantity]
     curve: Curve
 
 
 @dataclass(frozen=True)
-class Experiment:
+class WorldExperiment:
     """Something that every world can be asked to do.
 
     Attributes
@@ -145,7 +145,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class WorldsOutcome:
     """An experiment in several worlds.
 
     Attributes
@@ -160,7 +160,7 @@ class Outcome:
         World to what stopped it.
     """
 
-    experiment: Experiment
+    experiment: WorldExperiment
     rows: list[Row] = field(default_factory=list)
     seen: dict[str, Measurement] = field(default_factory=dict)
     failures: dict[str, str] = field(default_factory=dict)
@@ -172,7 +172,7 @@ class Outcome:
 
 
 def compare(
-    experiment: Experiment, world: str, dt: float = 1e-3, tell: Callable[[str], object] | None = None
+    experiment: WorldExperiment, world: str, dt: float = 1e-3, tell: Callable[[str], object] | None = None
 ) -> tuple[list[Row], Measurement]:
     """Return what an experiment gives in a world at a step of `dt` [s]: quantity by quantity, and all of it.
 
@@ -199,11 +199,11 @@ def compare(
 
 
 def carry_out(
-    experiment: Experiment,
+    experiment: WorldExperiment,
     worlds: Sequence[str],
     dt: float = 1e-3,
     tell: Callable[[str], object] | None = None,
-) -> Outcome:
+) -> WorldsOutcome:
     """Return an experiment in some worlds; what stops one is kept, not raised.
 
     `tell` is called before each run with a phrase that says which.
@@ -214,7 +214,7 @@ def carry_out(
         For a step that is no step.
     """
     real_number("dt", dt, low=1e-5, high=0.02)
-    outcome = Outcome(experiment)
+    outcome = WorldsOutcome(experiment)
     for world in worlds:
         try:
             rows, outcome.seen[world] = compare(experiment, world, dt, tell)
@@ -225,7 +225,7 @@ def carry_out(
     return outcome
 
 
-def _row(experiment: Experiment, world: str, quantity: Quantity, values: Sequence[float]) -> Row:
+def _row(experiment: WorldExperiment, world: str, quantity: ComparedQuantity, values: Sequence[float]) -> Row:
     coarse, value, fine = (float(x) for x in values)
     scale = quantity.scale or abs(quantity.exact)
     step_error = max(abs(coarse - value), 2.0 * abs(value - fine))

@@ -15,7 +15,7 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import SimulationError
 from surefoot.log import Ending, Log
 from surefoot.robot import Robot, load_robot, place
-from surefoot.simulation.experiments.experiment import Curve, Experiment, Measurement, Quantity
+from surefoot.simulation.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
 from surefoot.simulation.experiments.ground import hard, slid_down
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import START_DEPTH, Scenario
@@ -91,8 +91,8 @@ def _stand(world: str, dt: float) -> Measurement:
     pressure = loads @ log["contact_positions"][-1, :, :2] / loads.sum()
     ahead = pressure - robot.com(log["q"][-1])[:2]
     quantities = (
-        Quantity("mean load / what momentum asks", "", 1.0),
-        Quantity("centre of pressure ahead of the weight", "m", 0.0, 0.05),
+        ComparedQuantity("mean load / what momentum asks", "", 1.0),
+        ComparedQuantity("centre of pressure ahead of the weight", "m", 0.0, 0.05),
     )
     curve = Curve(log["time"], log["forces"][:, :, 2].sum(axis=1) / weight)
     return Measurement((got[2] / balance[2], ahead[0]), quantities, curve)
@@ -113,8 +113,8 @@ def _trot(world: str, dt: float) -> Measurement:
     got, balance = _balance(log, h, round(0.5 / h), terrain)
     weight = robot.mass * GRAVITY
     quantities = (
-        Quantity("mean load / what momentum asks", "", 1.0),
-        Quantity("forward force - what momentum asks", "m g", 0.0, 0.01),
+        ComparedQuantity("mean load / what momentum asks", "", 1.0),
+        ComparedQuantity("forward force - what momentum asks", "m g", 0.0, 0.01),
     )
     total = log["forces"][:, :, 2].sum(axis=1) / weight
     values = got[2] / balance[2], (got[0] - balance[0]) / weight
@@ -137,27 +137,27 @@ def _friction(world: str, dt: float) -> Measurement:
     used = np.linalg.norm(fast[..., :2], axis=-1).sum() / fast[..., 2].sum()
     scale = float(slid_down(np.array(HOLD), DEGREES, ICE))
     quantities = (
-        Quantity(f"slip of the feet at mu {GRIP:g}", "m", 0.0, scale),
-        Quantity(f"pull at mu {GRIP:g} / what momentum asks", "", 1.0),
-        Quantity(f"friction used at mu {ICE:g}", "", ICE),
+        ComparedQuantity(f"slip of the feet at mu {GRIP:g}", "m", 0.0, scale),
+        ComparedQuantity(f"pull at mu {GRIP:g} / what momentum asks", "", 1.0),
+        ComparedQuantity(f"friction used at mu {ICE:g}", "", ICE),
     )
     way = np.linalg.norm([robot.com(row) - robot.com(slid["q"][0]) for row in slid["q"]], axis=1)
     return Measurement((slip, got[0] / asked[0], used), quantities, Curve(slid["time"], way))
 
 
 ROBOTS = (
-    Experiment(
+    WorldExperiment(
         "stand", "The Go2 stands on its controller for a second.",
         "its mean load in the second half against weight and change of momentum, and the centre of pressure "
         "against the weight's place",
         _stand, lambda: _level(STAND), ("time [s]", "load / weight"),
     ),
-    Experiment(
+    WorldExperiment(
         "trot", "The Go2 trots at 0.4 m/s; half the step.",
         "the ground's mean force from 0.5 s on against weight and change of momentum, upwards and forwards",
         _trot, lambda: _level(TROT), ("time [s]", "load / weight"),
     ),
-    Experiment(
+    WorldExperiment(
         "friction", "The Go2 stands on a slope of 20 degrees; its controller believes in friction 0.8.",
         "on friction 0.8, from 0.25 s to 0.5 s, the feet's slip against none, and their pull against m g sin "
         "and the change of momentum; on 0.3, from 0.05 s to 0.1 s, tangential over normal forces against 0.3",

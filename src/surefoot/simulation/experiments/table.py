@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.simulation.experiments.bodies import BODIES
-from surefoot.simulation.experiments.experiment import Experiment
+from surefoot.simulation.experiments.experiment import WorldExperiment
 from surefoot.simulation.experiments.robots import ROBOTS
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*BODIES, *ROBOTS)}
+EXPERIMENTS: dict[str, WorldExperiment] = {e.name: e for e in (*BODIES, *ROBOTS)}
 """Name to experiment, in the order in which they are shown."""
 
 
-def experiment_named(name: str) -> Experiment:
+def experiment_named(name: str) -> WorldExperiment:
     """Return an experiment.
 
     Raises

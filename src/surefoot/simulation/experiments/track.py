@@ -23,7 +23,7 @@ GRIP = 2.0
 
 
 @dataclass(frozen=True)
-class Track:
+class BodyTrack:
     """A path.
 
     Attributes
@@ -72,7 +72,7 @@ class BodyRun:
     start: FloatArray | None = None
     settle: bool = True
 
-    def run(self, world: str, dt: float, options: Mapping[str, Any] | None = None) -> Track:
+    def run(self, world: str, dt: float, options: Mapping[str, Any] | None = None) -> BodyTrack:
         """Return the path in a world; its own options are those of hard ground unless given."""
         told = hard(world, dt) if options is None else options
         made = make_world(world, self.body, self.terrain, self.mu, dt=dt, **told)
@@ -93,14 +93,14 @@ class BodyRun:
 def fall(
     body: Robot, height: float, seconds: float, world: str, dt: float,
     options: Mapping[str, Any] | None = None,
-) -> Track:  # fmt: skip
+) -> BodyTrack:  # fmt: skip
     """Return the path of a body from a height over its nominal pose [m], negative for one pressed in."""
     start = body.nominal.copy()
     start[2] += height
     return BodyRun(body, seconds, start=start, settle=False).run(world, dt, options)
 
 
-def follow(world: World, seconds: float) -> Track:
+def follow(world: World, seconds: float) -> BodyTrack:
     """Return the path of a world that is left to itself for a time [s]."""
     steps, still = round(seconds / world.dt), np.zeros(world.robot.joints)
     states, forces = [world.state()], []
@@ -110,4 +110,4 @@ def follow(world: World, seconds: float) -> Track:
         forces.append(world.contacts().forces)
     q, v = (np.array([state[k] for state in states]) for k in (0, 1))
     shape = (steps, len(world.contact_foot), 3)
-    return Track(np.arange(steps + 1, dtype=np.float64) * world.dt, q, v, np.array(forces).reshape(shape))
+    return BodyTrack(np.arange(steps + 1, dtype=np.float64) * world.dt, q, v, np.array(forces).reshape(shape))

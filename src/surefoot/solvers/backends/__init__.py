@@ -12,13 +12,10 @@ from surefoot.solvers.backends.backend import Backend, Options
 from surefoot.solvers.backends.clarabel import Clarabel
 from surefoot.solvers.backends.daqp import Daqp
 from surefoot.solvers.backends.ecos import Ecos
-from surefoot.solvers.backends.highs import Highs
 from surefoot.solvers.backends.mosek import Mosek, licensed
-from surefoot.solvers.backends.osqp import Osqp
-from surefoot.solvers.backends.piqp import Piqp
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome
 from surefoot.solvers.backends.proxqp import ProxQp
-from surefoot.solvers.backends.quadprog import Quadprog
+from surefoot.solvers.backends.qp import Highs, Osqp, Piqp, Quadprog
 from surefoot.solvers.backends.scs import Scs
 
 __all__ = [
@@ -67,7 +64,9 @@ def installed(name: str) -> bool:
     """Tell whether a backend's package can be imported, and MOSEK has a licence."""
     if name == "mosek":
         return licensed()
-    packages = {"highs": ("qpsolvers", "highspy")}.get(name, (BACKENDS[name].package,))
+    packages = {"highspy" if name == "highs" else name, "qpsolvers"}
+    if BACKENDS[name].package != "qpsolvers":
+        packages = {BACKENDS[name].package}
     return all(importlib.util.find_spec(package) is not None for package in packages)
 
 

@@ -33,7 +33,7 @@ class Options:
     sparse
         Of backends with two forms, the sparse one.
     own
-        SolverSettings by the solver's own names, after all others.
+        Settings by the solver's own names, after all others.
     """
 
     tol: float | None = None

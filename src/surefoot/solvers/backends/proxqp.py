@@ -26,6 +26,9 @@ ENDS = {
 }
 FAR = 1e20
 """Its infinity."""
+DOUBT = 10.0
+"""Its tolerances of infeasibility over its tolerance. Left at their 1e-4 they strike before a tight tolerance
+is reached: 7 of 100 feasible whole-body programs were called infeasible. At 1 it proves nothing any more."""
 
 
 class ProxQp(Backend):
@@ -44,6 +47,11 @@ class ProxQp(Backend):
         self._again = guess.WARM_START_WITH_PREVIOUS_RESULT if self.options.warm else self._cold
         self._from_start = guess.WARM_START
         self._ends = {getattr(proxqp.QPSolverOutput, name, None): end for name, end in ENDS.items()}
+
+    def _words(self) -> dict[str, Any]:
+        tol = self.options.tol
+        tests = {} if tol is None else dict.fromkeys(("eps_primal_inf", "eps_dual_inf"), DOUBT * tol)
+        return {**tests, **super()._words()}
 
     def ready(self, program: ConeProgram) -> Any:
         """Return the pattern, and H, g, A, b, C, l, u as its `init` wants them."""

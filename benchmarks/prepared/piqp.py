@@ -25,7 +25,7 @@ ENDS = {
 }
 
 
-class Piqp(Backend):
+class PreparedPiqp(Backend):
     """Takes linear rows, dense or sparse; keeps its workspace, but has no use for an old answer."""
 
     name = package = "piqp"

@@ -17,7 +17,7 @@ from surefoot.solvers.backends.backend import Backend
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, dense
 
 
-class Quadprog(Backend):
+class PreparedQuadprog(Backend):
     """Takes linear rows and a P with a Cholesky factor; stops by no tolerance."""
 
     name = package = "quadprog"

@@ -24,7 +24,7 @@ ENDS = {
 ITERATIONS = 20_000
 
 
-class Osqp(Backend):
+class PreparedOsqp(Backend):
     """Takes linear rows; keeps its workspace and starts warm. For infeasible programs, look at `end`."""
 
     name = package = "osqp"

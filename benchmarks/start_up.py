@@ -1,0 +1,75 @@
+"""What the first call of a kernel costs, three ways to compile it, and what later processes pay.
+
+Run: python -m benchmarks.start_up. Each figure is of a process of its own: CPU time of the first call, once
+with an empty cache and once with what that call left there.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numba
+
+WAYS = {"tree": "whole trees (ours)", "kernel": "kernel by kernel", "numba": "Numba's own cache"}
+QUESTIONS = ("can_stand", "solve")
+
+
+def use(way: str) -> None:
+    """Have kernels that are imported from now on compiled in one of `WAYS`."""
+    from surefoot import kernels
+    from surefoot.compilation import dispatcher, parts, tree
+
+    if way != "tree":
+        for module in (parts, dispatcher, tree):
+            module.__dict__["WHOLE_TREES"] = False
+    if way == "numba":
+        kernels.__dict__["_compiled"] = lambda function, options: numba.jit(function, cache=True, **options)
+
+
+def ask(question: str) -> float:
+    """Return the CPU time of the first answer [s]."""
+    import numpy as np
+
+    import surefoot as sf
+
+    if question == "can_stand":
+        feet = [sf.PointContact((x, y, 0.0), mu=0.6) for x in (-0.2, 0.2) for y in (-0.1, 0.1)]
+        stance = sf.Stance(feet)
+        begin = time.process_time()
+        sf.can_stand(stance, [0.01, 0.0, 0.3], 16.0)
+    else:
+        random = np.random.default_rng(0)
+        jacobian, g = random.normal(size=(12, 18)), random.normal(size=12)
+        problem = sf.ContactProblem(jacobian @ jacobian.T, g, 0.6)
+        begin = time.process_time()
+        sf.solve(problem)
+    return time.process_time() - begin
+
+
+def main() -> None:
+    """Print the table; with two words, one measurement."""
+    if len(sys.argv) == 3:
+        use(sys.argv[1])
+        print(ask(sys.argv[2]))
+        return
+    print(f"{'first call of':14}{'compiled':22}{'cold [s]':>10}{'warm [s]':>10}{'files':>8}{'MB':>6}")
+    for question in QUESTIONS:
+        for way, title in WAYS.items():
+            with tempfile.TemporaryDirectory() as folder:
+                words = [sys.executable, "-W", "ignore", "-m", "benchmarks.start_up", way, question]
+                environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
+                cold, warm = (
+                    float(subprocess.run(words, env=environment, capture_output=True, check=True).stdout)
+                    for _ in range(2)
+                )
+                sizes = [f.stat().st_size for f in Path(folder).rglob("*.nb[ci]")]
+            print(f"{question:14}{title:22}{cold:10.1f}{warm:10.2f}{len(sizes):8}{1e-6 * sum(sizes):6.1f}")
+
+
+if __name__ == "__main__":
+    main()

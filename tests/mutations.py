@@ -1,0 +1,213 @@
+"""How strong the tests are: single lines of the package are changed, and a room's own tests judge each.
+
+    python -m tests.mutations --seed 0 --count 100 [--room cones] [--tests "tests/cones tests/axioms"]
+
+A change is an operator (+ and -, * and /, < and <=, and, or, ...), a constant, or a dropped statement, drawn
+with the seed from the lines of code of a room (all rooms, by their lines, if none is named). It is made in a
+copy of the checkout that is removed afterwards. A change is caught when the room's tests fail, or run
+for much longer than without it; `--all` judges by the tests that are marked long as well. The last line tells
+how many of how many were caught; the exit code is 0 unless a room's tests fail without any change.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = Path("src/surefoot")
+PATIENCE, LEAST = 4.0, 60.0
+"""Tests that run this many times as long as without a change, and at least so long [s], have found it."""
+SWAPS: dict[type[ast.AST], type[ast.AST]] = {
+    ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.MatMult: ast.Mult,
+    ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
+    ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In, ast.And: ast.Or,
+    ast.Or: ast.And, ast.USub: ast.UAdd, ast.FloorDiv: ast.Div, ast.Pow: ast.Mult, ast.Mod: ast.FloorDiv,
+    ast.BitAnd: ast.BitOr, ast.BitOr: ast.BitAnd,
+}  # fmt: skip
+"""Operator to what takes its place."""
+
+
+class Mutation(NamedTuple):
+    """One changed line: its file below the package, its number, what it was, and what it is now."""
+
+    file: Path
+    line: int
+    before: str
+    after: str
+
+
+def room_of(file: Path) -> str:
+    """Return the room of a file below the package; that of one at the top is its own name."""
+    return file.parts[0] if len(file.parts) > 1 else file.stem
+
+
+def tests_of(room: str) -> list[str]:
+    """Return where the tests of a room are."""
+    places = [f"tests/{room}", *(str(p.relative_to(ROOT)) for p in ROOT.glob(f"tests/test_{room}*.py"))]
+    return [place for place in places if (ROOT / place).exists()]
+
+
+def mutations(file: Path, source: str) -> Iterator[Mutation]:
+    """Yield every change of a single line that a file (below the package) can have."""
+    lines = source.splitlines()
+    for node in ast.walk(ast.parse(source)):
+        number, end = getattr(node, "lineno", 0), getattr(node, "end_lineno", 0)
+        if not number or number != end:
+            continue
+        line = lines[number - 1]
+        start, stop = (_column(line, getattr(node, name)) for name in ("col_offset", "end_col_offset"))
+        for text in _changed(node):
+            after = line[:start] + text + line[stop:]
+            if after != line and _compiles(lines, number, after):
+                yield Mutation(file, number, line, after)
+
+
+def _column(line: str, offset: int) -> int:
+    """Return the place in a line of an offset in its bytes."""
+    return len(line.encode()[:offset].decode())
+
+
+def _compiles(lines: list[str], number: int, after: str) -> bool:
+    try:
+        ast.parse("\n".join([*lines[: number - 1], after, *lines[number:]]))
+    except SyntaxError:
+        return False
+    return True
+
+
+def _changed(node: ast.AST) -> Iterator[str]:
+    """Yield texts to stand where a node stands."""
+    if isinstance(node, ast.Constant) and not isinstance(node.value, str | bytes):
+        value = node.value
+        if isinstance(value, bool):
+            yield repr(not value)
+        elif isinstance(value, int | float):
+            yield repr(value + 1)
+            yield repr(-value) if value else "2"
+    elif isinstance(node, ast.BinOp | ast.UnaryOp | ast.BoolOp) and type(node.op) in SWAPS:
+        yield ast.unparse(_with(node, "op", SWAPS[type(node.op)]()))
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        yield ast.unparse(node.operand)
+    elif isinstance(node, ast.Compare) and type(node.ops[0]) in SWAPS:
+        yield ast.unparse(_with(node, "ops", [SWAPS[type(node.ops[0])](), *node.ops[1:]]))
+    elif isinstance(node, ast.Assign | ast.AugAssign | ast.Raise) or (
+        isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
+    ):
+        yield "pass"
+
+
+def _with(node: ast.AST, name: str, value: object) -> ast.AST:
+    """Return a copy of a node with another field."""
+    fields = {field: getattr(node, field) for field in node._fields}
+    return type(node)(**{**fields, name: value})
+
+
+def drawn(rooms: list[str], count: int, seed: int) -> list[Mutation]:
+    """Return changes of as many different lines, drawn from the rooms' files (all, if none is named)."""
+    per_line: dict[tuple[Path, int], list[Mutation]] = {}
+    for path in sorted((ROOT / PACKAGE).rglob("*.py")):
+        file = path.relative_to(ROOT / PACKAGE)
+        if (not rooms or room_of(file) in rooms) and tests_of(room_of(file)):
+            for one in mutations(file, path.read_text(encoding="utf-8")):
+                per_line.setdefault((file, one.line), []).append(one)
+    chance = random.Random(seed)
+    chosen = chance.sample(sorted(per_line), min(count, len(per_line)))
+    return [chance.choice(per_line[place]) for place in chosen]
+
+
+class Judge:
+    """Runs rooms' tests in a copy of the checkout, without a change and with each.
+
+    Parameters
+    ----------
+    copy
+        The copy's folder.
+    places
+        Tests to judge by; empty for those of the room.
+    everything
+        Whether long ones judge, too.
+    """
+
+    def __init__(self, copy: Path, places: list[str], everything: bool) -> None:
+        self._copy, self._places, self._everything = copy, places, everything
+        self._seconds: dict[str, float] = {}
+
+    def _fails(self, room: str, limit: float | None) -> bool:
+        words = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider"]
+        words += [] if self._everything else ["-m", "not long"]
+        command = ["env", f"PYTHONPATH={self._copy / 'src'}:{self._copy}", *words]
+        try:
+            done = subprocess.run(
+                [*command, *(self._places or tests_of(room))],
+                cwd=self._copy,
+                capture_output=True,
+                timeout=limit,
+            )
+        except subprocess.TimeoutExpired:
+            return True
+        return done.returncode != 0
+
+    def clean(self, room: str) -> bool:
+        """Return whether a room's tests pass without a change; the first look at a room takes its time."""
+        if room not in self._seconds:
+            if self._fails(room, None):  # compiles as well
+                return False
+            begin = time.perf_counter()
+            self._fails(room, None)
+            self._seconds[room] = time.perf_counter() - begin
+        return True
+
+    def caught(self, one: Mutation) -> bool:
+        """Return whether the tests of its room find a change."""
+        path = self._copy / PACKAGE / one.file
+        source = path.read_text(encoding="utf-8")
+        lines = source.splitlines(keepends=True)
+        lines[one.line - 1] = one.after + "\n"
+        path.write_text("".join(lines), encoding="utf-8")
+        room = room_of(one.file)
+        try:
+            return self._fails(room, max(LEAST, PATIENCE * self._seconds[room]))
+        finally:
+            path.write_text(source, encoding="utf-8")
+
+
+def main() -> int:
+    """Change, judge, tell."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--room", action="append", default=[], help="repeatable; all rooms if none")
+    parser.add_argument("--tests", default="", help="what judges, in place of the rooms' own tests")
+    parser.add_argument("--all", action="store_true", help="long tests judge as well")
+    asked = parser.parse_args()
+    chosen = drawn(asked.room, asked.count, asked.seed)
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "copy"
+        shutil.copytree(
+            ROOT, copy, ignore=shutil.ignore_patterns(".git", ".venv", "runs", ".pytest_cache", "build")
+        )
+        judge, found, judged = Judge(copy, asked.tests.split(), asked.all), 0, 0
+        for one in sorted(chosen):
+            if not judge.clean(room_of(one.file)):
+                print(f"{room_of(one.file)}: its tests fail without any change")
+                return 1
+            caught = judge.caught(one)
+            found, judged = found + caught, judged + 1
+            word = "caught" if caught else "MISSED"
+            print(f"{word} {one.file}:{one.line}: {one.before.strip()}  ->  {one.after.strip()}", flush=True)
+    print(f"{found} of {judged} caught")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
