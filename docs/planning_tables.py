@@ -154,7 +154,7 @@ DIRECT = "python -m benchmarks.direct_planning"
 HOPPER = "python -m benchmarks.three_roads"
 GO2 = "python -m benchmarks.three_roads --task go2 --starts 3"
 GRADIENTS = "python -m benchmarks.gradients"
-SOFTENING = "surefoot bench softening --table race --table recommended"
+SOFTENING = "surefoot bench softening --table race --table recommended --starts 5"
 PLAN = "surefoot bench plan"
 FROM_STARTS = (
     "road", "own start", "CPU s", "iterations", "cost", "law residual", "misses by", "random starts",

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.estimation.cube_model import CubeModel
-from surefoot.estimation.ground_plane import Plane
-from surefoot.estimation.toss_model import Scene
+from surefoot.estimation.ground_plane import GroundPlane
+from surefoot.estimation.toss_model import TossScene
 from surefoot.estimation.tosses import Cube, Tosses
 from surefoot.spatial import GRAVITY
 
@@ -57,8 +57,8 @@ def random_tosses(
     starts[:, 7:9] = SPEED * random.normal(size=(count, 2))
     starts[:, 9] = 0.2 * SPEED * random.normal(size=count)
     starts[:, 10:] = TUMBLE * random.normal(size=(count, 3))
-    cube, plane = Cube(), Plane(ground[0], np.array(ground[1:]))
-    scene = Scene(starts, np.full(count, frames), dt, plane, GRAVITY, cube)
+    cube, plane = Cube(), GroundPlane(ground[0], np.array(ground[1:]))
+    scene = TossScene(starts, np.full(count, frames), dt, plane, GRAVITY, cube)
     model = CubeModel(law, steps=steps)
     poses = model.rollout(finite_array("values", values, (len(model.parameters),)), scene)
     poses[:, :3] += share * POSITION_NOISE * random.normal(size=(len(poses), 3))

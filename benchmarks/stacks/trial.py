@@ -17,8 +17,8 @@ from benchmarks.walks import known_robot
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, SurefootError
 from surefoot.log import Ending, Log
-from surefoot.planning.tracking.legs import Legs
 from surefoot.robot import Robot, place
+from surefoot.robot.legs import Legs
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.height_scan import RangeSensor
 from surefoot.simulation.mujoco_substeps import substeps_of

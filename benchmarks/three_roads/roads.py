@@ -19,7 +19,6 @@ from surefoot.planning.shooting import (
     ShootingSettings,
     StateCost,
     TorqueCost,
-    TorqueLimits,
 )
 from surefoot.planning.trajectory import Trajectory, rollout
 from surefoot.planning.transcription.judge import exact_cost, window_miss
@@ -110,7 +109,7 @@ def shooting(
         costs = Costs(_states(problem, price), TorqueCost(2.0 * problem.dt * problem.weights.torque))
         shot = ShootingProblem(
             problem.robot, costs, problem.knots, problem.dt, problem.mu, problem.terrain,
-            TorqueLimits(limits),
+            limits,
         )  # fmt: skip
         settings = ShootingSettings(max_iterations=MOST)
         try:

@@ -15,23 +15,23 @@ from surefoot.estimation import cube_contact as layout
 from surefoot.estimation.cube_contact import exchange, place, rise
 from surefoot.estimation.cube_model import PARAMETERS, CubeModel
 from surefoot.estimation.cube_motion import fly, simulate, step
-from surefoot.estimation.ground_plane import Plane
-from surefoot.estimation.toss_model import Scene
+from surefoot.estimation.ground_plane import GroundPlane
+from surefoot.estimation.toss_model import TossScene
 from surefoot.estimation.tosses import Cube
 
 G = 9.81
 CUBE = Cube()
 A = CUBE.half_side
-LEVEL = Plane(0.0, np.zeros(2))
+LEVEL = GroundPlane(0.0, np.zeros(2))
 
 
 def scene(
     position: object, velocity: object = (0, 0, 0), spin: object = (0, 0, 0), turn: Rotation | None = None,
-    frames: int = 100, dt: float = 0.005, plane: Plane = LEVEL,
-) -> Scene:  # fmt: skip
+    frames: int = 100, dt: float = 0.005, plane: GroundPlane = LEVEL,
+) -> TossScene:  # fmt: skip
     quaternion = (turn or Rotation.identity()).as_quat()
     start = np.concatenate([np.array(x, dtype=float) for x in (position, quaternion, velocity, spin)])
-    return Scene(start[None], np.array([frames]), dt, plane, G, CUBE)
+    return TossScene(start[None], np.array([frames]), dt, plane, G, CUBE)
 
 
 def model_array(mu: float = 0.3, restitution: float = 0.0, **soft: float) -> FloatArray:
@@ -159,7 +159,7 @@ def test_a_flat_slide_stops_where_coulomb_says(law: str) -> None:
 
 @pytest.mark.parametrize(("mu", "slides"), [(0.25, True), (0.35, False)])
 def test_a_slope_holds_below_the_friction_angle_only(mu: float, slides: bool) -> None:
-    plane = Plane(0.02, np.array([0.3, 0.0]))
+    plane = GroundPlane(0.02, np.array([0.3, 0.0]))
     turn = plane.rotation
     start = np.array([0.0, 0.0, 0.02]) + turn.apply([0.0, 0.0, A])
     given = scene(start, turn=turn, plane=plane, frames=100)

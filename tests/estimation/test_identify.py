@@ -12,11 +12,11 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.free_flight import fit_free_flight, flying_frames, gravity_of, gravity_terms
-from surefoot.estimation.ground_plane import GroundPoints, Plane, ground_points
+from surefoot.estimation.ground_plane import GroundPlane, GroundPoints, ground_points
 from surefoot.estimation.identify import TossFit, identify, surroundings
 from surefoot.estimation.response import ResponseSurface
 from surefoot.estimation.toss_errors import paired_difference, resample, toss_errors
-from surefoot.estimation.toss_model import Parameter, Scene
+from surefoot.estimation.toss_model import TossParameter, TossScene
 from surefoot.estimation.tosses import Cube, Tosses, read_tosses, write_tosses
 
 RECORDED = Path(__file__).parents[3] / "shared" / "data" / "tosses" / "cube_tosses.npz"
@@ -84,12 +84,12 @@ class Quadratic:
     """A model that moves every toss aside by a distance that is least at known values."""
 
     name = "quadratic"
-    parameters = (Parameter("a", 0.0, 1.0), Parameter("b", 1.0, 100.0, logarithmic=True))
+    parameters = (TossParameter("a", 0.0, 1.0), TossParameter("b", 1.0, 100.0, logarithmic=True))
 
     def __init__(self, tosses: Tosses) -> None:
         self._states, self.calls = tosses.states[:, :7], 0
 
-    def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
+    def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
         self.calls += 1
         poses = self._states[: int(scene.frames.sum())].copy()
         away = 0.3 * np.hypot(values[0] - 0.3, np.log10(values[1]) - 0.6)
@@ -126,11 +126,13 @@ def test_a_response_surface_with_a_saddle_ends_at_the_edge() -> None:
 
 def test_gravity_and_first_states_are_exact_without_noise() -> None:
     tosses = random_tosses(12, TRUTH, seed=6, noise=0.0)
-    frames = flying_frames(tosses, Plane(0.0, np.zeros(2)))
+    frames = flying_frames(tosses, GroundPlane(0.0, np.zeros(2)))
     assert gravity_of(gravity_terms(tosses, frames), np.ones((1, 12)))[0] == pytest.approx(9.81, abs=1e-6)
     flight = fit_free_flight(tosses, frames, 9.81)
     assert flight.position_noise < 1e-9
-    scene = Scene(flight.starts, tosses.frames, tosses.dt, Plane(0.0, np.zeros(2)), 9.81, tosses.cube)
+    scene = TossScene(
+        flight.starts, tosses.frames, tosses.dt, GroundPlane(0.0, np.zeros(2)), 9.81, tosses.cube
+    )
     errors = toss_errors(tosses, CubeModel().rollout(np.array(TRUTH), scene))
     assert np.median(errors.corners) < 1e-5
 

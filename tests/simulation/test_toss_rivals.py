@@ -8,17 +8,17 @@ from scipy.spatial.transform import Rotation
 
 from surefoot.errors import ProblemError
 from surefoot.estimation.cube_model import CubeModel
-from surefoot.estimation.ground_plane import Plane
-from surefoot.estimation.toss_model import Scene, TossModel
+from surefoot.estimation.ground_plane import GroundPlane
+from surefoot.estimation.toss_model import TossModel, TossScene
 from surefoot.estimation.tosses import Cube
 from surefoot.simulation.tosses.rivals import RIVALS, make_rival, present_rivals
 
 STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99]}
 
 
-def scene(*starts: list[float], slope: float = 0.0, frames: int = 40) -> Scene:
-    plane = Plane(0.01, np.array([slope, 0.0]))
-    return Scene(np.array(starts), np.full(len(starts), frames), 0.005, plane, 9.7, Cube())
+def scene(*starts: list[float], slope: float = 0.0, frames: int = 40) -> TossScene:
+    plane = GroundPlane(0.01, np.array([slope, 0.0]))
+    return TossScene(np.array(starts), np.full(len(starts), frames), 0.005, plane, 9.7, Cube())
 
 
 def rival(name: str) -> TossModel:

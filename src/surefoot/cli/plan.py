@@ -26,7 +26,7 @@ def plan(
     *,
     task: Annotated[
         str,
-        typer.Argument(help="ball, hopper, push, jump, backflip, stand-up or trot; see docs/planning.md."),
+        typer.Argument(help="ball, hopper, push, jump, jump-up, backflip or stand-up; see docs/planning.md."),
     ],
     amount: Annotated[
         float | None, typer.Argument(help="The task's number: a distance or height [m], a speed [m/s].")

@@ -131,14 +131,14 @@ def _throw_a_cube() -> None:
     import numpy as np
 
     from surefoot.estimation.cube_model import CubeModel
-    from surefoot.estimation.ground_plane import Plane
-    from surefoot.estimation.toss_model import Scene
+    from surefoot.estimation.ground_plane import GroundPlane
+    from surefoot.estimation.toss_model import TossScene
     from surefoot.estimation.tosses import Cube
     from surefoot.spatial import GRAVITY
 
     start = np.zeros((1, 13))
     start[0, 2], start[0, 6] = 0.06, 1.0
-    scene = Scene(start, np.array([20]), 0.01, Plane(0.0, np.zeros(2)), GRAVITY, Cube())
+    scene = TossScene(start, np.array([20]), 0.01, GroundPlane(0.0, np.zeros(2)), GRAVITY, Cube())
     CubeModel().rollout(np.array([0.2, 0.1, 0.0]), scene)
 
 

@@ -125,22 +125,21 @@ class ConvexMpc:
             raise ProblemError("normal_min must not be above normal_max")
         self._bounds = np.tile(np.stack(limits, axis=1), (self.horizon, 1, 1))
         self._weights = self.weights.matrix()
+        self.carry(self.mass, inertia)
         self.pace(self.dt)
         self.outside, self.fading = np.zeros(6), math.inf
 
     def pace(self, dt: float) -> None:
         """Take another length of a step [s]; the previous plan is forgotten."""
         self.dt = real_number("dt", dt, low=1e-6, high=10.0)
-        self._inverse = np.ascontiguousarray(np.linalg.inv(self._hessians()))
+        self._P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
+        self._inverse = np.ascontiguousarray(np.linalg.inv(self._P))
         self._points = np.full((self.horizon, self.feet, 3), np.nan)
-
-    def _hessians(self) -> FloatArray:
-        """Return the (6, N, N) Hessians of the tracking cost in the accelerations of every axis."""
-        return mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
 
     def carry(self, mass: float, inertia: FloatArray) -> None:
         """Take another mass [kg] and (3, 3) inertia about the centre of mass, body axes [kg m²]."""
         self.mass, self.inertia = mass, inertia
+        self._mobility: FloatArray = np.linalg.inv(np.asarray(inertia, dtype=np.float64)).astype(np.float64)
 
     def reset(self) -> None:
         """Forget the previous plan."""
@@ -258,23 +257,21 @@ class ConvexMpc:
 
     def _build(self, given: _Given, sway: FloatArray) -> HorizonProgram | None:
         """Return the program, or None where the input is not finite; see `solve` for the errors."""
-        mobility = np.linalg.inv(np.asarray(self.inertia, dtype=np.float64))
         verdict, step, foot, M, limits, centre, q, drift, heading = mpc_model.build(
             given.rotation, given.motion, given.ref_rotation, given.ref_motion, given.feet, given.contacts,
-            given.frames, given.bounds, self.mass, mobility, self._weights, self.weights.terminal,
+            given.frames, given.bounds, self.mass, self._mobility, self._weights, self.weights.terminal,
             self.dt, sway,
         )  # fmt: skip
         if verdict == mpc_model.NOT_ROTATION:
             raise ProblemError("frames of contacts must be right-handed rotations (3, 3)")
         if self.fading < math.inf:
             mpc_model.add_wrench(
-                self.outside, self.fading, self.mass, mobility, given.ref_rotation, heading,
+                self.outside, self.fading, self.mass, self._mobility, given.ref_rotation, heading,
                 self._weights, self.weights.terminal, self.dt, drift, q,
             )  # fmt: skip
         if verdict == mpc_model.NOT_FINITE:
             return None
-        P = self._hessians()
-        return HorizonProgram(step, foot, M, limits, centre, P, q, self.weights.force, drift, heading)
+        return HorizonProgram(step, foot, M, limits, centre, self._P, q, self.weights.force, drift, heading)
 
     def _read(
         self,
@@ -291,8 +288,9 @@ class ConvexMpc:
         if schedule.shape != (N, n):
             raise ProblemError(f"contacts must have shape ({N}, {n}), got {schedule.shape}")
         feet = _over_horizon("foot_positions", foot_positions, (N, n, 3))
-        level = np.tile(np.eye(3), (n, 1, 1))
-        turned = _over_horizon("frames", level if frames is None else frames, (N, n, 3, 3))
+        if frames is None:
+            frames = np.tile(np.eye(3), (n, 1, 1))
+        turned = _over_horizon("frames", frames, (N, n, 3, 3))
         bounds = self._bounds if mu is None else self._with_friction(mu)
         motion, ref_motion = np.empty((3, 3)), np.empty((N + 1, 3, 3))
         try:

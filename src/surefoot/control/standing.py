@@ -25,7 +25,7 @@ from surefoot.control.standing_kernels import (
     pd_wrench,
     within_limits,
 )
-from surefoot.control.standing_plan import StandingPlan, Target
+from surefoot.control.standing_plan import StandingPlan, StandingTarget
 from surefoot.log.channels import CHANNELS
 from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot
@@ -242,7 +242,7 @@ class StandingController(Controller):
             self._grasp,
         )
 
-    def _wrench(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
+    def _wrench(self, target: StandingTarget, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the wrench about the centre of mass that the PD law wants: (6,) [N, N m]."""
         wrench, self._pull = pd_wrench(
             self._views.rotation, self._rotation, q, v, target.position, target.velocity, target.acceleration,
@@ -250,7 +250,7 @@ class StandingController(Controller):
         )  # fmt: skip
         return wrench
 
-    def _bounds(self, target: Target) -> tuple[FloatArray, FloatArray]:
+    def _bounds(self, target: StandingTarget) -> tuple[FloatArray, FloatArray]:
         """Return the bounds on the normal force of every contact point; zero for feet in the air.
 
         While nothing changes the same arrays come back, so that an allocation can see that.
@@ -277,7 +277,9 @@ class StandingController(Controller):
             grown = self._integral + (self.dt / INTEGRAL_TIME) * self._pull
             self._integral = np.minimum(np.maximum(grown, -limit), limit)
 
-    def _torques(self, target: Target, forces: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+    def _torques(
+        self, target: StandingTarget, forces: FloatArray, q: FloatArray, v: FloatArray
+    ) -> FloatArray:
         """Return the joint torques that make the feet push, before the limits: (joints,) [N m]."""
         torques = np.asarray(self._views.bias[6:] - self._carried(forces))
         if self._all_held and target.stance.all():
@@ -300,7 +302,7 @@ class StandingController(Controller):
         contact_jacobian(self._views.twists, self._support, self.point_foot, self._points, self._frames, rows)
         return np.asarray(forces.ravel() @ rows[:, 6:])
 
-    def _swing(self, foot: int, target: Target, M: FloatArray, v: FloatArray) -> FloatArray:
+    def _swing(self, foot: int, target: StandingTarget, M: FloatArray, v: FloatArray) -> FloatArray:
         """Return the torques that hold a lifted foot over its place: (joints,) [N m]."""
         pose = self._views.data.oMf[self._frame_ids[foot]]
         place = pose.act(self.robot.feet[foot].centre)

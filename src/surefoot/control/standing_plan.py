@@ -39,7 +39,7 @@ class Lift:
 
 
 @dataclass(frozen=True)
-class Target:
+class StandingTarget:
     """What is wanted at one instant.
 
     Attributes
@@ -102,7 +102,7 @@ class StandingPlan:
         self._keys = self._key_frames()
         n = len(robot.feet)
         still = np.zeros(3)
-        self._idle = Target(
+        self._idle = StandingTarget(
             self.start, still, still, np.ones(n, dtype=bool), np.ones(n), np.zeros(n), np.zeros(n)
         )
 
@@ -153,7 +153,7 @@ class StandingPlan:
     def _times(self) -> FloatArray:
         return np.array([t for t, _ in self._keys])
 
-    def at(self, time: float) -> Target:
+    def at(self, time: float) -> StandingTarget:
         """Return what is wanted at a time [s]."""
         if not self.lifts:
             return self._idle
@@ -173,7 +173,7 @@ class StandingPlan:
                 load[foot] = (lift.start - time) / UNLOAD_TIME
             elif lift.end <= time < lift.end + UNLOAD_TIME:
                 load[foot] = (time - lift.end) / UNLOAD_TIME
-        return Target(position, velocity, acceleration, stance, load, height, climb)
+        return StandingTarget(position, velocity, acceleration, stance, load, height, climb)
 
     def _base(self, time: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the base's wanted position, velocity and acceleration."""

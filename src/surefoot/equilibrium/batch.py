@@ -17,7 +17,7 @@ from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, LEAST_MU, UNDECIDED, 
 from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import checked_gap, com_region
 from surefoot.equilibrium.statics import can_stand, needed_wrench
-from surefoot.equilibrium.tracing import ROOM, Program, certified
+from surefoot.equilibrium.tracing import ROOM, OutlineProgram, certified
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.kernels import kernel
@@ -269,7 +269,9 @@ def _regions(
         if outcome != FEASIBLE or not margin > ROOM:
             continue
         G = np.stack([-lengths[i] * A[i, 4], lengths[i] * A[i, 3]])
-        traced = certified(Program(rows, w, axes[i], count, G, anchors[i, :2].copy(), start), None, tol)
+        traced = certified(
+            OutlineProgram(rows, w, axes[i], count, G, anchors[i, :2].copy(), start), None, tol
+        )
         if traced.unbounded or traced.empty:
             continue
         out[int(k)] = traced.region(anchors[i, 2], np.array([0.0, 0.0, 1.0]), tol)

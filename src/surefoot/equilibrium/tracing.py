@@ -68,7 +68,7 @@ class Traced:
 
 
 @dataclass
-class Program:
+class OutlineProgram:
     """Equations A x = w over cones, the point G x + offset, and a start inside the cones."""
 
     A: FloatArray
@@ -98,7 +98,7 @@ def traced(question: Question, rows: Rows, tol: float) -> Traced:
     return certified(inside, around, tol)
 
 
-def _program(question: Question, rows: Rows, more: float = 0.0) -> Program:
+def _program(question: Question, rows: Rows, more: float = 0.0) -> OutlineProgram:
     """Pick the fixed rows of the wrench, scaled, and the point as a map of the cones' coordinates.
 
     Every contact has so much `more` friction than it was asked about.
@@ -114,10 +114,10 @@ def _program(question: Question, rows: Rows, more: float = 0.0) -> Program:
     A[: len(goal)][moments] /= eq.length
     w[: len(goal)][moments] /= eq.length
     G = np.ascontiguousarray((pick * unscale) @ eq.A[:6])
-    return Program(np.ascontiguousarray(A), w, eq.e, eq.lorentz, G, np.array(offset, dtype=float), w)
+    return OutlineProgram(np.ascontiguousarray(A), w, eq.e, eq.lorentz, G, np.array(offset, dtype=float), w)
 
 
-def certified(inside: Program, around: Program | None, tol: float) -> Traced:
+def certified(inside: OutlineProgram, around: OutlineProgram | None, tol: float) -> Traced:
     """Search, and measure the gap; with a finer estimate where it is not what the search took it for."""
     best = Traced.nothing(math.inf)
     for share in _AIMS:
@@ -137,7 +137,7 @@ def certified(inside: Program, around: Program | None, tol: float) -> Traced:
     return best
 
 
-def _outline(program: Program, tol: float) -> tuple[int, FloatArray, FloatArray, FloatArray]:
+def _outline(program: OutlineProgram, tol: float) -> tuple[int, FloatArray, FloatArray, FloatArray]:
     """Trace a program; return the outcome, the points reached, directions and heights."""
     A, w = program.A, program.w
     Q, T, pivots = np.empty_like(A), np.empty((len(A), len(A))), np.empty(len(A), dtype=np.int64)
@@ -153,7 +153,7 @@ def _outline(program: Program, tol: float) -> tuple[int, FloatArray, FloatArray,
     return outcome, points[:count].copy(), directions[:count].copy(), heights[:count].copy()
 
 
-def _widened(program: Program, s: float, most: float) -> Program | None:
+def _widened(program: OutlineProgram, s: float, most: float) -> OutlineProgram | None:
     """Move the cones' apices back by s, in loads: x + s e in K, in coordinates x + s e; None without room.
 
     Cones of little friction are moved by no more than `most` s: their width is in their friction.

@@ -73,7 +73,7 @@ class DetectionSettings:
             )
 
 
-class Detection(NamedTuple):
+class DetectedContacts(NamedTuple):
     """What is known after one more step.
 
     Attributes
@@ -170,7 +170,7 @@ class ContactDetector(Bound):
 
     def update(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike | None = None, normals: ArrayLike | None = None
-    ) -> Detection:
+    ) -> DetectedContacts:
         """Return which feet touch, after one more step of length dt.
 
         Parameters
@@ -197,14 +197,14 @@ class ContactDetector(Bound):
             self._rate[self.robot.base_dof :] += torque
         return found
 
-    def advance(self, q: FloatArray, v: FloatArray, up: FloatArray) -> Detection:
+    def advance(self, q: FloatArray, v: FloatArray, up: FloatArray) -> DetectedContacts:
         """Do what `update` does, without a look at what is given; the torques are told by `applied`.
 
         See `observe` for the parameters.
         """
         self.observe(q, v, up)
         self._decide(up)
-        return Detection(self._contact.copy(), self.forces.copy())
+        return DetectedContacts(self._contact.copy(), self.forces.copy())
 
     def observe(self, q: FloatArray, v: FloatArray, up: FloatArray) -> BoolArray:
         """Find `forces`, `velocities` and `points` of the feet; return which are pushed by `least`: (n,).

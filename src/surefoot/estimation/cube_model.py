@@ -12,22 +12,26 @@ from surefoot.arrays import FloatArray, whole_number
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.estimation import cube_contact as layout
 from surefoot.estimation.cube_motion import simulate
-from surefoot.estimation.toss_model import Parameter, Scene
+from surefoot.estimation.toss_model import TossParameter, TossScene
 
 LONGEST_STEP = 1e-3
 """Of a simulation [s]."""
-FRICTION = Parameter("mu", 0.02, 1.5, logarithmic=True)
+FRICTION = TossParameter("mu", 0.02, 1.5, logarithmic=True)
 PARAMETERS = {
-    "rigid": (FRICTION, Parameter("restitution", 0.0, 0.9), Parameter("rounding", 0.0, 0.2, "half sides")),
+    "rigid": (
+        FRICTION,
+        TossParameter("restitution", 0.0, 0.9),
+        TossParameter("rounding", 0.0, 0.2, "half sides"),
+    ),
     "spring-damper": (
         FRICTION,
-        Parameter("stiffness", 1e2, 1e6, "N/m", logarithmic=True),
-        Parameter("damping", 1e-1, 1e3, "N s/m", logarithmic=True),
+        TossParameter("stiffness", 1e2, 1e6, "N/m", logarithmic=True),
+        TossParameter("damping", 1e-1, 1e3, "N s/m", logarithmic=True),
     ),
     "hunt-crossley": (
         FRICTION,
-        Parameter("stiffness", 1e2, 1e6, "N/m", logarithmic=True),
-        Parameter("dissipation", 1e-2, 1e2, "s/m", logarithmic=True),
+        TossParameter("stiffness", 1e2, 1e6, "N/m", logarithmic=True),
+        TossParameter("dissipation", 1e-2, 1e2, "s/m", logarithmic=True),
     ),
 }
 """Contact laws by name, and what each of them leaves open.
@@ -74,11 +78,11 @@ class CubeModel:
         return self.law
 
     @property
-    def parameters(self) -> tuple[Parameter, ...]:
+    def parameters(self) -> tuple[TossParameter, ...]:
         """Those of the law."""
         return PARAMETERS[self.law]
 
-    def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
+    def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
         """Return (sum of frames, 7) positions [m] and quaternions."""
         model, axes = self._model(values, scene), scene.plane.rotation
         origin = np.array([0.0, 0.0, scene.plane.height - self._sink(values, scene)])
@@ -95,11 +99,11 @@ class CubeModel:
         poses[:, 3:] = (axes * Rotation.from_quat(poses[:, 3:])).as_quat()
         return poses
 
-    def _sink(self, values: FloatArray, scene: Scene) -> float:
+    def _sink(self, values: FloatArray, scene: TossScene) -> float:
         """Return how deep a soft contact lets the cube sink at rest: the plane was found with it at rest."""
         return 0.0 if self.law == "rigid" else -scene.cube.mass * scene.gravity / (4.0 * values[1])
 
-    def _model(self, values: FloatArray, scene: Scene) -> FloatArray:
+    def _model(self, values: FloatArray, scene: TossScene) -> FloatArray:
         """Return the kernel's model, in the plane's axes and per unit of mass."""
         cube, model = scene.cube, np.zeros(layout.SIZE)
         model[layout.MU], model[layout.HALF] = values[0], cube.half_side

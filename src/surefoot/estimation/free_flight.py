@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.estimation.ground_plane import Plane, corners
+from surefoot.estimation.ground_plane import GroundPlane, corners
 from surefoot.estimation.tosses import Tosses
 from surefoot.spatial import GRAVITY
 
@@ -51,7 +51,7 @@ class FreeFlight:
     rotation_noise: float
 
 
-def flying_frames(tosses: Tosses, plane: Plane) -> IntArray:
+def flying_frames(tosses: Tosses, plane: GroundPlane) -> IntArray:
     """Return (B,) the number of frames before a corner first comes close to the ground."""
     low = plane.above(corners(tosses)).min(axis=1)
     down = low < MARGIN * tosses.cube.width

@@ -27,7 +27,7 @@ OUTLIER = 5.0
 
 
 @dataclass(frozen=True)
-class Plane:
+class GroundPlane:
     """The ground z = height + slope · (x, y).
 
     Attributes
@@ -128,7 +128,7 @@ def _without_outliers(found: GroundPoints) -> GroundPoints:
     """Drop points far from the plane through the others."""
     for _ in range(3):
         height, *slope = found.planes(np.ones((1, len(found.points))))[0]
-        off = np.abs(Plane(height, np.array(slope)).above(found.points))
+        off = np.abs(GroundPlane(height, np.array(slope)).above(found.points))
         limit = OUTLIER * float(np.median(off[found.use])) + 1e-6
         keep = found.use & (off <= limit)
         if keep.sum() < FEWEST:

@@ -26,9 +26,9 @@ from surefoot.estimation.free_flight import (
     gravity_of,
     gravity_terms,
 )
-from surefoot.estimation.ground_plane import Plane, ground_points
+from surefoot.estimation.ground_plane import GroundPlane, ground_points
 from surefoot.estimation.toss_errors import TossErrors, resample, toss_errors
-from surefoot.estimation.toss_model import Scene, TossModel
+from surefoot.estimation.toss_model import TossModel, TossScene
 from surefoot.estimation.toss_search import search, spread_evenly
 from surefoot.estimation.tosses import Tosses, read_tosses
 from surefoot.spatial import GRAVITY
@@ -91,18 +91,18 @@ class TossFit:
 class Surroundings:
     """What is known before a contact law is fitted: the ground and gravity, with their bootstrap draws."""
 
-    plane: Plane
+    plane: GroundPlane
     gravity: float
     planes: FloatArray
     gravities: FloatArray
     flight: FreeFlight
     notes: tuple[str, ...]
 
-    def scene(self, tosses: Tosses) -> Scene:
+    def scene(self, tosses: Tosses) -> TossScene:
         """Return the scene of tosses, these or others on the same ground."""
         frames = flying_frames(tosses, self.plane)
         flight = fit_free_flight(tosses, frames, self.gravity)
-        return Scene(flight.starts, tosses.frames, tosses.dt, self.plane, self.gravity, tosses.cube)
+        return TossScene(flight.starts, tosses.frames, tosses.dt, self.plane, self.gravity, tosses.cube)
 
 
 def surroundings(tosses: Tosses, draws: FloatArray) -> Surroundings:
@@ -111,7 +111,7 @@ def surroundings(tosses: Tosses, draws: FloatArray) -> Surroundings:
     points = ground_points(tosses)
     every = np.ones((1, len(tosses)))
     height, *slope = points.planes(every)[0]
-    plane = Plane(float(height), np.array(slope))
+    plane = GroundPlane(float(height), np.array(slope))
     if not points.resting:
         notes.append(
             "few tosses come to rest: the ground is taken from the lowest places that corners reached"

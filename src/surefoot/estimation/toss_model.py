@@ -8,12 +8,12 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.estimation.ground_plane import Plane
+from surefoot.estimation.ground_plane import GroundPlane
 from surefoot.estimation.tosses import Cube
 
 
 @dataclass(frozen=True)
-class Parameter:
+class TossParameter:
     """A number to be fitted.
 
     Attributes
@@ -39,7 +39,7 @@ class Parameter:
         return np.asarray(self.low + (self.high - self.low) * share)
 
 
-class Scene(NamedTuple):
+class TossScene(NamedTuple):
     """What is known of tosses before a model of contact is fitted.
 
     Attributes
@@ -61,11 +61,11 @@ class Scene(NamedTuple):
     starts: FloatArray
     frames: IntArray
     dt: float
-    plane: Plane
+    plane: GroundPlane
     gravity: float
     cube: Cube
 
-    def subset(self, which: IntArray) -> Scene:
+    def subset(self, which: IntArray) -> TossScene:
         """Return the scene of the tosses with these indices (b,)."""
         return self._replace(starts=self.starts[which], frames=self.frames[which])
 
@@ -79,10 +79,10 @@ class TossModel(Protocol):
         ...
 
     @property
-    def parameters(self) -> tuple[Parameter, ...]:
+    def parameters(self) -> tuple[TossParameter, ...]:
         """What can be fitted."""
         ...
 
-    def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
+    def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
         """Return (sum of frames, 7) positions [m] and quaternions, for (d,) values of the parameters."""
         ...

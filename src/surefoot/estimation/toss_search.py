@@ -19,7 +19,7 @@ from scipy.stats import qmc
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.estimation.response import ResponseSurface, coefficients
 from surefoot.estimation.toss_errors import resample, toss_errors
-from surefoot.estimation.toss_model import Scene, TossModel
+from surefoot.estimation.toss_model import TossModel, TossScene
 from surefoot.estimation.tosses import Tosses
 
 FEW = 96
@@ -43,7 +43,7 @@ FLOOR = 1e-3
 TRIAL_RESAMPLES = 200
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """What a search found.
 
     Attributes
@@ -67,7 +67,7 @@ class Found(NamedTuple):
 class Trials:
     """Points that were tried on a set of tosses, and the corner errors there."""
 
-    def __init__(self, model: TossModel, tosses: Tosses, scene: Scene) -> None:
+    def __init__(self, model: TossModel, tosses: Tosses, scene: TossScene) -> None:
         self._model, self._tosses, self._scene = model, tosses, scene
         self.points: FloatArray = np.empty((0, len(model.parameters)))
         self.errors: FloatArray = np.empty((0, len(tosses)))
@@ -124,11 +124,11 @@ def spread_evenly(tosses: Tosses, count: int) -> IntArray:
 def search(
     model: TossModel,
     tosses: Tosses,
-    scene: Scene,
+    scene: TossScene,
     draws: FloatArray,
     seed: int,
     tick: Callable[[float], None],
-) -> Found:
+) -> SearchResult:
     """Fit a model's parameters.
 
     Parameters
@@ -146,20 +146,20 @@ def search(
     few = spread_evenly(tosses, FEW)
     trials = Trials(model, tosses.subset(few), scene.subset(few))
     trials.add(_design(np.full(d, 0.5), np.full(d, 0.5), FIRST * (d + 1), seed), tick)
-    box = Box(trials.best(), np.full(d, FIRST_HALF))
+    box = SearchBox(trials.best(), np.full(d, FIRST_HALF))
     leading = few.size < len(tosses)
     weights = resample(few.size, TRIAL_RESAMPLES, seed) if leading else draws
     led = _settle(trials, box, weights, seed, tick, coefficients(d) + 3)
     led = _look_around(trials, led, weights, seed, tick)
-    box = Box(led.least, led.target)
+    box = SearchBox(led.least, led.target)
     if leading:
         narrower = led.target * np.sqrt(few.size / len(tosses)) * 1.3
-        box = Box(led.least, np.maximum(narrower, FINEST) / SHRINK)
+        box = SearchBox(led.least, np.maximum(narrower, FINEST) / SHRINK)
         simulated, weights = trials.simulated, draws
         trials = Trials(model, tosses, scene)
         trials.simulated = simulated
     found = _settle(trials, box, weights, seed + ROUNDS, tick, coefficients(d) + 6)
-    return Found(
+    return SearchResult(
         values_of(model, found.least),
         values_of(model, found.surface.minimisers(weights, seed)),
         trials.simulated / len(tosses),
@@ -167,7 +167,7 @@ def search(
     )
 
 
-class Box(NamedTuple):
+class SearchBox(NamedTuple):
     """Where points are tried: (d,) centre and half-width, as shares of the ranges."""
 
     centre: FloatArray
@@ -199,7 +199,7 @@ def _look_around(
         best = trials.best()
         if (np.abs(best - led.least) <= CLOSE * led.target).all():
             break
-        start = Box(best, np.where(np.arange(d) == known, 2.0 * half, FIRST_HALF))
+        start = SearchBox(best, np.where(np.arange(d) == known, 2.0 * half, FIRST_HALF))
         other = _settle(trials, start, weights, seed + LOOK_SEED + ROUNDS, tick, coefficients(d) + 3)
         trials.add(np.stack([led.least, other.least]), tick)
         here, there = trials.losses(np.arange(len(trials.points)) >= len(trials.points) - 2).mean(axis=1)
@@ -210,7 +210,7 @@ def _look_around(
 
 
 def _settle(
-    trials: Trials, box: Box, weights: FloatArray, seed: int, tick: Callable[[float], None], count: int
+    trials: Trials, box: SearchBox, weights: FloatArray, seed: int, tick: Callable[[float], None], count: int
 ) -> Settled:
     """Move and shrink a box over one set of tosses until it holds the minimum and little else."""
     for number in range(ROUNDS):
@@ -225,7 +225,7 @@ def _settle(
         if settled:
             break
         narrower = np.clip(target, SHRINK * box.half, box.half)
-        box = Box(least, np.where(edge, box.half, narrower))
+        box = SearchBox(least, np.where(edge, box.half, narrower))
     return Settled(surface, least, target, settled)
 
 

@@ -20,3 +20,18 @@ def import_pinocchio() -> Any:
     except ImportError as error:
         raise MissingExtra("pin", "robot") from error
     return pinocchio
+
+
+def import_casadi() -> Any:
+    """Return the module casadi.
+
+    Raises
+    ------
+    MissingExtra
+        If it is not installed.
+    """
+    try:
+        import casadi
+    except ImportError as error:
+        raise MissingExtra("casadi", "plan") from error
+    return casadi

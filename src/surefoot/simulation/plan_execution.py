@@ -15,9 +15,9 @@ from surefoot.control.motor_limits import MotorLimited, MotorLimits, motor_limit
 from surefoot.errors import ProblemError
 from surefoot.log import Ending, Log
 from surefoot.planning.tracking import Reference, TrackSettings
-from surefoot.planning.tracking.legs import Legs
 from surefoot.planning.tracking.stand_up import controller_of
 from surefoot.robot import Robot, load_robot
+from surefoot.robot.legs import Legs
 from surefoot.simulation.faults import believed_robot
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.run import Scenario, run

@@ -39,7 +39,6 @@ CASES = {
     "torques": Costs(NONE, TorqueCost(0.2, matrix(12, 3), np.linspace(-1.0, 2.0, 12))),
     "slip": Costs(NONE, feet=FootCost(slip=[1.0, 2.0, 0.0, 0.5], width=0.03)),
     "landing": Costs(NONE, feet=FootCost(landing=[1.0, 0.0, 3.0, 0.5], landing_width=0.05)),
-    "lift": Costs(NONE, feet=FootCost(lift=3.0, heights=[0.05, 0.0, 0.1, 0.02])),
     "joint bounds": Costs(
         NONE, joints=JointCost(2.0, 0.3, positions=np.tile([[-0.3], [0.2]], 12), speeds=0.1)
     ),
@@ -92,9 +91,8 @@ def residuals(costs: Costs, k: int, q: np.ndarray, v: np.ndarray, u: np.ndarray)
             centre = frame.act(np.asarray(f.centre))
             gap, point = centre[2] - f.radius, centre - [0.0, 0.0, f.radius]
             speed = twist.linear + np.cross(twist.angular, point)
-            near = np.sqrt(1.0 / (1.0 + np.exp(gap / foot[2][[0, 0, 1]])))
-            out.append(np.sqrt(foot[0][k, [0, 0, 2], c]) * near * speed)
-            out.append([np.sqrt(foot[0][k, 1, c]) * (gap - foot[1][k, c])])
+            near = np.sqrt(1.0 / (1.0 + np.exp(gap / foot[1][[0, 0, 1]])))
+            out.append(np.sqrt(foot[0][k, [0, 0, 1], c]) * near * speed)
     return np.concatenate(out)
 
 

@@ -21,7 +21,6 @@ from surefoot.planning.shooting import (
     ShootingSettings,
     StateCost,
     TorqueCost,
-    TorqueLimits,
 )
 from surefoot.planning.shooting.guess import holding_torques
 from surefoot.planning.shooting.horizon import FeedbackPolicy, Horizon
@@ -115,7 +114,7 @@ def test_a_hopper_leaves_the_ground_to_reach_a_height(tmp_path: Path) -> None:
     robot = hopper(tmp_path)
     dt, N = 0.02, 30
     start = np.array([-0.48, 0.0])  # the foot's sphere on the ground
-    limits = TorqueLimits(np.array([1e-9, 200.0]))
+    limits = np.array([1e-9, 200.0])
     costs = Costs(
         StateCost([0.0, 1.0, 0.0, 0.1], terminal=[500.0, 50.0, 0.0, 1.0], q=[-0.18, 0.0]), TorqueCost(1e-4)
     )
@@ -193,19 +192,13 @@ def test_a_search_that_is_interrupted_returns_the_best_so_far() -> None:
     assert found.cost < found.costs[0]
 
 
-def test_torque_limits_follow_the_speed() -> None:
-    limits = TorqueLimits.of(go2(), no_load=20.0, corner=10.0)
-    v = np.zeros((3, 18))
-    v[1, 6:], v[2, 6:] = 15.0, -25.0
-    out = np.empty((3, 2, 12))
-    limits.bounds(v, out)
-    effort = go2().effort_limits
-    np.testing.assert_allclose(out[0], [-effort, effort])
-    np.testing.assert_allclose(out[1], [-effort, 0.5 * effort])
-    np.testing.assert_allclose(out[2], [np.zeros(12), effort])
-    weak = squat(limits=TorqueLimits.of(go2(), share=0.2))
+def test_torques_stay_within_limits_that_are_given() -> None:
+    limits = 0.2 * go2().effort_limits
+    weak = squat(limits=limits)
     found = Shooting(weak).solve(place(go2()), np.zeros(18), settings=ShootingSettings(max_iterations=5))
-    assert (np.abs(found.trajectory.torques) <= 0.2 * effort + 1e-12).all()
+    assert (np.abs(found.trajectory.torques) <= limits + 1e-12).all()
+    with pytest.raises(ProblemError, match="limits"):
+        squat(limits=np.ones(3))
 
 
 def test_steps_that_are_not_finite_are_refused_and_change_nothing() -> None:
@@ -244,5 +237,3 @@ def test_bad_problems_are_named(change: dict[str, float]) -> None:
         ShootingProblem(go2(), Costs(StateCost(1.0)), **given)  # type: ignore[arg-type]
     with pytest.raises(ProblemError, match="smoothings"):
         ShootingSettings(smoothings=())
-    with pytest.raises(ProblemError, match="corner"):
-        TorqueLimits.of(go2(), no_load=10.0, corner=12.0)

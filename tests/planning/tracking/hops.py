@@ -7,8 +7,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.control.swing import minimum_jerk
 from surefoot.planning.tracking import Reference
-from surefoot.planning.tracking.legs import Legs
 from surefoot.robot import Robot, place
+from surefoot.robot.legs import Legs
 from surefoot.spatial import GRAVITY
 
 STEP = 0.01

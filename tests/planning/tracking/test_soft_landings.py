@@ -12,7 +12,7 @@ from surefoot.control.whole_body import WholeBodyController
 from surefoot.planning.tracking import Reference
 from surefoot.planning.tracking.flight import Flight, Touchdown, touchdowns
 from surefoot.planning.tracking.landing import BRAKE, NEAR, SLOW, gently
-from surefoot.planning.tracking.legs import Legs
+from surefoot.robot.legs import Legs
 from surefoot.spatial import quaternion_from_rotation, rotation_about
 from tests.planning.tracking.hops import hop
 

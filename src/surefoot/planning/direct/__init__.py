@@ -6,8 +6,8 @@ from surefoot.planning.direct.problem import DirectProblem, Weights, Window
 from surefoot.planning.transcription.contact_rows import Facets, GivenModes, RoundCone
 from surefoot.planning.transcription.guess import Guess
 from surefoot.planning.transcription.planar import planar_biped, planar_hopper
-from surefoot.planning.transcription.symbolic_body import SymbolicBody
 from surefoot.planning.transcription.touches import Touch
+from surefoot.robot.symbolic_body import SymbolicBody
 
 __all__ = [
     "DirectPlan",

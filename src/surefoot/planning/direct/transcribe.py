@@ -17,10 +17,10 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.planning.direct.problem import DirectProblem
 from surefoot.planning.transcription.contact_rows import AXES, ContactLaw, ContactRows
-from surefoot.planning.transcription.forms import import_casadi
 from surefoot.planning.transcription.guess import Guess
 from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, Sides, pack, unpack
-from surefoot.planning.transcription.symbolic_body import SymbolicBody
+from surefoot.robot.libraries import import_casadi
+from surefoot.robot.symbolic_body import SymbolicBody
 
 
 @dataclass(frozen=True)

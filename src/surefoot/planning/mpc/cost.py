@@ -43,8 +43,6 @@ class WalkWeights:
         [s²/rad²].
     slip, width
         Tangential speed of a foot near the ground [s²/m²], and the gap over which that fades [m].
-    lift
-        Of a foot's height [1/m²].
     landing, landing_width
         Of a foot's normal speed near the ground [s²/m²], and the gap over which that fades [m].
     torque
@@ -68,7 +66,6 @@ class WalkWeights:
     joint_speed: float = 0.0042
     slip: float = 0.8
     width: float = 0.016
-    lift: float = 0.0
     landing: float = 0.5
     landing_width: float = 0.016
     torque: float = 0.004
@@ -98,7 +95,7 @@ def walking_costs(robot: Robot, q: FloatArray, weights: WalkWeights) -> Costs:
     return Costs(
         StateCost(state, w.terminal * state, q),
         TorqueCost(w.torque, w.diagonal * alike, holding_torques(robot, q)),
-        FootCost(w.slip, w.width, w.lift, landing=w.landing, landing_width=w.landing_width),
+        FootCost(w.slip, w.width, landing=w.landing, landing_width=w.landing_width),
         JointCost(10.0, 0.1, coupling=coupling if coupling.any() else None),
     )
 

@@ -32,9 +32,9 @@ from surefoot.planning.direct.problem import Window
 from surefoot.planning.schedule.limbs import soles
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.search import ACCEPTED, solve_scheduled
-from surefoot.planning.transcription.forms import import_casadi
 from surefoot.planning.transcription.nlp import Block, Iterate, Sides, Tell, pack, unpack
-from surefoot.planning.transcription.symbolic_body import turn_matrix
+from surefoot.robot.libraries import import_casadi
+from surefoot.robot.symbolic_body import turn_matrix
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 POSITION, ORIENTATION, VELOCITY, MOMENTUM, FORCE, FOOTHOLD = 2.0, 10.0, 0.01, 1.0, 1.0, 1.0

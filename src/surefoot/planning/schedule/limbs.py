@@ -9,13 +9,11 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.transcription.guess import Guess
+from surefoot.robot.legs import Legs
 from surefoot.spatial import rotation_from_quaternion
 
 if TYPE_CHECKING:
     from surefoot.planning.schedule.centroidal import CentroidalMotion
-
-STEPS, DAMPING, LONGEST = 20, 1e-3, 0.3
-"""Of the inverse kinematics: steps a knot, damping [m²], largest change of a joint per step [rad]."""
 
 
 def whole_body_guess(problem: ScheduleProblem, motion: CentroidalMotion) -> Guess:
@@ -35,7 +33,8 @@ def whole_body_guess(problem: ScheduleProblem, motion: CentroidalMotion) -> Gues
     import pinocchio
 
     robot, model, N = problem.robot, problem.robot.model, problem.knots
-    data, joints = model.createData(), robot.joints
+    data, joints, legs = model.createData(), robot.joints, Legs(robot)
+    normal = np.asarray(problem.terrain.frame([0.0, 0.0]))[:, 2]
     pinocchio.centerOfMass(model, data, problem.q)
     lever = rotation_from_quaternion(problem.q[3:7]).T @ (np.array(data.com[0]) - problem.q[:3])
     q = problem.reference.copy()
@@ -47,9 +46,12 @@ def whole_body_guess(problem: ScheduleProblem, motion: CentroidalMotion) -> Gues
         q[k, 3:7] = motion.quaternion[k] / np.linalg.norm(motion.quaternion[k])
         q[k, :3] = motion.com[k] - rotation_from_quaternion(q[k, 3:7]) @ lever
         q[k, 7:] = q[k - 1, 7:]
-        stands = np.flatnonzero(motion.stance[knot])
-        _reach(problem, data, q[k], motion.footholds[knot], stands)
-        for foot in stands:
+        stands = motion.stance[knot]
+        R, feet = rotation_from_quaternion(q[k, 3:7]), legs.feet(q[k, 7:])
+        centres = motion.footholds[knot] + robot.contact_points.foot_radii[:, None] * normal
+        feet[stands] = (centres - q[k, :3])[stands] @ R
+        q[k, 7:] = legs.reach(feet, q[k, 7:])
+        for foot in np.flatnonzero(stands):
             known[k] |= robot.contact_points.foot_support[foot][robot.base_dof :]
     for j in range(joints):
         at = np.flatnonzero(known[:, j])
@@ -81,25 +83,6 @@ def _with_forces(
         torques[k] = torque[robot.base_dof :]
         impulses[k] = world @ frame * problem.dt
     return Guess(q, v, np.clip(torques, -problem.torque_limits, problem.torque_limits), impulses)
-
-
-def _reach(problem: ScheduleProblem, data: Any, q: FloatArray, footholds: FloatArray, stands: Any) -> None:
-    """Move the joints of (nq,) q so that feet reach (n, 3) footholds, as near as they can get [m]."""
-    import pinocchio
-
-    robot, model = problem.robot, problem.robot.model
-    low, high = np.array(model.lowerPositionLimit)[7:], np.array(model.upperPositionLimit)[7:]
-    for _ in range(STEPS):
-        places = soles(problem, data, q)
-        if len(stands) == 0 or np.abs(footholds[stands] - places[stands]).max() < 1e-6:
-            return
-        pinocchio.computeJointJacobians(model, data, q)
-        for foot in stands:
-            J = _jacobian(problem, data, foot)[:, robot.base_dof :]
-            off = footholds[foot] - places[foot]
-            move = J.T @ np.linalg.solve(J @ J.T + DAMPING * np.eye(3) * np.linalg.norm(off), off)
-            q[7:] += move * min(1.0, LONGEST / max(float(np.abs(move).max()), 1e-12))
-        q[7:] = np.clip(q[7:], low, high)
 
 
 def _jacobian(problem: ScheduleProblem, data: Any, foot: int) -> FloatArray:

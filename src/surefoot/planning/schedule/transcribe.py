@@ -21,10 +21,10 @@ from surefoot.control.motor_limits import MotorLimits
 from surefoot.planning.direct.problem import limit_joints
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
-from surefoot.planning.transcription.forms import import_casadi
 from surefoot.planning.transcription.nlp import Block, Sides, pack
-from surefoot.planning.transcription.symbolic_body import SymbolicBody
 from surefoot.robot import Robot
+from surefoot.robot.libraries import import_casadi
+from surefoot.robot.symbolic_body import SymbolicBody
 
 ROUND = 1e-3
 """Rounds the cone's tip, as a share of m g: sqrt(f_t² + ROUND²) has a slope there."""

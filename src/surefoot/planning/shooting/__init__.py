@@ -6,7 +6,6 @@ from surefoot.planning.shooting.problem import (
     ShootingProblem,
     ShootingResult,
     ShootingSettings,
-    TorqueLimits,
 )
 from surefoot.planning.shooting.solver import Shooting
 
@@ -21,5 +20,4 @@ __all__ = [
     "ShootingSettings",
     "StateCost",
     "TorqueCost",
-    "TorqueLimits",
 ]

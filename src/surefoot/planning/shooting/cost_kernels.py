@@ -19,8 +19,8 @@ StateTable = tuple[FloatArray, FloatArray, FloatArray]
 """Weights (N + 1, 2nv), and the wanted q (N + 1, nq) and v (N + 1, nv)."""
 TorqueTable = tuple[FloatArray, FloatArray]
 """R (m, m), and the wanted torques (N, m)."""
-FootTable = tuple[FloatArray, FloatArray, FloatArray]
-"""Weights of slip, height and landing (N, 3, p), wanted heights (N, p), gaps (2,) near for slip, landing."""
+FootTable = tuple[FloatArray, FloatArray]
+"""Weights of slip and landing (N, 2, p), and the gaps (2,) over which they fade."""
 JointTable = tuple[FloatArray, FloatArray, FloatArray]
 """Bounds (2, 2m) on joint positions and speeds, weights (2m,) of what is beyond, coupling (2m, 2m)."""
 
@@ -204,19 +204,16 @@ def _feet_cost(
     J: FloatArray,
     gaps: FloatArray,
     weights: FloatArray,
-    heights: FloatArray,
     widths: FloatArray,
 ) -> float:
-    """Return the cost of feet that slip near the ground, and of their heights."""
+    """Return the cost of feet that slip near the ground, or land fast."""
     total = 0.0
     for c in range(gaps.size):
         for a in range(3):
-            weight = weights[2 if a == 2 else 0, c]
+            weight = weights[a // 2, c]
             if weight > 0.0:
                 move = _closeness(gaps[c], widths[a // 2])[0] * _speed(J, 3 * c + a, v)
                 total += 0.5 * weight * move * move
-        miss = gaps[c] - heights[c]
-        total += 0.5 * weights[1, c] * miss * miss
     return total
 
 
@@ -234,7 +231,7 @@ def _add_row(weight: float, row: FloatArray, residual: float, lx: FloatArray, lx
 @inline_kernel
 def _add_feet(
     v: FloatArray, place: tuple[FloatArray, FloatArray, FloatArray], weights: FloatArray,
-    heights: FloatArray, widths: FloatArray, lx: FloatArray, lxx: FloatArray,
+    widths: FloatArray, lx: FloatArray, lxx: FloatArray,
 ) -> None:  # fmt: skip
     """Add gradient and Hessian of `_feet_cost`; `place` holds J, the derivative of J v by q, and the gaps."""
     J, rates, gaps = place
@@ -243,7 +240,7 @@ def _add_feet(
     for c in range(gaps.size):
         normal = 3 * c + 2
         for a in range(3):
-            weight = weights[2 if a == 2 else 0, c]
+            weight = weights[a // 2, c]
             if weight > 0.0:
                 near, slope = _closeness(gaps[c], widths[a // 2])
                 speed = _speed(J, 3 * c + a, v)
@@ -251,10 +248,6 @@ def _add_feet(
                     row[j] = near * rates[3 * c + a, j] + slope * speed * J[normal, j]
                     row[n + j] = near * J[3 * c + a, j]
                 _add_row(weight, row, near * speed, lx, lxx)
-        if weights[1, c] > 0.0:
-            for j in range(n):
-                row[j], row[n + j] = J[normal, j], 0.0
-            _add_row(weights[1, c], row, gaps[c] - heights[c], lx, lxx)
 
 
 @inline_kernel
@@ -300,7 +293,7 @@ def motion_cost(
         total += _joints_cost(floating, q[k], v[k], joint, error, slope)
         if k < N:
             total += _torque_cost(torques[k], torque[0], torque[1][k], lu)
-            total += _feet_cost(v[k], feet[0][k], feet[2][k], foot[0][k], foot[1][k], foot[2])
+            total += _feet_cost(v[k], feet[0][k], feet[2][k], foot[0][k], foot[1])
     return total
 
 
@@ -335,4 +328,4 @@ def cost_slopes(
         if k < N:
             _torque_cost(torques[k], torque[0], torque[1][k], lu[k])
             luu[k] = torque[0]
-            _add_feet(v[k], (J[k], rates[k], gaps[k]), foot[0][k], foot[1][k], foot[2], lx[k], lxx[k])
+            _add_feet(v[k], (J[k], rates[k], gaps[k]), foot[0][k], foot[1], lx[k], lxx[k])

@@ -6,7 +6,6 @@ Every term is half a weighted sum of squares over the knots::
     torques     ½ (u - u_w)ᵀ R (u - u_w)
     slip        ½ w c(gap)² ||v_t||²,                  c² = 1 / (1 + exp(gap / width))
     landing     ½ w c(gap)² v_n²
-    height      ½ w (gap - h)²
     bounds      ½ w max(0, q - q_max, q_min - q)²      and of the joints' speeds
     coupling    ½ zᵀ C z,                              z = (joints less the wanted ones, their speeds)
 
@@ -119,10 +118,6 @@ class FootCost:
         A number, (p,) or (N, p): weight of tangential speed near the ground [s²/m²].
     width
         Gap over which the weight of a slip falls off [m].
-    lift
-        A number, (p,) or (N, p): weight of the height [1/m²].
-    heights
-        A number, (p,) or (N, p): wanted height [m].
     landing
         A number, (p,) or (N, p): weight of normal speed near the ground [s²/m²].
     landing_width
@@ -131,23 +126,20 @@ class FootCost:
 
     slip: ArrayLike = 0.0
     width: float = 0.02
-    lift: ArrayLike = 0.0
-    heights: ArrayLike = 0.0
     landing: ArrayLike = 0.0
     landing_width: float = 0.02
 
     def table(self, robot: Robot, knots: int) -> FootTable:
-        """Return weights, wanted heights and the width."""
+        """Return the weights and the widths."""
         shape = knots, len(robot.contact_points)
-        weights = np.empty((knots, 3, shape[1]))
+        weights = np.empty((knots, 2, shape[1]))
         weights[:, 0] = _spread("slip", self.slip, shape, low=0.0)
-        weights[:, 1] = _spread("lift", self.lift, shape, low=0.0)
-        weights[:, 2] = _spread("landing", self.landing, shape, low=0.0)
+        weights[:, 1] = _spread("landing", self.landing, shape, low=0.0)
         widths = [
             real_number("width", self.width, low=1e-6),
             real_number("landing_width", self.landing_width, low=1e-6),
         ]
-        return weights, _spread("heights", self.heights, shape), np.array(widths)
+        return weights, np.array(widths)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.planning.shooting.cost_kernels import cost_slopes
 from surefoot.planning.shooting.horizon import FeedbackPolicy, Horizon
-from surefoot.planning.shooting.problem import ShootingProblem, Times, TorqueLimits
+from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.planning.shooting.riccati import backward_pass
 
 ARMIJO = 1e-4
@@ -43,22 +42,21 @@ class Engine:
         (N, 2, m) on the torques of the last rollout [N m].
     spare
         Knots that the next rollout may write to.
-    times
-        Processor time by part.
     """
 
     def __init__(self, problem: ShootingProblem, tol: float = 1e-8) -> None:
         p, N = problem, problem.knots
         self.problem, self.tables = problem, problem.costs.tables(problem.robot, N)
-        self.limits = p.limits or TorqueLimits.of(p.robot)
         self.now, self._next, self.spare = (self.horizon(tol) for _ in range(3))
         m, twice = p.robot.joints, 2 * int(p.robot.model.nv)
         self.gains, self.steps = np.zeros((N, m, twice)), np.zeros((N, m))
         self._slopes, self._predicted = np.zeros((N + 1, twice)), np.zeros(2)
         self._lx, self._lxx = np.zeros((N + 1, twice)), np.zeros((N + 1, twice, twice))
         self._lu, self._luu = np.zeros((N, m)), np.zeros((N, m, m))
-        self.bounds, self._low, self._high = np.zeros((N, 2, m)), np.zeros((N, m)), np.zeros((N, m))
-        self.damping, self.price, self.times = 0.0, 0.0, Times()
+        self._low, self._high = np.zeros((N, m)), np.zeros((N, m))
+        limits = np.asarray(p.limits)
+        self.bounds = np.tile(np.array([-limits, limits]), (N, 1, 1))
+        self.damping, self.price = 0.0, 0.0
         self._scale = float(np.trace(self.tables.torque[0])) / max(m, 1)
 
     def horizon(self, tol: float) -> Horizon:
@@ -71,7 +69,6 @@ class Engine:
 
         Returns whether every step is solved.
         """
-        self.limits.bounds(v, self.bounds)
         torques = np.clip(torques, self.bounds[:, 0], self.bounds[:, 1])
         done = self.now.take(q, v, torques)
         self._settle(done)
@@ -82,12 +79,9 @@ class Engine:
 
         Where one is not, the motion stays as it was.
         """
-        start = time.process_time()
-        self.limits.bounds(self.now.v, self.bounds)
         done = self._next.run((q, v), self.policy, 0.0, self.bounds, close=True)
         if done:
             self.now, self._next = self._next, self.now
-        self.times.rollout += time.process_time() - start
         self._settle(done)
         return done
 
@@ -97,28 +91,25 @@ class Engine:
 
     def differentiate(self, smoothing: float) -> bool:
         """Differentiate the current motion and its cost; return whether the central paths were reached."""
-        start, now = time.process_time(), self.now
+        now = self.now
         done = now.differentiate(smoothing)
         cost_slopes(
             now.floating, now.motion, now.feet, *self.tables, self._lx, self._lxx, self._lu, self._luu
         )
-        self.times.derivative += time.process_time() - start
         return done
 
     def backward(self) -> bool:
         """Run the Riccati recursion; return whether every box program was solved."""
-        start, now = time.process_time(), self.now
-        self.limits.bounds(now.v, self.bounds)
+        now = self.now
         np.subtract(self.bounds[:, 0], now.torques, out=self._low)
         np.subtract(self.bounds[:, 1], now.torques, out=self._high)
-        np.minimum(self._low, 0.0, out=self._low)  # where a torque-speed line has moved below the torque
+        np.minimum(self._low, 0.0, out=self._low)  # rounding
         np.maximum(self._high, 0.0, out=self._high)
         done = backward_pass(
             (now.A, now.B, now.moved, now.gaps), (self._lx, self._lxx, self._lu, self._luu),
             (self._low, self._high), self.damping * self._scale, now.dt, self.gains, self.steps, self._slopes,
             self._predicted,
         )  # fmt: skip
-        self.times.riccati += time.process_time() - start
         return bool(done)
 
     def search(self, shares: Sequence[float]) -> float:
@@ -126,7 +117,7 @@ class Engine:
 
         Gaps that are open have a price above the largest slope of the value: an exact penalty.
         """
-        start, now = time.process_time(), self.now
+        now = self.now
         if now.defect > 0.0:
             self.price = max(self.price, PENALTY * float(np.abs(self._slopes).max()))
         merit, policy = now.cost + self.price * now.defect, self.policy
@@ -142,7 +133,6 @@ class Engine:
                 self.now, self._next = self._next, now
                 taken = share
                 break
-        self.times.rollout += time.process_time() - start
         return taken
 
     def choose(self, candidates: Sequence[tuple[FeedbackPolicy, float]], enough: float) -> int:
@@ -158,9 +148,8 @@ class Engine:
         enough
             The first motion that costs no more ends the search.
         """
-        start, first = time.process_time(), (self.now.q[0].copy(), self.now.v[0].copy())
+        first = (self.now.q[0].copy(), self.now.v[0].copy())
         best, least = -1, np.inf
-        self.limits.bounds(self.now.v, self.bounds)
         for number, (policy, share) in enumerate(candidates):
             if not self._next.run(first, policy, share, self.bounds, close=True):
                 continue
@@ -172,7 +161,6 @@ class Engine:
                 break
         if best >= 0:
             self.now, self.spare = self.spare, self.now
-        self.times.rollout += time.process_time() - start
         return best
 
     @property

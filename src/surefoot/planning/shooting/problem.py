@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -61,62 +61,6 @@ class Goal:
 
 
 @dataclass(frozen=True)
-class TorqueLimits:
-    """What the joints' drives can give.
-
-    Attributes
-    ----------
-    effort
-        (m,) largest torque [N m].
-    no_load
-        (m,) speed at which a drive gives no torque along its motion [rad/s]; None: the same torque at any
-        speed.
-    corner
-        (m,) speed up to which it gives all; None for half of `no_load`.
-    """
-
-    effort: FloatArray
-    no_load: FloatArray | None = None
-    corner: FloatArray | None = None
-
-    @classmethod
-    def of(
-        cls,
-        robot: Robot,
-        share: float = 1.0,
-        no_load: ArrayLike | None = None,
-        corner: ArrayLike | None = None,
-    ) -> TorqueLimits:
-        """Return a share of a robot's own limits, with a line from torque to speed where one is given.
-
-        `no_load` and `corner` are (joints,) speeds [rad/s], or numbers.
-
-        Raises
-        ------
-        ProblemError
-            For numbers out of range, or a corner that is not below the no-load speed.
-        """
-        m = robot.joints
-        effort = real_number("share", share, low=0.0) * robot.effort_limits
-        if no_load is None:
-            return cls(effort)
-        fastest = np.broadcast_to(real_array("no_load", no_load), (m,))
-        bend = 0.5 * fastest if corner is None else np.broadcast_to(real_array("corner", corner), (m,))
-        if not ((bend >= 0.0) & (bend < fastest)).all():
-            raise ProblemError("corner speeds must be between 0 and the no-load speeds")
-        return cls(effort, fastest, bend)
-
-    def bounds(self, v: FloatArray, out: FloatArray) -> None:
-        """Fill out (N, 2, m) with the bounds at velocities (N, nv) [N m]."""
-        out[:, 0], out[:, 1] = -self.effort, self.effort
-        if self.no_load is not None and self.corner is not None:
-            speed = v[: len(out), v.shape[1] - len(self.effort) :]
-            for side, sign in ((0, -1.0), (1, 1.0)):
-                left = np.clip((self.no_load - sign * speed) / (self.no_load - self.corner), 0.0, 1.0)
-                out[:, side] *= left
-
-
-@dataclass(frozen=True)
 class ShootingProblem:
     """A robot, a horizon and a cost.
 
@@ -131,7 +75,7 @@ class ShootingProblem:
     mu, terrain
         Friction and shape of the ground; None for flat.
     limits
-        Of the torques; None for the robot's effort limits.
+        (joints,) largest torques [N m]; None for the robot's effort limits.
     goal
         What has to be reached; None: any lawful motion counts.
 
@@ -147,13 +91,15 @@ class ShootingProblem:
     dt: float = 0.02
     mu: float = 0.6
     terrain: Terrain | None = None
-    limits: TorqueLimits | None = None
+    limits: FloatArray | None = None
     goal: Goal | None = None
 
     def __post_init__(self) -> None:
         whole_number("knots", self.knots, low=1)
         real_number("dt", self.dt, low=1e-6, high=1.0)
         real_number("mu", self.mu, low=0.0, high=1e6)
+        limits = self.robot.effort_limits if self.limits is None else self.limits
+        object.__setattr__(self, "limits", real_array("limits", limits, (self.robot.joints,)))
 
 
 @dataclass(frozen=True)
@@ -194,15 +140,6 @@ class ShootingSettings:
         real_number("tol", self.tol, low=0.0)
 
 
-@dataclass
-class Times:
-    """Processor time of a solve's parts [s]."""
-
-    rollout: float = 0.0
-    derivative: float = 0.0
-    riccati: float = 0.0
-
-
 @dataclass(frozen=True)
 class ShootingResult:
     """What a solve found.
@@ -225,8 +162,6 @@ class ShootingResult:
         Sum of the gaps that the last candidate had open, before its torques were rolled out.
     distance
         From the goal, in its own unit; zero without one.
-    times
-        Processor time by part.
     """
 
     trajectory: Trajectory
@@ -237,7 +172,6 @@ class ShootingResult:
     iterations: int
     defect: float
     distance: float
-    times: Times = field(default_factory=Times)
 
     @property
     def law_residual(self) -> float:

@@ -98,7 +98,7 @@ class Shooting:
             For arrays of the wrong shape, or not finite, and a guess whose steps cannot be solved.
         """
         settings, engine = settings or ShootingSettings(), self.engine
-        engine.damping, engine.price, engine.times = settings.damping, 0.0, type(engine.times)()
+        engine.damping, engine.price = settings.damping, 0.0
         self._start(q, v, torques, states)
         costs: list[float] = [engine.now.cost]
         ended = Status.STALLED
@@ -190,7 +190,6 @@ class Shooting:
             status = Status.SOLVED
         return ShootingResult(
             trajectory, engine.gains.copy(), status, now.cost, tuple(costs), len(costs) - 1, gap, distance,
-            engine.times,
         )  # fmt: skip
 
 

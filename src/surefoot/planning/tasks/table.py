@@ -14,7 +14,6 @@ TASKS: dict[str, str] = {
     "jump": "surefoot.planning.tasks.jump:JUMP",
     "jump-up": "surefoot.planning.tasks.jump:JUMP_UP",
     "backflip": "surefoot.planning.tasks.backflip:BACKFLIP",
-    "trot": "surefoot.planning.tasks.trot:TROT",
     "stand-up": "surefoot.planning.tasks.stand_up:STAND_UP",
 }
 """Name to "module:object"."""

@@ -19,9 +19,9 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.swing import minimum_jerk
 from surefoot.control.whole_body import Kinematics
-from surefoot.planning.tracking.legs import Legs
 from surefoot.planning.tracking.reference import Reference
 from surefoot.robot import Robot
+from surefoot.robot.legs import Legs
 from surefoot.spatial import GRAVITY, rotation_about, rotation_log
 
 PREPARE, READY = 0.25, 0.07

@@ -23,7 +23,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.errors import ProblemError
-from surefoot.planning.transcription.forms import Form, form_named, import_casadi
+from surefoot.planning.transcription.forms import Form, form_named
+from surefoot.robot.libraries import import_casadi
 
 Expression = Any
 OPEN, STICK, SLIDE = 0, 1, 2

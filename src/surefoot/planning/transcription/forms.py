@@ -25,7 +25,8 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra, ProblemError, unknown_name
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.robot.libraries import import_casadi
 
 Pairwise = Callable[[Any, Any, Any], Any]
 """(a, b, eps) to a CasADi column, entry by entry."""
@@ -104,21 +105,6 @@ class Form:
         lower = np.zeros(count) if self.equality else np.full(count, -np.inf)
         cost = 0.0 if self.price is None else casadi.sum1(self.price(a, b, eps))
         return Softened(rows, lower, np.zeros(count), cost)
-
-
-def import_casadi() -> Any:
-    """Return the module casadi.
-
-    Raises
-    ------
-    MissingExtra
-        If it is not installed.
-    """
-    try:
-        import casadi
-    except ImportError as error:
-        raise MissingExtra("casadi", "plan") from error
-    return casadi
 
 
 def _product(a: Any, b: Any, eps: Any) -> Any:

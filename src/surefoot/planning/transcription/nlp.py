@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.planning.transcription.forms import import_casadi
+from surefoot.robot.libraries import import_casadi
 
 Expression = Any
 Sides = tuple[FloatArray, FloatArray]

@@ -16,7 +16,7 @@ from surefoot.arrays import FloatArray
 from surefoot.contact import ContactProblem, Status
 from surefoot.contact.sets import Planar
 from surefoot.planning.trajectory import TOLERANCE, TorquePolicy, Trajectory
-from surefoot.planning.transcription.forms import import_casadi
+from surefoot.robot.libraries import import_casadi
 from surefoot.solvers.solver import solve
 from surefoot.stepping import StepOptions, Stepper
 from surefoot.stepping.arithmetic import with_missed

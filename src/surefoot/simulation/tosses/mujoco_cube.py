@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import FloatArray
 from surefoot.estimation.cube_model import FRICTION, LONGEST_STEP
-from surefoot.estimation.toss_model import Parameter, Scene
+from surefoot.estimation.toss_model import TossParameter, TossScene
 from surefoot.simulation.mujoco_robot import import_mujoco
 from surefoot.spatial import quaternion_wxyz, quaternion_xyzw
 
@@ -41,16 +41,16 @@ class MujocoCube:
     name = "mujoco"
     parameters = (
         FRICTION,
-        Parameter("solref_time", 0.002, 0.1, "s", logarithmic=True),
-        Parameter("solref_ratio", 0.05, 5.0, logarithmic=True),
-        Parameter("solimp_least", 0.05, 0.98),
-        Parameter("solimp_most", 0.6, 0.999),
+        TossParameter("solref_time", 0.002, 0.1, "s", logarithmic=True),
+        TossParameter("solref_ratio", 0.05, 5.0, logarithmic=True),
+        TossParameter("solimp_least", 0.05, 0.98),
+        TossParameter("solimp_most", 0.6, 0.999),
     )
 
     def __init__(self) -> None:
         self._mujoco: Any = import_mujoco()
 
-    def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
+    def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
         """Return (sum of frames, 7) positions [m] and quaternions."""
         steps = max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
         model = self._mujoco.MjModel.from_xml_string(_MODEL.format(**_settings(values, scene, steps)))
@@ -70,7 +70,7 @@ class MujocoCube:
         return poses
 
 
-def _settings(values: FloatArray, scene: Scene, steps: int) -> dict[str, Any]:
+def _settings(values: FloatArray, scene: TossScene, steps: int) -> dict[str, Any]:
     """Return what the model's text leaves open."""
     mu, time, ratio, least, most = (float(v) for v in values)
     most = max(most, least)

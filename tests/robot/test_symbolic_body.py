@@ -7,10 +7,10 @@ import pytest
 
 from benchmarks.problems.chains import chain
 from surefoot.errors import ModelError
-from surefoot.planning.transcription.symbolic_body import SymbolicBody
 from surefoot.robot import load_robot
 from surefoot.robot.contact_points import ContactPoints, contact_points
 from surefoot.robot.foot import shaped_foot
+from surefoot.robot.symbolic_body import SymbolicBody
 
 casadi = pytest.importorskip("casadi")
 pin = pytest.importorskip("pinocchio")

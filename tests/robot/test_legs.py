@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.planning.tracking.legs import Legs
+from surefoot.robot.legs import Legs
 
 
 @pytest.mark.parametrize("name", ["go2", "anymal_c", "solo12"])

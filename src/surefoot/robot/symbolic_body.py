@@ -15,8 +15,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import ModelError
-from surefoot.planning.transcription.forms import import_casadi
-from surefoot.robot import ContactPoints
+from surefoot.robot.contact_points import ContactPoints
+from surefoot.robot.libraries import import_casadi
 
 Expression = Any
 """A CasADi SX matrix."""

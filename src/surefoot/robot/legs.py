@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.robot import Robot
+from surefoot.robot.robot import Robot
 
 DAMPING = 1e-3
 """Of the inverse kinematics, in units of a leg's length."""
