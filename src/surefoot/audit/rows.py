@@ -52,7 +52,7 @@ class Rows:
         return self.points > 0 and not lacking(self.log, names)
 
     def numbers(self, name: str) -> FloatArray:
-        """Return a channel's rows, zero where they are not finite."""
+        """Return a channel's rows (T, ...) in its unit, zero where they are not finite."""
         values = np.asarray(self.log[name], dtype=np.float64)
         finite = np.isfinite(values)
         return values if finite.all() else np.where(finite, values, 0.0)

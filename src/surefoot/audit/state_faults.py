@@ -84,15 +84,15 @@ def clock(shift: Callable[[FloatArray, int], None]) -> Spoil:
 
 
 def twice(time: FloatArray, row: int) -> None:
-    """Repeat a time stamp."""
+    """Repeat a stamp of (T,) time [s]."""
     time[row] = time[row - 1]
 
 
 def back(time: FloatArray, row: int) -> None:
-    """Set the clock back."""
+    """Set the clock of (T,) time back [s]."""
     time[row:] -= 0.05
 
 
 def gap_in_time(time: FloatArray, row: int) -> None:
-    """Leave rows out."""
+    """Leave rows out: (T,) time goes on later [s]."""
     time[row:] += 0.1

@@ -129,7 +129,10 @@ def _run(
 def try_stage(
     stage: Stage, problem: ContactProblem, settings: SolverSettings, best: FloatArray
 ) -> Answer | None:
-    """Return what a stage answers; None where it is not one for the problem, or its package is missing."""
+    """Return what a stage answers from the best forces (rows,) so far, in the problem's unit of force.
+
+    None where it is not one for the problem, or its package is missing.
+    """
     part = LOOKS.get(stage.name)
     if part is not None:
         return part(problem, settings, best)
@@ -146,13 +149,13 @@ def try_stage(
 
 
 def look_for_proof(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
-    """Return the best forces so far with a proof that there is no solution; None without one."""
+    """Return the best forces (rows,) so far, any unit, with a proof that there is no solution; else None."""
     proof = find_proof(problem, settings.max_time)
     return None if proof is None else Answer(best, 0, Status.INFEASIBLE, proof=proof)
 
 
 def look_early(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
-    """Do so in little time."""
+    """Return what `look_for_proof` does in little time, with the best forces (rows,), any unit."""
     return look_for_proof(problem, SolverSettings(max_time=min(settings.max_time, EARLY_TIME)), best)
 
 
@@ -160,7 +163,7 @@ def solve_parts(problem: ContactProblem, settings: SolverSettings, best: FloatAr
     """Solve the connected parts one by one, the smallest first; None where there is only one.
 
     Each has an equal share of the iterations and of the time that the ones before it have left. Parts that
-    the best forces so far solve are left as they are.
+    the best forces (rows,), any unit, solve are left as they are.
     """
     label = connected_parts(problem)
     count = int(label.max()) + 1
@@ -192,7 +195,7 @@ def solve_parts(problem: ContactProblem, settings: SolverSettings, best: FloatAr
 
 
 def part_of(problem: ContactProblem, members: IntArray) -> tuple[ContactProblem, IntArray]:
-    """Return the problem of some contacts alone, and its rows among the whole one's."""
+    """Return the problem of some contacts (k,) alone, and its rows (m,) among all: dimensionless."""
     if problem.general:
         contacts, offsets = problem.contact_set, problem.contact_set.offsets
         rows = np.concatenate([np.arange(offsets[k], offsets[k + 1]) for k in members])

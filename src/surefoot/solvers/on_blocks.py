@@ -44,7 +44,7 @@ def more_newton(problem: ContactProblem, settings: SolverSettings, warm_start: F
 def admm_and_newton(
     problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer:
-    """Run ADMM from a warm start, with Newton steps from where it is every now and then, on any contacts.
+    """Run ADMM from a warm start (rows,), any unit, with Newton steps every now and then, on any contacts.
 
     It sorts out who slides long before it converges.
     """
