@@ -81,7 +81,7 @@ def step_memory(
 
 
 def part(numbers: IntArray, memory: FloatArray, which: int, *shape: int) -> FloatArray:
-    """Return a part of a `step_memory`, such as `MAP`: a view (...), any unit, of a shape with one size -1."""
+    """Return a part of a `step_memory`, such as `MAP`: a view (...), any unit; one size may be -1."""
     start, end = numbers[PARTS + which : PARTS + which + 2]
     return memory[start:end].reshape(shape)
 
