@@ -17,12 +17,12 @@ $(BIN)/python:
 
 # What standing needs; what tests, plans, files and frameworks need comes with $(VENV)/.installed, stamps of their own.
 $(VENV)/.stand: pyproject.toml constraints.txt | $(BIN)/python
-	@echo "setting up: downloading and installing what standing needs (extras robot, sim, viz: about 1.1 GB on disk)"
+	@echo "setting up: downloading and installing what standing needs (extras robot, sim, viz: 1.7 GB on disk)"
 	@$(INSTALL) -e '.[robot,sim,viz]'
 	@touch $@
 
 $(VENV)/.installed: pyproject.toml constraints.txt | $(BIN)/python
-	@echo "setting up: downloading and installing everything (extras all, dev: about 2 GB on disk)"
+	@echo "setting up: downloading and installing everything (extras all, dev: 3 GB on disk)"
 	@$(INSTALL) -e '.[all,dev]'
 	@touch $@ $(VENV)/.stand
 

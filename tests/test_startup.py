@@ -54,6 +54,7 @@ def run(code: str, *path: Path, **environment: str) -> str:
 def test_cones_need_neither_numba_nor_scipy() -> None:
     code = """
 import sys, surefoot as sf
+from surefoot.cones import ProductCone
 cone = sf.FrictionCone(mu=0.6)
 forces = [[1.0, 2.0, 3.0], [9.0, 0.0, 1.0]]
 for each in (cone, cone.dual()):
@@ -61,7 +62,7 @@ for each in (cone, cone.dual()):
 pyramid = cone.polyhedral(facets=8, fit="outer")
 pyramid.contains(forces), pyramid.halfspaces, pyramid.rays, pyramid.fit_error, pyramid.margin([0.0, 0.0, 1.0])
 sf.WrenchCone(0.2, 0.1, 0.6).contains([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
-sf.ProductCone([cone, cone]).project([0.0] * 6)
+ProductCone([cone, cone]).project([0.0] * 6)
 print([name for name in ("numba", "scipy") if name in sys.modules])
 """
     assert run(code).strip() == "[]"

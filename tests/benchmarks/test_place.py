@@ -26,7 +26,7 @@ def test_an_installed_package_says_where_they_are(
     app = typer.Typer()
     app.callback()(main.surefoot)
     app.add_typer(bench.commands(tmp_path / "benchmarks"), name="bench")
-    monkeypatch.setattr(main, "app", app)
+    monkeypatch.setattr(main, "_tree", lambda: typer.main.get_command(app))
     assert main.main(["bench", *words]) == 2
     said = capfd.readouterr()
     assert said.out == ""

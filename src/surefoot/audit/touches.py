@@ -28,13 +28,36 @@ LONGEST_ROW = 5e-3
 
 
 def rebound(rows: Rows) -> Measured:
-    """Return the energy that touches have given back beyond what they took: (T, p) [J]."""
-    up = rows.velocities[..., 2]
-    value, taken = returned_work(rows.normal, up, rows.dt, rows.loaded, rows.setting.after)
+    """Return the energy that touches have given back beyond what they took: (T, p) [J].
+
+    A body on several contacts hands energy from one to another, and from friction to the normal: at fault is
+    what all contacts together have given, too, since none was loaded; where that is not among the rows, what
+    those have that are loaded now. And what the force has given along the gap, where it is known: the contact
+    point of a foot that rolls is known to a share of its way only.
+    """
+    loaded, dt, after = rows.loaded, rows.dt, rows.setting.after
+    value, taken = returned_work(rows.normal, rows.velocities[..., 2], dt, loaded, after)
     limit = np.maximum(REBOUND * rows.setting.weight, REBOUND_SHARE * taken)
+    any_loaded = loaded.any(axis=1, keepdims=True)
+    chain = _since_touchdown(_work(rows).sum(axis=1, keepdims=True), any_loaded)
+    begun = np.logical_or.accumulate(~any_loaded, axis=0)
+    together = np.where(begun, chain, value.sum(axis=1, keepdims=True))
+    if rows.has("gaps"):
+        rise = np.diff(rows.gaps, axis=0, append=rows.gaps[-1:])
+        along = _since_touchdown(np.where(loaded, rows.normal * rise, 0.0), loaded)
+        together = np.minimum(together, along)
     before = np.concatenate([value[:1].repeat(rows.window(RETURN_TIME), 0), value])[: len(value)]
     returns = value - before > 0.5 * limit  # the rows that give it back, not the rest of the touch
-    return value, limit, (value > limit) & returns
+    return value, limit, (value > limit) & (together > limit) & returns
+
+
+def _work(rows: Rows) -> FloatArray:
+    """Return the work of the whole force of every contact in each row: (T, p) [J]."""
+    v, after = rows.velocities, rows.setting.after
+    ends = np.concatenate([v[:1], v, v[-1:]])
+    first, last = (ends[:-2], ends[1:-1]) if after else (ends[1:-1], ends[2:])
+    work = 0.5 * (rows.forces * (first + last)).sum(axis=-1) * rows.dt[:, None]
+    return np.where(rows.loaded, work, 0.0)
 
 
 def sparse(log: Log, setting: Setting) -> str:

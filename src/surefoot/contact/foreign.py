@@ -17,7 +17,7 @@ from surefoot.errors import ProblemError
 LARGEST_ASYMMETRY = 0.2
 """Largest |G - Gᵀ| over largest |G| that is read."""
 NOTED_ASYMMETRY = 1e-12
-SHRINKS, SMALL = 1100, 4096
+SHRINKS, SMALL = 1100, 1 << 20
 """An array claims at most so many times its bytes in the file, deflate's limit, beside so many bytes."""
 LARGEST_DENSE = 2**27
 """Entries of the largest dense matrix that is made of a sparse one in a file: 1 GB."""

@@ -186,7 +186,7 @@ def holds_lcp(path: Path) -> bool:
 def _read_matrix(numbers: _Numbers) -> FloatArray | sp.csr_matrix:
     storage, rows, columns = (int(i) for i in numbers.integers(3))
     # vectors of both lengths follow, so what is left is longer: looked at before memory is asked for
-    if max(rows, columns) > len(numbers.words) - numbers.at:
+    if storage in (DENSE, BLOCKS, SPARSE) and max(rows, columns) > len(numbers.words) - numbers.at:
         raise ProblemError(f"{numbers.name}: a matrix is {rows}x{columns}, more than the file can hold")
     if storage == DENSE:
         again = tuple(int(i) for i in numbers.integers(2))

@@ -349,7 +349,7 @@ class WholeBodyController:
         loaded = ~self._loose
         offset[loaded] -= middle[loaded]
         # in units in which the range is as wide as the box of the limits
-        scale = np.divide(self.limits, half, out=np.ones_like(half), where=np.isfinite(half))
+        scale = np.divide(self.limits, half, out=np.ones_like(half), where=np.isfinite(half) & (half > 0.0))
         return self._limited.solve(
             self._part(MAP, 6, -1),
             self._part(TARGET, 6),

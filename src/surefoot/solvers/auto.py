@@ -28,7 +28,8 @@ from surefoot.solvers import on_blocks, plans
 from surefoot.solvers.compiled import COMPILED_CONTACTS, attempt
 from surefoot.solvers.infeasibility import find_proof
 from surefoot.solvers.newton_sparse import NO_GUESS
-from surefoot.solvers.plans import EARLY_PROOF, PARTS, PROOF, Plan, Stage
+from surefoot.solvers.newton_step import FEW
+from surefoot.solvers.plans import EARLY_PROOF, ON_BLOCKS, PARTS, PROOF, Plan, Stage
 from surefoot.solvers.solver import (
     Answer,
     SolverFunction,
@@ -79,10 +80,12 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
 def _small_plan(problem: ContactProblem, forces: FloatArray | None) -> Plan:
     """Return the plan of few contacts, in the order that the compiled call's forces suggest."""
     plan = plans.CONES[problem.law]
-    if forces is None or not worst_of(problem, forces) < NEARLY:
-        return plan
-    rest = tuple(stage for stage in plan if stage.name != PROOF)  # it has a solution, probably
-    return (*rest[:2], Stage(PROOF), *rest[2:])
+    if problem.contacts > FEW:  # a dense iteration of ADMM costs more than a sweep on blocks
+        plan = tuple(sorted(plan, key=lambda stage: stage.name not in (PARTS, PROOF, ON_BLOCKS)))
+    if forces is not None and worst_of(problem, forces) < NEARLY:  # it has a solution, probably
+        plan = tuple(sorted(plan, key=lambda stage: stage.name == PROOF))
+        plan = (*plan[:2], *(stage for stage in plan if stage.name == PROOF), *plan[2:-1])
+    return plan
 
 
 def _run(
@@ -216,6 +219,7 @@ def part_of(problem: ContactProblem, members: IntArray) -> tuple[ContactProblem,
 LOOKS = {PROOF: look_for_proof, EARLY_PROOF: look_early, PARTS: solve_parts}
 """Stages that look at the problem with the best forces so far, and may end the plan."""
 FUNCTIONS: dict[str, SolverFunction] = {
+    ON_BLOCKS: on_blocks.on_blocks,
     plans.ADMM_AND_NEWTON: on_blocks.admm_and_newton,
     plans.MORE_NEWTON: on_blocks.more_newton,
 }

@@ -25,7 +25,6 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.optimize import linprog
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.laws import Law
@@ -121,6 +120,8 @@ def _by_rays(rays: FloatArray, G: FloatArray, g: FloatArray, end: float) -> Floa
         return None
     limit = {"time_limit": left} if left < math.inf else {}
     rows = rays.T @ G @ rays
+    from scipy.optimize import linprog  # takes 0.2 s to import: only where a proof is looked for
+
     found = linprog(
         rays.T @ g, A_eq=rows, b_eq=np.zeros(len(rows)), bounds=(0.0, 1.0), method="highs", options=limit
     )  # type: ignore[call-overload]

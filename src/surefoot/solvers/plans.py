@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 PARTS, PROOF, EARLY_PROOF = "connected parts apart", "infeasibility proof", "early infeasibility proof"
-ADMM_AND_NEWTON, MORE_NEWTON = "admm and newton", "more newton on blocks"
+ON_BLOCKS, MORE_NEWTON = "sweeps and newton on blocks", "more newton on blocks"
+ADMM_AND_NEWTON = "admm and newton"
 """What is tried besides solvers; see `auto`. The early proof is looked for in little time."""
 
 
@@ -41,6 +42,7 @@ CONES: dict[str, Plan] = {
         Stage(PROOF),
         Stage("newton"),
         Stage("admm", 1500),
+        Stage(ON_BLOCKS, 20_000),
         Stage("interior_point"),
         Stage("admm", 10_000, warm=True),
         Stage("nsgs", 20_000, warm=True),
