@@ -57,7 +57,7 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
         names = words if len(words) > 1 and not words[1].startswith("-") else (words[0], "slide", *words[1:])
         return (*names, "--no-pictures")
     if words[0] == "plan":  # coarse: the knots of 10 ms are tests/planning's
-        coarse = words[1] in ("jump", "backflip", "jump-up") and "--dt" not in words
+        coarse = words[1] in ("jump", "backflip", "jump-up") and not {"--dt", "--road"} & set(words)
         return (*words, *(("--dt", "0.03") if coarse else ()), "--no-video", "--no-report")
     if words[0] == "sweep":
         return (*_alone(words), "--samples", "4", "--backend", "serial")
