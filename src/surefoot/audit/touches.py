@@ -38,7 +38,7 @@ def rebound(rows: Rows) -> Measured:
     loaded, dt, after = rows.loaded, rows.dt, rows.setting.after
     value, taken = returned_work(rows.normal, rows.velocities[..., 2], dt, loaded, after)
     limit = np.maximum(REBOUND * rows.setting.weight, REBOUND_SHARE * taken)
-    any_loaded = loaded.any(axis=1, keepdims=True)
+    any_loaded = np.asarray(loaded.any(axis=1, keepdims=True))
     chain = _since_touchdown(_work(rows).sum(axis=1, keepdims=True), any_loaded)
     begun = np.logical_or.accumulate(~any_loaded, axis=0)
     together = np.where(begun, chain, value.sum(axis=1, keepdims=True))
