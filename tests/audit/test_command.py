@@ -79,3 +79,11 @@ def test_one_cannot_tell_is_exit_code_3(tmp_path: Path) -> None:
     path = tmp_path / "log.npz"
     changed(log_of(RUNS[1]), keep=("forces",)).save(path)
     assert main(["audit", str(path)]) == 3
+
+
+def test_a_log_without_its_robot_is_left_as_it_was() -> None:
+    log = changed(log_of(TROT), facts={"robot": "nobody's"})
+    before = {name: np.array(array) for name, array in log.arrays.items()}
+    sf.audit_log(log)
+    for name, array in before.items():
+        np.testing.assert_array_equal(log[name], array)

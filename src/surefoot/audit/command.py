@@ -22,7 +22,7 @@ from surefoot.audit.report import Finding, Task
 from surefoot.audit.rows import Rows, pieces, sliding_mean
 from surefoot.audit.setting import Setting
 from surefoot.audit.stand import displaced
-from surefoot.audit.symptoms.fits import pyramid_facets, rotation_between
+from surefoot.audit.symptoms.fits import pyramid_facets, rotation_between, turned_by
 from surefoot.audit.walk import SETTLED, follows
 from surefoot.log import Ending, Log
 from surefoot.spatial import rotation_from_quaternion
@@ -141,7 +141,7 @@ def _answer(rows: Rows) -> FloatArray:
 def _other_forces(rows: Rows) -> tuple[FloatArray, float]:
     f, stance = rows.numbers("forces_commanded"), _active(rows)
     if rows.balanced is None:
-        stance &= rows.loaded
+        stance = stance & rows.loaded  # not in place: the flags are the log's own
     off = sliding_mean(np.where(stance[..., None], _answer(rows) - f, 0.0), rows.window(WINDOW))
     return np.linalg.norm(off, axis=-1) / rows.setting.weight, MISMATCH
 
@@ -173,7 +173,7 @@ def _named(found: Finding, rows: Rows, column: int) -> Finding:
         words = "the forces are those commanded with the other sign"
         return replace(found, name="reversed", evidence=words, cause="action and reaction are exchanged")
     turn = rotation_between(asked, given)
-    angle = float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))))
+    angle = turned_by(turn)
     if angle > 3.0 and explained(asked @ turn.T) > EXPLAINED:
         words = f"the forces are those commanded, turned by {angle:.0f} deg"
         cause = "J^T f with force and Jacobian in different frames (LOCAL with world forces, another normal)"

@@ -41,8 +41,7 @@ def state(rows: Rows) -> Measured:
     q, v = rows.numbers("q"), rows.numbers("v")
     slips = state_slips(q, v, rows.dt)
     if slips is not None:
-        scale = np.full(v.shape[1], LEVER)
-        scale[: q.shape[1] - v.shape[1] and 3] = 1.0  # of a free base, the place
+        scale = levers(q, v)
         w = rows.window(TIME)
         off, step = np.abs(sliding_sum(slips, w)) * scale, np.abs(v) * scale * rows.dt[:, None]
         bound = STATE_LIMIT + _highest(step, w) + DRIFT * sliding_sum(step, w)
@@ -108,6 +107,13 @@ def state_slips(q: FloatArray, v: FloatArray, dt: FloatArray) -> FloatArray | No
         out[:-1, :3] = np.diff(q[:, :3], axis=0) - 0.5 * step * (world[:-1] + world[1:])
         out[:-1, 3:6] = _turns(R) - step * mean[:, 3:6]
     return out
+
+
+def levers(q: FloatArray, v: FloatArray) -> FloatArray:
+    """Return what makes ways of all velocity components of rows q (T, nq), v (T, nv): (nv,) [m/rad, 1]."""
+    scale = np.full(v.shape[1], LEVER)
+    scale[: q.shape[1] - v.shape[1] and 3] = 1.0  # of a free base, the place
+    return scale
 
 
 def gap_slips(gaps: FloatArray, velocity: FloatArray, dt: FloatArray, after: bool) -> FloatArray:

@@ -53,9 +53,7 @@ def rebound(rows: Rows) -> Measured:
 
 def _work(rows: Rows) -> FloatArray:
     """Return the work of the whole force of every contact in each row: (T, p) [J]."""
-    v, after = rows.velocities, rows.setting.after
-    ends = np.concatenate([v[:1], v, v[-1:]])
-    first, last = (ends[:-2], ends[1:-1]) if after else (ends[1:-1], ends[2:])
+    first, last = _both_ends(rows.velocities, rows.setting.after)
     work = 0.5 * (rows.forces * (first + last)).sum(axis=-1) * rows.dt[:, None]
     return np.where(rows.loaded, work, 0.0)
 
@@ -84,8 +82,7 @@ def returned_work(
     after
         Whether a row's velocity is that after its force has acted.
     """
-    ends = np.concatenate([velocity[:1], velocity, velocity[-1:]])
-    first, last = (ends[:-2], ends[1:-1]) if after else (ends[1:-1], ends[2:])
+    first, last = _both_ends(velocity, after)
     half = 0.5 * normal * dt[:, None]
     given = np.where(loaded, half * (np.maximum(first, 0.0) + np.maximum(last, 0.0)), 0.0)
     taken = np.where(loaded, -half * (np.minimum(first, 0.0) + np.minimum(last, 0.0)), 0.0)
@@ -97,6 +94,12 @@ def returned_work(
         np.where(known, _since_touchdown(given - taken, loaded), 0.0),
         np.where(known, _since_touchdown(taken, loaded), 0.0),
     )
+
+
+def _both_ends(velocity: FloatArray, after: bool) -> tuple[FloatArray, FloatArray]:
+    """Return the velocities (T, ...) before and after the force of each row, see `returned_work` [m/s]."""
+    ends = np.concatenate([velocity[:1], velocity, velocity[-1:]])
+    return (ends[:-2], ends[1:-1]) if after else (ends[1:-1], ends[2:])
 
 
 def _since_touchdown(values: FloatArray, loaded: BoolArray) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.audit.continuity import LEVER, state_slips
+from surefoot.audit.continuity import levers, state_slips
 from surefoot.audit.episode import Episode
 from surefoot.audit.symptoms.symptom import Evidence, symptom
 from surefoot.spatial import GRAVITY
@@ -166,6 +166,4 @@ def _slips(e: Episode) -> FloatArray:
     slips = state_slips(q, v, e.rows.dt)
     if slips is None:
         return np.zeros(len(v))
-    scale = np.full(v.shape[1], LEVER)
-    scale[: q.shape[1] - v.shape[1] and 3] = 1.0
-    return np.asarray(np.linalg.norm(slips * scale, axis=1))
+    return np.asarray(np.linalg.norm(slips * levers(q, v), axis=1))

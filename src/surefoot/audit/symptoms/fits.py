@@ -18,6 +18,11 @@ def rotation_between(true: FloatArray, logged: FloatArray) -> FloatArray:
     return np.asarray(U @ turn @ V)
 
 
+def turned_by(turn: FloatArray) -> float:
+    """Return the angle of a rotation (3, 3) [deg]."""
+    return float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))))
+
+
 def best_shift(true: FloatArray, logged: FloatArray, most: int, core: slice) -> tuple[float, int]:
     """Return the share of the mismatch explained by the best shift in time, and its rows (late: positive).
 

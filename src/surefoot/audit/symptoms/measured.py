@@ -6,7 +6,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.audit.episode import Episode
-from surefoot.audit.symptoms.fits import best_shift, rotation_between
+from surefoot.audit.symptoms.fits import best_shift, rotation_between, turned_by
 from surefoot.audit.symptoms.symptom import Evidence, symptom
 
 _SIGNS = np.array([[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
@@ -27,7 +27,7 @@ def wrong_frame(e: Episode) -> Evidence | None:
     if true is None:
         return None
     turn = rotation_between(true, e.force)
-    angle = float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))))
+    angle = turned_by(turn)
     share = e.explained(true @ turn.T)
     if angle < 3.0 or share < 0.8:
         return None
