@@ -62,7 +62,7 @@ contact.residuals        certify_dense        contact/test_contact_residuals.py:
 contact.scales           scales_blocks        contact/test_scales.py::test_speeds_are_those_of_connected_parts
 contact.scales           scales_dense         contact/test_scales.py::test_speeds_are_those_of_connected_parts by scales
 contact.scales           symmetric_norm       contact/test_scales.py::test_the_norm_of_a_block_is_numpys
-control.allocation       draw_to_parallel     control/test_standing.py::test_draw_to_parallel_kernel_against_plain_numpy
+equilibrium.allocation       draw_to_parallel     control/test_standing.py::test_draw_to_parallel_kernel_against_plain_numpy
 control.damping          computable           control/test_whole_body_kernels.py::test_only_states_of_finite_size_are_computable
 control.feet_kernels follow_phases            control/test_feet_kernels.py::test_feet_are_followed_one_by_one
 control.feet_kernels ramp_shares              control/test_feet_kernels.py::test_ramps_rise_and_fall
@@ -70,8 +70,8 @@ control.feet_kernels set_timing               control/test_feet_kernels.py::test
 control.foothold         raibert              control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.foothold         step_place           control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.force_ramps      mean_shares          control/test_force_ramps.py::test_mean_shares_are_means
-control.latency          fitting              control/test_torque_kernels.py::test_the_delay_that_fits_is_that_of_plain_sums
-control.latency          note                 control/test_torque_kernels.py::test_the_delay_that_fits_is_that_of_plain_sums
+control.latency          fitting              control/test_wiring.py::test_the_delay_that_fits_is_that_of_plain_sums
+control.latency          note                 control/test_wiring.py::test_the_delay_that_fits_is_that_of_plain_sums
 control.mpc_model        add_wrench           control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
 control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time
 control.mpc_model        build                control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
@@ -90,16 +90,16 @@ control.swing            swing_places         control/test_swing.py::test_places
 control.swing_even       even_swing           control/test_swing_even.py::test_velocity_and_acceleration_are_derivatives
 control.swing_even       ramped_step          control/test_swing_even.py::test_the_ramped_step_is_the_integral_of_its_acceleration
 control.swing_even       smooth_bump          control/test_swing_even.py::test_the_bump_is_highest_where_it_says
-control.torque_kernels commanded          control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics by torques_of
-control.torque_kernels exceeded           control/test_whole_body_kernels.py::test_excess_is_told_apart
-control.torque_kernels   friction_losses      control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
-control.torque_kernels   hold_to_motors       control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
-control.torque_kernels   motor_bounds         control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
-control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
-control.torque_kernels   torque_range         control/test_torque_kernels.py::test_the_usable_range_is_within_motors_and_command
+control.whole_body_step commanded control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics by torques_of
+control.whole_body_step exceeded control/test_whole_body_kernels.py::test_excess_is_told_apart
+robot.actuators friction_losses robot/test_motor_kernels.py::test_bounds_and_losses_are_those_of_the_curve
+robot.motor_limits hold_to_motors robot/test_motor_kernels.py::test_bounds_and_losses_are_those_of_the_curve
+robot.motor_limits motor_bounds robot/test_motor_kernels.py::test_bounds_and_losses_are_those_of_the_curve
+control.whole_body_step recover control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
+robot.actuators torque_range robot/test_motor_kernels.py::test_the_usable_range_is_within_motors_and_command
 control.walking_kernels  advance_body         control/test_feet_kernels.py::test_a_body_goes_where_it_should
 control.walking_kernels  body_rise            control/test_feet_kernels.py::test_a_body_goes_where_it_should
-control.walking_kernels  mode_rows            control/test_walking_kernels.py::test_rows_of_a_repeated_table_are_those_of_the_schedule by horizon
+stance.gait mode_rows stance/test_gait.py::test_rows_of_a_repeated_table_are_those_of_the_schedule by horizon
 control.walking_kernels  cruise               control/test_walking_kernels.py::test_a_steady_body_moves_along_chords_of_its_arc
 control.walking_kernels  follow               control/test_walking_kernels.py::test_a_body_is_led_back_to_its_motion
 control.walking_kernels  plane_through        control/test_walking_kernels.py::test_the_plane_is_that_of_least_squares
@@ -267,7 +267,7 @@ solvers.dual_newton.dense minimise            solvers/test_dual_newton.py::test_
 solvers.dual_newton.horizon newton            solvers/test_dual_newton_horizon.py::test_the_answer_is_a_fixed_point_of_projected_gradients
 solvers.dual_newton.method descend            solvers/test_dual_newton_method.py::test_newton_finds_the_root_and_the_points_are_those_of_it
 solvers.dual_newton.method follow_path        solvers/test_dual_newton_method.py::test_the_path_ends_at_the_same_root
-solvers.dual_newton.rows distribute_with_rows control/test_force_distribution_torques.py::test_torque_limits_against_clarabel by solve
+solvers.dual_newton.rows distribute_with_rows equilibrium/test_force_distribution_torques.py::test_torque_limits_against_clarabel by solve
 solvers.dual_newton.rows row_violation        solvers/test_dual_newton_rows.py::test_row_violation_and_limits
 solvers.dual_newton.work column               solvers/test_dual_newton_work.py::test_rows_hold_what_is_stored
 solvers.dual_newton.work combine              solvers/test_dual_newton_work.py::test_rows_hold_what_is_stored

@@ -7,7 +7,7 @@ import pytest
 
 from surefoot.control import whole_body_kernels as kernels
 from surefoot.control.damping import LARGEST, computable
-from surefoot.control.torque_kernels import exceeded, recover
+from surefoot.control.whole_body_step import exceeded, recover
 
 NV, FEET = 12, 3
 

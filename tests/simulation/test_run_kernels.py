@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.control.motor_limits import MotorLimits
+from surefoot.robot.motor_limits import MotorLimits
 from surefoot.simulation.mujoco_actuators import load_joints
 from surefoot.simulation.run_kernels import any_reached, loaded_feet
 

@@ -35,9 +35,9 @@ from typing import TypeAlias
 import numpy as np
 
 from surefoot.arrays import BoolArray
-from surefoot.control.contact_schedule import ContactSchedule
-from surefoot.control.gait import MAX_FLIGHT, Gait, ModeSchedule, mode_feet
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.stance.contact_schedule import ContactSchedule
+from surefoot.stance.gait import MAX_FLIGHT, Gait, ModeSchedule, mode_feet
 
 QUADRUPED = ("LF", "RF", "LH", "RH")
 BIPED = ("LF", "RF")

@@ -5,13 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.control.latency import EVIDENCE, fitting, note
-from surefoot.control.torque_kernels import (
-    friction_losses,
-    hold_to_motors,
-    motor_bounds,
-    torque_range,
-)
+from surefoot.robot.actuators import friction_losses, torque_range
+from surefoot.robot.motor_limits import hold_to_motors, motor_bounds
 
 
 def driving(
@@ -65,29 +60,3 @@ def test_the_usable_range_is_within_motors_and_command() -> None:
     assert (half[bounded] < 0.3 * limits[bounded]).any()  # spins away: the motor can hardly brake
     assert (middle[~bounded] == 0.0).all()
     assert np.isinf(half[~bounded]).all()
-
-
-def test_the_delay_that_fits_is_that_of_plain_sums() -> None:
-    random, rows, joints, keep = np.random.default_rng(7), 6, 3, 0.9
-    asked, misfit, plain = np.zeros((rows, joints)), np.zeros(rows), np.zeros(rows)
-    given: list[np.ndarray] = []
-    steps = believed = 0
-    for count in range(40):
-        delay = 2 if count < 20 else 4
-        if count:
-            told = given[count - 1 - delay] if count > delay else np.zeros(joints)
-            steps = fitting(asked, count, told, keep, misfit, steps)
-            past = [given[count - 1 - k] if k < count else np.zeros(joints) for k in range(rows)]
-            plain = keep * plain + np.array([((row - told) ** 2).sum() for row in past])
-            best = int(np.argmin(plain[:count]))
-            believed = best if EVIDENCE * plain[best] < plain[believed] else believed
-            np.testing.assert_allclose(misfit, plain, atol=1e-12)
-            assert steps == believed
-        given.append(random.normal(size=joints))
-        note(asked, count + 1, given[-1])
-    assert steps == 4
-    before = misfit.copy()
-    assert fitting(asked, 40, np.array([np.nan, 0.0, 0.0]), keep, misfit, 3) == 3
-    np.testing.assert_array_equal(misfit, before)
-    note(asked, 41, np.array([np.nan, np.inf, 1.0]))
-    np.testing.assert_array_equal(asked[40 % rows], [0.0, 0.0, 1.0])
