@@ -10,10 +10,9 @@ import typer
 
 from surefoot.arrays import whole_number
 from surefoot.cli import options
-from surefoot.cli.console import say, show, table
+from surefoot.cli.console import progress_bar, say, show, table
 from surefoot.cli.extras import picture_folder
 from surefoot.cli.output import check_out
-from surefoot.cli.progress import progress_bar
 from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:  # the other commands need no compiled code

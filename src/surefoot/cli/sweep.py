@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.cli import options
-from surefoot.cli.console import plain_console, say, show, table
-from surefoot.cli.progress import progress_bar
+from surefoot.cli.console import plain_console, progress_bar, say, show, table
 from surefoot.cli.signals import INTERRUPTED, ends_softly
 from surefoot.errors import ProblemError
 
