@@ -156,7 +156,8 @@ def test_arrows_travel_with_their_cones_and_cones_are_sent_once(shared: tuple[Sh
         assert not arrow.points[0, 0].any()
         assert arrow.points[0, 1, 2] > 0.05
     assert moment.reading.forces[:, 2].sum() > 0.0
-    shared[0].kick(np.array([0.0, 80.0, 0.0]))
+    with shared[0].held() as held:
+        held.kick(np.array([0.0, 80.0, 0.0]))
     time.sleep(0.05)
     again = page.drawing().shapes
     for name in on:

@@ -60,7 +60,15 @@ def worlds(
         _print(outcomes[-1], console)
     for name, why in absent.items():
         console.print(f"{name}: not here: {why}")
-    drawn = _draw(outcomes, out, console) if pictures else []
+    paths: list[str] = []
+
+    def draw(folder: Path) -> Path:
+        paths.extend(_draw(outcomes, folder))
+        return folder
+
+    folder, note = extras.drawn(pictures, out, "worlds", draw)
+    if pictures:
+        console.print(note or f"pictures: {folder}")
     agrees = all(outcome.agrees for outcome in outcomes)
     if as_json:
         facts = {
@@ -69,7 +77,7 @@ def worlds(
             "absent": {name: str(error) for name, error in absent.items()},
             "agrees": agrees,
             "experiments": {outcome.experiment.name: _facts(outcome) for outcome in outcomes},
-            "pictures": drawn,
+            "pictures": paths,
         }
         print(to_json(facts))
     console.print(_headline(outcomes, agrees))
@@ -88,8 +96,8 @@ def _headline(outcomes: list[WorldsOutcome], agrees: bool) -> str:
 
 def _print(outcome: WorldsOutcome, console: Console) -> None:
     rows: list[tuple[str, ...]] = []
-    last = ""
-    for row in sorted(outcome.rows, key=lambda r: [x.quantity for x in outcome.rows].index(r.quantity)):
+    order, last = list(dict.fromkeys(row.quantity for row in outcome.rows)), ""
+    for row in sorted(outcome.rows, key=lambda row: order.index(row.quantity)):
         name = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
         numbers = (f"{size:.1e}" for size in (row.error, row.step_error, row.tolerance))
         place = ("" if name == last else name, f"{row.exact:.6g}", row.world, f"{row.value:.6g}")
@@ -103,20 +111,13 @@ def _print(outcome: WorldsOutcome, console: Console) -> None:
         console.print(f"{outcome.experiment.name} in {world}: {why}")
 
 
-def _draw(outcomes: list[WorldsOutcome], out: Path, console: Console) -> list[str]:
+def _draw(outcomes: list[WorldsOutcome], folder: Path) -> list[str]:
     """Draw a picture of each experiment, and return their paths."""
-    from surefoot.cli.extras import picture_folder
-
-    folder, why = picture_folder(out, "worlds")
-    if folder is None:
-        console.print(why)
-        return []
     from surefoot.viz.world_plots import draw_outcome, draw_overview
 
     paths = [str(draw_outcome(o, folder / f"{o.experiment.name}.png")) for o in outcomes if o.seen]
     if len(paths) > 1:
         paths.append(str(draw_overview(outcomes, folder / "overview.png")))
-    console.print(f"pictures: {folder}")
     return paths
 
 
