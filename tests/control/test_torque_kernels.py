@@ -1,15 +1,13 @@
-"""What motors give at a speed, against plain NumPy."""
+"""What motors give at a speed, delays, and torques beyond limits, against plain NumPy."""
 
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
+from surefoot.control.damping import LARGEST, computable
 from surefoot.control.latency import EVIDENCE, fitting, note
 from surefoot.control.torque_kernels import (
-    friction_losses,
-    hold_to_motors,
-    motor_bounds,
+    exceeded,
     torque_range,
 )
 
@@ -21,26 +19,6 @@ def driving(
     falling = (use < 1.0).astype(float) if knee >= 1.0 else np.clip((1.0 - use) / (1.0 - knee), 0.0, 1.0)
     with np.errstate(invalid="ignore"):
         return np.where(falling == 0.0, 0.0, share * falling * effort)
-
-
-@pytest.mark.parametrize(("knee", "share"), [(0.45, 0.86), (1.0, 1.0), (0.0, 0.5)])
-def test_bounds_and_losses_are_those_of_the_curve(knee: float, share: float) -> None:
-    random = np.random.default_rng(5)
-    speed = np.concatenate([random.normal(scale=20.0, size=40), [0.0, -0.0, np.inf, -30.0, 30.0]])
-    effort, fastest = random.uniform(5.0, 40.0, len(speed)), random.uniform(10.0, 40.0, len(speed))
-    effort[::7], fastest[::5] = np.inf, np.inf
-    speed = np.where(np.isinf(speed) & np.isinf(fastest), 1.0, speed)
-    low, high = motor_bounds(speed, effort, fastest, knee, share)
-    along = driving(speed, effort, fastest, knee, share)
-    np.testing.assert_allclose(low, -np.where(speed < 0.0, along, effort))
-    np.testing.assert_allclose(high, np.where(speed > 0.0, along, effort))
-    asked = np.concatenate([random.normal(scale=60.0, size=len(speed) - 3), [np.nan, np.inf, -np.inf]])
-    given = asked.copy()
-    hold_to_motors(given, speed, effort, fastest, knee, share)
-    np.testing.assert_array_equal(given, np.minimum(np.maximum(asked, low), high))
-    damping, friction = random.uniform(0.0, 1.0, (2, 40))
-    lost = friction_losses(speed[:40], damping, friction, 0.1)
-    np.testing.assert_allclose(lost, damping * speed[:40] + friction * np.tanh(speed[:40] / 0.1))
 
 
 def test_the_usable_range_is_within_motors_and_command() -> None:
@@ -91,3 +69,18 @@ def test_the_delay_that_fits_is_that_of_plain_sums() -> None:
     np.testing.assert_array_equal(misfit, before)
     note(asked, 41, np.array([np.nan, np.inf, 1.0]))
     np.testing.assert_array_equal(asked[40 % rows], [0.0, 0.0, 1.0])
+
+
+def test_only_states_of_finite_size_are_computable() -> None:
+    for bad in (np.nan, np.inf, -np.inf, 1.1 * LARGEST, -1.1 * LARGEST):
+        x = np.array([1.0, bad, 0.0])
+        assert computable(np.ones(3), x) == computable(x, np.ones(3)) == bool(np.abs(x).max() <= LARGEST)
+    assert computable(np.full(3, LARGEST), np.zeros(0))
+
+
+def test_excess_is_told_apart() -> None:
+    middle, half = np.array([0.5, 0.0, 0.0]), np.array([1.0, 2.0, np.inf])
+    loose = np.array([True, False, False])
+    light, heavy, most, finite = exceeded(np.array([-1.0, 1.0, 7.0]), middle, half, loose)
+    assert (light, heavy, most, finite) == (1.5, 0.5, 0.5, True)
+    assert not exceeded(np.array([0.0, np.nan, 0.0]), middle, half, loose)[3]
