@@ -1,12 +1,10 @@
 from __future__ import annotations
 
 import json
-import math
 
 import numpy as np
-import pytest
 
-from benchmarks.momentum import WAYS, MomentumTiming, time_momentum
+from benchmarks.momentum import WAYS, time_momentum
 from benchmarks.rigid_world import drop
 from surefoot.cli.main import main
 
@@ -17,15 +15,6 @@ def test_every_way_is_timed_and_checked():
     for way in WAYS:
         assert len(timing.seconds[way]) == 4
         assert min(timing.seconds[way]) > 0.0
-
-
-def test_growth_is_the_exponent_of_what_was_run():
-    links = (10, 20, 40, 80)
-    squares = tuple(1e-6 * n**2 for n in links)
-    short = (1e-6 * 10, 1e-6 * 20, 1e-6 * 40, math.nan)
-    timing = MomentumTiming(links, {"summed": squares, "pinocchio": short}, 0.0)
-    assert timing.growth("summed") == pytest.approx(2.0)
-    assert timing.growth("pinocchio") == pytest.approx(1.0)
 
 
 def test_command_prints_json_only_and_draws(capsys, tmp_path):
