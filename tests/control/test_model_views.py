@@ -1,4 +1,4 @@
-"""Views of Pinocchio's data follow it."""
+"""Small pieces of whole-body control: views of Pinocchio's data, what is computable, torques beyond limits."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import numpy as np
 import pinocchio
 import pytest
 
+from surefoot.control.damping import LARGEST, computable
 from surefoot.control.model_views import ModelViews
+from surefoot.control.whole_body_step import exceeded
 from surefoot.robot import Robot, load_robot
 
 
@@ -44,3 +46,18 @@ def test_views_follow_the_data(name: str) -> None:
     pinocchio.nonLinearEffects(robot.model, own.data, robot.nominal, np.zeros(robot.model.nv))
     assert np.array_equal(own.bias, np.array(own.data.nle))
     assert np.array_equal(views.bias, before)
+
+
+def test_only_states_of_finite_size_are_computable() -> None:
+    for bad in (np.nan, np.inf, -np.inf, 1.1 * LARGEST, -1.1 * LARGEST):
+        x = np.array([1.0, bad, 0.0])
+        assert computable(np.ones(3), x) == computable(x, np.ones(3)) == bool(np.abs(x).max() <= LARGEST)
+    assert computable(np.full(3, LARGEST), np.zeros(0))
+
+
+def test_excess_is_told_apart() -> None:
+    middle, half = np.array([0.5, 0.0, 0.0]), np.array([1.0, 2.0, np.inf])
+    loose = np.array([True, False, False])
+    light, heavy, most, finite = exceeded(np.array([-1.0, 1.0, 7.0]), middle, half, loose)
+    assert (light, heavy, most, finite) == (1.5, 0.5, 0.5, True)
+    assert not exceeded(np.array([0.0, np.nan, 0.0]), middle, half, loose)[3]

@@ -5,7 +5,6 @@ import pinocchio as pin
 import pytest
 
 import surefoot as sf
-from surefoot.control.allocation import ExactAllocation, SolverAllocation
 from surefoot.control.controller import RobotState
 from surefoot.control.standing import (
     FORCE_WEIGHT,
@@ -20,6 +19,7 @@ from surefoot.control.standing_kernels import (
     within_limits,
 )
 from surefoot.control.standing_plan import Lift, StandingPlan
+from surefoot.equilibrium.allocation import ExactAllocation, SolverAllocation
 from surefoot.spatial import GRAVITY, rotation_about, rotation_log
 
 

@@ -19,7 +19,7 @@ from benchmarks.problems.allocations import (
 )
 from benchmarks.problems.allocations import grasp_map as grasp_map_of
 from surefoot.solvers.dual_newton import wrench as distribution_wrench
-from tests.control.distributors import SOLVED, distributor_of, some_map
+from tests.equilibrium.distributors import SOLVED, distributor_of, some_map
 
 
 def test_agrees_with_clarabel_on_random_instances():

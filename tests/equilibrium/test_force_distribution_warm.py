@@ -13,7 +13,7 @@ from benchmarks.problems.allocations import (
     pushed_stance,
 )
 from surefoot.solvers.dual_newton import work as distribution_work
-from tests.control.distributors import SOLVED, distributor_of
+from tests.equilibrium.distributors import SOLVED, distributor_of
 
 
 def test_contacts_switch_without_a_trace():
