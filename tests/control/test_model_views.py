@@ -1,4 +1,4 @@
-"""Small pieces of whole-body control: views of Pinocchio's data, what is computable, torques beyond limits."""
+"""Pieces of whole-body control: views of Pinocchio's data, what is computable, torques beyond limits."""
 
 from __future__ import annotations
 

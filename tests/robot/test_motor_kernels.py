@@ -1,4 +1,4 @@
-"""What motors give at a speed, delays, and torques beyond limits, against plain NumPy."""
+"""What a motor gives at a speed, within a command, against plain NumPy."""
 
 from __future__ import annotations
 
