@@ -8,9 +8,7 @@ from pathlib import Path
 import pytest
 
 from surefoot.cli.main import main
-from surefoot.errors import ProblemError
 from surefoot.log.formats import read_log
-from surefoot.terrain import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain, read_terrain
 
 QUICK = ("--duration", "1.2", "--no-video")
 
@@ -105,19 +103,6 @@ def test_wrong_input_is_one_line_and_exit_code_two(
     assert code == 2
     assert message in said
     assert said.count("\n") == 1
-
-
-def test_terrains_are_read() -> None:
-    assert isinstance(read_terrain("flat"), FlatTerrain)
-    slope, stairs, rough = (read_terrain(t) for t in ("slope:-10", "stairs:0.1,0.25", "rough:3,0.04"))
-    assert isinstance(slope, SlopeTerrain)
-    assert slope.degrees == -10.0
-    assert isinstance(stairs, StairsTerrain)
-    assert (stairs.rise, stairs.tread) == (0.1, 0.25)
-    assert isinstance(rough, HeightfieldTerrain)
-    assert 0.03 < rough.heights.max() <= 0.04
-    with pytest.raises(ProblemError, match="is not one of"):
-        read_terrain("stairs:0.1")
 
 
 def test_bench_faults_prints_what_was_survived(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

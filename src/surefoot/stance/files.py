@@ -67,7 +67,7 @@ def read_stance(path: str | Path) -> StanceQuestion:
 
 def stance_from_dict(content: Any, name: str = "stance") -> StanceQuestion:
     """Return the question that the parsed YAML stands for; see `read_stance`."""
-    top = _mapping("the file", content, _TOP, required=("mass", "com"))
+    top = known_mapping("the file", content, _TOP, required=("mass", "com"))
     mu = real_number("mu", top.get("mu", 0.6), low=0.0)
     entries = top.get("contacts", [])
     if not isinstance(entries, list):
@@ -137,7 +137,7 @@ def _contact_entry(contact: Contact) -> dict[str, Any]:
 
 def _contact(where: str, entry: Any, mu: float) -> Contact:
     """Return one contact; errors name the entry."""
-    given = _mapping(where, entry, _CONTACT, required=("position",))
+    given = known_mapping(where, entry, _CONTACT, required=("position",))
     options: dict[str, Any] = {
         key: given[key]
         for key in ("position", "normal", "heading", "normal_min", "normal_max")
@@ -156,7 +156,9 @@ def _contact(where: str, entry: Any, mu: float) -> Contact:
         raise ProblemError(f"{where}: {error}") from error
 
 
-def _mapping(where: str, value: Any, valid: tuple[str, ...], required: tuple[str, ...]) -> dict[str, Any]:
+def known_mapping(
+    where: str, value: Any, valid: tuple[str, ...], required: tuple[str, ...]
+) -> dict[str, Any]:
     """Return a mapping with known keys only, the required ones among them."""
     if not isinstance(value, dict):
         raise ProblemError(f"{where} must be a mapping with keys {', '.join(valid)}, got {value!r:.60}")
