@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.control.controller import Command, RobotState
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.robot import Robot
 from surefoot.simulation.world import World
 from surefoot.spatial import quaternion_from_rotation, rotation_about, rotation_from_quaternion
@@ -56,8 +56,7 @@ class Faults:
         names = world.robot.joint_names
         strength = np.full(len(names), real_number("strength", self.strength, low=0.0, high=10.0))
         if self.weak_joint:
-            if self.weak_joint not in names:
-                raise ProblemError(unknown_name("joint", self.weak_joint, names))
+            check_name("joint", self.weak_joint, names)
             strength[names.index(self.weak_joint)] *= 1.0 - self.torque_loss
         late = round(real_number("delay", self.delay, low=0.0, high=1.0) / world.dt)
         for start, duration in self.dropouts:

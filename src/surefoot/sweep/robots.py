@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.sweep.experiment import number
 from surefoot.sweep.grounded import Grounded
@@ -78,8 +78,7 @@ class RobotRun(Grounded):
     def __post_init__(self) -> None:
         if not isinstance(self.robot, str) or "/" in self.robot or self.robot.endswith((".urdf", ".xml")):
             raise ProblemError(f"robot must be the name of a known robot, got {self.robot!r:.60}")
-        if self.world not in tuple(WORLDS):  # a list would not be hashable
-            raise ProblemError(unknown_name("world", self.world, WORLDS))
+        check_name("world", self.world, WORLDS)  # a list would not be hashable
         super().__post_init__()
         if (self.push_x or self.push_y) and self.push_time >= self.duration:
             raise ProblemError(f"push_time {self.push_time:g} s is after the end, {self.duration:g} s")
@@ -182,8 +181,7 @@ class Walk(RobotRun):
 
         super().__post_init__()
         walks = [name for name in gait_names() if name != "stand"]
-        if self.gait not in walks:
-            raise ProblemError(unknown_name("gait", self.gait, walks))
+        check_name("gait", self.gait, walks)
 
     def _begin(self, robot: Robot, terrain: Terrain) -> tuple[Controller, dict[str, Any]]:
         from surefoot.control.walking import WalkingController, WalkSettings

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.simulation.experiments.bodies import BODIES
 from surefoot.simulation.experiments.experiment import WorldExperiment
 from surefoot.simulation.experiments.robots import ROBOTS
@@ -19,6 +19,5 @@ def experiment_named(name: str) -> WorldExperiment:
     ProblemError
         If there is none of that name; the message lists them.
     """
-    if name not in EXPERIMENTS:
-        raise ProblemError(unknown_name("experiment", name, EXPERIMENTS))
+    check_name("experiment", name, EXPERIMENTS)
     return EXPERIMENTS[name]
