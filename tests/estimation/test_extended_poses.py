@@ -10,17 +10,9 @@ from hypothesis.extra.numpy import arrays
 from scipy.linalg import expm
 
 from surefoot.arrays import FloatArray
-from surefoot.estimation.extended_poses import (
-    adjoint,
-    apply,
-    exponential,
-    gammas,
-    inverse,
-    logarithm,
-    move,
-    product,
-)
+from surefoot.estimation.extended_poses import apply, gammas, move
 from surefoot.spatial import skew
+from tests.estimation.poses import adjoint, exponential, inverse, logarithm, product
 
 VECTORS = arrays(np.float64, 3, elements=st.floats(-4.0, 4.0))
 ALGEBRA = arrays(np.float64, 12, elements=st.floats(-3.0, 3.0))

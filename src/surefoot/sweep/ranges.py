@@ -101,7 +101,7 @@ def _interval(name: str, entry: dict[str, Any]) -> NumberRange:
     for end in ends:
         if isinstance(end, bool) or end == "":
             raise ProblemError(f"{name} must be a number, got {end!r}")
-    low, high = (real_number(name, end) for end in ends)  # type: ignore[arg-type]
+    low, high = (real_number(name, end) for end in ends)
     scale = entry.get("scale", "linear")
     if low > high:
         raise ProblemError(f"{name} must have low <= high, got [{low:g}, {high:g}]")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
     from surefoot.control.controller import Controller
     from surefoot.log import Log
     from surefoot.robot import Robot
-    from surefoot.simulation.scenario import Scenario
-    from surefoot.simulation.world import World
 
 PUSH_LENGTH = 0.2
 """Length of a push [s]."""
@@ -89,7 +86,9 @@ class RobotRun(Grounded):
 
     def run(self, seed: int) -> dict[str, Any]:
         """Return how the robot stood or walked."""
+        from surefoot.simulation.engine_warnings import engine_warnings
         from surefoot.simulation.faults import Faults
+        from surefoot.simulation.run import run
         from surefoot.simulation.scenario import Push, Scenario
 
         robot, terrain = known_robot(self.robot), self.ground(seed)
@@ -101,7 +100,8 @@ class RobotRun(Grounded):
         force = (self.push_x, self.push_y, 0.0)
         pushes = [Push(self.push_time, force, PUSH_LENGTH)] if any(force) else []
         scenario = Scenario(self.duration, self.mu, pushes, seed=seed, faults=faults, **start)
-        log = run_quietly(world, controller, scenario)
+        with engine_warnings():  # not into the worker's folder: the results tell of a lost state
+            log = run(world, controller, scenario)
         summary, more = self._judge(log)
         return {
             "survived": bool(summary.success),
@@ -212,18 +212,3 @@ def ground_work(log: Log) -> float:
     forces, velocities = np.asarray(log["forces"]), np.asarray(log["contact_velocities"])
     power = np.maximum(forces[..., 2] * velocities[..., 2], 0.0)
     return float(power.sum() * log.fact("dt"))
-
-
-def run_quietly(world: World, controller: Controller, scenario: Scenario) -> Log:
-    """Run, and keep MuJoCo's warnings out of the worker's folder: the results tell of a lost state."""
-    from surefoot.simulation.run import run
-
-    if "mujoco" not in sys.modules:
-        return run(world, controller, scenario)
-    mujoco: Any = sys.modules["mujoco"]
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(lambda _text: None)
-    try:
-        return run(world, controller, scenario)
-    finally:
-        mujoco.set_mju_user_warning(before)
