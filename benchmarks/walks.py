@@ -8,12 +8,12 @@ from functools import cache
 from typing import Any
 
 from surefoot.audit import WalkSummary, summarise_walk
-from surefoot.control.actuators import Actuators, actuators_of
 from surefoot.control.controller import Controller
 from surefoot.control.walkers import walking_controller
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
+from surefoot.robot.actuators import Actuators, actuators_of
 from surefoot.simulation.faults import Faults, scaled_robot
 from surefoot.simulation.height_scan import RangeSensor
 from surefoot.simulation.run import run

@@ -14,7 +14,7 @@ from surefoot.simulation import drake_python
 _EXTRA_OF = {
     "pin": "robot", "example-robot-data": "robot", "mujoco": "sim", "imageio": "sim",
     "imageio-ffmpeg": "sim", "matplotlib": "viz", "clarabel": "qp", "qpsolvers": "qp",
-    "viser": "lab", "drake": "drake", "jax": "jax", "mujoco-mjx": "mjx",
+    "viser": "lab", "drake": "drake", "pybullet": "bullet", "jax": "jax", "mujoco-mjx": "mjx",
     "pyarrow": "sweep", "joblib": "sweep", "ray": "scale", "distributed": "scale",
 }  # fmt: skip
 _MODULE_OF = {"pin": "pinocchio", "imageio-ffmpeg": "imageio_ffmpeg"}

@@ -110,8 +110,8 @@ def _allocation(setup: _Setup, mu: float, said: ScenarioFile) -> Any:
         return None
     import numpy as np
 
-    from surefoot.control.allocation import SolverAllocation
     from surefoot.control.standing import FORCE_WEIGHT, wrench_weights
+    from surefoot.equilibrium.allocation import SolverAllocation
 
     points = sum(len(foot.centres) for foot in setup.robot.feet)
     weights = wrench_weights(setup.robot, setup.q)

@@ -130,8 +130,8 @@ def _controller(planner: str, task: _Task) -> Any:
 
 def _convex(task: _Task) -> Any:
     """Return the controller that follows a gait."""
-    from surefoot.control.actuators import actuators_of
     from surefoot.control.walkers import default_gait, walking_controller
+    from surefoot.robot.actuators import actuators_of
 
     robot, belief = task.robot, task.belief
     schedule = _schedule(robot, task.gait or default_gait(robot), task.said)
@@ -160,16 +160,16 @@ def _contact_implicit(task: _Task) -> Any:
 
 def _file_motors(robot: Any) -> Any:
     """Return what an MJCF file says of its motors."""
-    from surefoot.control.actuators import told_actuators
+    from surefoot.robot.actuators import told_actuators
 
     return told_actuators(robot)
 
 
 def _schedule(robot: Any, gait: str, said: ScenarioFile) -> Any:
     """Return a gait's name, or the schedule of a file."""
-    from surefoot.control.gait import Gait
-    from surefoot.control.gait_library import named_gait
     from surefoot.interop.gait_files import read_gaits
+    from surefoot.stance.gait import Gait
+    from surefoot.stance.gait_library import named_gait
 
     if said.gait_file is None:
         return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)

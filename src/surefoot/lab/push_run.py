@@ -12,7 +12,6 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.controller import RobotState
-from surefoot.control.gait_library import gait_names
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import SimulationError, SurefootError
@@ -23,6 +22,7 @@ from surefoot.simulation.scenario import Fall
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.world import ContactReading
 from surefoot.spatial import GRAVITY
+from surefoot.stance.gait_library import gait_names
 from surefoot.terrain import FlatTerrain
 
 LIE = 1.5

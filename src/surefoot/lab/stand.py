@@ -10,9 +10,9 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.cones.cone import Fit
-from surefoot.control.stance_forces import distribute
 from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import com_region
+from surefoot.equilibrium.stance_forces import distribute
 from surefoot.equilibrium.statics import can_stand, friction_needed
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, whole_number
 from surefoot.audit import audit_log
-from surefoot.control.controller import Controller
-from surefoot.control.motor_limits import MotorLimited, MotorLimits, motor_limits
+from surefoot.control.controller import Command, Controller, RobotState, Wrapper
 from surefoot.errors import ProblemError
 from surefoot.log import Ending, Log
 from surefoot.planning.tracking import Reference, TrackSettings
 from surefoot.planning.tracking.stand_up import controller_of
 from surefoot.robot import Robot, load_robot
 from surefoot.robot.legs import Legs
+from surefoot.robot.motor_limits import MotorLimits, motor_limits
 from surefoot.simulation.faults import scaled_robot
 from surefoot.simulation.link_touches import LinkTouches
 from surefoot.simulation.run import Scenario, run
@@ -294,3 +294,25 @@ def _shortfall(robot: Robot, log: Log, reference: Reference, links: tuple[tuple[
     if links and reference.begins_standing:
         return "touched: " + ", ".join(" on ".join(pair) for pair in links)
     return ""
+
+
+class MotorLimited(Wrapper):
+    """A controller whose torques pass through motors: what they cannot give at a joint's speed is cut off.
+
+    Parameters
+    ----------
+    controller
+        Who commands.
+    limits
+        Of the motors.
+    """
+
+    def __init__(self, controller: Controller, limits: MotorLimits) -> None:
+        super().__init__(controller)
+        self.limits = limits
+
+    def step(self, state: RobotState) -> Command:
+        """Return the controller's command with the torques that the motors give."""
+        command = self.controller.step(state)
+        speed = state.v[-len(self.limits.speed) :]
+        return replace(command, torques=self.limits.clip(command.torques, np.nan_to_num(speed)))

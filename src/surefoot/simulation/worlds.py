@@ -17,6 +17,7 @@ WORLDS: dict[str, tuple[str | Callable[..., World], tuple[str, ...]]] = {
     "mujoco": ("surefoot.simulation.mujoco:MujocoWorld", ("mujoco",)),
     "rigid": ("surefoot.simulation.rigid:RigidWorld", ()),
     "drake": ("surefoot.simulation.drake.world:DrakeWorld", ("drake",)),
+    "bullet": ("surefoot.simulation.bullet:BulletWorld", ("pybullet",)),
     "mjx": ("surefoot.simulation.mjx:MjxWorld", ("mujoco", "jax", "mujoco-mjx")),
 }
 """Name to the class (or "module:class", imported when asked for), and the packages that it needs."""

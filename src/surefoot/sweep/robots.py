@@ -177,7 +177,7 @@ class Walk(RobotRun):
     duration: float = number(4.0, 0.1, 600.0, "s")
 
     def __post_init__(self) -> None:
-        from surefoot.control.gait_library import gait_names
+        from surefoot.stance.gait_library import gait_names
 
         super().__post_init__()
         walks = [name for name in gait_names() if name != "stand"]
