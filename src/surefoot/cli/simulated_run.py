@@ -11,7 +11,6 @@ from rich.console import Console
 
 from surefoot.audit import RunSummary
 from surefoot.cli.console import Table, progress_bar, say
-from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.options import Leaving
 from surefoot.cli.output import to_json
 from surefoot.cli.run_files import PARTS, Draw, RunFiles
@@ -20,6 +19,7 @@ from surefoot.cli.signals import ends_softly
 from surefoot.control.controller import Controller
 from surefoot.log import Ending, Log
 from surefoot.robot import Robot
+from surefoot.simulation.engine_warnings import engine_warnings
 from surefoot.simulation.observers import Observer, Progress
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario
