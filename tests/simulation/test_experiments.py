@@ -12,17 +12,14 @@ from scipy.integrate import solve_ivp
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.simulation import drake_python
-from surefoot.simulation.experiments import (
-    EXPERIMENTS,
+from surefoot.simulation.experiments import EXPERIMENTS, bodies, carry_out
+from surefoot.simulation.experiments.experiment import (
+    ComparedQuantity,
     Curve,
     Measurement,
     WorldExperiment,
-    bodies,
-    carry_out,
     compare,
-    experiment_named,
 )
-from surefoot.simulation.experiments.experiment import ComparedQuantity
 from surefoot.spatial import GRAVITY
 
 HERE = {
@@ -100,11 +97,6 @@ def test_every_run_is_told_before_it_is_made() -> None:
 def test_a_step_that_is_no_step(dt: float) -> None:
     with pytest.raises(ProblemError, match="dt must be"):
         carry_out(EXPERIMENTS["drop"], ["rigid"], dt)
-
-
-def test_unknown_experiments_are_answered_with_all() -> None:
-    with pytest.raises(ProblemError, match="unknown experiment 'drip'; valid names: "):
-        experiment_named("drip")
 
 
 def test_the_tipping_box_is_the_pendulum_equation() -> None:

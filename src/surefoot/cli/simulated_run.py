@@ -12,7 +12,6 @@ from rich.console import Console
 from surefoot.audit import RunSummary
 from surefoot.cli import run_files
 from surefoot.cli.console import say
-from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.options import Leaving
 from surefoot.cli.output import to_json
 from surefoot.cli.page import Table
@@ -22,6 +21,7 @@ from surefoot.cli.signals import ends_softly
 from surefoot.control.controller import Controller
 from surefoot.log import Ending, Log
 from surefoot.robot import Robot
+from surefoot.simulation.engine_warnings import engine_warnings
 from surefoot.simulation.observers import Observer, Progress
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario

@@ -10,12 +10,12 @@ import typer
 from surefoot.cli import options
 from surefoot.cli.console import plain_console, table
 from surefoot.cli.output import check_out, to_json
-from surefoot.errors import MissingExtra, ProblemError, unknown_name
+from surefoot.errors import MissingExtra, ProblemError, check_name
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from surefoot.simulation.experiments import WorldsOutcome
+    from surefoot.simulation.experiments.experiment import WorldsOutcome
 
 NAMES = "drop, bounce, slide, stick, tip, spin, roll, stand, trot, friction"
 
@@ -36,15 +36,16 @@ def worlds(
     input.
     """
     from surefoot.cli import extras
-    from surefoot.simulation.experiments import EXPERIMENTS, carry_out, experiment_named
+    from surefoot.simulation.experiments import EXPERIMENTS, carry_out
     from surefoot.simulation.worlds import WORLDS
 
     if not 1e-5 <= dt <= 0.02:
         raise ProblemError(f"--dt must be between 1e-05 and 0.02 s, got {dt:g}")
-    chosen = [experiment_named(name) for name in dict.fromkeys(names or EXPERIMENTS)]
+    for name in names or ():
+        check_name("experiment", name, EXPERIMENTS)
     for name in world or ():
-        if name not in WORLDS:
-            raise ProblemError(unknown_name("world", name, tuple(WORLDS)))
+        check_name("world", name, WORLDS)
+    chosen = [EXPERIMENTS[name] for name in dict.fromkeys(names or EXPERIMENTS)]
     console = plain_console(quiet=as_json, highlight=False, soft_wrap=True)
     wanted = list(dict.fromkeys(world or WORLDS))
     absent = {name: error for name in wanted if (error := extras.missing(WORLDS[name][1])) is not None}
