@@ -26,9 +26,10 @@ HERE = {
     "rigid": True,
     "mujoco": importlib.util.find_spec("mujoco") is not None,
     "drake": drake_python.present(),
+    "bullet": importlib.util.find_spec("pybullet") is not None,
 }
 QUICK = ("slide", "stick", "roll", "stand")
-"""What Drake, which answers through a pipe, is asked in the tests; `surefoot worlds` asks it all."""
+"""What Drake, which answers through a pipe, and Bullet are asked here; `surefoot worlds` asks all."""
 
 
 @pytest.mark.parametrize("world", HERE)
@@ -37,7 +38,7 @@ def test_worlds_keep_to_the_closed_forms(name: str, world: str) -> None:
     experiment = EXPERIMENTS[name]
     if not HERE[world]:
         pytest.skip(f"{world} is not here")
-    if world == "drake" and name not in QUICK:
+    if world in ("drake", "bullet") and name not in QUICK:
         pytest.skip("run by `surefoot worlds`")
     rows, seen = compare(experiment, world)
     assert len(rows) == len(seen.values)
