@@ -279,25 +279,36 @@ def _status(trajectory: Trajectory, search: Search, rows: int) -> Status:
 def _arrays(trajectory: Trajectory, robot: Robot, terrain: Terrain, rows: int) -> dict[str, Any]:
     """Return the log's channels: (rows, ...)."""
     t, now, end = trajectory, slice(0, rows), slice(1, rows + 1)
-    forces = t.impulses[now] / t.dt
-    limits = np.asarray(robot.effort_limits) * (1.0 - 1e-6)
+    motion = {
+        "q": t.q[now], "v": t.v[now], "torques": t.torques[now], "forces": t.impulses[now] / t.dt,
+        "gaps": t.gaps[end], "contact_velocities": t.speeds[now], "contact_positions": t.positions[end],
+    }  # fmt: skip
+    return plan_channels(motion, (t.dt, t.mu), terrain, robot.effort_limits)
+
+
+def plan_channels(
+    motion: dict[str, Any], numbers: tuple[float, float], terrain: Terrain, effort: FloatArray
+) -> dict[str, Any]:
+    """Return the channels of a plan: those of its motion, and what follows from them.
+
+    Parameters
+    ----------
+    motion
+        By name, (rows, ...) each: q, v, torques, forces, gaps, contact_velocities, contact_positions.
+    numbers
+        Length of a row [s] and friction.
+    terrain, effort
+        The ground, and (joints,) torque limits [N m].
+    """
+    forces, (dt, mu) = motion["forces"], numbers
+    rows = len(forces)
     return {
-        "time": t.times[now],
-        "q": t.q[now],
-        "v": t.v[now],
-        "torques": t.torques[now],
-        "forces": forces,
-        "forces_commanded": forces.copy(),
-        "gaps": t.gaps[end],
-        "contact_velocities": t.speeds[now],
-        "contact_positions": t.positions[end],
-        "normals": terrain.normal(t.positions[end][..., :2]),
-        "active": forces[:, :, 2] > 0.0,
-        "attained": np.ones(rows, dtype=bool),
-        "saturated": (np.abs(t.torques[now]) >= limits).any(axis=1),
-        "push": np.zeros((rows, 3)),
-        "mu": np.full(rows, t.mu),
-    }
+        "time": dt * np.arange(rows, dtype=np.float64), **motion, "forces_commanded": forces.copy(),
+        "normals": terrain.normal(motion["contact_positions"][..., :2]),
+        "active": forces[:, :, 2] > 0.0, "attained": np.ones(rows, dtype=bool),
+        "saturated": (np.abs(motion["torques"]) >= effort * (1.0 - 1e-6)).any(axis=1),
+        "push": np.zeros((rows, 3)), "mu": np.full(rows, mu),
+    }  # fmt: skip
 
 
 def contact_phases(log: Log) -> list[Phase]:
