@@ -33,7 +33,7 @@ class Phase:
 
 
 @dataclass(frozen=True)
-class Search:
+class PlanSearch:
     """How a plan was looked for.
 
     Attributes
@@ -85,7 +85,7 @@ class Plan(Log):
     >>> from surefoot.planning import rollout
     >>> robot = sf.load_robot("go2")
     >>> motion = rollout(robot, sf.place(robot), np.zeros(18), np.zeros((10, 12)), dt=0.01)
-    >>> search = Search("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
+    >>> search = PlanSearch("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
     >>> plan = plan_from(motion, robot, search)
     >>> plan.status.value, plan.law_residual < 1e-8, len(plan), len(plan.contacts)
     ('solved', True, 10, 4)
@@ -196,7 +196,7 @@ class Plan(Log):
 
 
 def plan_from(
-    trajectory: Trajectory, robot: Robot, search: Search, terrain: Terrain | None = None, **facts: Any
+    trajectory: Trajectory, robot: Robot, search: PlanSearch, terrain: Terrain | None = None, **facts: Any
 ) -> Plan:
     """Return a trajectory and how it was found as a plan.
 
@@ -235,7 +235,7 @@ def plan_from(
 
 def plan_facts(
     robot: Robot,
-    search: Search,
+    search: PlanSearch,
     status: Status,
     law_residual: float,
     numbers: tuple[float, float],
@@ -265,7 +265,7 @@ def plan_facts(
     }  # fmt: skip
 
 
-def _status(trajectory: Trajectory, search: Search, rows: int) -> Status:
+def _status(trajectory: Trajectory, search: PlanSearch, rows: int) -> Status:
     """Return what may be said of a plan."""
     if rows < len(trajectory):
         return Status.INVALID

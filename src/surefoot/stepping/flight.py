@@ -35,7 +35,7 @@ STAGES = ((0.0, 1.0, 0.5), (0.5, 2.0, 0.5), (0.5, 2.0, 1.0), (1.0, 1.0, 0.0))
 
 
 @dataclass(frozen=True)
-class FreeFlight:
+class FlightRecord:
     """A flight, step by step.
 
     Attributes
@@ -66,7 +66,7 @@ def fly(
     torque: Control | None = None,
     joint_acceleration: Control | None = None,
     dt: float = 1e-3,
-) -> FreeFlight:
+) -> FlightRecord:
     """Integrate the equations of motion of a robot that touches nothing.
 
     Parameters
@@ -125,7 +125,7 @@ def follow_shape(
     carried: FloatArray | None = None,
     gravity: bool = False,
     dt: float = 1e-3,
-) -> FreeFlight:
+) -> FlightRecord:
     """Integrate the base under a prescribed shape and a conserved momentum: kinematics only, no forces.
 
     Parameters
@@ -196,9 +196,9 @@ def _munthe_kaas(
     return q_next, v + h / 6.0 * total_v
 
 
-def _recorded(robot: Robot, h: float, states: list[tuple[FloatArray, FloatArray]]) -> FreeFlight:
+def _recorded(robot: Robot, h: float, states: list[tuple[FloatArray, FloatArray]]) -> FlightRecord:
     kept = [momentum(robot, q, v) for q, v in states]
-    return FreeFlight(
+    return FlightRecord(
         h * np.arange(len(states), dtype=np.float64),
         np.array([q for q, _ in states]),
         np.array([v for _, v in states]),

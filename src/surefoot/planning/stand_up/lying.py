@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact import Status
-from surefoot.planning.plan import Plan, Search, plan_channels, plan_facts
+from surefoot.planning.plan import Plan, PlanSearch, plan_channels, plan_facts
 from surefoot.planning.stand_up.forward import RigidModel
 from surefoot.planning.stand_up.postures import Postures
 from surefoot.planning.trajectory import TOLERANCE
@@ -33,7 +33,7 @@ def beyond(angles: FloatArray, low: FloatArray, high: FloatArray) -> float:
     return max(float((low - angles).max()), float((angles - high).max()), 0.0)
 
 
-def lying_plan(model: RigidModel, law: Postures, start: FloatArray, search: Search) -> Plan:
+def lying_plan(model: RigidModel, law: Postures, start: FloatArray, search: PlanSearch) -> Plan:
     """Roll postures out from a start (nq,) and return the plan; SOLVED if it gets up, lawfully.
 
     Parameters

@@ -17,7 +17,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.errors import ProblemError, SimulationError
-from surefoot.planning.plan import Plan, Search
+from surefoot.planning.plan import Plan, PlanSearch
 from surefoot.planning.stand_up.cross_entropy import cross_entropy
 from surefoot.planning.stand_up.forward import ForwardModel, RigidModel
 from surefoot.planning.stand_up.lying import beyond, lying_plan, upright
@@ -71,7 +71,7 @@ class StandUp:
             rounds=request.max_iterations or 8, enough=ENOUGH, seed=request.seed,
             tell=lambda number, cost: tell(Iteration(number, cost, 0.0, "sampling")),
         )  # fmt: skip
-        how = Search(
+        how = PlanSearch(
             self.name, "sampling", found.cost, found.reached, found.evaluations, clock.perf_counter() - begin
         )
         fine = RigidModel(robot, request.mu, FINER * dt)
