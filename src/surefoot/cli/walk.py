@@ -8,7 +8,7 @@ from typing import Annotated, Any, NamedTuple
 import typer
 
 from surefoot.cli import command_options as wires
-from surefoot.cli import estimators, knowledge, live, options, physics
+from surefoot.cli import knowledge, live, options, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.robots import load
@@ -83,7 +83,6 @@ def walk(
     carried, dropouts = parsing.payload(payload), [parsing.dropout(text) for text in dropout or ()]
     said = ScenarioFile.read(scenario, WALK_KEYS)
     belief = knowledge.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
-    sensors, level = estimators.sensors_of(said.estimator, said.noise)
     file = robot if physics.is_world(robot, obeyed.world) else None
     settings = physics.world_settings(obeyed, said, mu, file)
     ground = read_terrain(terrain, "--terrain")
@@ -92,8 +91,11 @@ def walk(
     command = _command(velocity, said)
     wired = wires.wiring(commands, dropouts, said)
     parsing.within_run("--dropout", dropout or (), (start for start, _ in dropouts), duration)
+    level = (
+        said.noise or 0.0 if said.estimator == "truth" else 0.0
+    )  # of the true state; sensors have their own
     faults = Faults(level, said.delay, said.weak_joint, said.torque_loss, dropouts=wired.dropouts)
-    happens = options.scenario_of(duration, mu, push, seed, said, faults=faults, **belief.senses(sensors))
+    happens = options.scenario_of(duration, mu, push, seed, said, faults=faults, **belief.senses(said))
     options.require(robot, WORLDS[obeyed.world][1], leaving)
     model = load(robot, feet, feet_needed=True)
     motors = obeyed.actuators if file is None else _file_motors(model)
