@@ -116,7 +116,7 @@ def _kernels() -> dict[str, Any]:
     from surefoot.compilation import cache_folders
     from surefoot.numerics import vectors  # noqa: F401 - any kernel, so that the folders are known
 
-    beside = Path(surefoot.__file__).parent.rglob("__pycache__")  # the sources; or where Numba was told to
+    beside = Path(surefoot.__file__).parent.rglob("__pycache__")  # the sources; or where Numba keeps it
     folders = {*map(Path, cache_folders()), *beside}
     kept = [file for folder in folders for file in folder.glob("surefoot.*.nbc")]
     try:

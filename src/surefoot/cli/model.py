@@ -64,7 +64,7 @@ def describe(robot: Any) -> dict[str, Any]:
 
 
 def _joints(robot: Any) -> list[dict[str, Any]]:
-    """Return every joint with the mass that it carries directly, and its limits."""
+    """Return every joint with the mass of its own link, and its limits."""
     import numpy as np
 
     body, out = robot.model, []

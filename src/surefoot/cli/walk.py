@@ -99,7 +99,7 @@ def walk(
     options.require(robot, WORLDS[obeyed.world][1], leaving)
     model = load(robot, feet, feet_needed=True)
     motors = obeyed.actuators if file is None else _file_motors(model)
-    task = _Task(model, belief.ground(ground), gait, said, command, belief, motors, wired)
+    task = _WalkTask(model, belief.ground(ground), gait, said, command, belief, motors, wired)
     controller = _controller(planner, task)
     q = _start(model, ground, mu)
     world = physics.build_world(obeyed.world, model, file, ground, mu, carried, settings, console)
@@ -110,7 +110,7 @@ def walk(
     return run.carry_out(world, controller, replace(happens, start=q), _account(), watching)
 
 
-class _Task(NamedTuple):
+class _WalkTask(NamedTuple):
     """What a controller is made for; `gait` is a name, None where nothing is said."""
 
     robot: Any
@@ -123,7 +123,7 @@ class _Task(NamedTuple):
     wired: wires.Wiring
 
 
-def _controller(planner: str, task: _Task) -> Any:
+def _controller(planner: str, task: _WalkTask) -> Any:
     """Return the controller of a planner's name."""
     planners = {"convex": _convex, "contact-implicit": _contact_implicit}
     if planner not in planners:
@@ -131,7 +131,7 @@ def _controller(planner: str, task: _Task) -> Any:
     return planners[planner](task)
 
 
-def _convex(task: _Task) -> Any:
+def _convex(task: _WalkTask) -> Any:
     """Return the controller that follows a gait."""
     from surefoot.control.walkers import default_gait, walking_controller
     from surefoot.robot.actuators import actuators_of
@@ -146,7 +146,7 @@ def _convex(task: _Task) -> Any:
     return task.wired.around(controller, robot)
 
 
-def _contact_implicit(task: _Task) -> Any:
+def _contact_implicit(task: _WalkTask) -> Any:
     """Return the controller that takes no gait."""
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
     from surefoot.simulation.actuated import equipped

@@ -65,7 +65,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Tick:
+class Checkbox:
     """On or off; see `Slider` for the other attributes."""
 
     name: str
@@ -91,7 +91,7 @@ class Button:
     hint: str = ""
 
 
-Control: TypeAlias = Slider | Choice | Tick | Button
+Control: TypeAlias = Slider | Choice | Checkbox | Button
 
 
 class Values:
