@@ -11,6 +11,7 @@ from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from surefoot import __version__
@@ -57,8 +58,6 @@ def examine(draw: bool = True) -> dict[str, Any]:
     draw
         Whether to start a process that draws.
     """
-    import numpy as np
-
     extras, kernels = _extras(), _kernels()
     base = extras.pop("")
     built: Any = np.show_config(mode="dicts")

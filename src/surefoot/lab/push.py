@@ -84,7 +84,7 @@ class PushPage(Page):
 
     def change(self, name: str, raw: object) -> None:
         """Take a value; what concerns the robot holds for all viewers."""
-        before = self.values[name] if name in self.values else None  # noqa: SIM401 - it has no get
+        before = self.values.get(name)
         super().change(name, raw)
         try:
             self._choose(name)
