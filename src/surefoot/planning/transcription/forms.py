@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.robot.libraries import import_casadi
 
 Pairwise = Callable[[Any, Any, Any], Any]
@@ -165,8 +165,7 @@ def form_named(name: str) -> Form:
     ProblemError
         If there is none; the message lists them.
     """
-    if name not in FORMS:
-        raise ProblemError(unknown_name("complementarity form", name, FORMS))
+    check_name("complementarity form", name, FORMS)
     return FORMS[name]
 
 
