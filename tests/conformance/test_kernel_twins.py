@@ -47,7 +47,7 @@ batch.loops              measure_range        batch/test_batch.py::test_kinks_in
 batch.loops              solve_range          batch/test_batch.py::test_a_batch_is_its_problems by solve_batch
 collision.manifold       manifolds            collision/test_manifold.py::test_contacts_lie_on_both_surfaces by PairSearch
 collision.pairs          place_solids         collision/test_pairs.py::test_solids_are_placed_and_near_ones_found
-cones.double_description polar_rays           cones/test_representation.py::test_engines_agree_with_exact_rationals by from_rays
+cones.double_description polar_rays           cones/test_representation.py::test_engines_agree_with_distances_to_the_rays by from_rays
 cones.nearest            nearest_points       cones/test_nearest.py::test_nearest_points
 contact.admissible       dissipation_limit    contact/test_contact_residuals.py::test_velocity_error_is_its_definition by residuals
 contact.admissible       length               contact/test_contact_residuals.py::test_velocity_error_is_its_definition by residuals
@@ -259,6 +259,7 @@ simulation.sensor_kernels heard                simulation/test_sensors.py::test_
 simulation.sensor_kernels mean_readings       simulation/test_sensors.py::test_mean_readings_are_those_of_matrices
 simulation.sensor_kernels sense                simulation/test_sensors.py::test_a_row_of_readings_is_that_of_its_parts by Sensors
 simulation.sensor_kernels with_points          simulation/test_sensors.py::test_feet_with_active_points_are_found
+solvers.admm             iterate              solvers/test_solver_kernels.py::test_admm_iterations
 solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals
 solvers.compiled         read_system          solvers/test_contact_solver.py::test_answers_are_those_of_solve by solve
 solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
@@ -305,11 +306,12 @@ solvers.one_contact      solve_one            solvers/test_one_contact.py::test_
 solvers.pyramid          project_any          solvers/test_solver_kernels.py::test_pyramid_projection_and_shift
 solvers.pyramid          sector               solvers/test_solver_kernels.py::test_pyramid_projection_and_shift by project_any
 solvers.pyramid          shift_any            solvers/test_solver_kernels.py::test_pyramid_projection_and_shift
-solvers.set_kernels      jacobian_sets        solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
+solvers.set_kernels      add_shift            solvers/test_set_kernels.py::test_projection_and_shift_are_those_of_the_contacts
+solvers.set_kernels      jacobian_sets        solvers/test_set_kernels.py::test_jacobian_is_that_of_finite_differences
 solvers.set_kernels      natural_sets         solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map by measure
 solvers.set_kernels      newton_matrix        solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map
-solvers.set_kernels      project_sets         solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
-solvers.set_kernels      shift_sets           solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
+solvers.set_kernels      pack_cones           solvers/test_set_kernels.py::test_cones_are_packed_as_the_contacts_that_they_are by ScaledContacts
+solvers.set_kernels      project_sets         solvers/test_set_kernels.py::test_projection_and_shift_are_those_of_the_contacts
 solvers.stopping         fill_measure         conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
 solvers.stopping         force_error          solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.stopping         settle               conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
