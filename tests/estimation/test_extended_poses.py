@@ -10,17 +10,9 @@ from hypothesis.extra.numpy import arrays
 from scipy.linalg import expm
 
 from surefoot.arrays import FloatArray
-from surefoot.estimation.extended_poses import (
-    adjoint,
-    apply,
-    exponential,
-    gammas,
-    inverse,
-    logarithm,
-    move,
-    product,
-)
+from surefoot.estimation.extended_poses import apply, gammas, move
 from surefoot.spatial import skew
+from tests.estimation.poses import adjoint, exponential, inverse, logarithm, product
 
 ALGEBRA = arrays(np.float64, 12, elements=st.floats(-3.0, 3.0))
 """ξ of SE_3(3): a rotation vector and three more."""

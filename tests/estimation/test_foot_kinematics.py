@@ -10,7 +10,6 @@ from surefoot.errors import ModelError
 from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.credible import credible, known
 from surefoot.estimation.detection_kernels import DAMPING, foot_forces
-from surefoot.estimation.extended_poses import exponential
 from surefoot.estimation.foot_kinematics import (
     FLOOR,
     FootKinematics,
@@ -25,6 +24,7 @@ from surefoot.estimation.live_arrays import live_parts
 from surefoot.robot import load_robot
 from surefoot.robot.rotors import with_rotors
 from surefoot.spatial import GRAVITY, rotation_about, rotation_from_normal, rotation_from_quaternion
+from tests.estimation.poses import exponential
 
 
 @pytest.mark.parametrize("name", ["go2", "g1"])

@@ -11,7 +11,7 @@ import surefoot as sf
 from surefoot.errors import ProblemError
 from surefoot.lab.drawing import Arrows, Ball, Lines
 from surefoot.lab.page import Grip
-from surefoot.lab.stand import CONES, FORCES, StandPage, StandState, answer, stand_drawing, start_state
+from surefoot.lab.stand import CONES, FORCES, StandPage, StandState, answer_of, stand_drawing, start_state
 
 EYE = np.array([1.3, -1.3, 0.9])
 
@@ -99,7 +99,7 @@ def test_the_violet_motion_is_a_proof(state: StandState) -> None:
 
 def test_the_smallest_forces_hold_the_weight_and_are_smaller(state: StandState) -> None:
     tilted = replace(state, slope=25.0)
-    most, least = (answer(replace(tilted, forces=kind)).forces for kind in FORCES)
+    most, least = (answer_of(replace(tilted, forces=kind)).forces for kind in FORCES)
     assert most is not None
     assert least is not None
     G = contacts(tilted).grasp_map(about=tilted.com)

@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ProblemError, WriteError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
-from surefoot.stance.files import known_mapping
+from surefoot.yaml_files import table_of
 
 FORMAT, VERSION = "surefoot.contact-sequence", 1
 SCHEMA = Path(__file__).with_name("contact_sequence.schema.json")
@@ -48,11 +48,11 @@ def sequence_from_dict(content: Any) -> ContactSequence:
     ProblemError
         Naming the entry at fault.
     """
-    top = known_mapping("the file", content, (*_TOP, "robot", "mass"), required=_TOP)
+    top = table_of("the file", content, (*_TOP, "robot", "mass"), required=_TOP)
     if top["format"] != FORMAT or top["version"] != VERSION:
         found = f"{top['format']!r} version {top['version']!r}"
         raise ProblemError(f"a contact sequence has the format {FORMAT!r} version {VERSION}, got {found}")
-    friction = known_mapping("friction", top["friction"], _FRICTION, required=_FRICTION)
+    friction = table_of("friction", top["friction"], _FRICTION, required=_FRICTION)
     phases = [_phase(f"phases[{k}]", p, friction) for k, p in enumerate(_list("phases", top["phases"]))]
     names = [str(name) for name in _list("frames", top["frames"])]
     who = str(top.get("robot", "")), top.get("mass", 0.0)
@@ -131,7 +131,7 @@ def _phase_entry(sequence: ContactSequence, number: int) -> dict[str, Any]:
 
 def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
     """Return a phase; errors name the entry."""
-    given = known_mapping(where, entry, _PHASE, required=_PHASE)
+    given = table_of(where, entry, _PHASE, required=_PHASE)
     contacts, forces = [], []
     for k, one in enumerate(_list(f"{where}.contacts", given["contacts"])):
         contact, force = _contact(f"{where}.contacts[{k}]", one, friction)
@@ -149,7 +149,7 @@ def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
 def _contact(where: str, entry: Any, friction: dict[str, Any]) -> tuple[Contact, FloatArray | None]:
     """Return a contact and the force that it is meant to carry."""
     more = ("normal_min", "normal_max", "patch", "halfspaces", "force")
-    given = known_mapping(where, entry, (*_CONTACT, *more), required=_CONTACT)
+    given = table_of(where, entry, (*_CONTACT, *more), required=_CONTACT)
     try:
         turn = finite_array("rotation", given["rotation"], (3, 3))
         if np.abs(turn.T @ turn - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(turn) < 0.0:
@@ -173,7 +173,7 @@ def _shape(patch: Any, options: dict[str, Any]) -> Contact:
     """Return a point or a patch."""
     if patch is None:
         return PointContact(**options)
-    sizes = known_mapping("patch", patch, _PATCH, required=_PATCH)
+    sizes = table_of("patch", patch, _PATCH, required=_PATCH)
     return PatchContact(length=sizes["length"], width=sizes["width"], **options)
 
 
@@ -181,7 +181,7 @@ def _check_rows(contact: Contact, entry: Any, friction: dict[str, Any]) -> None:
     """Refuse half-spaces that are not those of the contact: a file that says two things says nothing."""
     if entry is None:
         return
-    given = known_mapping("halfspaces", entry, _ROWS, required=_ROWS)
+    given = table_of("halfspaces", entry, _ROWS, required=_ROWS)
     rows = Stance([contact]).halfspaces(friction["facets"], friction["fit"])
     kept = np.isfinite(rows.b)
     A = finite_array("halfspaces.A", given["A"], (None, contact.dim))
