@@ -18,10 +18,8 @@ from numba.core.registry import CPUDispatcher
 from surefoot.compilation.progress import LOG, progress
 from surefoot.compilation.tree import PACKAGE, KernelTree
 
-try:
+if sys.platform != "win32":
     import fcntl
-except ImportError:  # Windows has none: there, every process compiles for itself
-    fcntl = None  # type: ignore[assignment]
 
 PATIENCE = 300.0
 """How long a process waits for one that compiles the same kernel [s]; that one may have been stopped."""
@@ -65,7 +63,7 @@ class Cache(FunctionCache):  # type: ignore[misc]
 
     def _await_turn(self) -> None:
         """Wait until no other process compiles this kernel: a byte of one file per folder is its lock."""
-        if fcntl is None:
+        if sys.platform == "win32":  # has no such locks: there, every process compiles for itself
             return
         byte, until = zlib.crc32(self._cache_file._index_name.encode()), time.monotonic() + PATIENCE
         with contextlib.suppress(OSError):  # nowhere to write: every process compiles for itself
