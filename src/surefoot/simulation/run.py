@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.standstill import Standstill
 from surefoot.errors import ProblemError, SurefootError, WriteError
@@ -30,7 +29,7 @@ from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
 from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, TrueState
-from surefoot.simulation.world import ContactReading, World
+from surefoot.simulation.world import World
 from surefoot.simulation.world_facts import softness_of, told_by
 from surefoot.spatial import GRAVITY
 
@@ -92,11 +91,6 @@ def run(
     return log
 
 
-def sensed_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least: float) -> BoolArray:
-    """Return which of the feet have a contact point with more than the least normal force [N]: (n,)."""
-    return loaded_feet(contact_foot, reading.forces, feet, least)
-
-
 def _recorder(
     world: World, controller: Controller, more: tuple[Channel, ...], scenario: Scenario, folder: Path | None
 ) -> Recorder:
@@ -142,7 +136,7 @@ class _Run:
         self.recorder = _recorder(world, controller, more, scenario, folder)
         self.limits = AT_LIMIT * world.robot.effort_limits
         any_reached(self.limits, self.limits)  # so that no step of the run waits for a compiler
-        sensed_feet(world.contact_foot, len(world.robot.feet), world.contacts(), 0.0)
+        loaded_feet(world.contact_foot, world.contacts().forces, len(world.robot.feet), 0.0)
         self.stop = Standstill(world.robot, world.dt)
         self.touches = LinkTouches(world)
         self.outward = Outward(world, scenario.scanner, scenario.seed)
