@@ -119,6 +119,16 @@ control.whole_body_step kinematics            control/test_whole_body_step.py::t
 control.whole_body_step reduce                control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
 control.whole_body_step torques_of            control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
 equilibrium.cone_program minimise             equilibrium/test_cone_program.py::test_value_equals_clarabels_and_the_gap_closes
+equilibrium.cone_program minimise_blocks      equilibrium/test_row_blocks.py::test_blocks_give_the_margin_of_one_piece by can_stand
+equilibrium.row_blocks   advance_span         equilibrium/test_row_blocks.py::test_blocks_are_factored_like_any_rows
+equilibrium.row_blocks   dot_span             equilibrium/test_row_blocks.py::test_blocks_are_factored_like_any_rows
+equilibrium.row_blocks   factor_rows          equilibrium/test_row_blocks.py::test_the_guarded_factor_is_cholesky_s
+equilibrium.row_blocks   guarded_cholesky     equilibrium/test_row_blocks.py::test_the_guarded_factor_is_cholesky_s
+equilibrium.row_blocks   factor               equilibrium/test_row_blocks.py::test_an_unknown_along_an_axis_is_factored_with_the_rows
+equilibrium.row_blocks   local_rows           equilibrium/test_row_blocks.py::test_the_guarded_factor_is_cholesky_s
+equilibrium.row_blocks   orthonormal_blocks   equilibrium/test_row_blocks.py::test_blocks_are_factored_like_any_rows
+equilibrium.row_blocks   solve_factored       equilibrium/test_row_blocks.py::test_the_guarded_factor_is_cholesky_s
+equilibrium.row_blocks   whole_spans          equilibrium/test_row_blocks.py::test_blocks_are_factored_like_any_rows
 equilibrium.batch         stand_each           equilibrium/test_batch.py::test_one_stance_among_many_is_that_stance_bit_by_bit by can_stand_batch
 equilibrium.margin       axis_scale           equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance
 equilibrium.margin       depth                equilibrium/test_equilibrium_kernels.py::test_steps_end_at_the_boundary_and_depth_is_the_way_to_it
@@ -192,7 +202,6 @@ estimation.wrench_kernels filter_wrench       estimation/test_wrench_observer.py
 estimation.wrench_kernels outside_wrench      estimation/test_wrench_observer.py::test_a_known_wrench_is_what_the_equations_of_motion_leave by seen
 estimation.wrench_kernels tell_wrench         control/test_load_adaptation.py::test_of_a_wrench_no_more_is_told_than_the_bound by pull
 numerics.cholesky        cholesky             numerics/test_cholesky.py::test_factor_and_solves
-numerics.cholesky        guarded_cholesky     numerics/test_cholesky.py::test_the_guarded_factor_is_the_plain_one_and_tells_its_least_pivot
 numerics.cholesky        invert               numerics/test_cholesky.py::test_factor_and_solves
 numerics.cholesky        product              numerics/test_cholesky.py::test_product
 numerics.cholesky        solve_columns        numerics/test_cholesky.py::test_factor_and_solves
