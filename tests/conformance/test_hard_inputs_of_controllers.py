@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from surefoot.contact import Status
-from surefoot.control.actuators import real_actuators
 from surefoot.control.body_motion import BodyReference, BodyState
 from surefoot.control.controller import RobotState
 from surefoot.control.joint_targets import JointTargetController
@@ -24,6 +23,7 @@ from surefoot.control.watchdog import Watchdog
 from surefoot.control.whole_body import Tasks, WholeBodyController
 from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
 from surefoot.robot import Robot, place
+from surefoot.robot.actuators import real_actuators
 from surefoot.terrain import FlatTerrain
 from tests.conformance.hard_inputs import (
     EXTREME,

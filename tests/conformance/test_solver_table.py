@@ -191,6 +191,14 @@ def test_zero_iterations_and_zero_time_are_survived() -> None:
     assert sf.solve(sf.ContactProblem(np.zeros((0, 0)), [], 0.5)).solved
 
 
+@pytest.mark.parametrize("law", ["coulomb", "convex"])
+def test_contacts_that_are_all_off_carry_nothing(law: str) -> None:
+    problem = sf.ContactProblem(np.eye(6), [1.0, 0.0, -1.0] * 2, 0.5, normal_max=0.0, law=law)
+    for name in ("auto", "nsgs", "admm", "newton", "interior_point"):
+        found = sf.solve(problem, name).raise_if_failed()
+        assert not found.forces.any()
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from surefoot.control.adaptive_gait import AdaptiveGait, Stride
-from surefoot.control.gait import Gait
 from surefoot.control.leg_demand import Pace
+from surefoot.stance.gait import Gait
 
 TROT, WALK = np.array([0.0, 0.5, 0.5, 0.0]), np.array([-0.125, 0.375, 0.625, 0.125])
 SLOW, QUICK, FAST = Pace(0.8, 0.78, 0.06), Pace(0.4, 0.55, 0.06), Pace(0.28, 0.36, 0.03)

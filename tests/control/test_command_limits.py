@@ -10,13 +10,13 @@ import pytest
 
 from surefoot.control.adaptive_gait import AdaptiveGait
 from surefoot.control.command_limits import SPEED_MOST, SPEED_SHARE, Limits, demand_of, ground_left, hurried
-from surefoot.control.gait import Gait
 from surefoot.control.gait_choice import Body, Chosen, choose_gait
-from surefoot.control.gait_library import named_gait
 from surefoot.control.leg_demand import Pace
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot, load_robot
+from surefoot.stance.gait import Gait
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
 
 HEIGHT = 0.316

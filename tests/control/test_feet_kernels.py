@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.feet_kernels import follow_phases, ramp_shares, set_timing
-from surefoot.control.gait import Gait, ModeSchedule
 from surefoot.control.walking_kernels import advance_body, body_rise
+from surefoot.stance.contact_schedule import ContactSchedule
+from surefoot.stance.gait import Gait, ModeSchedule
 
 N = 6
 TROT = Gait.from_phases("trot", period=0.4, duty=0.6, offset=[0.0, 0.5, 0.5, 0.0])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from surefoot.control.force_ramps import SAMPLES, ForceRamps, mean_shares
-from surefoot.control.gait import Gait
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc
+from surefoot.stance.gait import Gait
 
 TROT = Gait.from_phases("trot", 0.4, 0.6, [0.0, 0.5, 0.5, 0.0])
 LENGTH = 0.03

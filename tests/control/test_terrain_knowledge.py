@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from surefoot.control.controller import HeightScan, RobotState
-from surefoot.control.gait_library import named_gait
 from surefoot.control.look_ahead import plane_ahead
 from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import believed_ground
@@ -19,6 +18,7 @@ from surefoot.estimation.ground_belief import GroundBelief, TouchedGround
 from surefoot.estimation.mapped_ground import MappedGround
 from surefoot.robot import load_robot
 from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
 
 HEIGHT = 0.3

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from surefoot.control.controller import RobotState
-from surefoot.control.gait import ModeSchedule
-from surefoot.control.gait_library import named_gait
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot, load_robot, place
+from surefoot.stance.gait import ModeSchedule
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import SlopeTerrain
 
 FORWARD = VelocityCommand.constant(0.5)

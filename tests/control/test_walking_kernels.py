@@ -10,7 +10,6 @@ from scipy.spatial.transform import Rotation
 
 from surefoot.control import walking_kernels as kernels
 from surefoot.control.foothold import raibert, step_place
-from surefoot.control.gait import Gait
 from surefoot.control.swing import swing_motion
 
 SEEDS = range(4)
@@ -128,12 +127,3 @@ def test_a_step_goes_where_raibert_puts_it_about_the_coming_hip(turn: float) -> 
     place = raibert(com[:2] + left * flow + hip, v[:2], flow, turn, 0.3, 0.2)
     place = place + 0.1 * turn * np.array([-hip[1], hip[0]])
     assert step_place(com, v, arm, yaw, wanted, left, 0.3, 0.2) == pytest.approx(place)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_rows_of_a_repeated_table_are_those_of_the_schedule(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    gait = Gait.from_phases("own", rng.uniform(0.3, 0.9), rng.uniform(0.3, 0.8, 4), rng.uniform(0.0, 1.0, 4))
-    start, step = rng.uniform(-2.0, 5.0), rng.uniform(0.01, 0.06)
-    middles = start + step * (np.arange(25) + 0.5)
-    np.testing.assert_array_equal(gait.horizon(start, step, 25), gait.contacts(middles))

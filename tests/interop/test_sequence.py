@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from surefoot.cli.main import main
-from surefoot.control.gait_library import named_gait
 from surefoot.errors import ProblemError
 from surefoot.interop import (
     ContactSequence,
@@ -25,6 +24,7 @@ from surefoot.interop.sequence_file import SCHEMA, sequence_from_dict, sequence_
 from surefoot.planning import Search, plan_from, rollout
 from surefoot.robot import load_robot, place
 from surefoot.stance import PointContact, Stance
+from surefoot.stance.gait_library import named_gait
 
 sys.path.insert(0, str(Path(__file__).parent))
 from sequences import random_sequence

@@ -11,10 +11,10 @@ import surefoot as sf
 from surefoot.audit import WalkSummary, summarise_walk
 from surefoot.audit.dynamics import unexplained
 from surefoot.cli.walk_output import headline
-from surefoot.control.actuators import real_actuators
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.log import Log
+from surefoot.robot.actuators import real_actuators
 from surefoot.simulation.run import Push, Scenario, run
 from surefoot.simulation.scenario import Fall
 from surefoot.simulation.sensors import SensorModel

@@ -12,11 +12,11 @@ import surefoot as sf
 from surefoot.audit import WalkSummary, summarise_walk
 from surefoot.cli.command_options import Wiring
 from surefoot.cli.walk_output import figure_lines, headline
-from surefoot.control.actuators import real_actuators
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
 from surefoot.log import Log
+from surefoot.robot.actuators import real_actuators
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.run import Push, Scenario, run
 from surefoot.simulation.sensors import SensorModel

@@ -122,17 +122,6 @@ def test_a_log_with_a_number_that_is_none_did_not_stand(field: str) -> None:
     assert bool(summary.laws_broken) == (field in ("forces", "gaps", "contact_velocities"))
 
 
-def test_slope_shares_the_weight_between_normal_and_friction() -> None:
-    log = stand(degrees=20.0)
-    total = log["forces"][-500:].mean(axis=0).sum(axis=0)
-    weight = log.facts["mass"] * GRAVITY
-    angle = np.radians(20.0)
-    # +x climbs: friction pushes uphill with m g sin, the ground with m g cos
-    np.testing.assert_allclose(
-        total, weight * np.array([np.sin(angle), 0.0, np.cos(angle)]), atol=2e-3 * weight
-    )
-
-
 def test_lifted_foot_is_in_the_air_and_back() -> None:
     log = stand(lifts=(Lift("FL", 1.0, 2.0),), duration=3.0)
     aloft = (log["time"] > 1.0) & (log["time"] < 2.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -39,26 +41,46 @@ def draws(count: int) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("unit", [1.0, 0.2])
-def test_projection_shift_and_jacobian_are_those_of_the_contacts(unit: float) -> None:
+def test_projection_and_shift_are_those_of_the_contacts(unit: float) -> None:
     """Scaled variables: forces over lengths and over the contact's unit, bounds over the unit."""
     packed = set_kernels.pack(SET, sf.laws.Law("most of it", 0.7), np.full(len(SET), unit))
     out, gamma = np.empty(SET.rows), np.empty(SET.rows)
-    J = np.empty((len(SET), 6, 6))
     scale = unit * SET.lengths
     for x in draws(200):
         set_kernels.project_sets(*packed, x, out)
         set_kernels.shift_sets(*packed, x, gamma)
-        set_kernels.jacobian_sets(*packed, x, J)
         parts = zip(CONTACTS, *(SET.split(v) for v in (scale * x, scale * out, x, gamma)), strict=True)
-        for k, (contact, own, nearest, velocity, shifted) in enumerate(parts):
+        for contact, own, nearest, velocity, shifted in parts:
             assert np.allclose(contact.project(own) / contact.lengths, nearest / contact.lengths, atol=1e-12)
             expected = velocity.copy()
             expected[contact.normal] += 0.7 * contact.shift(velocity / contact.lengths)
             assert np.allclose(shifted, expected, atol=1e-12)
-            r = contact.rows
-            metric = contact.lengths[:, None] / contact.lengths[None, :]
-            if np.all(own != 0.0):  # at a kink each may choose its own side
-                assert np.allclose(contact.jacobian(own), J[k, :r, :r] * metric, atol=1e-9), contact
+
+
+def test_jacobian_is_that_of_finite_differences() -> None:
+    """Contact by contact, away from kinks; a projection's is symmetric, with eigenvalues between 0 and 1."""
+    packed = set_kernels.pack(SET, sf.laws.COULOMB, np.ones(len(SET)))
+    J, ends, compared = np.empty((len(SET), 6, 6)), np.empty((3, SET.rows)), 0
+    for x in draws(80):
+        set_kernels.jacobian_sets(*packed, x, J)
+        h = 1e-6 * (1.0 + float(np.abs(x).max()))
+        for k, (start, end) in enumerate(itertools.pairwise(SET.offsets)):
+            own = J[k, : end - start, : end - start]
+            assert np.allclose(own, own.T, atol=1e-10)
+            values = np.linalg.eigvalsh(0.5 * (own + own.T))
+            assert values.min() >= -1e-9
+            assert values.max() <= 1.0 + 1e-9
+            for i in range(start, end):
+                for out, step in zip(ends, (-h, 0.0, h), strict=True):
+                    point = x.copy()
+                    point[i] += step
+                    set_kernels.project_sets(*packed, point, out)
+                behind, ahead = np.diff(ends[:, start:end], axis=0)
+                if np.abs(ahead - behind).max() <= 1e-4 * h:  # else a kink lies between
+                    slope = (ahead + behind) / (2.0 * h)
+                    assert np.allclose(slope, own[:, i - start], atol=1e-4), CONTACTS[k]
+                    compared += 1
+    assert compared > 60 * SET.rows
 
 
 @pytest.mark.parametrize("law", [sf.laws.COULOMB, sf.laws.CONVEX])

@@ -74,23 +74,24 @@ def walk(
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
+    from surefoot.terrain import read_terrain
 
     console = plain_console(quiet=leaving.as_json)
     if view:
         live.check(planner)
     options.check_numbers(mu, duration, SHORTEST, seed)
-    carried, dropouts = parsing.payload(payload), parsing.each(parsing.dropout, dropout)
+    carried, dropouts = parsing.payload(payload), [parsing.dropout(text) for text in dropout or ()]
     said = ScenarioFile.read(scenario, WALK_KEYS)
     belief = knowledge.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
     sensors, level = estimators.sensors_of(said.estimator, said.noise)
     file = robot if physics.is_world(robot, obeyed.world) else None
     settings = physics.world_settings(obeyed, said, mu, file)
-    ground = parsing.terrain(terrain)
+    ground = read_terrain(terrain, "--terrain")
     if obeyed.world == "mujoco" and file is None:
         settings.setdefault("substeps", substeps_of(ground, terrain_knowledge))
     command = _command(velocity, said)
     wired = wires.wiring(commands, dropouts, said)
-    parsing.within_run("--dropout", dropout, [start for start, _ in dropouts], duration)
+    parsing.within_run("--dropout", dropout or (), (start for start, _ in dropouts), duration)
     faults = Faults(level, said.delay, said.weak_joint, said.torque_loss, dropouts=wired.dropouts)
     happens = options.scenario_of(duration, mu, push, seed, said, faults=faults, **belief.senses(sensors))
     options.require(robot, WORLDS[obeyed.world][1], leaving)
@@ -130,8 +131,8 @@ def _controller(planner: str, task: _Task) -> Any:
 
 def _convex(task: _Task) -> Any:
     """Return the controller that follows a gait."""
-    from surefoot.control.actuators import actuators_of
     from surefoot.control.walkers import default_gait, walking_controller
+    from surefoot.robot.actuators import actuators_of
 
     robot, belief = task.robot, task.belief
     schedule = _schedule(robot, task.gait or default_gait(robot), task.said)
@@ -160,16 +161,16 @@ def _contact_implicit(task: _Task) -> Any:
 
 def _file_motors(robot: Any) -> Any:
     """Return what an MJCF file says of its motors."""
-    from surefoot.control.actuators import told_actuators
+    from surefoot.robot.actuators import told_actuators
 
     return told_actuators(robot)
 
 
 def _schedule(robot: Any, gait: str, said: ScenarioFile) -> Any:
     """Return a gait's name, or the schedule of a file."""
-    from surefoot.control.gait import Gait
-    from surefoot.control.gait_library import named_gait
     from surefoot.interop.gait_files import read_gaits
+    from surefoot.stance.gait import Gait
+    from surefoot.stance.gait_library import named_gait
 
     if said.gait_file is None:
         return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.contact_schedule import SAME_TIME, ContactSchedule
 from surefoot.control.leg_demand import Pace
+from surefoot.stance.contact_schedule import SAME_TIME, ContactSchedule
 
 STANCE_STEP, AIR_STEP, OFFSET_STEP = 1.35, 1.15, 0.07
 """Most that times on the ground and in the air grow or shrink by from one cycle to the next, as factors, and

@@ -14,9 +14,9 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.feet_kernels import ramp_shares
 from surefoot.kernels import kernel
+from surefoot.stance.contact_schedule import ContactSchedule
 
 SAMPLES = 4
 """Instants within a step of the horizon that its mean bound is taken from."""

@@ -16,15 +16,15 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.control.adaptive_gait import AdaptiveGait, Stride
 from surefoot.control.command_limits import HURRIED_DUTY, Limits, hurried
-from surefoot.control.contact_schedule import ContactSchedule
-from surefoot.control.gait import Gait
-from surefoot.control.gait_library import PATTERNS, REFERENCE_LEG, GaitPattern, gait_names, named_gait
 from surefoot.control.leg_demand import Pace
 from surefoot.control.stair_gait import DUTY, OFFSETS, speed_in_step, stair_gait
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
+from surefoot.stance.contact_schedule import ContactSchedule
+from surefoot.stance.gait import Gait
+from surefoot.stance.gait_library import PATTERNS, REFERENCE_LEG, GaitPattern, gait_names, named_gait
 from surefoot.terrain import Terrain
 
 AUTO = "auto"

@@ -15,7 +15,6 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact import Status
-from surefoot.control.allocation import Allocation, ExactAllocation
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.model_views import ModelViews
@@ -26,6 +25,7 @@ from surefoot.control.standing_kernels import (
     within_limits,
 )
 from surefoot.control.standing_plan import StandingPlan, StandingTarget
+from surefoot.equilibrium.allocation import Allocation, ExactAllocation
 from surefoot.log.channels import CHANNELS
 from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot

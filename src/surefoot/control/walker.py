@@ -10,7 +10,6 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.behaviours.arbiter import Arbiter
 from surefoot.control.behaviours.behaviour import Walk
 from surefoot.control.biped.settings import BipedSettings
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.tick import Tick
 from surefoot.control.walking_body import VelocityCommand
@@ -20,6 +19,7 @@ from surefoot.control.whole_body import WholeBodyCommand, WholeBodyController
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
 

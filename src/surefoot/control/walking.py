@@ -13,7 +13,6 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, real_number
 from surefoot.control.behaviours.behaviour import Request
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
 from surefoot.control.foothold import step_place
 from surefoot.control.force_planner import ForcePlanner
@@ -33,6 +32,7 @@ from surefoot.control.whole_body_tasks import Kinematics, Tasks
 from surefoot.errors import ModelError
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import FlatTerrain, Terrain
 
 LEAD = 1.15

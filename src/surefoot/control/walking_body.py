@@ -10,11 +10,11 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.body_motion import BodyReference
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.foothold import fit_plane
 from surefoot.control.walking_kernels import advance_body, body_rise, cruise, slope_frames
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
+from surefoot.stance.contact_schedule import ContactSchedule
 
 LEAD = 0.05
 """The wanted place never runs further ahead of the body than it goes in this time [s], at Froude speed 1 or
@@ -107,7 +107,7 @@ def first_stance(schedule: ContactSchedule) -> float:
 
     Examples
     --------
-    >>> from surefoot.control.gait_library import named_gait
+    >>> from surefoot.stance.gait_library import named_gait
     >>> [round(first_stance(named_gait(name, 4)), 3) for name in ("trot", "walk", "stand")]
     [0.22, 0.624, 0.0]
     """

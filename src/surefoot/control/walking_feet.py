@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.feet_kernels import follow_phases, set_timing
 from surefoot.control.foothold import FootholdSearch
 from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
 from surefoot.control.walking_kernels import swing_accelerations, swing_paths
 from surefoot.estimation.live_arrays import Bound
 from surefoot.spatial import GRAVITY
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
 EARLY = 0.6

@@ -325,20 +325,3 @@ def turned_arms(offsets: FloatArray, yaw: FloatArray) -> FloatArray:
             x, y = offsets[k, 0], offsets[k, 1]
             out[i, k, 0], out[i, k, 1] = c * x - s * y, s * x + c * y
     return out
-
-
-@kernel
-def mode_rows(
-    starts: FloatArray, table: BoolArray, period: float, start: float, step: float, count: int
-) -> BoolArray:
-    """Return the rows of a repeated table of modes in the middle of `count` steps [s] from `start` [s].
-
-    `starts` (m,) [s] are rising from 0, `table` is (m, feet); (count, feet).
-    """
-    out = np.empty((count, table.shape[1]), dtype=np.bool_)
-    for k in range(count):
-        t, row = (start + step * (k + 0.5)) % period, starts.size - 1
-        while row > 0 and starts[row] > t:
-            row -= 1
-        out[k] = table[row]
-    return out

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.control.actuators import Actuators
 from surefoot.control.behaviours import BEHAVIOURS, MakeBehaviour
 from surefoot.control.behaviours.arbiter import LOGGED
 from surefoot.control.controller import Command
 from surefoot.control.load_adaptation import LoadSettings
 from surefoot.control.mpc import MpcWeights
 from surefoot.control.whole_body import TaskWeights, WholeBodyCommand
+from surefoot.robot.actuators import Actuators
 
 
 @dataclass(frozen=True)

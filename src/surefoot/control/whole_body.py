@@ -28,9 +28,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
-from surefoot.control.actuators import Actuators
 from surefoot.control.damping import computable, damping_torques
-from surefoot.control.force_distribution import ForceDistributor
 from surefoot.control.model_views import ModelViews
 from surefoot.control.whole_body_step import (
     GAIN,
@@ -54,10 +52,12 @@ from surefoot.control.whole_body_tasks import Kinematics as Kinematics
 from surefoot.control.whole_body_tasks import Tasks as Tasks
 from surefoot.control.whole_body_tasks import TaskWeights as TaskWeights
 from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
+from surefoot.equilibrium.force_distribution import ForceDistributor
 from surefoot.errors import ModelError
 from surefoot.estimation.wrench_kernels import point_inertia
 from surefoot.estimation.wrench_observer import Instant, Load
 from surefoot.robot import Robot
+from surefoot.robot.actuators import Actuators
 from surefoot.robot.rotors import with_rotors
 
 PINNING_ROUNDS = 4

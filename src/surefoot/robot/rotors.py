@@ -34,7 +34,7 @@ class JointFigures(NamedTuple):
 def joint_figures(robot: Robot) -> JointFigures:
     """Return what the robot's file says: URDF's ``<dynamics>``, MJCF's armature, damping, frictionloss.
 
-    Ideal joints, which are the default everywhere, leave all of it out: see `surefoot.control.actuators`.
+    Ideal joints, which are the default everywhere, leave all of it out: see `surefoot.robot.actuators`.
     """
     model, first = robot.model, robot.base_dof
     rotors = np.array(model.rotorInertia) * np.array(model.rotorGearRatio) ** 2

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
-from surefoot.control.actuators import told_actuators
 from surefoot.errors import ModelError, ProblemError
 from surefoot.log import Log
 from surefoot.robot import Robot
+from surefoot.robot.actuators import told_actuators
 from surefoot.robot.mjcf import told
 from surefoot.robot.rotors import with_rotors
 from surefoot.simulation.mujoco import HEAVIEST, MujocoWorld, add_ground

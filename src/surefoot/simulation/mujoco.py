@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.collision import Geometry
-from surefoot.control.actuators import Actuators
 from surefoot.errors import SimulationError
 from surefoot.kernels import VECTOR, entry_point
 from surefoot.log import Log
 from surefoot.robot import Robot
+from surefoot.robot.actuators import Actuators
 from surefoot.simulation.actuated import equipped
 from surefoot.simulation.mujoco_actuators import LOAD_TYPES, fit_actuators, load_joints, motor_figures
 from surefoot.simulation.mujoco_contacts import (
@@ -73,7 +73,7 @@ class MujocoWorld:
     collision
         What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
     actuators
-        Its motors: "ideal", "real", or a value; see `surefoot.control.actuators`.
+        Its motors: "ideal", "real", or a value; see `surefoot.robot.actuators`.
     solref, solimp
         MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
         damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].

@@ -9,12 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command, RobotState
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.state_estimator import Health, Reading, StateEstimator
 from surefoot.log import CHANNELS
 from surefoot.log.channels import Channel
+from surefoot.robot.actuators import Actuators
 from surefoot.simulation.faults import ActiveFaults
 from surefoot.simulation.sensor_kernels import with_points
 from surefoot.simulation.sensors import SensorModel, Sensors

@@ -8,8 +8,6 @@ import pytest
 from surefoot.control.behaviours.behaviour import NOTHING
 from surefoot.control.behaviours.stumble import HIGHEST, LIFT, MEMORY, Stumble
 from surefoot.control.controller import RobotState
-from surefoot.control.gait import Gait
-from surefoot.control.gait_library import named_gait
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.estimation.ground_belief import GroundBelief, TouchedGround
@@ -19,6 +17,8 @@ from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario
 from surefoot.simulation.walk_terrain import start_pose
+from surefoot.stance.gait import Gait
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain
 from tests.control.behaviours.views import HEIGHT, HIPS, view_of, walk_of
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from surefoot.control.behaviours.behaviour import View, Walk
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
-from surefoot.control.gait_library import named_gait
 from surefoot.control.whole_body_tasks import Kinematics
+from surefoot.stance.contact_schedule import ContactSchedule
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, Terrain
 
 N, WEIGHT, HEIGHT, RADIUS, DT, MU = 4, 160.0, 0.3, 0.25, 1e-3, 0.6

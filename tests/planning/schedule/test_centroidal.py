@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surefoot.control.gait import ModeSchedule
 from surefoot.robot import load_robot, place
 from surefoot.robot.centroidal import momentum
 from surefoot.spatial import rotation_from_quaternion
+from surefoot.stance.gait import ModeSchedule
 from surefoot.terrain import SlopeTerrain
 
 pytest.importorskip("casadi")

@@ -10,7 +10,6 @@ import pinocchio as pin
 import pytest
 
 from surefoot.contact import Status
-from surefoot.control.motor_limits import motor_limits
 from surefoot.errors import ModelError, ProblemError
 from surefoot.planning.planner import plan
 from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
@@ -20,6 +19,7 @@ from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
 from surefoot.planning.schedule.transcribe import swing_heights
 from surefoot.planning.tasks.backflip import turned
 from surefoot.robot import load_robot, place
+from surefoot.robot.motor_limits import motor_limits
 from surefoot.terrain import SlopeTerrain, rough_ground
 
 pytest.importorskip("casadi")

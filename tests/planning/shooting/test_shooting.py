@@ -23,7 +23,6 @@ from surefoot.planning.shooting import (
     TorqueCost,
 )
 from surefoot.planning.shooting.guess import holding_torques
-from surefoot.planning.shooting.horizon import FeedbackPolicy, Horizon
 from surefoot.planning.tasks.task import Iteration
 from surefoot.robot import Robot, load_robot, place
 
@@ -199,20 +198,6 @@ def test_torques_stay_within_limits_that_are_given() -> None:
     assert (np.abs(found.trajectory.torques) <= limits + 1e-12).all()
     with pytest.raises(ProblemError, match="limits"):
         squat(limits=np.ones(3))
-
-
-def test_steps_that_are_not_finite_are_refused_and_change_nothing() -> None:
-    horizon = Horizon(go2(), 3, 0.02, 0.6, None)
-    horizon.torques[1] = np.nan
-    other = Horizon(go2(), 3, 0.02, 0.6, None)
-    still = np.zeros((3, 12, 36)), np.zeros((3, 12)), np.zeros((3, 36))
-    policy = FeedbackPolicy(horizon.q, horizon.v, horizon.torques, *still)
-    limits = np.tile(np.array([np.full(12, -50.0), np.full(12, 50.0)]), (3, 1, 1))
-    start = place(go2()), np.zeros(18)
-    assert not other.run(start, policy, 1.0, limits)
-    assert other.cost == np.inf
-    horizon.torques[1] = 0.0
-    assert other.run(start, policy, 1.0, limits)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ from surefoot.errors import ProblemError
 from surefoot.planning.transcription.forms import (
     FORMS,
     fischer_burmeister,
-    fischer_burmeister_eps,
     form_named,
     schedule,
 )
@@ -56,18 +55,6 @@ def test_without_signs_the_function_has_no_other_zeros() -> None:
     """The product is eps for two negative numbers, too; Fischer-Burmeister's function is not zero there."""
     a = -np.geomspace(1e-3, 1e3, 13)
     assert (fischer_burmeister(a, 0.03 / a, 0.03) < 0.0).all()
-
-
-def test_a_books_smoothing_is_another_number() -> None:
-    a, b, book = 0.3, 0.7, 0.01
-    ours = fischer_burmeister(a, b, fischer_burmeister_eps(book))
-    assert ours == pytest.approx(a + b - np.sqrt(a * a + b * b + book * book), abs=1e-15)
-
-
-def test_the_schedule() -> None:
-    assert schedule(0.1, 1e-4, 0.1) == (0.1, 0.01, 0.001, 1e-4)
-    assert schedule(0.1, 2e-3, 0.1) == (0.1, 0.01, 2e-3)
-    assert schedule(1e-8, 1e-8) == (1e-8,)
 
 
 def test_what_is_refused() -> None:

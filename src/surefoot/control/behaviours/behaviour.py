@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol, TypeAlias
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
 from surefoot.control.whole_body_tasks import Kinematics
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
 FootGoals: TypeAlias = Callable[[FloatArray, FloatArray, float], FloatArray]

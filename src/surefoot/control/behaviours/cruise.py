@@ -13,9 +13,9 @@ import numpy as np
 
 from surefoot.control.behaviours.behaviour import NOTHING, Request, View, Walk
 from surefoot.control.command_limits import slope_speed, step_speed
-from surefoot.control.gait_library import named_gait
 from surefoot.control.stair_gait import speed_in_step
 from surefoot.estimation.ground_belief import GroundBelief, believed
+from surefoot.stance.gait_library import named_gait
 
 SLACK = 1.08
 """What is believed may be off by so much: a command at the limit should not be slowed by it."""

@@ -21,9 +21,7 @@ from surefoot.control.biped.posture import Posture, stretching
 from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.biped.soles import Soles, sole_damping
 from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
-from surefoot.control.gait_library import named_gait
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.mpc import BodyReference, BodyState, MpcPlan
 from surefoot.control.walker import Walker
@@ -34,6 +32,8 @@ from surefoot.control.whole_body import Kinematics, Tasks
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_about, rotation_from_quaternion, rotation_log
+from surefoot.stance.contact_schedule import ContactSchedule
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, Terrain
 
 DESCENT = 0.06

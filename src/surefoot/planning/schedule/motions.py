@@ -11,13 +11,13 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.gait import ModeSchedule
-from surefoot.control.motor_limits import motor_limits
 from surefoot.planning.direct.problem import Window
 from surefoot.planning.schedule.problem import ScheduleProblem, ScheduleWeights, window_about
 from surefoot.planning.schedule.symmetry import quadruped_order
 from surefoot.robot import Robot, place
+from surefoot.robot.motor_limits import motor_limits
 from surefoot.spatial import GRAVITY
+from surefoot.stance.gait import ModeSchedule
 
 LEG = 0.33
 """Height of the base that the times below are for [m]."""

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
-from surefoot.control.contact_schedule import ContactSchedule
-from surefoot.control.motor_limits import MotorLimits
 from surefoot.errors import ProblemError
 from surefoot.planning.direct.problem import Window
 from surefoot.planning.transcription.touches import Touch
 from surefoot.robot import Robot
+from surefoot.robot.motor_limits import MotorLimits
 from surefoot.spatial import GRAVITY
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import FlatTerrain, Terrain
 
 

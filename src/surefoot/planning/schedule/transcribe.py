@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.control.motor_limits import MotorLimits
 from surefoot.planning.direct.problem import limit_joints
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
 from surefoot.planning.transcription.nlp import Block, Sides, pack
 from surefoot.robot import Robot
 from surefoot.robot.libraries import import_casadi
+from surefoot.robot.motor_limits import MotorLimits
 from surefoot.robot.symbolic_body import SymbolicBody
 
 ROUND = 1e-3

@@ -18,7 +18,6 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
-from surefoot.control.motor_limits import motor_limits
 from surefoot.control.whole_body import Kinematics, Tasks, TaskWeights, WholeBodyController
 from surefoot.errors import ProblemError
 from surefoot.log.channels import Channel
@@ -26,6 +25,7 @@ from surefoot.planning.tracking.flight import Flight, Targets, touchdowns
 from surefoot.planning.tracking.landing import Landing, gently, lowered, pressed
 from surefoot.planning.tracking.reference import Reference
 from surefoot.robot import Robot
+from surefoot.robot.motor_limits import motor_limits
 from surefoot.spatial import GRAVITY, rotation_log
 
 GROUND, FLYING, LANDED = 0.0, 1.0, 2.0

@@ -18,15 +18,16 @@ drives are series elastic, their rotors behind the spring.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.motor_limits import DRIVING_SHARE, KNEE_SHARE, MotorLimits
-from surefoot.control.torque_kernels import friction_losses, torque_range
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.kernels import kernel
 from surefoot.robot import Robot
+from surefoot.robot.motor_limits import DRIVING_SHARE, KNEE_SHARE, MotorLimits, motor_bounds
 from surefoot.robot.rotors import joint_figures
 from surefoot.spatial import GRAVITY
 
@@ -195,3 +196,56 @@ def real_actuators(robot: Robot) -> Actuators:
     shape = SHAPES.get(robot.name, (KNEE_SHARE, DRIVING_SHARE))
     limits = MotorLimits(robot.effort_limits, robot.speed_limits, *shape)
     return Actuators(armature, damping, friction, limits, "real")
+
+
+@kernel
+def friction_losses(speed: FloatArray, damping: FloatArray, friction: FloatArray, creep: float) -> FloatArray:
+    """Return the torques that friction takes at joint speeds: (joints,) [N m]; see `Actuators.losses`."""
+    out = np.empty(len(speed))
+    for j in range(len(speed)):
+        out[j] = damping[j] * speed[j] + friction[j] * math.tanh(speed[j] / creep)
+    return out
+
+
+@kernel
+def torque_range(
+    speed: FloatArray, damping: FloatArray, friction: FloatArray, effort: FloatArray, fastest: FloatArray,
+    knee: float, driving: float, creep: float, limits: FloatArray, least: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
+    """Return middle and half of the range of torques that move the legs, and what friction takes.
+
+    Motors drive a joint less than they brake it, so the range is not symmetric: middle ± half. Of a motor's
+    torque, friction takes its part, see `friction_losses`: what is left for the leg is moved by it.
+
+    Parameters
+    ----------
+    speed
+        (joints,) [rad/s]; those not finite count as rest.
+    damping, friction, creep
+        See `friction_losses`.
+    effort, fastest, knee, driving
+        Of the motors, see `motor_bounds`.
+    limits
+        (joints,) bounds of the command [N m].
+    least
+        Half the range is at least this share of those.
+
+    Returns
+    -------
+    tuple[FloatArray, FloatArray, FloatArray]
+        (joints,) each [N m]; half is infinite where a bound is.
+    """
+    known = np.empty(len(speed))
+    for j in range(len(speed)):
+        known[j] = speed[j] if math.isfinite(speed[j]) else 0.0
+    losses = friction_losses(known, damping, friction, creep)
+    low, high = motor_bounds(known, effort, fastest, knee, driving)
+    middle, half = np.empty(len(speed)), np.empty(len(speed))
+    for j in range(len(speed)):
+        bottom, top = max(low[j], -limits[j]), min(high[j], limits[j])
+        if math.isfinite(bottom) and math.isfinite(top):
+            middle[j] = 0.5 * (top + bottom) - losses[j]
+            half[j] = max(0.5 * (top - bottom), least * limits[j])
+        else:
+            middle[j], half[j] = 0.0, math.inf
+    return middle, half, losses

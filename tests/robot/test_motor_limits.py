@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.control.motor_limits import MotorLimited, MotorLimits, motor_limits
 from surefoot.errors import ProblemError
+from surefoot.robot.motor_limits import MotorLimits, motor_limits
 
 ROBOT = sf.load_robot("go2")
 
@@ -62,18 +62,3 @@ def test_what_is_no_limit(arguments: tuple[object, ...], said: str) -> None:
 def test_an_unknown_model() -> None:
     with pytest.raises(ProblemError, match=r"box.*curve"):
         motor_limits(ROBOT, "magic")
-
-
-def test_a_controller_behind_motors() -> None:
-    class Push(sf.Controller):
-        channels = ()
-
-        def step(self, state: sf.RobotState) -> sf.Command:
-            every = np.ones(4, dtype=bool)
-            return sf.Command(np.full(12, 40.0), np.zeros((4, 3)), every, True, sf.Status.SOLVED)
-
-    limited = MotorLimited(Push(), motor_limits(ROBOT))
-    v = np.zeros(18)
-    v[8] = 20.0
-    torques = limited.step(sf.RobotState(ROBOT.nominal, v)).torques
-    np.testing.assert_allclose(torques, [23.7, 23.7, 0.0, *[23.7, 23.7, 40.0] * 3])

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import surefoot as sf
 from benchmarks.forces.accuracy import measure_accuracy
-from benchmarks.problems.allocation_program import cone_violation, contact_problem
+from benchmarks.problems.allocation_program import cone_violation
 from benchmarks.problems.allocations import (
     FORCE_WEIGHT,
     WRENCH_WEIGHTS,
@@ -19,7 +19,7 @@ from benchmarks.problems.allocations import (
 )
 from benchmarks.problems.allocations import grasp_map as grasp_map_of
 from surefoot.solvers.dual_newton import wrench as distribution_wrench
-from tests.control.distributors import SOLVED, distributor_of, some_map
+from tests.equilibrium.distributors import SOLVED, distributor_of, some_map
 
 
 def test_agrees_with_clarabel_on_random_instances():
@@ -277,11 +277,3 @@ def test_set_bounds_equals_a_new_distributor():
     f = distributor.solve(instance.grasp_map, instance.wrench)
     fresh = sf.ForceDistributor(0.6, low, high, WRENCH_WEIGHTS, FORCE_WEIGHT)
     np.testing.assert_allclose(f, fresh.solve(instance.grasp_map, instance.wrench), atol=1e-6)
-
-
-def test_the_solver_family_gives_the_same_forces():
-    for instance in four_feet("infeasible-wrench", 10) + four_feet("near-boundary", 10):
-        f = distributor_of(instance).solve(instance.grasp_map, instance.wrench)
-        found = sf.solve(contact_problem(instance), solver="distribution", tol=1e-10)
-        assert found.solved
-        np.testing.assert_allclose(found.forces, f, atol=1e-5)

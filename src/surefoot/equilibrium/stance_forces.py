@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
-from surefoot.control.force_distribution import ForceDistributor
+from surefoot.equilibrium.force_distribution import ForceDistributor
 from surefoot.stance import Stance
 
 

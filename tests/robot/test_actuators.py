@@ -7,11 +7,11 @@ import pinocchio
 import pytest
 
 import surefoot as sf
-from surefoot.control.actuators import Actuators, actuators_of, real_actuators
-from surefoot.control.motor_limits import MotorLimits, motor_limits
-from surefoot.control.torque_kernels import commanded
 from surefoot.control.whole_body import Tasks, WholeBodyController
+from surefoot.control.whole_body_step import commanded
 from surefoot.errors import ProblemError
+from surefoot.robot.actuators import Actuators, actuators_of, real_actuators
+from surefoot.robot.motor_limits import MotorLimits, motor_limits
 
 GO2 = sf.load_robot("go2")
 REAL = real_actuators(GO2)

@@ -23,7 +23,7 @@ from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionCone
 from surefoot.contact import ContactProblem, Status
 from surefoot.contact.problem import Fit
-from surefoot.control.force_distribution import ForceDistributor
+from surefoot.equilibrium.force_distribution import ForceDistributor
 from surefoot.errors import ProblemError
 from surefoot.kernels import MATRIX, VECTOR, entry_point, kernel
 from surefoot.solvers.solver import find_solver, solve

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_array, real_number
 from surefoot.contact.solution import Status
-from surefoot.control.force_parameters import (
+from surefoot.equilibrium.force_parameters import (
     contact_count,
     force_weights,
     friction,

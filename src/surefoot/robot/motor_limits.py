@@ -1,15 +1,14 @@
-"""What a joint's motor can give: torque limits that depend on the speed, and a controller behind them."""
+"""What a joint's motor can give: torque limits that depend on the speed, as values and compiled."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.controller import Command, Controller, RobotState, Wrapper
-from surefoot.control.torque_kernels import hold_to_motors, motor_bounds
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.kernels import inline_kernel, kernel
 from surefoot.robot import Robot
 
 KNEE_SHARE = 0.45
@@ -98,23 +97,53 @@ def motor_limits(robot: Robot, model: str = "box") -> MotorLimits:
     return MotorLimits(robot.effort_limits, robot.speed_limits, *shares)
 
 
-class MotorLimited(Wrapper):
-    """A controller whose torques pass through motors: what they cannot give at a joint's speed is cut off.
+@inline_kernel
+def _driving(speed: float, effort: float, fastest: float, knee: float, driving: float) -> float:
+    """Return a motor's largest torque along the motion [N m]; see `MotorLimits`."""
+    share = abs(speed) / fastest
+    if knee >= 1.0:
+        falling = 1.0 if share < 1.0 else 0.0
+    else:
+        falling = min(max((1.0 - share) / (1.0 - knee), 0.0), 1.0)
+    return 0.0 if falling == 0.0 else driving * falling * effort  # 0 times infinity is no torque
+
+
+@inline_kernel
+def _bounds(speed: float, effort: float, fastest: float, knee: float, driving: float) -> tuple[float, float]:
+    """Return a motor's least and largest torque at a speed [N m]."""
+    if speed > 0.0:
+        return -effort, _driving(speed, effort, fastest, knee, driving)
+    if speed < 0.0:
+        return -_driving(speed, effort, fastest, knee, driving), effort
+    return -effort, effort
+
+
+@kernel
+def motor_bounds(
+    speed: FloatArray, effort: FloatArray, fastest: FloatArray, knee: float, driving: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the least and largest torques (joints,) of motors at joint speeds (joints,) [N m].
 
     Parameters
     ----------
-    controller
-        Who commands.
-    limits
-        Of the motors.
+    speed
+        (joints,) [rad/s]; NaN counts as none.
+    effort, fastest, knee, driving
+        (joints,) [N m], (joints,) [rad/s], and shares: those of `MotorLimits`.
     """
+    low, high = np.empty(len(speed)), np.empty(len(speed))
+    for j in range(len(speed)):
+        low[j], high[j] = _bounds(speed[j], effort[j], fastest[j], knee, driving)
+    return low, high
 
-    def __init__(self, controller: Controller, limits: MotorLimits) -> None:
-        super().__init__(controller)
-        self.limits = limits
 
-    def step(self, state: RobotState) -> Command:
-        """Return the controller's command with the torques that the motors give."""
-        command = self.controller.step(state)
-        speed = state.v[-len(self.limits.speed) :]
-        return replace(command, torques=self.limits.clip(command.torques, np.nan_to_num(speed)))
+@kernel
+def hold_to_motors(
+    torques: FloatArray, speed: FloatArray, effort: FloatArray, fastest: FloatArray, knee: float,
+    driving: float,
+) -> None:  # fmt: skip
+    """Bring (joints,) torques [N m] within `motor_bounds`, which has the other parameters; NaN stays."""
+    for j in range(len(torques)):
+        low, high = _bounds(speed[j], effort[j], fastest[j], knee, driving)
+        torques[j] = low if torques[j] < low else torques[j]
+        torques[j] = high if torques[j] > high else torques[j]

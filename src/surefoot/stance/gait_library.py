@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from surefoot.control.gait import Gait
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.stance.gait import Gait
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from benchmarks.problems.allocations import (
     pushed_stance,
 )
 from surefoot.solvers.dual_newton import work as distribution_work
-from tests.control.distributors import SOLVED, distributor_of
+from tests.equilibrium.distributors import SOLVED, distributor_of
 
 
 def test_contacts_switch_without_a_trace():
@@ -32,19 +32,6 @@ def test_contacts_switch_without_a_trace():
             alone = sf.ForceDistributor(0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT)
             expected = alone.solve(instance.grasp_map[:, columns], instance.wrench)
             np.testing.assert_allclose(f[on], expected, atol=1e-6)
-
-
-def test_warm_start_needs_fewer_iterations_and_gives_the_same():
-    trajectory = pushed_stance(300)
-    warm, cold = distributor_of(trajectory[0]), distributor_of(trajectory[0])
-    counts = np.zeros(2)
-    for instance in trajectory:
-        f = warm.solve(instance.grasp_map, instance.wrench)
-        cold.reset()
-        g = cold.solve(instance.grasp_map, instance.wrench)
-        np.testing.assert_allclose(f, g, atol=2e-7)
-        counts += warm.iterations, cold.iterations + 1  # a cold start solves the program without cones first
-    assert counts[0] < 0.7 * counts[1]
 
 
 @pytest.mark.parametrize("slope", [0.0, 0.35])

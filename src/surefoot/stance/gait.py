@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
-from surefoot.control.contact_schedule import SAME_TIME, ContactSchedule
-from surefoot.control.walking_kernels import mode_rows
 from surefoot.errors import ProblemError
+from surefoot.kernels import kernel
+from surefoot.stance.contact_schedule import SAME_TIME, ContactSchedule
 
 MAX_FLIGHT = 0.35
 """Longest time without any foot on the ground that a schedule may ask for [s]."""
@@ -343,3 +343,20 @@ def _mode_table(name: str, modes: ArrayLike, feet: int | None, count: int) -> Bo
     if feet is not None and table.shape[1] != feet:
         raise ProblemError(f"{name} must have {feet} feet, got {table.shape[1]}")
     return table.astype(bool)
+
+
+@kernel
+def mode_rows(
+    starts: FloatArray, table: BoolArray, period: float, start: float, step: float, count: int
+) -> BoolArray:
+    """Return the rows of a repeated table of modes in the middle of `count` steps [s] from `start` [s].
+
+    `starts` (m,) [s] are rising from 0, `table` is (m, feet); (count, feet).
+    """
+    out = np.empty((count, table.shape[1]), dtype=np.bool_)
+    for k in range(count):
+        t, row = (start + step * (k + 0.5)) % period, starts.size - 1
+        while row > 0 and starts[row] > t:
+            row -= 1
+        out[k] = table[row]
+    return out

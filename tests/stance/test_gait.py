@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surefoot.control.gait import Gait, ModeSchedule, mode_feet, mode_number
-from surefoot.control.gait_library import PATTERNS, gait_names, named_gait
 from surefoot.errors import ProblemError
+from surefoot.stance.gait import Gait, ModeSchedule, mode_feet, mode_number
+from surefoot.stance.gait_library import PATTERNS, gait_names, named_gait
 
 SHARES = st.floats(0.0, 0.999)
 
@@ -140,3 +140,12 @@ def test_wrong_schedules_are_told(make: object, message: str) -> None:
 def test_flight_across_the_end_of_the_period_counts_once_around() -> None:
     with pytest.raises(ProblemError, match=r"no foot on the ground for 0\.4 s"):
         Gait("pronk", [0.0, 0.2, 0.4, 0.6], [0, 15, 0], feet=4, max_flight=0.35)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_rows_of_a_repeated_table_are_those_of_the_schedule(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    gait = Gait.from_phases("own", rng.uniform(0.3, 0.9), rng.uniform(0.3, 0.8, 4), rng.uniform(0.0, 1.0, 4))
+    start, step = rng.uniform(-2.0, 5.0), rng.uniform(0.01, 0.06)
+    middles = start + step * (np.arange(25) + 0.5)
+    np.testing.assert_array_equal(gait.horizon(start, step, 25), gait.contacts(middles))
