@@ -106,8 +106,8 @@ def races(count: int = 200, seed: int = 1) -> list[Race]:
         out += _race(f"can it stand, 4 points ({possible} of {count} can)", _stand_racers(feet))
         out += _race("can it stand, 4 points: what is new in each call", _novelty_racers(feet))
         for contacts in MANY_FEET:
-            count = f"{contacts} points, normal forces bounded"
-            out += _race(f"can it stand, {count}", [("surefoot, exact cones", _ask, _bounded(rng, contacts))])
+            question = f"can it stand, {contacts} points, normal forces bounded"
+            out += _race(question, [("surefoot, exact cones", _ask, _bounded(rng, contacts))])
         out += _race("CoM region to 1 mm, 4 points", _region_racers(wide))
         out += _batch_races(wide)
         out += _race("CoM region to 1 mm, 2 patches", _region_racers(soles))
