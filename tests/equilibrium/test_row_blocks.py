@@ -105,7 +105,9 @@ def test_blocks_are_factored_like_any_rows():
         np.testing.assert_array_equal(other, 2.0 * Q[j])
     twice = replace(eq, A=np.vstack([eq.A[:-1], eq.A[-2]]))  # a block whose rows depend on each other
     twice.A[-1, eq.blocks[-1, 4] :] = twice.A[-2, eq.blocks[-1, 4] :]
-    assert row_blocks.orthonormal_blocks(twice.A, eq.blocks, Q, T, pivots, spans) == -1
+    assert row_blocks.orthonormal_blocks(twice.A, eq.blocks, Q, T, pivots, spans) == p - 1
+    assert row_blocks.local_rows(spans) == 0
+    np.testing.assert_allclose(T[:, : p - 1] @ Q[: p - 1], twice.A, atol=1e-13)
 
 
 def spread_rows(rng, blocks):

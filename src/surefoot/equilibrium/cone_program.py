@@ -191,17 +191,11 @@ def minimise_blocks(
     """
     r, m = B.shape
     degree = lorentz + (m - 3 * lorentz)
-    work = np.empty((12, m))
+    work = np.empty((11, m))
     v, lam, target, Wrd, dx, dz = work[0], work[1], work[2], work[3], work[4], work[5]
-    ux, uz, rd, best_x, best_z, best_y = work[6], work[7], work[8], work[9], work[10], np.empty(r)
-    spare = work[11]
+    u, spare, rd, best_x, best_z, best_y = work[6], work[7], work[8], work[9], work[10], np.empty(r)
     BW, M, eta, best = np.empty((r, m)), np.empty((r, r)), np.empty(lorentz), math.inf
-    dy, rp, rest, free = (
-        np.empty(r),
-        np.empty(r),
-        np.empty(r),
-        np.empty(axis.size + 1 if axis.size > 0 else 0),
-    )
+    dy, rp, rest, free = np.empty(r), np.empty(r), np.empty(r), np.empty(axis.size + min(1, axis.size))
     _dual_start(B, c, lorentz, y, z, spans, axis)
     for iteration in range(_MOST_ITERATIONS):
         gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd, spare, spans)
@@ -230,8 +224,7 @@ def minimise_blocks(
             if corrector:  # is centred accordingly, and takes along the first one's second-order error
                 corrector_target(lam, dx, dz, sigma * product / degree, lorentz, target)
             else:
-                for i in range(m):
-                    target[i] = -lam[i]
+                _negate(lam, target)
             _direction(B, BW, M, v, eta, lorentz, rp, target, Wrd, dx, dz, dy, spans, free)
             if left > _REFINE or kept < _WEAK:
                 _refine(BW, M, rp, dx, dz, dy, rest, spare, spans, free)
@@ -239,10 +232,10 @@ def minimise_blocks(
             dual = step_to_boundary(lam, dz, lorentz)
             sigma = (1.0 - min(1.0, primal, dual)) ** 3  # the sooner it meets the boundary, the more
         primal, dual = min(1.0, 0.99 * primal), min(1.0, 0.99 * dual)  # strictly inside
-        apply(v, eta, lorentz, False, dx, ux)
-        apply(v, eta, lorentz, True, dz, uz)
-        advance(x, primal, ux)
-        advance(z, dual, uz)
+        apply(v, eta, lorentz, False, dx, u)
+        advance(x, primal, u)
+        apply(v, eta, lorentz, True, dz, u)
+        advance(z, dual, u)
         advance(y, dual, dy)
         if lost * (1.0 - dual) < 1e-9:  # nearly feasible: z from the equation itself
             _set_slack(B, c, lorentz, y, z, rd, spans)
@@ -251,6 +244,13 @@ def minimise_blocks(
     if best < math.inf:
         _copy(best_x, best_y, best_z, x, y, z)
     return STALLED, iteration
+
+
+@inline_kernel
+def _negate(x: FloatArray, out: FloatArray) -> None:
+    """Set out (m,) to -x."""
+    for i in range(x.size):
+        out[i] = -x[i]
 
 
 @inline_kernel

@@ -29,9 +29,9 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.equilibrium.cone_program import UNBOUNDED, minimise_blocks
-from surefoot.equilibrium.row_blocks import advance_span, dot_span, orthonormal_blocks, whole_spans
+from surefoot.equilibrium.row_blocks import advance_span, dot_span, local_rows, orthonormal_blocks
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.numerics.orthogonal import coordinates, orthonormal_rows, pull_back, reflect, turn_first_row
+from surefoot.numerics.orthogonal import coordinates, pull_back, reflect, turn_first_row
 from surefoot.numerics.vectors import advance, cross, dot
 
 FEASIBLE, INFEASIBLE, UNREACHABLE, ENDLESS, UNDECIDED = 0, 1, 2, 3, 4
@@ -148,12 +148,9 @@ def most_margin(
     Q, T, pivots = np.empty((p, m)), np.empty((p, p)), np.empty(p, dtype=np.int64)
     b, a, h, full = np.zeros(p), np.zeros(p), np.zeros(p), np.zeros(p)
     x, y = np.zeros(m), np.zeros(p)
-    spans, rank = whole_spans(p, m), -1
-    if blocks.shape[0] > 0:
-        rank = orthonormal_blocks(A, blocks, Q, T, pivots, spans)
-    apart = rank >= 0
-    if not apart:
-        spans, rank = whole_spans(p, m), orthonormal_rows(A, Q, T, pivots)
+    spans = np.empty((p, 5), dtype=np.int64)
+    rank = orthonormal_blocks(A, blocks, Q, T, pivots, spans)
+    apart = local_rows(spans) > 0
     if coordinates(T, pivots, rank, w, b) > BAND:
         _unreachable(T, pivots, rank, w, full, y)
         reach = proof_reach(A, w, y, lorentz)
@@ -161,11 +158,9 @@ def most_margin(
     for j in range(rank):
         advance_span(x, b[j], Q[j], spans[j])
     least_norm = x.copy()  # A⁺ w: what all solutions have in common; t0 is its margin
-    steepest = 0.0
     for j in range(rank):
         a[j] = dot_span(Q[j], e, spans[j])
-    for i in range(m):
-        steepest = max(steepest, e[i])
+    steepest = _largest(e)
     alpha = math.sqrt(dot(a, a)) if apart else turn_first_row(Q, rank, a, h, b)
     t0 = depth(x, e, lorentz)
     squeeze = min(_SQUEEZE, 1.0 / steepest)
@@ -180,13 +175,10 @@ def most_margin(
     advance(x, start, e)
     z, unit = np.empty(m), alpha / steepest  # of the objective, for an axis that moves by one
     tol, rows = GAP * min(alpha, 4.0 * unit), rank if apart else rank - 1
-    dual, axis, c, zero = np.empty(rows), np.empty(0), Q[0], b[0]
+    dual, axis, c, zero, first = np.empty(rows), np.empty(0), Q[0], b[0], rank - rows
     if apart:  # t stays an unknown of its own, along the direction of a; else row 0 alone has to do with it
-        axis, c = a[:rank] / alpha, np.zeros(m)
-        for j in range(rank):
-            advance_span(c, axis[j], Q[j], spans[j])
-        zero = dot(axis, b[:rank])
-    first = rank - rows
+        axis = a[:rank] / alpha
+        c, zero = _combined(Q, axis, spans, m), dot(axis, b[:rank])
     status, _ = minimise_blocks(
         Q[first:rank], b[first:rank], c, lorentz, x, dual, z, tol, zero - _ENDLESS_MARGIN * unit, zero,
         spans[first:rank], axis,
@@ -201,18 +193,41 @@ def most_margin(
         return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
     if _settled(A, e, w, lorentz, x, FEASIBLE) == FEASIBLE:
         return FEASIBLE, t, x, y, 0.0
-    # back from Q's rows to A's: y with A' y = z / alpha, so that (A e).y = 1
-    if apart:
-        for j in range(rank):
-            full[j] = (axis[j] - dual[j]) / alpha
-    else:
-        full[0] = 1.0 / alpha
-        for j in range(1, rank):
-            full[j] = -dual[j - 1] / alpha
-        reflect(h, rank, full)
+    _in_rows_of_q(axis, dual, alpha, h, full)
     pull_back(T, pivots, rank, full, y)
     reach = proof_reach(A, w, y, lorentz)
     return (INFEASIBLE if reach >= REACH else UNDECIDED), t, x, y, reach
+
+
+@inline_kernel
+def _largest(e: FloatArray) -> float:
+    """Return the largest entry of e (m,) >= 0."""
+    largest = 0.0
+    for i in range(e.size):
+        largest = max(largest, e[i])
+    return largest
+
+
+@inline_kernel
+def _combined(Q: FloatArray, weights: FloatArray, spans: IntArray, m: int) -> FloatArray:
+    """Return Q' weights (m,)."""
+    out = np.zeros(m)
+    for j in range(weights.size):
+        advance_span(out, weights[j], Q[j], spans[j])
+    return out
+
+
+@inline_kernel
+def _in_rows_of_q(axis: FloatArray, dual: FloatArray, alpha: float, h: FloatArray, full: FloatArray) -> None:
+    """Set `full` to the y with Q' y = z / alpha, so that (A e).y = 1; h reflects rows in one piece."""
+    if axis.size > 0:
+        for j in range(axis.size):
+            full[j] = (axis[j] - dual[j]) / alpha
+    else:
+        full[0] = 1.0 / alpha
+        for j in range(dual.size):
+            full[j + 1] = -dual[j] / alpha
+        reflect(h, dual.size + 1, full)
 
 
 @inline_kernel

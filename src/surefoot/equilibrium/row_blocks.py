@@ -106,8 +106,11 @@ def orthonormal_blocks(
     Returns
     -------
     int
-        The rank; -1 where a block's rows depend on each other, so that its own factor would not do.
+        The rank. Rows are in one piece, with nothing in blocks (`local_rows`), where there are no blocks or
+        the rows of one depend on each other, so that its own factor would not do.
     """
+    if blocks.shape[0] == 0:
+        return _in_one(A, Q, T, pivots, spans)
     T[:, :] = 0.0
     Q[:, :] = 0.0
     rank = 0
@@ -122,7 +125,7 @@ def orthonormal_blocks(
                 part[j, b - a + i - c] = A[top + j, i]
         q, t, at = np.empty_like(part), np.empty((count, count)), np.empty(count, dtype=np.int64)
         if orthonormal_rows(part, q, t, at) < count:
-            return -1
+            return _in_one(A, Q, T, pivots, spans)
         for k in range(count):
             row = rank + k
             for i in range(a, b):
@@ -135,6 +138,15 @@ def orthonormal_blocks(
             spans[row, 0], spans[row, 1], spans[row, 2], spans[row, 3], spans[row, 4] = rank, a, b, c, d
         rank += count
     return rank + _border(A, rank, Q, T, pivots, spans)
+
+
+@inline_kernel
+def _in_one(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArray, spans: IntArray) -> int:
+    """Factor A in one piece; return the rank."""
+    for j in range(A.shape[0]):
+        spans[j, 0] = spans[j, 1] = 0
+        spans[j, 2] = spans[j, 3] = spans[j, 4] = A.shape[1]
+    return orthonormal_rows(A, Q, T, pivots)
 
 
 @inline_kernel
