@@ -65,13 +65,13 @@ contact.scales           symmetric_norm       contact/test_scales.py::test_the_n
 equilibrium.allocation       draw_to_parallel     control/test_standing.py::test_draw_to_parallel_kernel_against_plain_numpy
 control.damping          computable           control/test_whole_body_kernels.py::test_only_states_of_finite_size_are_computable
 control.feet_kernels follow_phases            control/test_feet_kernels.py::test_feet_are_followed_one_by_one
-control.feet_kernels ramp_shares              control/test_feet_kernels.py::test_ramps_rise_and_fall
+control.force_ramps ramp_shares              control/test_feet_kernels.py::test_ramps_rise_and_fall
 control.feet_kernels set_timing               control/test_feet_kernels.py::test_timing_tells_late_feet
 control.foothold         raibert              control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.foothold         step_place           control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.force_ramps      mean_shares          control/test_force_ramps.py::test_mean_shares_are_means
-control.latency          fitting              control/test_wiring.py::test_the_delay_that_fits_is_that_of_plain_sums
-control.latency          note                 control/test_wiring.py::test_the_delay_that_fits_is_that_of_plain_sums
+drive.latency          fitting              drive/test_wiring.py::test_the_delay_that_fits_is_that_of_plain_sums
+drive.latency          note                 drive/test_wiring.py::test_the_delay_that_fits_is_that_of_plain_sums
 control.mpc_model        add_wrench           control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
 control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time
 control.mpc_model        build                control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
@@ -87,9 +87,9 @@ control.swing            minimum_jerk         control/test_swing.py::test_the_sm
 control.swing            sinking              control/test_swing.py::test_the_foot_meets_the_ground_with_its_descent by swing_motion
 control.swing            swing_motion         control/test_swing.py::test_velocity_and_acceleration_are_derivatives
 control.swing            swing_places         control/test_swing.py::test_places_along_a_swing_are_those_of_its_motion
-control.swing_even       even_swing           control/test_swing_even.py::test_velocity_and_acceleration_are_derivatives
-control.swing_even       ramped_step          control/test_swing_even.py::test_the_ramped_step_is_the_integral_of_its_acceleration
-control.swing_even       smooth_bump          control/test_swing_even.py::test_the_bump_is_highest_where_it_says
+control.swing            even_swing           control/test_swing.py::test_those_over_even_ground_are_derivatives by swing_motion
+control.swing            ramped_step          control/test_swing.py::test_the_ramped_step_is_the_integral_of_its_acceleration
+control.swing            smooth_bump          control/test_swing.py::test_the_bump_is_highest_where_it_says
 control.whole_body_step commanded control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics by torques_of
 control.whole_body_step exceeded control/test_whole_body_kernels.py::test_excess_is_told_apart
 robot.actuators friction_losses robot/test_motor_kernels.py::test_bounds_and_losses_are_those_of_the_curve

@@ -5,7 +5,6 @@ import pytest
 
 from surefoot.cones import FrictionCone
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcMomentum, MpcWeights
-from surefoot.control.mpc_momentum import momentum_of
 from surefoot.errors import ProblemError
 from surefoot.solvers.dual_newton.horizon import newton
 from surefoot.spatial import rotation_about, rotation_from_normal
@@ -201,13 +200,6 @@ def test_more_weight_means_less_momentum_and_a_bound_lets_a_push_through():
     assert (np.diff([np.sum(b**2) for b in beyond]) < 0.0).all()
     assert beyond[-1][0].max() > 0.1  # the push is there, whatever the forces
     assert beyond[-1][-1].max() < 0.02
-
-
-def test_the_momentum_of_a_body():
-    R, w = rotation_about([0.0, 0.6, 0.8], 0.5), np.array([0.3, -1.0, 2.0])
-    assert np.allclose(momentum_of(SKEW, R, w), R @ SKEW @ R.T @ w, rtol=1e-14)
-    many = momentum_of(SKEW, np.array([R, np.eye(3)]), np.array([w, w]))
-    assert np.allclose(many[1], SKEW @ w)
 
 
 @pytest.mark.parametrize(
