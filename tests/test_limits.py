@@ -11,8 +11,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
-import pytest
-
 import surefoot
 
 TESTS = Path(__file__).parent
@@ -147,29 +145,3 @@ def test_the_limits_hold_everywhere() -> None:
 def test_what_has_been_mended_is_off_the_list() -> None:
     mended = EXCEPTED - _offences()
     assert not mended, "\n".join(" ".join(one) for one in sorted(mended))
-
-
-def test_the_families_are_found() -> None:
-    assert {"StairsTerrain", "RigidWorld", "HuntCrossley", "StandingController"} <= _members()
-
-
-@pytest.mark.parametrize(
-    ("source", "offences"),
-    [
-        ("def f():\n" + "    x = 1\n" * 59, []),
-        ("def f():\n" + "    x = 1\n" * 60, ["lines"]),
-        ('def f():\n    """One\n\n    more.\n    """\n' + "    x = 1\n" * 59, []),
-        ("def f(a, b, c, d, e, g, h, i, j, *k): ...\n", []),
-        ("def f(a, b, c, d, e, g, h, i, j, *k, **l): ...\n", ["parameters"]),
-        ("@kernel\ndef f(a, b, c, d, e, g, h, i, j, k, l, m, n, o): ...\n", []),
-        ("class A:\n    def f(self, a, b, c, d, e, g, h, i, j, *, k): ...\n", []),
-        ("x = 1\n" * 401, ["file"]),
-        ("isinstance(x, FlatTerrain)\n", ["isinstance"]),
-        ("isinstance(x, (int, terrain.StairsTerrain | None))\n", ["isinstance"]),
-        ("isinstance(x, str)\n", []),
-    ],
-)
-def test_the_counters_count(source: str, offences: list[str]) -> None:
-    nodes = list(ast.walk(ast.parse(source)))
-    found = [*_sizes("surefoot/x.py", source, nodes), *_ladders("surefoot/x.py", _questions(nodes))]
-    assert [limit for limit, _, _ in found] == offences

@@ -10,9 +10,9 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import report, table
+from surefoot.cli.console import progress_bar
 from surefoot.cli.estimators import EstimatorName
 from surefoot.cli.output import check_out
-from surefoot.cli.progress import progress_bar
 
 QUICK_FAULTS = ("payload", "delay")
 

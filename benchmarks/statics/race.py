@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.problems.stances import StanceCase, random_case, random_cases
 from benchmarks.statics import rivals
 from benchmarks.timing import Timing, one_core, time_calls
-from surefoot.cones.representation import halfspaces_from_rays
+from surefoot.cones.representation import convert
 from surefoot.equilibrium.batch import can_stand_batch, com_region_batch
 from surefoot.equilibrium.regions import com_region
 from surefoot.equilibrium.statics import can_stand
@@ -194,8 +194,8 @@ def _cone_racers(cases: list[StanceCase]) -> _Racers:
     if find_spec("cdd") is not None:  # its wheel is missing for many Pythons
         cddlib = [("cddlib, rays to half-spaces", _call, [rivals.cddlib_rows(r) for r in rays])]
     return [
-        ("surefoot, rays to half-spaces", lambda r: halfspaces_from_rays(r, "dd"), rays),
-        ("surefoot through SciPy's Qhull", halfspaces_from_rays, rays),
+        ("surefoot, rays to half-spaces", lambda r: convert(r, "dd")[0], rays),
+        ("surefoot through SciPy's Qhull", lambda r: convert(r)[0], rays),
         *cddlib,
         ("surefoot, the whole cone from a stance", lambda c: wrench_cone(c.stance, c.com, facets=8), cases),
     ]

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.stacks import peer as peers
 from benchmarks.stacks.peer import Peer, PeerController
-from benchmarks.stacks.pins import PINS, Pin, commit_of
+from benchmarks.stacks.pins import PINS, Pin
 from benchmarks.stacks.setting import IDEAL
 from benchmarks.stacks.stack import Job
 from benchmarks.stacks.stacks import PEERS
@@ -128,20 +127,6 @@ def test_a_peer_that_does_not_start(peer: Peer, tmp_path: Path) -> None:
         PeerController(peer, job())
     refused = carry_out(peer, TASKS["speed-0.2"], 0, IDEAL)
     assert (refused.outcome, refused.duration) == ("refused", 0.0)
-
-
-def test_which_version_was_measured(tmp_path: Path, peer: Peer) -> None:
-    assert peer.version() == f"https://example.org/stander of no known commit, written for {'0' * 40}"
-    assert commit_of(tmp_path) == ""
-    assert peer.walks("go2")
-    assert not peer.walks("g1")
-    assert peer.at(tmp_path / "none").missing().endswith("wanted: a checkout of https://example.org/stander")
-
-
-def test_the_adapters_are_there_and_pinned() -> None:
-    for name, stack in PEERS.items():
-        assert (peers.PROGRAMS / stack.program).is_file()
-        assert len(PINS[name].commit) == 40
 
 
 @pytest.mark.parametrize("name", sorted(PEERS))

@@ -256,7 +256,7 @@ def test_wrong_worlds_are_one_line(
     ("options", "words"),
     [
         (["--commands", "thoughts"], "valid names: targets, torques"),
-        (["--dropout", "1"], "--dropout is T:DURATION"),
+        (["--dropout", "1"], "is not of the form T:DURATION"),
         (["--dropout", "99:0.1"], "when the run is over"),
         (["--dropout", "1:-0.1"], "duration of a dropout must be"),
         (["--planner", "contact-implicit", "--commands", "targets"], "takes no --commands"),

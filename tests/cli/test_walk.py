@@ -7,11 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from surefoot.cli import parsing
 from surefoot.cli.main import main
-from surefoot.errors import ProblemError
 from surefoot.log.formats import read_log
-from surefoot.terrain import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain
 
 QUICK = ("--duration", "1.2", "--no-video")
 
@@ -106,19 +103,6 @@ def test_wrong_input_is_one_line_and_exit_code_two(
     assert code == 2
     assert message in said
     assert said.count("\n") == 1
-
-
-def test_terrains_are_read() -> None:
-    assert isinstance(parsing.terrain("flat"), FlatTerrain)
-    slope, stairs, rough = (parsing.terrain(t) for t in ("slope:-10", "stairs:0.1,0.25", "rough:3,0.04"))
-    assert isinstance(slope, SlopeTerrain)
-    assert slope.degrees == -10.0
-    assert isinstance(stairs, StairsTerrain)
-    assert (stairs.rise, stairs.tread) == (0.1, 0.25)
-    assert isinstance(rough, HeightfieldTerrain)
-    assert 0.03 < rough.heights.max() <= 0.04
-    with pytest.raises(ProblemError, match="is not one of"):
-        parsing.terrain("stairs:0.1")
 
 
 def test_bench_faults_prints_what_was_survived(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

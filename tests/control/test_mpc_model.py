@@ -16,24 +16,6 @@ def inputs():
     return {name: record(choose_scenes([name])[0], 45)[20:44:8] for name in NAMES}
 
 
-def test_the_hessian_is_that_of_simulated_errors():
-    weights, dt, steps, terminal = np.random.default_rng(0).uniform(0.1, 2.0, (2, 6)), 0.07, 5, 3.0
-    P = mpc_model.hessians(weights, terminal, steps, dt)
-    share = np.append(np.ones(steps - 1), terminal)
-    for j in range(6):
-        place, rate = np.zeros((steps, steps)), np.zeros((steps, steps))
-        for i in range(steps):
-            x = v = 0.0
-            for k in range(steps):
-                a = 1.0 if k == i else 0.0
-                x, v = x + dt * v + 0.5 * dt * dt * a, v + dt * a
-                place[k, i], rate[k, i] = x, v
-        wanted = (
-            place.T @ np.diag(share * weights[0, j]) @ place + rate.T @ np.diag(share * weights[1, j]) @ rate
-        )
-        assert np.allclose(P[j], wanted, rtol=1e-12)
-
-
 def march(mpc, given, forces):
     """Return cost, positions, velocities and orientation errors under (N, n, 3) forces, step by step.
 
@@ -143,15 +125,6 @@ def test_the_prediction_is_near_the_true_rigid_body(inputs, name, passes, near, 
     for k, most in ((3, near), (10, far)):
         turned = Rotation.from_matrix(R[k - 1] @ given.reference.rotation[k].T).as_rotvec()
         assert np.linalg.norm(turned - plan.orientation_error[k]) < most
-
-
-def test_the_expected_sway_settles():
-    motion, reference = np.random.default_rng(5).normal(size=(2, 6, 3, 3))
-    off = motion[:, 0] - reference[:, 0]
-    slip, dt, steps = motion[0, 1] - reference[0, 1], 0.04, np.arange(5)
-    gone = mpc_model.CALM * (1.0 - np.exp(-(steps + 0.5) * dt / mpc_model.CALM))
-    expected = off[0] + gone[:, None] * slip
-    assert np.allclose(mpc_model.expected_sway(motion[0], reference, dt), expected, rtol=1e-12)
 
 
 def test_remembered_points_move_with_time():

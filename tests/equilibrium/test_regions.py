@@ -13,7 +13,6 @@ from surefoot.equilibrium.limits import squeeze_limit
 from surefoot.equilibrium.polygons import without_flat_corners
 from surefoot.equilibrium.region import convex_hull, polygon_area
 from surefoot.equilibrium.regions import support_polygon, zmp_region
-from surefoot.equilibrium.volume import com_volume
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
@@ -215,27 +214,6 @@ def test_zmp_region_agrees_with_can_stand():
                 push = [*pull, 0, 0, 0, 0]
                 assert bool(sf.can_stand(case.stance, com, case.mass, push)) is possible
     assert checked > 5
-
-
-def test_volume_of_accelerations():
-    stance = level(mu=0.8)
-    still = com_volume(stance, 15.0, heights=(0.2, 0.5))
-    assert still.volume == pytest.approx(0.12 * 0.3, rel=1e-4)
-    moves = [[x, y, 0.0] for x in (-2.0, 2.0) for y in (-2.0, 2.0)]
-    moving = com_volume(stance, 15.0, moves, heights=(0.2, 0.5))
-    assert 0.0 < moving.volume < still.volume
-    rng = np.random.default_rng(4)
-    points = rng.uniform([-0.25, -0.2, 0.21], [0.25, 0.2, 0.49], size=(60, 3))
-    for point, inside in zip(points, moving.contains(points), strict=True):
-        verdicts = [sf.can_stand(stance, point, 15.0, [*(-15.0 * np.array(a)), 0, 0, 0]) for a in moves]
-        if min(abs(v.margin) for v in verdicts) > 0.5:
-            assert all(verdicts) == inside
-    assert np.all(moving.contains(moving.corners))
-    assert com_volume(stance, 15.0, [50.0, 0, 0], heights=(0.2, 0.5)).empty
-    with pytest.raises(ProblemError, match="heights"):
-        com_volume(stance, 15.0, heights=(0.5, 0.2))
-    with pytest.raises(ProblemError, match="accelerations"):
-        com_volume(stance, 15.0, [[1.0, 2.0]])
 
 
 def test_polygons():

@@ -10,19 +10,10 @@ from hypothesis.extra.numpy import arrays
 from scipy.linalg import expm
 
 from surefoot.arrays import FloatArray
-from surefoot.estimation.extended_poses import (
-    adjoint,
-    apply,
-    exponential,
-    gammas,
-    inverse,
-    logarithm,
-    move,
-    product,
-)
+from surefoot.estimation.extended_poses import apply, gammas, move
 from surefoot.spatial import skew
+from tests.estimation.poses import adjoint, exponential, inverse, logarithm, product
 
-VECTORS = arrays(np.float64, 3, elements=st.floats(-4.0, 4.0))
 ALGEBRA = arrays(np.float64, 12, elements=st.floats(-3.0, 3.0))
 """ξ of SE_3(3): a rotation vector and three more."""
 
@@ -39,19 +30,6 @@ def whole(X: FloatArray) -> FloatArray:
     """Return the whole matrix of an element."""
     k = X.shape[1] - 3
     return np.vstack([X, np.hstack([np.zeros((k, 3)), np.eye(k)])])
-
-
-@settings(max_examples=100, deadline=None)
-@given(VECTORS)
-def test_gammas_are_their_series(phi: FloatArray) -> None:
-    found, S = np.empty((3, 3, 3)), skew(phi)
-    gammas(phi, found)
-    for m in range(3):
-        term = total = np.eye(3) / (1.0, 1.0, 2.0)[m]
-        for j in range(1, 60):
-            term = term @ S / (j + m)
-            total = total + term
-        np.testing.assert_allclose(found[m], total, rtol=0.0, atol=1e-11)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-6, 1e-2, 0.999999, 1.000001, 3.14159, 6.0])

@@ -10,12 +10,10 @@ from surefoot.errors import ModelError
 from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.credible import credible, known
 from surefoot.estimation.detection_kernels import DAMPING, foot_forces
-from surefoot.estimation.extended_poses import exponential
 from surefoot.estimation.foot_kinematics import (
     FLOOR,
     FootKinematics,
     base_state,
-    feet_by_joints,
     follow_stances,
     over_ground,
     places_seen,
@@ -26,6 +24,7 @@ from surefoot.estimation.live_arrays import live_parts
 from surefoot.robot import load_robot
 from surefoot.robot.rotors import with_rotors
 from surefoot.spatial import GRAVITY, rotation_about, rotation_from_normal, rotation_from_quaternion
+from tests.estimation.poses import exponential
 
 
 @pytest.mark.parametrize("name", ["go2", "g1"])
@@ -50,18 +49,6 @@ def test_places_speeds_and_spreads_are_those_of_differences(name: str) -> None:
     pinocchio.framesForwardKinematics(robot.model, robot.data, np.r_[np.zeros(6), 1.0, joints])
     turned = [robot.data.oMf[f.frame].rotation for f in robot.feet]
     np.testing.assert_allclose(feet.rotations, turned, atol=1e-12)
-
-
-def test_feet_by_joints_is_its_sum() -> None:
-    random = np.random.default_rng(1)
-    twists, centres, speeds = random.normal(size=(6, 9)), random.normal(size=(2, 3)), random.normal(size=3)
-    support = np.array([[True] * 8 + [False], [True] * 6 + [False, True, True]])
-    velocities, spreads = np.zeros((2, 3)), np.zeros((2, 3, 3))
-    feet_by_joints(twists, support, centres, speeds, 0.04, velocities, spreads)
-    for k, place in enumerate(centres):
-        J = (twists[:3, 6:] + np.cross(twists[3:, 6:], place, axis=0)) * support[k, 6:]
-        np.testing.assert_allclose(velocities[k], J @ speeds)
-        np.testing.assert_allclose(spreads[k], 0.04 * J @ J.T + FLOOR * np.eye(3))
 
 
 def test_a_sphere_rolls_as_far_as_it_turns() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -10,9 +9,9 @@ import pytest
 
 import surefoot as sf
 from surefoot.errors import ProblemError
-from surefoot.lab.drawing import Arrows, Ball, Lines, Mesh
+from surefoot.lab.drawing import Arrows, Ball, Lines
 from surefoot.lab.page import Grip
-from surefoot.lab.stand import CONES, FORCES, StandPage, StandState, answer, stand_drawing, start_state
+from surefoot.lab.stand import CONES, FORCES, StandPage, StandState, answer_of, stand_drawing, start_state
 
 EYE = np.array([1.3, -1.3, 0.9])
 
@@ -100,7 +99,7 @@ def test_the_violet_motion_is_a_proof(state: StandState) -> None:
 
 def test_the_smallest_forces_hold_the_weight_and_are_smaller(state: StandState) -> None:
     tilted = replace(state, slope=25.0)
-    most, least = (answer(replace(tilted, forces=kind)).forces for kind in FORCES)
+    most, least = (answer_of(replace(tilted, forces=kind)).forces for kind in FORCES)
     assert most is not None
     assert least is not None
     G = contacts(tilted).grasp_map(about=tilted.com)
@@ -194,25 +193,3 @@ def test_extremes_are_drawn(state: StandState) -> None:
         for shape in page.drawing().shapes.values():
             for field in ("points", "vertices", "position"):
                 assert np.isfinite(np.asarray(getattr(shape, field, 0.0))).all()
-
-
-def test_cones_keep_their_triangles_while_the_numbers_change(state: StandState) -> None:
-    page = StandPage(state)
-    before = page.drawing().shapes["/cones/FL_foot"]
-    page.change("mu", 1.1)
-    after = page.drawing().shapes["/cones/FL_foot"]
-    assert isinstance(before, Mesh)
-    assert isinstance(after, Mesh)
-    assert before.faces is after.faces
-    assert before.vertices.shape == after.vertices.shape
-
-
-def test_an_update_takes_less_than_a_thirtieth_of_a_second(state: StandState) -> None:
-    page = StandPage(state)
-    page.drawing()
-    begin = time.process_time()
-    for k in range(60):
-        page.change("x", 0.002 * k)
-        page.change("slope", 0.5 * k)
-        page.drawing()
-    assert (time.process_time() - begin) / 60 < 1.0 / 30.0

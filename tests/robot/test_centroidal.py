@@ -5,7 +5,7 @@ import pinocchio
 import pytest
 
 import surefoot as sf
-from surefoot.robot import ccrba, centroidal
+from surefoot.robot import centroidal
 from surefoot.robot.dynamics import delassus_dense
 from surefoot.robot.jacobians import contact_jacobian
 from surefoot.spatial import rotation_from_quaternion
@@ -161,4 +161,3 @@ def test_contact_space_and_momentum_agree_for_a_rigid_body(make):
     assert (
         np.linalg.eigvalsh(G - stiff.T @ np.linalg.solve(locked, stiff)).min() > -1e-9
     )  # joints only add mobility
-    assert ccrba.composite_momentum_matrix(robot.model, robot.nominal)[1].shape == (6, 6)

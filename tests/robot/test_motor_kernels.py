@@ -1,12 +1,10 @@
-"""What motors give at a speed, against plain NumPy."""
+"""What a motor gives at a speed, within a command, against plain NumPy."""
 
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from surefoot.robot.actuators import friction_losses, torque_range
-from surefoot.robot.motor_limits import hold_to_motors, motor_bounds
+from surefoot.robot.actuators import torque_range
 
 
 def driving(
@@ -16,26 +14,6 @@ def driving(
     falling = (use < 1.0).astype(float) if knee >= 1.0 else np.clip((1.0 - use) / (1.0 - knee), 0.0, 1.0)
     with np.errstate(invalid="ignore"):
         return np.where(falling == 0.0, 0.0, share * falling * effort)
-
-
-@pytest.mark.parametrize(("knee", "share"), [(0.45, 0.86), (1.0, 1.0), (0.0, 0.5)])
-def test_bounds_and_losses_are_those_of_the_curve(knee: float, share: float) -> None:
-    random = np.random.default_rng(5)
-    speed = np.concatenate([random.normal(scale=20.0, size=40), [0.0, -0.0, np.inf, -30.0, 30.0]])
-    effort, fastest = random.uniform(5.0, 40.0, len(speed)), random.uniform(10.0, 40.0, len(speed))
-    effort[::7], fastest[::5] = np.inf, np.inf
-    speed = np.where(np.isinf(speed) & np.isinf(fastest), 1.0, speed)
-    low, high = motor_bounds(speed, effort, fastest, knee, share)
-    along = driving(speed, effort, fastest, knee, share)
-    np.testing.assert_allclose(low, -np.where(speed < 0.0, along, effort))
-    np.testing.assert_allclose(high, np.where(speed > 0.0, along, effort))
-    asked = np.concatenate([random.normal(scale=60.0, size=len(speed) - 3), [np.nan, np.inf, -np.inf]])
-    given = asked.copy()
-    hold_to_motors(given, speed, effort, fastest, knee, share)
-    np.testing.assert_array_equal(given, np.minimum(np.maximum(asked, low), high))
-    damping, friction = random.uniform(0.0, 1.0, (2, 40))
-    lost = friction_losses(speed[:40], damping, friction, 0.1)
-    np.testing.assert_allclose(lost, damping * speed[:40] + friction * np.tanh(speed[:40] / 0.1))
 
 
 def test_the_usable_range_is_within_motors_and_command() -> None:

@@ -12,26 +12,24 @@ from scipy.integrate import solve_ivp
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.simulation import drake_python
-from surefoot.simulation.experiments import (
-    EXPERIMENTS,
+from surefoot.simulation.experiments import EXPERIMENTS, bodies, carry_out
+from surefoot.simulation.experiments.experiment import (
+    ComparedQuantity,
     Curve,
     Measurement,
     WorldExperiment,
-    bodies,
-    carry_out,
     compare,
-    experiment_named,
 )
-from surefoot.simulation.experiments.experiment import ComparedQuantity
 from surefoot.spatial import GRAVITY
 
 HERE = {
     "rigid": True,
     "mujoco": importlib.util.find_spec("mujoco") is not None,
     "drake": drake_python.present(),
+    "bullet": importlib.util.find_spec("pybullet") is not None,
 }
 QUICK = ("slide", "stick", "roll", "stand")
-"""What Drake, which answers through a pipe, is asked in the tests; `surefoot worlds` asks it all."""
+"""What Drake, which answers through a pipe, and Bullet are asked here; `surefoot worlds` asks all."""
 
 
 @pytest.mark.parametrize("world", HERE)
@@ -40,7 +38,7 @@ def test_worlds_keep_to_the_closed_forms(name: str, world: str) -> None:
     experiment = EXPERIMENTS[name]
     if not HERE[world]:
         pytest.skip(f"{world} is not here")
-    if world == "drake" and name not in QUICK:
+    if world in ("drake", "bullet") and name not in QUICK:
         pytest.skip("run by `surefoot worlds`")
     rows, seen = compare(experiment, world)
     assert len(rows) == len(seen.values)
@@ -99,11 +97,6 @@ def test_every_run_is_told_before_it_is_made() -> None:
 def test_a_step_that_is_no_step(dt: float) -> None:
     with pytest.raises(ProblemError, match="dt must be"):
         carry_out(EXPERIMENTS["drop"], ["rigid"], dt)
-
-
-def test_unknown_experiments_are_answered_with_all() -> None:
-    with pytest.raises(ProblemError, match="unknown experiment 'drip'; valid names: "):
-        experiment_named("drip")
 
 
 def test_the_tipping_box_is_the_pendulum_equation() -> None:

@@ -9,13 +9,11 @@ import surefoot as sf
 from surefoot.collision import robot_geometry
 from surefoot.errors import ProblemError
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.mujoco_links import feet_on_ground, other_rows
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
 from tests.simulation.test_other_forces import Hold, Lying, unexplained
 
 ROBOT = sf.load_robot("go2")
-FOLDED = np.array([0.0, 1.3, -2.6] * 4)
 
 
 def on_its_back() -> np.ndarray:
@@ -94,24 +92,3 @@ def test_feet_alone_are_the_default() -> None:
     assert world.touching() == []
     with pytest.raises(ProblemError, match="full"):
         MujocoWorld(ROBOT, collision="some")
-
-
-def test_rows_are_sorted_as_by_plain_numpy() -> None:
-    random = np.random.default_rng(4)
-    role, contacts = np.array([0, 1, 1, 2, 2, 0]), 9
-    for _ in range(20):
-        pairs = np.array([random.choice(6, 2, replace=False) for _ in range(contacts)])
-        first = np.where(random.random(contacts) < 0.3, -1, 2 + 3 * np.arange(contacts)).astype(np.int32)
-        on_ground = first.copy()
-        feet_on_ground(pairs.astype(np.int32), role, on_ground)
-        both = np.sort(role[pairs], axis=1)
-        ours = (both[:, 0] == 1) & (both[:, 1] == 2)
-        np.testing.assert_array_equal(on_ground, np.where(ours, first, -1))
-        types = np.array([3, 0] + [6] * 3 * contacts, dtype=np.int32)  # a stop, a friction, the contacts
-        ids = np.array([0, 0, *np.repeat(np.arange(contacts), 3)], dtype=np.int32)
-        forces = random.normal(size=len(types))
-        rows = other_rows(types, ids, forces, first, on_ground, np.array([5, 6]), 3)
-        others = np.flatnonzero(~ours & (first >= 0))
-        others = others[forces[first[others]] > 0.0]
-        expected = (types == 3) | ((types == 6) & np.isin(ids, others))
-        np.testing.assert_array_equal(rows, np.flatnonzero(expected))

@@ -155,17 +155,6 @@ def test_soft_converges_to_rigid_with_the_order_of_its_overlap():
     assert apart[0] > 30.0 * apart[1] > 900.0 * apart[2]
 
 
-def test_a_bouncing_spring_converges_to_newtons_restitution():
-    """The flight after an impact starts late by the contact's time, pi sqrt(m / k): order 1/2 in k."""
-    rigid, heights, _ = dropped(None, 0.1, 0.3, 2e-5, restitution=0.5)
-    assert rigid.unsolved == 0
-    errors = []
-    for k in (1e5, 1.6e6):
-        _, gaps, _ = dropped(SpringDamper.bouncing(k, 0.5, MASS), 0.1, 0.3, 2e-5)
-        errors.append(abs(gaps - heights)[-2000:].max())
-    assert math.log(errors[0] / errors[1], 16.0) == pytest.approx(0.5, abs=0.1)
-
-
 @pytest.mark.parametrize("law", [v for k, v in LAWS.items() if "mujoco" not in k])
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_thrown_box_never_gains_energy(law, seed):

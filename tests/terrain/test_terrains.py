@@ -50,8 +50,6 @@ def test_stairs():
     np.testing.assert_allclose(stairs.height(np.column_stack([x, 0 * x])), expected, atol=1e-12)
     np.testing.assert_array_equal(stairs.normal(np.zeros((3, 2))), np.tile([0, 0, 1.0], (3, 1)))
     assert stairs.gap([0.4, 0, 0.5]) == pytest.approx(0.1)
-    distance = stairs.riser_distance([[-0.1, 0], [0.14, 0], [0.2, 0], [5.0, 0]])
-    np.testing.assert_allclose(distance, [0.1, 0.14, 0.1, 4.1], atol=1e-12)
     assert StairsTerrain(rise=-0.1).height([0.1, 0.0]) == pytest.approx(-0.1)
 
 

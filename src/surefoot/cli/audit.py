@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from surefoot.cli import options
-from surefoot.cli.audit_output import new_audit_folder, tell
-from surefoot.cli.console import plain_console, say
-from surefoot.cli.output import check_out
-from surefoot.cli.page import Table, report_sections, write_page
-from surefoot.errors import MissingExtra, SurefootError
+from surefoot.cli.console import Table, plain_console, print_tables, say, say_verdict
+from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.errors import MissingExtra, ProblemError, SurefootError
 from surefoot.simulation.worlds import WORLDS
 
 if TYPE_CHECKING:
@@ -59,10 +58,10 @@ def audit(
     from surefoot.estimation.tosses import holds_tosses
 
     if holds_tosses(log):
-        from surefoot.cli.toss_audit import audit_toss_file
-
-        given = {"--robot": robot, "--replay": replay, "--terrain": terrain}
-        return audit_toss_file(log, mu, given, out, as_json)
+        for name, value in (("--robot", robot), ("--replay", replay), ("--terrain", terrain)):
+            if value is not None:
+                raise ProblemError(f"{log} holds tosses of a cube, for which {name} means nothing")
+        return _audit_tosses(log, mu, out, as_json)
     from surefoot.audit import audit_log
     from surefoot.log.formats import read_log
     from surefoot.robot import load_robot
@@ -75,14 +74,57 @@ def audit(
     if again is not None:
         verdicts.append((again.sentence, again.survives))
         facts["replay"] = again.as_dict()
-    console = plain_console(quiet=as_json)
-    tell(console, facts, _tables(report, again), _lines(report), verdicts, as_json)
-    if out is not None:
-        folder = new_audit_folder(out, log, facts)
-        figures = report_sections(_tables(report, again, on_page=True), _lines(report))
-        sections = [*_pictures(read, report, folder), *figures]
-        say(console, f"report: {write_page(folder, f'Audit of {log.name}', verdicts, sections)}")
+    shown, on_page = (_tables(report, again, on_page) for on_page in (False, True))
+    finding = verdicts, shown, _lines(report)
+    _publish(log, facts, *finding, out, as_json, on_page, lambda folder: _pictures(read, report, folder))
     return report.exit_code or (0 if again is None or again.survives else 1)
+
+
+def _audit_tosses(log: Path, mu: float | None, out: Path | None, as_json: bool) -> int:
+    """Audit a file of tosses, say what was found and return the exit code."""
+    from surefoot.cli import toss_tables
+    from surefoot.estimation.toss_audit import audit_tosses
+    from surefoot.estimation.tosses import read_tosses
+
+    check_out(out)
+    found = audit_tosses(read_tosses(log), mu)
+    lines = [toss_tables.noise(found), *found.notes]
+    verdicts = [(found.sentence, found.lawful)]
+    _publish(log, found.as_dict(), verdicts, toss_tables.tables(found), lines, out, as_json)
+    return 0 if found.lawful else 1
+
+
+def _publish(
+    log: Path,
+    facts: dict[str, Any],
+    verdicts: Sequence[tuple[str, bool]],
+    shown: Sequence[Table],
+    lines: Sequence[str],
+    out: Path | None,
+    as_json: bool,
+    on_page: Sequence[Table] | None = None,
+    draw: Callable[[Path], list[tuple[str, str]]] | None = None,
+) -> None:
+    """Print facts as JSON, or tables, lines and verdicts; write audit.json and a page where `out` says.
+
+    The page has the tables `on_page`, those of the screen if None, below what `draw` draws into its folder.
+    """
+    from surefoot.cli.run_files import report_sections, write_page
+
+    console = plain_console(quiet=as_json)
+    if as_json:
+        print(to_json(facts))
+    print_tables(console, shown, lines)
+    for line, good in verdicts:
+        say_verdict(console, line, good)
+    if out is None:
+        return
+    folder = new_run_folder(out, f"audit-{log.stem}")
+    (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
+    figures = report_sections(shown if on_page is None else on_page, lines)
+    sections = [*(draw(folder) if draw is not None else []), *figures]
+    page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
+    say(console, f"report: {page}")
 
 
 def _replay(log: Log, world: str, robot: Any, terrain: str | None, mu: float | None) -> ReplayReport:
@@ -97,28 +139,32 @@ def _replay(log: Log, world: str, robot: Any, terrain: str | None, mu: float | N
 def _tables(report: AuditReport, again: ReplayReport | None, on_page: bool = False) -> list[Table]:
     """Return the tables of symptoms, violations, coverage, friction and of a replay's windows."""
     columns = 8 if on_page else 6
-    symptoms = [
-        [s.name, s.contact, f"{s.start:.3f}", f"{s.end:.3f}", s.evidence, s.cause, s.confirm, s.cure]
-        for s in report.symptoms[:MOST]
-    ]
+    found_in_log, found_in_command = (
+        [
+            [f.name, f.contact, f"{f.start:.3f}", f"{f.end:.3f}", f.evidence, f.cause, f.confirm, f.cure][
+                :columns
+            ]
+            for f in listed[:MOST]
+        ]
+        for listed in (report.symptoms, report.command)
+    )
     broken = [
         [v.law, v.contact, f"{v.start:.3f}", f"{v.end:.3f}", f"{v.value:.4g} {v.unit}", f"{v.limit:.4g}"]
         for v in report.violations[:MOST]
     ]
-    asked = [
-        [f.name, f.contact, f"{f.start:.3f}", f"{f.end:.3f}", f.evidence, f.cause, f.confirm, f.cure]
-        for f in report.command[:MOST]
-    ]
     covered = [[name, why or "judged"] for name, why in report.coverage.items()]
     friction = [
-        [f.contact, f"{f.start:.2f}", f"{f.end:.2f}", f"{f.low:.3f}", _high(f.high), f"{f.slid:.3f}"]
+        [
+            f.contact, f"{f.start:.2f}", f"{f.end:.2f}", f"{f.low:.3f}",
+            f"{f.high:.3f}" if f.high < math.inf else "unknown", f"{f.slid:.3f}",
+        ]
         for f in report.friction
-    ]
+    ]  # fmt: skip
     heads = ("foot", "from [s]", "to [s]")
-    words = ("symptom", *heads, "evidence", "likely cause", "confirm", "cure")
+    words = ("symptom", *heads, "evidence", "likely cause", "confirm", "cure")[:columns]
     found = [
-        Table("Symptoms", words[:columns], [s[:columns] for s in symptoms]),
-        Table("Command", words[:columns], [f[:columns] for f in asked]),
+        Table("Symptoms", words, found_in_log),
+        Table("Command", words, found_in_command),
         Table("Violations", ("law", *heads, "value", "limit"), broken),
         Table("What could be judged", ("law", "judged"), covered),
         Table("Friction of the ground", (*heads, "at least", "at most", "slid [s]"), friction),
@@ -127,10 +173,6 @@ def _tables(report: AuditReport, again: ReplayReport | None, on_page: bool = Fal
     if again is not None and (again.windows or on_page):
         found.append(_replay_table(again))
     return found
-
-
-def _high(value: float) -> str:
-    return f"{value:.3f}" if value < float("inf") else "unknown"
 
 
 def _replay_table(again: ReplayReport) -> Table:
@@ -157,9 +199,8 @@ def _pictures(log: Log, report: AuditReport, folder: Path) -> list[tuple[str, st
         from surefoot.viz.audit_plots import draw_audit
 
         drawn = draw_audit(log, report, folder)
-    except MissingExtra as error:
-        return [("Pictures", paragraph(f"pictures left out: {error}"))]
     except SurefootError as error:
-        return [("Pictures", paragraph(str(error)))]
+        left_out = "pictures left out: " if isinstance(error, MissingExtra) else ""
+        return [("Pictures", paragraph(f"{left_out}{error}"))]
     titles = {"timeline": "Timeline"}
     return [(titles.get(path.stem, "One of the worst moments"), picture(path)) for path in drawn]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
-from typing import Any
+import math
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple
 
 from rich.console import Console
 
@@ -49,10 +51,10 @@ def table(
     column
         Of every column, for Rich.
     """
-    from rich.table import Table
+    from rich.table import Table as RichTable
 
     flush = header[:left] if isinstance(left, int) else left
-    out = Table(title=title, title_justify="left")
+    out = RichTable(title=title, title_justify="left")
     for name in header:
         out.add_column(name, justify="left" if name in flush else "right", no_wrap=name in whole, **column)
     for row in rows:
@@ -66,3 +68,33 @@ def show(facts: Any, as_json: bool, in_words: Callable[[Console, Any], None], **
         print(to_json(facts))
     else:
         in_words(plain_console(**settings), facts)
+
+
+class Table(NamedTuple):
+    """A table of the screen and of the page that a command leaves: heading, columns' names and rows."""
+
+    title: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+def print_tables(console: Console, tables: Sequence[Table], lines: Sequence[str]) -> None:
+    """Print tables without their headings, and what is said below them."""
+    for one in tables:
+        console.print(table(one.header, one.rows))
+    say(console, *lines)
+
+
+@contextmanager
+def progress_bar(shown: bool, label: str, total: float) -> Iterator[Callable[[float], None] | None]:
+    """Show a progress bar on a terminal while the context lasts; yield the function that moves it."""
+    screen = plain_console(stderr=True)
+    if not shown or not screen.is_terminal:
+        yield None
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn(label), BarColumn(), TextColumn("{task.percentage:.0f} %"), TimeElapsedColumn())
+    with Progress(*columns, console=screen, transient=True) as bar:
+        task = bar.add_task(label, total=total if math.isfinite(total) else None)
+        yield lambda done: bar.update(task, completed=done)

@@ -45,7 +45,7 @@ def export(
             raise ProblemError(unknown_name("target of --to", name, (SEQUENCE, *target_names())))
     sequence = _read(source, facets, fit, shortest)
     for name in targets.keys() - {SEQUENCE}:  # refused before a folder is made
-        find_target(name).files(sequence)
+        find_target(name)(sequence)
     folder = new_run_folder(out, f"export-{source.stem}")
     paths: list[Path] = []
     for name in targets:

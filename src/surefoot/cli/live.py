@@ -2,19 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, TypeAlias
-
-import typer
+from typing import Any
 
 from surefoot.errors import ProblemError
-
-View: TypeAlias = Annotated[
-    bool,
-    typer.Option(
-        "--view",
-        help="Show the walk in a window, in real time; arrows or WASD, Q, E and space steer it.",
-    ),
-]
 
 
 def check(planner: str) -> None:
@@ -38,9 +28,7 @@ def watching(robot: Any, terrain: Any, controller: Any) -> list[Any]:
     from surefoot.viz.window import Window
 
     walker = controller
-    while not hasattr(walker, "steer") and hasattr(
-        walker, "controller"
-    ):  # what is around it passes states on
+    while not hasattr(walker, "steer") and hasattr(walker, "controller"):  # what is around it
         walker = walker.controller
     if not hasattr(walker, "steer"):
         raise ProblemError(f"--view steers a walk, and {type(walker).__name__} takes no other command")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from surefoot.audit import RunSummary
 from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
-from surefoot.cli.page import Table
+from surefoot.cli.console import Table
 from surefoot.spatial import GRAVITY
 
 OUTCOMES = {

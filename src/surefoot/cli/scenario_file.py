@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.yaml_files import read_yaml
 
 SCHEMA = Path(__file__).with_name("scenario.schema.json")
 GROUND = frozenset({"ice", "law", "integration", "solref", "solimp", "substeps"})
@@ -64,7 +65,7 @@ class ScenarioFile:
         """
         if path is None:
             return ScenarioFile()
-        content = _content(path)
+        content = read_yaml(path, "the scenario") or {}
         try:
             said = checked("", content, schema())
             for key in said:
@@ -88,19 +89,6 @@ def schema() -> dict[str, Any]:
     """Return the JSON schema of scenario files."""
     found: dict[str, Any] = json.loads(SCHEMA.read_text(encoding="utf-8"))
     return found
-
-
-def _content(path: Path) -> Any:
-    """Return what a YAML file holds."""
-    import yaml
-
-    try:
-        return yaml.safe_load(path.read_text(encoding="utf-8")) or {}
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not text"
-        raise ProblemError(f"cannot read the scenario {path}: {reason}") from error
-    except yaml.YAMLError as error:
-        raise ProblemError(f"{path} is not YAML: {' '.join(str(error).split())}") from error
 
 
 def checked(where: str, value: Any, form: Mapping[str, Any]) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from surefoot.stance import StanceQuestion
 
 
-@dataclass(frozen=True)
-class StanceCase:
+class StanceCase(NamedTuple):
     """What a command is about; robot and q are None for a stance file."""
 
     question: StanceQuestion
@@ -75,11 +74,8 @@ class StanceOptions:
         q = place(robot, terrain)
         stance = robot.stance(q, mu=0.6 if self.mu is None else self.mu, terrain=terrain)
         lifted = [robot.foot(n).name for n in parsing.names("--lift", self.lift) or []]
-        title = (
-            f"{robot.name} on a slope of {self.slope:g} deg" if self.slope else f"{robot.name} on flat ground"
-        )
-        if lifted:
-            title += f", {', '.join(lifted)} lifted"
+        title = f"{robot.name} on " + (f"a slope of {self.slope:g} deg" if self.slope else "flat ground")
+        title += f", {', '.join(lifted)} lifted" if lifted else ""
         stance = stance.without(*lifted)
         return StanceCase(StanceQuestion(title, stance, robot.mass, robot.com(q), np.zeros(6)), robot, q)
 
@@ -89,11 +85,7 @@ def _check_sizes(question: StanceQuestion, file: Path) -> None:
     import numpy as np
 
     real_number(f"{file}: mass", question.mass, low=0.0, high=1e9)
-    sizes = {
-        "com": question.com,
-        "external_wrench": question.external_wrench,
-        "positions": question.stance.positions,
-    }
-    for name, values in sizes.items():
+    sizes = {name: getattr(question, name) for name in ("com", "external_wrench")}
+    for name, values in {**sizes, "positions": question.stance.positions}.items():
         real_number(f"{file}: largest entry of {name}", np.abs(values).max(initial=0.0), high=1e9)
     real_number(f"{file}: mu", np.max(question.stance.mu, initial=0.0), low=0.0, high=parsing.MU_MAX)

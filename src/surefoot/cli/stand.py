@@ -55,8 +55,8 @@ def stand(
     faults = Faults(0.0, said.delay, said.weak_joint, said.torque_loss) if FAULTS & {*said.given} else None
     more: dict[str, Any] = {"depth": START_DEPTH, "fall": STANDING_FALL, "faults": faults}
     happens = options.scenario_of(duration, mu, push, seed, said, **more)
-    lifts = parsing.each(parsing.lift, lift)
-    parsing.within_run("--lift", lift, [one.start for one in lifts], duration)
+    lifts = [parsing.lift(text) for text in lift or ()]
+    parsing.within_run("--lift", lift or (), (one.start for one in lifts), duration)
     options.require(robot, WORLDS[obeyed.world][1], leaving)
     setup = model, terrain, q, plan = _set_up(robot, feet, slope, lifts)
     allocation = _allocation(setup, mu, said)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from surefoot.audit import StandSummary
-from surefoot.cli.page import Table
+from surefoot.cli.console import Table
 from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines
 from surefoot.spatial import GRAVITY
 

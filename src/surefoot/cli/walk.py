@@ -74,23 +74,24 @@ def walk(
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
+    from surefoot.terrain import read_terrain
 
     console = plain_console(quiet=leaving.as_json)
     if view:
         live.check(planner)
     options.check_numbers(mu, duration, SHORTEST, seed)
-    carried, dropouts = parsing.payload(payload), parsing.each(parsing.dropout, dropout)
+    carried, dropouts = parsing.payload(payload), [parsing.dropout(text) for text in dropout or ()]
     said = ScenarioFile.read(scenario, WALK_KEYS)
     belief = knowledge.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
     sensors, level = estimators.sensors_of(said.estimator, said.noise)
     file = robot if physics.is_world(robot, obeyed.world) else None
     settings = physics.world_settings(obeyed, said, mu, file)
-    ground = parsing.terrain(terrain)
+    ground = read_terrain(terrain, "--terrain")
     if obeyed.world == "mujoco" and file is None:
         settings.setdefault("substeps", substeps_of(ground, terrain_knowledge))
     command = _command(velocity, said)
     wired = wires.wiring(commands, dropouts, said)
-    parsing.within_run("--dropout", dropout, [start for start, _ in dropouts], duration)
+    parsing.within_run("--dropout", dropout or (), (start for start, _ in dropouts), duration)
     faults = Faults(level, said.delay, said.weak_joint, said.torque_loss, dropouts=wired.dropouts)
     happens = options.scenario_of(duration, mu, push, seed, said, faults=faults, **belief.senses(sensors))
     options.require(robot, WORLDS[obeyed.world][1], leaving)

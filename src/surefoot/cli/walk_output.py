@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from surefoot.audit import WalkSummary
-from surefoot.cli.page import Table
+from surefoot.cli.console import Table
 from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines
 
 WALK_OUTCOMES = OUTCOMES | {"walked": "walked", "did not follow": "did not follow its command: it moved"}

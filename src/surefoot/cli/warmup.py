@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from surefoot.cli import options
 from surefoot.cli.compiling import silent
-from surefoot.cli.console import say, show, table
-from surefoot.cli.progress import progress_bar
+from surefoot.cli.console import progress_bar, say, show, table
 from surefoot.errors import MissingExtra
 
 if TYPE_CHECKING:

@@ -66,7 +66,7 @@ class PolyhedralCone(Cone):
         rays
             (r, dim) in the unit of the cone's points; zero rows say nothing.
         method
-            "qhull", "dd", "cdd" or "exact": see `surefoot.cones.representation`.
+            "qhull", "dd" or "cdd": see `surefoot.cones.representation`.
 
         Examples
         --------
@@ -94,10 +94,6 @@ class PolyhedralCone(Cone):
         rows = finite_array("halfspaces", halfspaces, (None, None))
         rays, kept = convert(rows, method)
         return PolyhedralCone(rows[kept], rays)
-
-    def minimal(self, method: Method = "qhull") -> PolyhedralCone:
-        """Return the same cone without redundant rows and rays, worked out from its rays."""
-        return PolyhedralCone.from_rays(self.rays, method)
 
     def representation_gap(self, samples: int = 0, seed: int = 0) -> float:
         """Return how far the two representations are apart, as an angle [rad]; zero to rounding is right.

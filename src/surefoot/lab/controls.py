@@ -1,4 +1,4 @@
-"""What a page can be told: sliders, choices, ticks and buttons, each checking what a browser sends."""
+"""What a page takes: sliders, choices, ticks and buttons, each checking what a browser sends."""
 
 from __future__ import annotations
 

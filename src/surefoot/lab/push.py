@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -95,19 +96,28 @@ class PushPage(Page):
         """Tell the run what a control says."""
         v = self.values
         if name in ("mu", "payload", "gait"):
-            self._shared.choose(**{name: v[name]})
+            changes = {name: v[name]}
         elif name in ("forward", "left", "turn"):
-            self._shared.choose(velocity=(v["forward"], v["left"], v["turn"]))
+            changes = {"velocity": (v["forward"], v["left"], v["turn"])}
+        else:
+            return
+        with self._shared.held() as run:
+            run.choose(replace(run.choices, **changes))
 
     def press(self, name: str) -> None:
         """Kick the robot, or stand it up."""
         if name == "restart":
-            self._shared.restart()
+            with self._shared.held() as run:
+                run.restart()
         elif name == "kick":
             angle = math.radians(self.values["direction"])
-            self._shared.kick(self.values["force"] * np.array([math.cos(angle), math.sin(angle), 0.0]))
+            self._kick(self.values["force"] * np.array([math.cos(angle), math.sin(angle), 0.0]))
         else:
             super().press(name)
+
+    def _kick(self, force: FloatArray) -> None:
+        with self._shared.held() as run:
+            run.kick(force)
 
     def grip(self, grip: Grip) -> None:
         """Pull the robot with the mouse; letting go kicks it."""
@@ -116,9 +126,9 @@ class PushPage(Page):
         self._pull = None
         if grip.phase == "click":
             way = (grip.point - grip.eye) * [1.0, 1.0, 0.0]
-            self._shared.kick(self.values["force"] * way / max(float(np.linalg.norm(way)), 1e-9))
+            self._kick(self.values["force"] * way / max(float(np.linalg.norm(way)), 1e-9))
         elif grip.phase == "end":
-            self._shared.kick(PULL * (grip.point - grip.start))
+            self._kick(PULL * (grip.point - grip.start))
         else:
             self._pull = grip.start, grip.point
 

@@ -6,7 +6,9 @@ import math
 import threading
 import time
 from collections import deque
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -43,7 +45,7 @@ HARDEST = 400.0
 
 @dataclass(frozen=True)
 class Choices:
-    """What a run is told.
+    """What viewers choose of a run.
 
     Attributes
     ----------
@@ -253,20 +255,11 @@ class SharedRun:
             if self._viewers <= 0:
                 self._open.clear()
 
-    def choose(self, **changes: object) -> None:
-        """Change some of the choices; raises for those that cannot be."""
+    @contextmanager
+    def held(self) -> Iterator[WalkRun]:
+        """Yield the run, which stands still while the context lasts."""
         with self._lock:
-            self._run.choose(replace(self._run.choices, **changes))  # type: ignore[arg-type]
-
-    def kick(self, force: FloatArray) -> None:
-        """Push the base with a (3,) force [N]."""
-        with self._lock:
-            self._run.kick(force)
-
-    def restart(self) -> None:
-        """Stand the robot up again."""
-        with self._lock:
-            self._run.restart()
+            yield self._run
 
     def look(self) -> tuple[Moment, tuple[FloatArray, FloatArray]]:
         """Return what it is like now; times (k,) [s] and normal forces (k, p) [N] of the strip."""

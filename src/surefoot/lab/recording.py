@@ -83,14 +83,16 @@ class Recording:
         if self.robot is not None and ("q" not in log or log["q"].shape[1] != self.robot.model.nq):
             self.notes.append(f"the log's configurations are not those of {self.robot.name}: it is not drawn")
             self.robot = None
-        told = log.facts.get("terrain")
-        self.terrain = terrain or (read_terrain(str(told), "the log's terrain") if told else FlatTerrain())
+        ground = log.facts.get("terrain")
+        self.terrain = terrain or (
+            read_terrain(str(ground), "the log's terrain") if ground else FlatTerrain()
+        )
         self.names, self.weight = contact_names(log), weight_of(log)
         self.pose = pose_of(log)
-        normal = (
-            np.nan_to_num(np.asarray(log["forces"])[..., 2], posinf=0.0) if "forces" in log else np.zeros(0)
-        )
-        self.most = max(self.weight, float(normal.max(initial=0.0)))
+        self.most = self.weight
+        if "forces" in log:
+            normal = np.nan_to_num(np.asarray(log["forces"])[..., 2], posinf=0.0)
+            self.most = max(self.weight, float(normal.max(initial=0.0)))
         if "forces" not in log or "contact_positions" not in log:
             self.notes.append("the log has no contact_positions with forces: no arrows and cones")
 
@@ -132,11 +134,8 @@ class Recording:
         times, rows = self.time[thin], np.nan_to_num(np.asarray(self.log["forces"][thin, :, 2]), posinf=0.0)
         if len(times) < 2:
             return ""
-        marks = [
-            (max(s.start, times[0]), min(s.end, times[-1]))
-            for s in spans
-            if s.end > times[0] and s.start < times[-1]
-        ]
+        low, high = times[0], times[-1]
+        marks = [(max(s.start, low), min(s.end, high)) for s in spans if s.end > low and s.start < high]
         return strip(times, rows, self.names, self.most, time, marks[:50])
 
 
@@ -210,13 +209,11 @@ class RecordingPage(Page):
             row += 1 if name == "on" else -1
             self.values.within("time", time[min(max(row, 0), len(time) - 1)])
         elif name in ("previous", "next") and self._spans:
-            now, tiny = self.values["time"], 1e-9
-            later = [s for s in self._spans if s.start > now + tiny]
-            earlier = [s for s in self._spans if s.start < now - tiny]
-            if name == "next" and later:
-                self._go_to(min(later, key=lambda s: s.start))
-            elif name == "previous" and earlier:
-                self._go_to(max(earlier, key=lambda s: s.start))
+            way = 1.0 if name == "next" else -1.0
+            ahead = [(way * (s.start - self.values["time"]), s) for s in self._spans]
+            beyond = [one for one in ahead if one[0] > 1e-9]
+            if beyond:
+                self._go_to(min(beyond, key=lambda one: one[0])[1])
         else:
             super().press(name)
 

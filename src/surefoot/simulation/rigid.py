@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.collision import Geometry, robot_geometry
 from surefoot.contact import ContactSolution
-from surefoot.errors import ProblemError, StiffContactWarning, unknown_name
+from surefoot.errors import ProblemError, StiffContactWarning, check_name
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators
 from surefoot.simulation.actuated import JointFriction, equipped
@@ -68,8 +68,7 @@ def chosen_geometry(robot: Robot, collision: str | Geometry) -> Geometry | None:
     own = getattr(robot, "geometry", None) if isinstance(collision, str) else collision
     if own is not None or not isinstance(collision, str):
         return own
-    if collision not in COLLISIONS:
-        raise ProblemError(unknown_name("collision", collision, tuple(COLLISIONS)))
+    check_name("collision", collision, COLLISIONS)
     return COLLISIONS[collision](robot)
 
 

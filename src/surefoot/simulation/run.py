@@ -203,11 +203,10 @@ class _Run:
             torques = given_by(world, self._asked)
             sensing.acted(command, torques)
             reading = world.contacts()
-            self.touches.look(now, reading)
             # its row
             moment = Moment(now, q, v, torques, push, self.ground.mu, spent, command, reading)
             self._record(moment)
-            for observer in observers:
+            for observer in (self.touches, *observers):
                 observer.step(moment)
             # whether it goes on
             if sensing.lost:

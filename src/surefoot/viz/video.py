@@ -204,7 +204,7 @@ def _add_light(mujoco: Any, spec: Any, width: int, height: int, samples: int) ->
 
 
 def log_arrows(log: Log, step: int, terrain: Terrain, scale: float) -> list[Arrow]:
-    """Return the arrows of one step: measured forces, commanded ones where they differ, the push.
+    """Return the arrows of one step: measured forces, and commanded ones where they differ.
 
     `scale` is the length of a newton [m/N].
     """
@@ -216,9 +216,6 @@ def log_arrows(log: Log, step: int, terrain: Terrain, scale: float) -> list[Arro
         arrows.append((place, scale * frame @ measured, FORCE_COLOUR))
         if wanted_differs(wanted, measured):
             arrows.append((place, scale * frame @ wanted, WANTED_COLOUR))
-    push = log["push"][step]
-    if np.any(push):
-        arrows.append((log["q"][step, :3] - 2.0 * scale * push, 2.0 * scale * push, PUSH_COLOUR))
     return arrows
 
 
@@ -227,16 +224,27 @@ def wanted_differs(wanted: FloatArray, measured: FloatArray) -> Any:
     return np.linalg.norm(wanted - measured, axis=-1) > 0.15 * np.linalg.norm(wanted, axis=-1)
 
 
-def cone_lines(log: Log, step: int, terrain: Terrain, height: float, rays: int = 24) -> list[Arrow]:
-    """Return the friction cones of the loaded contacts as lines; `height` along the normal [m]."""
+def cone_lines(
+    log: Log, step: int, terrain: Terrain, height: float | FloatArray, rays: int = 24, every: int = 1
+) -> list[Arrow]:
+    """Return the friction cones of the loaded contacts as lines.
+
+    Parameters
+    ----------
+    log, step, terrain
+        Whose contacts, when, on what.
+    height
+        Of the cones along the normal [m]: a number, or (p,) one for each contact.
+    rays, every
+        Sides of the polygon that stands for a rim; a line from the apex goes to each so many of its corners.
+    """
     lines: list[Arrow] = []
-    mu = float(log["mu"][step])
-    for k, place in enumerate(log["contact_positions"][step]):
-        if log["forces"][step, k, 2] <= 0.0:
-            continue
-        rim = cone_rim(mu, height, terrain.frame(place[:2]), rays)
-        lines += [(place, edge, CONE_COLOUR) for edge in rim[:-1]]
-        lines += [(place + a, b - a, CONE_COLOUR) for a, b in pairwise(rim)]
+    places, loads = log["contact_positions"][step], log["forces"][step][:, 2]
+    heights = np.broadcast_to(height, loads.shape)
+    for k in np.flatnonzero(loads > 0.0):
+        rim = cone_rim(float(log["mu"][step]), float(heights[k]), terrain.frame(places[k, :2]), rays)
+        lines += [(places[k], edge, CONE_COLOUR) for edge in rim[:-1:every]]
+        lines += [(places[k] + a, b - a, CONE_COLOUR) for a, b in pairwise(rim)]
     return lines
 
 

@@ -25,7 +25,6 @@ from surefoot.planning.direct import (
 )
 from surefoot.planning.direct.transcribe import DirectNlp
 from surefoot.planning.transcription.contact_rows import STICK, read_modes
-from surefoot.planning.transcription.planar import passive_joints
 from surefoot.robot import load_robot, place
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.terrain import SlopeTerrain, StairsTerrain
@@ -155,20 +154,6 @@ def test_what_cannot_be_reached_is_not_solved() -> None:
     found = plan_direct(ahead(planar_hopper(), 0.6, knots=3), smoothings=(1e-2, 1e-8), max_iterations=60)
     assert found.plan.status.value == "stalled"
     assert "outside its windows" in str(found.plan.fact("goal"))
-
-
-def test_noise_about_a_guess_moves_all_but_the_start() -> None:
-    problem = ahead(planar_biped(), 0.3)
-    straight = Guess.between(problem)
-    noisy = straight.noisy(problem, np.random.default_rng(0))
-    assert np.array_equal(noisy.q[0], problem.q)
-    assert (np.abs(noisy.q[1:] - straight.q[1:]).max(axis=1) > 0.0).all()
-    assert (noisy.impulses[..., 2] >= 0.0).all()
-
-
-def test_which_joints_have_no_motor() -> None:
-    assert passive_joints(planar_biped()).tolist() == [True] * 3 + [False] * 4
-    assert not passive_joints(load_robot("go2")).any()
 
 
 @pytest.mark.parametrize(

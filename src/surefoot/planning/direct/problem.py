@@ -38,8 +38,9 @@ class Window:
 
     @classmethod
     def at(
-        cls, q: ArrayLike | None = None, v: ArrayLike | None = None, within: float = 0.0, speed: float = 0.0
-    ) -> Window:
+        cls, q: ArrayLike | None = None, v: ArrayLike | None = None, within: ArrayLike = 0.0,
+        speed: ArrayLike = 0.0,
+    ) -> Window:  # fmt: skip
         """Return the window about (nq,) q, (nv,) v, NaN left free: ± `within` [m, rad], `speed` [m/s]."""
         sides = list[FloatArray | None]()
         for value, reach in ((q, within), (v, speed)):
@@ -47,7 +48,9 @@ class Window:
                 sides += [None, None]
                 continue
             middle = np.asarray(value, dtype=np.float64)
-            sides += [np.where(np.isnan(middle), s * np.inf, middle + s * reach) for s in (-1.0, 1.0)]
+            sides += [
+                np.where(np.isnan(middle), s * np.inf, middle + s * np.asarray(reach)) for s in (-1.0, 1.0)
+            ]
         return cls(*sides)
 
     def narrow(

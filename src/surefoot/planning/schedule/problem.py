@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
 from surefoot.errors import ProblemError
@@ -185,14 +184,3 @@ class ScheduleProblem:
     def speed_limits(self) -> FloatArray:
         """(joints,) that may be used [rad/s], infinite where the model has none."""
         return np.asarray(self.speed_share * self.robot.speed_limits)
-
-
-def window_about(
-    q: ArrayLike, v: ArrayLike | None = None, within: ArrayLike = 0.0, speed: ArrayLike = 0.0
-) -> Window:
-    """Return the window of ± `within` about (nq,) q and ± `speed` about (nv,) v; arrays or numbers."""
-    q, reach = np.asarray(q, dtype=np.float64), np.asarray(within, dtype=np.float64)
-    if v is None:
-        return Window(q - reach, q + reach)
-    v, fast = np.asarray(v, dtype=np.float64), np.asarray(speed, dtype=np.float64)
-    return Window(q - reach, q + reach, v - fast, v + fast)

@@ -9,7 +9,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.planning.schedule.problem import ScheduleProblem
-from surefoot.planning.schedule.transcribe import row_bounds, transcribe, variable_bounds
+from surefoot.planning.schedule.transcribe import transcribe, variable_bounds
 from surefoot.planning.transcription.guess import Guess
 from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, Sides, Tell, pack, unpack
 
@@ -86,8 +86,7 @@ def optimise(
     MissingExtra
         If CasADi is not installed.
     """
-    block, parts = transcribe(problem)
-    rows = row_bounds(problem, parts)
+    block, rows = transcribe(problem)
     begin = pack_guess(problem, guess_from(problem) if guess is None else guess)
     found = solve_scheduled(
         block, problem.reference[1:], variable_bounds(problem), rows, begin, max_iterations, tell, **options

@@ -63,8 +63,7 @@ class ContactRows:
     def pair(self, form: Form, a: Expression, b: Expression, eps: Expression) -> None:
         """Ask for a ⟂ b in a softened form."""
         soft = form.soften(a, b, eps)
-        for k in range(soft.rows.shape[0]):
-            self.rows.append((soft.rows[k], float(soft.lower[k]), float(soft.upper[k])))
+        self.rows.append((soft.rows, soft.low, 0.0))
         self.cost = self.cost + soft.cost
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import ModelError, ProblemError, SimulationError, unknown_name
+from surefoot.errors import ModelError, ProblemError, SimulationError, check_name
 from surefoot.robot import Robot
 from surefoot.simulation.drake.scene import scene_of
 from surefoot.simulation.drake_python import Worker
@@ -231,12 +231,10 @@ def contact_words(contact: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(contact, Mapping) or not isinstance(contact.get("each_body"), Mapping):
         raise ProblemError(f"contact must be a mapping with one named each_body, got {contact!r:.80}")
     approximation = str(contact.get("discrete_contact_approximation"))
-    if approximation not in APPROXIMATIONS:
-        raise ProblemError(unknown_name("discrete_contact_approximation", approximation, APPROXIMATIONS))
+    check_name("discrete_contact_approximation", approximation, APPROXIMATIONS)
     material = contact["each_body"]
     for name in material:
-        if name not in MATERIAL:  # Drake would take it, and never look at it
-            raise ProblemError(unknown_name("proximity property", str(name), MATERIAL))
+        check_name("proximity property", str(name), MATERIAL)  # Drake would take it, and never look at it
     numbers = {name: real_number(name, value, low=0.0) for name, value in material.items()}
     if not 0.0 < numbers.get("point_contact_stiffness", 1.0) < np.inf:
         raise ProblemError(

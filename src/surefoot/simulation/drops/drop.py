@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.laws.soft.behaviour import Behaviour, settling_time
-from surefoot.errors import MissingExtra, ProblemError, SimulationError, unknown_name
+from surefoot.errors import MissingExtra, SimulationError, check_name
 from surefoot.simulation.drops.task import SlideDrop
 from surefoot.spatial import GRAVITY
 
@@ -65,8 +65,7 @@ def measure(
     MissingExtra
         If it is not installed.
     """
-    if engine not in RUNNERS:
-        raise ProblemError(unknown_name("engine that can be run", engine, RUNNERS))
+    check_name("engine that can be run", engine, RUNNERS)
     module = importlib.import_module(RUNNERS[engine])
     if not module.present():
         raise MissingExtra(module.PACKAGE, module.EXTRA)
