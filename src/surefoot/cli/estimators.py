@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 
 if TYPE_CHECKING:
     from surefoot.simulation.sensors import SensorModel
@@ -28,8 +28,7 @@ def sensors_of(estimator: str, noise: float | None) -> tuple[SensorModel | None,
     ProblemError
         For an unknown name.
     """
-    if estimator not in ESTIMATORS:
-        raise ProblemError(unknown_name("estimator", estimator, ESTIMATORS))
+    check_name("estimator", estimator, ESTIMATORS)
     if estimator == "truth":
         return None, 0.0 if noise is None else noise
     from surefoot.simulation.sensors import SensorModel

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:
     from surefoot.simulation.sensors import SensorModel
@@ -51,8 +51,7 @@ class Beliefs:
         ProblemError
             For an unknown word, or a planner that cannot do with less than the truth.
         """
-        if terrain not in KNOWLEDGE:
-            raise ProblemError(unknown_name("--terrain-knowledge", terrain, KNOWLEDGE))
+        check_name("--terrain-knowledge", terrain, KNOWLEDGE)
         watch = isinstance(believed_mu, str)
         if planner != "convex" and (watch or terrain != "exact"):
             given = "believed_mu: auto" if watch else f"--terrain-knowledge {terrain}"

@@ -14,7 +14,7 @@ from surefoot.arrays import real_number
 from surefoot.cli import extras, options
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.robots import load
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:
     from surefoot.lab.page import Page
@@ -44,8 +44,7 @@ def lab(
     """Open a page in a browser: a stance, a cone, a robot to push, a plan, a log; Ctrl-C ends it."""
     from surefoot.lab.server import check_free
 
-    if page not in PAGES:
-        raise ProblemError(unknown_name("page", page, PAGES))
+    check_name("page", page, PAGES)
     make, takes, packages = PAGES[page]
     given = {"subject": subject, "amount": amount, "feet": feet, "robot": robot}
     for name, value in given.items():

@@ -13,7 +13,7 @@ from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.robots import load
 from surefoot.cli.scenario_file import WALK_KEYS, ScenarioFile
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.simulation.worlds import WORLDS
 
 SHORTEST = 0.5
@@ -124,8 +124,7 @@ class _Task(NamedTuple):
 def _controller(planner: str, task: _Task) -> Any:
     """Return the controller of a planner's name."""
     planners = {"convex": _convex, "contact-implicit": _contact_implicit}
-    if planner not in planners:
-        raise ProblemError(unknown_name("--planner", planner, planners))
+    check_name("--planner", planner, planners)
     return planners[planner](task)
 
 
@@ -175,8 +174,7 @@ def _schedule(robot: Any, gait: str, said: ScenarioFile) -> Any:
     if said.gait_file is None:
         return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)
     gaits = read_gaits(said.gait_file, len(robot.feet))
-    if gait not in gaits:
-        raise ProblemError(unknown_name(f"gait in {said.gait_file}", gait, gaits))
+    check_name(f"gait in {said.gait_file}", gait, gaits)
     schedule = gaits[gait]
     return (
         schedule.scaled(said.period) if said.period is not None and isinstance(schedule, Gait) else schedule

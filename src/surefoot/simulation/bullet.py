@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import MissingExtra, ModelError, ProblemError, SimulationError, unknown_name
+from surefoot.errors import MissingExtra, ModelError, SimulationError, check_name
 from surefoot.robot import Robot
 from surefoot.simulation.drake.scene import scene_of
 from surefoot.simulation.world import ContactReading, ground_of
@@ -273,8 +273,7 @@ def contact_numbers(contact: Mapping[str, Any]) -> dict[str, float]:
     for name, value in contact.items():
         if name == "each_body":  # of two equal bodies: here the foot has all of it
             continue
-        if name not in GROUND:
-            raise ProblemError(unknown_name("contact parameter", name, tuple(GROUND)))
+        check_name("contact parameter", name, GROUND)
         numbers[name] = real_number(name, value, low=0.0)
     return numbers
 

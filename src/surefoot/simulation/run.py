@@ -12,7 +12,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
-from surefoot.control.standstill import Standstill
+from surefoot.drive.standstill import Standstill
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log
 from surefoot.log.channels import Channel
