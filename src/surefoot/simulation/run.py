@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.control.controller import Command, Controller, RobotState
-from surefoot.control.standstill import Standstill
+from surefoot.drive.standstill import Standstill
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log
 from surefoot.log.channels import Channel
