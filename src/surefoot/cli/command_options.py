@@ -51,9 +51,9 @@ class Wiring:
 
     def around(self, controller: Controller, robot: Any) -> Controller:
         """Return what commands the motors, for a controller with steps of `dt`."""
-        from surefoot.control.joint_targets import Held, JointTargetController, TargetSettings
-        from surefoot.control.latency import LatencyCompensation
-        from surefoot.control.watchdog import Watchdog
+        from surefoot.drive.joint_targets import Held, JointTargetController, TargetSettings
+        from surefoot.drive.latency import LatencyCompensation
+        from surefoot.drive.watchdog import Watchdog
 
         step = 1.0 / WORLD_RATE
         if self.targets:

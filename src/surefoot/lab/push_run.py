@@ -19,7 +19,8 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import SimulationError, SurefootError
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import LOOK_EVERY, TOUCH, sensed_feet
+from surefoot.simulation.run import LOOK_EVERY, TOUCH
+from surefoot.simulation.run_kernels import loaded_feet
 from surefoot.simulation.scenario import Fall
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.world import ContactReading
@@ -182,7 +183,7 @@ class WalkRun:
         if self.time - self.fell_at > LIE:
             self.restart()
         world, q_v = self.world, self.world.state()
-        sensed = sensed_feet(world.contact_foot, self._feet, self.reading, self._least)
+        sensed = loaded_feet(world.contact_foot, self.reading.forces, self._feet, self._least)
         command = self.controller.step(RobotState(*q_v, self.time - self._began, sensed))
         try:
             world.step(command.torques, self.push)
