@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from surefoot.control.feet_kernels import follow_phases, ramp_shares, set_timing
+from surefoot.control.feet_kernels import follow_phases, set_timing
+from surefoot.control.force_ramps import ramp_shares
 from surefoot.control.walking_kernels import advance_body, body_rise
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.stance.gait import Gait, ModeSchedule

@@ -239,20 +239,3 @@ def test_within_limits_kernel() -> None:
     np.testing.assert_array_equal(out, [2.0, -5.0, 0.5])
     assert finite is True
     assert within_limits(np.array([1.0, np.nan]), np.ones(2))[1] is False
-
-
-def test_a_lost_state_changes_nothing_that_comes_after() -> None:
-    robot, q, controller = standing()
-    _, _, other = standing()
-    low, v = q.copy(), np.zeros(robot.model.nv)
-    low[2] -= 0.01
-    for k in range(20):
-        kept = controller.step(RobotState(low, v, 0.0))
-        want = other.step(RobotState(low, v, 0.0))
-        bad = low.copy()
-        bad[k % len(bad)] = np.nan
-        lost = controller.step(RobotState(bad, v, 0.0))
-        assert lost.status is sf.Status.INVALID
-        assert not lost.attained
-        np.testing.assert_array_equal(lost.wrench_error, -lost.wrench_desired)
-        np.testing.assert_array_equal(kept.torques, want.torques)

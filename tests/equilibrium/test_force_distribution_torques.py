@@ -95,19 +95,6 @@ def test_torque_limits_that_hold_by_themselves_change_nothing():
     assert limited.torque_excess < 0.0
 
 
-def test_nan_in_the_jacobian_gives_the_last_safe_command():
-    instance = four_feet("easy", 1)[0]
-    J, offset = legs(np.random.default_rng(0))
-    distributor = sf.ForceDistributor(
-        0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT, torque_limit=np.full(12, 9.0)
-    )
-    good = distributor.solve(instance.grasp_map, instance.wrench, jacobian=J, torque_offset=offset)
-    J[2, 2] = np.nan
-    held = distributor.solve(instance.grasp_map, instance.wrench, jacobian=J, torque_offset=offset)
-    assert distributor.status is sf.Status.INVALID
-    np.testing.assert_allclose(held, good, rtol=1e-12)
-
-
 def test_warm_torque_limits_agree_with_cold():
     rng = np.random.default_rng(8)
     instance = four_feet("near-boundary", 1)[0]

@@ -119,19 +119,6 @@ def test_rank_deficient_contacts(make, name):
     assert np.abs(gap).max() < 1e-9 * np.abs(coarse.forces).max()
 
 
-def test_damped_system_is_the_kkt_matrix(make):
-    robot, rng = make.robot("go2"), np.random.default_rng(1)
-    q, v = make.state(robot, rng)
-    stance, tau = robot.stance(q), rng.normal(size=18)
-    J, epsilon = contact_jacobian(robot, q, stance), 1e-3
-    kkt = np.block([[dynamics.mass_matrix(robot, q), J.T], [J, -epsilon * np.eye(12)]])
-    right = np.concatenate([tau - dynamics.bias_forces(robot, q, v), -contact_drift(robot, q, v, stance)])
-    x = np.linalg.solve(kkt, right)
-    ours = dynamics.constrained_dynamics(robot, q, v, tau, stance, damping=epsilon)
-    assert relative(ours.acceleration, x[:18]) < 1e-9
-    assert relative(ours.forces, -x[18:]) < 1e-9
-
-
 def hand_on_wall(make):
     """G1 on two soles, a hand against a wall that faces it."""
     robot = make.robot("g1")

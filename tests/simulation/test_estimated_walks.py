@@ -142,11 +142,3 @@ def test_the_same_seed_gives_the_same_log() -> None:
         if not name.endswith("_time"):
             assert array.tobytes() == second[name].tobytes(), name
     assert (first["q_estimated"] != other["q_estimated"]).any()
-
-
-def test_a_true_state_has_no_estimate() -> None:
-    log, summary = walk(duration=0.6, sensors=None)
-    assert "q_estimated" not in log
-    assert summary.estimate is None
-    assert estimate_lines(summary) == []
-    assert "estimate" not in summary.as_dict()

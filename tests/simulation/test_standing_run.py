@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,9 +10,7 @@ from surefoot.audit import summarise_stand
 from surefoot.audit.motion import tilt_angles
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import Lift, StandingPlan
-from surefoot.errors import ProblemError
-from surefoot.log import CHANNELS, Log
-from surefoot.log.formats import read_log
+from surefoot.log import Log
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import (
@@ -146,53 +142,6 @@ def test_push_beyond_the_ground_is_flagged_not_hidden() -> None:
     assert not log["attained"].all()
     cone = sf.FrictionCone(0.6)
     assert np.all(cone.margin(log["forces_commanded"]) > -1e-9)
-
-
-def test_same_seed_same_log_and_another_seed_another() -> None:
-    one, two, other = stand(seed=5, duration=0.3), stand(seed=5, duration=0.3), stand(seed=6, duration=0.3)
-    for name in one.arrays:
-        if name != "controller_time":
-            np.testing.assert_array_equal(one[name], two[name])
-    assert not np.array_equal(one["q"], other["q"])
-
-
-def test_interrupted_run_keeps_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
-    steps = 0
-    original = MujocoWorld.step
-
-    def step(self: MujocoWorld, *arguments: object) -> None:
-        nonlocal steps
-        steps += 1
-        if steps == 150:
-            raise KeyboardInterrupt
-        original(self, *arguments)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(MujocoWorld, "step", step)
-    log = stand()
-    assert log.facts["outcome"] == "interrupted"
-    assert 100 < len(log) < 150
-    assert all(len(rows) == len(log) for rows in log.arrays.values())
-    assert summarise_stand(log).outcome == "interrupted"
-    assert not summarise_stand(log).success
-
-
-def test_log_round_trip_without_pickle(tmp_path: Path) -> None:
-    log = stand(duration=0.1)
-    path = log.save(tmp_path / "log.npz")
-    again = read_log(path)
-    assert set(again.arrays) == set(log.arrays) <= set(CHANNELS)
-    for name in log.arrays:
-        np.testing.assert_array_equal(again[name], log[name])
-    assert again.facts["robot"] == "go2"
-    assert again.facts["feet"] == list(log.facts["feet"])
-    assert summarise_stand(again) == summarise_stand(log)
-    with pytest.raises(ProblemError, match="exists already"):
-        log.save(path)
-    with pytest.raises(ProblemError, match="not a Surefoot log"):
-        read_log(tmp_path / "none.npz")
-    np.savez(tmp_path / "other.npz", schema=99)
-    with pytest.raises(ProblemError, match="schema 99, expected 1"):
-        read_log(tmp_path / "other.npz")
 
 
 def test_logged_grasp_map_is_the_one_of_that_step() -> None:
