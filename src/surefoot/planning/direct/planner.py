@@ -217,7 +217,7 @@ def plan_with_modes(
 
 
 class _Runs(list[IpoptRun]):
-    """Ipopt's runs, told as they come."""
+    """Ipopt's runs, reported as they come."""
 
     def __init__(self, tell: Tell | None, total: int | None = None) -> None:
         super().__init__()
