@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surefoot.control.feet_kernels import follow_phases, set_timing
-from surefoot.control.force_ramps import ramp_shares
+from surefoot.control.force_planner import ramp_shares
 from surefoot.control.walking_kernels import advance_body, body_rise
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.stance.gait import Gait, ModeSchedule
