@@ -67,7 +67,7 @@ class Choices:
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class Snapshot:
     """What a run is like at an instant.
 
     Attributes
@@ -199,11 +199,11 @@ class WalkRun:
         if looks and Fall().happened(q_v[0], self._height, self.terrain) is not None:
             self.fell_at = self.time
 
-    def moment(self, speed: float = 1.0) -> Moment:
+    def snapshot(self, speed: float = 1.0) -> Snapshot:
         """Return what it is like now."""
         notes = tuple(self.controller.notes)
         q = self.world.state()[0]
-        return Moment(self.time, q, self.reading, self.push.copy(), self.choices, speed, self.fallen, notes)
+        return Snapshot(self.time, q, self.reading, self.push.copy(), self.choices, speed, self.fallen, notes)
 
     def strip(self) -> tuple[FloatArray, FloatArray]:
         """Return times (k,) [s] and normal forces (k, p) [N] of the last `STRIP` seconds."""
@@ -262,10 +262,10 @@ class SharedRun:
         with self._lock:
             yield self._run
 
-    def look(self) -> tuple[Moment, tuple[FloatArray, FloatArray]]:
+    def look(self) -> tuple[Snapshot, tuple[FloatArray, FloatArray]]:
         """Return what it is like now; times (k,) [s] and normal forces (k, p) [N] of the strip."""
         with self._lock:
-            return self._run.moment(self._speed), self._run.strip()
+            return self._run.snapshot(self._speed), self._run.strip()
 
     def close(self) -> None:
         """End the run."""
