@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
 
 from surefoot.control.leg_demand import LegDemand, Pace
 from surefoot.control.swing_even import even_swing
-from surefoot.robot import Robot, load_robot
+from tests.robots import go2
 
 HEIGHT, PACE = 0.316, Pace(0.36, 0.45, 0.05)
-
-
-@cache
-def go2() -> Robot:
-    return load_robot("go2")
 
 
 def solved(place: np.ndarray, q: np.ndarray) -> np.ndarray:

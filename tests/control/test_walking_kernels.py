@@ -54,16 +54,6 @@ def test_a_steady_body_moves_along_chords_of_its_arc(seed: int) -> None:
         assert v == pytest.approx([*along, along @ slope])
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_the_plane_is_that_of_least_squares(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    places, about, damping = rng.normal(size=(4, 3)), rng.normal(size=2), 1e-2
-    rows = np.column_stack([np.ones(4), places[:, :2] - about])
-    rows = np.vstack([rows, np.sqrt(damping) * np.eye(3)[1:]])
-    wanted = np.linalg.lstsq(rows, np.append(places[:, 2], [0.0, 0.0]))[0]
-    assert kernels.plane_through(places, about, damping) == pytest.approx(wanted)
-
-
 @pytest.mark.parametrize("fastest", [math.inf, 0.06])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_feet_in_the_air_follow_their_paths(seed: int, fastest: float) -> None:

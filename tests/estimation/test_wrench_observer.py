@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pinocchio
 import pytest
 
 from surefoot.estimation import wrench_kernels as kernels
 from surefoot.estimation.wrench_observer import FURTHEST, LARGEST, LEAST, MOST, Instant, WrenchObserver
-from surefoot.robot import Robot, load_robot
+from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.stepping.bodies import loaded_model
+from tests.robots import robot_of
 
 DT = 1e-3
 TROT = np.array([True, False, False, True])
-
-
-@cache
-def robot_of(name: str) -> Robot:
-    return load_robot(name)
 
 
 class Motion:

@@ -108,16 +108,6 @@ def test_the_smallest_forces_hold_the_weight_and_are_smaller(state: StandState) 
     assert np.linalg.norm(least) <= np.linalg.norm(most) + 1e-6
 
 
-def test_the_mouse_moves_the_centre_of_mass_at_its_height(state: StandState) -> None:
-    page = StandPage(state)
-    wanted = np.array([0.11, -0.07, state.com[2]])
-    on_ray = EYE + 0.6 * (wanted - EYE)  # any point of the ray
-    page.grip(Grip("/com", "update", state.com, on_ray, EYE))
-    np.testing.assert_allclose(page.state.com, wanted, atol=1e-12)
-    page.press("reset")
-    np.testing.assert_allclose(page.state.com, state.com)
-
-
 def test_the_mouse_moves_a_foot_on_the_tilted_ground(state: StandState) -> None:
     page = StandPage(replace(state, slope=20.0, direction=45.0))
     place = page.state.on_ground(np.array([[0.3, 0.2]]))[0]
@@ -169,14 +159,6 @@ def test_feet_can_be_lifted_to_the_last(state: StandState) -> None:
         assert isinstance(shown.shapes[f"/feet/{name}"], Ball)
         assert f"/cones/{name}" not in shown.shapes
     assert "It cannot stand" in shown.text
-
-
-def test_each_foot_has_its_friction(state: StandState) -> None:
-    page = StandPage(state)
-    page.change("mu RL_foot", 0.1)
-    assert page.state.mu.tolist() == [0.6, 0.6, 0.1, 0.6]
-    page.change("mu", 0.9)
-    assert page.state.mu.tolist() == [0.9] * 4
 
 
 def test_extremes_are_drawn(state: StandState) -> None:

@@ -12,14 +12,9 @@ from surefoot.log.formats import read_log
 from surefoot.planning import Plan, Search, plan_from, rollout
 from surefoot.planning import planner as planners
 from surefoot.planning.tasks import table
-from surefoot.robot import load_robot, place
+from surefoot.robot import place
 
 FOUND = Search("stand", "by hand", cost=1.5, reached=True, iterations=3, seconds=0.25, goal="stands")
-
-
-@pytest.fixture(scope="module")
-def go2():
-    return load_robot("go2")
 
 
 @pytest.fixture(scope="module")

@@ -5,14 +5,9 @@ import pytest
 
 from surefoot.errors import ProblemError
 from surefoot.planning import rollout
-from surefoot.robot import load_robot, place
+from surefoot.robot import place
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.terrain import SlopeTerrain
-
-
-@pytest.fixture(scope="module")
-def go2():
-    return load_robot("go2")
 
 
 def holding(robot, q):

@@ -192,11 +192,6 @@ def test_a_keyframe_is_the_nominal_pose(tmp_path: Path) -> None:
     assert robot.foot_positions()[:, 2].min() == pytest.approx(0.025, abs=1e-12)
 
 
-def test_it_stands_in_simulation(tmp_path: Path) -> None:
-    robot = sf.load_robot(mjcf(tmp_path), feet=list(FEET))
-    assert sf.can_stand(robot.stance(), robot.com(), robot.mass).feasible
-
-
 @pytest.mark.parametrize(
     ("text", "told"),
     [

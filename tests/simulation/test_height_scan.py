@@ -8,18 +8,13 @@ import numpy as np
 import pytest
 
 from surefoot.errors import ProblemError
-from surefoot.robot import Robot, load_robot
+from surefoot.robot import Robot
 from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor, cast_rays
 from surefoot.spatial import quaternion_from_rotation, rotation_about, rotation_from_quaternion
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain
 
 PERFECT = RangeSensor().scaled(0.0)
 PERFECT = replace(PERFECT, dropped=0.0)
-
-
-@pytest.fixture(scope="module")
-def go2() -> Robot:
-    return load_robot("go2")
 
 
 def test_rays_meet_a_plane_where_algebra_says() -> None:
