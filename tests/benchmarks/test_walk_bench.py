@@ -34,15 +34,6 @@ def test_every_rival_solves_in_every_form(programs, which):
                 assert np.linalg.norm(solve(rival.pack(mpc, program, form)) - own) < ACCURACY
 
 
-def arrays(item):
-    """Return all numbers in a rival's packed program."""
-    if hasattr(item, "pointers"):  # HPIPM's stages
-        return [array for group in item.data.values() for array in group]
-    if isinstance(item, tuple):
-        return [arrays(part) for part in item]
-    return item.toarray() if hasattr(item, "toarray") else item if isinstance(item, np.ndarray) else None
-
-
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
 def test_scenes_are_what_they_say(scene):
     inputs = record(scene, 60)

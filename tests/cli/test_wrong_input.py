@@ -163,6 +163,7 @@ RUNS = [
     ("walk --dropout 99:0.1", "when the run is over"),
     ("walk --dropout 1:-0.1", "T and DURATION must be >= 0"),
     ("walk --planner contact-implicit --commands targets", "takes no --commands"),
+    ("walk --view --planner contact-implicit", "--view steers --planner convex, got contact-implicit"),
     *((f"{c} --world moon", "unknown world 'moon'") for c in BOTH),
     *(
         (f"{c} --world drake --collision full", "--collision full is of --world mujoco or rigid")
@@ -232,6 +233,7 @@ PLAN = [
     ("plan ball --robot go2", "robot of its own"),
     ("plan jump --max-iterations 0", "max_iterations"),
     ("plan jump --seed -1", "seed"),
+    ("plan hopper 7", "hopper takes a number from -1 to 1, its distance [m], got 7"),
 ]
 LAB = [
     ("lab stand dog --port 0", "unknown robot 'dog'"),

@@ -73,16 +73,6 @@ def test_a_known_wrench_is_what_the_equations_of_motion_leave(name: str, touchin
         assert np.abs(error[3:]).max() < 0.005 * robot.mass * GRAVITY * robot.nominal[2]
 
 
-def test_the_weight_of_a_load_is_force_and_moment() -> None:
-    random = np.random.default_rng(3)
-    q = pinocchio.Quaternion(random.normal(size=4)).normalized()
-    pose, mass, place = np.column_stack([q.matrix(), random.normal(size=3)]), 3.0, random.normal(size=3)
-    wrench = random.normal(size=6)
-    wanted = wrench + np.r_[0.0, 0.0, -mass * GRAVITY, np.cross(q.matrix() @ place, [0, 0, -mass * GRAVITY])]
-    kernels.add_weight(mass, mass * place, pose, wrench)
-    assert np.allclose(wrench, wanted, rtol=0, atol=1e-12)
-
-
 def test_the_filters_step_is_kalmans() -> None:
     random = np.random.default_rng(4)
     rotation = pinocchio.Quaternion(random.normal(size=4)).normalized().matrix()

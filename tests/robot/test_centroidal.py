@@ -6,7 +6,6 @@ import pytest
 
 import surefoot as sf
 from surefoot.robot import centroidal
-from surefoot.robot.dynamics import delassus_dense
 from surefoot.robot.jacobians import contact_jacobian
 from surefoot.spatial import rotation_from_quaternion
 
@@ -129,14 +128,3 @@ def test_base_velocity_for_zero_momentum(make):
     assert relative(centroidal.momentum(robot, q, np.concatenate([base, v[6:]])).vector, wanted) < 1e-9
     with pytest.raises(sf.ProblemError, match="panda has a fixed base"):
         centroidal.base_velocity_for(make.robot("panda"), make.robot("panda").nominal, np.zeros(9))
-
-
-def test_contact_space_and_momentum_agree_for_a_rigid_body(make):
-    """A body's Delassus operator at its centre of mass is 1/m: the two files meet."""
-    robot = make.robot("go2")
-    locked = centroidal.centroidal_inertia(robot, robot.nominal)
-    G = delassus_dense(robot, robot.nominal, robot.stance())
-    stiff = robot.stance().grasp_map(about=robot.com())
-    assert (
-        np.linalg.eigvalsh(G - stiff.T @ np.linalg.solve(locked, stiff)).min() > -1e-9
-    )  # joints only add mobility
