@@ -221,21 +221,6 @@ def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch
         measure(small(1), tmp_path)
 
 
-def test_words_that_are_none(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("SUREFOOT_GO2_CONVEX_MPC", raising=False)
-    for words, said in (
-        (["--stack", "moon"], "unknown stack 'moon'"),
-        (["--task", "moon"], "unknown task 'moon'"),
-        (["--estimator", "moon"], "unknown estimator 'moon'"),
-        (["--stack", "go2-convex-mpc"], "set --go2-convex-mpc or SUREFOOT_GO2_CONVEX_MPC to a checkout of"),
-        (["--resume", "/nowhere"], "no trials.jsonl there"),
-    ):
-        assert main(["bench", "stacks", *words]) == 2
-        found = capsys.readouterr()
-        assert said in found.err
-        assert (found.out, found.err.count("\n")) == ("", 1)
-
-
 def test_absent_peers_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("SUREFOOT_GO2_CONVEX_MPC", "SUREFOOT_QUADRUPED_PYMPC"):
         monkeypatch.delenv(name, raising=False)

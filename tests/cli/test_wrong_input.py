@@ -175,6 +175,21 @@ RUNS = [
     ),
     *((f"{c} --actuators magic", "valid names: ideal, real") for c in BOTH),
     *((f"{c} --world rigid --collision legs", "valid names: feet, full") for c in BOTH),
+    ("walk --planner magic", "contact-implicit"),
+    ("walk --planner contact-implicit --gait pace", "--gait"),
+    ("walk g1 --planner contact-implicit", "g1"),
+    ("bench contact folder", "no contact problems"),
+    ("bench contact none", "no such folder"),
+    ("bench walk --scene moon", "unknown scene 'moon'; valid names:"),
+    ("bench softening --problem cube", "valid names: ball"),
+    ("bench stacks --stack moon", "unknown stack 'moon'"),
+    ("bench stacks --task moon", "unknown task 'moon'"),
+    ("bench stacks --estimator moon", "unknown estimator 'moon'"),
+    (
+        "bench stacks --stack go2-convex-mpc",
+        "set --go2-convex-mpc or SUREFOOT_GO2_CONVEX_MPC to a checkout of",
+    ),
+    ("bench stacks --resume /nowhere", "no trials.jsonl there"),
     ("bench faults --fault meteor", "unknown fault 'meteor'; valid names: delay"),
 ]
 OTHERS = [
