@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import math
 import tracemalloc
 from dataclasses import asdict
@@ -12,7 +13,8 @@ from surefoot.audit import Laws, check_laws, contact_use, log_laws
 from surefoot.audit.laws import LAWS, LEAST_FRICTION, LOADED_SHARE
 from surefoot.audit.slides import LAG
 from surefoot.errors import ProblemError
-from surefoot.log import Log
+from surefoot.log import CHANNELS, Log
+from surefoot.log.channels import SCHEMA
 from surefoot.log.formats import read_log
 from surefoot.spatial import GRAVITY
 
@@ -249,7 +251,9 @@ def test_a_log_longer_than_memory_is_judged_in_bounded_memory(tmp_path: Path) ->
         mapped = np.lib.format.open_memmap(tmp_path / f"{name}.npy", "w+", np.float64, shape)
         mapped[:] = 0.5
         mapped[:1000] = rng.uniform(0.0, 1e-4, (1000, *shape[1:]))
-    (tmp_path / "facts.json").write_text('{"mass": 16.0, "dt": 0.001}')
+    channels = [asdict(CHANNELS[name]) for name in shapes]
+    told = {"schema": SCHEMA, "channels": channels, "facts": {"mass": 16.0, "dt": 0.001}}
+    (tmp_path / "facts.json").write_text(json.dumps(told))
     log = read_log(tmp_path)
     size = sum(array.nbytes for array in log.arrays.values())
     tracemalloc.start()

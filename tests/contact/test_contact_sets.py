@@ -243,7 +243,7 @@ def test_three_row_contacts_become_the_short_form() -> None:
         (lambda: sf.ContactProblem(-np.eye(2), np.ones(2), contacts=[C.Planar(0.5)]), "semidefinite"),
         (
             lambda: sf.solve(sf.ContactProblem(np.eye(2), np.ones(2), contacts=[C.Planar(0.5)]), "nsgs"),
-            "solvers that do: auto, set_admm, set_newton",
+            "solvers that do: admm, auto, newton",
         ),
         (
             lambda: sf.write_problem(

@@ -10,8 +10,8 @@ import pytest
 
 from surefoot.control.controller import HeightScan, RobotState
 from surefoot.control.look_ahead import plane_ahead
-from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import believed_ground
+from surefoot.control.touch_sense import sort_touches
 from surefoot.control.walking_feet import Feet
 from surefoot.errors import ProblemError
 from surefoot.estimation.ground_belief import GroundBelief, TouchedGround

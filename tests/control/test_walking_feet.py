@@ -5,7 +5,7 @@ import copy
 import numpy as np
 import pytest
 
-from surefoot.control.step_windows import SHIN
+from surefoot.control.foothold import SHIN
 from surefoot.control.walking_feet import EARLY, LOST_TIME, Feet
 from surefoot.stance.gait import Gait
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain

@@ -10,7 +10,7 @@ import pytest
 import surefoot as sf
 from surefoot.contact.sets.contact_set import ContactSet
 from surefoot.solvers import set_kernels
-from surefoot.solvers.set_admm import Sets
+from surefoot.solvers.scaled import ScaledContacts, measure_of, scaling
 
 C = sf.contact_sets
 CONTACTS = [
@@ -48,13 +48,46 @@ def test_projection_and_shift_are_those_of_the_contacts(unit: float) -> None:
     scale = unit * SET.lengths
     for x in draws(200):
         set_kernels.project_sets(*packed, x, out)
-        set_kernels.shift_sets(*packed, x, gamma)
+        gamma[:] = x
+        set_kernels.add_shift(*packed, x, 1.0, gamma)
+        back = -x
+        set_kernels.add_shift(*packed, -x, -1.0, back)
+        assert np.array_equal(back, -gamma)
         parts = zip(CONTACTS, *(SET.split(v) for v in (scale * x, scale * out, x, gamma)), strict=True)
         for contact, own, nearest, velocity, shifted in parts:
             assert np.allclose(contact.project(own) / contact.lengths, nearest / contact.lengths, atol=1e-12)
             expected = velocity.copy()
             expected[contact.normal] += 0.7 * contact.shift(velocity / contact.lengths)
             assert np.allclose(shifted, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("facets", [None, 5])
+def test_cones_are_packed_as_the_contacts_that_they_are(facets: int | None) -> None:
+    held = np.array([False, True, False])
+    problem = sf.ContactProblem(
+        np.eye(9),
+        np.ones(9),
+        [0.5, 0.0, 0.7],
+        [0.2, 0.0, 0.0],
+        [2.0, np.inf, np.inf],
+        facets=facets,
+        bilateral=held,
+    )
+    own = ScaledContacts(problem)
+    offset, group, table = own.packed
+    expected = set_kernels.pack(problem.contact_set, problem.law, own.D[2::3])
+    assert np.array_equal(own.D, scaling(problem))
+    assert np.array_equal([own.step, own.weight], measure_of(problem, own.D[2::3]))
+    assert np.array_equal(offset, expected[0])
+    free = table[:, set_kernels.CODE] == set_kernels.FREE
+    assert free.tolist() == held.tolist()
+    assert np.array_equal(group.reshape(3, 3)[~free], expected[1].reshape(3, 3)[~free])
+    x = np.random.default_rng(0).normal(size=9)
+    for kernel in (set_kernels.project_sets, lambda *a: set_kernels.add_shift(*a[:4], 1.0, a[4])):
+        out, other = np.zeros(9), np.zeros(9)
+        kernel(offset, group, table, x, out)
+        kernel(*expected, x, other)
+        assert np.array_equal(out, other)
 
 
 def test_jacobian_is_that_of_finite_differences() -> None:
@@ -88,7 +121,7 @@ def test_newton_matrix_is_the_derivative_of_the_natural_map(law: sf.laws.Law) ->
     rng = np.random.default_rng(1)
     A = rng.normal(size=(SET.rows, 2 * SET.rows)) / SET.lengths[:, None]
     problem = sf.ContactProblem(A @ A.T / SET.rows, A[:, 0], contacts=CONTACTS, law=law)
-    s = Sets(problem)
+    s = ScaledContacts(problem)
     J, matrix = np.empty((len(SET), 6, 6)), np.empty((SET.rows, SET.rows))
     for x in draws(10)[3:]:
         u, _ = s.measure(x)

@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.yaml_files import read_yaml
 
 SCHEMA = Path(__file__).with_name("scenario.schema.json")
@@ -69,8 +69,7 @@ class ScenarioFile:
         try:
             said = checked("", content, schema())
             for key in said:
-                if key not in keys:
-                    raise ProblemError(unknown_name("key for this command", key, keys))
+                check_name("key for this command", key, keys)
         except ProblemError as error:
             raise ProblemError(f"{path}: {error}") from error
         for key in ("gait_file", "velocity_file"):
@@ -112,8 +111,7 @@ def checked(where: str, value: Any, form: Mapping[str, Any]) -> Any:
         words, number = form["anyOf"]
         return checked(where, value, words if value in words["enum"] else number)
     if "enum" in form:
-        if value not in form["enum"]:
-            raise ProblemError(unknown_name(where, value, form["enum"]))
+        check_name(where, value, form["enum"])
         return value
     return _FORMS[form["type"]](where, value, form)
 
@@ -123,8 +121,7 @@ def _mapping(where: str, value: Any, form: Mapping[str, Any]) -> dict[str, Any]:
         raise ProblemError(f"{where or 'the file'} must be a mapping of keys, got {value!r:.60}")
     known = form["properties"]
     for key in value:
-        if key not in known:
-            raise ProblemError(unknown_name(f"key of {where}" if where else "key", key, known))
+        check_name(f"key of {where}" if where else "key", key, known)
     for key in form.get("required", ()):
         if key not in value:
             raise ProblemError(f"{where} needs the key {key!r}")

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.cones.cone import Cone, Fit
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:  # what needs SciPy and compiled code is loaded by the methods that do
     from surefoot.cones.representation import Method
@@ -19,8 +19,7 @@ if TYPE_CHECKING:  # what needs SciPy and compiled code is loaded by the methods
 
 def checked_fit(fit: str) -> Fit:
     """Return which side of a cone its pyramid is on: "inner" or "outer"; any other word is refused."""
-    if fit not in get_args(Fit):
-        raise ProblemError(unknown_name("fit", fit, get_args(Fit)))
+    check_name("fit", fit, get_args(Fit))
     return cast("Fit", fit)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.cones.double_description import polar_rays
 from surefoot.cones.nearest import nearest_in_cone
-from surefoot.errors import MissingExtra, ProblemError, unknown_name
+from surefoot.errors import MissingExtra, check_name
 
 Method = Literal["qhull", "dd", "cdd"]
 METHODS = ("qhull", "dd", "cdd")
@@ -61,8 +61,7 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
     >>> sorted((rows.round(9) + 0.0).tolist()), kept.tolist()  # no zero is negative
     ([[-1.0, 0.0], [0.0, -1.0]], [0, 2])
     """
-    if method not in METHODS:
-        raise ProblemError(unknown_name("method", method, METHODS))
+    check_name("method", method, METHODS)
     V, index = _directions(rays)
     dim = rays.shape[1]
     if not len(V):

@@ -14,7 +14,6 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.feet_kernels import ramp_shares
 from surefoot.kernels import kernel
 from surefoot.stance.contact_schedule import ContactSchedule
 
@@ -93,6 +92,44 @@ class ForceRamps:
         if planned:  # late: its stance has begun
             return max(begin, time), end
         return end, self.schedule.phase(k, end)[2]
+
+
+@kernel
+def ramp_shares(
+    phases: FloatArray, carrying: BoolArray, felt: BoolArray, carried: BoolArray, landed: FloatArray,
+    time: float, elapsed: float, step: float, length: float, shares: FloatArray,
+) -> int:  # fmt: skip
+    """Fill (n,) shares of the largest normal force; return as a sum of 2^k the feet that landed early.
+
+    Parameters
+    ----------
+    phases
+        (n, 3) see `ContactSchedule.phases`.
+    carrying, felt
+        (n,) which feet carry now, and which feel the ground.
+    carried, landed
+        (n,) which feet carried at the last step, and (n,) when they began to [s]: brought up.
+    time, elapsed, step, length
+        Now, since the last step, what is counted as carried already at a touchdown, and a ramp's length [s].
+    shares
+        1 for feet that do not carry. Those of feet that landed early have no end yet.
+    """
+    early = 0
+    for k in range(shares.shape[0]):
+        if carrying[k] and not carried[k]:
+            landed[k] = time
+        elif carrying[k] and not felt[k] and time - landed[k] + step < length:
+            landed[k] += elapsed  # it may hang in the air still: more force would throw it at the ground
+        carried[k] = carrying[k]
+        shares[k] = 1.0
+        if carrying[k]:
+            used = time - landed[k] + step
+            if phases[k, 0] > 0.0:
+                used = min(used, phases[k, 2] - time)
+            else:
+                early |= 1 << k
+            shares[k] = min(max(used / length, 0.0), 1.0)
+    return early
 
 
 @kernel

@@ -19,8 +19,8 @@ from surefoot.control.walking_body import BodyPlan
 from surefoot.control.whole_body import Kinematics, WholeBodyController
 from surefoot.estimation.wrench_kernels import point_inertia, tell_wrench
 from surefoot.estimation.wrench_observer import FADING, Load, WrenchObserver
-from surefoot.log.channels import CHANNELS, Channel
 from surefoot.robot import Robot
+from surefoot.robot.centroidal import composite_inertia
 
 
 @dataclass(frozen=True)
@@ -57,18 +57,18 @@ class LoadAdaptation:
     Parameters
     ----------
     robot
-        As its model says; with point feet, else nothing is observed.
+        As its model says; with point feet.
     dt
         Time between steps [s].
     mpc, whole_body
         Whose models.
     settings
-        See `LoadSettings`; None to observe nothing.
+        See `LoadSettings`.
 
     Attributes
     ----------
     observer
-        What it knows; None if it observes nothing.
+        What it knows.
     """
 
     def __init__(
@@ -77,34 +77,18 @@ class LoadAdaptation:
         dt: float,
         mpc: ConvexMpc,
         whole_body: WholeBodyController,
-        settings: LoadSettings | None,
+        settings: LoadSettings,
     ) -> None:
-        import pinocchio
-
-        self.robot, self.dt, self.settings = robot, dt, settings or LoadSettings()
-        self.observer: WrenchObserver | None = None
-        if settings is not None and not any(foot.flat for foot in robot.feet):
-            self.observer = WrenchObserver(robot, dt)
+        self.robot, self.dt, self.settings = robot, dt, settings
+        self.observer = WrenchObserver(robot, dt)
         self._mpc, self._whole_body = mpc, whole_body
         mpc.fading = FADING
-        data = robot.model.createData()
-        pinocchio.ccrba(robot.model, data, robot.nominal, np.zeros(robot.model.nv))
-        base = data.oMi[1]
-        rotation = np.array(base.rotation)
-        self._inertia = rotation.T @ np.array(data.Ig.inertia) @ rotation
-        self._com = rotation.T @ (np.array(data.com[0]) - np.array(base.translation))
+        self._inertia, self._com, _ = composite_inertia(robot, robot.nominal)
         self.reset()
-
-    @property
-    def channels(self) -> tuple[Channel, ...]:
-        """What it adds to a log."""
-        return tuple(CHANNELS[name] for name in self.rows)
 
     @property
     def rows(self) -> dict[str, FloatArray]:
         """The values of the channels: (4,) [kg, kg m], (6,) [N, N m]."""
-        if self.observer is None:
-            return {}
         load = self.observer.load
         return {
             "load_estimated": np.array([load.mass, *load.moment]),
@@ -116,8 +100,6 @@ class LoadAdaptation:
         self._acting = False
         self._time, self._shift = 0.0, np.zeros(3)
         self._carried = np.zeros(4)
-        if self.observer is None:
-            return
         self.observer.reset()
         self._whole_body.carry(None)
         self._mpc.carry(self.robot.mass, self._inertia)
@@ -126,7 +108,7 @@ class LoadAdaptation:
     def observe(self, state: RobotState) -> None:
         """Learn from the (finite) state in which the last step has ended."""
         acting, self._acting = self._acting, False
-        if self.observer is None or not acting:
+        if not acting:
             return
         before = self._whole_body.instant()
         if before.pose[2, 2] < math.cos(self.settings.lean):
@@ -148,8 +130,6 @@ class LoadAdaptation:
         pushing
             (n,) which feet may push.
         """
-        if self.observer is None:
-            return
         self._torques = torques - self._whole_body.friction
         self._time, self._pushing = time, pushing.copy()
         self._acting = True
@@ -159,8 +139,6 @@ class LoadAdaptation:
 
         The body itself stays where it is, its centre of mass moves; None before there is a plan.
         """
-        if self.observer is None:
-            return
         share, mass, load = self.settings.load, self.robot.mass, self.observer.load
         load = Load(share * load.mass, share * load.moment, load.place)
         total = mass + load.mass
@@ -180,8 +158,6 @@ class LoadAdaptation:
 
     def pull(self, now: Kinematics, base: FloatArray) -> None:
         """Hand on the rest of the wrench at a state, with (3,) the place of the base [m]."""
-        if self.observer is None:
-            return
         self._rotation = now.rotation
         tell_wrench(
             self.settings.wrench * self.observer.wrench, self.settings.most * self.observer.wrench_unit,

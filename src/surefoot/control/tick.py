@@ -36,13 +36,13 @@ class Tick(Controller):
     arbiter
         What the behaviours have asked for.
     load, whole_body
-        What is made of an unknown load, and what gives the torques.
+        What is made of an unknown load, None for nothing, and what gives the torques.
     """
 
     command: VelocityCommand
     body: BodyPlan
     feet: Feet | None
-    load: LoadAdaptation
+    load: LoadAdaptation | None
     arbiter: Arbiter
     whole_body: WholeBodyController
     _start: float
@@ -72,7 +72,8 @@ class Tick(Controller):
         self._plan(state, now, request, clock, standing, changed)
         # torques
         body = self.whole_body.solve(self._tasks(state, now, clock))
-        self.load.acted(state.time, body.torques, feet.carrying)
+        if self.load is not None:
+            self.load.acted(state.time, body.torques, feet.carrying)
         return self._commanded(body, feet)
 
     def _view(self, state: RobotState, now: Kinematics, feet: Feet, clock: float) -> View:

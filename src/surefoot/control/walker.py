@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
@@ -14,9 +16,9 @@ from surefoot.control.mpc import ConvexMpc
 from surefoot.control.tick import Tick
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.control.walking_feet import Feet
-from surefoot.control.walking_settings import WalkCommand, WalkSettings, damping_command
+from surefoot.control.walking_settings import WalkCommand, WalkSettings
 from surefoot.control.whole_body import WholeBodyCommand, WholeBodyController
-from surefoot.log.channels import CHANNELS
+from surefoot.log.channels import CHANNELS, Channel
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
@@ -34,7 +36,6 @@ class Walker(Tick):
         What was changed in the command, one line each.
     """
 
-    channels = tuple(CHANNELS[name] for name in ("planned", "command", "asked_by"))
     robot: Robot
     dt: float
     settings: WalkSettings | BipedSettings
@@ -43,7 +44,6 @@ class Walker(Tick):
     notes: list[str]
     _limit: Callable[[VelocityCommand], VelocityCommand]
     _height: float
-    _last: WalkCommand | None
 
     def steer(self, velocity: ArrayLike) -> FloatArray:
         """Take another velocity from now on, limited and ramped as any, and return what is left of it.
@@ -112,16 +112,32 @@ class Walker(Tick):
             "behaviours": [behaviour.name for behaviour in made],
         }  # fmt: skip
 
+    @property
+    def channels(self) -> tuple[Channel, ...]:  # type: ignore[override]
+        """What it adds to the log: what it wants, who asked for it, and what it has learned of the load."""
+        return tuple(CHANNELS[name] for name in ("planned", "command", "asked_by", *self._load_rows))
+
+    @property
+    def _load_rows(self) -> dict[str, FloatArray]:
+        """What is said of the load."""
+        return {} if self.load is None else self.load.rows
+
     def _commanded(self, body: WholeBodyCommand, feet: Feet) -> WalkCommand:
         """Return the command that says what the parts have decided."""
-        self._last = WalkCommand(
+        return WalkCommand(
             body.torques, body.forces, feet.carrying[self.whole_body.point_foot], body.feasible, body.status,
             feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(),
-            accelerations=body.accelerations, load=self.load.rows, asked_by=self.arbiter.asked_by,
+            accelerations=body.accelerations, load=self._load_rows, asked_by=self.arbiter.asked_by,
         )  # fmt: skip
-        return self._last
 
     def _damped(self, v: FloatArray) -> WalkCommand:
-        """Return the command for a state that is not finite."""
+        """Return the command for a state that is not finite, whose joints move with (nv,) v."""
         body = self.whole_body.damping(v)
-        return damping_command(body, self._last, len(self.robot.feet), self.load.rows)
+        if self.feet is not None:
+            return replace(self._commanded(body, self.feet), accelerations=None)
+        n = len(self.robot.feet)
+        return WalkCommand(
+            body.torques, body.forces, np.ones(len(body.forces), dtype=bool), False, body.status,
+            np.ones(n, dtype=bool), np.tile(np.eye(3), (n, 1, 1)), np.zeros(3), np.zeros((n, 3)),
+            load=self._load_rows,
+        )  # fmt: skip

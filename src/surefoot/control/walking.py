@@ -13,11 +13,12 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, real_number
 from surefoot.control.behaviours.behaviour import Request
+from surefoot.control.command_limits import LeggedBody
 from surefoot.control.controller import RobotState
 from surefoot.control.foothold import step_place
 from surefoot.control.force_planner import ForcePlanner
 from surefoot.control.force_ramps import ForceRamps
-from surefoot.control.gait_choice import Body, choose_gait
+from surefoot.control.gait_choice import choose_gait
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import plane_ahead
 from surefoot.control.step_phase import StepPhase
@@ -31,6 +32,7 @@ from surefoot.control.walking_settings import WalkSettings as WalkSettings
 from surefoot.control.whole_body_tasks import Kinematics, Tasks
 from surefoot.errors import ModelError
 from surefoot.robot import Robot
+from surefoot.robot.centroidal import composite_inertia
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import FlatTerrain, Terrain
@@ -93,7 +95,9 @@ class WalkingController(Walker):
         self.terrain = FlatTerrain() if terrain is None else terrain
         self._start = s.start
         self._measure()
-        body = Body(robot, self._height, s.clearance * self._height, self.terrain, s.mu * s.friction_share)
+        body = LeggedBody(
+            robot, self._height, s.clearance * self._height, self.terrain, s.mu * s.friction_share
+        )
         chosen = choose_gait(body, command, gait)
         self.schedule, self.command, self.notes = chosen.schedule, chosen.command, chosen.notes
         self._limit = chosen.limit
@@ -105,13 +109,8 @@ class WalkingController(Walker):
 
     def _measure(self) -> None:
         """Read mass, inertia, height and foot places off the robot's nominal pose."""
-        import pinocchio
-
-        robot = self.robot
-        q, data = robot.nominal, robot.model.createData()
-        pinocchio.ccrba(robot.model, data, q, np.zeros(robot.model.nv))
-        base = np.array(data.oMi[1].rotation)
-        self._inertia = base.T @ np.array(data.Ig.inertia) @ base
+        robot, q = self.robot, self.robot.nominal
+        self._inertia, _, base = composite_inertia(robot, q)
         self._radii = np.array([f.radius for f in robot.feet])
         com, centres = robot.com(q), robot.foot_positions(q)
         self._height = float(com[2] - (centres[:, 2] - self._radii).mean())
@@ -131,11 +130,9 @@ class WalkingController(Walker):
             margin = 2.0 * float(self._radii.mean())
             self._steps = StepPhase(self.terrain, self.schedule, self._offsets, margin)
         self._touch = touch_sense(self.terrain, weight, self._height, self.dt)
-        self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
-        self.channels = (*type(self).channels, *self.load.channels)
-        self._still = np.zeros(self.robot.joints)
-        self._level = np.zeros(len(self.robot.feet))
-        self._now = np.zeros((3, 3))
+        self.load = None
+        if s.load is not None:
+            self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
         self.planner = ForcePlanner(self.mpc, self._offsets, self._radii, self.dt)
         self.reset()
 
@@ -150,7 +147,6 @@ class WalkingController(Walker):
         self._fits = True  # the gait follows the speed fast enough
         self._new_load = True  # what has been learned of the load since the models were brought up
         self._aimless = False  # a foot has just lifted, and does not know yet where it goes
-        self._last = None
 
     @property
     def _waiting(self) -> bool:  # type: ignore[override]
@@ -163,6 +159,8 @@ class WalkingController(Walker):
 
     def _adapt(self, state: RobotState) -> None:
         """Learn of the load; bring the models up in a step without a plan and without footholds."""
+        if self.load is None:
+            return
         self.load.observe(state)
         if self._new_load and not (self._due(state.time) or self.planner.pending):
             self.load.tell(None if self.feet is None else self.body)
@@ -216,7 +214,8 @@ class WalkingController(Walker):
         """Bound the forces, then set up a plan, solve one that is set up, or choose footholds: one a step."""
         feet, time = self.feet, state.time
         assert feet is not None
-        self.load.pull(now, state.q[:3])
+        if self.load is not None:
+            self.load.pull(now, state.q[:3])
         low, high = self._normals
         top = high * self.ramps.now(clock, feet.carrying, standing)
         self.whole_body.bound_normals(np.minimum(low, top), top)
@@ -290,10 +289,11 @@ class WalkingController(Walker):
         feet, planner = self.feet, self.planner
         assert feet is not None
         assert planner.forces is not None
-        self._now[0], self._now[1], self._now[2] = now.com, now.com_velocity, now.angular_velocity
+        motion = np.array([now.com, now.com_velocity, now.angular_velocity])
         since = state.time - planner.made
-        com, turn = follow(planner.motion, planner.rotation, since, self._now, now.rotation, *self._body_gain)
+        com, turn = follow(planner.motion, planner.rotation, since, motion, now.rotation, *self._body_gain)
         wanted = feet.accelerations(clock, now.centres, now.twists, self._swing_gain)
         return Tasks(
-            feet.carrying, com, turn, wanted, self._still, planner.forces, feet.frames, self._level
+            feet.carrying, com, turn, wanted, np.zeros(self.robot.joints), planner.forces, feet.frames,
+            np.zeros(len(feet.radii)),
         )  # fmt: skip

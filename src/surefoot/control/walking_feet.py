@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control import swing
 from surefoot.control.feet_kernels import follow_phases, set_timing
-from surefoot.control.foothold import FootholdSearch
+from surefoot.control.foothold import choose_foothold
 from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
 from surefoot.control.walking_kernels import swing_accelerations, swing_paths
 from surefoot.estimation.live_arrays import Bound
@@ -110,9 +111,9 @@ class Feet(Bound):
         self.again: BoolArray = np.zeros(n, dtype=bool)
         self._late_from = np.zeros(n)
         self._plane = self.terrain.planar
-        self._lift_first[:] = -1.0 if self._plane else LIFT_FIRST
+        self._lift_first[:] = swing.EVEN if self._plane else LIFT_FIRST
         self._timing[:, 5] = DOWN
-        self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
+        self._reach, self._margin = 1.2 * self.clearance, float(2.0 * self.radii.mean())
 
     def _bind(self) -> None:
         """Find the parts of what swings are computed from."""
@@ -238,7 +239,7 @@ class Feet(Bound):
     def _lift(self, k: int, begin: float, duration: float, centre: FloatArray) -> None:
         self.carrying[k] = self.again[k] = False
         self._lifted[k], self.duration[k] = begin, duration
-        self._lift_first[k] = -1.0 if self._plane else LIFT_FIRST
+        self._lift_first[k] = swing.EVEN if self._plane else LIFT_FIRST
         self.start[k] = centre
 
     def _land(self, k: int, centre: FloatArray) -> None:
@@ -261,7 +262,7 @@ class Feet(Bound):
         if share > CHOSEN:
             before = self.target[k, :2]
         more = math.inf if share > CHOSEN else SAME_TREAD * float(self.radii[k])
-        xy = self._search.choose(self.terrain, place, way, before, more)
+        xy = choose_foothold(self.terrain, place, self._reach, self._margin, way, before, more)
         normal = self.frames[k, :, 2] if self._plane else self.terrain.normal(xy)
         self.target[k, :2] = xy
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
@@ -272,7 +273,7 @@ class Feet(Bound):
         if not self._plane:
             self.frames[k] = self.terrain.frame(xy)
         if self._plane or self._even(k, noise):
-            self._lift_first[k] = -1.0
+            self._lift_first[k] = swing.EVEN
             self.target[k, 2] -= RAISE * noise  # a late foot costs more than an early one
             # the bump is put on the line between both ends, which is as steep as the plane
             self.apex[k] = 0.5 * float(self.start[k, 2] + self.target[k, 2]) + self.clearance

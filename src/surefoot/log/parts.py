@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.errors import ProblemError, WriteError
-from surefoot.log.channels import SCHEMA, Channel, known_channels
+from surefoot.log.channels import SCHEMA, Channel
 from surefoot.log.log import Log
 from surefoot.log.npz import channels_from, channels_to, check_schema
 
@@ -33,12 +33,10 @@ def read(folder: Path) -> Log:
     ProblemError
         If the folder holds no log.
     """
-    facts = json.loads((folder / FACTS_FILE).read_text(encoding="utf-8"))
+    whole = json.loads((folder / FACTS_FILE).read_text(encoding="utf-8"))
     files = {p.stem: p for p in sorted(folder.glob("*.npy"))}
-    channels = known_channels(files)
-    if "schema" in facts:  # schema 1 had the facts alone
-        check_schema(folder, facts["schema"])
-        channels, facts = channels_from(facts["channels"]), facts["facts"]
+    check_schema(folder, whole["schema"])
+    channels, facts = channels_from(whole["channels"]), whole["facts"]
     arrays = {name: np.load(files[name], mmap_mode="r") for name in channels if name in files}
     rows = min(map(len, arrays.values()), default=0)
     return Log({name: array[:rows] for name, array in arrays.items()}, facts, channels=channels)

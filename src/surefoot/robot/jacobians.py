@@ -36,7 +36,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import ModelError, ProblemError, unknown_name
+from surefoot.errors import ModelError, ProblemError, check_name, unknown_name
 from surefoot.robot.robot import Robot
 from surefoot.spatial import rotation_log, skew
 from surefoot.stance import Contact, Stance
@@ -338,8 +338,7 @@ def contact_powers(
 
 
 def _check(reference: str) -> None:
-    if reference not in REFERENCES:
-        raise ProblemError(unknown_name("reference", reference, REFERENCES))
+    check_name("reference", reference, REFERENCES)
 
 
 def attached(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attachment]:

@@ -29,8 +29,8 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import working_time
-from surefoot.solvers.admm import scaling
 from surefoot.solvers.newton_sparse import BlockNewton
+from surefoot.solvers.scaled import scaling
 from surefoot.solvers.solver import Answer, Search, SolverSettings, register
 from surefoot.solvers.stopping import measure_of, velocity_error
 

@@ -13,12 +13,11 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import working_time
-from surefoot.solvers.admm import Cones, run_admm
+from surefoot.solvers.admm import run_admm
 from surefoot.solvers.compiled import UNBOUNDED
+from surefoot.solvers.newton import NATURAL_STEPS, on_natural_map
 from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
-from surefoot.solvers.set_admm import Sets
-from surefoot.solvers.set_newton import MAX_ITERATIONS as MOST_STEPS
-from surefoot.solvers.set_newton import run_newton
+from surefoot.solvers.scaled import ScaledContacts
 from surefoot.solvers.solver import Answer, SolverSettings, start_forces
 
 CHUNK, STEP_WORTH = 10, 50
@@ -57,22 +56,16 @@ def admm_and_newton(
 
     It sorts out who slides long before it converges.
     """
-    end = working_time() + settings.max_time
-    if problem.general:
-        sets = Sets(problem, warm_start)
-
-        def finish_sets(z: FloatArray) -> tuple[FloatArray, float]:
-            found, error, _ = run_newton(sets, z.copy(), settings.tol, MOST_STEPS, end)
-            return found * sets.D, error
-
-        return run_admm(sets, settings, finish_sets)
-    newton, cones = BlockNewton(problem, settings.tol, end), Cones(problem, warm_start)
+    end, scaled = working_time() + settings.max_time, ScaledContacts(problem)
+    newton = None if problem.general else BlockNewton(problem, settings.tol, end)
 
     def finish(z: FloatArray) -> tuple[FloatArray, float]:
-        found = z * cones.D
+        if newton is None:
+            return on_natural_map(scaled, z.copy(), settings.tol, NATURAL_STEPS, end)[:2]
+        found = z * scaled.D
         return found, newton.run(found, UNBOUNDED, *FINISH)[1]
 
-    return run_admm(cones, settings, finish)
+    return run_admm(scaled, settings, warm_start, finish)
 
 
 def alternate(

@@ -98,12 +98,12 @@ PYRAMIDS: dict[str, Plan] = {
 ANY_LAW = "any law"
 GENERAL: dict[str, Plan] = {
     ANY_LAW: (
-        Stage("set_newton", 30),
+        Stage("newton", 30),
         Stage(PARTS),
         Stage(ADMM_AND_NEWTON, 300),
         Stage(PROOF),
         Stage(ADMM_AND_NEWTON, 10_000, warm=True),
-        Stage("set_admm", 20_000),
+        Stage("admm", 20_000),
     )
 }
 """For contacts of any kind, under any law."""

@@ -135,8 +135,6 @@ _MODULES = (
     "interior_point",
     "lemke",
     "external",
-    "set_admm",
-    "set_newton",
 )
 _loaded = False
 GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.stance.gait import Gait
 
 
@@ -78,8 +78,7 @@ def named_gait(name: str, feet: int = 4, leg: float = REFERENCE_LEG, period: flo
     patterns = PATTERNS.get(feet)
     if patterns is None:
         raise ProblemError(f"there are gaits for {_some(sorted(PATTERNS))} feet, not for {feet}")
-    if name not in patterns:
-        raise ProblemError(unknown_name(f"gait for {feet} feet", name, patterns))
+    check_name(f"gait for {feet} feet", name, patterns)
     pattern = patterns[name]
     length = pattern.period * (leg / REFERENCE_LEG) ** 0.5 if period is None else period
     return Gait.from_phases(name, length, pattern.duty, pattern.offset)

@@ -22,7 +22,6 @@ from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.biped.soles import Soles, sole_damping
 from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
 from surefoot.control.controller import RobotState
-from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.mpc import BodyReference, BodyState, MpcPlan
 from surefoot.control.walker import Walker
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
@@ -31,7 +30,8 @@ from surefoot.control.walking_kernels import slope_frames
 from surefoot.control.whole_body import Kinematics, Tasks
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot
-from surefoot.spatial import GRAVITY, rotation_about, rotation_from_quaternion, rotation_log
+from surefoot.robot.centroidal import composite_inertia
+from surefoot.spatial import GRAVITY, rotation_about, rotation_log
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, Terrain
@@ -111,13 +111,9 @@ class BipedController(Walker):
 
     def _measure(self) -> None:
         """Read mass, inertia, height and foot places off the robot's nominal pose."""
-        import pinocchio
-
-        robot = self.robot
-        q, data = robot.nominal, robot.model.createData()
-        pinocchio.ccrba(robot.model, data, q, np.zeros(robot.model.nv))
-        self._inertia = np.array(data.Ig.inertia)
-        self._upright = rotation_from_quaternion(q[3:7])
+        robot, q = self.robot, self.robot.nominal
+        inertia, _, self._upright = composite_inertia(robot, q)
+        self._inertia = self._upright @ inertia @ self._upright.T
         com, centres = robot.com(q), robot.foot_positions(q)
         radii = robot.contact_points.foot_radii
         self._rise = stretching(robot, self.settings.stretch)
@@ -148,7 +144,7 @@ class BipedController(Walker):
         self._point_foot = self.whole_body.point_foot
         self._pressed = np.full(2, s.sole_press * self._height)
         self._set_behaviours(self.robot.contact_points.foot_radii, 0.5 * self._geometry.width, False)
-        self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, None)
+        self.load = None
         self.reset()
 
     def reset(self) -> None:
@@ -158,7 +154,6 @@ class BipedController(Walker):
         self.feet = None
         self._planned_at = -math.inf
         self._plan_made: MpcPlan | None = None
-        self._last = None
 
     def _begin(self, now: Kinematics, state: RobotState) -> Feet:
         """Start from where the robot stands."""

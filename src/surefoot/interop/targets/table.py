@@ -6,7 +6,7 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from surefoot.errors import ProblemError, WriteError, unknown_name
+from surefoot.errors import ProblemError, WriteError, check_name
 from surefoot.interop.sequence import ContactSequence
 
 Target = Callable[[ContactSequence], dict[str, str]]
@@ -31,8 +31,7 @@ def find_target(name: str) -> Target:
     ProblemError
         For an unknown name.
     """
-    if name not in TARGETS:
-        raise ProblemError(unknown_name("target", name, TARGETS))
+    check_name("target", name, TARGETS)
     module, _, attribute = TARGETS[name].partition(":")
     target: Target = getattr(import_module(module), attribute)
     return target

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.leg_demand import Pace
 from surefoot.stance.contact_schedule import SAME_TIME, ContactSchedule
 
 STANCE_STEP, AIR_STEP, OFFSET_STEP = 1.35, 1.15, 0.07
@@ -37,6 +36,30 @@ EARLIER = 0.25
 """Feet that would lift so much earlier than a leading one wait for a cycle, as a share of it."""
 LEAST_AIR = 0.95
 """Least time in the air between two cycles, as a share of that of the later one."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """Timing and swing of a gait.
+
+    Attributes
+    ----------
+    period
+        Length of a cycle [s].
+    duty
+        Share of it that a foot carries.
+    clearance
+        Height of the swing over the ground [m].
+    """
+
+    period: float
+    duty: float
+    clearance: float
+
+    @property
+    def stance_time(self) -> float:
+        """Time that a foot carries [s]."""
+        return self.duty * self.period
 
 
 @dataclass(frozen=True)

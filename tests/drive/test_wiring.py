@@ -11,9 +11,9 @@ import pytest
 import surefoot as sf
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, JointTargets, RobotState
-from surefoot.control.joint_targets import Held, JointTargetController, TargetSettings
-from surefoot.control.latency import LONGEST, DelayMeter, LatencyCompensation
-from surefoot.control.watchdog import Watchdog
+from surefoot.drive.joint_targets import Held, JointTargetController, TargetSettings
+from surefoot.drive.latency import LONGEST, DelayMeter, LatencyCompensation
+from surefoot.drive.watchdog import Watchdog
 from surefoot.errors import ProblemError
 
 GO2 = sf.load_robot("go2")

@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from surefoot.control.adaptive_gait import AdaptiveGait, Stride
-from surefoot.control.leg_demand import Pace
+from surefoot.stance.adaptive_gait import AdaptiveGait, Pace, Stride
 from surefoot.stance.gait import Gait
 
 TROT, WALK = np.array([0.0, 0.5, 0.5, 0.0]), np.array([-0.125, 0.375, 0.625, 0.125])
