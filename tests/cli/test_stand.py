@@ -102,7 +102,7 @@ def test_any_urdf_with_feet(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -
         (["--lift", "FL"], "--lift 'FL' is not of the form FOOT:T0:T1"),
         (["--lift", "toe:1:2"], "unknown foot of go2 'toe'"),
         (["--duration", "-1"], "--duration must be between 0.1 (to be judged) and 3600 s"),
-        (["--payload", "5@1,2"], "--payload '5@1,2' is not of the form KG or KG@X,Y,Z"),
+        (["--payload", "5@1,2"], "--payload '5@1,2' is not of the form KG@X,Y,Z"),
         (["--payload", "5@0,0,99"], "--payload must be a number between -10 and 10"),
         (["panda"], "needs a floating base and feet"),
         (["--bogus"], "No such option"),

@@ -15,7 +15,7 @@ from surefoot.errors import ProblemError
 from surefoot.robot import load_robot
 from surefoot.spatial import quaternion_from_rotation, rotation_about
 from surefoot.terrain import FlatTerrain
-from surefoot.viz.window import Window, check_display
+from surefoot.viz.window import ViewerWindow, check_display
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems need no DISPLAY")
@@ -72,7 +72,7 @@ def test_what_the_viewer_is_told() -> None:
         told.update(options)
         return handle
 
-    window = Window(robot, FlatTerrain(), launch)
+    window = ViewerWindow(robot, FlatTerrain(), launch)
     keys: list[int] = []
     window.open(keys.append)
     told["key_callback"](265)
@@ -94,6 +94,6 @@ def test_a_process_that_may_not_open_windows() -> None:
     def launch(*_: Any, **__: Any) -> Handle:
         raise RuntimeError("`launch_passive` requires that the Python script be run under `mjpython`")
 
-    window = Window(load_robot("go2"), FlatTerrain(), launch)
+    window = ViewerWindow(load_robot("go2"), FlatTerrain(), launch)
     with pytest.raises(ProblemError, match=r"cannot open a window: .*mjpython"):
         window.open(print)

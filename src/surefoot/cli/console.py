@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from rich.console import Console
 
 from surefoot.cli.output import to_json
+
+Cell: TypeAlias = Callable[[Any], str]
+"""What a table says of a thing in one column."""
 
 
 def plain_console(**settings: Any) -> Console:
@@ -71,17 +74,33 @@ def show(facts: Any, as_json: bool, in_words: Callable[[Console, Any], None], **
 
 
 class Table(NamedTuple):
-    """A table of the screen and of the page that a command leaves: heading, columns' names and rows."""
+    """A table of the screen and of the page that a command leaves.
+
+    Attributes
+    ----------
+    title, header, rows
+        Heading, columns' names and cells.
+    shown
+        How many columns, from the first one on, are printed; the page has all.
+    """
 
     title: str
     header: Sequence[str]
     rows: Sequence[Sequence[str]]
+    shown: int | None = None
+
+    @classmethod
+    def of(
+        cls, title: str, things: Iterable[Any], columns: Mapping[str, Cell], shown: int | None = None
+    ) -> Table:
+        """Return the table with a row for each thing; a column is its name and what a thing has there."""
+        return cls(title, [*columns], [[cell(one) for cell in columns.values()] for one in things], shown)
 
 
 def print_tables(console: Console, tables: Sequence[Table], lines: Sequence[str]) -> None:
     """Print tables without their headings, and what is said below them."""
     for one in tables:
-        console.print(table(one.header, one.rows))
+        console.print(table(one.header[: one.shown], [row[: one.shown] for row in one.rows]))
     say(console, *lines)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
+import numpy as np
 import typer
 
 from surefoot.arrays import real_number
@@ -62,8 +63,6 @@ class StanceOptions:
         return StanceQuestion(said.name, stance, said.mass, said.com, said.external_wrench)
 
     def _of_robot(self) -> StanceCase:
-        import numpy as np
-
         from surefoot.robot import place
         from surefoot.stance import StanceQuestion
         from surefoot.terrain import SlopeTerrain
@@ -82,8 +81,6 @@ class StanceOptions:
 
 def _check_sizes(question: StanceQuestion, file: Path) -> None:
     """Refuse sizes that no robot has, where double precision would no longer tell right from wrong."""
-    import numpy as np
-
     real_number(f"{file}: mass", question.mass, low=0.0, high=1e9)
     sizes = {name: getattr(question, name) for name in ("com", "external_wrench")}
     for name, values in {**sizes, "positions": question.stance.positions}.items():

@@ -1,6 +1,6 @@
 """A window that shows a robot while it walks: MuJoCo's passive viewer on a model that is only drawn.
 
-Any world's run can be shown: the viewer has a model of its own, with meshes and ground, and is told
+Any world's run can be shown: the viewer has a model of its own, with meshes and ground, and is given
 configurations.
 """
 
@@ -46,11 +46,11 @@ def check_display(environment: Mapping[str, str] = os.environ, system: str = sys
         warnings.simplefilter("always")
         opened = bool(glfw.init())
     if not opened:
-        why = "; ".join(" ".join(str(w.message).split()) for w in said) or "no reason told"
+        why = "; ".join(" ".join(str(w.message).split()) for w in said) or "no reason given"
         raise ProblemError(f"--view cannot open a window: {why}")
 
 
-class Window:
+class ViewerWindow:
     """MuJoCo's passive viewer; see `surefoot.simulation.live.View` for the methods.
 
     Parameters

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,6 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.laws.soft.behaviour import MassOnContact, settling_time
 from surefoot.errors import MissingExtra, SimulationError, check_name
-from surefoot.simulation.drops.task import SlideDrop
 from surefoot.spatial import GRAVITY
 
 RUNNERS: dict[str, str] = {
@@ -22,6 +22,38 @@ RUNNERS: dict[str, str] = {
 """Engine -> module with `run` (see `surefoot.simulation.drops.mujoco_drop`), `present`, PACKAGE, EXTRA."""
 NUDGE = 0.02
 """Share of the rest depth by which the mass is pressed down to see how it settles."""
+
+
+@dataclass(frozen=True)
+class SlideDrop:
+    """What an engine is asked to run.
+
+    Attributes
+    ----------
+    settings
+        The engine's contact parameters.
+    mass
+        [kg].
+    gravity
+        [m/s²].
+    gap, speed
+        Where the mass starts above the ground, and its upward velocity [m], [m/s].
+    dt
+        The engine's step [s].
+    steps
+        How many.
+    until
+        "apart" ends the run when the mass has left the ground.
+    """
+
+    settings: dict[str, Any]
+    mass: float
+    gravity: float
+    gap: float
+    speed: float
+    dt: float
+    steps: int
+    until: str = ""
 
 
 def available_engines() -> list[str]:
