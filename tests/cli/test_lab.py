@@ -17,7 +17,7 @@ import pytest
 import surefoot as sf
 from surefoot.cli.main import main
 from surefoot.planning import rollout
-from surefoot.planning.plan import Search, plan_from
+from surefoot.planning.plan import PlanSearch, plan_from
 
 pytest.importorskip("viser", reason="viser is not installed: pip install 'surefoot[lab]'")
 
@@ -28,7 +28,7 @@ QUICK = ["--port", "0", "--seconds", "0.2"]
 def plan_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     robot = sf.load_robot("go2")
     motion = rollout(robot, sf.place(robot), np.zeros(18), np.zeros((10, 12)), dt=0.01)
-    search = Search("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
+    search = PlanSearch("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
     path = tmp_path_factory.mktemp("plan") / "plan.npz"
     plan_from(motion, robot, search).save(path)
     return path

@@ -9,12 +9,12 @@ from surefoot import audit_log
 from surefoot.contact import Status
 from surefoot.errors import NoSolution, ProblemError
 from surefoot.log.formats import read_log
-from surefoot.planning import Plan, Search, plan_from, rollout
+from surefoot.planning import Plan, PlanSearch, plan_from, rollout
 from surefoot.planning import planner as planners
 from surefoot.planning.tasks import table
 from surefoot.robot import place
 
-FOUND = Search("stand", "by hand", cost=1.5, reached=True, iterations=3, seconds=0.25, goal="stands")
+FOUND = PlanSearch("stand", "by hand", cost=1.5, reached=True, iterations=3, seconds=0.25, goal="stands")
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 
 from surefoot.errors import ProblemError
 from surefoot.planning import rollout
-from surefoot.planning.direct import DirectProblem, Facets, Touch, plan_direct
+from surefoot.planning.direct import BodyTouch, DirectProblem, Facets, plan_direct
 from surefoot.planning.direct.textbook import PROBLEMS, pushed_block, sliding_point
 from surefoot.planning.direct.transcribe import DirectNlp
 from surefoot.planning.planner import plan
@@ -92,7 +92,12 @@ def test_touches_are_of_planar_robots() -> None:
     robot = load_robot("go2")
     with pytest.raises(ProblemError, match="touches are of planar robots"):
         DirectProblem(
-            robot, robot.nominal, np.zeros(18), 4, 0.03, touches=(Touch("a", lambda q: (q[0], q[1]), 0.3),)
+            robot,
+            robot.nominal,
+            np.zeros(18),
+            4,
+            0.03,
+            touches=(BodyTouch("a", lambda q: (q[0], q[1]), 0.3),),
         )
 
 
