@@ -56,11 +56,6 @@ def standing(robot: sf.Robot, terrain: Terrain | None = None, **more: Any) -> To
     return Told(robot, plan, ground, q, **more)
 
 
-@pytest.fixture(scope="module")
-def robot() -> sf.Robot:
-    return sf.load_robot("go2")
-
-
 def same(one: sf.Log, two: sf.Log) -> None:
     assert one.facts["outcome"] == two.facts["outcome"]
     for name in one.arrays:
