@@ -135,10 +135,10 @@ def _general(question: Question) -> Verdict:
             return Verdict(question, "possible", math.inf, np.zeros(0), None, np.zeros((0, 3)))
         return Verdict(question, "impossible", -math.inf, certificate=-load / size, reach=math.inf)
     eq = equations(question)
-    outcome, margin, x, y, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
+    outcome, margin, x, y, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz, eq.blocks)
     if bounds is not None and outcome in (FEASIBLE, ENDLESS) and np.abs(x).max() > _RUNAWAY:
         held = equations(_held_back(question, bounds))
-        again = most_margin(held.A, held.e, held.w, held.lorentz)
+        again = most_margin(held.A, held.e, held.w, held.lorentz, held.blocks)
         if again[0] in (FEASIBLE, ENDLESS):
             eq, (outcome, margin, x, y, _) = held, again
     margin *= eq.scale
