@@ -11,6 +11,7 @@ from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from surefoot import __version__
@@ -57,8 +58,6 @@ def examine(draw: bool = True) -> dict[str, Any]:
     draw
         Whether to start a process that draws.
     """
-    import numpy as np
-
     extras, kernels = _extras(), _kernels()
     base = extras.pop("")
     built: Any = np.show_config(mode="dicts")
@@ -116,7 +115,7 @@ def _kernels() -> dict[str, Any]:
     from surefoot.compilation import cache_folders
     from surefoot.numerics import vectors  # noqa: F401 - any kernel, so that the folders are known
 
-    beside = Path(surefoot.__file__).parent.rglob("__pycache__")  # the sources; or where Numba was told to
+    beside = Path(surefoot.__file__).parent.rglob("__pycache__")  # the sources; or where Numba keeps it
     folders = {*map(Path, cache_folders()), *beside}
     kept = [file for folder in folders for file in folder.glob("surefoot.*.nbc")]
     try:

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from surefoot.arrays import whole_number
@@ -149,8 +150,6 @@ def _part(fits: dict[str, TossFit], name: str, rivals: list[str], part: str) -> 
 
 def _errors(errors: Any) -> dict[str, Any]:
     """Return means, medians and errors toss by toss."""
-    import numpy as np
-
     each = {"position": errors.position, "rotation": errors.rotation}
     means = {f"{kind}_error_mean": float(values.mean()) for kind, values in each.items()}
     middles = {f"{kind}_error_median": float(np.median(values)) for kind, values in each.items()}

@@ -113,22 +113,22 @@ def _push(end: ExitStack, subject: str | None, feet: str | None) -> Callable[[],
 
 def _plan(end: ExitStack, subject: str, amount: float | None, robot: str | None) -> Callable[[], Page]:
     """Scrub a plan: the robot, its forces and cones at every knot."""
-    from surefoot.lab.recording import Recording, plan_page
+    from surefoot.lab.recording import RecordedMotion, plan_page
 
     whose = None if robot is None else load(robot)
     made = _plan_of(subject, amount, whose)
-    recording = Recording(made, whose or made.robot, made.terrain)
+    recording = RecordedMotion(made, whose or made.robot, made.terrain)
     return lambda: plan_page(recording, made)
 
 
 def _audit(end: ExitStack, subject: str, robot: str | None) -> Callable[[], Page]:
     """Scrub a log, and jump to the violations of the laws of contact."""
     from surefoot.audit import audit_log
-    from surefoot.lab.recording import Recording, audit_page
+    from surefoot.lab.recording import RecordedMotion, audit_page
     from surefoot.log.formats import read_log
 
     log, whose = read_log(subject), None if robot is None else load(robot)
-    recording = Recording(log, whose)
+    recording = RecordedMotion(log, whose)
     report = audit_log(log, whose)
     return lambda: audit_page(recording, report)
 

@@ -25,7 +25,7 @@ def check(planner: str) -> None:
 def watching(robot: Any, terrain: Any, controller: Any) -> list[Any]:
     """Return the observers of a walk that is shown."""
     from surefoot.simulation.live import Live, Steering
-    from surefoot.viz.window import Window
+    from surefoot.viz.window import ViewerWindow
 
     walker = controller
     while not hasattr(walker, "steer") and hasattr(walker, "controller"):  # what is around it
@@ -33,4 +33,4 @@ def watching(robot: Any, terrain: Any, controller: Any) -> list[Any]:
     if not hasattr(walker, "steer"):
         raise ProblemError(f"--view steers a walk, and {type(walker).__name__} takes no other command")
     steering = Steering(walker.steer, walker.command.at(0.0))
-    return [Live(Window(robot, terrain), steering)]
+    return [Live(ViewerWindow(robot, terrain), steering)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 from rich.console import Console
 
@@ -26,8 +27,6 @@ def model(
 
 def describe(robot: Any) -> dict[str, Any]:
     """Return the facts about a robot in its nominal pose, as plain values."""
-    import numpy as np
-
     from surefoot.robot.centroidal import centroidal_inertia, momentum
     from surefoot.robot.jacobians import contact_jacobian
 
@@ -64,9 +63,7 @@ def describe(robot: Any) -> dict[str, Any]:
 
 
 def _joints(robot: Any) -> list[dict[str, Any]]:
-    """Return every joint with the mass that it carries directly, and its limits."""
-    import numpy as np
-
+    """Return every joint with the mass of its own link, and its limits."""
     body, out = robot.model, []
     for index in range(1, body.njoints):
         joint = body.joints[index]
@@ -89,8 +86,6 @@ def _joints(robot: Any) -> list[dict[str, Any]]:
 
 def _feet(robot: Any, stance: Any, J: Any) -> list[dict[str, Any]]:
     """Return every foot with its shape, place and what its own joints can do there."""
-    import numpy as np
-
     return [
         {
             "name": foot.name,

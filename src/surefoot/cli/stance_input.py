@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
+import numpy as np
 import typer
 
 from surefoot.arrays import real_number
@@ -32,7 +33,8 @@ class StanceOptions:
     subject: Annotated[
         str,
         typer.Argument(
-            help="A stance file (YAML, see docs/files.md), or ROBOT: a name, a .urdf or an .xml.",
+            help="A stance file (YAML, see docs/files.md; - reads what is piped in), or ROBOT: a name, "
+            "a .urdf or an .xml.",
             metavar="FILE|ROBOT",
         ),
     ]
@@ -47,7 +49,8 @@ class StanceOptions:
             parsing.friction("--mu", self.mu)
         real_number("--slope", self.slope, low=-80.0, high=80.0)
         path = Path(self.subject)
-        of_file = not is_file(self.subject) and (path.exists() or path.suffix or "/" in self.subject)
+        named = path.exists() or path.suffix or "/" in self.subject
+        of_file = self.subject == "-" or (not is_file(self.subject) and named)
         return StanceCase(self._of_file(path)) if of_file else self._of_robot()
 
     def _of_file(self, file: Path) -> StanceQuestion:
@@ -62,8 +65,6 @@ class StanceOptions:
         return StanceQuestion(said.name, stance, said.mass, said.com, said.external_wrench)
 
     def _of_robot(self) -> StanceCase:
-        import numpy as np
-
         from surefoot.robot import place
         from surefoot.stance import StanceQuestion
         from surefoot.terrain import SlopeTerrain
@@ -82,8 +83,6 @@ class StanceOptions:
 
 def _check_sizes(question: StanceQuestion, file: Path) -> None:
     """Refuse sizes that no robot has, where double precision would no longer tell right from wrong."""
-    import numpy as np
-
     real_number(f"{file}: mass", question.mass, low=0.0, high=1e9)
     sizes = {name: getattr(question, name) for name in ("com", "external_wrench")}
     for name, values in {**sizes, "positions": question.stance.positions}.items():

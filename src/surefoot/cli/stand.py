@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
+import numpy as np
 import typer
 
 from surefoot.arrays import real_number
@@ -108,8 +109,6 @@ def _allocation(setup: _Setup, mu: float, said: ScenarioFile) -> Any:
 
     if said.facets is None and said.solver in ("auto", "distribution"):
         return None
-    import numpy as np
-
     from surefoot.control.standing import FORCE_WEIGHT, wrench_weights
     from surefoot.equilibrium.allocation import SolverAllocation
 
@@ -125,8 +124,6 @@ def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -
 
     On all feet and during every lift, in which the body leans as it would without the payload.
     """
-    import numpy as np
-
     from surefoot.cli.stand_output import statics_line
     from surefoot.equilibrium.statics import can_stand, friction_needed
     from surefoot.spatial import rotation_from_quaternion

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from surefoot.cli import options
@@ -117,8 +118,6 @@ def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
 
 def _quantiles(table: Any, name: str) -> dict[str, float] | None:
     """Return median, 5 % and 95 % of a result; None without one."""
-    import numpy as np
-
     values = np.array([v for v in table[name].to_pylist() if v is not None], dtype=np.float64)
     if not values.size:
         return None

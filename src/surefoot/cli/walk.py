@@ -8,7 +8,7 @@ from typing import Annotated, Any, NamedTuple
 import typer
 
 from surefoot.cli import command_options as wires
-from surefoot.cli import estimators, knowledge, live, options, physics
+from surefoot.cli import knowledge, live, options, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.robots import load
@@ -83,7 +83,6 @@ def walk(
     carried, dropouts = parsing.payload(payload), [parsing.dropout(text) for text in dropout or ()]
     said = ScenarioFile.read(scenario, WALK_KEYS)
     belief = knowledge.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
-    sensors, level = estimators.sensors_of(said.estimator, said.noise)
     file = robot if physics.is_world(robot, obeyed.world) else None
     settings = physics.world_settings(obeyed, said, mu, file)
     ground = read_terrain(terrain, "--terrain")
@@ -92,12 +91,15 @@ def walk(
     command = _command(velocity, said)
     wired = wires.wiring(commands, dropouts, said)
     parsing.within_run("--dropout", dropout or (), (start for start, _ in dropouts), duration)
+    level = (
+        said.noise or 0.0 if said.estimator == "truth" else 0.0
+    )  # of the true state; sensors have their own
     faults = Faults(level, said.delay, said.weak_joint, said.torque_loss, dropouts=wired.dropouts)
-    happens = options.scenario_of(duration, mu, push, seed, said, faults=faults, **belief.senses(sensors))
+    happens = options.scenario_of(duration, mu, push, seed, said, faults=faults, **belief.senses(said))
     options.require(robot, WORLDS[obeyed.world][1], leaving)
     model = load(robot, feet, feet_needed=True)
     motors = obeyed.actuators if file is None else _file_motors(model)
-    task = _Task(model, belief.ground(ground), gait, said, command, belief, motors, wired)
+    task = _WalkTask(model, belief.ground(ground), gait, said, command, belief, motors, wired)
     controller = _controller(planner, task)
     q = _start(model, ground, mu)
     world = physics.build_world(obeyed.world, model, file, ground, mu, carried, settings, console)
@@ -108,7 +110,7 @@ def walk(
     return run.carry_out(world, controller, replace(happens, start=q), _account(), watching)
 
 
-class _Task(NamedTuple):
+class _WalkTask(NamedTuple):
     """What a controller is made for; `gait` is a name, None where nothing is said."""
 
     robot: Any
@@ -121,14 +123,14 @@ class _Task(NamedTuple):
     wired: wires.Wiring
 
 
-def _controller(planner: str, task: _Task) -> Any:
+def _controller(planner: str, task: _WalkTask) -> Any:
     """Return the controller of a planner's name."""
     planners = {"convex": _convex, "contact-implicit": _contact_implicit}
     check_name("--planner", planner, planners)
     return planners[planner](task)
 
 
-def _convex(task: _Task) -> Any:
+def _convex(task: _WalkTask) -> Any:
     """Return the controller that follows a gait."""
     from surefoot.control.walkers import default_gait, walking_controller
     from surefoot.robot.actuators import actuators_of
@@ -143,7 +145,7 @@ def _convex(task: _Task) -> Any:
     return task.wired.around(controller, robot)
 
 
-def _contact_implicit(task: _Task) -> Any:
+def _contact_implicit(task: _WalkTask) -> Any:
     """Return the controller that takes no gait."""
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
     from surefoot.simulation.actuated import equipped

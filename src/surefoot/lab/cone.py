@@ -12,7 +12,7 @@ from surefoot.cones.cone import Fit
 from surefoot.cones.friction import FrictionCone
 from surefoot.cones.polyhedral import FrictionPyramid
 from surefoot.lab import drawing as draw
-from surefoot.lab.controls import Choice, Slider, Tick, Values
+from surefoot.lab.controls import Checkbox, Choice, Slider, Values
 from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.figure import Figure
 from surefoot.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
@@ -166,7 +166,7 @@ class ConePage(Page):
                 Slider("facets", "sides of the pyramids", 3, 24, 1, s.facets),
                 Slider("phase", "turned by [deg]", 0.0, 120.0, 1.0, s.phase),
                 Choice("fit", "pyramids", FITS, s.fit),
-                Tick("surface", "round cone", s.surface),
+                Checkbox("surface", "round cone", s.surface),
                 Slider("x", "x [N]", -LARGEST, LARGEST, 0.5, s.force[0], "Force"),
                 Slider("y", "y [N]", -LARGEST, LARGEST, 0.5, s.force[1], "Force"),
                 Slider("z", "normal [N]", -40.0, LARGEST, 0.5, s.force[2], "Force"),

@@ -19,7 +19,8 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import SimulationError, SurefootError
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import LOOK_EVERY, TOUCH, sensed_feet
+from surefoot.simulation.run import LOOK_EVERY, TOUCH
+from surefoot.simulation.run_kernels import loaded_feet
 from surefoot.simulation.scenario import Fall
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.world import ContactReading
@@ -66,7 +67,7 @@ class Choices:
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class Snapshot:
     """What a run is like at an instant.
 
     Attributes
@@ -182,7 +183,7 @@ class WalkRun:
         if self.time - self.fell_at > LIE:
             self.restart()
         world, q_v = self.world, self.world.state()
-        sensed = sensed_feet(world.contact_foot, self._feet, self.reading, self._least)
+        sensed = loaded_feet(world.contact_foot, self.reading.forces, self._feet, self._least)
         command = self.controller.step(RobotState(*q_v, self.time - self._began, sensed))
         try:
             world.step(command.torques, self.push)
@@ -198,11 +199,11 @@ class WalkRun:
         if looks and Fall().happened(q_v[0], self._height, self.terrain) is not None:
             self.fell_at = self.time
 
-    def moment(self, speed: float = 1.0) -> Moment:
+    def snapshot(self, speed: float = 1.0) -> Snapshot:
         """Return what it is like now."""
         notes = tuple(self.controller.notes)
         q = self.world.state()[0]
-        return Moment(self.time, q, self.reading, self.push.copy(), self.choices, speed, self.fallen, notes)
+        return Snapshot(self.time, q, self.reading, self.push.copy(), self.choices, speed, self.fallen, notes)
 
     def strip(self) -> tuple[FloatArray, FloatArray]:
         """Return times (k,) [s] and normal forces (k, p) [N] of the last `STRIP` seconds."""
@@ -261,10 +262,10 @@ class SharedRun:
         with self._lock:
             yield self._run
 
-    def look(self) -> tuple[Moment, tuple[FloatArray, FloatArray]]:
+    def look(self) -> tuple[Snapshot, tuple[FloatArray, FloatArray]]:
         """Return what it is like now; times (k,) [s] and normal forces (k, p) [N] of the strip."""
         with self._lock:
-            return self._run.moment(self._speed), self._run.strip()
+            return self._run.snapshot(self._speed), self._run.strip()
 
     def close(self) -> None:
         """End the run."""

@@ -19,7 +19,7 @@ import numpy as np
 
 from surefoot.errors import SurefootError
 from surefoot.lab.canvas import Canvas
-from surefoot.lab.controls import Button, Choice, Control, Slider, Tick
+from surefoot.lab.controls import Button, Checkbox, Choice, Control, Slider
 from surefoot.lab.page import Grip, Page
 from surefoot.lab.words import refusal
 
@@ -65,7 +65,7 @@ class Session:
         self._thread = threading.Thread(target=self._work, name=f"lab-{client.client_id}", daemon=True)
         self._thread.start()
 
-    def tell(self, kind: str, name: str, value: Any = None) -> None:
+    def queue(self, kind: str, name: str, value: Any = None) -> None:
         """Take what the browser sent: a change of a control, a press or a grip; any thread may call."""
         event = kind, name, value
         with self._lock:
@@ -115,7 +115,7 @@ class Session:
             if event.client is None:
                 return
             try:
-                self.tell(kind, name, value(event))
+                self.queue(kind, name, value(event))
             except SurefootError as error:
                 self._refuse(error)
 
@@ -153,7 +153,7 @@ class Session:
             self._guarded(self.page.close)
 
     def _take_all(self) -> None:
-        """Tell the page what came, one by one."""
+        """Hand the page what came, one by one."""
         while True:
             with self._lock:
                 if not self._queue:
@@ -162,7 +162,7 @@ class Session:
             self._guarded(lambda: self._take(kind, name, value))  # noqa: B023 - called at once
 
     def _take(self, kind: str, name: str, value: Any) -> None:
-        """Tell the page one thing."""
+        """Hand the page one thing."""
         self._say("")
         arguments = {"change": (name, value), "press": (name,), "grip": (value,)}[kind]
         getattr(self.page, kind)(*arguments)
@@ -224,6 +224,6 @@ def _is_move(event: _Event) -> bool:
 _ADDERS: dict[type[Control], Callable[[Any, Any], Any]] = {
     Slider: lambda gui, c: gui.add_slider(c.label, c.low, c.high, c.step, c.value, hint=c.hint or None),
     Choice: lambda gui, c: gui.add_dropdown(c.label, c.options, initial_value=c.value, hint=c.hint or None),
-    Tick: lambda gui, c: gui.add_checkbox(c.label, c.value, hint=c.hint or None),
+    Checkbox: lambda gui, c: gui.add_checkbox(c.label, c.value, hint=c.hint or None),
     Button: lambda gui, c: gui.add_button(c.label, hint=c.hint or None),
 }

@@ -18,7 +18,7 @@ from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.lab import drawing as draw
 from surefoot.lab.contacts import force_rows
-from surefoot.lab.controls import Button, Choice, Slider, Tick, Values
+from surefoot.lab.controls import Button, Checkbox, Choice, Slider, Values
 from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
 from surefoot.lab.page import Grip, Page
@@ -28,7 +28,7 @@ from surefoot.spatial import GRAVITY, rotation_from_normal
 from surefoot.stance import PointContact, Stance
 
 WEIGHT_LENGTH = 0.3
-"""Length of an arrow that carries the whole weight [m]."""
+"""Length of the arrow of a force of m g [m]."""
 CONE_HEIGHT = 0.09
 """Height of the cones that are drawn [m]."""
 LIFT = 0.003
@@ -356,6 +356,6 @@ def _controls(state: StandState) -> list[Any]:
     ]
     feet: list[Any] = []
     for name, on, mu in zip(state.names, state.on, state.mu, strict=True):
-        feet.append(Tick(f"on {name}", f"{name} touches", bool(on), "Feet"))
+        feet.append(Checkbox(f"on {name}", f"{name} touches", bool(on), "Feet"))
         feet.append(Slider(f"mu {name}", f"{name} friction", 0.0, 1.5, 0.01, float(mu), "Feet"))
     return [*common, *feet, Button("reset", "begin anew")]

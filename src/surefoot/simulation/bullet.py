@@ -17,20 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import MissingExtra, ModelError, SimulationError, check_name
+from surefoot.arrays import FloatArray, real_number
+from surefoot.errors import MissingExtra, ModelError, check_name
 from surefoot.robot import Robot
-from surefoot.simulation.drake.scene import scene_of
-from surefoot.simulation.world import ContactReading, ground_of
+from surefoot.simulation.engine_world import HIGHEST, LARGEST, EngineWorld
 from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion
-from surefoot.stepping import Stepper
 from surefoot.stepping.bodies import finite_vector
 from surefoot.terrain import Terrain
 
-HIGHEST = 1e9
-"""Largest friction, and largest payload [kg]."""
-LARGEST = 1e10
-"""Speed from which a motion counts as lost [rad/s, m/s]."""
 GROUND = {"contactStiffness": 1e18, "contactDamping": 0.0, "restitution": 1.0}
 """What `changeDynamics` takes of a contact, as the ground has it where the foot's alone is to count.
 
@@ -64,7 +58,7 @@ def import_bullet() -> Any:
         raise MissingExtra("PyBullet", "bullet") from error
 
 
-class BulletWorld:
+class BulletWorld(EngineWorld):
     """A robot on a terrain in Bullet; see `surefoot.simulation.world.World` for the methods.
 
     Parameters
@@ -108,17 +102,12 @@ class BulletWorld:
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         self._bullet = import_bullet()
-        self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         if not robot.floating:
             raise ModelError("the bullet world takes robots with a floating base")
-        self.payload = payload = real_number("payload", payload, low=0.0, high=HIGHEST)
-        self.payload_position = finite_array("payload_position", payload_position, (3,))
-        self._stepper = Stepper(robot, ground_of(terrain), payload=payload)  # for its contact detection
-        self.terrain, self.contact_foot = self._stepper.terrain, robot.contact_points.foot
-        scene = scene_of(robot, self.terrain, payload, self.payload_position)
+        super().__init__(robot, terrain, dt, payload, payload_position)
         self._client = self._bullet.connect(self._bullet.DIRECT)
         self._end = weakref.finalize(self, self._bullet.disconnect, self._client)
-        self._setup(scene, contact or {}, engine or {})
+        self._setup(self._scene, contact or {}, engine or {})
         self.set_friction(mu)
         self.reset(robot.nominal)
 
@@ -169,35 +158,21 @@ class BulletWorld:
         turn = quaternion_from_rotation(np.array(shape["rotation"])).tolist()
         return int(bullet.createMultiBody(0.0, made, -1, shape["place"], turn, **client))
 
-    @property
-    def time(self) -> float:
-        """Simulated time [s]."""
-        return self._steps * self.dt
-
     def close(self) -> None:
         """Free Bullet's memory; the world takes no further step."""
         self._end()
 
-    def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
-        state = self._stepper.start(q, v)
+    def _place(self) -> None:
+        """See `EngineWorld`."""
         bullet, client = self._bullet, {"physicsClientId": self._client}
-        R = rotation_from_quaternion(state.q[3:7])
+        R = rotation_from_quaternion(self._q[3:7])
         turn = quaternion_from_rotation(R @ self._principal).tolist()
-        place = (state.q[:3] + R @ self._centre).tolist()
+        place = (self._q[:3] + R @ self._centre).tolist()
         bullet.resetBasePositionAndOrientation(self._body, place, turn, **client)
-        speed = R @ (state.v[:3] + np.cross(state.v[3:6], self._centre))
-        bullet.resetBaseVelocity(self._body, speed.tolist(), (R @ state.v[3:6]).tolist(), **client)
-        for link, angle, rate in zip(self._links, state.q[7:], state.v[6:], strict=True):
+        speed = R @ (self._v[:3] + np.cross(self._v[3:6], self._centre))
+        bullet.resetBaseVelocity(self._body, speed.tolist(), (R @ self._v[3:6]).tolist(), **client)
+        for link, angle, rate in zip(self._links, self._q[7:], self._v[6:], strict=True):
             bullet.resetJointState(self._body, link, float(angle), float(rate), **client)
-        self._seen = self._stepper.contacts(state)
-        self._q, self._v, self._steps = state.q, state.v, 0
-        self._rates = self._seen.velocities(state.v)
-        self._forces = np.zeros((len(self.contact_foot), 3))
-
-    def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
-        return self._q.copy(), self._v.copy()
 
     def _read_state(self) -> tuple[FloatArray, FloatArray]:
         """Return q and v out of Bullet."""
@@ -232,10 +207,7 @@ class BulletWorld:
         bullet.stepSimulation(**client)
         q, v = self._read_state()
         if not max(np.abs(v).max(initial=0.0), np.abs(self._v).max(initial=0.0)) < LARGEST:
-            steps, joint = self._steps, self._stepper.bodies.fastest_joint(self._v)
-            self.reset(self._q, self._v)
-            self._steps = steps
-            raise SimulationError("motion", self.time, self.dt, *joint)
+            raise self._lost()
         self._seen = self._stepper.contacts(self._stepper.start(self._q))  # Bullet's contacts are the start's
         self._rates = self._seen.velocities(v)  # and its impulses are of the velocities after them
         self._forces = self._read_forces()
@@ -258,13 +230,6 @@ class BulletWorld:
         self.mu = real_number("mu", mu, low=0.0, high=HIGHEST)
         for ground in self._ground:  # Bullet takes the product; the feet have 1
             self._bullet.changeDynamics(ground, -1, lateralFriction=self.mu, physicsClientId=self._client)
-
-    def contacts(self) -> ContactReading:
-        """Return what the ground did during the last step: gaps of its start, velocities of its end."""
-        seen = self._seen
-        return ContactReading(
-            self._forces.copy(), seen.gaps.copy(), self._rates.copy(), seen.positions.copy()
-        )
 
 
 def contact_numbers(contact: Mapping[str, Any]) -> dict[str, float]:

@@ -35,7 +35,7 @@ class Faults:
     strength
         Torque that every motor gives over the one asked for.
     dropouts
-        (start, duration) of times in which the controller is told the state before them, again and again [s].
+        (start, duration) of times in which the controller gets the state before them, again and again [s].
     """
 
     noise: float = 0.0
@@ -72,7 +72,7 @@ class Faults:
 class ActiveFaults:
     """The faults of one run; made by `Faults.start`."""
 
-    told: Faults
+    levels: Faults
     strength: FloatArray
     late: int
     generator: np.random.Generator
@@ -85,7 +85,7 @@ class ActiveFaults:
 
     def sense(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the state, q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s], as the controller sees it."""
-        r, level = self.generator, self.told.noise
+        r, level = self.generator, self.levels.noise
         if level == 0.0:
             return q, v
         q, v = q.copy(), v.copy()
@@ -99,9 +99,9 @@ class ActiveFaults:
 
     def heard(self, state: RobotState) -> RobotState:
         """Return the state that reaches the controller: in a dropout the last one before it."""
-        if self.told.dropouts and self._reached is not None:
+        if self.levels.dropouts and self._reached is not None:
             now = state.time + 1e-9
-            if any(start <= now < start + duration for start, duration in self.told.dropouts):
+            if any(start <= now < start + duration for start, duration in self.levels.dropouts):
                 return self._reached
         self._reached = state
         return state

@@ -1,6 +1,6 @@
 """A range sensor that looks at the ground ahead: rays, noise, mounting errors, rate and latency.
 
-What a ray hits is found on the true terrain, so that edges hide what lies behind them. The points are told in
+What a ray hits is found on the true terrain, so that edges hide what lies behind them. The points are in
 base axes, as they were when they were taken; where the base was then, the robot has to know itself.
 """
 
@@ -131,7 +131,7 @@ class ActiveRangeSensor:
         self._waiting: deque[tuple[int, HeightScan]] = deque()
 
     def look(self, q: FloatArray, time: float) -> HeightScan | None:
-        """Return the scan that is told at a time [s] with the robot at the true (nq,) q, or None."""
+        """Return the scan that arrives at a time [s] with the robot at the true (nq,) q, or None."""
         if self._count % self._every == 0:
             self._waiting.append((self._count + self._late, self._scan(q, time)))
         self._count += 1

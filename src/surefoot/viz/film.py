@@ -69,7 +69,7 @@ class FilmScene:
         return np.asarray(fast & (log["forces"][:, :, 2] > 0.0))
 
     def legend(self) -> list[Entry]:
-        """Return what the legend has to tell: only what happens in this log."""
+        """Return the legend: only what happens in this log."""
         log = self.log
         entries = [
             Entry("arrow", FORCE_COLOUR, "force of the ground"),
@@ -149,7 +149,7 @@ def write_video(
     rate: int = RATE,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """Write a film of a log as .mp4 and return its path; `progress` is told the share done.
+    """Write a film of a log as .mp4 and return its path; `progress` is called with the share done.
 
     Raises
     ------

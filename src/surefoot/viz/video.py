@@ -21,11 +21,11 @@ from surefoot.spatial import quaternion_wxyz
 from surefoot.terrain import Terrain
 from surefoot.terrain.shapes import Box
 from surefoot.viz.meshes import add_meshes
-from surefoot.viz.shapes import cone_rim
+from surefoot.viz.shapes import bones, cone_rim
 
 WIDTH, HEIGHT = 1280, 720
 ARROW_LENGTH = 1.2
-"""Length of an arrow that carries the whole weight, in base heights."""
+"""Length of the arrow of a force of m g, in base heights."""
 FORCE_COLOUR, WANTED_COLOUR, PUSH_COLOUR = (
     (0.82, 0.29, 0.36, 1.0),
     (0.1, 0.4, 0.7, 0.35),
@@ -81,10 +81,9 @@ class Renderer:
         try:
             self.model = spec.compile()
         except ValueError as error:
-            told = " ".join(str(error).split())
-            raise RenderError(f"no pictures: MuJoCo cannot draw {robot.name} ({told:.120})") from error
+            said = " ".join(str(error).split())
+            raise RenderError(f"no pictures: MuJoCo cannot draw {robot.name} ({said:.120})") from error
         self.data = mujoco.MjData(self.model)
-        self._bones = [] if robot.visual.ngeoms else self._skeleton()
         try:
             self._renderer = mujoco.Renderer(self.model, height, width)
         except Exception as error:  # each GL backend fails with a class of its own
@@ -107,8 +106,9 @@ class Renderer:
         middle = q[:3] if self.robot.floating else self.data.xpos[1:].mean(axis=0)
         self._camera.lookat[:] = middle - [0.0, 0.0, 0.45 * self.size]
         self._renderer.update_scene(self.data, self._camera)
-        bones = [(a.copy(), b - a, BONE_COLOUR) for a, b in self._bones]
-        for line, drawn in ((False, arrows), (True, [*lines, *bones])):
+        ends = np.zeros((0, 2, 3)) if self.robot.visual.ngeoms else bones(self.robot, q)
+        sticks = [(a, b - a, BONE_COLOUR) for a, b in ends]
+        for line, drawn in ((False, arrows), (True, [*lines, *sticks])):
             for start, vector, colour in drawn:
                 self._arrow(start, vector, colour, line)
         return self._renderer.render()
@@ -124,17 +124,6 @@ class Renderer:
         half = 0.5 * self._renderer.height
         x, y = share * float(view @ np.cross(ahead, up)), share * float(view @ up)
         return np.array([0.5 * self._renderer.width + half * x, half * (1.0 - y)])
-
-    def _skeleton(self) -> list[tuple[FloatArray, FloatArray]]:
-        """Return where the ends of bones are, as views of MuJoCo's places: of links without meshes."""
-        model, data = self.model, self.data
-        joined = [
-            (data.xpos[model.body_parentid[k]], data.xpos[k])
-            for k in range(1, model.nbody)
-            if model.body_parentid[k]
-        ]
-        feet = [g for g in range(model.ngeom) if model.geom(g).name.startswith("foot:")]
-        return joined + [(data.xpos[model.geom_bodyid[g]], data.geom_xpos[g]) for g in feet]
 
     def _arrow(
         self, start: FloatArray, vector: FloatArray, colour: tuple[float, ...], line: bool = False

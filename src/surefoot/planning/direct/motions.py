@@ -8,7 +8,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, real_number, whole_number
 from surefoot.errors import ProblemError
-from surefoot.planning.direct.problem import DirectProblem, Weights, Window
+from surefoot.planning.direct.problem import DirectProblem, StateWindow, Weights
 from surefoot.robot import Robot, place
 from surefoot.terrain import FlatTerrain, Terrain
 
@@ -75,11 +75,21 @@ def rest_to_rest(
     if rise > 0.0:
         low = np.full(len(there), -np.inf)
         low[height] = q[height] + rise
-        windows[round(TOP * knots)] = Window(q_low=low)
+        windows[round(TOP * knots)] = StateWindow(q_low=low)
     chosen = (WEIGHTS if robot.floating else Weights()) if weights is None else weights
     rest = np.zeros(int(robot.model.nv))
     return DirectProblem(
-        robot, q, rest, knots, dt, there, Window.at(there, rest, WITHIN, SPEED), windows, chosen, mu, ground
+        robot,
+        q,
+        rest,
+        knots,
+        dt,
+        there,
+        StateWindow.at(there, rest, WITHIN, SPEED),
+        windows,
+        chosen,
+        mu,
+        ground,
     )
 
 

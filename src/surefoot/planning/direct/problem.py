@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array, real_array, real_number, whole_number
 from surefoot.errors import ProblemError
 from surefoot.planning.transcription.planar import passive_joints
-from surefoot.planning.transcription.touches import Touch
+from surefoot.planning.transcription.touches import BodyTouch
 from surefoot.robot import Robot
 from surefoot.terrain import FlatTerrain, Terrain
 
@@ -20,7 +20,7 @@ UNBOUNDED = 1e15
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
+class StateWindow:
     """Bounds on the state at a knot; None for none, infinite entries for those that are free.
 
     Attributes
@@ -40,7 +40,7 @@ class Window:
     def at(
         cls, q: ArrayLike | None = None, v: ArrayLike | None = None, within: ArrayLike = 0.0,
         speed: ArrayLike = 0.0,
-    ) -> Window:  # fmt: skip
+    ) -> StateWindow:  # fmt: skip
         """Return the window about (nq,) q, (nv,) v, NaN left free: ± `within` [m, rad], `speed` [m/s]."""
         sides = list[FloatArray | None]()
         for value, reach in ((q, within), (v, speed)):
@@ -149,15 +149,15 @@ class DirectProblem:
     knots: int
     dt: float
     reference: FloatArray | None = None
-    end: Window = field(default_factory=Window)
-    windows: Mapping[int, Window] = field(default_factory=dict)
+    end: StateWindow = field(default_factory=StateWindow)
+    windows: Mapping[int, StateWindow] = field(default_factory=dict)
     weights: Weights = field(default_factory=Weights)
     mu: float = 0.6
     terrain: Terrain = field(default_factory=FlatTerrain)
     torque_limits: FloatArray | None = None
     joint_limits: bool = True
     planar: bool | None = None
-    touches: tuple[Touch, ...] = ()
+    touches: tuple[BodyTouch, ...] = ()
 
     def __post_init__(self) -> None:
         robot, model = self.robot, self.robot.model

@@ -107,7 +107,7 @@ def touchdowns(reference: Reference) -> list[Touchdown]:
     return out
 
 
-class Flight:
+class FlightControl:
     """Joint targets and torques of a robot in the air.
 
     Parameters
