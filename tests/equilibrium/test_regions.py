@@ -262,10 +262,9 @@ def test_very_much_friction_leaves_no_empty_region(mu):
     rng = np.random.default_rng(2)
     feet = [[0.2, 0.15, 0.01], [0.2, -0.15, -0.02], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.03], [0.0, 0.2, 0.02]]
     for _ in range(4):
-        normals = [[*rng.normal(0.0, 0.3, 2), 1.0] for _ in feet]
-        contacts = [
-            sf.PointContact(p, np.array(n) / np.linalg.norm(n), mu) for p, n in zip(feet, normals, strict=True)
-        ]
+        normals = np.array([[*rng.normal(0.0, 0.3, 2), 1.0] for _ in feet])
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        contacts = [sf.PointContact(p, n, mu) for p, n in zip(feet, normals, strict=True)]
         region = sf.com_region(sf.Stance(contacts), 15.0)
         assert not region.empty
         assert "empty" not in repr(region)
