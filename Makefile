@@ -55,7 +55,6 @@ bench: setup ## every benchmark, one after the other; sets the docs' measured ta
 	$(BIN)/surefoot bench forces --out runs
 	$(BIN)/surefoot bench contact --out runs
 	$(BIN)/surefoot bench contact --scale large --out runs
-	$(BIN)/surefoot bench momentum --out runs
 	$(BIN)/surefoot bench walk --out runs
 	$(BIN)/surefoot bench faults --out runs
 

@@ -19,7 +19,6 @@ from functools import partial
 import numpy as np
 
 from benchmarks import walks
-from surefoot.cli.estimators import ESTIMATORS
 from surefoot.control.controller import Controller
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.log import Ending
@@ -29,6 +28,8 @@ from surefoot.simulation.run import Ice, Push
 from surefoot.simulation.sensors import SensorModel
 from surefoot.terrain import FlatTerrain, Terrain
 
+ESTIMATORS = ("inekf", "truth")
+"""Where the controller has its state from."""
 DISTURBED = 1.5
 """Time of the disturbance, plus up to one cycle of the gait [s]."""
 CYCLE = 0.4

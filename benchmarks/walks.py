@@ -8,13 +8,13 @@ from functools import cache
 from typing import Any
 
 from surefoot.audit import WalkSummary, summarise_walk
-from surefoot.control.actuators import Actuators, actuators_of
 from surefoot.control.controller import Controller
 from surefoot.control.walkers import walking_controller
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
-from surefoot.simulation.faults import Faults, believed_robot
+from surefoot.robot.actuators import Actuators, actuators_of
+from surefoot.simulation.faults import Faults, scaled_robot
 from surefoot.simulation.height_scan import RangeSensor
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Ice, IcePatch, Push, Scenario
@@ -81,7 +81,7 @@ class Walk:
 
     def controller(self, robot: Robot, terrain: Terrain) -> Controller:
         """Return the controller; it is told all of the robot and the ground but for friction and mass."""
-        seen = robot if self.believed_mass == 1.0 else believed_robot(robot, self.believed_mass)
+        seen = robot if self.believed_mass == 1.0 else scaled_robot(robot, self.believed_mass)
         motors = self.motors(robot)
         return walking_controller(seen, self.command, self.gait, terrain, self.counted_on, motors)
 

@@ -1,4 +1,4 @@
-"""Measured tables of solvers, worlds and batches: contact, statics, forces, momentum, what speed costs."""
+"""Measured tables of solvers, worlds and batches: contact, statics, forces, what speed costs."""
 
 from __future__ import annotations
 
@@ -64,24 +64,6 @@ def _questions(told: Any) -> Rows:
         rows.append([question, race["who"], *times, f"{race['ratio']:.2f}"])
         last = race["question"]
     return rows
-
-
-def _seconds(value: float) -> str:
-    """Return a time of three digits in the unit that fits."""
-    scale, unit = (1e6, "µs") if value < 1e-4 else (1e3, "ms") if value < 1.0 else (1.0, "s")
-    return f"{scale * value:.3g} {unit}"
-
-
-def _momentum(told: Any) -> Rows:
-    """Return a row per chain length, Pinocchio's matrix and both of ours, and how they grow."""
-    ways = [told["seconds"][way] for way in ("pinocchio", "composite", "summed")]
-    rows = [
-        [str(links), *("-" if way[k] is None else _seconds(way[k]) for way in ways)]
-        for k, links in enumerate(told["links"])
-        if links in (10, 100, 300, 1000)
-    ]
-    grows = (f"n^{told['growth'][way]:.2f}" for way in ("pinocchio", "composite", "summed"))
-    return [*rows, ["grows as", *grows]]
 
 
 def _batches(told: Any) -> Rows:
@@ -260,10 +242,6 @@ TABLES = {
     "batches": Table(
         "surefoot bench batch", "batches.md",
         ("four contacts of Go2, µs a problem", "solve", "solve and vjp"), _batches,
-    ),
-    "momentum": Table(
-        "surefoot bench momentum", "momentum.md",
-        ("links", "Pinocchio", "composites (Python)", "link by link (Python)"), _momentum,
     ),
     "momentum_in_plans": Table(
         "python -m benchmarks.walk.plan_momentum", "mpc.md",

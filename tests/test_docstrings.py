@@ -243,39 +243,6 @@ def test_the_share_that_says_units_does_not_fall(kernels: bool) -> None:
     assert share >= FLOORS[kernels], f"{share:.3f} of {len(said)}"
 
 
-@pytest.mark.parametrize(
-    ("source", "faults"),
-    [
-        ('def f(x: FloatArray) -> int:\n    """Return x."""', ["shape of x", "unit of x"]),
-        ('def f(x: FloatArray) -> int:\n    """Return x (n, 3)."""', ["unit of x"]),
-        ('def f(x: FloatArray) -> int:\n    """Return x (n, 3) [N m]."""', []),
-        ('def f(x: float) -> int:\n    """Return x [1], see Stewart (1996, 2000)."""', ["unit of x"]),
-        ('def f(x: IntArray) -> int:\n    """Return x (n,)."""', []),
-        ('def f(x: ArrayLike) -> int:\n    """Take x [N], a number."""', []),
-        ('def f() -> FloatArray:\n    """Return (..., 3), in the unit of x."""', []),
-        ('def f(x: float) -> int:\n    """Do as `g`."""', []),
-        (
-            'def f(x: float) -> int:\n    """Do.\n\n    Returns\n    -------\n    int\n        [N].\n    """',
-            ["unit of x"],
-        ),
-        (
-            'def f(x: float, y: float) -> int:\n    """Do [N].\n\n    Parameters\n    ----------\n'
-            '    x\n        Force [N].\n    y\n        More.\n    """',
-            ["unit of y"],
-        ),
-    ],
-)
-def test_the_reader_finds_what_is_missing(source: str, faults: list[str]) -> None:
-    function = ast.parse(source).body[0]
-    assert isinstance(function, Function)
-    found = [
-        f"{fault} of {item.name}"
-        for item in _items(function, _docstring(function))
-        for fault in _faults(item)
-    ]
-    assert found == faults
-
-
 def test_the_exported_names_are_found() -> None:
     found = set(_exported())
     assert {"FrictionCone", "solve_batch", "RigidWorld", "HuntCrossley", "SoftFinger", "Log"} <= found

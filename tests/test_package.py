@@ -87,11 +87,3 @@ def test_there_are_100_names_at_most_and_each_is_shown() -> None:
     print(f"\n{len(names)} public names")
     assert len(names) <= 100
     assert names <= shown, f"nobody sees {sorted(names - shown)}"
-
-
-def test_the_contract_is_importable() -> None:
-    names = "FrictionCone Stance PointContact can_stand friction_needed com_region wrench_cone ContactProblem"
-    names += " solve read_problem write_problem load_robot distribute ForceDistributor ContactSolver"
-    names += " register Answer SolverSettings StanceBatch can_stand_batch com_region_batch"
-    names += " laws translate"
-    assert set(names.split()) <= set(sf.__all__)

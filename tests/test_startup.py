@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -159,6 +160,22 @@ def test_code_that_was_compiled_beside_read_only_sources_is_used(two_files, tmp_
     value, hits, folder = run(code, tmp_path, **environment).split()
     assert (float(value), hits) == (21.0, "1")
     assert Path(folder) != beside
+
+
+def test_of_two_processes_that_miss_a_kernel_one_compiles_it(tmp_path: Path) -> None:
+    code = f"""
+import time, numpy as np
+from pathlib import Path
+from surefoot import compilation
+from surefoot.contact.blocks import checked_mirror
+Path("{tmp_path}", str(time.time_ns())).touch()
+while len(list(Path("{tmp_path}").glob("1*"))) < 2: time.sleep(0.001)
+checked_mirror(np.eye(3), 1e-9)
+print(compilation.compiled_so_far())
+"""
+    with ThreadPoolExecutor() as two:
+        compiled = list(two.map(lambda _: int(run(code, NUMBA_CACHE_DIR=str(tmp_path / "kept"))), range(2)))
+    assert sorted(compiled) == [0, 1]
 
 
 @pytest.mark.long

@@ -11,7 +11,6 @@ from benchmarks.commands import (
     faults,
     forces,
     lab,
-    momentum,
     plan,
     rigid,
     softening,
@@ -31,7 +30,7 @@ def bench() -> None:
 
 
 for _command in (
-    momentum.momentum, statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
+    statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
     lab.lab, stacks.stacks, speeds.speeds,
 ):  # fmt: skip

@@ -10,9 +10,8 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import report, table
-from surefoot.cli.estimators import EstimatorName
+from surefoot.cli.console import progress_bar
 from surefoot.cli.output import check_out
-from surefoot.cli.progress import progress_bar
 
 QUICK_FAULTS = ("payload", "delay")
 
@@ -26,7 +25,7 @@ def faults(
     seeds: Annotated[int, typer.Option(min=1, max=1000, help="Trials per level.")] = 20,
     duration: Annotated[float, typer.Option(min=2.5, max=60.0, help="Length of a trial [s].")] = 5.0,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes.")] = 1,
-    estimator: EstimatorName = "inekf",
+    estimator: Annotated[str, typer.Option(help="Where the state is from: inekf or truth.")] = "inekf",
     quick: Annotated[bool, typer.Option("--quick", help="Two faults, one short trial per level.")] = False,
     out: Annotated[Path | None, typer.Option(help="Write the JSON to a new folder below this one.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,

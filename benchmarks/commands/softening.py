@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -14,11 +13,10 @@ from rich.table import Table
 from benchmarks.printing import report
 from surefoot.cli import extras
 from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out
 from surefoot.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
-    from benchmarks.softening.race import Answer, Row
+    from benchmarks.softening.race import Row
 
 QUICK_MOST = 500
 """Most iterations of a start of --quick, over all stages."""
@@ -33,7 +31,6 @@ TITLES = {
 
 
 def softening(
-    out: Annotated[Path | None, typer.Option(help="Write pictures to a new folder below this one.")] = None,
     starts: Annotated[int, typer.Option(min=1, help="Random starts of every form on every problem.")] = 10,
     few: Annotated[int, typer.Option(min=1, help="Random starts in the search for causes.")] = 5,
     problem: Annotated[list[str] | None, typer.Option(help="Only this problem; may be repeated.")] = None,
@@ -47,8 +44,7 @@ def softening(
     from benchmarks.softening import race
     from surefoot.planning.direct.textbook import PROBLEMS
 
-    check_out(out)
-    extras.require(["casadi"], ["matplotlib"] if out is not None else [])
+    extras.require(["casadi"])
     problems = _among("problem", problem, list(PROBLEMS))
     sets = {"race": race.RACE, "recommended": (race.RECOMMENDED,), "causes": race.CAUSES, "first": race.FIRST}
     if quick:
@@ -56,41 +52,17 @@ def softening(
         problems = [name for name in problems if name == "ball"] if problem is None else problems
         sets = {name: tuple(race.limited(one, QUICK_MOST) for one in ways) for name, ways in sets.items()}
     found: dict[str, list[Row]] = {}
-    answers: dict[str, Answer] = {}
     with plain_console(stderr=True).status("softening") as status:
         for name in _among("table", table, list(sets)):
             count = few if name in ("causes", "first") else starts
-            found[name] = []
-            for row, answer in race.run(sets[name], problems, count, status.update):
-                found[name].append(row)
-                if name == "recommended":
-                    answers[row.problem] = answer
+            found[name] = [row for row, _ in race.run(sets[name], problems, count, status.update)]
 
     def in_words(console: Console) -> None:
         for name, rows in found.items():
             _print(console, TITLES[name], rows)
 
     record = {name: [asdict(row) for row in rows] for name, rows in found.items()}
-    folder = report(record, json, in_words, WIDTH, out, "softening")
-    if folder is not None:
-        from surefoot.viz import softening_plots as plots
-
-        paths = [plots.plot_function(folder), plots.plot_heat_maps(folder)]
-        if "race" in found:
-            paths.append(plots.plot_traces(folder, {(r.problem, r.variant): r.trace for r in found["race"]}))
-        if answers:
-            paths.append(plots.plot_motions(folder, {name: _curves(name, a) for name, a in answers.items()}))
-        for path in paths:
-            typer.echo(f"picture: {path}", err=True)
-
-
-def _curves(name: str, answer: Answer) -> Any:
-    """Return what a picture of a motion shows: length of a knot, contacts' names, gaps and impulses."""
-    from surefoot.planning.direct.textbook import PROBLEMS
-
-    problem = PROBLEMS[name]().problem
-    contacts = [*problem.robot.foot_names, *(touch.name for touch in problem.touches)]
-    return problem.dt, contacts, answer.gaps, answer.motion.impulses[..., 2]
+    report(record, json, in_words, WIDTH)
 
 
 def _among(kind: str, asked: Sequence[str] | None, known: list[str]) -> list[str]:

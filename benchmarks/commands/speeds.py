@@ -10,8 +10,8 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import report, table
+from surefoot.cli.console import progress_bar
 from surefoot.cli.output import check_out
-from surefoot.cli.progress import progress_bar
 
 if TYPE_CHECKING:
     from benchmarks.walk.speeds import SpeedRow

@@ -13,8 +13,8 @@ from rich.console import Console
 
 from benchmarks.printing import report, table
 from surefoot.cli import extras
+from surefoot.cli.console import progress_bar
 from surefoot.cli.output import check_out, new_run_folder, to_json
-from surefoot.cli.progress import progress_bar
 from surefoot.cli.signals import ends_softly
 from surefoot.errors import ProblemError
 

@@ -11,8 +11,8 @@ from rich.console import Console
 
 from benchmarks.printing import report, table
 from surefoot.cli import extras
+from surefoot.cli.console import progress_bar
 from surefoot.cli.output import check_out
-from surefoot.cli.progress import progress_bar
 
 if TYPE_CHECKING:
     from benchmarks.timing import Timing

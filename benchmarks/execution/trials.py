@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.control.motor_limits import MOTOR_MODELS
 from surefoot.planning import Plan
 from surefoot.planning.tracking import Reference
+from surefoot.robot.motor_limits import MOTOR_MODELS
 from surefoot.simulation.plan_execution import Execution, execute
 
 

@@ -12,7 +12,7 @@ from benchmarks.forces.refined import refined_clarabel
 from benchmarks.problems.allocation_program import cone_violation, objective, program
 from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
 from surefoot.contact import Status
-from surefoot.control.force_distribution import ForceDistributor
+from surefoot.equilibrium.force_distribution import ForceDistributor
 
 FAR = 1e-5
 """Distance of two forces [N] that counts as disagreement."""

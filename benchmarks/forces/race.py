@@ -34,7 +34,7 @@ from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionCone
 from surefoot.cones.cone import Fit
 from surefoot.contact import Status
-from surefoot.control.force_distribution import ForceDistributor
+from surefoot.equilibrium.force_distribution import ForceDistributor
 
 FITS: tuple[Fit, Fit] = ("inner", "outer")
 CONES: tuple[tuple[int | None, Fit], ...] = ((None, "inner"), *product((4, 8, 16), FITS))

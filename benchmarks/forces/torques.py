@@ -11,7 +11,7 @@ from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, four_f
 from benchmarks.timing import Timing, one_core
 from surefoot.arrays import FloatArray
 from surefoot.contact import Status
-from surefoot.control.force_distribution import ForceDistributor
+from surefoot.equilibrium.force_distribution import ForceDistributor
 
 LIMITS = (100.0, 12.0, 6.0)
 """Torque limits of the three runs [N·m]: never, often and almost always binding."""

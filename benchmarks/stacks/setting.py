@@ -8,9 +8,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from surefoot.control.actuators import Actuators, actuators_of
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
+from surefoot.robot.actuators import Actuators, actuators_of
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.sensors import SensorModel
 from surefoot.terrain import Terrain

@@ -12,11 +12,11 @@ from benchmarks.stacks.setting import Motors
 from benchmarks.timing import Stopwatch
 from surefoot.arrays import FloatArray
 from surefoot.control.controller import Controller
-from surefoot.control.latency import LatencyCompensation
 from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walkers import walking_controller
 from surefoot.control.walking import WalkSettings
 from surefoot.control.walking_body import ACCELERATION, VelocityCommand
+from surefoot.drive.latency import LatencyCompensation
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain

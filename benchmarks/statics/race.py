@@ -13,13 +13,16 @@ import numpy as np
 from benchmarks.problems.stances import StanceCase, random_case, random_cases
 from benchmarks.statics import rivals
 from benchmarks.timing import Timing, one_core, time_calls
-from surefoot.cones.representation import halfspaces_from_rays
+from surefoot.cones.representation import convert
 from surefoot.equilibrium.batch import can_stand_batch, com_region_batch
 from surefoot.equilibrium.regions import com_region
 from surefoot.equilibrium.statics import can_stand
 from surefoot.equilibrium.wrench_cone import wrench_cone
+from surefoot.spatial import GRAVITY
 from surefoot.stance import PatchContact, PointContact, Stance, StanceBatch
 
+MANY_FEET = (4, 16, 64, 256)
+"""Contacts of the stances whose normal forces are bounded."""
 CANDIDATES, TURNS = 1000, 5
 """Stances that are asked at once, and how often."""
 
@@ -102,6 +105,9 @@ def races(count: int = 200, seed: int = 1) -> list[Race]:
     with one_core():
         out += _race(f"can it stand, 4 points ({possible} of {count} can)", _stand_racers(feet))
         out += _race("can it stand, 4 points: what is new in each call", _novelty_racers(feet))
+        for contacts in MANY_FEET:
+            question = f"can it stand, {contacts} points, normal forces bounded"
+            out += _race(question, [("surefoot, exact cones", _ask, _bounded(rng, contacts))])
         out += _race("CoM region to 1 mm, 4 points", _region_racers(wide))
         out += _batch_races(wide)
         out += _race("CoM region to 1 mm, 2 patches", _region_racers(soles))
@@ -159,6 +165,20 @@ def _novelty_racers(cases: list[StanceCase]) -> _Racers:
     ]
 
 
+def _bounded(rng: np.random.Generator, contacts: int) -> list[StanceCase]:
+    """Return stances of many points, each with bounds, that could carry three times the weight."""
+    mass, out = 20.0, []
+    for _ in range(3):
+        most = 3.0 * mass * GRAVITY / contacts
+        feet = [
+            PointContact([*place, 0.0], mu=0.6, normal_min=0.01 * most, normal_max=most)
+            for place in rng.uniform(-0.5, 0.5, (contacts, 2))
+        ]
+        com = np.array([*rng.uniform(-0.05, 0.05, 2), 0.4])
+        out.append(StanceCase(Stance(feet), com, mass, np.zeros(6), "bounded"))
+    return out
+
+
 def _batch_races(cases: list[StanceCase]) -> list[Race]:
     """Return both questions to `CANDIDATES` stances at once: times of one of them."""
     chosen = [cases[k % len(cases)] for k in range(CANDIDATES)]
@@ -194,8 +214,8 @@ def _cone_racers(cases: list[StanceCase]) -> _Racers:
     if find_spec("cdd") is not None:  # its wheel is missing for many Pythons
         cddlib = [("cddlib, rays to half-spaces", _call, [rivals.cddlib_rows(r) for r in rays])]
     return [
-        ("surefoot, rays to half-spaces", lambda r: halfspaces_from_rays(r, "dd"), rays),
-        ("surefoot through SciPy's Qhull", halfspaces_from_rays, rays),
+        ("surefoot, rays to half-spaces", lambda r: convert(r, "dd")[0], rays),
+        ("surefoot through SciPy's Qhull", lambda r: convert(r)[0], rays),
         *cddlib,
         ("surefoot, the whole cone from a stance", lambda c: wrench_cone(c.stance, c.com, facets=8), cases),
     ]

@@ -15,7 +15,6 @@ import numpy as np
 
 from benchmarks.problems.walking import INERTIA, TICK, choose_scenes, record
 from surefoot.control.mpc import MpcMomentum, MpcWeights
-from surefoot.control.mpc_momentum import momentum_of
 from surefoot.viz.style import FOOT_COLOURS, new_figure, save
 
 TERMS = {
@@ -37,7 +36,7 @@ def main(folder: Path, ticks: int = 150) -> dict[str, float]:
             walk = record(scene, ticks, weights=MpcWeights(momentum=term))
             state = [given.state for given in walk]
             wanted = [given.reference for given in walk]
-            h = momentum_of(INERTIA, [s.rotation for s in state], [s.angular_velocity for s in state])
+            h = np.array([s.rotation @ INERTIA @ s.rotation.T @ s.angular_velocity for s in state])
             size = np.linalg.norm(h, axis=1)
             up = [s.rotation[:, 2] @ r.rotation[0][:, 2] for s, r in zip(state, wanted, strict=True)]
             tilt = np.degrees(np.arccos(np.clip(up, -1.0, 1.0)))

@@ -26,12 +26,8 @@ from .contact.warm_start import persisting as persisting
 from .control.controller import Command as Command
 from .control.controller import Controller as Controller
 from .control.controller import RobotState as RobotState
-from .control.force_distribution import ForceDistributor as ForceDistributor
-from .control.gait import Gait as Gait
-from .control.gait_library import named_gait as named_gait
 from .control.mpc import ConvexMpc as ConvexMpc
 from .control.mpc import MpcWeights as MpcWeights
-from .control.stance_forces import distribute as distribute
 from .control.standing import StandingController as StandingController
 from .control.standing_plan import StandingPlan as StandingPlan
 from .control.walking import WalkingController as WalkingController
@@ -41,7 +37,9 @@ from .control.whole_body import Tasks as Tasks
 from .control.whole_body import WholeBodyController as WholeBodyController
 from .equilibrium.batch import can_stand_batch as can_stand_batch
 from .equilibrium.batch import com_region_batch as com_region_batch
+from .equilibrium.force_distribution import ForceDistributor as ForceDistributor
 from .equilibrium.regions import com_region as com_region
+from .equilibrium.stance_forces import distribute as distribute
 from .equilibrium.statics import can_stand as can_stand
 from .equilibrium.statics import friction_needed as friction_needed
 from .equilibrium.wrench_cone import wrench_cone as wrench_cone
@@ -94,6 +92,8 @@ from .stance import Stance as Stance
 from .stance import StanceBatch as StanceBatch
 from .stance import read_stance as read_stance
 from .stance import write_stance as write_stance
+from .stance.gait import Gait as Gait
+from .stance.gait_library import named_gait as named_gait
 from .sweep import read_sweep as read_sweep
 from .sweep import run_sweep as run_sweep
 from .terrain import FlatTerrain as FlatTerrain

@@ -127,3 +127,23 @@ def unknown_name(kind: str, name: object, valid: Iterable[str]) -> str:
     "unknown gait 'hop'; valid names: trot, walk"
     """
     return f"unknown {kind} {name!r}; valid names: {', '.join(sorted(valid))}"
+
+
+def check_name(kind: str, name: object, valid: Iterable[str], where: str = "") -> None:
+    """Refuse a name that is not in a list.
+
+    Parameters
+    ----------
+    kind, name, valid
+        See `unknown_name`.
+    where
+        What holds the name, for the message; empty for nothing.
+
+    Raises
+    ------
+    ProblemError
+        With the message of `unknown_name`.
+    """
+    known = tuple(valid)  # a name that cannot be hashed is none of them
+    if name not in known:
+        raise ProblemError((f"{where}: " if where else "") + unknown_name(kind, name, known))

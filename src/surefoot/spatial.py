@@ -101,10 +101,16 @@ def rotation_about(axis: ArrayLike, angle: float) -> FloatArray:
     return np.asarray(np.eye(3) + np.sin(angle) * s + (1.0 - np.cos(angle)) * (s @ s))
 
 
+def rotation_exp(turn: FloatArray) -> FloatArray:
+    """Return the rotation (3, 3) by a rotation vector (3,) [rad]."""
+    angle = float(np.linalg.norm(turn))
+    return rotation_about(turn / angle, angle) if angle > 0.0 else np.eye(3)
+
+
 def rotation_log(rotation: ArrayLike) -> FloatArray:
     """Return the rotation vector [rad] of a (3, 3) rotation, of length at most pi.
 
-    The inverse of `rotation_about` times the angle; near pi it goes through the quaternion, where
+    The inverse of `rotation_exp`; near pi it goes through the quaternion, where
     the usual formula loses its digits.
     """
     x, y, z, w = quaternion_from_rotation(rotation)

@@ -15,8 +15,8 @@ from surefoot.log.formats import read_log
 
 DATA = Path(__file__).resolve().parents[1] / "log" / "data"
 LOGS = {
-    "stand": (read_log(DATA / "stand_schema1.npz"), summarise_stand),
-    "walk": (read_log(DATA / "walk_schema1.npz"), summarise_walk),
+    "stand": (read_log(DATA / "stand.npz"), summarise_stand),
+    "walk": (read_log(DATA / "walk.npz"), summarise_walk),
 }
 MEASURED = ("q", "v", "torques", "forces", "gaps", "contact_velocities", "contact_positions")
 

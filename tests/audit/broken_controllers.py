@@ -6,6 +6,7 @@ least squares share it out, J^T f gives the torques. Each fault is one that peop
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,7 @@ from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.log import Log
 from surefoot.robot import Robot
+from surefoot.simulation.bullet import BulletWorld
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.terrain import FlatTerrain
 
@@ -121,6 +123,8 @@ def _cross(p: FloatArray) -> FloatArray:
 def _world(fault: str, model: Robot, world: str, size: float) -> Any:
     """Return a world, broken where the fault is one of worlds."""
     rigid = world == "rigid"
+    if world == "bullet":
+        return BulletWorld(model, FlatTerrain(), 0.6, contact=_bullet_contact(fault, model.mass, size))
     if fault == "sinking":  # 8 to 25 mm under its own weight
         depth = 0.008 + 0.017 * size
         if rigid:
@@ -132,6 +136,14 @@ def _world(fault: str, model: Robot, world: str, size: float) -> Any:
     if fault == "chatter":  # hardly damped, of a frequency that a step of a millisecond does not resolve
         return sf.MujocoWorld(model, FlatTerrain(), 0.6, solref=(-(2e5 + 8e5 * size), -1.0))
     return sf.RigidWorld(model, FlatTerrain(), 0.6) if rigid else sf.MujocoWorld(model, FlatTerrain(), 0.6)
+
+
+def _bullet_contact(fault: str, mass: float, size: float) -> dict[str, float]:
+    """Return a foot's contact in Bullet: soft, all but undamped, or Bullet's own."""
+    if fault == "sinking":
+        stiffness = 0.25 * mass * GRAVITY / (0.008 + 0.017 * size)
+        return {"contactStiffness": stiffness, "contactDamping": np.sqrt(stiffness * mass)}
+    return {"restitution": 0.9 + 0.1 * size} if fault == "chatter" else {}
 
 
 @dataclass(frozen=True)
@@ -161,12 +173,12 @@ class BrokenRun:
         return bool(set(first) & {self.fault, *NAMES.get(self.fault, ())})
 
 
-def broken_runs(count: int, seed: int) -> list[BrokenRun]:
+def broken_runs(count: int, seed: int, worlds: Sequence[str] = ("mujoco", "rigid")) -> list[BrokenRun]:
     """Return broken runs drawn by a seed."""
     rng = np.random.default_rng(seed)
     out = []
     for k in range(count):
-        robot, world = str(rng.choice(["go2", "a1", "solo12"])), str(rng.choice(["mujoco", "rigid"]))
+        robot, world = str(rng.choice(["go2", "a1", "solo12"])), str(rng.choice(worlds))
         size, phase = float(rng.uniform()), float(rng.uniform(0.0, 0.5 * np.pi))
         out.append(BrokenRun(robot, world, FAULTS[k % len(FAULTS)], size, phase))
     return out

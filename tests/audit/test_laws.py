@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import math
 import tracemalloc
 from dataclasses import asdict
@@ -10,9 +11,10 @@ import pytest
 
 from surefoot.audit import Laws, check_laws, contact_use, log_laws
 from surefoot.audit.laws import LAWS, LEAST_FRICTION, LOADED_SHARE
-from surefoot.audit.slides import LAG, WORST, free_slides, slide_on, start_slides
+from surefoot.audit.slides import LAG
 from surefoot.errors import ProblemError
-from surefoot.log import Log
+from surefoot.log import CHANNELS, Log
+from surefoot.log.channels import SCHEMA
 from surefoot.log.formats import read_log
 from surefoot.spatial import GRAVITY
 
@@ -209,37 +211,6 @@ def test_loaded_starts_above_a_thousandth_of_the_weight() -> None:
     assert still([0.0, 0.0, 1.01 * barely], velocity=(1.0, 0.0, 0.0)).dissipation_max > 0.0
 
 
-def test_free_slides_kernel_against_plain_numpy() -> None:
-    """The compiled kernel and its plain Python agree, and both with a sum written another way."""
-    rng = np.random.default_rng(7)
-    T, p = 300, 3
-    f, v = rng.normal(size=(T, p, 3)) * 20.0, rng.normal(size=(T, p, 3))
-    f[..., 2] = np.where(rng.uniform(size=(T, p)) < 0.8, rng.uniform(1.0, 90.0, (T, p)), 0.0)
-    f[100:140, 0, 2] = 0.0
-    mu, dt = rng.uniform(0.1, 1.0, (T, p)), rng.uniform(5e-4, 2e-3, T)
-    fast = free_slides(f, v, mu, dt, 0.1, WEIGHT)
-    state = start_slides(p)
-    slide_on.py_func(state, f, v, mu, dt, 0.1, WEIGHT)
-    np.testing.assert_allclose(fast, state[:, WORST], rtol=1e-12)
-    for c in range(p):
-        stances = [[0, 100], [140, T]] if c == 0 else [[0, T]]
-        want = 0.0
-        for first, end in stances:
-            on = [k for k in range(first, end) if f[k, c, 2] > 0.1][1:]  # without the touchdown
-            total, piece = 0.0, []
-            for k in on:
-                piece.append(k)
-                steps = dt[piece, None] * v[piece, c, :2]
-                net, way = np.linalg.norm(steps.sum(axis=0)), np.linalg.norm(steps, axis=1).sum()
-                full = mu[piece, c] * f[piece, c, 2] * np.linalg.norm(steps, axis=1)
-                lost = max(0.0, float((1.0 - LAG) * full.sum() + np.vdot(f[piece, c, :2], steps)))
-                peak = max(mu[j, c] * f[j, c, 2] for j in on if j <= k)
-                want = max(want, (total + lost * net / way) / min(peak, WEIGHT)) if lost > 0.0 else want
-                if net >= 1e-4:
-                    total, piece = total + lost * net / way, []
-        assert fast[c] == pytest.approx(want, rel=1e-10)
-
-
 @pytest.mark.parametrize("spoilt", [None, "forces", "gaps", "contact_velocities", "large"])
 @pytest.mark.parametrize("rows", [1, 7, 100, 999, 5000])
 def test_a_log_in_pieces_is_judged_as_a_whole(
@@ -280,7 +251,9 @@ def test_a_log_longer_than_memory_is_judged_in_bounded_memory(tmp_path: Path) ->
         mapped = np.lib.format.open_memmap(tmp_path / f"{name}.npy", "w+", np.float64, shape)
         mapped[:] = 0.5
         mapped[:1000] = rng.uniform(0.0, 1e-4, (1000, *shape[1:]))
-    (tmp_path / "facts.json").write_text('{"mass": 16.0, "dt": 0.001}')
+    channels = [asdict(CHANNELS[name]) for name in shapes]
+    told = {"schema": SCHEMA, "channels": channels, "facts": {"mass": 16.0, "dt": 0.001}}
+    (tmp_path / "facts.json").write_text(json.dumps(told))
     log = read_log(tmp_path)
     size = sum(array.nbytes for array in log.arrays.values())
     tracemalloc.start()

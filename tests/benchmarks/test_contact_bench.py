@@ -12,15 +12,12 @@ from benchmarks.contact.comparison import (
     Run,
     compare,
     copies_of,
-    performance_profile,
-    problems_in,
 )
-from benchmarks.contact.ours import CONTACT_SOLVER, our_calls
+from benchmarks.contact.ours import CONTACT_SOLVER
 from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix, settings
 from benchmarks.contact.siconos_rival import siconos_best, siconos_installed
 from benchmarks.problems.contacts import NamedProblem, families, problem_set
 from benchmarks.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
-from benchmarks.timing import interleaved
 from surefoot.cli.main import main
 from surefoot.contact.files import write_problem
 from surefoot.errors import ProblemError
@@ -43,19 +40,6 @@ def test_sets_have_the_promised_sizes() -> None:
         problem_set("tiny")
 
 
-def test_no_problem_is_trivial() -> None:
-    for named in problem_set("robot", copies=0.25):
-        nothing = np.zeros((named.problem.contacts, 3))
-        assert judge(named.problem, nothing) > 1e-6, named.name
-
-
-def test_profile_counts_shares() -> None:
-    times = {"a": np.array([1.0, 4.0, np.inf]), "b": np.array([2.0, 1.0, np.inf])}
-    found = performance_profile(times, np.array([1.0, 2.0, 4.0]))
-    assert np.allclose(found["a"], [1 / 3, 1 / 3, 2 / 3])
-    assert np.allclose(found["b"], [1 / 3, 2 / 3, 2 / 3])
-
-
 def test_speed_up_is_a_geometric_mean_over_the_best_rival() -> None:
     def run(problem: str, solver: str, seconds: float, solved: bool = True) -> Run:
         return Run(problem, problem[0], 1, solver, seconds, 0.0 if solved else 1.0, solved)
@@ -69,23 +53,6 @@ def test_speed_up_is_a_geometric_mean_over_the_best_rival() -> None:
     assert found == pytest.approx(
         {"x": 4.0, "y": 1.0, "all": 2.0, "least": 1.0, "lost": 0.0, "no rival": 1.0}
     )
-
-
-def test_both_kinds_of_time_are_kept_apart() -> None:
-    runs = (
-        Run("x1", "x", 1, "auto", 1.0, 0.0, True, p99=2.0, fresh=4.0, fresh_p99=8.0),
-        Run("x2", "x", 1, "auto", 4.0, 0.0, True, p99=5.0, fresh=9.0, fresh_p99=10.0),
-        Run("x1", "x", 1, "r", 3.0, 0.0, True, p99=3.0, fresh=3.0, fresh_p99=3.0),
-        Run("x2", "x", 1, "r", 5.0, 1.0, False),
-    )
-    found = Comparison(1e-8, runs)
-    assert found.speed_up(["r"])["all"] == pytest.approx(3.0)
-    assert found.speed_up(["r"], kind="fresh")["all"] == pytest.approx(0.75)
-    assert found.speed_up(["r"], kind="fresh")["lost"] == 1.0
-    row = found.families("auto", "fresh")[0]
-    assert (row.family, row.problems, row.solved) == ("x", 2, 2)
-    assert (row.mean, row.median, row.p99) == pytest.approx((6.0, 6.5, 10.0))
-    assert found.families("r")[-1].solved == 1
 
 
 def test_the_coarsest_sufficient_tolerance_is_found() -> None:
@@ -132,23 +99,6 @@ def test_sparse_problems_get_sparse_rivals() -> None:
     assert sum(s.method == "pgs" for s in sparse.values()) == 3
 
 
-def test_our_calls_solve_the_matrix_they_are_given() -> None:
-    for named in problem_set("robot", copies=0.01)[:4]:
-        copies = copies_of(named.problem)
-        calls = our_calls(named.problem, copies, ("auto", "newton"), 1e-8)
-        assert set(calls) == {"auto", "newton", CONTACT_SOLVER}
-        for ready, fresh in calls.values():
-            assert judge(named.problem, ready(0)) <= 1e-8
-            assert all(judge(p, fresh(k)) <= 1e-8 for k, p in enumerate(copies))
-
-
-def test_calls_are_timed_in_turns() -> None:
-    order: list[str] = []
-    found = interleaved({"a": lambda _: order.append("a"), "b": lambda _: order.append("b")}, most=20)
-    assert order == ["a"] * 10 + ["b"] * 10 + ["a"] * 10 + ["b"] * 10
-    assert found["a"].calls == found["b"].calls == 20
-
-
 @pytest.mark.skipif(not siconos_installed(), reason="Siconos is not installed for the system's Python")
 def test_siconos_in_its_own_process() -> None:
     problem = problem_set("robot", copies=0.01)[0].problem
@@ -180,10 +130,3 @@ def test_command_writes_json_and_pictures(tmp_path: Path, capsys: pytest.Capture
     folder = next((tmp_path / "runs").iterdir())
     assert {f.name for f in folder.iterdir()} == {"contact.json", "profile.png", "profile-new-g.png"}
     assert (folder / "profile.png").stat().st_size > 10_000
-
-
-def test_folders_without_problems_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ProblemError, match="no contact problems"):
-        problems_in(tmp_path)
-    with pytest.raises(ProblemError, match="no such folder"):
-        problems_in(tmp_path / "none")

@@ -8,10 +8,10 @@ import pytest
 
 import surefoot as sf
 from benchmarks.forces.accuracy import measure_accuracy
-from benchmarks.forces.digits import DIGITS, exact_forces, exactly, project, solve_exactly
-from benchmarks.forces.refined import fixed_point_residual, refined_clarabel, turned_cones
+from benchmarks.forces.digits import DIGITS, exact_forces, exactly, project
+from benchmarks.forces.refined import fixed_point_residual
 from benchmarks.problems.allocation_program import cone_violation, contact_problem, objective, program
-from benchmarks.problems.allocations import WRENCH_WEIGHTS, four_feet, random_instances
+from benchmarks.problems.allocations import WRENCH_WEIGHTS, random_instances
 
 
 @pytest.mark.parametrize("force_weight", [1e-1, 1e-2, 1e-4])
@@ -26,14 +26,6 @@ def test_ours_and_clarabel_are_both_near_the_exact_forces(force_weight):
     assert found.error[2] <= 1e-7
     assert found.error_clarabel[2] <= 2e-6
     assert found.cone_violation <= 1e-9
-
-
-def test_exact_forces_do_not_depend_on_the_start():
-    for instance in random_instances(12, seed=5):
-        n = instance.mu.size
-        rng = np.random.default_rng(n)
-        first = exact_forces(instance, refined_clarabel(instance))
-        assert np.array_equal(first, exact_forces(instance, rng.normal(size=(n, 3)) * 50.0))
 
 
 def test_exact_forces_are_optimal_by_the_problem_alone():
@@ -75,42 +67,6 @@ def test_decimal_projection_and_its_jacobian(seed):
             ahead[j] += h
             slope = (project(ahead, *cone)[0] - project(exactly(point), *cone)[0]) / h
         np.testing.assert_allclose(slope.astype(float), J[:, j].astype(float), atol=1e-12)
-
-
-def test_decimal_elimination_keeps_its_digits():
-    n = 6
-    hilbert = np.array([[Decimal(1) / Decimal(i + j + 1) for j in range(n)] for i in range(n)])
-    x = exactly(np.arange(1.0, n + 1.0))
-    miss = solve_exactly(hilbert[::-1], (hilbert @ x)[::-1]) - x
-    assert max(abs(v) for v in miss) < Decimal("1e-18")
-
-
-def test_turned_cones_are_the_cones():
-    """The 2x2 matrix is positive semidefinite exactly where the force is in its friction cone."""
-    rng = np.random.default_rng(2)
-    mu = rng.uniform(0.05, 1.5, 200)
-    forces, change = rng.normal(size=(2, 200, 3)) * 30.0
-    T, t = turned_cones(forces, mu)
-    entries = (T @ change.ravel() + t).reshape(-1, 3)
-    inside = np.hypot(*(forces + change).T[:2]) <= mu * (forces + change)[:, 2]
-    for (first, off, last), within in zip(entries, inside, strict=True):
-        off /= np.sqrt(2.0)
-        assert (np.linalg.eigvalsh([[first, off], [off, last]])[0] >= 0.0) == within
-    assert 20 < inside.sum() < 180
-
-
-def test_refined_clarabel_keeps_contacts_off():
-    instance = four_feet("near-boundary", 1)[0]
-    off = type(instance)(
-        instance.grasp_map,
-        instance.wrench,
-        instance.mu,
-        np.array([5.0, 0.0, 5.0, 5.0]),
-        np.array([250.0, 0.0, 250.0, 250.0]),
-    )
-    f = refined_clarabel(off)
-    assert np.all(f[1] == 0.0)
-    assert np.abs(f - exact_forces(off, f)).max() < 1e-6
 
 
 @pytest.mark.parametrize("force_weight", [1e-2, 1e-5, 1e-7])

@@ -1,7 +1,6 @@
 """The forces benchmark: its instances, its judgement of rivals, its table, picture and log reader."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +9,8 @@ import surefoot as sf
 from benchmarks.forces.pictures import plot_accuracy
 from benchmarks.forces.race import best_known, judge, run_all, run_ours
 from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, available
-from benchmarks.forces.torques import time_torque_limits
 from benchmarks.problems.allocation_program import objective, program
-from benchmarks.problems.allocations import CLASSES, four_feet, pushed_stance, read_log
-from benchmarks.problems.judge import judge as judge_problem
+from benchmarks.problems.allocations import CLASSES, four_feet, read_log
 from surefoot.cli.main import main
 
 ALL = available(EXACT_RIVALS) + available(FACET_RIVALS)
@@ -33,19 +30,6 @@ def test_rivals_solve_their_program(rival, kind):
             if rival.name == "HiGHS" and x is None:
                 continue
             assert sf.residuals(problem, p.forces(x)).velocity_error < 1e-3
-
-
-@pytest.mark.parametrize("rival", [r for r in ALL if r.can_warm], ids=lambda r: r.name)
-def test_warm_rivals_follow_a_change_of_friction(rival):
-    """One solver for all, its data untouched, its cones those of the instance at hand."""
-    solver, checked = rival(), []
-    for k, instance in enumerate(four_feet("near-boundary", 4, seed=3)):
-        changed = replace(instance, mu=instance.mu * (1.0 - 0.2 * k))
-        p = program(changed, None if rival.exact else 8)
-        x = solver.solve(p, warm=True)
-        problem = sf.ContactProblem(p.H, p.h, p.mu, p.low[2::3], p.high[2::3], law="convex")
-        checked.append(judge_problem(problem if rival.exact else problem.polyhedral(8), p.forces(x)))
-    assert max(checked) < 1e-3
 
 
 def test_classes_are_what_they_are_called():
@@ -92,34 +76,12 @@ def test_table_and_picture(tmp_path):
     assert path.stat().st_size > 20_000
 
 
-def test_torque_limits_bind_and_are_kept():
-    loose, *tight = time_torque_limits(12)
-    assert loose.binding == 0.0
-    assert all(row.binding > 0.5 and row.solved > 0.9 and row.excess <= 1e-9 for row in tight)
-
-
 def test_command_prints_json(capsys):
     assert main(["bench", "forces", "--count", "2", "--instances", "2", "--no-stands", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert [row["trajectory"] for row in found["warm"]] == ["made"]
     assert found["accuracy"]["0.1"]["not_solved"] == 0
     assert {"solver", "timing", "cone"} <= set(found["rows"][0])
-
-
-def test_log_round_trip(tmp_path):
-    trajectory = pushed_stance(5)
-    active = np.ones((5, 4), dtype=bool)
-    active[2:, 1] = False
-    path = tmp_path / "log.npz"
-    np.savez(
-        path, wrench_desired=[i.wrench for i in trajectory], grasp_map=[i.grasp_map for i in trajectory],
-        active=active, mu=0.6, normal_min=5.0, normal_max=np.full(4, 250.0),
-    )  # fmt: skip
-    read = read_log(path)
-    assert np.array_equal([i.active for i in read], active)
-    found = run_ours(read)
-    assert all(np.all(f[1] == 0.0) for f in found.forces[2:])
-    assert np.all(found.errors < 1e-7)
 
 
 def test_bad_logs_are_named(tmp_path, capsys):

@@ -14,7 +14,7 @@ from surefoot.cli import bench, main
 def test_a_checkout_has_them_beside_its_sources() -> None:
     assert Path(benchmarks.__file__).parent == bench.FOLDER
     names = {command.name for command in bench.app.registered_commands}
-    assert {"batch", "contact", "faults", "forces", "momentum", "plan", "rigid", "statics", "walk"} <= names
+    assert {"batch", "contact", "faults", "forces", "plan", "rigid", "statics", "walk"} <= names
 
 
 @pytest.mark.parametrize(

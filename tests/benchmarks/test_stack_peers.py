@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import os
 import textwrap
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.stacks import peer as peers
 from benchmarks.stacks.peer import Peer, PeerController
-from benchmarks.stacks.pins import PINS, Pin, commit_of
+from benchmarks.stacks.pins import PINS, Pin
 from benchmarks.stacks.setting import IDEAL
 from benchmarks.stacks.stack import Job
-from benchmarks.stacks.stacks import PEERS
 from benchmarks.stacks.tasks import TASKS
 from benchmarks.stacks.trial import carry_out
 from surefoot.control.controller import RobotState
 from surefoot.errors import SurefootError
-from surefoot.robot import load_robot, place
+from surefoot.robot import load_robot
 from surefoot.terrain import FlatTerrain, SlopeTerrain
 
 STANDS = """
@@ -128,36 +125,3 @@ def test_a_peer_that_does_not_start(peer: Peer, tmp_path: Path) -> None:
         PeerController(peer, job())
     refused = carry_out(peer, TASKS["speed-0.2"], 0, IDEAL)
     assert (refused.outcome, refused.duration) == ("refused", 0.0)
-
-
-def test_which_version_was_measured(tmp_path: Path, peer: Peer) -> None:
-    assert peer.version() == f"https://example.org/stander of no known commit, written for {'0' * 40}"
-    assert commit_of(tmp_path) == ""
-    assert peer.walks("go2")
-    assert not peer.walks("g1")
-    assert peer.at(tmp_path / "none").missing().endswith("wanted: a checkout of https://example.org/stander")
-
-
-def test_the_adapters_are_there_and_pinned() -> None:
-    for name, stack in PEERS.items():
-        assert (peers.PROGRAMS / stack.program).is_file()
-        assert len(PINS[name].commit) == 40
-
-
-@pytest.mark.parametrize("name", sorted(PEERS))
-def test_a_real_peer_where_there_is_one(name: str) -> None:
-    if not os.environ.get(PINS[name].variable):
-        pytest.skip(f"{PINS[name].variable} names no checkout of {PINS[name].url}")
-    stack = PEERS[name].at(None)
-    task = job()
-    controller = stack.controller(task)
-    try:
-        assert controller.posture is not None
-        q = place(task.robot, q=controller.posture)
-        state = RobotState(q, np.zeros(18), 0.0, np.ones(4, dtype=bool))
-        command = controller.step(state)
-        weight = task.robot.mass * 9.81
-        assert 0.5 * weight < command.forces[:, 2].sum() < 2.0 * weight
-        assert (np.abs(command.torques) <= 0.9 * task.robot.effort_limits + 1e-9).all()
-    finally:
-        controller.close()

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import threading
-import time
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,13 +15,13 @@ import pytest
 from benchmarks.stacks import bench as benches
 from benchmarks.stacks.bench import TRIALS, Bench, measure
 from benchmarks.stacks.judging import Trial
-from benchmarks.stacks.measures import Measures, cost_of_transport, outside_cones, stance_slides
+from benchmarks.stacks.measures import Measures, outside_cones, stance_slides
 from benchmarks.stacks.setting import HARD, IDEAL, Setting, true_robot
 from benchmarks.stacks.stack import START, Surefoot, ramp_time, ramped
 from benchmarks.stacks.stacks import choose_stacks
-from benchmarks.stacks.table import fastest_held, rows
-from benchmarks.stacks.tasks import LADDER, QUADRUPEDS, TASKS, Bound, choose_tasks
-from benchmarks.stacks.trial import PHASES, Variation, asked_velocity, hip_height, push_time, start
+from benchmarks.stacks.table import rows
+from benchmarks.stacks.tasks import TASKS, Bound, choose_tasks
+from benchmarks.stacks.trial import PHASES, Variation, push_time, start
 from surefoot.cli.main import main
 from surefoot.control.walking_body import BodyPlan
 from surefoot.errors import ProblemError
@@ -41,28 +37,6 @@ GOOD = Measures(
 
 def trial(task: str = "speed-0.5", seed: int = 0, outcome: str = "done", **changed: Any) -> Trial:
     return Trial("surefoot", task, seed, outcome, "", replace(GOOD, **changed), 150.0, 300.0, 2.0, 8.0)
-
-
-def test_there_is_a_task_for_all_that_has_to_hold() -> None:
-    must = {name for name, task in TASKS.items() if task.must}
-    assert {f"speed-{v:g}" for v in LADDER} | {f"robot-{name}" for name in QUADRUPEDS} <= must
-    assert {"payload-off-centre", "ice", "stairs-up", "stairs-down", "slope-up", "delay", "estimate"} <= must
-    assert sum(name.startswith("push-") for name in must) == 8
-    assert sum(name.startswith("g1-push-") for name in must) == 4
-    assert {"g1-0", "g1-0.3", "g1-0.6", "g1-turn", "g1-slope-up", "g1-rough", "real-time"} <= must
-    pushes = [TASKS[name].push for name in must if name.startswith("push-")]
-    assert all(math.hypot(*push) == pytest.approx(150.0) for push in pushes if push is not None)
-
-
-def test_names_of_tasks() -> None:
-    assert len(choose_tasks(None)) == len(TASKS)
-    assert [task.name for task in choose_tasks(["g1-slope-", "ice"])] == [
-        "g1-slope-up",
-        "g1-slope-down",
-        "ice",
-    ]
-    with pytest.raises(ProblemError, match="unknown task 'moon'"):
-        choose_tasks(["moon"])
 
 
 def test_the_ramp_is_that_of_the_controllers() -> None:
@@ -86,13 +60,6 @@ def test_a_heavier_robot_with_a_load() -> None:
     assert robot.mass == pytest.approx(16.085), "the documented one stays as it is"
     inertia = np.asarray(heavy.model.inertias[2].inertia)
     assert inertia == pytest.approx(1.05 * np.asarray(robot.model.inertias[2].inertia))
-
-
-def test_hips_and_speeds_of_other_quadrupeds() -> None:
-    robot = load_robot("anymal_c")
-    assert hip_height(robot) == pytest.approx(robot.nominal[2], abs=0.02)
-    speed = asked_velocity(TASKS["robot-anymal_c"])[0]
-    assert speed == pytest.approx(0.5 * math.sqrt(GRAVITY * hip_height(robot)), abs=1e-3)
 
 
 def test_a_start_moves_the_base_and_leaves_the_feet() -> None:
@@ -131,38 +98,6 @@ def synthetic(**arrays: Any) -> Log:
     } | arrays
     facts = {"dt": 1e-3, "mass": 10.0 / GRAVITY, "contact_foot": [0], "feet": ["foot"]}
     return Log(full, facts, {name: CHANNELS[name] for name in full})
-
-
-def test_slides_of_stances_against_adding_up_one_by_one() -> None:
-    random, T = np.random.default_rng(5), 4000
-    loaded = np.repeat(random.random(40) < 0.5, 100)
-    loaded[150:160] = False  # a bounce
-    forces = np.zeros((T, 1, 3))
-    forces[:, 0, 2] = np.where(loaded, 5.0, 0.0)
-    velocity = random.normal(scale=0.2, size=(T, 1, 3)).cumsum(axis=0) * 0.05
-    longest, place, free = 0.0, None, 99
-    for k in range(T):
-        if not loaded[k]:
-            free += 1
-            continue
-        if place is None or free > 20:
-            place = -1e-3 * velocity[k, 0, :2]  # the row of the touchdown counts for nothing
-        free = 0
-        place = place + 1e-3 * velocity[k, 0, :2]
-        longest = max(longest, float(np.linalg.norm(place)))
-    found = stance_slides(synthetic(forces=forces, contact_velocities=velocity))
-    assert found == pytest.approx([longest], rel=1e-9)
-    assert longest > 0.01
-
-
-def test_cost_of_transport_of_a_known_motion() -> None:
-    T = 1001
-    q, v, torques = np.zeros((T, 8)), np.zeros((T, 7)), np.zeros((T, 1))
-    q[:, 0] = np.linspace(0.0, 2.0, T)
-    v[:, 6], torques[:, 0] = 3.0, np.where(np.arange(T) < 500, 4.0, -4.0)  # braking is no income
-    log = synthetic(q=q, v=v, torques=torques)
-    assert cost_of_transport(log, 10.0) == pytest.approx(500 * 1e-3 * 12.0 / (10.0 * 2.0))
-    assert math.isnan(cost_of_transport(synthetic(q=q * 0.0, v=v, torques=torques), 10.0))
 
 
 def test_cones_are_those_of_the_ground() -> None:
@@ -225,11 +160,6 @@ def test_rows_count_and_have_intervals() -> None:
     assert (worse.survived, worse.held, worse.holds, worse.slip) == (20, 18, False, 0.03)
 
 
-def test_the_ladder_ends_where_it_is_broken() -> None:
-    found = rows([trial("speed-0.2"), trial("speed-0.8"), trial("speed-0.5", slip=0.02)])
-    assert fastest_held(found) == {"surefoot": 0.2}
-
-
 class Still:
     """A stack that is never asked: its trials are made up."""
 
@@ -281,30 +211,6 @@ def test_an_interrupted_bench_goes_on_where_it_was(monkeypatch: pytest.MonkeyPat
     assert all(math.isnan(t.measures.estimate_drift) for t in again)
 
 
-def test_what_other_processes_have_begun_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    begun = threading.Event()
-
-    def slow(stack: Any, task: Any, seed: int, setting: Setting) -> Trial:
-        if seed == 1:
-            begun.set()
-            time.sleep(0.2)
-        return made_up(stack, task, seed, setting)
-
-    def interrupted(futures: Any) -> Any:
-        for future in as_completed(futures):
-            yield future
-            if begun.wait(5.0):
-                monkeypatch.setattr(benches, "as_completed", as_completed)
-                raise KeyboardInterrupt
-
-    monkeypatch.setattr(benches, "carry_out", slow)
-    monkeypatch.setattr(benches, "as_completed", interrupted)
-    monkeypatch.setattr(benches, "ProcessPoolExecutor", lambda count, initializer: ThreadPoolExecutor(1))
-    found = measure(small(5), tmp_path, workers=2)
-    assert [(t.task, t.seed) for t in found] == [("ice", 0), ("delay", 0), ("ice", 1)]
-    assert len((tmp_path / TRIALS).read_text().splitlines()) == 4
-
-
 def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(benches, "carry_out", made_up)
     measure(small(1), tmp_path)
@@ -313,21 +219,6 @@ def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch
     (tmp_path / TRIALS).write_text("nonsense\n")
     with pytest.raises(ProblemError, match="is no file of trials"):
         measure(small(1), tmp_path)
-
-
-def test_words_that_are_none(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("SUREFOOT_GO2_CONVEX_MPC", raising=False)
-    for words, said in (
-        (["--stack", "moon"], "unknown stack 'moon'"),
-        (["--task", "moon"], "unknown task 'moon'"),
-        (["--estimator", "moon"], "unknown estimator 'moon'"),
-        (["--stack", "go2-convex-mpc"], "set --go2-convex-mpc or SUREFOOT_GO2_CONVEX_MPC to a checkout of"),
-        (["--resume", "/nowhere"], "no trials.jsonl there"),
-    ):
-        assert main(["bench", "stacks", *words]) == 2
-        found = capsys.readouterr()
-        assert said in found.err
-        assert (found.out, found.err.count("\n")) == ("", 1)
 
 
 def test_absent_peers_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -356,5 +247,23 @@ def test_a_real_trial_from_the_command_line(capsys: pytest.CaptureFixture[str], 
     assert "speed-0.2*" in capsys.readouterr().out
 
 
-def test_rungs_rise() -> None:
-    assert all(a < b for a, b in pairwise(LADDER))
+def test_slides_of_stances_against_adding_up_one_by_one() -> None:
+    random, T = np.random.default_rng(5), 4000
+    loaded = np.repeat(random.random(40) < 0.5, 100)
+    loaded[150:160] = False  # a bounce
+    forces = np.zeros((T, 1, 3))
+    forces[:, 0, 2] = np.where(loaded, 5.0, 0.0)
+    velocity = random.normal(scale=0.2, size=(T, 1, 3)).cumsum(axis=0) * 0.05
+    longest, place, free = 0.0, None, 99
+    for k in range(T):
+        if not loaded[k]:
+            free += 1
+            continue
+        if place is None or free > 20:
+            place = -1e-3 * velocity[k, 0, :2]  # the row of the touchdown counts for nothing
+        free = 0
+        place = place + 1e-3 * velocity[k, 0, :2]
+        longest = max(longest, float(np.linalg.norm(place)))
+    found = stance_slides(synthetic(forces=forces, contact_velocities=velocity))
+    assert found == pytest.approx([longest], rel=1e-9)
+    assert longest > 0.01

@@ -54,13 +54,6 @@ def test_there_are_18_commands_and_150_options_at_most(capfd: pytest.CaptureFixt
     assert len(options["walk"]) <= 24
 
 
-def test_units_are_in_the_help_of_stand(capfd: pytest.CaptureFixture[str]) -> None:
-    main(["stand", "--help"])
-    said = capfd.readouterr().out
-    for unit in ("+x [deg]", "time [s]", "[kg], [m]", "[s, N, s]"):
-        assert unit in said
-
-
 def test_version(capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["--version"]) == 0
     assert capfd.readouterr().out == f"surefoot {sf.__version__}\n"

@@ -73,7 +73,7 @@ def test_a_run_without_pictures_says_so_in_one_line(
     assert len(list(tmp_path.rglob("report.html"))) == 2
 
 
-@pytest.mark.parametrize("name", ["contact", "forces", "momentum", "rigid", "walk", "faults"])
+@pytest.mark.parametrize("name", ["contact", "forces", "rigid", "walk", "faults"])
 def test_benchmarks_ask_before_they_work(
     name: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

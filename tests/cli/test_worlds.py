@@ -12,8 +12,8 @@ import pytest
 from surefoot.cli import worlds
 from surefoot.cli.main import main
 from surefoot.simulation.drake_python import VARIABLE
-from surefoot.simulation.experiments import EXPERIMENTS, Curve, Measurement, WorldExperiment
-from surefoot.simulation.experiments.experiment import ComparedQuantity
+from surefoot.simulation.experiments import EXPERIMENTS
+from surefoot.simulation.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
 
 
 def asked(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[str, Any]]:
@@ -80,23 +80,6 @@ def test_absent_worlds_are_one_line_each(
     assert "drake is not installed; run: pip install 'surefoot[drake]'" in capsys.readouterr().err
     assert main(["stand", "go2", "--world", "drake", "--no-video", "--no-report"]) == 2
     assert "drake is not installed" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["drip"], "unknown experiment 'drip'"),
-        (["--world", "moon"], "unknown world 'moon'"),
-        (["drop", "--dt", "0"], "--dt must be between"),
-        (["drop", "--dt", "nan"], "--dt must be between"),
-        (["drop", "--world", "rigid", "--out", "/dev/null"], "cannot write to --out"),
-    ],
-)
-def test_wrong_input_is_one_line(words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["worlds", *words]) == 2
-    said = capsys.readouterr().err
-    assert told in said
-    assert len(said.strip().splitlines()) == 1
 
 
 def test_help_names_every_experiment() -> None:

@@ -10,20 +10,20 @@ import numpy as np
 import pytest
 
 from surefoot.contact import Status
-from surefoot.control.actuators import real_actuators
 from surefoot.control.body_motion import BodyReference, BodyState
 from surefoot.control.controller import RobotState
-from surefoot.control.joint_targets import JointTargetController
-from surefoot.control.latency import LatencyCompensation
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import Lift, StandingPlan
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
-from surefoot.control.watchdog import Watchdog
 from surefoot.control.whole_body import Tasks, WholeBodyController
+from surefoot.drive.joint_targets import JointTargetController
+from surefoot.drive.latency import LatencyCompensation
+from surefoot.drive.watchdog import Watchdog
 from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
 from surefoot.robot import Robot, place
+from surefoot.robot.actuators import real_actuators
 from surefoot.terrain import FlatTerrain
 from tests.conformance.hard_inputs import (
     EXTREME,

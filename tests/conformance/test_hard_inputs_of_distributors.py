@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from surefoot.contact import Status
-from surefoot.control.allocation import ExactAllocation, SolverAllocation
-from surefoot.control.force_distribution import ForceDistributor
+from surefoot.equilibrium.allocation import ExactAllocation, SolverAllocation
+from surefoot.equilibrium.force_distribution import ForceDistributor
 from tests.conformance.hard_inputs import (
     EXTREME,
     HIGH,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from surefoot.errors import SurefootError
 from surefoot.robot import place
 from surefoot.simulation import drake_python
+from surefoot.simulation.bullet import BulletWorld
 from surefoot.simulation.drake.world import DrakeWorld
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
@@ -21,9 +23,11 @@ from tests.conformance.hard_inputs import (
     robot_of,
 )
 
-WORLDS: dict[str, Callable[..., World]] = {"rigid": RigidWorld, "mujoco": MujocoWorld, "drake": DrakeWorld}
+WORLDS: dict[str, Callable[..., World]] = {
+    "rigid": RigidWorld, "mujoco": MujocoWorld, "drake": DrakeWorld, "bullet": BulletWorld,
+}  # fmt: skip
 """Those that need no compilation of minutes; tests/simulation/test_mjx_world.py asks MJX's."""
-HERE = {"drake": drake_python.present()}
+HERE = {"drake": drake_python.present(), "bullet": find_spec("pybullet") is not None}
 over_worlds = pytest.mark.parametrize(
     "name",
     [

@@ -30,7 +30,7 @@ KINDS: dict[str, ContactKind] = {
     "pyramid": C.Pyramid(0.5, 6),
     "bilateral": C.Bilateral(2),
 }
-SOLVERS = {"auto": 1.0, "set_admm": 1.0, "set_newton": 0.9}
+SOLVERS = {"auto": 1.0, "admm": 1.0, "newton": 0.9}
 """Share of the problems below that each must solve to 1e-8."""
 HALF = sf.laws.Law("half dilatant", shift=0.5)
 LAWS = (sf.laws.COULOMB, sf.laws.CONVEX, HALF)
@@ -187,7 +187,7 @@ def test_points_by_the_general_path_are_points(law: str) -> None:
             "dissipation",
         ):
             assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-6), name
-        for solver in ("set_admm", "set_newton"):
+        for solver in ("admm", "newton"):
             assert np.allclose(sf.solve(points, solver, 1e-11).forces, a.forces, atol=1e-9)
 
 

@@ -58,7 +58,7 @@ def test_what_is_no_law_is_refused() -> None:
 def test_solvers_for_points_refuse_other_laws_by_name() -> None:
     problem = sf.ContactProblem(np.eye(3), [2.0, 0.0, -1.0], 0.5, law=sf.laws.Law("mine", 0.5))
     with pytest.raises(
-        sf.ProblemError, match="nsgs does not solve law='mine'; solvers that do: auto, set_admm"
+        sf.ProblemError, match="nsgs does not solve law='mine'; solvers that do: admm, auto, newton"
     ):
         sf.solve(problem, "nsgs")
     answer = sf.ContactSolver(contacts=1, mu=0.5, law=sf.laws.Law("mine", 0.5)).solve(problem.G, problem.g)

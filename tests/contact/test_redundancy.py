@@ -1,12 +1,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 import surefoot as sf
-from benchmarks.problems.contacts import problem_set
 from benchmarks.problems.rigid_bodies import Scene
-from surefoot.solvers.minimum_norm import minimum_norm
 
 
 def table(legs: int) -> tuple[sf.ContactProblem, np.ndarray]:
@@ -46,31 +43,3 @@ def test_different_solutions_share_motion_and_net_wrench() -> None:
 
     assert np.abs(a.velocities - b.velocities).max() < 1e-8
     assert np.abs(grasp_map @ (a.forces - b.forces).ravel()).max() < 1e-8
-
-
-def test_minimum_norm_spreads_a_load_evenly() -> None:
-    problem, _ = table(6)
-    uneven = np.zeros((6, 3))
-    uneven[0, 2] = 0.1
-    start = sf.solve(problem, "nsgs", warm_start=uneven).raise_if_failed()
-    found = minimum_norm(start)
-    assert found.solved
-    assert found.forces[:, 2] == pytest.approx(np.full(6, 10.0 * 9.81 * 2e-3 / 6), rel=1e-6)
-    assert np.linalg.norm(found.forces) < np.linalg.norm(start.forces)
-    assert np.abs(found.velocities - start.velocities).max() < 1e-9
-
-
-def test_minimum_norm_keeps_the_laws_where_contacts_slide_or_part() -> None:
-    for named in problem_set("robot", copies=0.25):
-        solution = sf.solve(named.problem).raise_if_failed()
-        found = minimum_norm(solution)
-        assert found.residuals.velocity_error <= 1e-8
-        assert np.linalg.norm(found.forces) <= np.linalg.norm(solution.forces) * (1 + 1e-6)
-
-
-def test_minimum_norm_wants_a_solution() -> None:
-    problem, _ = table(4)
-    with pytest.raises(sf.ProblemError, match="only a solved problem"):
-        minimum_norm(sf.solve(problem, "nsgs", max_iterations=0))
-    with pytest.raises(sf.ProblemError, match="exact cones"):
-        minimum_norm(sf.solve(problem.polyhedral(8)).raise_if_failed())

@@ -13,9 +13,9 @@ from surefoot.control.biped.footsteps import Footstep, StepGeometry, pressure_pa
 from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
 from surefoot.control.biped.posture import Posture, stretching
-from surefoot.control.gait_library import named_gait
 from surefoot.robot import load_robot, place
 from surefoot.robot.sole_plane import sole_plane
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import SlopeTerrain, rough_ground
 
 OMEGA = 4.0

@@ -44,7 +44,7 @@ def test_soles_come_down_gently_on_rough_ground() -> None:
     With no more damping than the contact constraint has, and no press, force times depth of a corner reaches
     0.54 mm times m g here.
     """
-    from surefoot.control.actuators import actuators_of
+    from surefoot.robot.actuators import actuators_of
     from surefoot.simulation.mujoco import MujocoWorld
 
     robot, ground = load_robot("g1"), rough_ground(1, 0.03)
@@ -74,7 +74,7 @@ def test_the_controller_follows_from_the_feet() -> None:
 
 
 def test_the_audit_knows_rotors_and_friction() -> None:
-    from surefoot.control.actuators import actuators_of
+    from surefoot.robot.actuators import actuators_of
     from surefoot.simulation.mujoco import MujocoWorld
 
     robot = load_robot("g1")

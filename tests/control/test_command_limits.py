@@ -3,37 +3,38 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 
 import numpy as np
 import pytest
 
-from surefoot.control.adaptive_gait import AdaptiveGait
-from surefoot.control.command_limits import SPEED_MOST, SPEED_SHARE, Limits, demand_of, ground_left, hurried
-from surefoot.control.gait import Gait
-from surefoot.control.gait_choice import Body, Chosen, choose_gait
-from surefoot.control.gait_library import named_gait
-from surefoot.control.leg_demand import Pace
+from surefoot.control.command_limits import (
+    SPEED_MOST,
+    SPEED_SHARE,
+    LeggedBody,
+    Limits,
+    demand_of,
+    ground_left,
+    hurried,
+)
+from surefoot.control.gait_choice import GaitChoice, choose_gait
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
-from surefoot.robot import Robot, load_robot
+from surefoot.stance.adaptive_gait import AdaptiveGait, Pace
+from surefoot.stance.gait import Gait
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
+from tests.robots import go2
 
 HEIGHT = 0.316
 PACE = Pace(0.41, 0.55, 0.07)
 
 
-@cache
-def go2() -> Robot:
-    return load_robot("go2")
-
-
 def limits(terrain: Terrain | None = None, adaptable: bool = True, mu: float = 0.54) -> Limits:
-    return Limits(go2(), PACE, HEIGHT, adaptable, terrain or FlatTerrain(), mu)
+    return Limits(LeggedBody(go2(), HEIGHT, 0.07, terrain or FlatTerrain(), mu), PACE, adaptable)
 
 
-def chosen(velocity: tuple[float, float, float], gait: str = "trot") -> Chosen:
-    body = Body(go2(), HEIGHT, 0.07, FlatTerrain(), 0.54)
+def chosen(velocity: tuple[float, float, float], gait: str = "trot") -> GaitChoice:
+    body = LeggedBody(go2(), HEIGHT, 0.07, FlatTerrain(), 0.54)
     return choose_gait(body, VelocityCommand.constant(*velocity), gait)
 
 
@@ -58,7 +59,7 @@ def test_an_impossible_command_is_slowed_to_the_edge_of_the_possible(
     assert len(out.notes) == 1
     assert "from 1 s on is more than this gait can do: slowed to" in out.notes[0]
     assert "limit" in out.notes[0] or "allowed" in out.notes[0] or "reach" in out.notes[0]
-    table = demand_of(go2(), np.array(velocity), HEIGHT)
+    table = demand_of(go2(), *velocity, HEIGHT)
     pace = hurried(PACE, out.hurry_at(bound.size_of(slowed)))
     assert bound.use(table, pace, share)[0] <= SPEED_MOST + 1e-3
     faster = [bound.use(table, hurried(PACE, s), 1.02 * share) for s in np.linspace(0.0, 1.0, 21)]
@@ -71,7 +72,7 @@ def test_the_gait_hurries_no_more_than_the_joints_need() -> None:
     assert (np.diff(out.hurry) >= 0.0).all()
     assert 0.3 < out.hurry_at(2.0) < 1.0
     assert out.hurry_at(0.6) == 0.0
-    table = demand_of(go2(), np.array([2.0, 0.0, 0.0]), HEIGHT)
+    table = demand_of(go2(), 2.0, 0.0, 0.0, HEIGHT)
     assert bound.use(table, hurried(PACE, out.hurry_at(2.0)), 1.0)[0] <= SPEED_SHARE
     assert bound.use(table, hurried(PACE, out.hurry_at(2.0) - 0.1), 1.0)[0] > SPEED_SHARE
 
@@ -142,6 +143,6 @@ def test_auto_stands_walks_and_trots() -> None:
 def test_wrong_names_and_feet_are_told() -> None:
     with pytest.raises(ProblemError, match="auto"):
         chosen((0.5, 0.0, 0.0), "gallop")
-    body = Body(go2(), HEIGHT, 0.07, FlatTerrain(), 0.54)
+    body = LeggedBody(go2(), HEIGHT, 0.07, FlatTerrain(), 0.54)
     with pytest.raises(ProblemError, match="the gait is for 2 feet"):
         choose_gait(body, VelocityCommand.constant(0.5), named_gait("walk", 2))

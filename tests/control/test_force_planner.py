@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.control import mpc
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
@@ -77,13 +76,3 @@ def test_shares_of_another_shape_are_refused() -> None:
     reference = BodyReference.cruise([0, 0, 0.3], yaw=0.0, horizon=4)
     with pytest.raises(ProblemError, match="normal_share"):
         mpc.solve(state, reference, FEET, np.ones((4, 4), dtype=bool), normal_share=np.ones((3, 4)))
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_shares_lower_the_bounds_of_a_horizon(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    bounds, share = rng.uniform(0.0, 1.0, (7, 4, 3)), rng.random((7, 4))
-    lowered = mpc._lowered(bounds, share)
-    np.testing.assert_array_equal(lowered[..., 0], bounds[..., 0])
-    np.testing.assert_allclose(lowered[..., 2], bounds[..., 2] * share, rtol=1e-15)
-    np.testing.assert_allclose(lowered[..., 1], np.minimum(bounds[..., 1], lowered[..., 2]), rtol=1e-15)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.control.landing import FAR, LASTING, LASTING_FAR, SILENT, YOUNG, LandingWatch
+from surefoot.control.touch_sense import FAR, LASTING, LASTING_FAR, SILENT, YOUNG, LandingWatch
 
 DT = 1e-3
 AIR = np.zeros(1, dtype=bool)

@@ -68,20 +68,6 @@ def test_the_height_of_demands_is_flagged_not_hidden():
     assert_inside(plan, mpc, TROT)
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("field", ["rotation", "position", "linear_velocity", "angular_velocity"])
-def test_a_state_that_is_not_finite_gives_shared_weight_and_a_flag(field, bad):
-    mpc = make()
-    state = state_off()
-    values = {name: getattr(state, name).copy() for name in state.__dataclass_fields__}
-    values[field].flat[1] = bad
-    plan = mpc.solve(BodyState(**values), reference(), FEET, TROT)
-    assert plan.status is Status.INVALID
-    assert_inside(plan, mpc, TROT)
-    assert np.allclose(plan.forces[TROT], [0, 0, 15.0 * 9.81 / 2])
-    assert mpc.solve(state, reference(), FEET, TROT).solved  # and the next call is itself again
-
-
 def test_feet_in_swing_may_be_anywhere():
     feet = np.tile(FEET, (10, 1, 1))
     wanted = make().solve(state_off((0.01, 0, 0)), reference(), feet, TROT).forces
@@ -173,19 +159,6 @@ def test_the_same_call_again_takes_no_step():
     assert mpc.solve(*inputs).iterations == 0
     mpc.reset()
     assert mpc.solve(*inputs).iterations > 2
-
-
-def test_the_same_calls_give_the_same_bits():
-    scene = choose_scenes(["rough"])[0]
-    inputs = record(scene, 30)
-    logs = []
-    for _ in range(2):
-        mpc = controller(scene)
-        logs.append([])
-        for item in inputs:
-            mpc.shift(TICK)
-            logs[-1].append(mpc.solve(*item).forces.tobytes())
-    assert logs[0] == logs[1]
 
 
 def test_two_feet_and_six_feet():

@@ -130,25 +130,6 @@ def test_projected_gradients_do_not_move_the_forces(force_weight):
             assert np.linalg.norm(again - f[i]) <= 1e-6
 
 
-def test_pyramids_approach_the_cone_from_inside():
-    """More facets, less cost; never less than the cone's."""
-    rng = np.random.default_rng(5)
-    excess = {4: [], 8: [], 32: []}
-    for _ in range(6):
-        mpc = controller(rng)
-        given = instance(rng, "trot", deviation=3.0)
-        program = mpc.program(*given)
-        best = tracking_cost(mpc, program, forces_of(mpc.solve(*given), program))
-        for facets, values in excess.items():
-            f = solve_exact(matrices(mpc, program, facets, sparse=False, dense=False), 1e-10)
-            values.append((tracking_cost(mpc, program, f) - best) / best)
-    low, middle, high = (np.array(excess[facets]) for facets in (32, 8, 4))
-    assert (low >= -1e-9).all()
-    assert low.max() < 5e-3
-    assert low.sum() < middle.sum() < high.sum()
-    assert high.max() > 0.01
-
-
 def test_the_bound_on_the_error_is_one():
     rng = np.random.default_rng(6)
     for kind in ("stand", "trot", "random"):

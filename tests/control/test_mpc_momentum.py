@@ -5,9 +5,7 @@ import pytest
 
 from surefoot.cones import FrictionCone
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcMomentum, MpcWeights
-from surefoot.control.mpc_momentum import momentum_of
 from surefoot.errors import ProblemError
-from surefoot.solvers.dual_newton.horizon import newton
 from surefoot.spatial import rotation_about, rotation_from_normal
 
 SKEW = np.array([[0.1, 0.01, -0.02], [0.01, 0.25, 0.015], [-0.02, 0.015, 0.3]])
@@ -95,51 +93,6 @@ def test_projected_gradients_do_not_move_the_forces(term, seed):
     assert np.abs(again - f).max() <= 1e-6
 
 
-@pytest.mark.parametrize("term", [COST, BOTH])
-def test_forces_are_clarabels(term):
-    """The same program with the momenta and what is beyond the bounds as variables, by Clarabel."""
-    sp, clarabel = pytest.importorskip("scipy.sparse"), pytest.importorskip("clarabel")
-    mpc, given = make(term), setting(5)
-    plan, program = mpc.solve(*given), mpc.program(*given)
-    H, g = program.condensed()
-    A, b = affine(mpc, given, program)
-    c, m = len(program.step), len(b)
-    weight, wanted = np.tile(term.weight, 10), np.tile(term.reference, 10)
-    beyond = term.beyond if np.isfinite(term.bound).all() else 1.0
-    bound = np.minimum(np.tile(term.bound, 10), 1e3)
-    P = sp.block_diag([H + A.T @ (weight[:, None] * A), beyond * sp.eye(m)], format="csc")
-    q = np.concatenate([g + A.T @ (weight * (b - wanted)), np.zeros(m)])
-    cone = np.zeros((3 * c, 3 * c + m))
-    for i, mu in enumerate(program.bounds[:, 0]):
-        cone[3 * i, 3 * i + 2] = -mu
-        cone[3 * i + 1, 3 * i], cone[3 * i + 2, 3 * i + 1] = -1.0, -1.0
-    normals = np.eye(3 * c, 3 * c + m)[2::3]
-    rows = np.vstack([np.hstack([A, -np.eye(m)]), np.hstack([-A, -np.eye(m)]), normals, -normals, cone])
-    right = np.concatenate([bound - b, bound + b, np.full(c, 300.0), np.full(c, -2.0), np.zeros(3 * c)])
-    cones = [clarabel.NonnegativeConeT(2 * m + 2 * c), *[clarabel.SecondOrderConeT(3) for _ in range(c)]]
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-11
-    found = clarabel.DefaultSolver(sp.triu(P, format="csc"), q, sp.csc_matrix(rows), right, cones, settings)
-    f = np.array(found.solve().x)[: 3 * c].reshape(-1, 3)
-    assert np.abs(f - plan.forces[program.step, program.foot]).max() <= 5e-3
-
-
-def test_the_error_bound_is_one():
-    given = setting(3)
-    best = make(BOTH, tol=1e-8).solve(*given).forces
-    mpc = make(BOTH)
-    seen = []
-    for limit in range(1, 40, 3):
-        mpc.reset()
-        mpc.max_iterations = limit
-        plan = mpc.solve(*given)
-        seen.append(plan.error)
-        assert np.linalg.norm(plan.forces - best) <= plan.error + 1e-6
-        assert plan.solved == (plan.error <= mpc.tol)
-    assert seen[-1] < 1e-3 * seen[0]
-
-
 def test_without_a_term_nothing_changes():
     given = setting(4)
     plain, mpc = make(None), make(MpcMomentum())
@@ -148,66 +101,6 @@ def test_without_a_term_nothing_changes():
         assert np.array_equal(a.forces, b.forces)
         assert a.error == b.error
         assert a.iterations == b.iterations
-    plain.reset()
-    program = plain.program(*given)
-    force, point = np.empty((program.step.size, 3)), np.full((program.step.size, 3), np.nan)
-    newton(
-        plain._inverse, program.P, program.q, program.step, program.M, program.bounds, program.centre,
-        program.rho, plain.tol, 16, plain.max_iterations, point, force,
-    )  # fmt: skip
-    assert np.array_equal(plain.solve(*given).forces[program.step, program.foot], force)
-
-
-def test_a_weight_is_one_on_the_angular_velocity_where_the_inertia_is_diagonal():
-    """h = I w, so weight I² on w, with the momentum of the reference's angular velocity as reference."""
-    inertia, weight = np.diag([0.1, 0.25, 0.3]), np.array([30.0, 20.0, 10.0])
-    state, _, feet, contacts, _ = setting(6, tilt=0.0)
-    ref = BodyReference.cruise([0, 0, 0.3], 0.0, (0.5, 0.1), 0.0)
-    spin = MpcWeights().angular_velocity + weight * np.diag(inertia) ** 2
-    other = ConvexMpc(15.0, inertia, weights=MpcWeights(angular_velocity=tuple(spin)), tol=1e-7)
-    mpc = ConvexMpc(15.0, inertia, weights=MpcWeights(momentum=MpcMomentum(tuple(weight))), tol=1e-7)
-    a, b = mpc.solve(state, ref, feet, contacts), other.solve(state, ref, feet, contacts)
-    assert a.solved
-    assert np.allclose(a.forces, b.forces, rtol=0, atol=1e-5)
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("axis", [0, 1, 2])
-def test_the_momentum_goes_where_the_reference_is(axis, sign):
-    wanted = np.zeros(3)
-    wanted[axis] = 0.3 * sign
-    given = setting(7, tilt=0.0)
-    ends = [
-        momenta(mpc, given, mpc.solve(*given).forces)[-1, axis]
-        for mpc in (make(None), make(MpcMomentum((100.0,) * 3, tuple(wanted))))
-    ]
-    assert sign * ends[1] > sign * ends[0] + 0.01
-
-
-def test_more_weight_means_less_momentum_and_a_bound_lets_a_push_through():
-    state, *rest = setting(8)
-    pushed = BodyState(state.rotation, state.position, state.linear_velocity, np.array([12.0, 8.0, 0.0]))
-    given = (pushed, *rest)
-
-    def size(term):
-        mpc = make(term, normal_max=100.0)
-        plan = mpc.solve(*given)
-        assert plan.solved
-        return np.abs(momenta(mpc, given, plan.forces))
-
-    weights = [np.sum(size(MpcMomentum((w,) * 3)) ** 2) for w in (0.0, 10.0, 100.0)]
-    assert (np.diff(weights) < 0.0).all()
-    beyond = [np.maximum(size(MpcMomentum(bound=(0.1,) * 3, beyond=w)) - 0.1, 0.0) for w in (0.0, 30.0, 1e3)]
-    assert (np.diff([np.sum(b**2) for b in beyond]) < 0.0).all()
-    assert beyond[-1][0].max() > 0.1  # the push is there, whatever the forces
-    assert beyond[-1][-1].max() < 0.02
-
-
-def test_the_momentum_of_a_body():
-    R, w = rotation_about([0.0, 0.6, 0.8], 0.5), np.array([0.3, -1.0, 2.0])
-    assert np.allclose(momentum_of(SKEW, R, w), R @ SKEW @ R.T @ w, rtol=1e-14)
-    many = momentum_of(SKEW, np.array([R, np.eye(3)]), np.array([w, w]))
-    assert np.allclose(many[1], SKEW @ w)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ import pinocchio as pin
 import pytest
 
 import surefoot as sf
-from surefoot.control.allocation import ExactAllocation, SolverAllocation, draw_to_parallel
 from surefoot.control.controller import RobotState
 from surefoot.control.standing import (
     FORCE_WEIGHT,
@@ -20,6 +19,7 @@ from surefoot.control.standing_kernels import (
     within_limits,
 )
 from surefoot.control.standing_plan import Lift, StandingPlan
+from surefoot.equilibrium.allocation import ExactAllocation, SolverAllocation
 from surefoot.spatial import GRAVITY, rotation_about, rotation_log
 
 
@@ -153,26 +153,6 @@ def test_grasp_map_kernel() -> None:
     np.testing.assert_allclose(out, sf.Stance([sf.PointContact(points[0])]).grasp_map())
 
 
-@pytest.mark.parametrize("name", ["go2", "g1"])
-def test_contact_torques_against_pinocchio(name: str) -> None:
-    robot, q, controller = standing(name)
-    rng = np.random.default_rng(3)
-    state, v = random_state(robot, q, rng)
-    controller.step(RobotState(state, v, 0.0))
-    forces = rng.normal(size=(len(controller.point_foot), 3))
-    got = controller._carried(forces)
-    model, data = robot.model, robot.data
-    pin.computeJointJacobians(model, data, state)
-    pin.updateFramePlacements(model, data)
-    want = np.zeros(model.nv)
-    for k, foot in enumerate(controller.point_foot):
-        frame = robot.feet[foot].frame
-        J = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
-        arm = controller._points[k] - data.oMf[frame].translation
-        want += (J[:3] - pin.skew(arm) @ J[3:]).T @ controller._frames[k] @ forces[k]
-    np.testing.assert_allclose(got, want[6:], atol=1e-12)
-
-
 def test_pd_wrench_kernel_against_plain_numpy() -> None:
     rng = np.random.default_rng(4)
     for _ in range(20):
@@ -254,40 +234,8 @@ def test_a_tenth_of_the_friction_is_kept_as_long_as_the_rest_gives_the_wrench(so
         assert (left <= 5e-3 * np.linalg.norm(np.sqrt(weights) * wrench)) == (friction < 0.6)
 
 
-def test_draw_to_parallel_kernel_against_plain_numpy() -> None:
-    rng = np.random.default_rng(6)
-    A, w, weights = rng.normal(size=(6, 12)), rng.normal(size=6), rng.uniform(size=6)
-    last, high = np.abs(rng.normal(size=(4, 3))), np.array([1.0, 0.0, 2.0, 3.0])
-    for before in (last, np.zeros((4, 3))):
-        out = np.full((4, 3), np.nan)
-        size = draw_to_parallel(A, w, weights, before, high, out)
-        on = high > 0.0
-        shares = np.where(on, before[:, 2] if before.any() else 1.0, 0.0)
-        want = (shares / shares.sum())[:, None] * (A[:3].T @ w[:3]).reshape(4, 3)
-        np.testing.assert_allclose(out[:, :2], want[:, :2], rtol=1e-12)
-        assert (out[:, 2] == 0.0).all()
-        assert size == pytest.approx(float(weights @ w**2))
-
-
 def test_within_limits_kernel() -> None:
     out, finite = within_limits(np.array([3.0, -5.0, 0.5]), np.array([2.0, 5.0, 1.0]))
     np.testing.assert_array_equal(out, [2.0, -5.0, 0.5])
     assert finite is True
     assert within_limits(np.array([1.0, np.nan]), np.ones(2))[1] is False
-
-
-def test_a_lost_state_changes_nothing_that_comes_after() -> None:
-    robot, q, controller = standing()
-    _, _, other = standing()
-    low, v = q.copy(), np.zeros(robot.model.nv)
-    low[2] -= 0.01
-    for k in range(20):
-        kept = controller.step(RobotState(low, v, 0.0))
-        want = other.step(RobotState(low, v, 0.0))
-        bad = low.copy()
-        bad[k % len(bad)] = np.nan
-        lost = controller.step(RobotState(bad, v, 0.0))
-        assert lost.status is sf.Status.INVALID
-        assert not lost.attained
-        np.testing.assert_array_equal(lost.wrench_error, -lost.wrench_desired)
-        np.testing.assert_array_equal(kept.torques, want.torques)

@@ -7,13 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surefoot.control.adaptive_gait import AdaptiveGait, Stride
-from surefoot.control.leg_demand import Pace
+from surefoot.control.foothold import SHIN, nearest_shift, step_windows
 from surefoot.control.stair_gait import OFFSETS as STAIR_OFFSETS
 from surefoot.control.stair_gait import stair_gait
 from surefoot.control.step_phase import CHANGE, StepPhase
-from surefoot.control.step_windows import SHIN, nearest_shift, step_windows
 from surefoot.control.walking_body import BodyPlan, VelocityCommand
+from surefoot.stance.adaptive_gait import AdaptiveGait, Pace, Stride
 from surefoot.terrain import FlatTerrain, StairsTerrain, Terrain
 
 OFFSETS = np.array([[0.19, 0.14], [0.19, -0.14], [-0.19, 0.14], [-0.19, -0.14]])

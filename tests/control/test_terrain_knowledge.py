@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from surefoot.control.controller import HeightScan, RobotState
-from surefoot.control.gait_library import named_gait
 from surefoot.control.look_ahead import plane_ahead
-from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import believed_ground
+from surefoot.control.touch_sense import sort_touches
 from surefoot.control.walking_feet import Feet
 from surefoot.errors import ProblemError
-from surefoot.estimation.ground_belief import GroundBelief, TouchedGround
+from surefoot.estimation.ground_belief import BeliefTerrain, TouchedGround
 from surefoot.estimation.mapped_ground import MappedGround
 from surefoot.robot import load_robot
 from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
 
 HEIGHT = 0.3
@@ -33,7 +33,7 @@ def state(time: float = 0.0, scan: HeightScan | None = None) -> RobotState:
     return RobotState(q, np.zeros(18), time, scan=scan)
 
 
-def march(belief: GroundBelief, ground: Terrain, steps: int, stride: float = 0.1) -> float:
+def march(belief: BeliefTerrain, ground: Terrain, steps: int, stride: float = 0.1) -> float:
     """Walk diagonal pairs of feet over a ground; return where the middle of the feet ends."""
     stands = np.column_stack([HIPS, ground.height(HIPS)])
     belief.begin(state(), stands, HEIGHT)

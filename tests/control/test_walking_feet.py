@@ -5,9 +5,9 @@ import copy
 import numpy as np
 import pytest
 
-from surefoot.control.gait import Gait
-from surefoot.control.step_windows import SHIN
+from surefoot.control.foothold import SHIN
 from surefoot.control.walking_feet import EARLY, LOST_TIME, Feet
+from surefoot.stance.gait import Gait
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain
 
 TROT = Gait.from_phases("trot", 0.4, 0.5, [0.0, 0.5, 0.5, 0.0])

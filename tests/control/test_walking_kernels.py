@@ -10,7 +10,6 @@ from scipy.spatial.transform import Rotation
 
 from surefoot.control import walking_kernels as kernels
 from surefoot.control.foothold import raibert, step_place
-from surefoot.control.gait import Gait
 from surefoot.control.swing import swing_motion
 
 SEEDS = range(4)
@@ -33,36 +32,6 @@ def test_a_body_is_led_back_to_its_motion(seed: int) -> None:
     assert com == pytest.approx(a + 7.0 * miss + 3.0 * (v + t * a - now[1]), abs=1e-12)
     miss = t * spin + 0.5 * t**2 * b - (end * start.inv()).as_rotvec()
     assert turn == pytest.approx(b + 7.0 * miss + 3.0 * (spin + t * b - now[2]), abs=1e-9)
-
-
-def test_a_plan_made_now_asks_for_no_turn_back() -> None:
-    R = Rotation.random(rng=np.random.default_rng(0)).as_matrix()
-    _, turn = kernels.follow(np.zeros((5, 3)), np.eye(3), 0.0, np.zeros((3, 3)), R, 7.0, 3.0)
-    assert turn == pytest.approx(np.zeros(3), abs=0.0)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_a_steady_body_moves_along_chords_of_its_arc(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    position, velocity, slope, yaw = rng.normal(size=3), rng.normal(size=3), rng.normal(size=2), 0.7
-    times = np.array([0.0, 0.1, 0.4])
-    headings, places, flow = kernels.cruise(position, yaw, velocity, slope, times)
-    assert headings == pytest.approx(yaw + velocity[2] * times)
-    for t, heading, place, v in zip(times, headings, places, flow, strict=True):
-        move = turned(velocity[:2], yaw + 0.5 * velocity[2] * t) * t
-        assert place == pytest.approx(position + np.array([*move, move @ slope]))
-        along = turned(velocity[:2], heading)
-        assert v == pytest.approx([*along, along @ slope])
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_the_plane_is_that_of_least_squares(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    places, about, damping = rng.normal(size=(4, 3)), rng.normal(size=2), 1e-2
-    rows = np.column_stack([np.ones(4), places[:, :2] - about])
-    rows = np.vstack([rows, np.sqrt(damping) * np.eye(3)[1:]])
-    wanted = np.linalg.lstsq(rows, np.append(places[:, 2], [0.0, 0.0]))[0]
-    assert kernels.plane_through(places, about, damping) == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize("fastest", [math.inf, 0.06])
@@ -128,12 +97,3 @@ def test_a_step_goes_where_raibert_puts_it_about_the_coming_hip(turn: float) -> 
     place = raibert(com[:2] + left * flow + hip, v[:2], flow, turn, 0.3, 0.2)
     place = place + 0.1 * turn * np.array([-hip[1], hip[0]])
     assert step_place(com, v, arm, yaw, wanted, left, 0.3, 0.2) == pytest.approx(place)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_rows_of_a_repeated_table_are_those_of_the_schedule(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    gait = Gait.from_phases("own", rng.uniform(0.3, 0.9), rng.uniform(0.3, 0.8, 4), rng.uniform(0.0, 1.0, 4))
-    start, step = rng.uniform(-2.0, 5.0), rng.uniform(0.01, 0.06)
-    middles = start + step * (np.arange(25) + 0.5)
-    np.testing.assert_array_equal(gait.horizon(start, step, 25), gait.contacts(middles))

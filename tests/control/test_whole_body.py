@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pinocchio
 import pytest
 
-from surefoot.control import whole_body_kernels as kernels
 from surefoot.control.whole_body import Tasks, TaskWeights, WholeBodyController
 from surefoot.errors import ModelError
-from surefoot.robot import Robot, load_robot
+from surefoot.robot import Robot
 from surefoot.solvers.backends import ConeProgram, solve_program
 from surefoot.spatial import rotation_from_normal, skew
+from tests.robots import robot_of
 
 GRAVITY = 9.81
 ALIGNED = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -23,11 +21,6 @@ ROBOTS = ("go2", "anymal", "g1")
 def stack(matrices: list, rights: list, columns: int) -> tuple[np.ndarray, np.ndarray]:
     """Return blocks of rows on top of each other, none included."""
     return np.vstack([np.zeros((0, columns)), *matrices]), np.concatenate([np.zeros(0), *rights])
-
-
-@cache
-def robot_of(name: str) -> Robot:
-    return load_robot(name)
 
 
 def random_case(
@@ -123,23 +116,6 @@ def test_carrying_feet_obey_the_contact_constraint(name: str, seed: int) -> None
             decay += (sinking - damping) * float(normal @ slip) * normal
             assert found[k, 3:] == pytest.approx(-turning * twist.angular, abs=2e-6)
         assert rolling == pytest.approx(-decay - 30.0 * tasks.gaps[k] * normal, abs=2e-6)
-
-
-@pytest.mark.parametrize("name", ROBOTS)
-def test_the_rolling_drift_is_the_rate_of_the_contact_velocity(name: str) -> None:
-    robot, q, v, tasks = random_case(name, 9, feet_down=len(robot_of(name).feet))
-    controller = WholeBodyController(robot)
-
-    def slip(t: float) -> np.ndarray:
-        now = controller.update(pinocchio.integrate(robot.model, q, t * v), v)
-        arms = -robot.contact_points.foot_radii[:, None] * tasks.frames[:, :, 2]
-        return now.twists[:, :3] + np.cross(now.twists[:, 3:], arms)
-
-    step = 1e-5
-    rate = (slip(step) - slip(-step)) / (2.0 * step)
-    now = controller.update(q, v)
-    arms = -robot.contact_points.foot_radii[:, None] * tasks.frames[:, :, 2]
-    assert now.drifts[:, :3] + np.cross(now.drifts[:, 3:], arms) == pytest.approx(rate, abs=1e-6)
 
 
 def oracle(
@@ -292,25 +268,6 @@ def test_forces_stay_in_their_cones_whatever_is_asked() -> None:
         assert (np.abs(command.torques) <= robot.effort_limits).all()
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-@pytest.mark.parametrize("where", ["q", "v", "task"])
-def test_input_that_is_not_finite_gives_a_safe_flagged_command(bad: float, where: str) -> None:
-    robot, q, v, tasks = random_case("go2", 1)
-    controller = WholeBodyController(robot)
-    q, v = q.copy(), v.copy()
-    if where == "q":
-        q[9] = bad
-    elif where == "v":
-        v[3] = bad
-    else:
-        tasks = tasks._replace(com_acceleration=np.array([0.0, bad, 0.0]))
-    command = controller.step(q, v, tasks)
-    assert not command.feasible
-    for value in (command.torques, command.forces, command.accelerations):
-        assert np.isfinite(value).all()
-    assert (np.abs(command.torques) <= robot.effort_limits).all()
-
-
 def test_a_robot_too_weak_is_flagged_and_clipped() -> None:
     robot, q, v, tasks = random_case("go2", 2, feet_down=4)
     limits = np.full(robot.joints, 0.05)
@@ -353,29 +310,6 @@ def test_the_centre_of_pressure_stays_in_the_soles() -> None:
             pressure = normal @ foot.centres[:, :2] / normal.sum()
             assert (pressure >= foot.centres[:, :2].min(axis=0) - 1e-9).all()
             assert (pressure <= foot.centres[:, :2].max(axis=0) + 1e-9).all()
-
-
-def test_elimination_matches_a_plain_kkt_solve() -> None:
-    rng = np.random.default_rng(7)
-    nv, r = 12, 9
-    root = rng.normal(size=(nv, nv))
-    H, c = root @ root.T + 0.1 * np.eye(nv), rng.normal(size=nv)
-    E, e, w = rng.normal(size=(r, nv)), rng.normal(size=r), rng.normal(size=6)
-    offset, gain, R, target = np.zeros(nv), np.zeros((nv, 6)), np.zeros((6, 6)), np.zeros(6)
-    assert kernels.eliminate(H, c, E, e, offset, gain, R, target)
-    wide = np.concatenate([w, np.zeros(r - 6)])
-    kkt = np.block([[H, E.T], [E, np.zeros((r, r))]])
-    a = np.linalg.solve(kkt, np.concatenate([c, e + wide]))[:nv]
-    assert offset + gain @ w == pytest.approx(a, abs=1e-8)
-    assert pytest.approx(gain.T @ H @ gain, rel=1e-8) == R @ R.T
-
-    def cost(x: np.ndarray) -> float:
-        return float(0.5 * x @ H @ x - c @ x)
-
-    def reduced(y: np.ndarray) -> float:
-        return float(0.5 * np.sum((R.T @ y - target) ** 2))
-
-    assert cost(a) - cost(offset) == pytest.approx(reduced(w) - reduced(np.zeros(6)), rel=1e-7)
 
 
 def test_robots_without_feet_or_with_a_fixed_base_are_refused() -> None:

@@ -9,11 +9,9 @@ import pytest
 
 import surefoot
 from docs.site import reference
-from docs.site.assemble import BESIDES, LANDINGS, SECTIONS, menus, without_code_links
+from docs.site.assemble import BESIDES, LANDINGS, SECTIONS, menus
 from docs.site.links import broken_links, loaded_from_outside, undocumented
 from docs.site.page import COURSE, pages, read_page
-from docs.site.recipe import recipes
-from docs.site.render import recipe_notebook
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = [*(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "cookbook").glob("*.md")]
@@ -66,25 +64,9 @@ def test_a_landing_page_is_a_screen_and_says_for_whom() -> None:
         assert len(text.splitlines()) <= 40
 
 
-def test_every_recipe_is_a_notebook() -> None:
-    for recipe in recipes():
-        cells = json.loads(recipe_notebook(recipe))["cells"]
-        code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-        assert code == [block.code.rstrip() for block in recipe.blocks]
-
-
 def test_every_course_page_belongs_to_a_section() -> None:
     for page in pages():
         assert page.order // 100 in SECTIONS, page.name
-
-
-def test_links_to_code_become_names(tmp_path: Path) -> None:
-    text = without_code_links(ROOT / "docs" / "README.md")
-    assert "[the course](/course/index.md)" in text
-    assert "[Install](install.md)" in text
-    page = tmp_path / "page.md"
-    page.write_text(f"[a]({ROOT}/pyproject.toml)")
-    assert without_code_links(page) == "a (`pyproject.toml`)"
 
 
 def test_a_page_of_both_languages_builds(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from surefoot.equilibrium import margin, scaling
 from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
 from surefoot.solvers.backends import ConeProgram, End, solve_program
 
@@ -68,36 +67,7 @@ def test_value_equals_clarabels_and_the_gap_closes(lorentz, lines, rows):
         assert c @ x == pytest.approx(clarabel_value(B, b, c, lorentz), abs=1e-6)
 
 
-def test_compiled_and_plain_agree():
-    rng = np.random.default_rng(1)
-    for _ in range(3):
-        B, b, c, start = random_program(rng, 3, 2, 4)
-        fast, slow = solve(B, b, c, 3, start), solve(B, b, c, 3, start, minimise.py_func)
-        assert fast[:2] == slow[:2]
-        np.testing.assert_allclose(fast[2], slow[2], atol=1e-9)
-
-
 def test_unbounded_programs_are_recognised():
     B, b = np.array([[0.0, 1.0, 0.0, 0.0]]), np.zeros(1)
     c = np.array([0.0, 0.0, 0.0, -1.0])
     assert solve(B, b, c, 1, np.array([1.0, 0.0, 0.0, 1.0]))[0] == UNBOUNDED
-
-
-def test_step_to_the_boundary_through_the_apex():
-    """A direction that runs through the apex has a double root, which rounding must not lose."""
-    x = np.array([1.0, 0.3, 0.2])
-    for scale in (1.0, 3.7, 1e-3):
-        assert scaling.step_to_boundary.py_func(x, -scale * x, 1) == pytest.approx(1.0 / scale)
-    assert np.isinf(scaling.step_to_boundary.py_func(x, x, 1))
-
-
-def test_margin_kernel_and_its_plain_twin_agree():
-    rng = np.random.default_rng(3)
-    positions = np.array([[0.2, 0.1, 0], [0.2, -0.1, 0], [-0.2, 0.1, 0.05], [-0.2, -0.1, 0]])
-    rotations, mu = np.stack([np.eye(3)] * 4), rng.uniform(0.2, 1.0, 4)
-    for x in (0.0, 0.1, 0.3):
-        arguments = (positions, rotations, mu, np.array([x, 0.02, 0.3]), np.array([3.0, 0, 150.0, 0, 0, 0]))
-        fast, slow = margin.stand(*arguments), margin.stand.py_func(*arguments)
-        assert fast[0] == slow[0]
-        assert fast[1] == pytest.approx(slow[1], abs=1e-7)
-        np.testing.assert_allclose(fast[2], slow[2], atol=1e-5)

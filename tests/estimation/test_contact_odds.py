@@ -12,7 +12,7 @@ from surefoot.estimation.contact_odds import (
     BANDWIDTHS,
     QUIET,
     ContactFusion,
-    GroundBelief,
+    GroundLevel,
     TouchSettings,
     force_noise,
     observer_gain,
@@ -89,45 +89,12 @@ def test_each_says_its_part() -> None:
     assert not fusion.contact.any()
 
 
-def test_what_is_told_of_a_force_takes_the_place_of_what_is_felt() -> None:
-    robot, random, n = load_robot("go2"), np.random.default_rng(4), 4
-    settings, share = TouchSettings(), robot.mass * GRAVITY / n
-    for _ in range(20):
-        fusion = ContactFusion(robot, settings, np.full(n, 3.0), 0.05, mapped=True)
-        up = random.normal(size=(n, 3))
-        up /= np.linalg.norm(up, axis=1)[:, None]
-        forces, velocities, points = (
-            share * random.random((n, 3)),
-            random.normal(size=(n, 3)),
-            random.random((n, 3)),
-        )
-        heights = points[:, 2] + 0.01 * random.normal(size=n)
-        felt, told, pushing, planned = random.random((4, n)) < 0.5
-        fusion.expect(pushing, planned)
-        contact = fusion.update(forces, velocities, points, up, heights, felt, told)
-        believed = np.where((felt == told)[:, None], forces, np.where(told, share, 0.0)[:, None] * up)
-        prior = np.where(pushing, settings.pushing, np.where(planned, 0.0, settings.swing))
-        reach = robot.nominal[2]
-        scales = np.array([
-            settings.heavy * share, settings.height, settings.clearance * reach,
-            np.hypot(settings.still, 0.05 * reach), settings.swinging, settings.hold,
-        ])  # fmt: skip
-        expected, odds = np.zeros(n, dtype=bool), np.zeros(n)
-        gaps, deviations = (
-            (points[:, 2] - heights) * up[:, 2],
-            np.full(n, np.hypot(settings.force * share, 3.0)),
-        )
-        contact_odds(believed, velocities, up, gaps, prior, deviations, scales, expected, odds)
-        np.testing.assert_allclose(fusion.odds, odds, atol=1e-12)
-        np.testing.assert_array_equal(contact, expected)
-
-
 def test_ground_without_a_map_is_the_plane_under_the_feet() -> None:
     random, slope = np.random.default_rng(2), SlopeTerrain(12.0)
     feet = random.normal(size=(4, 3))
     feet[:, 2] = slope.height(feet[:, :2])
     places = random.normal(size=(5, 3))
-    mapped, sensed = GroundBelief(slope, feet), GroundBelief(None, feet)
+    mapped, sensed = GroundLevel(slope, feet), GroundLevel(None, feet)
     np.testing.assert_allclose(mapped.heights(places), slope.height(places[:, :2]))
     np.testing.assert_allclose(sensed.heights(places), slope.height(places[:, :2]), atol=1e-12)
     assert mapped.normal() is None
@@ -135,7 +102,7 @@ def test_ground_without_a_map_is_the_plane_under_the_feet() -> None:
     for k in range(4):
         sensed.stood(k, feet[k] + [0.0, 0.0, 0.1])
     np.testing.assert_allclose(sensed.heights(places), slope.height(places[:, :2]) + 0.1, atol=1e-12)
-    row = GroundBelief(None, np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.2]]))  # two feet: level across them
+    row = GroundLevel(None, np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.2]]))  # two feet: level across them
     np.testing.assert_allclose(row.heights(np.array([[0.5, 3.0, 0.0]])), [0.1])
 
 

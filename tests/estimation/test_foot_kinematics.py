@@ -10,15 +10,12 @@ from surefoot.errors import ModelError
 from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.credible import credible, known
 from surefoot.estimation.detection_kernels import DAMPING, foot_forces
-from surefoot.estimation.extended_poses import exponential
 from surefoot.estimation.foot_kinematics import (
     FLOOR,
     FootKinematics,
     base_state,
-    feet_by_joints,
     follow_stances,
     over_ground,
-    places_seen,
     roll,
     state_ahead,
 )
@@ -26,6 +23,7 @@ from surefoot.estimation.live_arrays import live_parts
 from surefoot.robot import load_robot
 from surefoot.robot.rotors import with_rotors
 from surefoot.spatial import GRAVITY, rotation_about, rotation_from_normal, rotation_from_quaternion
+from tests.estimation.poses import exponential
 
 
 @pytest.mark.parametrize("name", ["go2", "g1"])
@@ -50,18 +48,6 @@ def test_places_speeds_and_spreads_are_those_of_differences(name: str) -> None:
     pinocchio.framesForwardKinematics(robot.model, robot.data, np.r_[np.zeros(6), 1.0, joints])
     turned = [robot.data.oMf[f.frame].rotation for f in robot.feet]
     np.testing.assert_allclose(feet.rotations, turned, atol=1e-12)
-
-
-def test_feet_by_joints_is_its_sum() -> None:
-    random = np.random.default_rng(1)
-    twists, centres, speeds = random.normal(size=(6, 9)), random.normal(size=(2, 3)), random.normal(size=3)
-    support = np.array([[True] * 8 + [False], [True] * 6 + [False, True, True]])
-    velocities, spreads = np.zeros((2, 3)), np.zeros((2, 3, 3))
-    feet_by_joints(twists, support, centres, speeds, 0.04, velocities, spreads)
-    for k, place in enumerate(centres):
-        J = (twists[:3, 6:] + np.cross(twists[3:, 6:], place, axis=0)) * support[k, 6:]
-        np.testing.assert_allclose(velocities[k], J @ speeds)
-        np.testing.assert_allclose(spreads[k], 0.04 * J @ J.T + FLOOR * np.eye(3))
 
 
 def test_a_sphere_rolls_as_far_as_it_turns() -> None:
@@ -163,22 +149,6 @@ def test_only_what_lies_in_place_is_read_in_place() -> None:
         live_parts([np.zeros(3)[:2]])
 
 
-def test_forces_are_damped_least_squares() -> None:
-    random, damping = np.random.default_rng(3), 0.1
-    twists, points, v = random.normal(size=(6, 18)), random.normal(size=(3, 3)), random.normal(size=18)
-    support, flat = random.random((3, 18)) < 0.7, np.array([False, True, False])
-    support[2, 6:] = False  # a foot without joints
-    residual, forces, velocities = random.normal(size=18), np.zeros((3, 3)), np.zeros((3, 3))
-    foot_forces(twists, support, points, flat, residual, v, damping, forces, velocities)
-    for k, point in enumerate(points):
-        J = np.vstack([twists[:3] + np.cross(twists[3:], point, axis=0), twists[3:]]) * support[k]
-        np.testing.assert_allclose(velocities[k], J[:3] @ v, atol=1e-12)
-        A = J[: 6 if flat[k] else 3, 6:]
-        square = A @ A.T + damping**2 * np.trace(A @ A.T) * np.eye(len(A))
-        expected = np.zeros(3) if k == 2 else np.linalg.solve(square, A @ residual[6:])[:3]
-        np.testing.assert_allclose(forces[k], expected, atol=1e-10)
-
-
 def test_stances_have_an_age() -> None:
     random, dt, n = np.random.default_rng(8), 0.01, 4
     age, touching, landed = np.full(n, -dt), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
@@ -191,14 +161,6 @@ def test_stances_have_an_age() -> None:
         np.testing.assert_array_equal(touching, stands)
         np.testing.assert_array_equal(landed, since <= 3)  # 0.025 s after the first
         assert new == (since == 1).any()
-
-
-def test_places_are_seen_from_the_imu_and_less_what_has_rolled() -> None:
-    random = np.random.default_rng(9)
-    X = exponential(0.3 * random.normal(size=15))
-    centres, rolled, out = random.normal(size=(2, 3)), random.normal(size=(2, 3)), np.zeros((2, 3))
-    places_seen(X, centres, np.array([0.1, 0.2, 0.3]), rolled, out)
-    np.testing.assert_allclose(out, centres - [0.1, 0.2, 0.3] - rolled @ X[:, :3])
 
 
 def test_the_state_ahead_is_that_of_its_parts() -> None:

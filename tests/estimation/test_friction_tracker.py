@@ -1,8 +1,6 @@
-"""The tracker of friction: its kernel against plain Python, and answers in worlds whose friction is known."""
+"""The tracker of friction: what feet tell it, and answers in worlds whose friction is known."""
 
 from __future__ import annotations
-
-from collections import deque
 
 import numpy as np
 import pytest
@@ -11,7 +9,6 @@ import surefoot as sf
 from benchmarks.contact_detection import friction_answers
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
-from surefoot.estimation.friction import AGREE, follow_friction
 
 
 def _row(use: float, speed: float = 0.0, normal: float = 100.0) -> tuple[FloatArray, FloatArray]:
@@ -22,57 +19,6 @@ def _feed(tracker: sf.FrictionTracker, count: int, *row: float):  # type: ignore
     for _ in range(count):
         known = tracker.update(*_row(*row))
     return known
-
-
-def test_kernel_against_plain_python() -> None:
-    random = np.random.default_rng(0)
-    p, rows, settling, slide, gap, least, limit = 3, 5, 4, 6, 7, 10.0, 0.1
-    ring, state = np.zeros((p, rows)), np.zeros((p, 5))
-    lows, highs, sliding = np.zeros((p, 2)), np.full((p, 2), np.inf), np.zeros(p, dtype=bool)
-    recent: list[deque[float]] = [deque(maxlen=rows) for _ in range(p)]
-    idle, slid, total = [0] * p, [0] * p, [0.0] * p
-    low, high = np.zeros((p, 2)), np.full((p, 2), np.inf)
-    normal, speed = np.full(p, 50.0), np.zeros(p)
-    for step in range(600):
-        bucket = step // 300
-        if step % 9 == 0:
-            normal, speed = random.choice([0.0, 50.0, 80.0], p), random.choice([0.0, 0.3, 0.4], p)
-        forces = np.column_stack([normal * random.uniform(0.1, 0.5, p), np.zeros(p), normal])
-        velocities = np.column_stack([np.zeros(p), speed, np.zeros(p)])
-        follow_friction(
-            ring, state, lows, highs, bucket, forces, velocities, least, limit, settling, slide, gap, sliding
-        )
-        for k in range(p):
-            if normal[k] < least:
-                idle[k] += 1
-                recent[k].clear()
-                if idle[k] >= gap:
-                    slid[k], total[k] = 0, 0.0
-                assert not sliding[k]
-                continue
-            idle[k] = 0
-            use = forces[k, 0] / normal[k]
-            recent[k].append(use)
-            assert sliding[k] == (speed[k] > limit)
-            if speed[k] <= limit:
-                slid[k], total[k] = 0, 0.0
-                if len(recent[k]) == rows:
-                    lasted = min(recent[k])
-                    low[k, bucket] = max(low[k, bucket], lasted)
-                    high[k, lasted > AGREE * high[k]] = np.inf
-                continue
-            slid[k] += 1
-            if slid[k] > settling:
-                total[k] += use
-            if slid[k] >= settling + slide:
-                high[k, bucket] = total[k] / (slid[k] - settling)
-                low[k] = np.minimum(low[k], high[k, bucket])
-            if slid[k] >= settling + 2 * slide:
-                slid[k], total[k] = settling + slide, total[k] / 2
-        np.testing.assert_allclose(lows, low, atol=1e-12)
-        np.testing.assert_allclose(highs, high, atol=1e-12)
-    assert np.isfinite(highs).any()
-    assert (lows > 0.0).any()
 
 
 def test_sticking_bounds_below_and_sliding_tells() -> None:

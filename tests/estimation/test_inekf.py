@@ -1,4 +1,4 @@
-"""The invariant filter: its equations against NumPy, its theory, its consistency, another filter."""
+"""The invariant filter: its equations against NumPy, its theory, its consistency."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from scipy.stats import chi2
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.errors import ProblemError
 from surefoot.estimation import inekf_kernels as kernels
-from surefoot.estimation.extended_poses import adjoint, exponential, gammas, inverse, logarithm, product
+from surefoot.estimation.extended_poses import gammas
 from surefoot.estimation.inekf import FilterNoise, InvariantFilter
 from surefoot.spatial import GRAVITY, skew
-from tests.estimation.quaternion_ekf import QuaternionEkf
+from tests.estimation.poses import adjoint, exponential, inverse, logarithm, product
 
 G = np.array([0.0, 0.0, -GRAVITY])
 QUIET = FilterNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -296,28 +296,6 @@ def test_errors_are_as_large_as_the_covariance_says() -> None:
         assert low < total < high, (sums[:, 0] / sums[:, 1]).round(3)
 
 
-def test_another_filter_finds_the_same() -> None:
-    """An ordinary EKF with a quaternion and Jacobians by differences, on the same numbers.
-
-    From a start that is well known: where errors are large, the ordinary filter believes to see its heading.
-    """
-    course = Course(NOISE, 7, steps=100, certain=0.1)
-    other = QuaternionEkf(course.filter, NOISE)
-    for k in range(course.steps):
-        gyro, force = course.measure(k)
-        places, spreads = course.places(k)
-        for filter in (course.filter, other):
-            filter.predict(gyro, force, course.dt)
-            filter.observe(places, spreads, course.touching(k))
-    f = course.filter
-    moved = np.linalg.norm(logarithm(product(f.X[:, :5], inverse(other.start))))
-    error = logarithm(product(f.X[:, :5], inverse(other.X[:, :5])))
-    deviation = np.sqrt(np.diag(f.covariance))[:9]
-    assert moved > 0.1
-    assert (np.abs(error) < 0.05 * deviation).all(), error / deviation
-    np.testing.assert_allclose(other.bias, f.bias, rtol=0.0, atol=0.05 * np.sqrt(f.covariance[-1, -1]))
-
-
 def test_a_foot_that_slid_is_not_believed_and_stands_again() -> None:
     filter, foot = InvariantFilter(2), np.array([[0.1, 0.1, -0.3], [0.1, -0.1, -0.3]])
     spreads, both = np.tile(1e-6 * np.eye(3), (2, 1, 1)), np.array([True, True])
@@ -334,44 +312,14 @@ def test_a_foot_that_slid_is_not_believed_and_stands_again() -> None:
     assert filter.standing.tolist() == [False, True]
 
 
-def test_doubt_and_errors_are_told() -> None:
+def test_doubt_widens_and_wrong_input_is_refused() -> None:
     filter = InvariantFilter(1)
     before = filter.covariance[3:6, 3:6].copy()
     filter.doubt_velocity(0.3)
     np.testing.assert_allclose(filter.covariance[3:6, 3:6], before + 0.3**2 * np.eye(3))
-    filter.X[:] = product(exponential(np.r_[np.zeros(6), 1.0, 2.0, 3.0, np.zeros(3)]), filter.X)
-    np.testing.assert_allclose(filter.error(np.eye(3), np.zeros(3), np.zeros(3))[6:], [1.0, 2.0, 3.0])
     with pytest.raises(ProblemError, match="rotation must be a rotation matrix"):
         filter.reset(np.diag([1.0, 1.0, -1.0]))
     with pytest.raises(ProblemError, match="feet must be"):
         InvariantFilter(0)
     with pytest.raises(ProblemError, match="gyro must be"):
         FilterNoise(gyro=-1.0)
-
-
-def test_feet_are_forgotten_used_and_added_one_after_the_other() -> None:
-    filter, plain, random = random_filter(2), random_filter(2), np.random.default_rng(2)
-    n = filter.n
-    for _ in range(20):
-        places, spreads = random.normal(size=(n, 3)), np.tile(0.01 * np.eye(3), (n, 1, 1))
-        touching, landed = random.random(n) < 0.7, random.random(n) < 0.5
-        walks, densities = np.array([1e-6, 1e-4]), np.zeros(4 + n)
-        kernels.observe_feet(
-            filter.X, filter.bias, filter.covariance, filter.standing, places, spreads, touching, landed,
-            walks, densities, 9.0, filter.distances, filter.used,
-        )  # fmt: skip
-        np.testing.assert_array_equal(densities, [0, 0, 0, 0, *np.where(landed, 1e-4, 1e-6)])
-        for k in np.flatnonzero(plain.standing & ~touching):
-            kernels.forget_foot(plain.covariance, k)
-        plain.standing &= touching
-        kernels.correct(
-            plain.X, plain.bias, plain.covariance, plain.standing, places, spreads, 9.0, plain.distances,
-            plain.used,
-        )  # fmt: skip
-        for k in np.flatnonzero(touching & ~plain.used):
-            kernels.add_foot(plain.X, plain.covariance, k, places[k], spreads[k])
-        plain.standing |= touching
-        np.testing.assert_array_equal(filter.standing, plain.standing)
-        np.testing.assert_array_equal(filter.used, plain.used)
-        np.testing.assert_array_equal(filter.X, plain.X)
-        np.testing.assert_array_equal(filter.covariance, plain.covariance)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from copy import deepcopy
 from dataclasses import replace
 
@@ -12,32 +11,16 @@ import pytest
 import surefoot as sf
 from surefoot.audit.estimate import EstimateErrors, estimate_errors
 from surefoot.errors import ProblemError
-from surefoot.estimation.foot_kinematics import (
-    FootKinematics,
-    base_state,
-    follow_stances,
-    over_ground,
-    places_seen,
-    roll,
-    state_ahead,
-)
-from surefoot.estimation.inekf import InvariantFilter
-from surefoot.estimation.inekf_robot import HEIGHT, SETTLING, SLIDING, InvariantEkf
-from surefoot.estimation.latency import FURTHEST, WINDOW
+from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.state_estimator import Health, Reading, StateEstimator, WatchSettings
 from surefoot.log import Log
-from surefoot.robot import Robot, load_robot
+from surefoot.robot import Robot
 from surefoot.simulation.sensors import SensorModel, Sensors
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.terrain import FlatTerrain
 from tests.audit.logs import TROT, log_of
 
 REST = np.array([0.0, 0.0, GRAVITY])
-
-
-@pytest.fixture(scope="module")
-def robot() -> Robot:
-    return load_robot("go2")
 
 
 def replayed(robot: Robot, log: Log, model: SensorModel, seed: int) -> tuple[StateEstimator, EstimateErrors]:
@@ -58,96 +41,6 @@ def replayed(robot: Robot, log: Log, model: SensorModel, seed: int) -> tuple[Sta
     q, v = (np.array(part) for part in zip(*told, strict=True))
     seen = Log({"time": log["time"], "q": log["q"], "v": log["v"], "q_estimated": q, "v_estimated": v})
     return estimator, estimate_errors(seen)
-
-
-class Plain:
-    """The filter's part of an estimator written out: queues, one small function after the other."""
-
-    def __init__(self, robot: Robot, estimator: StateEstimator, imu: int, legs: int, dt: float) -> None:
-        ekf = estimator.ekf
-        self.robot, self.ekf, self.dt, self.steps, self.held = robot, ekf, dt, max(imu, legs), imu
-        n = len(robot.feet)
-        self.body, self.feet = (
-            InvariantFilter(n, ekf.filter.noise),
-            FootKinematics(robot, ekf.filter.noise.joint),
-        )
-        self.body.X[:], self.body.covariance[:] = ekf.filter.X, ekf.filter.covariance
-        self.imu: deque[Reading] = deque(maxlen=self.steps - imu + 1)
-        self.legs: deque[Reading] = deque(maxlen=self.steps - legs + 1)
-        self.speeds: deque[np.ndarray] = deque(maxlen=1 + round(WINDOW / dt))
-        self.turn, self.age, self.pace = np.zeros(3), np.full(n, -dt), np.zeros(n)
-        self.feet.update(ekf.q[7:], ekf.v[6:])
-        self.turned = ekf.filter.rotation @ self.feet.rotations
-        self.rolled, self.normals, self.first = np.zeros((n, 3)), np.tile([0.0, 0.0, 1.0], (n, 1)), True
-
-    def predict(self, reading: Reading) -> None:
-        self.imu.append(reading)
-        self.legs.append(reading)
-        gyro, force = self.imu[0].gyro, self.imu[0].accelerometer
-        self.angles, self.rates = self.legs[0].positions, self.legs[0].speeds
-        self.speeds.append(self.rates)
-        if not self.first:
-            self.body.predict(gyro, force, self.dt)
-            self.turn = gyro - self.body.bias[:3]
-        self.first = False
-
-    def update(self, contact: np.ndarray) -> np.ndarray:
-        body, feet, n, arm = self.body, self.feet, len(contact), self.ekf.imu_position
-        feet.update(self.angles, self.rates)
-        over_ground(body.X, self.turn, arm, feet.centres, feet.velocities, self.pace)
-        touching, landed, places = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros((n, 3))
-        follow_stances(contact, self.pace, SLIDING, SETTLING, self.dt, self.age, touching, landed)
-        radii = self.robot.contact_points.foot_radii
-        roll(body.X, feet.rotations, self.normals, radii, touching, self.turned, self.rolled)
-        places_seen(body.X, feet.centres, arm, self.rolled, places)
-        used = body.observe(places, feet.spreads, touching, landed)
-        for k in np.flatnonzero(touching & (self.age < 0.5 * self.dt)):  # on level ground at height 0
-            body.observe_height(k, self.normals[k], body.X[2, 5 + k] - radii[k], HEIGHT)
-        return used
-
-    def state(self) -> tuple[np.ndarray, np.ndarray]:
-        if self.steps == 0:
-            q, v = np.r_[np.zeros(7), self.angles], np.r_[np.zeros(6), self.rates]
-            base_state(self.body.X, self.turn, self.ekf.imu_position, q, v)
-            return q, v
-        last = len(self.imu) - 1
-        rows = [self.imu[min(i + 1, last)] for i in range(last + self.held)]
-        gyros = np.array([r.gyro for r in rows]).reshape(-1, 3)
-        forces = np.array([r.accelerometer for r in rows]).reshape(-1, 3)
-        span = max(len(self.speeds) - 1, 1) * self.dt
-        q, v = np.empty(7 + self.robot.joints), np.empty(6 + self.robot.joints)
-        state_ahead(
-            self.body.X, self.body.bias, gyros, forces, self.dt, self.ekf.imu_position,
-            self.angles, self.rates, self.speeds[0], self.speeds[-1], span,
-            min(self.steps * self.dt, FURTHEST), q, v,
-        )  # fmt: skip
-        return q, v
-
-
-@pytest.mark.parametrize("late", [(0, 0), (1, 1), (3, 5), (4, 2)])
-def test_a_step_is_that_of_its_parts(robot: Robot, late: tuple[int, int]) -> None:
-    log, dt, random = log_of(TROT), 1e-3, np.random.default_rng(5)
-    sensors = Sensors(SensorModel(), robot, dt, 3)
-    ekf = InvariantEkf(robot, dt, ground=FlatTerrain(), imu_position=(0.1, 0.0, 0.05))
-    estimator = StateEstimator(ekf, latency=(late[0] * dt, late[1] * dt))
-    estimator.reset(log["q"][0])
-    plain = Plain(robot, estimator, *late, dt)
-    seen: set[bool] = set()
-    for q, v, active in zip(log["q"][:250], log["v"], log["active"], strict=False):
-        reading = sensors.read(q, v)
-        estimator.predict(reading)
-        contact = active & (random.random(4) < 0.98)
-        found = estimator.update(contact)
-        estimator.applied(np.zeros(12))
-        plain.predict(reading)
-        used = plain.update(contact)
-        seen |= set(used.tolist())
-        np.testing.assert_array_equal(ekf.filter.used, used)
-        for one, other in zip(found, plain.state(), strict=True):
-            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-12)
-        np.testing.assert_allclose(ekf.filter.covariance, plain.body.covariance, rtol=0.0, atol=1e-13)
-    assert seen == {False, True}
-    assert estimator.health is Health.GOOD
 
 
 def test_a_copy_goes_its_own_way(robot: Robot) -> None:

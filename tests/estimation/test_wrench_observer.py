@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pinocchio
 import pytest
 
 from surefoot.estimation import wrench_kernels as kernels
 from surefoot.estimation.wrench_observer import FURTHEST, LARGEST, LEAST, MOST, Instant, WrenchObserver
-from surefoot.robot import Robot, load_robot
+from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.stepping.bodies import loaded_model
+from tests.robots import robot_of
 
 DT = 1e-3
 TROT = np.array([True, False, False, True])
-
-
-@cache
-def robot_of(name: str) -> Robot:
-    return load_robot(name)
 
 
 class Motion:
@@ -79,16 +73,6 @@ def test_a_known_wrench_is_what_the_equations_of_motion_leave(name: str, touchin
         assert np.abs(error[3:]).max() < 0.005 * robot.mass * GRAVITY * robot.nominal[2]
 
 
-def test_the_weight_of_a_load_is_force_and_moment() -> None:
-    random = np.random.default_rng(3)
-    q = pinocchio.Quaternion(random.normal(size=4)).normalized()
-    pose, mass, place = np.column_stack([q.matrix(), random.normal(size=3)]), 3.0, random.normal(size=3)
-    wrench = random.normal(size=6)
-    wanted = wrench + np.r_[0.0, 0.0, -mass * GRAVITY, np.cross(q.matrix() @ place, [0, 0, -mass * GRAVITY])]
-    kernels.add_weight(mass, mass * place, pose, wrench)
-    assert np.allclose(wrench, wanted, rtol=0, atol=1e-12)
-
-
 def test_the_filters_step_is_kalmans() -> None:
     random = np.random.default_rng(4)
     rotation = pinocchio.Quaternion(random.normal(size=4)).normalized().matrix()
@@ -106,48 +90,6 @@ def test_the_filters_step_is_kalmans() -> None:
     kernels.filter_wrench(x, P, y, rotation, noise, keep, drive)
     assert np.allclose(x, state, rtol=1e-9, atol=1e-12)
     assert np.allclose(P, covariance, rtol=1e-9, atol=1e-9)
-
-
-def test_a_sum_of_wrenches_is_of_those_of_its_steps() -> None:
-    robot, total, wanted = robot_of("go2"), np.zeros(6), np.zeros(6)
-    load = np.array([3.0, 0.2, -0.1, 0.3])
-    for seed in range(3):
-        motion = Motion(robot, seed, np.ones(4, dtype=bool))
-        one, points = motion.instant, robot.contact_points
-        part = np.empty(6)
-        given = (
-            one.M, one.bias, one.v, motion.after, DT, motion.torques, one.twists, points.foot_support,
-            one.points, points.flat, motion.touching, one.pose,
-        )  # fmt: skip
-        kernels.outside_wrench(*given, part)
-        kernels.add_weight(load[0], load[1:], one.pose, part)
-        wanted += part
-        kernels.sum_wrench(*given, load, total)
-    np.testing.assert_allclose(total, wanted, rtol=1e-12, atol=1e-9)
-    arm = np.array([0.3, -0.2, 0.5])
-    np.testing.assert_allclose(kernels.point_inertia(arm), arm @ arm * np.eye(3) - np.outer(arm, arm))
-
-
-def test_blocks_are_filtered_with_the_spread_of_their_differences() -> None:
-    random = np.random.default_rng(9)
-    pose = np.column_stack([np.eye(3), np.zeros(3)])
-    least, keep, drive = np.full(6, 0.01), np.full(10, 0.9), np.full(10, 0.05)
-    bounds, watch = np.array([2.0, -0.3, 1.5, 0.6, 0.05, 0.3]), 0.1
-    state, covariance, last, spread = np.zeros(10), np.eye(10), np.full(6, np.nan), np.zeros(6)
-    x, P, before, wide = np.zeros(10), np.eye(10), None, np.zeros(6)
-    for _ in range(50):
-        mean = random.normal(scale=2.0, size=6)
-        cut = np.clip(mean, -bounds[0], bounds[0])
-        change, before = cut - (cut if before is None else before), cut
-        wide = wide + watch * (0.5 * change**2 - wide)
-        kernels.filter_wrench(x, P, cut, pose, np.maximum(least, wide), keep, drive)
-        x[0] = np.clip(x[0], bounds[1], bounds[2])
-        reach = bounds[3] * max(abs(x[0]), bounds[4])
-        x[1:4], x[4:] = np.clip(x[1:4], -reach, reach), np.clip(x[4:], -bounds[5], bounds[5])
-        kernels.filter_block(state, covariance, mean, last, spread, pose, least, keep, drive, watch, bounds)
-        np.testing.assert_allclose(state, x, atol=1e-12)
-        np.testing.assert_allclose(spread, wide, atol=1e-12)
-        np.testing.assert_allclose(covariance, P, atol=1e-12)
 
 
 def observed(

@@ -4,8 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from surefoot.control.gait import Gait, ModeSchedule
-from surefoot.control.gait_library import gait_names, named_gait
 from surefoot.errors import ProblemError
 from surefoot.interop.gait_files import (
     format_gaits,
@@ -15,6 +13,8 @@ from surefoot.interop.gait_files import (
     read_gaits,
     write_gaits,
 )
+from surefoot.stance.gait import Gait, ModeSchedule
+from surefoot.stance.gait_library import gait_names, named_gait
 
 # LF, RF, LH, RH from the most significant bit: the numbering of OCS2's switched models
 NUMBERS = {

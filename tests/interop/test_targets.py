@@ -185,7 +185,7 @@ def test_what_ocs2_cannot_say_is_refused() -> None:
         names = [f"{k}" for k in range(frames)]
         sequence = ContactSequence([SequencePhase(0.1, sf.Stance(contacts))], names)
         with pytest.raises(ProblemError, match=told):
-            find_target("ocs2").files(sequence)
+            find_target("ocs2")(sequence)
 
 
 def test_isaac_lab_gives_every_foot_its_ground(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from surefoot.audit import audit_log
 from surefoot.lab.cone import SCALE, ConePage
 from surefoot.lab.push import PushPage
 from surefoot.lab.push_run import SharedRun, WalkRun
-from surefoot.lab.recording import Recording, audit_page
+from surefoot.lab.recording import RecordedMotion, audit_page
 from surefoot.lab.server import LabServer
 from surefoot.lab.stand import StandPage, start_state
 
@@ -98,21 +98,6 @@ def test_the_stand_page_is_drawn_and_follows_the_mouse(browser: Browser, folder:
         assert all(address.startswith(server.url) for address in tab.requests)
 
 
-def test_two_browsers_have_their_own_stances(browser: Browser) -> None:
-    assert CHROMIUM is not None
-    state = start_state(sf.load_robot("go2"))
-    with LabServer(lambda: StandPage(state), port=0) as server, Browser(CHROMIUM) as another:
-        one = browser.open(server.url)
-        shown(one, "It can stand")
-        two = another.open(server.url)
-        shown(two, "It can stand")
-        first, second = server.sessions.values()
-        second.tell("change", "x", 0.5)
-        shown(two, "It cannot stand")
-        assert one.ask("document.body.innerText.includes('It can stand')")
-        assert first.page.values["x"] < 0.1
-
-
 def test_the_cone_page_is_drawn_and_its_force_is_dragged_out(browser: Browser, folder: Path) -> None:
     with LabServer(ConePage, port=0) as server:
         tab = browser.open(server.url)
@@ -140,7 +125,7 @@ def test_the_push_page_is_drawn(browser: Browser, folder: Path) -> None:
             shown(tab, "It walks")
             session = settled(server, PATIENCE)
             drawn(tab, folder / "lab-push.png", LIT_FORCE, 50)
-            session.tell("press", "kick")
+            session.queue("press", "kick")
             deadline = time.monotonic() + PATIENCE
             while not run.force.any():
                 assert time.monotonic() < deadline
@@ -155,12 +140,12 @@ def test_the_audit_page_is_drawn(browser: Browser, folder: Path) -> None:
     forces = np.array(made["forces"])
     forces[700:740, 0, 0] += 80.0
     log = sf.Log({**made.arrays, "forces": forces}, made.facts, channels=made.channels)
-    recording, report = Recording(log), audit_log(log)
+    recording, report = RecordedMotion(log), audit_log(log)
     with LabServer(lambda: audit_page(recording, report), port=0) as server:
         tab = browser.open(server.url)
         shown(tab, "Audit: broken")
         session = settled(server, PATIENCE)
-        session.tell("press", "next")
+        session.queue("press", "next")
         shown(tab, f"row {recording.row_at(report.violations[0].start)} of")
         drawn(tab, folder / "lab-audit.png", LIT_FORCE, 30)
         assert tab.errors == []

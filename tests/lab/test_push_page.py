@@ -5,25 +5,18 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import surefoot as sf
 from surefoot.errors import ProblemError
-from surefoot.lab.canvas import Canvas
-from surefoot.lab.drawing import FORCE, Arrows, Mesh, arrow_at
+from surefoot.lab.drawing import Arrows, Mesh
 from surefoot.lab.page import Grip
 from surefoot.lab.push import PULL, PushPage
 from surefoot.lab.push_run import HARDEST, LIE, Choices, SharedRun, WalkRun
 
 EYE = np.array([1.5, -1.5, 0.9])
-
-
-@pytest.fixture(scope="module")
-def robot() -> sf.Robot:
-    return sf.load_robot("go2")
 
 
 def go(run: WalkRun, steps: int) -> None:
@@ -135,46 +128,6 @@ def test_two_viewers_see_each_others_choices(shared: tuple[SharedRun, WalkRun]) 
     assert one.values["gait"] == "walk"
     one.close()
     two.close()
-
-
-def test_arrows_travel_with_their_cones_and_cones_are_sent_once(shared: tuple[SharedRun, WalkRun]) -> None:
-    """A browser shows positions at once and new points later: arrows are moved as their cones are."""
-    page, run = page_of(shared), shared[1]
-    page.change("gait", "stand")
-    patience = time.monotonic() + 20.0
-    while run.steps < 200:
-        assert time.monotonic() < patience
-        time.sleep(0.02)
-    first, moment = page.drawing().shapes, shared[0].look()[0]
-    on = [name.removeprefix("/cones/") for name in first if name.startswith("/cones/")]
-    assert len(on) == 4
-    for name in on:
-        arrow, cone = first[f"/forces/{name}"], first[f"/cones/{name}"]
-        assert isinstance(arrow, Arrows)
-        assert isinstance(cone, Mesh)
-        assert arrow.position == cone.position
-        assert not arrow.points[0, 0].any()
-        assert arrow.points[0, 1, 2] > 0.05
-    assert moment.reading.forces[:, 2].sum() > 0.0
-    shared[0].kick(np.array([0.0, 80.0, 0.0]))
-    time.sleep(0.05)
-    again = page.drawing().shapes
-    for name in on:
-        before, after = first[f"/cones/{name}"], again.get(f"/cones/{name}")
-        if isinstance(before, Mesh) and isinstance(after, Mesh):
-            assert after.vertices is before.vertices
-    page.close()
-
-
-def test_a_canvas_moves_arrows_by_their_position() -> None:
-    handle = SimpleNamespace(points=None, position=None)
-    scene = SimpleNamespace(add_arrows=lambda *args, **words: handle)
-    canvas = Canvas(scene, lambda name, shape: None)
-    one = arrow_at(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 0.4]), FORCE)
-    canvas.show({"/forces/FL": one})
-    canvas.show({"/forces/FL": arrow_at(np.array([1.0, 0.2, 0.0]), np.array([0.0, 0.1, 0.4]), FORCE)})
-    assert handle.position == (1.0, 0.2, 0.0)
-    np.testing.assert_allclose(handle.points, [[[0.0, 0.0, 0.0], [0.0, 0.1, 0.4]]], atol=1e-7)
 
 
 def test_the_mouse_pulls_and_lets_go(shared: tuple[SharedRun, WalkRun]) -> None:

@@ -13,9 +13,9 @@ from benchmarks.problems.logged_runs import CleanRun
 from surefoot.audit import audit_log
 from surefoot.errors import ProblemError
 from surefoot.lab.drawing import BAD, Arrows, Mesh
-from surefoot.lab.recording import NOWHERE, Recording, RecordingPage, audit_page, plan_page
+from surefoot.lab.recording import NOWHERE, RecordedMotion, RecordingPage, audit_page, plan_page
 from surefoot.planning import Plan, rollout
-from surefoot.planning.plan import Search, plan_from
+from surefoot.planning.plan import PlanSearch, plan_from
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def log() -> sf.Log:
 
 @pytest.fixture(scope="module")
 def page(log: sf.Log) -> RecordingPage:
-    return audit_page(Recording(log), audit_log(log))
+    return audit_page(RecordedMotion(log), audit_log(log))
 
 
 def test_the_robot_is_where_the_log_says(page: RecordingPage, log: sf.Log) -> None:
@@ -83,7 +83,7 @@ def test_violations_are_jumped_to(page: RecordingPage, log: sf.Log) -> None:
 
 
 def test_it_plays_by_the_clock_and_stops_at_the_end(log: sf.Log) -> None:
-    page = RecordingPage(Recording(log), "a log")
+    page = RecordingPage(RecordedMotion(log), "a log")
     assert not page.live
     page.change("speed", 2.0)
     page.change("time", float(log["time"][-1]) - 0.3)
@@ -103,7 +103,7 @@ def test_it_plays_by_the_clock_and_stops_at_the_end(log: sf.Log) -> None:
 
 
 def test_rows_are_stepped(log: sf.Log) -> None:
-    page = RecordingPage(Recording(log), "a log")
+    page = RecordingPage(RecordedMotion(log), "a log")
     page.press("back")
     assert page.row == 0
     for _ in range(3):
@@ -120,7 +120,7 @@ def test_rows_that_are_not_finite_are_drawn_without(log: sf.Log) -> None:
     arrays = {name: np.array(log[name]) for name in ("time", "q", "forces", "contact_positions", "mu")}
     for name in ("q", "forces", "contact_positions", "mu"):
         arrays[name][5] = np.nan
-    page = RecordingPage(Recording(sf.Log(arrays, log.facts)), "a log")
+    page = RecordingPage(RecordedMotion(sf.Log(arrays, log.facts)), "a log")
     page.change("time", float(log["time"][5]))
     shapes = page.drawing().shapes
     assert not any(name.startswith(("/robot", "/forces", "/cones")) for name in shapes)
@@ -130,7 +130,7 @@ def test_rows_that_are_not_finite_are_drawn_without(log: sf.Log) -> None:
 
 def test_what_a_log_lacks_is_said() -> None:
     time_ = np.arange(50) * 0.01
-    page = RecordingPage(Recording(sf.Log({"time": time_, "forces": np.ones((50, 2, 3))})), "a log")
+    page = RecordingPage(RecordedMotion(sf.Log({"time": time_, "forces": np.ones((50, 2, 3))})), "a log")
     shown = page.drawing()
     assert "names no robot" in shown.text
     assert "no contact_positions" in shown.text
@@ -142,17 +142,17 @@ def test_what_a_log_lacks_is_said() -> None:
 )
 def test_a_log_that_cannot_be_scrubbed_is_refused(times: np.ndarray, said: str) -> None:
     with pytest.raises(ProblemError, match=said):
-        Recording(sf.Log({"time": times}))
+        RecordedMotion(sf.Log({"time": times}))
 
 
 def test_a_plan_from_a_file_is_shown(tmp_path: Path) -> None:
     robot = sf.load_robot("go2")
     motion = rollout(robot, sf.place(robot), np.zeros(18), np.zeros((10, 12)), dt=0.01)
-    plan_from(motion, robot, Search("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)).save(
-        tmp_path / "plan.npz"
-    )
+    plan_from(
+        motion, robot, PlanSearch("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
+    ).save(tmp_path / "plan.npz")
     plan = Plan.read(tmp_path / "plan.npz")
-    page = plan_page(Recording(plan), plan)
+    page = plan_page(RecordedMotion(plan), plan)
     assert page.title == "Plan: fall"
     page.change("time", 0.05)
     shown = page.drawing()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import socket
 import threading
 import time
 import urllib.request
@@ -18,11 +17,9 @@ pytest.importorskip("viser", reason="viser is not installed: pip install 'surefo
 
 import surefoot as sf
 from benchmarks.lab_client import EYE, LabClient
-from surefoot.errors import ProblemError
 from surefoot.lab.cone import ConePage
 from surefoot.lab.drawing import Drawing
-from surefoot.lab.page import Page
-from surefoot.lab.server import MOST_VIEWERS, LabServer, check_free
+from surefoot.lab.server import MOST_VIEWERS, LabServer
 from surefoot.lab.session import LONGEST_QUEUE
 from surefoot.lab.stand import StandPage, StandState, start_state
 
@@ -128,19 +125,6 @@ def test_values_of_another_kind_end_nothing(client: LabClient, value: Any) -> No
     client.wait(lambda: "It cannot stand" in client.text)
 
 
-def test_properties_that_a_browser_should_not_set_hurt_itself_alone(
-    server: LabServer, client: LabClient
-) -> None:
-    uuid = client.control("x [m]")["uuid"]
-    client.say("GuiUpdateMessage", uuid=uuid, updates={"update_cb": 5, "removed": True, "uuid": "x"})
-    with LabClient(server.url) as other:
-        other.wait(lambda: "It can stand" in other.text)
-        other.change("x [m]", 0.5)
-        other.wait(lambda: "It cannot stand" in other.text)
-    client.change("y [m]", 0.5)
-    client.wait(lambda: "It cannot stand" in client.text)
-
-
 def test_two_viewers_have_their_own_pages(server: LabServer, client: LabClient) -> None:
     with LabClient(server.url) as other:
         other.wait(lambda: "It can stand" in other.text)
@@ -218,30 +202,6 @@ def test_there_is_room_for_so_many_viewers() -> None:
             viewer.close()
 
 
-def test_a_port_in_use_is_told() -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = taken.getsockname()[1]
-        with pytest.raises(ProblemError, match=f"port {port} of 127.0.0.1 is in use; choose another"):
-            LabServer(ConePage, port=port)
-
-
-@pytest.mark.parametrize(
-    ("host", "port", "said"),
-    [
-        ("127.0.0.1", -1, "--port must be from 0 to 65535"),
-        ("127.0.0.1", 65536, "--port must be from 0 to 65535"),
-        ("no.such.host.invalid", 0, "is no address of this machine"),
-        ("192.0.2.1", 0, "is no address of this machine"),
-        ("a" * 300, 0, "is no address of this machine"),
-    ],
-)
-def test_a_place_that_cannot_be_had_is_told(host: str, port: int, said: str) -> None:
-    with pytest.raises(ProblemError, match=said):
-        check_free(host, port)
-
-
 def test_it_is_served_to_this_machine_alone(server: LabServer) -> None:
     sockets = server._server._websock_server
     assert server.url.startswith("http://127.0.0.1:")
@@ -253,8 +213,3 @@ def test_viser_says_nothing_of_its_own() -> None:
     with redirect_stdout(heard), LabServer(ConePage, port=0) as server, LabClient(server.url) as viewer:
         viewer.wait(lambda: "Sticks" in viewer.text)
     assert heard.getvalue() == ""
-
-
-def test_every_page_is_a_page() -> None:
-    assert issubclass(StandPage, Page)
-    assert issubclass(ConePage, Page)

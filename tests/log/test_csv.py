@@ -139,8 +139,8 @@ def test_a_mapping_gives_units_frames_orders_and_signs(tmp_path: Path) -> None:
         ),
         ("channels: {}", "the mapping takes no channel"),
         ("feet: 3\nchannels: {mu: a}", "feet must be a name or a list of names, got 3"),
-        ("[1, 2]", "must hold the keys time, feet"),
-        ("{", "is no YAML"),
+        ("[1, 2]", "must be a mapping of the keys time, feet"),
+        ("{", "is not YAML"),
         ("define: [3]\nchannels: {mu: a}", "define must list channels"),
     ],
 )

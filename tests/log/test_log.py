@@ -1,4 +1,4 @@
-"""The typed log: what it refuses, what it keeps, and that logs of schema 1 still load."""
+"""The typed log: what it refuses, what it keeps, and that kept logs sum up to the same."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from surefoot.log.channels import SCHEMA, check_shapes
 from surefoot.log.formats import read_log
 
 DATA = Path(__file__).parent / "data"
-"""Short runs of a Go2 in MuJoCo, logged and summarised by the last version that wrote schema 1."""
+"""Short runs of a Go2 in MuJoCo, logged and summarised by an early version."""
 
 
 def small(T: int = 5, p: int = 4) -> dict[str, Any]:
@@ -32,15 +32,15 @@ def small(T: int = 5, p: int = 4) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("name", "summarise"), [("stand", summarise_stand), ("walk", summarise_walk)])
-def test_a_log_of_schema_1_loads_and_sums_up_to_the_same(name: str, summarise: Any, tmp_path: Path) -> None:
-    log = read_log(DATA / f"{name}_schema1.npz")
+def test_a_log_that_was_kept_sums_up_to_the_same(name: str, summarise: Any, tmp_path: Path) -> None:
+    log = read_log(DATA / f"{name}.npz")
     summary: RunSummary = summarise(log)
     told = json.loads(to_json(summary.as_dict()))
-    before = json.loads((DATA / f"{name}_schema1.json").read_text())
+    before = json.loads((DATA / f"{name}.json").read_text())
     assert set(told) == set(before)
     for key, value in before.items():
         assert told[key] == approx(value), key
-    again = read_log(log.save(tmp_path / "new.npz"))  # and goes on as the schema of today
+    again = read_log(log.save(tmp_path / "new.npz"))
     with np.load(tmp_path / "new.npz") as file:
         assert int(file["schema"]) == SCHEMA
     assert again.channels == log.channels
@@ -56,15 +56,6 @@ def approx(value: Any) -> Any:
     if isinstance(value, list):
         return [approx(one) for one in value]
     return pytest.approx(value, rel=1e-9, abs=1e-12) if isinstance(value, float) else value
-
-
-def test_the_old_folder_of_parts_loads(tmp_path: Path) -> None:
-    """Schema 1 kept the facts alone in facts.json."""
-    for name, array in small().items():
-        np.save(tmp_path / f"{name}.npy", array)
-    (tmp_path / "facts.json").write_text('{"robot": "box"}')
-    log = read_log(tmp_path)
-    assert (len(log), log.facts) == (5, {"robot": "box"})
 
 
 @pytest.mark.parametrize(
@@ -117,7 +108,7 @@ def test_what_is_not_there_is_told(tmp_path: Path) -> None:
 
 
 def test_a_cut_or_spoilt_file_is_no_log(tmp_path: Path) -> None:
-    whole = (DATA / "stand_schema1.npz").read_bytes()
+    whole = (DATA / "stand.npz").read_bytes()
     path = tmp_path / "cut.npz"
     rng = np.random.default_rng(3)
     for size in (0, 1, 100, len(whole) // 2, len(whole) - 1):

@@ -200,7 +200,7 @@ def test_mcap_with_ros_2_messages(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["stand", "walk"])
 def test_a_log_comes_back_from_mcap_to_the_last_bit(name: str, tmp_path: Path) -> None:
-    log = read_log(DATA / f"{name}_schema1.npz")
+    log = read_log(DATA / f"{name}.npz")
     log.arrays["mu"] = np.where(np.arange(len(log)) == 3, np.nan, log["mu"])
     log.arrays["gaps"] = np.where(np.arange(len(log))[:, None] == 4, np.inf, log["gaps"])
     path = log.save(tmp_path / "log.mcap")

@@ -205,8 +205,7 @@ def test_an_interrupted_write_is_made_again(
         nonlocal calls
         calls += 1
         if calls == call:
-            whole = b"".join(data)
-            original(file, offset, [whole[: len(whole) // 2]])
+            original(file, offset, data[: len(data) // 2])
             raise KeyboardInterrupt
         original(file, offset, data)
 
@@ -223,10 +222,9 @@ def test_a_full_disk_keeps_what_fits(tmp_path: Path, monkeypatch: pytest.MonkeyP
     original, room = parts._write_at, 3 * CHUNK * 8 * 72
 
     def write(file: Any, offset: int, data: Any) -> None:
-        whole = b"".join(data)
-        if offset + len(whole) > room:
+        if offset + len(data) > room:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        original(file, offset, [whole])
+        original(file, offset, data)
 
     monkeypatch.setattr(parts, "_write_at", write)
     recorder = Recorder(10**6, ROWS, tmp_path / "parts", {"outcome": "interrupted"})

@@ -39,32 +39,6 @@ def test_what_is_not_definite_is_refused():
         assert not dense.cholesky(bad) or not np.isfinite(bad).all()
 
 
-@pytest.mark.parametrize("rank", [1, 3, 5])
-def test_vanishing_pivots_give_zero_unknowns(rank):
-    """The guarded factor solves a consistent system of deficient rank on the rows that count."""
-    rng = np.random.default_rng(rank)
-    root = rng.normal(size=(5, rank))
-    A = root @ root.T
-    M, x = A.copy(), A @ rng.normal(size=5)
-    b = x.copy()
-    kept = dense.guarded_cholesky(M)
-    assert (kept < 1e-10) == (rank < 5)
-    dense.solve_lower(M, x)
-    dense.solve_upper(M, x)
-    np.testing.assert_allclose(A @ x, b, atol=1e-6)
-    assert np.count_nonzero(np.abs(x) > 1e-50) == rank
-
-
-def test_the_guarded_factor_is_the_plain_one_and_tells_its_least_pivot():
-    A = definite(6, 9)
-    plain, guarded = A.copy(), A.copy()
-    assert dense.cholesky(plain)
-    kept = dense.guarded_cholesky(guarded)
-    np.testing.assert_allclose(np.tril(guarded), np.tril(plain), rtol=1e-14)
-    assert kept == pytest.approx((np.diag(np.linalg.cholesky(A)) ** 2 / np.diag(A)).min())
-    assert np.isnan(dense.guarded_cholesky(np.full((2, 2), np.nan)))
-
-
 def test_product():
     rng = np.random.default_rng(0)
     A, B = rng.normal(size=(4, 7)), rng.normal(size=(7, 3))

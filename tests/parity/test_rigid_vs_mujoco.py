@@ -9,12 +9,9 @@ import surefoot as sf
 from surefoot.control.controller import RobotState
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
-from surefoot.simulation.bodies import box
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
-from surefoot.spatial import GRAVITY, quaternion_from_rotation
-
-NONE = np.zeros(0)
+from surefoot.spatial import GRAVITY
 
 
 def standing_forces(world_type, degrees: float) -> np.ndarray:
@@ -74,54 +71,6 @@ def test_a_push_moves_the_base_alike(name, push):
         paths.append(np.array(path))
     assert np.abs(paths[0]).max() > 5e-3
     assert np.abs(paths[0] - paths[1]).max() < 0.01 * np.abs(paths[0]).max()  # measured: 0.1 %
-
-
-def slide(world_type, mu: float, speed: float):
-    """Return the distance, and the total normal force and height at every step of the slide."""
-    body = box(2.0, (0.3, 0.3, 0.1), rounding=0.01)
-    world = world_type(body, mu=mu)
-    world.reset(body.nominal, np.array([speed, 0, 0, 0, 0, 0]))
-    normal, height = [], []
-    for _ in range(round((speed / (mu * GRAVITY) + 0.1) / world.dt)):
-        world.step(NONE)
-        normal.append(world.contacts().forces[:, 2].sum())
-        height.append(world.state()[0][2] - 0.05)
-    return world.state()[0][0], np.array(normal), np.array(height)
-
-
-@pytest.mark.parametrize(("mu", "speed"), [(0.5, 2.0), (0.3, 1.0)])
-def test_sliding_block(mu, speed):
-    """Same distance and mean force; MuJoCo's block hops, because its convex friction law separates
-    contacts that slide, and the rigid one glides."""
-    far, normal, height = slide(RigidWorld, mu, speed)
-    far_soft, normal_soft, height_soft = slide(MujocoWorld, mu, speed)
-    weight = 2.0 * GRAVITY
-    assert far == pytest.approx(speed**2 / (2 * mu * GRAVITY), rel=5e-3)
-    assert far_soft == pytest.approx(far, rel=5e-3)
-    assert np.abs(normal - weight).max() < 1e-6 * weight
-    assert normal_soft[1:].mean() == pytest.approx(weight, rel=0.05)
-    assert normal_soft.max() > 5.0 * weight
-    assert np.abs(height).max() < 1e-9
-    assert height_soft.max() > 1e-4
-
-
-def test_block_on_a_slope_creeps_in_mujoco_only():
-    body, ground = box(2.0, (0.3, 0.3, 0.1), rounding=0.01), sf.SlopeTerrain(20.0)
-    speeds = []
-    for world_type in (RigidWorld, MujocoWorld):
-        world = world_type(body, ground, mu=0.5)
-        q, rotation = body.nominal.copy(), ground.frame([0.0, 0.0])
-        q[:3] = rotation @ [0.0, 0.0, body.nominal[2]]
-        q[3:7] = quaternion_from_rotation(rotation)
-        world.reset(q)
-        for _ in range(200):
-            world.step(NONE)
-        before = world.state()[0][:3].copy()
-        for _ in range(500):
-            world.step(NONE)
-        speeds.append(np.linalg.norm(world.state()[0][:3] - before) / 0.5)
-    assert speeds[0] < 1e-12
-    assert 1e-8 < speeds[1] < 1e-5  # [m/s]: friction that is a very stiff damper
 
 
 def test_a_stack_carries_the_same_forces_and_sinks_only_in_mujoco():

@@ -9,6 +9,7 @@ import pytest
 import surefoot as sf
 from surefoot.robot import dynamics
 from surefoot.robot.jacobians import Baumgarte, attach, contact_drift, contact_error, contact_jacobian
+from tests.robot.constraints import constraints
 
 ROBOTS = ("go2", "anymal", "g1", "panda")
 
@@ -27,12 +28,7 @@ def case(request, make):
 
 def pinocchio_answer(robot, q, v, tau, points):
     """Acceleration and contact forces of pinocchio.constraintDynamics."""
-    data = robot.model.createData()
-    pinocchio.framesForwardKinematics(robot.model, data, q)
-    models, datas = pinocchio.StdVec_RigidConstraintModel(), pinocchio.StdVec_RigidConstraintData()
-    for point in points:
-        models.append(dynamics.rigid_constraint(robot, data, point))
-        datas.append(models[-1].createData())
+    data, models, datas = constraints(robot, q, points)
     pinocchio.initConstraintDynamics(robot.model, data, models, datas)
     settings = pinocchio.ProximalSettings(1e-12, 0.0, 1)
     a = np.array(pinocchio.constraintDynamics(robot.model, data, q, v, tau, models, datas, settings))
@@ -123,19 +119,6 @@ def test_rank_deficient_contacts(make, name):
     assert np.abs(gap).max() < 1e-9 * np.abs(coarse.forces).max()
 
 
-def test_damped_system_is_the_kkt_matrix(make):
-    robot, rng = make.robot("go2"), np.random.default_rng(1)
-    q, v = make.state(robot, rng)
-    stance, tau = robot.stance(q), rng.normal(size=18)
-    J, epsilon = contact_jacobian(robot, q, stance), 1e-3
-    kkt = np.block([[dynamics.mass_matrix(robot, q), J.T], [J, -epsilon * np.eye(12)]])
-    right = np.concatenate([tau - dynamics.bias_forces(robot, q, v), -contact_drift(robot, q, v, stance)])
-    x = np.linalg.solve(kkt, right)
-    ours = dynamics.constrained_dynamics(robot, q, v, tau, stance, damping=epsilon)
-    assert relative(ours.acceleration, x[:18]) < 1e-9
-    assert relative(ours.forces, -x[18:]) < 1e-9
-
-
 def hand_on_wall(make):
     """G1 on two soles, a hand against a wall that faces it."""
     robot = make.robot("g1")
@@ -160,17 +143,19 @@ def touching(request, make):
     return robot, q, make.stance(robot, q, rng)
 
 
-def test_delassus_three_ways(touching):
+def test_delassus_is_that_of_pinocchios_factors(touching):
     robot, q, stance = touching
     dense = dynamics.delassus_dense(robot, q, stance)
     scale = np.abs(dense).max()
     assert np.array_equal(dense, dense.T)
     assert np.linalg.eigvalsh(dense).min() > -1e-12 * scale
-    assert np.abs(dynamics.delassus_factorised(robot, q, stance) - dense).max() < 1e-10 * scale
-    product = dynamics.DelassusOperator(robot, q, stance)
-    assert np.abs(product @ np.eye(stance.dim) - dense).max() < 1e-10 * scale
-    x = np.random.default_rng(0).normal(size=stance.dim)
-    assert relative(product @ x, dense @ x) < 1e-9
+    data, models, datas = constraints(robot, q, attach(robot, q, stance))
+    pinocchio.crba(robot.model, data, q, pinocchio.Convention.WORLD)
+    for model, one in zip(models, datas, strict=True):
+        model.calc(robot.model, data, one)  # the factorisation reads the placements, unasked for
+    factors = pinocchio.ContactCholeskyDecomposition(robot.model, data, models, datas)
+    factors.compute(robot.model, data, models, datas, 0.0)
+    assert np.abs(factors.getInverseOperationalSpaceInertiaMatrix() - dense).max() < 1e-10 * scale
 
 
 def test_baumgarte_brings_a_displaced_contact_back(make):

@@ -53,25 +53,6 @@ def test_jacobian_is_the_derivative_of_the_contacts_place(case):
     assert relative(contact_jacobian(robot, q, stance) @ v, point_velocity(robot, q, v, points)) < FD
 
 
-def test_world_aligned_is_local_turned(case):
-    robot, q, _, stance, _ = case
-    local = contact_jacobian(robot, q, stance, "local")
-    aligned = contact_jacobian(robot, q, stance, "local_world_aligned")
-    for point, rows in zip(attach(robot, q, stance), stance.slices, strict=True):
-        R = robot.data.oMf[point.frame].rotation
-        turned = np.kron(np.eye(point.dim // 3), R) @ local[rows]
-        assert relative(turned, aligned[rows]) < 1e-12
-
-
-def test_contact_frame_is_world_aligned_turned(case):
-    robot, q, _, stance, _ = case
-    contact = contact_jacobian(robot, q, stance, "contact")
-    aligned = contact_jacobian(robot, q, stance, "local_world_aligned")
-    for k, rows in enumerate(stance.slices):
-        R = np.kron(np.eye(stance.contacts[k].dim // 3), stance.rotations[k])
-        assert relative(R @ contact[rows], aligned[rows]) < 1e-12
-
-
 @pytest.mark.parametrize("reference", ["local", "world", "local_world_aligned"])
 def test_jacobian_of_a_frame_is_pinocchios(case, reference):
     robot, q, _, _, _ = case

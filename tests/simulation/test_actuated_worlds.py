@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.control.actuators import Actuators
-from surefoot.control.motor_limits import MotorLimits
 from surefoot.errors import ProblemError
+from surefoot.robot.actuators import Actuators
+from surefoot.robot.motor_limits import MotorLimits
 from surefoot.simulation.worlds import make_world
 
 LINK = """<link name="{0}"><inertial><mass value="1"/>

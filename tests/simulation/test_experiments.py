@@ -7,31 +7,27 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
-from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.simulation import drake_python
-from surefoot.simulation.experiments import (
-    EXPERIMENTS,
+from surefoot.simulation.experiments import EXPERIMENTS, bodies, carry_out
+from surefoot.simulation.experiments.experiment import (
+    ComparedQuantity,
     Curve,
     Measurement,
     WorldExperiment,
-    bodies,
-    carry_out,
     compare,
-    experiment_named,
 )
-from surefoot.simulation.experiments.experiment import ComparedQuantity
 from surefoot.spatial import GRAVITY
 
 HERE = {
     "rigid": True,
     "mujoco": importlib.util.find_spec("mujoco") is not None,
     "drake": drake_python.present(),
+    "bullet": importlib.util.find_spec("pybullet") is not None,
 }
 QUICK = ("slide", "stick", "roll", "stand")
-"""What Drake, which answers through a pipe, is asked in the tests; `surefoot worlds` asks it all."""
+"""What Drake, which answers through a pipe, and Bullet are asked here; `surefoot worlds` asks all."""
 
 
 @pytest.mark.parametrize("world", HERE)
@@ -40,7 +36,7 @@ def test_worlds_keep_to_the_closed_forms(name: str, world: str) -> None:
     experiment = EXPERIMENTS[name]
     if not HERE[world]:
         pytest.skip(f"{world} is not here")
-    if world == "drake" and name not in QUICK:
+    if world in ("drake", "bullet") and name not in QUICK:
         pytest.skip("run by `surefoot worlds`")
     rows, seen = compare(experiment, world)
     assert len(rows) == len(seen.values)
@@ -99,31 +95,6 @@ def test_every_run_is_told_before_it_is_made() -> None:
 def test_a_step_that_is_no_step(dt: float) -> None:
     with pytest.raises(ProblemError, match="dt must be"):
         carry_out(EXPERIMENTS["drop"], ["rigid"], dt)
-
-
-def test_unknown_experiments_are_answered_with_all() -> None:
-    with pytest.raises(ProblemError, match="unknown experiment 'drip'; valid names: "):
-        experiment_named("drip")
-
-
-def test_the_tipping_box_is_the_pendulum_equation() -> None:
-    """Integrate the box that rolls on its corner's sphere, from Lagrange's equation, not from energy."""
-    arm, r, m = bodies._arm()[0], bodies.CORNER, bodies.MASS
-    own = m / 12.0 * (bodies.TALL[0] ** 2 + bodies.TALL[2] ** 2)
-
-    def rates(_: float, y: FloatArray) -> list[float]:
-        a, w = y
-        inertia = own + m * (arm**2 + r**2 + 2.0 * r * arm * math.cos(a))
-        return [w, (m * GRAVITY * arm * math.sin(a) + m * r * arm * math.sin(a) * w**2) / inertia]
-
-    def there(_: float, y: FloatArray) -> float:
-        return float(y[0]) - math.radians(bodies.UNTIL)
-
-    there.terminal = True  # type: ignore[attr-defined]
-    start = [math.radians(bodies.LEAN), 0.0]
-    found = solve_ivp(rates, (0.0, 5.0), start, events=there, rtol=1e-11, atol=1e-13)
-    expected = float(bodies._turning(np.array(math.radians(bodies.UNTIL))))
-    assert found.y_events[0][0][1] == pytest.approx(expected, rel=1e-8)
 
 
 @pytest.mark.skipif(not HERE["mujoco"], reason="MuJoCo is not here")

@@ -8,7 +8,7 @@ from surefoot.contact import Status
 from surefoot.control.controller import Command, JointTargets, RobotState
 from surefoot.errors import ProblemError
 from surefoot.robot import load_robot, place
-from surefoot.simulation.faults import Faults, believed_robot
+from surefoot.simulation.faults import Faults, scaled_robot
 from surefoot.simulation.mujoco import MujocoWorld
 
 
@@ -93,10 +93,10 @@ def test_wrong_faults_are_told(world: MujocoWorld, faults: Faults, message: str)
         faults.start(world, None)
 
 
-def test_a_believed_robot_is_heavier_and_the_true_one_is_left_alone() -> None:
+def test_a_scaled_robot_is_heavier_and_the_true_one_is_left_alone() -> None:
     robot = load_robot("go2")
     mass = robot.mass
-    heavy = believed_robot(robot, 1.25)
+    heavy = scaled_robot(robot, 1.25)
     assert heavy.mass == pytest.approx(1.25 * mass)
     assert pinocchio.computeTotalMass(robot.model) == pytest.approx(mass)
     M, scaled = (pinocchio.crba(r.model, r.model.createData(), r.nominal) for r in (robot, heavy))

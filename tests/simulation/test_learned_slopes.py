@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 
 from surefoot.audit import summarise_walk
-from surefoot.control.actuators import actuators_of
 from surefoot.control.controller import RobotState
-from surefoot.control.gait_library import named_gait
 from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walkers import walking_controller
 from surefoot.control.walking_body import VelocityCommand, first_stance
 from surefoot.control.walking_feet import Feet
 from surefoot.robot import load_robot
+from surefoot.robot.actuators import actuators_of
 from surefoot.simulation.height_scan import RangeSensor
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario
 from surefoot.simulation.sensors import SensorModel
 from surefoot.simulation.walk_terrain import start_pose
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import SlopeTerrain, StairsTerrain, Terrain
 
 MU = 0.6

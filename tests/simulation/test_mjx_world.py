@@ -9,7 +9,8 @@ import pytest
 
 from surefoot.errors import MissingExtra, ProblemError, SimulationError
 from surefoot.simulation.bodies import ball
-from surefoot.simulation.experiments import EXPERIMENTS, compare
+from surefoot.simulation.experiments import EXPERIMENTS
+from surefoot.simulation.experiments.experiment import compare
 from surefoot.simulation.mjx import MjxWorld, import_mjx
 from surefoot.simulation.mujoco import MujocoWorld
 

@@ -7,11 +7,13 @@ import pytest
 
 import surefoot as sf
 from surefoot.planning.tracking import Reference
+from surefoot.robot.motor_limits import motor_limits
 from surefoot.simulation.plan_execution import (
     FRICTION_ERROR,
     MASS_ERROR,
     START_PLACE,
     START_TURN,
+    MotorLimited,
     Surprise,
     displaced,
     execute,
@@ -62,7 +64,7 @@ def test_surprises_are_survived(jump: Reference, limits: str) -> None:
 
 def test_motors_cannot_give_what_a_weaker_robot_has_not(jump: Reference) -> None:
     """With a fifth of the torque the hop does not happen, and nobody says that it did."""
-    from surefoot.control.motor_limits import MotorLimits, motor_limits
+    from surefoot.robot.motor_limits import MotorLimits, motor_limits
 
     box = motor_limits(ROBOT)
     weak = MotorLimits(0.2 * box.effort, box.speed)
@@ -86,3 +88,18 @@ def test_what_is_refused(jump: Reference) -> None:
         execute(jump, "mujoco", "strong")
     with pytest.raises(sf.ProblemError, match="seed"):
         execute(jump, "mujoco", seed=-1)
+
+
+def test_a_controller_behind_motors() -> None:
+    class Push(sf.Controller):
+        channels = ()
+
+        def step(self, state: sf.RobotState) -> sf.Command:
+            every = np.ones(4, dtype=bool)
+            return sf.Command(np.full(12, 40.0), np.zeros((4, 3)), every, True, sf.Status.SOLVED)
+
+    limited = MotorLimited(Push(), motor_limits(ROBOT))
+    v = np.zeros(18)
+    v[8] = 20.0
+    torques = limited.step(sf.RobotState(ROBOT.nominal, v)).torques
+    np.testing.assert_allclose(torques, [23.7, 23.7, 0.0, *[23.7, 23.7, 40.0] * 3])

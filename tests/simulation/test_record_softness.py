@@ -110,15 +110,6 @@ def test_a_heavier_landing_is_deeper_and_rounding_is_no_softness() -> None:
     assert found.stopping(50.0, 0.0) == 0.0
 
 
-def test_signs_that_mujoco_replaces_declare_nothing() -> None:
-    model = scene(SPHERE, 0.1)
-    data = mujoco.MjData(model)
-    mujoco.mj_step(model, data, 10)
-    contact = data.contact[0]
-    contact.solref[:] = [0.02, -1.0]
-    assert soft_contact(mujoco, model, (0, 1), contact) is None
-
-
 @pytest.mark.parametrize("solref", [None, (0.01, 1.0)])
 def test_a_world_declares_its_ground(solref: tuple[float, float] | None) -> None:
     robot, ground = load_robot("go2"), FlatTerrain()

@@ -9,35 +9,12 @@ import pinocchio
 import pytest
 
 from surefoot.errors import ProblemError
-from surefoot.robot import Robot, load_robot
-from surefoot.simulation.sensor_kernels import counted, imu_reading, mean_readings, with_points
+from surefoot.robot import Robot
+from surefoot.simulation.sensor_kernels import mean_readings
 from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 DT = 0.001
-
-
-@pytest.mark.parametrize("size", [1e-12, 1e-5, 0.3, 2.0])
-def test_mean_readings_are_those_of_matrices(size: float) -> None:
-    random, dt = np.random.default_rng(0), 0.01
-    for _ in range(20):
-        qa, qb, va, vb = random.normal(size=7), np.empty(7), random.normal(size=6), random.normal(size=6)
-        arm, turn = random.normal(size=3), size * random.normal(size=3)
-        qa[3:] /= np.linalg.norm(qa[3:])
-        Ra = rotation_from_quaternion(qa[3:7])
-        qb[:3], qb[3:] = 0.0, pinocchio.Quaternion(Ra @ pinocchio.exp3(turn)).coeffs()
-        if random.random() < 0.5:
-            qb[3:] *= -1.0  # the same rotation
-        rate, force = np.empty(3), np.empty(3)
-        mean_readings(qa, va, qb, vb, dt, arm, rate, force)
-        Rb = rotation_from_quaternion(qb[3:7])
-        found = pinocchio.log3(Ra.T @ Rb)
-        a, b = (R @ (v[:3] + np.cross(v[3:6], arm)) for R, v in ((Ra, va), (Rb, vb)))
-        middle = Ra @ pinocchio.exp3(0.5 * found)
-        np.testing.assert_allclose(rate * dt, found, atol=1e-13 + 1e-9 * size)
-        np.testing.assert_allclose(
-            force, middle.T @ ((b - a) / dt + [0.0, 0.0, GRAVITY]), rtol=1e-8, atol=1e-8
-        )
 
 
 def mean_motion(last: tuple, now: tuple, dt: float, arm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -45,11 +22,6 @@ def mean_motion(last: tuple, now: tuple, dt: float, arm: np.ndarray) -> tuple[np
     rate, force = np.empty(3), np.empty(3)
     mean_readings(*last, *now, dt, arm, rate, force)
     return rate, force
-
-
-@pytest.fixture(scope="module")
-def robot() -> Robot:
-    return load_robot("go2")
 
 
 def test_mean_motion_integrates_back_to_the_motion(robot: Robot) -> None:
@@ -186,71 +158,3 @@ def test_a_level_scales_what_is_wrong_and_nothing_else() -> None:
     assert twice.filter_noise().gyro >= usual.filter_noise().gyro
     with pytest.raises(ProblemError, match="level must be"):
         usual.scaled(-1.0)
-
-
-@pytest.mark.parametrize("first", [True, False])
-def test_a_row_of_readings_is_that_of_its_parts(robot: Robot, first: bool) -> None:
-    """Seeded sensors against the kernels of IMU and encoders, fed with the same numbers in the same order."""
-    imu = ImuModel(position=(0.1, -0.2, 0.3), latency=0.0)
-    encoders = EncoderModel(latency=0.0)
-    sensors, random = Sensors(SensorModel(imu, encoders), robot, DT, 7), np.random.default_rng([7, 2])
-    biases = np.array([imu.gyro_bias * random.normal(size=3), imu.accelerometer_bias * random.normal(size=3)])
-    offsets, factors = encoders.bias * random.normal(size=12), 1.0 + 0.03 * random.normal(size=12)
-    motions = np.random.default_rng(1)
-    q, v = robot.nominal + 0.1 * motions.normal(size=19), motions.normal(size=18)
-    q[3:7] /= np.linalg.norm(q[3:7])
-    true = v[3:6], rotation_from_quaternion(q[3:7]).T @ np.array([0.0, 0.0, GRAVITY])
-    root = np.sqrt(DT)
-    scales = np.array([
-        root * imu.gyro_drift, root * imu.accelerometer_drift, imu.gyro_noise / root,
-        imu.accelerometer_noise / root,
-    ])  # fmt: skip
-    steps, ranges = np.array([imu.gyro_step, imu.accelerometer_step]), np.array([imu.gyro_range, 157.0])
-    for _ in range(1 if first else 3):
-        told = sensors.read(q, v)
-        seen = imu_reading(*true, biases, random.normal(size=(4, 3)), scales, steps, ranges)
-        noise = random.normal(size=(2, 12))
-        np.testing.assert_allclose(told.gyro, seen[0], atol=1e-12)
-        np.testing.assert_allclose(told.accelerometer, seen[1], atol=1e-12)
-        angles = counted(q[7:], offsets, encoders.noise, noise[0], encoders.step)
-        speeds = counted(v[6:], np.zeros(12), encoders.speed_noise, noise[1], encoders.speed_step)
-        np.testing.assert_allclose(told.positions, angles, atol=1e-12)
-        np.testing.assert_allclose(told.speeds, speeds, atol=1e-12)
-        torques = motions.normal(size=12)
-        felt = factors * torques + sensors._torque_noise * random.normal(size=12)
-        np.testing.assert_allclose(sensors.torques(torques), felt)
-        last = q.copy(), v.copy()
-        q += 0.01 * motions.normal(size=19)  # the same array: sensors keep no reference to it
-        v += 0.1 * motions.normal(size=18)
-        q[3:7] /= np.linalg.norm(q[3:7])
-        true = mean_motion(last, (q, v), DT, np.array(imu.position))
-
-
-def test_feet_with_active_points_are_found() -> None:
-    foot, random = np.array([0, 0, 1, 2, 2, 2]), np.random.default_rng(0)
-    for _ in range(20):
-        active, expected = random.random(6) < 0.4, np.zeros(4, dtype=bool)
-        expected[foot[active]] = True
-        out = random.random(4) < 0.5
-        with_points(active, foot, out)
-        np.testing.assert_array_equal(out, expected)
-
-
-def test_readings_are_those_of_plain_numpy() -> None:
-    random = np.random.default_rng(3)
-    scales, steps, ranges = np.array([1e-3, 2e-3, 0.1, 0.3]), np.array([0.01, 0.0]), np.array([1.0, 20.0])
-    biases = random.normal(size=(2, 3))
-    walked = biases.copy()
-    for _ in range(20):
-        rate, force, noise = random.normal(size=3), 10.0 * random.normal(size=3), random.normal(size=(4, 3))
-        gyro, accelerometer = imu_reading(rate, force, biases, noise, scales, steps, ranges)
-        walked += scales[:2, None] * noise[:2]
-        np.testing.assert_allclose(biases, walked)
-        told = rate + walked[0] + scales[2] * noise[2]
-        np.testing.assert_allclose(gyro, np.clip(0.01 * np.round(told / 0.01), -1.0, 1.0), atol=1e-12)
-        told = force + walked[1] + scales[3] * noise[3]
-        np.testing.assert_allclose(accelerometer, np.clip(told, -20.0, 20.0), atol=1e-12)
-    true, offsets, noise = random.normal(size=(3, 12))
-    expected = 0.05 * np.round((true + offsets + 0.2 * noise) / 0.05)
-    np.testing.assert_allclose(counted(true, offsets, 0.2, noise, 0.05), expected, atol=1e-12)
-    np.testing.assert_allclose(counted(true, offsets, 0.2, noise, 0.0), true + offsets + 0.2 * noise)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,9 +10,7 @@ from surefoot.audit import summarise_stand
 from surefoot.audit.motion import tilt_angles
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import Lift, StandingPlan
-from surefoot.errors import ProblemError
-from surefoot.log import CHANNELS, Log
-from surefoot.log.formats import read_log
+from surefoot.log import Log
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import (
@@ -24,7 +20,6 @@ from surefoot.simulation.scenario import (
     Push,
     Scenario,
     push_at,
-    start_velocity,
 )
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about
 
@@ -77,14 +72,10 @@ def test_other_robots_stand_without_code_of_their_own(name: str) -> None:
 @pytest.mark.parametrize(
     "case",
     [
-        {"degrees": 20.0},
         {"payload": 5.0, "duration": 4.0},
-        {"pushes": [Push(0.5, (60.0, 0.0, 0.0), 0.2)]},
-        {"lifts": (Lift("FL", 1.0, 2.0),), "duration": 3.0},
         {"ice": [Ice(1.0, 0.05)]},
-        {"seed": 3},
     ],
-    ids=["slope", "payload", "push", "lift", "ice", "seed"],
+    ids=["payload", "ice"],
 )
 def test_go2_stands_through(case: dict[str, object]) -> None:
     summary = summarise_stand(stand(**case))  # type: ignore[arg-type]
@@ -109,28 +100,6 @@ def test_robots_stand_through_a_push_and_a_lift_on_a_slope(
     assert summary.laws_judged == ["unilateral", "Coulomb", "dissipation"]
     assert summary.laws_broken == []
     assert max(f.slip for f in summary.feet) < 5e-4
-
-
-@pytest.mark.parametrize("field", ["q", "v", "torques", "forces", "gaps", "contact_velocities"])
-def test_a_log_with_a_number_that_is_none_did_not_stand(field: str) -> None:
-    log = stand(duration=0.1)
-    assert summarise_stand(log).success
-    log.arrays[field].flat[50] = np.nan
-    summary = summarise_stand(log)
-    assert summary.outcome == "invalid"
-    assert not summary.success
-    assert bool(summary.laws_broken) == (field in ("forces", "gaps", "contact_velocities"))
-
-
-def test_slope_shares_the_weight_between_normal_and_friction() -> None:
-    log = stand(degrees=20.0)
-    total = log["forces"][-500:].mean(axis=0).sum(axis=0)
-    weight = log.facts["mass"] * GRAVITY
-    angle = np.radians(20.0)
-    # +x climbs: friction pushes uphill with m g sin, the ground with m g cos
-    np.testing.assert_allclose(
-        total, weight * np.array([np.sin(angle), 0.0, np.cos(angle)]), atol=2e-3 * weight
-    )
 
 
 def test_lifted_foot_is_in_the_air_and_back() -> None:
@@ -159,53 +128,6 @@ def test_push_beyond_the_ground_is_flagged_not_hidden() -> None:
     assert np.all(cone.margin(log["forces_commanded"]) > -1e-9)
 
 
-def test_same_seed_same_log_and_another_seed_another() -> None:
-    one, two, other = stand(seed=5, duration=0.3), stand(seed=5, duration=0.3), stand(seed=6, duration=0.3)
-    for name in one.arrays:
-        if name != "controller_time":
-            np.testing.assert_array_equal(one[name], two[name])
-    assert not np.array_equal(one["q"], other["q"])
-
-
-def test_interrupted_run_keeps_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
-    steps = 0
-    original = MujocoWorld.step
-
-    def step(self: MujocoWorld, *arguments: object) -> None:
-        nonlocal steps
-        steps += 1
-        if steps == 150:
-            raise KeyboardInterrupt
-        original(self, *arguments)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(MujocoWorld, "step", step)
-    log = stand()
-    assert log.facts["outcome"] == "interrupted"
-    assert 100 < len(log) < 150
-    assert all(len(rows) == len(log) for rows in log.arrays.values())
-    assert summarise_stand(log).outcome == "interrupted"
-    assert not summarise_stand(log).success
-
-
-def test_log_round_trip_without_pickle(tmp_path: Path) -> None:
-    log = stand(duration=0.1)
-    path = log.save(tmp_path / "log.npz")
-    again = read_log(path)
-    assert set(again.arrays) == set(log.arrays) <= set(CHANNELS)
-    for name in log.arrays:
-        np.testing.assert_array_equal(again[name], log[name])
-    assert again.facts["robot"] == "go2"
-    assert again.facts["feet"] == list(log.facts["feet"])
-    assert summarise_stand(again) == summarise_stand(log)
-    with pytest.raises(ProblemError, match="exists already"):
-        log.save(path)
-    with pytest.raises(ProblemError, match="not a Surefoot log"):
-        read_log(tmp_path / "none.npz")
-    np.savez(tmp_path / "other.npz", schema=99)
-    with pytest.raises(ProblemError, match="schema 99, expected 1"):
-        read_log(tmp_path / "other.npz")
-
-
 def test_logged_grasp_map_is_the_one_of_that_step() -> None:
     log = stand(duration=0.2, pushes=[Push(0.05, (40.0, 0.0, 0.0), 0.1)])
     missed = np.einsum("tij,tj->ti", log["grasp_map"], log["forces_commanded"].reshape(len(log), -1))
@@ -217,19 +139,8 @@ def test_helpers() -> None:
     assert push_at(pushes, 0.9) is None
     np.testing.assert_allclose(push_at(pushes, 1.25), [1.0, 2.0, 0.0])
     assert push_at(pushes, 1.5) is None
-    robot = sf.load_robot("go2")
-    assert start_velocity(robot, None) is None
-    q = robot.nominal
-
-    def fallen(state: np.ndarray) -> str | None:
-        return STANDING_FALL.happened(state, q[2], sf.FlatTerrain())
-
-    assert fallen(q) is None
+    q = sf.load_robot("go2").nominal
     lying = q.copy()
     lying[3:7] = quaternion_from_rotation(rotation_about([1.0, 0.0, 0.0], np.radians(60.0)))
-    assert fallen(lying) == "fell"
-    low = q.copy()
-    low[2] *= 0.4
-    assert fallen(low) == "fell"
-    assert fallen(np.full_like(q, np.nan)) == "invalid"
+    assert STANDING_FALL.happened(lying, q[2], sf.FlatTerrain()) == "fell"
     np.testing.assert_allclose(tilt_angles(np.stack([q, lying])), [0.0, np.radians(60.0)], atol=1e-9)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
 import surefoot as sf
 from surefoot.contact.sets.contact_set import ContactSet
 from surefoot.solvers import set_kernels
-from surefoot.solvers.set_admm import Sets
+from surefoot.solvers.scaled import ScaledContacts, measure_of, scaling
 
 C = sf.contact_sets
 CONTACTS = [
@@ -39,26 +41,79 @@ def draws(count: int) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("unit", [1.0, 0.2])
-def test_projection_shift_and_jacobian_are_those_of_the_contacts(unit: float) -> None:
+def test_projection_and_shift_are_those_of_the_contacts(unit: float) -> None:
     """Scaled variables: forces over lengths and over the contact's unit, bounds over the unit."""
     packed = set_kernels.pack(SET, sf.laws.Law("most of it", 0.7), np.full(len(SET), unit))
     out, gamma = np.empty(SET.rows), np.empty(SET.rows)
-    J = np.empty((len(SET), 6, 6))
     scale = unit * SET.lengths
     for x in draws(200):
         set_kernels.project_sets(*packed, x, out)
-        set_kernels.shift_sets(*packed, x, gamma)
-        set_kernels.jacobian_sets(*packed, x, J)
+        gamma[:] = x
+        set_kernels.add_shift(*packed, x, 1.0, gamma)
+        back = -x
+        set_kernels.add_shift(*packed, -x, -1.0, back)
+        assert np.array_equal(back, -gamma)
         parts = zip(CONTACTS, *(SET.split(v) for v in (scale * x, scale * out, x, gamma)), strict=True)
-        for k, (contact, own, nearest, velocity, shifted) in enumerate(parts):
+        for contact, own, nearest, velocity, shifted in parts:
             assert np.allclose(contact.project(own) / contact.lengths, nearest / contact.lengths, atol=1e-12)
             expected = velocity.copy()
             expected[contact.normal] += 0.7 * contact.shift(velocity / contact.lengths)
             assert np.allclose(shifted, expected, atol=1e-12)
-            r = contact.rows
-            metric = contact.lengths[:, None] / contact.lengths[None, :]
-            if np.all(own != 0.0):  # at a kink each may choose its own side
-                assert np.allclose(contact.jacobian(own), J[k, :r, :r] * metric, atol=1e-9), contact
+
+
+@pytest.mark.parametrize("facets", [None, 5])
+def test_cones_are_packed_as_the_contacts_that_they_are(facets: int | None) -> None:
+    held = np.array([False, True, False])
+    problem = sf.ContactProblem(
+        np.eye(9),
+        np.ones(9),
+        [0.5, 0.0, 0.7],
+        [0.2, 0.0, 0.0],
+        [2.0, np.inf, np.inf],
+        facets=facets,
+        bilateral=held,
+    )
+    own = ScaledContacts(problem)
+    offset, group, table = own.packed
+    expected = set_kernels.pack(problem.contact_set, problem.law, own.D[2::3])
+    assert np.array_equal(own.D, scaling(problem))
+    assert np.array_equal([own.step, own.weight], measure_of(problem, own.D[2::3]))
+    assert np.array_equal(offset, expected[0])
+    free = table[:, set_kernels.CODE] == set_kernels.FREE
+    assert free.tolist() == held.tolist()
+    assert np.array_equal(group.reshape(3, 3)[~free], expected[1].reshape(3, 3)[~free])
+    x = np.random.default_rng(0).normal(size=9)
+    for kernel in (set_kernels.project_sets, lambda *a: set_kernels.add_shift(*a[:4], 1.0, a[4])):
+        out, other = np.zeros(9), np.zeros(9)
+        kernel(offset, group, table, x, out)
+        kernel(*expected, x, other)
+        assert np.array_equal(out, other)
+
+
+def test_jacobian_is_that_of_finite_differences() -> None:
+    """Contact by contact, away from kinks; a projection's is symmetric, with eigenvalues between 0 and 1."""
+    packed = set_kernels.pack(SET, sf.laws.COULOMB, np.ones(len(SET)))
+    J, ends, compared = np.empty((len(SET), 6, 6)), np.empty((3, SET.rows)), 0
+    for x in draws(80):
+        set_kernels.jacobian_sets(*packed, x, J)
+        h = 1e-6 * (1.0 + float(np.abs(x).max()))
+        for k, (start, end) in enumerate(itertools.pairwise(SET.offsets)):
+            own = J[k, : end - start, : end - start]
+            assert np.allclose(own, own.T, atol=1e-10)
+            values = np.linalg.eigvalsh(0.5 * (own + own.T))
+            assert values.min() >= -1e-9
+            assert values.max() <= 1.0 + 1e-9
+            for i in range(start, end):
+                for out, step in zip(ends, (-h, 0.0, h), strict=True):
+                    point = x.copy()
+                    point[i] += step
+                    set_kernels.project_sets(*packed, point, out)
+                behind, ahead = np.diff(ends[:, start:end], axis=0)
+                if np.abs(ahead - behind).max() <= 1e-4 * h:  # else a kink lies between
+                    slope = (ahead + behind) / (2.0 * h)
+                    assert np.allclose(slope, own[:, i - start], atol=1e-4), CONTACTS[k]
+                    compared += 1
+    assert compared > 60 * SET.rows
 
 
 @pytest.mark.parametrize("law", [sf.laws.COULOMB, sf.laws.CONVEX])
@@ -66,7 +121,7 @@ def test_newton_matrix_is_the_derivative_of_the_natural_map(law: sf.laws.Law) ->
     rng = np.random.default_rng(1)
     A = rng.normal(size=(SET.rows, 2 * SET.rows)) / SET.lengths[:, None]
     problem = sf.ContactProblem(A @ A.T / SET.rows, A[:, 0], contacts=CONTACTS, law=law)
-    s = Sets(problem)
+    s = ScaledContacts(problem)
     J, matrix = np.empty((len(SET), 6, 6)), np.empty((SET.rows, SET.rows))
     for x in draws(10)[3:]:
         u, _ = s.measure(x)

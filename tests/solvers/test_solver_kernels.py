@@ -17,6 +17,8 @@ from surefoot.solvers import (
     newton_step,
     nsgs,
     pyramid,
+    scaled,
+    set_kernels,
     solver,
     stopping,
 )
@@ -223,7 +225,8 @@ def test_admm_iterations() -> None:
     x, z, y = np.zeros(n), np.zeros(n), np.zeros(n)
     inverse = np.linalg.inv(p.G + (rho + eta) * np.eye(n))
     found = tuple(v.copy() for v in (x, z, y))
-    admm._iterate(inverse, p.g, *laws(p), True, 0, True, rho, eta, *found, 10)
+    packed = set_kernels.pack(p.contact_set, p.law, np.ones(4))
+    admm.iterate(inverse, packed, p.g, rho, eta, *found, 10)
     for _ in range(10):
         shift = np.zeros(n)
         shift[2::3] = p.mu * np.hypot(y[0::3], y[1::3])
@@ -247,7 +250,7 @@ def test_admm_of_few_contacts_is_that_of_many(law: str, facets: int | None) -> N
     p = problem(7, 5, law).replace(facets=facets)
     few = sf.solve(p, "admm", tol=1e-10)
     assert few.solved
-    many = admm.run_admm(admm.Cones(p, None), solver.SolverSettings(1e-10))
+    many = admm.run_admm(scaled.ScaledContacts(p), solver.SolverSettings(1e-10), None)
     assert np.allclose(few.forces, many.forces, atol=1e-7)
     again = sf.solve(p, "admm", tol=1e-10, warm_start=few.forces)
     assert again.solved

@@ -6,6 +6,7 @@ import pytest
 from benchmarks.problems.contacts import capsules
 from surefoot.contact import ContactProblem
 from surefoot.solvers import admm, interior_point
+from surefoot.solvers.scaled import ScaledContacts
 from surefoot.solvers.solver import SolverSettings
 
 
@@ -30,14 +31,16 @@ def project(w: np.ndarray, mu: np.ndarray) -> np.ndarray:
 
 
 def test_admm_with_sparse_factors_matches_a_dense_twin(heap: ContactProblem) -> None:
-    s = admm.Cones(heap, None)
+    own = ScaledContacts(heap)
+    s = admm.Splitting(own, None)
     assert s.sparse is not None
     rho, mu = 0.3, heap.mu
-    x, y, z = (np.zeros(s.g.size) for _ in range(3))
+    x, y, z = (np.zeros(own.g.size) for _ in range(3))
     for _ in range(30):
-        shift = np.zeros(s.g.size)
+        shift = np.zeros(own.g.size)
         shift[2::3] = mu * np.hypot(y[0::3], y[1::3])
-        x = np.linalg.solve(s.G + (rho + s.eta) * np.eye(s.g.size), rho * z - y + s.eta * x - s.g - shift)
+        A, b = own.G + (rho + s.eta) * np.eye(own.g.size), rho * z - y + s.eta * x - own.g - shift
+        x = np.linalg.solve(A, b)
         r = admm.RELAXATION * x + (1.0 - admm.RELAXATION) * z
         z = project(r + y / rho, mu)
         y = y + rho * (r - z)

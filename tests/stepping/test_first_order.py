@@ -15,7 +15,6 @@ import pytest
 import surefoot as sf
 from surefoot.errors import NoSolution, SimulationError
 from surefoot.laws import SpringDamper
-from surefoot.robot.dynamics import rigid_constraint
 from surefoot.robot.jacobians import attach
 from surefoot.simulation.bodies import ball, box, falling_cat
 from surefoot.simulation.rigid import RigidWorld
@@ -23,6 +22,7 @@ from surefoot.spatial import GRAVITY
 from surefoot.stepping import Knot, State, StepOptions, Stepper, step_derivative
 from surefoot.terrain import Terrain
 from surefoot.terrain.heightfield import HeightfieldTerrain
+from tests.robot.constraints import constraints
 from tests.stepping.test_derivative import paired_arms
 
 STEP, NEAR, CURVED = 1e-6, 1e-6, 1e-5
@@ -168,12 +168,7 @@ def test_where_all_feet_stick_it_is_pinocchios_constrained_dynamics() -> None:
     torques += 0.3 * np.random.default_rng(0).normal(size=12)
     d = step_derivative(stepper, stepper.start(q), torques, mu=5.0)
     assert d.modes == ("stick",) * 4
-    data = robot.model.createData()
-    pinocchio.framesForwardKinematics(robot.model, data, q)
-    models, datas = pinocchio.StdVec_RigidConstraintModel(), pinocchio.StdVec_RigidConstraintData()
-    for point in attach(robot, q, robot.stance(q, mu=5.0)):
-        models.append(rigid_constraint(robot, data, point))
-        datas.append(models[-1].createData())
+    data, models, datas = constraints(robot, q, attach(robot, q, robot.stance(q, mu=5.0)))
     pinocchio.initConstraintDynamics(robot.model, data, models, datas)
     settings = pinocchio.ProximalSettings(1e-13, 0.0, 1)
     tau = np.concatenate([np.zeros(6), torques])

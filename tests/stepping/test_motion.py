@@ -10,7 +10,6 @@ import surefoot as sf
 from surefoot.robot.centroidal import momentum
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.stepping import motion as rules
-from surefoot.stepping.flight import fly
 from surefoot.stepping.motion import ERROR, STAGES, FreeMotion
 
 
@@ -67,19 +66,6 @@ def test_torques_in_the_air_change_energy_by_their_work_and_no_momentum():
     assert np.abs(whirl(robot, *world.state())[0] - spin).max() < 1e-6 * np.linalg.norm(spin)
 
 
-def test_follows_runge_kutta_of_fourth_order():
-    robot = sf.load_robot("go2")
-    q, v = thrown(robot, 1, 4.0)
-    torques = np.linspace(-2.0, 2.0, 12)
-    expected = fly(robot, q, v, 0.05, dt=2.5e-4, torque=lambda *_: torques)
-    world = RigidWorld(robot)
-    world.reset(q, v)
-    for _ in range(50):
-        world.step(torques)
-    assert np.abs(world.state()[0] - expected.q[-1]).max() < 1e-7
-    assert np.abs(world.state()[1] - expected.v[-1]).max() < 1e-6
-
-
 def test_pair_is_of_fifth_order():
     """Single pieces of given length; the sums that order five needs hold in the tableau too."""
     assert STAGES[6].sum() == pytest.approx(1.0)
@@ -115,24 +101,6 @@ def test_cheap_ways_keep_the_tolerance(speed, monkeypatch):
         there = pair.advance(there[0], there[1], 5e-4, rate=there[2])
     assert np.abs(here[1] - there[1]).max() < 3e-8 * np.abs(speed * v).max()
     assert np.abs(here[0] - there[0]).max() < 3e-8 * np.abs(speed * v).max()
-
-
-def test_stage_twin_and_tangent_rate():
-    rng = np.random.default_rng(4)
-    model = sf.load_robot("go2").model
-    moves, slopes, v = rng.normal(size=(7, 18)), rng.normal(size=(7, 18)), rng.normal(size=18)
-    xi, speed, h = np.zeros(18), np.zeros(18), 0.01
-    for i in range(1, 7):
-        rules.stage(i, h, v, moves, slopes, True, xi, speed)
-        assert np.allclose(speed, v + h * STAGES[i, :i] @ slopes[:i], atol=1e-14)
-        before = np.delete(moves, i, axis=0)[:i]
-        assert np.allclose(xi, h * STAGES[i, :i] @ before, atol=1e-14)
-        D = pinocchio.dIntegrate(model, pinocchio.neutral(model), xi, pinocchio.ArgumentPosition.ARG1)
-        assert np.allclose(D @ moves[i], speed, atol=1e-11)
-    share = rules.pair_error(h, slopes, v)
-    assert share == pytest.approx(np.abs(h * ERROR @ slopes).max() / np.abs(v).max(), rel=1e-12)
-    slopes[3, 5] = np.nan
-    assert np.isnan(rules.pair_error(h, slopes, v))
 
 
 def test_ball_joints_move_as_rotations():

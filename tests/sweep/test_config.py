@@ -25,7 +25,7 @@ def drop(**ranges: Any) -> Any:
     ("content", "told"),
     [
         ([], "the file must be a mapping"),
-        ({}, "lacks 'experiment'"),
+        ({}, "experiment is missing"),
         ({"experiment": "jump"}, "unknown experiment 'jump'; valid names: drop, stand, walk"),
         ({**DROP, "sample": 3}, "unknown key 'sample'; valid names: experiment, maps"),
         ({**DROP, "samples": 0}, "samples must be a whole number >= 1, got 0"),
@@ -52,7 +52,7 @@ def drop(**ranges: Any) -> Any:
         (drop(mu=True), "mu must be a number, got True"),
         (drop(mu=None), "mu must be a number, got None"),
         (drop(mu="slippery"), "mu must be a number, got 'slippery'"),
-        (drop(mu={"low": 0.1}), "mu lacks 'high'"),
+        (drop(mu={"low": 0.1}), "mu: high is missing"),
         (drop(mu={"low": 0.1, "high": 1, "scal": 1}), "mu: unknown key 'scal'"),
         (drop(mu={"low": 0.1, "high": 1, "scale": "cubic"}), "mu: unknown scale 'cubic'"),
         (drop(mu={"low": 0, "high": 1, "scale": "log"}), "a log scale needs low > 0, got 0"),

@@ -15,7 +15,7 @@ from surefoot.errors import ProblemError
 from surefoot.robot import load_robot
 from surefoot.spatial import quaternion_from_rotation, rotation_about
 from surefoot.terrain import FlatTerrain
-from surefoot.viz.window import Window, check_display
+from surefoot.viz.window import ViewerWindow, check_display
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems need no DISPLAY")
@@ -35,11 +35,6 @@ def test_a_screen_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     with pytest.raises(ProblemError, match="--view cannot open a window"):
         check_display()
-
-
-def test_a_planner_that_cannot_be_steered(capsys: Any) -> None:
-    assert main(["walk", "go2", "--view", "--planner", "contact-implicit"]) == 2
-    assert "--view steers --planner convex, got contact-implicit" in capsys.readouterr().err
 
 
 class Handle:
@@ -72,7 +67,7 @@ def test_what_the_viewer_is_told() -> None:
         told.update(options)
         return handle
 
-    window = Window(robot, FlatTerrain(), launch)
+    window = ViewerWindow(robot, FlatTerrain(), launch)
     keys: list[int] = []
     window.open(keys.append)
     told["key_callback"](265)
@@ -94,6 +89,6 @@ def test_a_process_that_may_not_open_windows() -> None:
     def launch(*_: Any, **__: Any) -> Handle:
         raise RuntimeError("`launch_passive` requires that the Python script be run under `mjpython`")
 
-    window = Window(load_robot("go2"), FlatTerrain(), launch)
+    window = ViewerWindow(load_robot("go2"), FlatTerrain(), launch)
     with pytest.raises(ProblemError, match=r"cannot open a window: .*mjpython"):
         window.open(print)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from surefoot.contact import Status
 from surefoot.contact.laws import LAWS
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 STATUSES = tuple(Status)
 """Status codes are places in this tuple: 0 is SOLVED."""
@@ -54,8 +54,7 @@ def check_law(law: str) -> bool:
     ProblemError
         If there is no law of that name.
     """
-    if law not in LAWS:
-        raise ProblemError(unknown_name("law", law, LAWS))
+    check_name("law", law, LAWS)
     return law == "convex"
 
 

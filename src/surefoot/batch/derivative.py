@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.batch.loops import derive_range, measure_range
 from surefoot.contact.derivative import KINK, ContactDerivative
+from surefoot.contact.derivative_rates import Cotangents, read_rates
 from surefoot.contact.laws import Law
 from surefoot.contact.problem import ContactProblem
-from surefoot.errors import ProblemError
 
 InRanges = Callable[[Callable[[int, int], None], int, int], None]
 
@@ -30,40 +30,6 @@ class BatchTangents:
     velocities: FloatArray
     valid: BoolArray
     regular: BoolArray
-
-
-@dataclass(frozen=True)
-class BatchCotangents:
-    """Gradients of one number for each problem; zero where `valid` (B,) is False.
-
-    Attributes
-    ----------
-    g
-        (B, 3n).
-    mu, normal_min, normal_max
-        (B, n).
-    valid, regular
-        (B,); `regular` is False where contacts are redundant, see `ContactDerivative`.
-    """
-
-    g: FloatArray
-    mu: FloatArray
-    normal_min: FloatArray
-    normal_max: FloatArray
-    valid: BoolArray
-    regular: BoolArray
-    _forces: FloatArray
-
-    @cached_property
-    def G(self) -> FloatArray:
-        """The gradient (B, 3n, 3n) with respect to G, symmetric; made when it is asked for."""
-        outer = self.g[:, :, None] * self._forces[:, None, :]
-        return np.asarray(0.5 * (outer + outer.transpose(0, 2, 1)))
-
-    @cached_property
-    def compliance(self) -> FloatArray:
-        """The gradient (B, 3n) with respect to the compliance."""
-        return self.g * self._forces
 
 
 class BatchDerivative:
@@ -107,36 +73,21 @@ class BatchDerivative:
     ) -> BatchTangents:
         """Return how forces and velocities move with G (B, 3n, 3n), g (B, 3n), and the rest.
 
-        mu, normal_min and normal_max: a number, (n,) or (B, n); compliance: a number, (3n,) or (B, 3n).
+        mu, normal_min and normal_max: a number, (n,) or (B, n); compliance: a number, (n,), (3n,) or (B, 3n).
 
         Raises
         ------
         ProblemError
             If a shape is wrong or an entry is not finite.
         """
-        (B, m), n = self._g.shape, self._g.shape[1] // 3
-        flat = self._flat
-        b = np.zeros((B, m))
-        rates = np.zeros((B, 2 * n, 3))
-        if G is not None:
-            dG = finite_array("G", G, (B, m, m))
-            b += 0.5 * np.einsum("bij,bj->bi", dG + dG.transpose(0, 2, 1), flat)
-        if g is not None:
-            b += finite_array("g", g, (B, m))
-        if compliance is not None:
-            b += fitting("compliance", finite_array("compliance", compliance), B, m) * flat
-        rates[:, :n] = b.reshape(B, n, 3)
-        for column, (name, value) in enumerate(
-            (("mu", mu), ("normal_min", normal_min), ("normal_max", normal_max))
-        ):
-            if value is not None:
-                rates[:, n:, column] = fitting(name, finite_array(name, value), B, n)
+        n = self._g.shape[1] // 3
+        rates = read_rates(self._forces, G, g, compliance, (mu, normal_min, normal_max))
         out, regular = self._run(True, rates)
         for k in np.flatnonzero(self.valid & (self.distance <= KINK)):
             self._one_sided(int(k), rates[k], out[k])
         return BatchTangents(out[:, :n], out[:, n:], self.valid, regular)
 
-    def vjp(self, forces: ArrayLike | None = None, velocities: ArrayLike | None = None) -> BatchCotangents:
+    def vjp(self, forces: ArrayLike | None = None, velocities: ArrayLike | None = None) -> Cotangents:
         """Return the gradients of forces·f + velocities·u, problem by problem, for (B, n, 3) weights.
 
         Raises
@@ -144,21 +95,19 @@ class BatchDerivative:
         ProblemError
             If a shape is wrong or an entry is not finite.
         """
-        (B, m), n = self._g.shape, self._g.shape[1] // 3
+        B, n = len(self._g), self._g.shape[1] // 3
         weights = np.zeros((B, 2 * n, 3))
         if forces is not None:
             weights[:, :n] = finite_array("forces", forces, (B, n, 3))
         if velocities is not None:
             weights[:, n:] = finite_array("velocities", velocities, (B, n, 3))
         out, regular = self._run(False, weights)
-        mu, low, high = (np.ascontiguousarray(out[:, n:, a]) for a in range(3))
-        return BatchCotangents(out[:, :n].reshape(B, m), mu, low, high, self.valid, regular, self._flat)
+        return Cotangents(out, self._forces, regular, self.valid)
 
     @property
-    def _flat(self) -> FloatArray:
-        """The forces as (B, 3n)."""
-        B, m = self._g.shape
-        return np.where(self.valid[:, None], self._buffers[:, : m // 3].reshape(B, m), 0.0)
+    def _forces(self) -> FloatArray:
+        """The forces (B, n, 3), zero where not valid."""
+        return np.where(self.valid[:, None, None], self._buffers[:, : self._g.shape[1] // 3], 0.0)
 
     def _run(self, forward: bool, given: FloatArray) -> tuple[FloatArray, BoolArray]:
         B = len(self._g)
@@ -197,12 +146,3 @@ def problem_of(G: FloatArray, g: FloatArray, laws: FloatArray, here: BoolArray, 
     return ContactProblem(
         G[np.ix_(rows, rows)], g[rows], mu, np.where(held, 0.0, low), high, law, bilateral=held
     )  # fmt: skip
-
-
-def fitting(name: str, array: FloatArray, B: int, width: int) -> FloatArray:
-    """Return an array that is a number, (width,) or (B, width)."""
-    if array.shape not in ((), (width,), (B, width)):
-        raise ProblemError(
-            f"{name} must be a number or have shape ({width},) or ({B}, {width}), got {array.shape}"
-        )
-    return array

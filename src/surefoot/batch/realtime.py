@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
 from surefoot.batch.kernel import contact_vjp
+from surefoot.contact.derivative_rates import Cotangents
 from surefoot.contact.solution import Status
 from surefoot.errors import NoSolution, ProblemError
 from surefoot.kernels import BOOLEAN, MATRIX, entry_point
@@ -16,51 +17,6 @@ from surefoot.solvers.compiled import COMPILED_CONTACTS
 from surefoot.solvers.contact_solver import FLOAT, ContactForces, ContactSolver
 
 _empty, _ndarray, _SOLVED = np.empty, np.ndarray, Status.SOLVED
-
-
-class Gradient:
-    """Gradients of one number: g (3n,), mu, normal_min and normal_max (n,), G (3n, 3n), compliance (3n,).
-
-    Each in the unit of that number over theirs, see `ContactProblem`.
-
-    `regular` is False where contacts are redundant, see `ContactDerivative`.
-    """
-
-    __slots__ = ("_forces", "_out", "regular")
-
-    def __init__(self, out: FloatArray, forces: FloatArray, regular: bool) -> None:
-        self._out, self._forces, self.regular = out, forces, regular
-
-    @property
-    def g(self) -> FloatArray:
-        """(3n,) by g, in the unit of the number per that of g."""
-        return self._out[: len(self._forces)].reshape(-1)
-
-    @property
-    def mu(self) -> FloatArray:
-        """(n,) by mu, in the unit of the number per that of mu."""
-        return self._out[len(self._forces) :, 0]
-
-    @property
-    def normal_min(self) -> FloatArray:
-        """(n,) by normal_min, in the unit of the number per that of normal_min."""
-        return self._out[len(self._forces) :, 1]
-
-    @property
-    def normal_max(self) -> FloatArray:
-        """(n,) by normal_max, in the unit of the number per that of normal_max."""
-        return self._out[len(self._forces) :, 2]
-
-    @property
-    def G(self) -> FloatArray:
-        """(3n, 3n) by G, symmetric, in the unit of the number per that of G."""
-        outer = np.outer(self.g, self._forces)
-        return 0.5 * (outer + outer.T)
-
-    @property
-    def compliance(self) -> FloatArray:
-        """(3n,) by compliance, in the unit of the number per that of compliance."""
-        return self.g * self._forces.reshape(-1)
 
 
 class DifferentiableSolver(ContactSolver):
@@ -102,7 +58,7 @@ class DifferentiableSolver(ContactSolver):
         answer: ContactForces,
         forces: ArrayLike | None = None,
         velocities: ArrayLike | None = None,
-    ) -> Gradient:
+    ) -> Cotangents:
         """Return the gradient of forces·f + velocities·u for (n, 3) weights, at an answer of `solve`.
 
         Parameters
@@ -136,4 +92,4 @@ class DifferentiableSolver(ContactSolver):
             G = G + self._added
         out = _empty((2 * n, 3))
         regular = self._pull(G, self._own, self._convex, answer.buffer, self._weights, out)
-        return Gradient(out, answer.forces, regular)
+        return Cotangents(out, answer.forces, regular)

@@ -23,8 +23,9 @@ from surefoot.arrays import (
     real_number,
     whole_number,
 )
-from surefoot.batch.derivative import BatchDerivative, fitting, problem_of
+from surefoot.batch.derivative import BatchDerivative, problem_of
 from surefoot.batch.loops import solve_range
+from surefoot.contact.derivative_rates import fitting
 from surefoot.contact.laws import LAWS, Law
 from surefoot.contact.matrix import ASYMMETRY, SINGLE_ASYMMETRY
 from surefoot.contact.solution import Status
@@ -262,7 +263,7 @@ def _read_laws(
     """Return the laws (1, 3, n), or (B, 3, n) where they differ from problem to problem."""
     read = [real_array(name, v) for name, v in (("mu", mu), ("normal_min", low), ("normal_max", high))]
     for name, value in zip(("mu", "normal_min", "normal_max"), read, strict=True):
-        fitting(name, value, B, n)
+        fitting(name, value, (B,), n)
         if (value < 0.0).any() or (name != "normal_max" and np.isinf(value).any()):
             raise ProblemError(
                 f"{name} must be finite and >= 0" if name != "normal_max" else f"{name} must be >= 0"
@@ -296,14 +297,9 @@ def _read_mask(mask: ArrayLike | None, B: int, n: int) -> BoolArray:
 
 def _read_compliance(compliance: ArrayLike, B: int, n: int) -> FloatArray | None:
     """Return R as (3n,) or (B, 3n), None where it is zero."""
-    array = finite_array("compliance", compliance)
+    array = fitting("compliance", finite_array("compliance", compliance), (B,), n, 3 * n)
     if (array < 0.0).any():
         raise ProblemError(f"compliance must be >= 0, got {array.min():g}")
     if array.shape == (n,):
         array = np.repeat(array, 3)
-    if array.shape not in ((), (3 * n,), (B, 3 * n)):
-        raise ProblemError(
-            f"compliance must be a number or have shape ({n},), ({3 * n},) or ({B}, {3 * n}), "
-            f"got {array.shape}"
-        )
     return array if array.any() else None

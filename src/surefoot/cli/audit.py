@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from surefoot.cli import options
-from surefoot.cli.audit_output import new_audit_folder, tell
-from surefoot.cli.console import plain_console, say
-from surefoot.cli.output import check_out
-from surefoot.cli.page import Table, report_sections, write_page
-from surefoot.errors import MissingExtra, SurefootError
+from surefoot.cli.console import Cell, Table, plain_console, print_tables, say, say_verdict
+from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.errors import MissingExtra, ProblemError, SurefootError
 from surefoot.simulation.worlds import WORLDS
 
 if TYPE_CHECKING:
@@ -23,6 +22,8 @@ if TYPE_CHECKING:
 
 MOST = 40
 """Rows of a table on the screen and on the page; the JSON has all."""
+SHOWN = 6
+"""Columns of a finding on the screen; the page has all."""
 
 
 def audit(
@@ -59,10 +60,10 @@ def audit(
     from surefoot.estimation.tosses import holds_tosses
 
     if holds_tosses(log):
-        from surefoot.cli.toss_audit import audit_toss_file
-
-        given = {"--robot": robot, "--replay": replay, "--terrain": terrain}
-        return audit_toss_file(log, mu, given, out, as_json)
+        for name, value in (("--robot", robot), ("--replay", replay), ("--terrain", terrain)):
+            if value is not None:
+                raise ProblemError(f"{log} holds tosses of a cube, for which {name} means nothing")
+        return _audit_tosses(log, mu, out, as_json)
     from surefoot.audit import audit_log
     from surefoot.log.formats import read_log
     from surefoot.robot import load_robot
@@ -75,14 +76,54 @@ def audit(
     if again is not None:
         verdicts.append((again.sentence, again.survives))
         facts["replay"] = again.as_dict()
-    console = plain_console(quiet=as_json)
-    tell(console, facts, _tables(report, again), _lines(report), verdicts, as_json)
-    if out is not None:
-        folder = new_audit_folder(out, log, facts)
-        figures = report_sections(_tables(report, again, on_page=True), _lines(report))
-        sections = [*_pictures(read, report, folder), *figures]
-        say(console, f"report: {write_page(folder, f'Audit of {log.name}', verdicts, sections)}")
+    finding = verdicts, _tables(report, again), _lines(report)
+    _publish(log, facts, *finding, out, as_json, lambda folder: _pictures(read, report, folder))
     return report.exit_code or (0 if again is None or again.survives else 1)
+
+
+def _audit_tosses(log: Path, mu: float | None, out: Path | None, as_json: bool) -> int:
+    """Audit a file of tosses, say what was found and return the exit code."""
+    from surefoot.cli import toss_tables
+    from surefoot.estimation.toss_audit import audit_tosses
+    from surefoot.estimation.tosses import read_tosses
+
+    check_out(out)
+    found = audit_tosses(read_tosses(log), mu)
+    lines = [toss_tables.noise(found), *found.notes]
+    verdicts = [(found.sentence, found.lawful)]
+    _publish(log, found.as_dict(), verdicts, toss_tables.tables(found), lines, out, as_json)
+    return 0 if found.lawful else 1
+
+
+def _publish(
+    log: Path,
+    facts: dict[str, Any],
+    verdicts: Sequence[tuple[str, bool]],
+    tables: Sequence[Table],
+    lines: Sequence[str],
+    out: Path | None,
+    as_json: bool,
+    draw: Callable[[Path], list[tuple[str, str]]] = lambda folder: [],
+) -> None:
+    """Print facts as JSON, or tables, lines and verdicts; write audit.json and a page where `out` says.
+
+    `draw` draws into the page's folder and returns the sections above the tables.
+    """
+    from surefoot.cli.run_files import report_sections, write_page
+
+    console = plain_console(quiet=as_json)
+    if as_json:
+        print(to_json(facts))
+    print_tables(console, tables, lines)
+    for line, good in verdicts:
+        say_verdict(console, line, good)
+    if out is None:
+        return
+    folder = new_run_folder(out, f"audit-{log.stem}")
+    (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
+    sections = [*draw(folder), *report_sections(tables, lines)]
+    page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
+    say(console, f"report: {page}")
 
 
 def _replay(log: Log, world: str, robot: Any, terrain: str | None, mu: float | None) -> ReplayReport:
@@ -94,53 +135,54 @@ def _replay(log: Log, world: str, robot: Any, terrain: str | None, mu: float | N
     return replay_log(log, world, robot, ground, mu)
 
 
-def _tables(report: AuditReport, again: ReplayReport | None, on_page: bool = False) -> list[Table]:
+def _tables(report: AuditReport, again: ReplayReport | None) -> list[Table]:
     """Return the tables of symptoms, violations, coverage, friction and of a replay's windows."""
-    columns = 8 if on_page else 6
-    symptoms = [
-        [s.name, s.contact, f"{s.start:.3f}", f"{s.end:.3f}", s.evidence, s.cause, s.confirm, s.cure]
-        for s in report.symptoms[:MOST]
-    ]
-    broken = [
-        [v.law, v.contact, f"{v.start:.3f}", f"{v.end:.3f}", f"{v.value:.4g} {v.unit}", f"{v.limit:.4g}"]
-        for v in report.violations[:MOST]
-    ]
-    asked = [
-        [f.name, f.contact, f"{f.start:.3f}", f"{f.end:.3f}", f.evidence, f.cause, f.confirm, f.cure]
-        for f in report.command[:MOST]
-    ]
+    where: dict[str, Cell] = {
+        "foot": lambda one: one.contact,
+        "from [s]": lambda one: f"{one.start:.3f}",
+        "to [s]": lambda one: f"{one.end:.3f}",
+    }
+    finding: dict[str, Cell] = {
+        "symptom": lambda f: f.name,
+        **where,
+        "evidence": lambda f: f.evidence,
+        "likely cause": lambda f: f.cause,
+        "confirm": lambda f: f.confirm,
+        "cure": lambda f: f.cure,
+    }
+    broken: dict[str, Cell] = {
+        "law": lambda v: v.law,
+        **where,
+        "value": lambda v: f"{v.value:.4g} {v.unit}",
+        "limit": lambda v: f"{v.limit:.4g}",
+    }
+    friction: dict[str, Cell] = {
+        "foot": lambda f: f.contact,
+        "from [s]": lambda f: f"{f.start:.2f}",
+        "to [s]": lambda f: f"{f.end:.2f}",
+        "at least": lambda f: f"{f.low:.3f}",
+        "at most": lambda f: f"{f.high:.3f}" if f.high < math.inf else "unknown",
+        "slid [s]": lambda f: f"{f.slid:.3f}",
+    }
+    windows: dict[str, Cell] = {
+        "from [s]": lambda w: f"{w.start:.3f}",
+        "to [s]": lambda w: f"{w.end:.3f}",
+        "way [m]": lambda w: f"{w.way:.3f} of {w.logged_way:.3f}",
+        "lean [deg]": lambda w: f"{math.degrees(w.tilt):.1f}",
+        "drift [m]": lambda w: f"{w.drift:.3f}",
+        "result": lambda w: w.lost or "holds",
+    }
     covered = [[name, why or "judged"] for name, why in report.coverage.items()]
-    friction = [
-        [f.contact, f"{f.start:.2f}", f"{f.end:.2f}", f"{f.low:.3f}", _high(f.high), f"{f.slid:.3f}"]
-        for f in report.friction
-    ]
-    heads = ("foot", "from [s]", "to [s]")
-    words = ("symptom", *heads, "evidence", "likely cause", "confirm", "cure")
     found = [
-        Table("Symptoms", words[:columns], [s[:columns] for s in symptoms]),
-        Table("Command", words[:columns], [f[:columns] for f in asked]),
-        Table("Violations", ("law", *heads, "value", "limit"), broken),
+        Table.of("Symptoms", report.symptoms[:MOST], finding, SHOWN),
+        Table.of("Command", report.command[:MOST], finding, SHOWN),
+        Table.of("Violations", report.violations[:MOST], broken),
         Table("What could be judged", ("law", "judged"), covered),
-        Table("Friction of the ground", (*heads, "at least", "at most", "slid [s]"), friction),
+        Table.of("Friction of the ground", report.friction, friction),
     ]
-    found = [table for table in found if table.rows]
-    if again is not None and (again.windows or on_page):
-        found.append(_replay_table(again))
-    return found
-
-
-def _high(value: float) -> str:
-    return f"{value:.3f}" if value < float("inf") else "unknown"
-
-
-def _replay_table(again: ReplayReport) -> Table:
-    """Return what became of every window."""
-    rows = []
-    for w in again.windows[:MOST]:
-        way, lean = f"{w.way:.3f} of {w.logged_way:.3f}", f"{math.degrees(w.tilt):.1f}"
-        rows.append([f"{w.start:.3f}", f"{w.end:.3f}", way, lean, f"{w.drift:.3f}", w.lost or "holds"])
-    heads = ("from [s]", "to [s]", "way [m]", "lean [deg]", "drift [m]", "result")
-    return Table(f"Replay in the world {again.world}", heads, rows)
+    if again is not None:
+        found.append(Table.of(f"Replay in the world {again.world}", again.windows[:MOST], windows))
+    return [table for table in found if table.rows]
 
 
 def _lines(report: AuditReport) -> list[str]:
@@ -157,9 +199,8 @@ def _pictures(log: Log, report: AuditReport, folder: Path) -> list[tuple[str, st
         from surefoot.viz.audit_plots import draw_audit
 
         drawn = draw_audit(log, report, folder)
-    except MissingExtra as error:
-        return [("Pictures", paragraph(f"pictures left out: {error}"))]
     except SurefootError as error:
-        return [("Pictures", paragraph(str(error)))]
+        left_out = "pictures left out: " if isinstance(error, MissingExtra) else ""
+        return [("Pictures", paragraph(f"{left_out}{error}"))]
     titles = {"timeline": "Timeline"}
     return [(titles.get(path.stem, "One of the worst moments"), picture(path)) for path in drawn]

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from surefoot.cli import options
 from surefoot.cli.console import say, say_verdict, show, table
-from surefoot.cli.extras import picture_folder
+from surefoot.cli.extras import drawn
 from surefoot.cli.stance_input import StanceOptions
 from surefoot.spatial import GRAVITY
 
@@ -44,12 +44,14 @@ def check(
     side = checked_fit(fit)
     case = stance.case()
     facts, ground, motor = _facts(case, parsing.facets(facets), side, motors)
-    folder, facts["note"] = picture_folder(out, "check") if picture else (None, "")
-    if folder is not None:
+
+    def draw(folder: Path) -> Path:
         from surefoot.viz.stance_plots import draw_check
 
         verdict = motor if ground.feasible and motor is not None else ground
-        facts["picture"] = str(draw_check(case.question, verdict, facts["verdict"], folder / "stance.png"))
+        return draw_check(case.question, verdict, facts["verdict"], folder / "stance.png")
+
+    facts["picture"], facts["note"] = drawn(picture, out, "check", draw)
     show(facts, as_json, _print)
     return 0 if facts["possible"] else 1
 
@@ -170,7 +172,8 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
         motion = facts["certificate"] / max(abs(x) for x in facts["certificate"])
         say(
             console,
-            f"It gives way by the motion [{_numbers(motion[:3], 3)}] [{_numbers(motion[3:], 3)}] (linear, "
-            "and angular about the centre of mass): gravity works with it, no contact force against it.",
+            f"Proof: along the motion [{_numbers(motion[:3], 3)}] [{_numbers(motion[3:], 3)}] (linear, and "
+            "angular about the centre of mass) gravity works, and no contact force against it. It is a "
+            "proof's direction, one of many: how the robot will slide or fall is another question.",
         )
     say(console, f"picture: {facts['picture']}" if facts["picture"] else "", facts["note"])

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:
     from surefoot.cli.scenario_file import ScenarioFile
@@ -51,9 +51,9 @@ class Wiring:
 
     def around(self, controller: Controller, robot: Any) -> Controller:
         """Return what commands the motors, for a controller with steps of `dt`."""
-        from surefoot.control.joint_targets import Held, JointTargetController, TargetSettings
-        from surefoot.control.latency import LatencyCompensation
-        from surefoot.control.watchdog import Watchdog
+        from surefoot.drive.joint_targets import Held, JointTargetController, TargetSettings
+        from surefoot.drive.latency import LatencyCompensation
+        from surefoot.drive.watchdog import Watchdog
 
         step = 1.0 / WORLD_RATE
         if self.targets:
@@ -69,8 +69,7 @@ class Wiring:
 
 def wiring(commands: str, dropouts: Sequence[tuple[float, float]], said: ScenarioFile) -> Wiring:
     """Return what options and scenario say, or raise for what they cannot mean."""
-    if commands not in KINDS:
-        raise ProblemError(unknown_name("--commands", commands, KINDS))
+    check_name("--commands", commands, KINDS)
     every = round(WORLD_RATE / said.control_rate)
     if abs(every * said.control_rate - WORLD_RATE) > 1e-6 * WORLD_RATE:
         raise ProblemError(

@@ -13,7 +13,7 @@ from rich.console import Console
 from surefoot.arrays import real_number
 from surefoot.cli import options
 from surefoot.cli.console import say, show, table
-from surefoot.cli.extras import picture_folder
+from surefoot.cli.extras import drawn
 
 PICTURE_FACETS = (3, 4, 8, 16)
 MOST_ROWS = 32
@@ -38,13 +38,14 @@ def cone(
     parsing.facet_count(facets)
     real_number("--phase", phase, low=-360.0, high=360.0)
     pyramid = FrictionCone(mu).polyhedral(facets, checked_fit(fit), math.radians(phase))
-    drawn = None
-    folder, note = picture_folder(out, "cone") if picture and mu > 0.0 else (None, "")
-    if folder is not None:
+
+    def draw(folder: Path) -> Path:
         from surefoot.viz.cone_plots import draw_pyramids
 
         chosen = sorted({*PICTURE_FACETS, facets} if facets <= 64 else set(PICTURE_FACETS))
-        drawn = draw_pyramids(mu, chosen, math.radians(phase), folder / "pyramids.png")
+        return draw_pyramids(mu, chosen, math.radians(phase), folder / "pyramids.png")
+
+    path, note = drawn(picture and mu > 0.0, out, "cone", draw)
     facts: dict[str, Any] = {
         "mu": mu,
         "facets": facets,
@@ -53,7 +54,7 @@ def cone(
         "halfspaces": pyramid.halfspaces,
         "rays": pyramid.rays,
         "fit_error": asdict(pyramid.fit_error),
-        "picture": str(drawn) if drawn else None,
+        "picture": path,
         "note": note,
     }
     show(facts, as_json, _print)

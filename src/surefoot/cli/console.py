@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
-from typing import Any
+import math
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple, TypeAlias
 
 from rich.console import Console
 
 from surefoot.cli.output import to_json
+
+NARROW = 10
+"""Characters that a column needs so that its words can still be read."""
+Cell: TypeAlias = Callable[[Any], str]
+"""What a table says of a thing in one column."""
 
 
 def plain_console(**settings: Any) -> Console:
@@ -45,16 +52,27 @@ def table(
     left
         How many columns, from the first one on, are flush left, or which; the others are flush right.
     whole
-        Columns whose cells are never broken into lines.
+        Columns whose cells are not broken into lines, where the others then keep `NARROW` characters each.
     column
         Of every column, for Rich.
     """
-    from rich.table import Table
+    from rich.table import Table as RichTable
 
     flush = header[:left] if isinstance(left, int) else left
-    out = Table(title=title, title_justify="left")
+    rows = list(rows)
+    taken = sum(
+        max(len(line[k]) for line in (header, *rows)) if name in whole else NARROW
+        for k, name in enumerate(header)
+    )
+    whole = whole if taken + 3 * len(header) + 1 <= plain_console().width else ()
+    out = RichTable(title=title, title_justify="left")
     for name in header:
-        out.add_column(name, justify="left" if name in flush else "right", no_wrap=name in whole, **column)
+        out.add_column(
+            name,
+            justify="left" if name in flush else "right",
+            no_wrap=name in whole,
+            **{"overflow": "fold", **column},
+        )
     for row in rows:
         out.add_row(*row)
     return out
@@ -66,3 +84,49 @@ def show(facts: Any, as_json: bool, in_words: Callable[[Console, Any], None], **
         print(to_json(facts))
     else:
         in_words(plain_console(**settings), facts)
+
+
+class Table(NamedTuple):
+    """A table of the screen and of the page that a command leaves.
+
+    Attributes
+    ----------
+    title, header, rows
+        Heading, columns' names and cells.
+    shown
+        How many columns, from the first one on, are printed; the page has all.
+    """
+
+    title: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    shown: int | None = None
+
+    @classmethod
+    def of(
+        cls, title: str, things: Iterable[Any], columns: Mapping[str, Cell], shown: int | None = None
+    ) -> Table:
+        """Return the table with a row for each thing; a column is its name and what a thing has there."""
+        return cls(title, [*columns], [[cell(one) for cell in columns.values()] for one in things], shown)
+
+
+def print_tables(console: Console, tables: Sequence[Table], lines: Sequence[str]) -> None:
+    """Print tables without their headings, and what is said below them."""
+    for one in tables:
+        console.print(table(one.header[: one.shown], [row[: one.shown] for row in one.rows]))
+    say(console, *lines)
+
+
+@contextmanager
+def progress_bar(shown: bool, label: str, total: float) -> Iterator[Callable[[float], None] | None]:
+    """Show a progress bar on a terminal while the context lasts; yield the function that moves it."""
+    screen = plain_console(stderr=True)
+    if not shown or not screen.is_terminal:
+        yield None
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn(label), BarColumn(), TextColumn("{task.percentage:.0f} %"), TimeElapsedColumn())
+    with Progress(*columns, console=screen, transient=True) as bar:
+        task = bar.add_task(label, total=total if math.isfinite(total) else None)
+        yield lambda done: bar.update(task, completed=done)

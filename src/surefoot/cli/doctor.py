@@ -11,6 +11,7 @@ from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from surefoot import __version__
@@ -57,9 +58,10 @@ def examine(draw: bool = True) -> dict[str, Any]:
     draw
         Whether to start a process that draws.
     """
-    extras = _extras()
+    extras, kernels = _extras(), _kernels()
     base = extras.pop("")
-    kernels = _kernels()
+    built: Any = np.show_config(mode="dicts")
+    blas = built.get("Build Dependencies", {}).get("blas", {})
     return {
         "surefoot": __version__,
         "python": platform.python_version(),
@@ -68,7 +70,7 @@ def examine(draw: bool = True) -> dict[str, Any]:
         "cores": os.cpu_count(),
         "base": base,
         "extras": extras,
-        "blas": _blas(),
+        "blas": {key: blas.get(key, "unknown") for key in ("name", "version")},
         "numba": kernels,
         "drawing": _drawing(draw),
         "variables": {name: os.environ[name] for name in VARIABLES if name in os.environ},
@@ -90,12 +92,9 @@ def _extras() -> dict[str, list[dict[str, Any]]]:
 
 
 def _wanted(needed: Requirement, extra: str) -> bool:
-    """Return whether an extra ("" for the base) asks for a package on this Python."""
-    if needed.marker is None:
-        return not extra
-    return needed.marker.evaluate({"extra": extra}) and (
-        not extra or not needed.marker.evaluate({"extra": ""})
-    )
+    """Return whether an extra ("" for the base) asks for a package on this Python, and the base does not."""
+    asked = [needed.marker is None or needed.marker.evaluate({"extra": e}) for e in ("", extra)]
+    return asked[1] and (not extra or not asked[0])
 
 
 def _package(needed: Requirement) -> dict[str, Any]:
@@ -107,24 +106,18 @@ def _package(needed: Requirement) -> dict[str, Any]:
     return {"name": needed.name, "version": have, "needs": str(needed.specifier), "fits": fits}
 
 
-def _blas() -> dict[str, Any]:
-    """Return which BLAS NumPy calls."""
-    import numpy as np
-
-    built: Any = np.show_config(mode="dicts")
-    blas = built.get("Build Dependencies", {}).get("blas", {})
-    return {"name": blas.get("name", "unknown"), "version": blas.get("version", "unknown")}
-
-
 def _kernels() -> dict[str, Any]:
     """Return whether kernels compile, for which processor, and how many are on the disk."""
     import llvmlite.binding
     import numba
 
+    import surefoot
     from surefoot.compilation import cache_folders
     from surefoot.numerics import vectors  # noqa: F401 - any kernel, so that the folders are known
 
-    kept = sorted({f for folder in _folders(cache_folders()) for f in folder.glob("surefoot.*.nbc")})
+    beside = Path(surefoot.__file__).parent.rglob("__pycache__")  # the sources; or where Numba keeps it
+    folders = {*map(Path, cache_folders()), *beside}
+    kept = [file for folder in folders for file in folder.glob("surefoot.*.nbc")]
     try:
         works = bool(numba.njit(lambda x: x + 1)(1) == 2)
     except Exception:  # whatever a broken installation raises
@@ -138,14 +131,6 @@ def _kernels() -> dict[str, Any]:
         "compiled": len(kept),
         "size": sum(f.stat().st_size for f in kept),
     }
-
-
-def _folders(known: list[str]) -> set[Path]:
-    """Return the folders that may hold compiled code: those in use, and those beside the sources."""
-    import surefoot
-
-    here = Path(surefoot.__file__).parent
-    return {Path(folder) for folder in known} | set(here.rglob("__pycache__"))
 
 
 def _drawing(tried: bool) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from rich.console import Console
 from surefoot.cli import options
 from surefoot.cli.console import say, show
 from surefoot.cli.output import new_run_folder
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 
 SEQUENCE = "sequence"
 
@@ -41,11 +41,10 @@ def export(
 
     targets = dict.fromkeys(to or [SEQUENCE])
     for name in targets:
-        if name not in (SEQUENCE, *target_names()):
-            raise ProblemError(unknown_name("target of --to", name, (SEQUENCE, *target_names())))
+        check_name("target of --to", name, (SEQUENCE, *target_names()))
     sequence = _read(source, facets, fit, shortest)
     for name in targets.keys() - {SEQUENCE}:  # refused before a folder is made
-        find_target(name).files(sequence)
+        find_target(name)(sequence)
     folder = new_run_folder(out, f"export-{source.stem}")
     paths: list[Path] = []
     for name in targets:

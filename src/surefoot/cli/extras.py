@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,7 +14,7 @@ from surefoot.simulation import drake_python
 _EXTRA_OF = {
     "pin": "robot", "example-robot-data": "robot", "mujoco": "sim", "imageio": "sim",
     "imageio-ffmpeg": "sim", "matplotlib": "viz", "clarabel": "qp", "qpsolvers": "qp",
-    "viser": "lab", "drake": "drake", "jax": "jax", "mujoco-mjx": "mjx",
+    "viser": "lab", "drake": "drake", "pybullet": "bullet", "jax": "jax", "mujoco-mjx": "mjx",
     "pyarrow": "sweep", "joblib": "sweep", "ray": "scale", "distributed": "scale",
 }  # fmt: skip
 _MODULE_OF = {"pin": "pinocchio", "imageio-ffmpeg": "imageio_ffmpeg"}
@@ -57,12 +57,15 @@ def robot_packages(name: str | None) -> tuple[str, ...]:
     return ("pin",) if is_file else ("pin", "example-robot-data")
 
 
-def picture_folder(parent: Path, name: str) -> tuple[Path | None, str]:
-    """Return a new folder to draw into, or None and one line that says why there is no picture."""
-    error = missing(["matplotlib"])
+def drawn(wanted: bool, parent: Path, name: str, draw: Callable[[Path], object]) -> tuple[str | None, str]:
+    """Draw into a new folder below `parent`; return what `draw` returns as text, and why there is no picture.
+
+    The first is None where nothing was drawn, the second empty unless Matplotlib is missing.
+    """
+    error = missing(["matplotlib"]) if wanted else None
     if error is not None:
         return None, f"no picture: {error}"
-    return new_run_folder(parent, name), ""
+    return (str(draw(new_run_folder(parent, name))) if wanted else None), ""
 
 
 def _installed(package: str) -> bool:

@@ -6,14 +6,14 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from surefoot.arrays import whole_number
 from surefoot.cli import options
-from surefoot.cli.console import say, show, table
-from surefoot.cli.extras import picture_folder
+from surefoot.cli.console import progress_bar, say, show, table
+from surefoot.cli.extras import drawn
 from surefoot.cli.output import check_out
-from surefoot.cli.progress import progress_bar
 from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:  # the other commands need no compiled code
@@ -49,6 +49,7 @@ def identify(
     as_json: options.AsJson = False,
 ) -> int:
     """Fit a contact law and the ground to recorded tosses of a cube, with 95 % bootstrap intervals."""
+    from surefoot.estimation.cube_model import CubeModel
     from surefoot.estimation.tosses import read_tosses
 
     whole_number("--seed", seed)
@@ -58,29 +59,22 @@ def identify(
     others = None if test is None else read_tosses(test)
     if others is not None and others.cube != recorded.cube:
         raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
-    models = [*_laws(law or ["rigid"]), *_rivals(rivals, test is not None)]
+    laws = list(dict.fromkeys(law or ["rigid"]))
     fits: dict[str, TossFit] = {}
-    for model in models:
+    for model in [*map(CubeModel, laws), *_rivals(rivals, test is not None)]:
         with progress_bar(not as_json, f"{model.name}: simulating tosses", 1.0) as moved:
             fits[model.name] = _fit(model, recorded, others, resamples, seed, moved)
-    names = [model.name for model in models]
-    facts = _facts(fits, names[: len(law or ["rigid"])], recorded, others)
-    folder, note = picture_folder(out, "identify") if picture else (None, "")
-    if folder is not None:
+    facts = _facts(fits, laws, recorded, others)
+
+    def draw(folder: Path) -> Path:
         from surefoot.viz.toss_plots import draw_tosses
 
-        facts["picture"] = str(draw_tosses(recorded, others, fits, folder / "tosses.png"))
-    if note:
-        facts["notes"].append(note)
+        return draw_tosses(recorded, others, fits, folder / "tosses.png")
+
+    facts["picture"], note = drawn(picture, out, "identify", draw)
+    facts["notes"] += [note] if note else []
     show(facts, as_json, _print)
     return 0
-
-
-def _laws(names: list[str]) -> list[Any]:
-    """Return the model of each law, each once."""
-    from surefoot.estimation.cube_model import CubeModel
-
-    return [CubeModel(name) for name in dict.fromkeys(names)]
 
 
 def _rivals(names: str, testing: bool) -> list[Any]:
@@ -114,15 +108,11 @@ def _facts(
 ) -> dict[str, Any]:
     """Return everything that the command says."""
     first = fits[laws[0]]
-    laws = list(dict.fromkeys(laws))
     rivals = [name for name in fits if name not in laws]
 
     def of_law(law: str) -> dict[str, Any]:
-        return {
-            "fit": _numbers(fits[law]),
-            "train": _part(fits, law, rivals, "train"),
-            "test": None if others is None else _part(fits, law, rivals, "test"),
-        }
+        parts = ("train", "test") if others is not None else ("train",)
+        return {"fit": _numbers(fits[law]), "test": None} | {p: _part(fits, law, rivals, p) for p in parts}
 
     return {
         "law": laws[0],
@@ -147,32 +137,23 @@ def _numbers(fit: TossFit) -> dict[str, Any]:
 
 def _part(fits: dict[str, TossFit], name: str, rivals: list[str], part: str) -> dict[str, Any]:
     """Return the errors of one law on one part of the tosses, and those of its rivals."""
-    ours = getattr(fits[name], part)
-    out: dict[str, Any] = {"tosses": len(ours.position), **_errors(ours), "rivals": {}}
     from surefoot.estimation.toss_errors import paired_difference
 
+    ours, kinds = getattr(fits[name], part), ("position", "rotation")
+    out: dict[str, Any] = {"tosses": len(ours.position), **_errors(ours), "rivals": {}}
     for rival in rivals:
         theirs = getattr(fits[rival], part)
-        gaps = {
-            kind: vars(paired_difference(getattr(ours, kind), getattr(theirs, kind)))
-            for kind in ("position", "rotation")
-        }
+        gaps = {kind: vars(paired_difference(getattr(ours, kind), getattr(theirs, kind))) for kind in kinds}
         out["rivals"][rival] = {**_errors(theirs), "fit": _numbers(fits[rival]), "ours_less_theirs": gaps}
     return out
 
 
 def _errors(errors: Any) -> dict[str, Any]:
     """Return means, medians and errors toss by toss."""
-    import numpy as np
-
-    return {
-        "position_error_mean": float(errors.position.mean()),
-        "rotation_error_mean": float(errors.rotation.mean()),
-        "position_error_median": float(np.median(errors.position)),
-        "rotation_error_median": float(np.median(errors.rotation)),
-        "position_error": errors.position,
-        "rotation_error": errors.rotation,
-    }
+    each = {"position": errors.position, "rotation": errors.rotation}
+    means = {f"{kind}_error_mean": float(values.mean()) for kind, values in each.items()}
+    middles = {f"{kind}_error_median": float(np.median(values)) for kind, values in each.items()}
+    return {**means, **middles, **{f"{kind}_error": values for kind, values in each.items()}}
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:

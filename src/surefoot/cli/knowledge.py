@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:
-    from surefoot.simulation.sensors import SensorModel
+    from surefoot.cli.scenario_file import ScenarioFile
     from surefoot.terrain import Terrain
 
 KNOWLEDGE = ("exact", "map", "blind")
@@ -51,8 +51,7 @@ class Beliefs:
         ProblemError
             For an unknown word, or a planner that cannot do with less than the truth.
         """
-        if terrain not in KNOWLEDGE:
-            raise ProblemError(unknown_name("--terrain-knowledge", terrain, KNOWLEDGE))
+        check_name("--terrain-knowledge", terrain, KNOWLEDGE)
         watch = isinstance(believed_mu, str)
         if planner != "convex" and (watch or terrain != "exact"):
             given = "believed_mu: auto" if watch else f"--terrain-knowledge {terrain}"
@@ -67,9 +66,13 @@ class Beliefs:
 
         return believed_ground(self.terrain, terrain)
 
-    def senses(self, sensors: SensorModel | None) -> dict[str, Any]:
+    def senses(self, said: ScenarioFile) -> dict[str, Any]:
         """Return what the scenario says of the senses; only with exact knowledge the filter has a map."""
         from surefoot.simulation.height_scan import RangeSensor
+        from surefoot.simulation.sensors import SensorModel
 
-        inner = sensors if sensors is None or self.terrain == "exact" else replace(sensors, heights=False)
-        return {"sensors": inner, "scanner": RangeSensor() if self.terrain == "map" else None}
+        sensors = None
+        if said.estimator == "inekf":
+            sensors = SensorModel().scaled(1.0 if said.noise is None else said.noise)
+            sensors = sensors if self.terrain == "exact" else replace(sensors, heights=False)
+        return {"sensors": sensors, "scanner": RangeSensor() if self.terrain == "map" else None}

@@ -14,7 +14,7 @@ from surefoot.arrays import real_number
 from surefoot.cli import extras, options
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.robots import load
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:
     from surefoot.lab.page import Page
@@ -44,8 +44,7 @@ def lab(
     """Open a page in a browser: a stance, a cone, a robot to push, a plan, a log; Ctrl-C ends it."""
     from surefoot.lab.server import check_free
 
-    if page not in PAGES:
-        raise ProblemError(unknown_name("page", page, PAGES))
+    check_name("page", page, PAGES)
     make, takes, packages = PAGES[page]
     given = {"subject": subject, "amount": amount, "feet": feet, "robot": robot}
     for name, value in given.items():
@@ -114,22 +113,22 @@ def _push(end: ExitStack, subject: str | None, feet: str | None) -> Callable[[],
 
 def _plan(end: ExitStack, subject: str, amount: float | None, robot: str | None) -> Callable[[], Page]:
     """Scrub a plan: the robot, its forces and cones at every knot."""
-    from surefoot.lab.recording import Recording, plan_page
+    from surefoot.lab.recording import RecordedMotion, plan_page
 
     whose = None if robot is None else load(robot)
     made = _plan_of(subject, amount, whose)
-    recording = Recording(made, whose or made.robot, made.terrain)
+    recording = RecordedMotion(made, whose or made.robot, made.terrain)
     return lambda: plan_page(recording, made)
 
 
 def _audit(end: ExitStack, subject: str, robot: str | None) -> Callable[[], Page]:
     """Scrub a log, and jump to the violations of the laws of contact."""
     from surefoot.audit import audit_log
-    from surefoot.lab.recording import Recording, audit_page
+    from surefoot.lab.recording import RecordedMotion, audit_page
     from surefoot.log.formats import read_log
 
     log, whose = read_log(subject), None if robot is None else load(robot)
-    recording = Recording(log, whose)
+    recording = RecordedMotion(log, whose)
     report = audit_log(log, whose)
     return lambda: audit_page(recording, report)
 

@@ -2,19 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, TypeAlias
-
-import typer
+from typing import Any
 
 from surefoot.errors import ProblemError
-
-View: TypeAlias = Annotated[
-    bool,
-    typer.Option(
-        "--view",
-        help="Show the walk in a window, in real time; arrows or WASD, Q, E and space steer it.",
-    ),
-]
 
 
 def check(planner: str) -> None:
@@ -35,14 +25,12 @@ def check(planner: str) -> None:
 def watching(robot: Any, terrain: Any, controller: Any) -> list[Any]:
     """Return the observers of a walk that is shown."""
     from surefoot.simulation.live import Live, Steering
-    from surefoot.viz.window import Window
+    from surefoot.viz.window import ViewerWindow
 
     walker = controller
-    while not hasattr(walker, "steer") and hasattr(
-        walker, "controller"
-    ):  # what is around it passes states on
+    while not hasattr(walker, "steer") and hasattr(walker, "controller"):  # what is around it
         walker = walker.controller
     if not hasattr(walker, "steer"):
         raise ProblemError(f"--view steers a walk, and {type(walker).__name__} takes no other command")
     steering = Steering(walker.steer, walker.command.at(0.0))
-    return [Live(Window(robot, terrain), steering)]
+    return [Live(ViewerWindow(robot, terrain), steering)]

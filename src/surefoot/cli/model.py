@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 from rich.console import Console
 
 from surefoot.cli import options
-from surefoot.cli.console import show, table
+from surefoot.cli.console import say, show, table
 
 
 def model(
@@ -26,8 +27,6 @@ def model(
 
 def describe(robot: Any) -> dict[str, Any]:
     """Return the facts about a robot in its nominal pose, as plain values."""
-    import numpy as np
-
     from surefoot.robot.centroidal import centroidal_inertia, momentum
     from surefoot.robot.jacobians import contact_jacobian
 
@@ -64,9 +63,7 @@ def describe(robot: Any) -> dict[str, Any]:
 
 
 def _joints(robot: Any) -> list[dict[str, Any]]:
-    """Return every joint with the mass that it carries directly, and its limits."""
-    import numpy as np
-
+    """Return every joint with the mass of its own link, and its limits."""
     body, out = robot.model, []
     for index in range(1, body.njoints):
         joint = body.joints[index]
@@ -89,42 +86,33 @@ def _joints(robot: Any) -> list[dict[str, Any]]:
 
 def _feet(robot: Any, stance: Any, J: Any) -> list[dict[str, Any]]:
     """Return every foot with its shape, place and what its own joints can do there."""
-    import numpy as np
-
-    out = []
-    for foot, contact, rows in zip(robot.feet, stance, stance.slices, strict=True):
-        legs = J[rows, robot.base_dof :]
-        out.append(
-            {
-                "name": foot.name,
-                "shape": "patch" if foot.flat else "point",
-                "size": list(foot.size) if foot.flat else [2.0 * foot.radius],
-                "position": contact.position,
-                "rows": contact.dim,
-                "rank": int(np.linalg.matrix_rank(J[rows], tol=1e-9)),
-                "rank_of_its_leg": int(np.linalg.matrix_rank(legs, tol=1e-9)),
-            }
-        )
-    return out
+    return [
+        {
+            "name": foot.name,
+            "shape": "patch" if foot.flat else "point",
+            "size": list(foot.size) if foot.flat else [2.0 * foot.radius],
+            "position": contact.position,
+            "rows": contact.dim,
+            "rank": int(np.linalg.matrix_rank(J[rows], tol=1e-9)),
+            "rank_of_its_leg": int(np.linalg.matrix_rank(J[rows, robot.base_dof :], tol=1e-9)),
+        }
+        for foot, contact, rows in zip(robot.feet, stance, stance.slices, strict=True)
+    ]
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
     """Print the facts as tables."""
     base = "floating base" if facts["floating_base"] else "fixed base"
-    console.print(
-        f"{facts['robot']}: {facts['mass']:.3f} kg, {base}, nq = {facts['nq']}, "
-        f"nv = {facts['nv']}, {len(facts['frames'])} bodies",
-        style="bold",
-        highlight=False,
-    )
+    size = f"nq = {facts['nq']}, nv = {facts['nv']}, {len(facts['frames'])} bodies"
+    say(console, f"{facts['robot']}: {facts['mass']:.3f} kg, {base}, {size}", style="bold")
     console.print(_joint_table(facts["joints"]))
     if facts["feet"]:
         console.print(_foot_table(facts["feet"]))
         J = facts["contact_jacobian"]
         shape = f"contact Jacobian {J['rows']} x {J['columns']}"
-        console.print(f"{shape}: rank {J['rank']}, condition {J['condition']:.1f}", highlight=False)
+        say(console, f"{shape}: rank {J['rank']}, condition {J['condition']:.1f}")
     else:
-        console.print("no feet (name them with --feet)", highlight=False)
+        say(console, "no feet (name them with --feet)")
     console.print(_inertia_table(facts["centroidal"]))
 
 

@@ -89,13 +89,12 @@ def scenario_of(
     from surefoot.cli import parsing
     from surefoot.simulation.scenario import Ice, IcePatch, Scenario
 
-    pushes, given = parsing.each(parsing.push, push), [parsing.ice(entry) for entry in said.ice]
+    pushes, given = [parsing.push(text) for text in push or ()], [parsing.ice(entry) for entry in said.ice]
     changes = [one for one in given if isinstance(one, Ice)]
     patches = [one for one in given if isinstance(one, IcePatch)]
-    parsing.within_run("--push", push, [event.start for event in pushes], duration)
-    parsing.within_run(
-        "ice", [f"from {one.start:g}" for one in changes], [one.start for one in changes], duration
-    )
+    parsing.within_run("--push", push or (), (event.start for event in pushes), duration)
+    begins = [one.start for one in changes]
+    parsing.within_run("ice", [f"from {start:g}" for start in begins], begins, duration)
     return Scenario(duration, mu, pushes, changes, seed, patches=patches, **more)
 
 

@@ -1,10 +1,11 @@
-"""Option values with a form of their own: pushes, ice, lifts, velocities, terrains, facets, lists of feet."""
+"""Option values with a form of their own: pushes, ice, lifts, velocities, facets, lists of feet."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+import re
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from surefoot.arrays import real_number
 from surefoot.errors import ProblemError
@@ -12,9 +13,7 @@ from surefoot.errors import ProblemError
 if TYPE_CHECKING:  # loading a simulation takes longer than most commands
     from surefoot.control.standing_plan import Lift
     from surefoot.simulation.scenario import Ice, IcePatch, Push
-    from surefoot.terrain import Terrain
 
-T = TypeVar("T")
 MU_MAX = 1e3
 """Friction beyond which nothing changes: a cone that is 0.06 deg short of the half-space."""
 FORCE_MAX = 1e5
@@ -45,6 +44,18 @@ def number(option: str, text: str) -> float:
     return value
 
 
+def numbers(option: str, text: str, form: str, example: str) -> list[float]:
+    """Return the finite numbers of a text whose colons, commas and @ stand as in a form.
+
+    >>> numbers("--dropout", "2:0.5", "T:DURATION", "2:0.5")
+    [2.0, 0.5]
+    """
+    parts, wanted = ([part.split(",") for part in re.split("[:@]", one)] for one in (text, form))
+    if [len(part) for part in parts] != [len(part) for part in wanted]:
+        raise ProblemError(f"{option} {text!r} is not of the form {form}, e.g. {example}")
+    return [number(option, entry) for part in parts for entry in part]
+
+
 def push(text: str) -> Push:
     """Return the push of "T:FX,FY,FZ:DURATION".
 
@@ -53,14 +64,9 @@ def push(text: str) -> Push:
     """
     from surefoot.simulation.scenario import Push
 
-    parts = text.split(":")
-    force = parts[1].split(",") if len(parts) == 3 else []
-    if len(force) != 3:
-        raise ProblemError(f"--push {text!r} is not of the form T:FX,FY,FZ:DURATION, e.g. 1:60,0,0:0.2")
-    start, duration = number("--push", parts[0]), number("--push", parts[2])
+    start, x, y, z, duration = numbers("--push", text, "T:FX,FY,FZ:DURATION", "1:60,0,0:0.2")
     if start < 0.0 or duration < SHORTEST_PUSH:
         raise ProblemError(f"--push {text!r}: T must be >= 0 and DURATION >= {SHORTEST_PUSH:g} s")
-    x, y, z = (number("--push", f) for f in force)
     if math.hypot(x, y, z) > FORCE_MAX:
         raise ProblemError(f"--push {text!r}: the force must not exceed {FORCE_MAX:g} N")
     return Push(start, (x, y, z), duration)
@@ -84,10 +90,10 @@ def ice(entry: Mapping[str, Any]) -> Ice | IcePatch:
 
 def dropout(text: str) -> tuple[float, float]:
     """Return start and duration of "T:DURATION" [s]."""
-    start, colon, duration = text.partition(":")
-    if not colon:
-        raise ProblemError(f"--dropout is T:DURATION [s], got {text!r}")
-    return number("--dropout", start), number("--dropout", duration)
+    start, duration = numbers("--dropout", text, "T:DURATION", "2:0.5")
+    if start < 0.0 or duration < 0.0:
+        raise ProblemError(f"--dropout {text!r}: T and DURATION must be >= 0")
+    return start, duration
 
 
 def payload(text: str) -> tuple[float, tuple[float, float, float]]:
@@ -98,16 +104,12 @@ def payload(text: str) -> tuple[float, tuple[float, float, float]]:
     >>> payload("5")
     (5.0, (0.0, 0.0, 0.0))
     """
-    mass, at, place = text.partition("@")
-    parts = place.split(",") if at else ["0", "0", "0"]
-    if len(parts) != 3:
-        raise ProblemError(f"--payload {text!r} is not of the form KG or KG@X,Y,Z, e.g. 5@0.1,0.08,0.08")
-    kilograms = real_number("--payload", number("--payload", mass), low=0.0, high=PAYLOAD_MAX)
-    x, y, z = (
-        real_number("--payload", number("--payload", part), low=-PAYLOAD_FAR, high=PAYLOAD_FAR)
-        for part in parts
-    )
-    return kilograms, (x, y, z)
+    whole = text if "@" in text else f"{text}@0,0,0"
+    mass, x, y, z = numbers("--payload", whole, "KG@X,Y,Z", "5@0.1,0.08,0.08")
+    real_number("--payload", mass, low=0.0, high=PAYLOAD_MAX)
+    for part in (x, y, z):
+        real_number("--payload", part, low=-PAYLOAD_FAR, high=PAYLOAD_FAR)
+    return mass, (x, y, z)
 
 
 def lift(text: str) -> Lift:
@@ -124,10 +126,7 @@ def facets(text: str) -> int | None:
     """Return the number of facets, or None for "exact"."""
     if text == "exact":
         return None
-    try:
-        count = int(text)
-    except ValueError:
-        count = 0
+    count = int(text) if text.isdecimal() else 0
     if count < 3:
         raise ProblemError(f"--facets must be a whole number >= 3 or 'exact', got {text!r}")
     return facet_count(count)
@@ -163,7 +162,7 @@ def seed(number: int | None) -> None:
         raise ProblemError(f"--seed must be a whole number from 0 to 2^64 - 1, got {number!s:.40}")
 
 
-def within_run(option: str, texts: list[str] | None, starts: Sequence[float], duration: float) -> None:
+def within_run(option: str, texts: Iterable[str], starts: Iterable[float], duration: float) -> None:
     """Refuse what would start when the run is over.
 
     Raises
@@ -171,7 +170,7 @@ def within_run(option: str, texts: list[str] | None, starts: Sequence[float], du
     ProblemError
         Naming the first of the option's texts that starts at `duration` [s] or later.
     """
-    for text, start in zip(texts or [], starts, strict=True):
+    for text, start in zip(texts, starts, strict=True):
         if start >= duration:
             raise ProblemError(
                 f"{option} {text!r} starts at {start:g} s, when the run is over: --duration is {duration:g} s"
@@ -188,11 +187,6 @@ def names(option: str, text: str | None) -> list[str] | None:
     return listed
 
 
-def each(parse: Callable[[str], T], texts: list[str] | None) -> list[T]:
-    """Return the parsed values of a repeatable option."""
-    return [parse(text) for text in texts or []]
-
-
 def velocity(text: str) -> tuple[float, float, float]:
     """Return forward, left [m/s] and yaw rate [rad/s] of "VX,VY,WZ"; missing ones are zero.
 
@@ -204,14 +198,3 @@ def velocity(text: str) -> tuple[float, float, float]:
         raise ProblemError(f"--velocity {text!r} is not of the form VX,VY,WZ, e.g. 0.5,0,0.2")
     x, y, turn = ([number("--velocity", p) for p in parts] + [0.0, 0.0])[:3]
     return x, y, turn
-
-
-def terrain(text: str) -> Terrain:
-    """Return the terrain of "flat", "slope:DEG", "stairs:HEIGHT,DEPTH", ...: see `surefoot.terrain.TERRAINS`.
-
-    >>> terrain("slope:15")
-    SlopeTerrain(15)
-    """
-    from surefoot.terrain import read_terrain
-
-    return read_terrain(text, "--terrain")

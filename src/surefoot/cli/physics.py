@@ -13,7 +13,7 @@ from rich.console import Console
 from surefoot.cli.console import say
 from surefoot.cli.robots import is_file
 from surefoot.cli.scenario_file import schema
-from surefoot.errors import ProblemError, StiffContactWarning, unknown_name
+from surefoot.errors import ProblemError, StiffContactWarning, check_name, unknown_name
 from surefoot.simulation.worlds import WORLDS
 
 if TYPE_CHECKING:
@@ -68,8 +68,7 @@ def world_settings(
 
     `robot` is a file where an MJCF file is the world, too.
     """
-    if physics.world not in WORLDS:
-        raise ProblemError(unknown_name("world", physics.world, tuple(WORLDS)))
+    check_name("world", physics.world, WORLDS)
     given = {name: getattr(physics if name in _PLAIN else said, name) for name in _OWNERS}
     settings = {name: value for name, value in given.items() if value != _PLAIN.get(name)}
     for name, value in settings.items():

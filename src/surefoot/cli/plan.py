@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from surefoot.cli import options
-from surefoot.cli.console import plain_console
+from surefoot.cli.console import Table, plain_console, progress_bar
 from surefoot.cli.output import new_run_folder, to_json
-from surefoot.cli.page import Table
 from surefoot.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
@@ -66,12 +64,12 @@ def plan(
         "mu": mu, "dt": dt, "knots": knots, "road": road, "seed": seed, "max_iterations": max_iterations,
     }  # fmt: skip
     with ends_softly() as stop:
-        search = _Progress(console, leaving.as_json)
-        made = search.run(who, task, amount, numbers)
+        screen = plain_console(stderr=True, quiet=leaving.as_json)
+        made, iterations = _search(screen, who, task, amount, numbers)
         folder = new_run_folder(leaving.out, f"plan-{task}")
         executed = None if execute is None else _execute(made, execute, seed, folder)
-        good = _write(made, executed, search.iterations, folder, leaving, console)
-        if search.interrupted:
+        good = _write(made, executed, iterations, folder, leaving, console)
+        if made.facts.get("interrupted", False):
             return stop.code
     return 0 if good else 1
 
@@ -87,32 +85,20 @@ def _robot(name: str | None, feet: str | None, task: Any) -> Any:
     return load(name, feet, feet_needed=True)
 
 
-@dataclass
-class _Progress:
-    """Runs the search, shows how it goes and keeps its iterations."""
+def _search(
+    console: Any, robot: Any, task: str, amount: float | None, numbers: dict[str, Any]
+) -> tuple[Plan, list[Iteration]]:
+    """Return the plan, after Ctrl-C the best so far, and the iterations; on a terminal they are shown."""
+    from surefoot.planning.planner import plan
 
-    console: Any
-    as_json: bool
-    iterations: list[Iteration] = field(default_factory=list)
-    interrupted: bool = False
+    iterations: list[Iteration] = []
+    with console.status(f"planning {task}") as status:
 
-    def run(self, robot: Any, task: str, amount: float | None, numbers: dict[str, Any]) -> Plan:
-        """Return the plan; after Ctrl-C the best so far."""
-        from surefoot.planning.planner import plan
+        def show(iteration: Iteration) -> None:
+            iterations.append(iteration)
+            status.update(_line(task, iteration))
 
-        screen = plain_console(stderr=True)
-        if self.as_json or not screen.is_terminal:
-            made = plan(robot, task, amount, tell=self.iterations.append, **numbers)
-        else:
-            with screen.status(f"planning {task}") as status:
-
-                def show(iteration: Iteration) -> None:
-                    self.iterations.append(iteration)
-                    status.update(_line(task, iteration))
-
-                made = plan(robot, task, amount, tell=show, **numbers)
-        self.interrupted = bool(made.facts.get("interrupted", False))
-        return made
+        return plan(robot, task, amount, tell=show, **numbers), iterations
 
 
 def _line(task: str, iteration: Iteration) -> str:
@@ -167,19 +153,17 @@ def _write(
     console: Any,
 ) -> bool:
     """Write all that a plan leaves, say what it is, and return whether all went well."""
-    from surefoot.cli import run_files
-    from surefoot.cli.progress import progress_bar
+    from surefoot.cli.run_files import RunFiles
     from surefoot.contact import Status
     from surefoot.viz.plan_plots import draw_plan
 
-    written = run_files.Written()
-    written.attempt(folder / "plan.npz", lambda: made.save(folder / "plan.npz"))
-    facts = {**_facts(made, executed), "folder": str(folder), "unwritten": written.notes}
-    written.attempt(folder / "summary.json", lambda: run_files.write_summary(facts, folder))
-    shown = run_files.Pictures(made if executed is None else executed.log, folder)
+    files = RunFiles(made if executed is None else executed.log, folder)
+    files.write("plan.npz", made.save)
+    facts = {**_facts(made, executed), "folder": str(folder), "unwritten": files.unwritten}
+    files.write_summary(facts)
     if leaving.video and made.robot is not None and made.terrain is not None:
         with progress_bar(not leaving.as_json, "filming", 1.0) as tell:
-            shown.film(made.robot, made.terrain, tell)
+            files.film(made.robot, made.terrain, tell)
     if leaving.as_json:
         print(to_json(facts))
     good, done = made.status is Status.SOLVED, facts["executed"]
@@ -188,11 +172,11 @@ def _write(
         good = good and done["landed"] and not done["laws"]
         laws = "no law was broken" if not done["laws"] else "laws broken: " + "; ".join(done["laws"])
         headline += f"; carried out: {'landed' if done['landed'] else 'did not land'}, {laws}"
-    run_files.publish(
-        console, folder, written, shown, f"Plan: {made.task}", (headline, good), (_tables(made, facts), []),
+    files.publish(
+        console, f"Plan: {made.task}", (headline, good), (_tables(made, facts), []),
         (lambda log, where: draw_plan(made, where, iterations)) if leaving.report else None,
     )  # fmt: skip
-    return good and not written.notes
+    return good and not files.unwritten
 
 
 def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:

@@ -11,7 +11,7 @@ from rich.console import Console
 from surefoot.arrays import real_number
 from surefoot.cli import options
 from surefoot.cli.console import say, say_verdict, show, table
-from surefoot.cli.extras import picture_folder
+from surefoot.cli.extras import drawn
 from surefoot.cli.stance_input import StanceOptions
 from surefoot.errors import ProblemError
 
@@ -46,11 +46,13 @@ def region(
         "differences": list(found.sentences),
         "picture": None,
     }
-    folder, facts["note"] = picture_folder(out, "region") if picture else (None, "")
-    if folder is not None:
+
+    def draw(folder: Path) -> Path:
         from surefoot.viz.stance_plots import draw_regions
 
-        facts["picture"] = str(draw_regions(question, found, folder / "regions.png"))
+        return draw_regions(question, found, folder / "regions.png")
+
+    facts["picture"], facts["note"] = drawn(picture, out, "region", draw)
     show(facts, as_json, _print)
     return 0
 

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import shlex
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
-from surefoot.cli.console import say, say_verdict
+from surefoot.cli.console import Table, print_tables, say, say_verdict
 from surefoot.cli.output import to_json
-from surefoot.cli.page import Table, print_tables, report_sections, write_page
 from surefoot.errors import MissingExtra, SurefootError, WriteError
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.terrain import Terrain
+from surefoot.viz import report
 
 PARTS = "log.parts"
 """Folder that the log's rows go to during a run; log.npz takes its place at the end."""
@@ -30,135 +33,139 @@ CAPTIONS = {
     "cone_over_time": "Use of the cones over time",
     "path": "Path",
 }
+Draw = Callable[[Log, Path], list[Path]]
+"""Draws a log's plots into a folder and returns their paths."""
 
 
-class Written:
+class RunFiles:
     """What a run leaves, file by file; a full disk costs the files that do not fit, and no others.
 
-    Attributes
-    ----------
-    notes
-        One line for each file that could not be written.
-    """
-
-    def __init__(self) -> None:
-        self.notes: list[str] = []
-
-    def attempt(self, path: Path, write: Callable[[], object]) -> None:
-        """Write a file, or note why it is not there; no half file stays."""
-        try:
-            write()
-        except WriteError as error:
-            self.notes.append(str(error))
-        except OSError as error:
-            self.notes.append(str(WriteError(path, error)))
-            path.unlink(missing_ok=True)
-
-
-class Pictures:
-    """Film and plots of a run, and why there are none: a run must not be lost for want of a picture.
+    A run must not be lost for want of a picture either: what cannot be drawn is a line on the screen.
 
     Parameters
     ----------
     log, folder
-        What is drawn, and where to.
+        What is written, and where to.
+
+    Attributes
+    ----------
+    unwritten
+        One line for each file that could not be written.
     """
 
     def __init__(self, log: Log, folder: Path) -> None:
-        self._log, self._folder = log, folder
+        self.log, self.folder = log, folder
+        self.unwritten: list[str] = []
         self._film: Path | None = None
         self._plots: list[Path] = []
         self._notes: list[str] = []
         self._missing: list[MissingExtra] = []
 
-    def film(self, robot: Robot, terrain: Terrain, progress: Callable[[float], None] | None) -> None:
-        """Film the run, or note why not: no package, no OpenGL, no patience."""
-        from surefoot.viz.film import write_video
-
-        path = self._folder / "film.mp4"
+    def write(self, name: str, write: Callable[[Path], object]) -> None:
+        """Write a file of the folder, or note why it is not there; no half file stays."""
+        path = self.folder / name
         try:
-            self._film = write_video(self._log, robot, terrain, path, progress=progress)
+            write(path)
+        except WriteError as error:
+            self.unwritten.append(str(error))
+        except OSError as error:
+            self.unwritten.append(str(WriteError(path, error)))
+            path.unlink(missing_ok=True)
+
+    def write_summary(self, facts: dict[str, Any]) -> None:
+        """Write summary.json."""
+        self.write("summary.json", lambda path: path.write_text(to_json(facts) + "\n", encoding="utf-8"))
+
+    @contextmanager
+    def _drawing(self, path: Path) -> Iterator[None]:
+        """Note why what is drawn in this context cannot be."""
+        try:
+            yield
         except MissingExtra as error:
             self._missing.append(error)
         except SurefootError as error:
             self._notes.append(str(error))
         except OSError as error:
             self._notes.append(str(WriteError(path, error)))
-            path.unlink(missing_ok=True)
+            if path.is_file():
+                path.unlink()
+
+    def film(self, robot: Robot, terrain: Terrain, progress: Callable[[float], None] | None) -> None:
+        """Film the run, or note why not: no package, no OpenGL, no patience."""
+        from surefoot.viz.film import write_video
+
+        path = self.folder / "film.mp4"
+        try:
+            with self._drawing(path):
+                self._film = write_video(self.log, robot, terrain, path, progress=progress)
         except KeyboardInterrupt:
             self._notes.append("no video: interrupted")
 
-    def plot(self, draw: Callable[[Log, Path], list[Path]]) -> None:
-        """Draw the plots, or note why not."""
-        try:
-            self._plots = draw(self._log, self._folder)
-        except MissingExtra as error:
-            self._missing.append(error)
-        except SurefootError as error:
-            self._notes.append(str(error))
-        except OSError as error:
-            self._notes.append(str(WriteError(self._folder, error)))
+    def publish(
+        self,
+        console: Console,
+        title: str,
+        verdict: tuple[str, bool],
+        figures: tuple[Sequence[Table], Sequence[str]],
+        draw: Draw | None,
+        opening: Sequence[tuple[str, str]] = (),
+    ) -> None:
+        """Print what came of a run and write its page.
 
-    def notes(self) -> list[str]:
-        """Return why pictures are missing, a line each; all missing packages are one line."""
+        Parameters
+        ----------
+        console
+            Where to.
+        title
+            Of the page.
+        verdict
+            One line, and whether it is good news.
+        figures
+            Tables, and lines below them.
+        draw
+            Draws the plots; None for no page.
+        opening
+            Sections of the page before the tables.
+        """
+        print_tables(console, *figures)
+        page = self.folder / "report.html"
+        if draw is not None:
+            with self._drawing(self.folder):
+                self._plots = draw(self.log, self.folder)
+            sections = [*opening, *report_sections(*figures), *self._sections()]
+            self.write(page.name, lambda path: write_page(path, title, [verdict], sections))
         missing = [f"pictures left out: {MissingExtra.of(self._missing)}"] if self._missing else []
-        return missing + self._notes
+        say(console, *missing, *self._notes, *self.unwritten)
+        say_verdict(console, *verdict)
+        say(console, f"report: {page if page.exists() else self.folder}")
 
-    def sections(self) -> list[tuple[str, str]]:
+    def _sections(self) -> list[tuple[str, str]]:
         """Return the report's sections for film and plots."""
-        from surefoot.viz.report import film, paragraph, picture
-
         found = []
         if self._film is not None:
-            note = paragraph("Forces as the world reports them; a force inside its cone ends inside the rim.")
-            found.append(("Film", film(self._film) + note))
-        titled = [(CAPTIONS.get(p.stem, p.stem.replace("_", " ")), picture(p)) for p in self._plots]
+            note = "Forces as the world reports them; a force inside its cone ends inside the rim."
+            found.append(("Film", report.film(self._film) + report.paragraph(note)))
+        titled = [(CAPTIONS.get(p.stem, p.stem.replace("_", " ")), report.picture(p)) for p in self._plots]
         return found + titled
 
 
-def write_summary(summary: dict[str, Any], folder: Path) -> Path:
-    """Write summary.json into the folder and return its path."""
-    path = folder / "summary.json"
-    path.write_text(to_json(summary) + "\n", encoding="utf-8")
-    return path
+def report_sections(tables: Sequence[Table], lines: Sequence[str]) -> list[tuple[str, str]]:
+    """Return a page's sections of tables and figures."""
+    written = [(one.title, report.table(one.header, one.rows)) for one in tables]
+    return [*written, ("Figures", "".join(report.paragraph(line) for line in lines))]
 
 
-def publish(
-    console: Console,
-    folder: Path,
-    written: Written,
-    shown: Pictures,
-    title: str,
-    verdict: tuple[str, bool],
-    figures: tuple[Sequence[Table], Sequence[str]],
-    draw: Callable[[Log, Path], list[Path]] | None,
-    opening: Sequence[tuple[str, str]] = (),
-) -> None:
-    """Print what came of a run and write its page.
+def write_page(
+    path: Path, title: str, verdicts: Sequence[tuple[str, bool]], sections: Sequence[tuple[str, str]]
+) -> Path:
+    """Write the page of the command that runs to a new file and return its path.
 
     Parameters
     ----------
-    console, folder
-        Where to.
-    written, shown
-        Told of the page and of the plots; what they note is printed.
-    title
-        Of the page.
-    verdict
-        One line, and whether it is good news.
-    figures
-        Tables, and lines below them.
-    draw
-        Draws the plots; None for no page.
-    opening
-        Sections of the page before the tables.
+    path, title, sections
+        See `surefoot.viz.report.write_report`.
+    verdicts
+        Lines, and whether each is good news; together they are one line.
     """
-    print_tables(console, *figures)
-    page = folder / "report.html"
-    if draw is not None:
-        shown.plot(draw)
-        sections = [*opening, *report_sections(*figures), *shown.sections()]
-        written.attempt(page, lambda: write_page(folder, title, [verdict], sections))
-    say(console, *shown.notes(), *written.notes)
-    say_verdict(console, *verdict)
-    say(console, f"report: {page if page.exists() else folder}")
+    verdict = "; ".join(line for line, _ in verdicts), all(good for _, good in verdicts)
+    return report.write_report(path, title, verdict, sections, shlex.join(["surefoot", *sys.argv[1:]]))

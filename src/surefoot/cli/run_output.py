@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from surefoot.audit import RunSummary
 from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
-from surefoot.cli.page import Table
+from surefoot.cli.console import Table
 from surefoot.spatial import GRAVITY
 
 OUTCOMES = {
@@ -19,25 +19,17 @@ OUTCOMES = {
 
 def law_table(summary: RunSummary) -> Table:
     """Return the three laws as numbers."""
-    laws, weight = summary.laws, summary.mass * GRAVITY
+    laws, gap_limit = summary.laws, PENETRATION_LIMIT * summary.mass * GRAVITY
+
+    def mm(metres: float, form: str = "g") -> str:
+        return f"{1e3 * metres:{form}} mm"
+
     rows = [
-        [
-            "1 unilateral: deepest penetration",
-            f"{1e3 * laws.penetration_max:.3f} mm",
-            f"{1e3 * PENETRATION_LIMIT:g} mm",
-        ],
+        ["1 unilateral: deepest penetration", mm(laws.penetration_max, ".3f"), mm(PENETRATION_LIMIT)],
         ["1 unilateral: least normal force", f"{laws.unilateral_min:.3g} N", "0 N"],
-        [
-            "1 unilateral: force times gap",
-            f"{laws.complementarity_max:.3g} N m",
-            f"{PENETRATION_LIMIT * weight:.2g} N m",
-        ],
+        ["1 unilateral: force times gap", f"{laws.complementarity_max:.3g} N m", f"{gap_limit:.2g} N m"],
         ["2 Coulomb: highest use of the cone", f"{laws.cone_use_max:.3f}", f"{CONE_LIMIT:g}"],
-        [
-            "3 dissipation: slide without friction",
-            f"{1e3 * laws.free_slide_max:.3f} mm",
-            f"{1e3 * SLIDE_LIMIT:g} mm",
-        ],
+        ["3 dissipation: slide without friction", mm(laws.free_slide_max, ".3f"), mm(SLIDE_LIMIT)],
     ]
     return Table("The three laws, from the world's own forces", ("law", "measured", "limit"), rows)
 

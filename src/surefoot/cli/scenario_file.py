@@ -14,7 +14,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
+from surefoot.text_files import read_yaml
 
 SCHEMA = Path(__file__).with_name("scenario.schema.json")
 GROUND = frozenset({"ice", "law", "integration", "solref", "solimp", "substeps"})
@@ -64,12 +65,11 @@ class ScenarioFile:
         """
         if path is None:
             return ScenarioFile()
-        content = _content(path)
+        content = read_yaml(path, "the scenario") or {}
         try:
             said = checked("", content, schema())
             for key in said:
-                if key not in keys:
-                    raise ProblemError(unknown_name("key for this command", key, keys))
+                check_name("key for this command", key, keys)
         except ProblemError as error:
             raise ProblemError(f"{path}: {error}") from error
         for key in ("gait_file", "velocity_file"):
@@ -88,19 +88,6 @@ def schema() -> dict[str, Any]:
     """Return the JSON schema of scenario files."""
     found: dict[str, Any] = json.loads(SCHEMA.read_text(encoding="utf-8"))
     return found
-
-
-def _content(path: Path) -> Any:
-    """Return what a YAML file holds."""
-    import yaml
-
-    try:
-        return yaml.safe_load(path.read_text(encoding="utf-8")) or {}
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not text"
-        raise ProblemError(f"cannot read the scenario {path}: {reason}") from error
-    except yaml.YAMLError as error:
-        raise ProblemError(f"{path} is not YAML: {' '.join(str(error).split())}") from error
 
 
 def checked(where: str, value: Any, form: Mapping[str, Any]) -> Any:
@@ -124,8 +111,7 @@ def checked(where: str, value: Any, form: Mapping[str, Any]) -> Any:
         words, number = form["anyOf"]
         return checked(where, value, words if value in words["enum"] else number)
     if "enum" in form:
-        if value not in form["enum"]:
-            raise ProblemError(unknown_name(where, value, form["enum"]))
+        check_name(where, value, form["enum"])
         return value
     return _FORMS[form["type"]](where, value, form)
 
@@ -135,8 +121,7 @@ def _mapping(where: str, value: Any, form: Mapping[str, Any]) -> dict[str, Any]:
         raise ProblemError(f"{where or 'the file'} must be a mapping of keys, got {value!r:.60}")
     known = form["properties"]
     for key in value:
-        if key not in known:
-            raise ProblemError(unknown_name(f"key of {where}" if where else "key", key, known))
+        check_name(f"key of {where}" if where else "key", key, known)
     for key in form.get("required", ()):
         if key not in value:
             raise ProblemError(f"{where} needs the key {key!r}")

@@ -20,7 +20,7 @@ class Terminated(KeyboardInterrupt):
     """A signal that asks the process to end."""
 
 
-class Stop:
+class EndSignal:
     """Which signal asked for the end, if any."""
 
     number: int | None = None
@@ -32,13 +32,13 @@ class Stop:
 
 
 @contextmanager
-def ends_softly() -> Iterator[Stop]:
+def ends_softly() -> Iterator[EndSignal]:
     """Let SIGTERM and SIGHUP raise a `KeyboardInterrupt` while the context lasts.
 
     Signals that are ignored (nohup) or handled by somebody else stay as they are, and so does everything
     outside the main thread. A signal that nothing catches inside ends the command with the signal's code.
     """
-    stop = Stop()
+    stop = EndSignal()
 
     def end(number: int, frame: FrameType | None) -> None:
         stop.number = number

@@ -10,19 +10,17 @@ from typing import Any, Generic, TypeVar
 from rich.console import Console
 
 from surefoot.audit import RunSummary
-from surefoot.cli import run_files
-from surefoot.cli.console import say
-from surefoot.cli.engine_warnings import engine_warnings
+from surefoot.cli.console import Table, progress_bar, say
 from surefoot.cli.options import Leaving
 from surefoot.cli.output import to_json
-from surefoot.cli.page import Table
-from surefoot.cli.progress import progress_bar
+from surefoot.cli.run_files import PARTS, Draw, RunFiles
 from surefoot.cli.run_output import law_table
 from surefoot.cli.signals import ends_softly
 from surefoot.control.controller import Controller
 from surefoot.log import Ending, Log
 from surefoot.robot import Robot
-from surefoot.simulation.observers import Observer, Progress
+from surefoot.simulation.engine_warnings import engine_warnings
+from surefoot.simulation.observers import Observer, RunProgress
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario
 from surefoot.simulation.world import World
@@ -56,7 +54,7 @@ class Account(Generic[S]):
     headline: Callable[[S], str]
     tables: Callable[[S], list[Table]]
     lines: Callable[[S], list[str]]
-    draw: Callable[[Log, Path], list[Path]]
+    draw: Draw
     opening: Sequence[tuple[str, str]] = ()
     more: dict[str, Any] = field(default_factory=dict)
 
@@ -99,8 +97,8 @@ class SimulatedRun:
         with ends_softly() as stop:
             shown = not self.leaving.as_json
             with progress_bar(shown, account.doing, scenario.duration) as tell, engine_warnings() as warned:
-                watching = [*observers, *([] if tell is None else [Progress(tell)])]
-                log = run(world, controller, scenario, watching, self.folder / run_files.PARTS)
+                watching = [*observers, *([] if tell is None else [RunProgress(tell)])]
+                log = run(world, controller, scenario, watching, self.folder / PARTS)
             say(self.console, *warned)
             summary, entries = self._write(log, account)
             if self.leaving.as_json:
@@ -111,18 +109,16 @@ class SimulatedRun:
 
     def _write(self, log: Log, account: Account[Any]) -> tuple[RunSummary, dict[str, Any]]:
         """Write everything that the run leaves, print the tables, and return the summary, also for JSON."""
-        folder, written = self.folder, run_files.Written()
-        written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
+        files = RunFiles(log, self.folder)
+        files.write("log.npz", log.save)
         summary: RunSummary = account.summarise(log)
-        entries = {**summary.as_dict(), **account.more, "unwritten": written.notes}
-        written.attempt(folder / "summary.json", lambda: run_files.write_summary(entries, folder))
-        pictures = run_files.Pictures(log, folder)
+        entries = {**summary.as_dict(), **account.more, "unwritten": files.unwritten}
+        files.write_summary(entries)
         if self.leaving.video and summary.outcome != Ending.INTERRUPTED:
             with progress_bar(not self.console.quiet, "filming", 1.0) as tell:
-                pictures.film(self.robot, self.terrain, tell)
-        run_files.publish(
-            self.console, folder, written, pictures, f"{self.robot.name} {account.doing}",
-            (account.headline(summary), summary.good),
+                files.film(self.robot, self.terrain, tell)
+        files.publish(
+            self.console, f"{self.robot.name} {account.doing}", (account.headline(summary), summary.good),
             ([*account.tables(summary), law_table(summary)], account.lines(summary)),
             account.draw if self.leaving.report else None, account.opening,
         )  # fmt: skip

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.table import Table
 
 from surefoot.arrays import real_number
 from surefoot.cli import options
-from surefoot.cli.console import show
+from surefoot.cli.console import show, table
 
 if TYPE_CHECKING:  # the other commands need no compiled code
     from surefoot.contact.lcp import LCP
@@ -77,7 +76,7 @@ def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_t
     from surefoot.solvers.solver import solve as solve_problem
 
     found = solve_problem(problem, solver, tol, max_time=max_time)
-    proof, rows = found.proof, redundancy(problem)
+    rows, proof, names = redundancy(problem), found.proof, ("direction", "reach", "work")
     given = None if problem.reference is None else residuals(problem, problem.reference).velocity_error
     return {
         "file": path.name,
@@ -90,9 +89,7 @@ def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_t
         "velocity_error": found.residuals.velocity_error,
         "rounding": found.residuals.rounding,
         "reference_velocity_error": given,
-        "proof": None
-        if proof is None
-        else {key: getattr(proof, key) for key in ("direction", "reach", "work")},
+        "proof": None if proof is None else {name: getattr(proof, name) for name in names},
         "iterations": found.iterations,
         "seconds": found.solve_time,
         "notes": list(problem.notes),
@@ -120,57 +117,46 @@ def _complementarity(path: Path, problem: LCP, solver: str, tol: float, max_time
 
 def _print(console: Console, records: list[dict[str, Any]], tol: float) -> None:
     """Print a table of contact problems and one of LCPs, and what there is to say of single ones."""
-    contacts = [r for r in records if r["kind"] == "contact"]
-    if contacts:
-        table = _table("Contact", tol, ("n", "rank", "status", "velocity error"))
-        for r in contacts:
-            size = str(r["contacts"]), f"{r['rank']}/{r['rows']}"
-            table.add_row(r["file"], *size, r["status"], f"{r['velocity_error']:.1e}", *_effort(r))
-        console.print(table)
-        _print_proofs(console, contacts)
-    lcps = [r for r in records if r["kind"] == "lcp"]
-    if lcps:
-        table = _table("Linear complementarity", tol, ("size", "solver", "status", "residual"))
-        for r in lcps:
-            kept = str(r["size"]), r["solver"], r["status"]
-            table.add_row(r["file"], *kept, f"{r['residual']:.1e}", *_effort(r))
-        console.print(table)
-        _print_rays(console, lcps)
+    kinds = (
+        ("contact", "Contact", ("n", "rank", "status", "velocity error"), _contact_cells, _contact_lines),
+        ("lcp", "Linear complementarity", ("size", "solver", "status", "residual"), _lcp_cells, _lcp_lines),
+    )
+    for kind, title, columns, cells, lines in kinds:
+        chosen = [r for r in records if r["kind"] == kind]
+        if not chosen:
+            continue
+        header = ("file", *columns, "steps", "ms")
+        rows = [(r["file"], *cells(r), str(r["iterations"]), f"{1e3 * r['seconds']:.2f}") for r in chosen]
+        title = f"{title} problems, to be solved to {tol:g}"
+        listed = table(header, rows, title, left=("file", "solver", "status"), whole=header[1:])
+        listed.columns[0].overflow, listed.columns[0].min_width = "fold", 18
+        console.print(listed)
+        for r in chosen:
+            for line in lines(r):
+                console.print(f"{r['file']}: {line}")
 
 
-def _table(kind: str, tol: float, columns: tuple[str, ...]) -> Table:
-    """Return an empty table with one row per file to come, its effort last."""
-    table = Table(title=f"{kind} problems, to be solved to {tol:g}", title_justify="left")
-    table.add_column("file", overflow="fold", min_width=18)
-    for name in (*columns, "steps", "ms"):
-        table.add_column(name, justify="left" if name in ("solver", "status") else "right", no_wrap=True)
-    return table
+def _contact_cells(r: dict[str, Any]) -> tuple[str, ...]:
+    return str(r["contacts"]), f"{r['rank']}/{r['rows']}", r["status"], f"{r['velocity_error']:.1e}"
 
 
-def _effort(record: dict[str, Any]) -> tuple[str, str]:
-    """Return iterations and milliseconds."""
-    return str(record["iterations"]), f"{1e3 * record['seconds']:.2f}"
+def _lcp_cells(r: dict[str, Any]) -> tuple[str, ...]:
+    return str(r["size"]), r["solver"], r["status"], f"{r['residual']:.1e}"
 
 
-def _print_rays(console: Console, records: list[dict[str, Any]]) -> None:
-    """Print what there is to say of LCPs without a solution."""
-    for r in records:
-        if r["message"]:
-            console.print(f"{r['file']}: {r['message']}")
-        for name, words in (("proof", "proof v"), ("ray", "ray, which proves nothing,")):
-            if r[name] is not None:
-                console.print(f"{r['file']}: {words} {' '.join(f'{x:.6g}' for x in r[name])}")
-                break
+def _contact_lines(r: dict[str, Any]) -> list[str]:
+    """Return notes on a contact problem, and the proof that it has no solution."""
+    if r["proof"] is None:
+        return list(r["notes"])
+    pushed = [k for k, d in enumerate(r["proof"]["direction"]) if any(d)]
+    said = f"no forces with a sum of norms below {r['proof']['reach']:.2g} N solve it: contacts "
+    return [*r["notes"], f"{said}{', '.join(map(str, pushed))} close on each other (proof in --json)"]
 
 
-def _print_proofs(console: Console, records: list[dict[str, Any]]) -> None:
-    """Print notes on contact problems, and the proofs that some have no solution."""
-    for r in records:
-        for note in r["notes"]:
-            console.print(f"{r['file']}: {note}")
-        if r["proof"] is not None:
-            pushed = [k for k, d in enumerate(r["proof"]["direction"]) if any(d)]
-            console.print(
-                f"{r['file']}: no forces with a sum of norms below {r['proof']['reach']:.2g} N solve it: "
-                f"contacts {', '.join(map(str, pushed))} close on each other (proof in --json)"
-            )
+def _lcp_lines(r: dict[str, Any]) -> list[str]:
+    """Return what there is to say of an LCP without a solution."""
+    ways = (("proof", "proof v"), ("ray", "ray, which proves nothing,"))
+    found = [
+        f"{words} {' '.join(f'{x:.6g}' for x in r[name])}" for name, words in ways if r[name] is not None
+    ]
+    return [*([r["message"]] if r["message"] else []), *found[:1]]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
+import numpy as np
 import typer
 
 from surefoot.arrays import real_number
@@ -17,8 +18,7 @@ if TYPE_CHECKING:
     from surefoot.stance import StanceQuestion
 
 
-@dataclass(frozen=True)
-class StanceCase:
+class StanceCase(NamedTuple):
     """What a command is about; robot and q are None for a stance file."""
 
     question: StanceQuestion
@@ -33,7 +33,8 @@ class StanceOptions:
     subject: Annotated[
         str,
         typer.Argument(
-            help="A stance file (YAML, see docs/files.md), or ROBOT: a name, a .urdf or an .xml.",
+            help="A stance file (YAML, see docs/files.md; - reads what is piped in), or ROBOT: a name, "
+            "a .urdf or an .xml.",
             metavar="FILE|ROBOT",
         ),
     ]
@@ -48,7 +49,8 @@ class StanceOptions:
             parsing.friction("--mu", self.mu)
         real_number("--slope", self.slope, low=-80.0, high=80.0)
         path = Path(self.subject)
-        of_file = not is_file(self.subject) and (path.exists() or path.suffix or "/" in self.subject)
+        named = path.exists() or path.suffix or "/" in self.subject
+        of_file = self.subject == "-" or (not is_file(self.subject) and named)
         return StanceCase(self._of_file(path)) if of_file else self._of_robot()
 
     def _of_file(self, file: Path) -> StanceQuestion:
@@ -63,8 +65,6 @@ class StanceOptions:
         return StanceQuestion(said.name, stance, said.mass, said.com, said.external_wrench)
 
     def _of_robot(self) -> StanceCase:
-        import numpy as np
-
         from surefoot.robot import place
         from surefoot.stance import StanceQuestion
         from surefoot.terrain import SlopeTerrain
@@ -75,25 +75,16 @@ class StanceOptions:
         q = place(robot, terrain)
         stance = robot.stance(q, mu=0.6 if self.mu is None else self.mu, terrain=terrain)
         lifted = [robot.foot(n).name for n in parsing.names("--lift", self.lift) or []]
-        title = (
-            f"{robot.name} on a slope of {self.slope:g} deg" if self.slope else f"{robot.name} on flat ground"
-        )
-        if lifted:
-            title += f", {', '.join(lifted)} lifted"
+        title = f"{robot.name} on " + (f"a slope of {self.slope:g} deg" if self.slope else "flat ground")
+        title += f", {', '.join(lifted)} lifted" if lifted else ""
         stance = stance.without(*lifted)
         return StanceCase(StanceQuestion(title, stance, robot.mass, robot.com(q), np.zeros(6)), robot, q)
 
 
 def _check_sizes(question: StanceQuestion, file: Path) -> None:
     """Refuse sizes that no robot has, where double precision would no longer tell right from wrong."""
-    import numpy as np
-
     real_number(f"{file}: mass", question.mass, low=0.0, high=1e9)
-    sizes = {
-        "com": question.com,
-        "external_wrench": question.external_wrench,
-        "positions": question.stance.positions,
-    }
-    for name, values in sizes.items():
+    sizes = {name: getattr(question, name) for name in ("com", "external_wrench")}
+    for name, values in {**sizes, "positions": question.stance.positions}.items():
         real_number(f"{file}: largest entry of {name}", np.abs(values).max(initial=0.0), high=1e9)
     real_number(f"{file}: mu", np.max(question.stance.mu, initial=0.0), low=0.0, high=parsing.MU_MAX)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
+import numpy as np
 import typer
 
 from surefoot.arrays import real_number
@@ -55,8 +56,8 @@ def stand(
     faults = Faults(0.0, said.delay, said.weak_joint, said.torque_loss) if FAULTS & {*said.given} else None
     more: dict[str, Any] = {"depth": START_DEPTH, "fall": STANDING_FALL, "faults": faults}
     happens = options.scenario_of(duration, mu, push, seed, said, **more)
-    lifts = parsing.each(parsing.lift, lift)
-    parsing.within_run("--lift", lift, [one.start for one in lifts], duration)
+    lifts = [parsing.lift(text) for text in lift or ()]
+    parsing.within_run("--lift", lift or (), (one.start for one in lifts), duration)
     options.require(robot, WORLDS[obeyed.world][1], leaving)
     setup = model, terrain, q, plan = _set_up(robot, feet, slope, lifts)
     allocation = _allocation(setup, mu, said)
@@ -108,10 +109,8 @@ def _allocation(setup: _Setup, mu: float, said: ScenarioFile) -> Any:
 
     if said.facets is None and said.solver in ("auto", "distribution"):
         return None
-    import numpy as np
-
-    from surefoot.control.allocation import SolverAllocation
     from surefoot.control.standing import FORCE_WEIGHT, wrench_weights
+    from surefoot.equilibrium.allocation import SolverAllocation
 
     points = sum(len(foot.centres) for foot in setup.robot.feet)
     weights = wrench_weights(setup.robot, setup.q)
@@ -125,8 +124,6 @@ def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -
 
     On all feet and during every lift, in which the body leans as it would without the payload.
     """
-    import numpy as np
-
     from surefoot.cli.stand_output import statics_line
     from surefoot.equilibrium.statics import can_stand, friction_needed
     from surefoot.spatial import rotation_from_quaternion

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from surefoot.audit import StandSummary
-from surefoot.cli.page import Table
+from surefoot.cli.console import Cell, Table
 from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines
 from surefoot.spatial import GRAVITY
 
@@ -34,18 +34,14 @@ def statics_line(phase: str, possible: bool, margin: float, needed: float, mu: f
 
 def tables(summary: StandSummary) -> list[Table]:
     """Return the table of feet."""
-    rows = [
-        [
-            foot.name,
-            f"{foot.normal_force_mean:.2f}",
-            f"{100 * foot.weight_share:.1f} %",
-            f"{100 * foot.cone_use_max:.0f} %",
-            f"{1e3 * foot.slip:.2f}",
-        ]
-        for foot in summary.feet
-    ]
-    header = ("foot", "normal force [N]", "share of m g", "highest cone use", "slip [mm]")
-    return [Table("Feet", header, rows)]
+    feet: dict[str, Cell] = {
+        "foot": lambda foot: foot.name,
+        "normal force [N]": lambda foot: f"{foot.normal_force_mean:.2f}",
+        "share of m g": lambda foot: f"{100 * foot.weight_share:.1f} %",
+        "highest cone use": lambda foot: f"{100 * foot.cone_use_max:.0f} %",
+        "slip [mm]": lambda foot: f"{1e3 * foot.slip:.2f}",
+    }
+    return [Table.of("Feet", summary.feet, feet)]
 
 
 def figure_lines(summary: StandSummary) -> list[str]:

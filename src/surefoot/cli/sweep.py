@@ -6,11 +6,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from surefoot.cli import options
-from surefoot.cli.console import plain_console, say, show, table
-from surefoot.cli.progress import progress_bar
+from surefoot.cli.console import plain_console, progress_bar, say, show, table
+from surefoot.cli.extras import missing
 from surefoot.cli.signals import INTERRUPTED, ends_softly
 from surefoot.errors import ProblemError
 
@@ -66,9 +67,13 @@ def sweep(
             say(plain_console(stderr=True), said)
             return stop.code or INTERRUPTED
     facts, found = _facts(result)
-    if picture:
-        facts["pictures"], note = _draw(result)
-        facts["notes"] += [note] if note else []
+    if picture and (error := missing(["matplotlib"])) is not None:
+        facts["notes"].append(f"no picture: {error}")
+    elif picture:
+        from surefoot.viz.sweep_plots import draw_sweep
+
+        drawn = draw_sweep(result.config, result.table, result.folder)
+        facts["pictures"] = [str(path) for path in drawn]
     show(facts, as_json, partial(_print, config=result.config, found=found, over=over or []))
     return 1 if facts["errors"] or facts["crashed"] else 0
 
@@ -80,6 +85,7 @@ def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
     config, number = result.config, counts(result.config, result.table)
     found = sorted(margins(config, result.table), key=lambda m: -m.effect())
     numbers = [name for name, kind in config.experiment.columns.items() if kind == "float"]
+    rows = zip(*(result.table[name].to_pylist() for name in ("index", "status", "error")), strict=True)
     return {
         "experiment": config.name,
         "fingerprint": config.fingerprint(),
@@ -88,7 +94,7 @@ def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
         "done": number["done"],
         "errors": number["error"],
         "crashed": number["crashed"],
-        "first_error": _first_error(result.table),
+        "first_error": next((f"sample {k}: {error}" for k, status, error in rows if status != "done"), ""),
         "goal": config.experiment.goal,
         "survived": number["survived"],
         "share": vars(wilson(number["survived"], number["done"])),
@@ -112,31 +118,11 @@ def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
 
 def _quantiles(table: Any, name: str) -> dict[str, float] | None:
     """Return median, 5 % and 95 % of a result; None without one."""
-    import numpy as np
-
     values = np.array([v for v in table[name].to_pylist() if v is not None], dtype=np.float64)
     if not values.size:
         return None
     low, middle, high = np.percentile(values, [5.0, 50.0, 95.0]).tolist()
     return {"median": middle, "p5": low, "p95": high}
-
-
-def _first_error(table: Any) -> str:
-    """Return the first sample that has no results, and why; empty if all have."""
-    rows = zip(*(table[name].to_pylist() for name in ("index", "status", "error")), strict=True)
-    return next((f"sample {index}: {error}" for index, status, error in rows if status != "done"), "")
-
-
-def _draw(result: SweepResult) -> tuple[list[str], str]:
-    """Return the pictures drawn, or why there are none."""
-    from surefoot.cli.extras import missing
-
-    error = missing(["matplotlib"])
-    if error is not None:
-        return [], f"no picture: {error}"
-    from surefoot.viz.sweep_plots import draw_sweep
-
-    return [str(p) for p in draw_sweep(result.config, result.table, result.folder)], ""
 
 
 def _print(
@@ -174,11 +160,9 @@ def _medians_table(config: SweepConfig, name: str, facts: dict[str, Any]) -> Any
 def _lines(facts: dict[str, Any]) -> list[str]:
     """Return what is said below the tables."""
     share, fresh = facts["share"], facts["samples"] - facts["resumed"]
+    done = f"{facts['survived']} of {facts['done']} {facts['goal']}: {share['value']:.3f} "
     out = [
-        f"{facts['survived']} of {facts['done']} {facts['goal']}: {share['value']:.3f} "
-        f"({share['low']:.3f} to {share['high']:.3f})"
-        if facts["done"]
-        else "no sample is done",
+        f"{done}({share['low']:.3f} to {share['high']:.3f})" if facts["done"] else "no sample is done",
         f"{fresh} samples in {facts['wall_time']:.1f} s"
         + (f", {facts['resumed']} were there before" if facts["resumed"] else "")
         + (f"; workers died {facts['lost_workers']} times" if facts["lost_workers"] else ""),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -15,8 +16,12 @@ if TYPE_CHECKING:
 
 NAMES = "physical, hunt-crossley, mujoco, drake, physx, isaaclab, ode, bullet, ..."
 """Some of them; a wrong name is answered with all."""
-_UNITS = {"rest_depth": "rest depth [m]", "restitution": "restitution", "frequency": "frequency [rad/s]"}
-_UNITS["settling_time"] = "settling time to 2 % [s]"
+_UNITS = {
+    "rest_depth": "rest depth [m]",
+    "restitution": "restitution",
+    "frequency": "frequency [rad/s]",
+    "settling_time": "settling time to 2 % [s]",
+}
 
 
 def translate(
@@ -54,6 +59,7 @@ def translate(
         from surefoot.simulation.drops import measure
 
         measured = measure(to, found.parameters, found.translated, mass, speed=speed, gravity=gravity, dt=dt)
+    families = (_family(source), _family(to))
     facts: dict[str, Any] = {
         "from": source,
         "to": to,
@@ -67,11 +73,7 @@ def translate(
             for name, q in found.agreement.items()
             for seen in (getattr(measured, name, None),)
         },
-        "friction_rules": {
-            name: words
-            for name, words in combination_rules().items()
-            if _family(name) in (_family(source), _family(to))
-        },
+        "friction_rules": {n: words for n, words in combination_rules().items() if _family(n) in families},
     }
     show(facts, as_json, _print, highlight=False, soft_wrap=True)
     return 0
@@ -118,14 +120,11 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
         console.print(f"friction of two surfaces in {name}: {words}")
 
 
-def _flat(values: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    """Return nested settings as dotted names."""
-    rows: list[tuple[str, str]] = []
+def _flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Yield nested settings as dotted names."""
     for name, value in values.items():
         if isinstance(value, dict):
-            rows += _flat(value, f"{prefix}{name}.")
-        elif isinstance(value, tuple):
-            rows.append((prefix + name, " ".join(f"{x:.10g}" for x in value)))
+            yield from _flat(value, f"{prefix}{name}.")
         else:
-            rows.append((prefix + name, f"{value:.10g}" if isinstance(value, float) else str(value)))
-    return rows
+            parts = value if isinstance(value, tuple) else (value,)
+            yield prefix + name, " ".join(f"{x:.10g}" if isinstance(x, float) else str(x) for x in parts)

@@ -8,12 +8,12 @@ from typing import Annotated, Any, NamedTuple
 import typer
 
 from surefoot.cli import command_options as wires
-from surefoot.cli import estimators, knowledge, live, options, physics
+from surefoot.cli import knowledge, live, options, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.robots import load
 from surefoot.cli.scenario_file import WALK_KEYS, ScenarioFile
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.simulation.worlds import WORLDS
 
 SHORTEST = 0.5
@@ -74,29 +74,32 @@ def walk(
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
+    from surefoot.terrain import read_terrain
 
     console = plain_console(quiet=leaving.as_json)
     if view:
         live.check(planner)
     options.check_numbers(mu, duration, SHORTEST, seed)
-    carried, dropouts = parsing.payload(payload), parsing.each(parsing.dropout, dropout)
+    carried, dropouts = parsing.payload(payload), [parsing.dropout(text) for text in dropout or ()]
     said = ScenarioFile.read(scenario, WALK_KEYS)
     belief = knowledge.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
-    sensors, level = estimators.sensors_of(said.estimator, said.noise)
     file = robot if physics.is_world(robot, obeyed.world) else None
     settings = physics.world_settings(obeyed, said, mu, file)
-    ground = parsing.terrain(terrain)
+    ground = read_terrain(terrain, "--terrain")
     if obeyed.world == "mujoco" and file is None:
         settings.setdefault("substeps", substeps_of(ground, terrain_knowledge))
     command = _command(velocity, said)
     wired = wires.wiring(commands, dropouts, said)
-    parsing.within_run("--dropout", dropout, [start for start, _ in dropouts], duration)
+    parsing.within_run("--dropout", dropout or (), (start for start, _ in dropouts), duration)
+    level = (
+        said.noise or 0.0 if said.estimator == "truth" else 0.0
+    )  # of the true state; sensors have their own
     faults = Faults(level, said.delay, said.weak_joint, said.torque_loss, dropouts=wired.dropouts)
-    happens = options.scenario_of(duration, mu, push, seed, said, faults=faults, **belief.senses(sensors))
+    happens = options.scenario_of(duration, mu, push, seed, said, faults=faults, **belief.senses(said))
     options.require(robot, WORLDS[obeyed.world][1], leaving)
     model = load(robot, feet, feet_needed=True)
     motors = obeyed.actuators if file is None else _file_motors(model)
-    task = _Task(model, belief.ground(ground), gait, said, command, belief, motors, wired)
+    task = _WalkTask(model, belief.ground(ground), gait, said, command, belief, motors, wired)
     controller = _controller(planner, task)
     q = _start(model, ground, mu)
     world = physics.build_world(obeyed.world, model, file, ground, mu, carried, settings, console)
@@ -107,7 +110,7 @@ def walk(
     return run.carry_out(world, controller, replace(happens, start=q), _account(), watching)
 
 
-class _Task(NamedTuple):
+class _WalkTask(NamedTuple):
     """What a controller is made for; `gait` is a name, None where nothing is said."""
 
     robot: Any
@@ -120,18 +123,17 @@ class _Task(NamedTuple):
     wired: wires.Wiring
 
 
-def _controller(planner: str, task: _Task) -> Any:
+def _controller(planner: str, task: _WalkTask) -> Any:
     """Return the controller of a planner's name."""
     planners = {"convex": _convex, "contact-implicit": _contact_implicit}
-    if planner not in planners:
-        raise ProblemError(unknown_name("--planner", planner, planners))
+    check_name("--planner", planner, planners)
     return planners[planner](task)
 
 
-def _convex(task: _Task) -> Any:
+def _convex(task: _WalkTask) -> Any:
     """Return the controller that follows a gait."""
-    from surefoot.control.actuators import actuators_of
     from surefoot.control.walkers import default_gait, walking_controller
+    from surefoot.robot.actuators import actuators_of
 
     robot, belief = task.robot, task.belief
     schedule = _schedule(robot, task.gait or default_gait(robot), task.said)
@@ -143,7 +145,7 @@ def _convex(task: _Task) -> Any:
     return task.wired.around(controller, robot)
 
 
-def _contact_implicit(task: _Task) -> Any:
+def _contact_implicit(task: _WalkTask) -> Any:
     """Return the controller that takes no gait."""
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
     from surefoot.simulation.actuated import equipped
@@ -160,22 +162,21 @@ def _contact_implicit(task: _Task) -> Any:
 
 def _file_motors(robot: Any) -> Any:
     """Return what an MJCF file says of its motors."""
-    from surefoot.control.actuators import told_actuators
+    from surefoot.robot.actuators import told_actuators
 
     return told_actuators(robot)
 
 
 def _schedule(robot: Any, gait: str, said: ScenarioFile) -> Any:
     """Return a gait's name, or the schedule of a file."""
-    from surefoot.control.gait import Gait
-    from surefoot.control.gait_library import named_gait
     from surefoot.interop.gait_files import read_gaits
+    from surefoot.stance.gait import Gait
+    from surefoot.stance.gait_library import named_gait
 
     if said.gait_file is None:
         return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)
     gaits = read_gaits(said.gait_file, len(robot.feet))
-    if gait not in gaits:
-        raise ProblemError(unknown_name(f"gait in {said.gait_file}", gait, gaits))
+    check_name(f"gait in {said.gait_file}", gait, gaits)
     schedule = gaits[gait]
     return (
         schedule.scaled(said.period) if said.period is not None and isinstance(schedule, Gait) else schedule

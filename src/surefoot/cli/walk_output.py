@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from surefoot.audit import WalkSummary
-from surefoot.cli.page import Table
+from surefoot.cli.console import Cell, Table
 from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines
 
 WALK_OUTCOMES = OUTCOMES | {"walked": "walked", "did not follow": "did not follow its command: it moved"}
@@ -31,34 +31,22 @@ def headline(summary: WalkSummary) -> str:
 
 def tables(summary: WalkSummary) -> list[Table]:
     """Return the tables of velocities and of feet."""
-    pairs = [(f"{axis} [{unit}]", getattr(summary.velocity, axis)) for axis, unit in AXES]
-    velocity = [
-        [name, f"{v.commanded:.3f}", f"{v.measured:.3f}", f"{v.error:+.3f}", "yes" if v.within else "no"]
-        for name, v in pairs
-    ]
-    feet = [
-        [
-            foot.name,
-            str(foot.footfalls),
-            f"{100 * (foot.duty or 0.0):.0f} %",
-            f"{100 * foot.weight_share:.1f} %",
-            f"{100 * foot.cone_use_max:.0f} %",
-            f"{1e3 * foot.slip:.2f}",
-        ]
-        for foot in summary.feet
-    ]
-    return [
-        Table(
-            "Velocity",
-            ("velocity after 2 s", "commanded", "measured mean", "error", "within 10 %"),
-            velocity,
-        ),
-        Table(
-            "Feet",
-            ("foot", "footfalls", "on the ground", "share of m g", "highest cone use", "slip [mm]"),
-            feet,
-        ),
-    ]
+    velocity: dict[str, Cell] = {
+        "velocity after 2 s": lambda pair: f"{pair[0]} [{pair[1]}]",
+        "commanded": lambda pair: f"{getattr(summary.velocity, pair[0]).commanded:.3f}",
+        "measured mean": lambda pair: f"{getattr(summary.velocity, pair[0]).measured:.3f}",
+        "error": lambda pair: f"{getattr(summary.velocity, pair[0]).error:+.3f}",
+        "within 10 %": lambda pair: "yes" if getattr(summary.velocity, pair[0]).within else "no",
+    }
+    feet: dict[str, Cell] = {
+        "foot": lambda foot: foot.name,
+        "footfalls": lambda foot: str(foot.footfalls),
+        "on the ground": lambda foot: f"{100 * (foot.duty or 0.0):.0f} %",
+        "share of m g": lambda foot: f"{100 * foot.weight_share:.1f} %",
+        "highest cone use": lambda foot: f"{100 * foot.cone_use_max:.0f} %",
+        "slip [mm]": lambda foot: f"{1e3 * foot.slip:.2f}",
+    }
+    return [Table.of("Velocity", AXES, velocity), Table.of("Feet", summary.feet, feet)]
 
 
 def figure_lines(summary: WalkSummary) -> list[str]:
@@ -86,11 +74,9 @@ def load_lines(summary: WalkSummary) -> list[str]:
     load = summary.load
     if load is None:
         return []
-    at = (
-        ""
-        if load.place is None
-        else f" at ({load.place[0]:.3f}, {load.place[1]:.3f}) m from the base's origin"
-    )
+    at = ""
+    if load.place is not None:
+        at = f" at ({load.place[0]:.3f}, {load.place[1]:.3f}) m from the base's origin"
     pulls = [" ".join(f"{part:.1f}" for part in three) for three in (load.force, load.moment)]
     return [f"estimated payload {load.mass:.2f} kg{at}; pulled besides by ({pulls[0]}) N, ({pulls[1]}) N m"]
 

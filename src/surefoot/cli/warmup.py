@@ -13,10 +13,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from surefoot.cli import options
 from surefoot.cli.compiling import silent
-from surefoot.cli.console import say, show, table
-from surefoot.cli.progress import progress_bar
+from surefoot.cli.console import progress_bar, say, show, table
 from surefoot.errors import MissingExtra
 
 if TYPE_CHECKING:
@@ -113,8 +114,6 @@ def _inputs() -> Iterator[dict[str, str]]:
 
 def _problems() -> Iterator[ContactProblem]:
     """Return a problem of every kind that takes another way: law, bounds, pyramids, size."""
-    import numpy as np
-
     from surefoot.contact import ContactProblem
 
     random = np.random.default_rng(0)
@@ -128,8 +127,6 @@ def _problems() -> Iterator[ContactProblem]:
 
 def _throw_a_cube() -> None:
     """Simulate a toss, as a fit does thousands of times."""
-    import numpy as np
-
     from surefoot.estimation.cube_model import CubeModel
     from surefoot.estimation.ground_plane import GroundPlane
     from surefoot.estimation.toss_model import TossScene

@@ -10,12 +10,12 @@ import typer
 from surefoot.cli import options
 from surefoot.cli.console import plain_console, table
 from surefoot.cli.output import check_out, to_json
-from surefoot.errors import MissingExtra, ProblemError, unknown_name
+from surefoot.errors import MissingExtra, ProblemError, check_name
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from surefoot.simulation.experiments import WorldsOutcome
+    from surefoot.simulation.experiments.experiment import WorldsOutcome
 
 NAMES = "drop, bounce, slide, stick, tip, spin, roll, stand, trot, friction"
 
@@ -36,15 +36,16 @@ def worlds(
     input.
     """
     from surefoot.cli import extras
-    from surefoot.simulation.experiments import EXPERIMENTS, carry_out, experiment_named
+    from surefoot.simulation.experiments import EXPERIMENTS, carry_out
     from surefoot.simulation.worlds import WORLDS
 
     if not 1e-5 <= dt <= 0.02:
         raise ProblemError(f"--dt must be between 1e-05 and 0.02 s, got {dt:g}")
-    chosen = [experiment_named(name) for name in dict.fromkeys(names or EXPERIMENTS)]
+    for name in names or ():
+        check_name("experiment", name, EXPERIMENTS)
     for name in world or ():
-        if name not in WORLDS:
-            raise ProblemError(unknown_name("world", name, tuple(WORLDS)))
+        check_name("world", name, WORLDS)
+    chosen = [EXPERIMENTS[name] for name in dict.fromkeys(names or EXPERIMENTS)]
     console = plain_console(quiet=as_json, highlight=False, soft_wrap=True)
     wanted = list(dict.fromkeys(world or WORLDS))
     absent = {name: error for name in wanted if (error := extras.missing(WORLDS[name][1])) is not None}
@@ -60,7 +61,15 @@ def worlds(
         _print(outcomes[-1], console)
     for name, why in absent.items():
         console.print(f"{name}: not here: {why}")
-    drawn = _draw(outcomes, out, console) if pictures else []
+    paths: list[str] = []
+
+    def draw(folder: Path) -> Path:
+        paths.extend(_draw(outcomes, folder))
+        return folder
+
+    folder, note = extras.drawn(pictures, out, "worlds", draw)
+    if pictures:
+        console.print(note or f"pictures: {folder}")
     agrees = all(outcome.agrees for outcome in outcomes)
     if as_json:
         facts = {
@@ -69,7 +78,7 @@ def worlds(
             "absent": {name: str(error) for name, error in absent.items()},
             "agrees": agrees,
             "experiments": {outcome.experiment.name: _facts(outcome) for outcome in outcomes},
-            "pictures": drawn,
+            "pictures": paths,
         }
         print(to_json(facts))
     console.print(_headline(outcomes, agrees))
@@ -88,8 +97,8 @@ def _headline(outcomes: list[WorldsOutcome], agrees: bool) -> str:
 
 def _print(outcome: WorldsOutcome, console: Console) -> None:
     rows: list[tuple[str, ...]] = []
-    last = ""
-    for row in sorted(outcome.rows, key=lambda r: [x.quantity for x in outcome.rows].index(r.quantity)):
+    order, last = list(dict.fromkeys(row.quantity for row in outcome.rows)), ""
+    for row in sorted(outcome.rows, key=lambda row: order.index(row.quantity)):
         name = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
         numbers = (f"{size:.1e}" for size in (row.error, row.step_error, row.tolerance))
         place = ("" if name == last else name, f"{row.exact:.6g}", row.world, f"{row.value:.6g}")
@@ -103,20 +112,13 @@ def _print(outcome: WorldsOutcome, console: Console) -> None:
         console.print(f"{outcome.experiment.name} in {world}: {why}")
 
 
-def _draw(outcomes: list[WorldsOutcome], out: Path, console: Console) -> list[str]:
+def _draw(outcomes: list[WorldsOutcome], folder: Path) -> list[str]:
     """Draw a picture of each experiment, and return their paths."""
-    from surefoot.cli.extras import picture_folder
-
-    folder, why = picture_folder(out, "worlds")
-    if folder is None:
-        console.print(why)
-        return []
     from surefoot.viz.world_plots import draw_outcome, draw_overview
 
     paths = [str(draw_outcome(o, folder / f"{o.experiment.name}.png")) for o in outcomes if o.seen]
     if len(paths) > 1:
         paths.append(str(draw_overview(outcomes, folder / "overview.png")))
-    console.print(f"pictures: {folder}")
     return paths
 
 

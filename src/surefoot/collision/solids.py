@@ -12,7 +12,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray, real_number
 from surefoot.collision.shapes import Box, Shape
 from surefoot.contact.engines import combination_rules, combine_friction
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.terrain import Terrain
 from surefoot.terrain import shapes as pieces
 
@@ -82,8 +82,7 @@ class Geometry:
     propagation: bool = False
 
     def __post_init__(self) -> None:
-        if self.combine not in combination_rules():
-            raise ProblemError(unknown_name("rule", self.combine, tuple(combination_rules())))
+        check_name("rule", self.combine, combination_rules())
 
     def with_ground(self, solids: tuple[Solid, ...]) -> Geometry:
         """Return the geometry with pieces of ground behind its own solids."""

@@ -7,7 +7,9 @@ import os
 import pickle
 import re
 import sys
-from typing import Any
+import time
+import zlib
+from typing import IO, Any
 
 import numba
 from numba.core.caching import FunctionCache, IndexDataCacheFile
@@ -16,6 +18,11 @@ from numba.core.registry import CPUDispatcher
 from surefoot.compilation.progress import LOG, progress
 from surefoot.compilation.tree import PACKAGE, KernelTree
 
+if sys.platform != "win32":
+    import fcntl
+
+PATIENCE = 300.0
+"""How long a process waits for one that compiles the same kernel [s]; that one may have been stopped."""
 _caches: list[Cache] = []
 _HOME = os.path.dirname(os.path.dirname(__file__)) + os.sep
 
@@ -25,11 +32,16 @@ class Cache(FunctionCache):  # type: ignore[misc]
 
     Code beside the sources is read where nobody may write to it, too: an administrator can run `surefoot
     warmup` for all. What cannot be written is compiled again by the next process, and no error.
+
+    Of several processes that miss the same kernel one compiles it and the others wait. (Numba's index is
+    read, changed and written: two that compile one kernel for different types may leave the code of one
+    under the types of the other.)
     """
 
     def __init__(self, py_func: Any, tree: KernelTree) -> None:
         super().__init__(py_func)
         self._tree = tree
+        self._turn: IO[bytes] | None = None
         # no line number in the name, or every change of a file would leave old code behind
         name = self._impl.get_filename_base(f"{py_func.__module__}.{py_func.__qualname__}", "")
         name = name.replace(f"-{self._impl.locator.get_disambiguator()}.", ".")
@@ -43,8 +55,32 @@ class Cache(FunctionCache):  # type: ignore[misc]
         """Return what was compiled for argument types, or None."""
         found = super().load_overload(sig, target_context)
         if found is None:
+            self._await_turn()
+            found = super().load_overload(sig, target_context)
+        if found is None:
             progress.start(self._tree)
         return found
+
+    def _await_turn(self) -> None:
+        """Wait until no other process compiles this kernel: a byte of one file per folder is its lock."""
+        if sys.platform == "win32":  # has no such locks: there, every process compiles for itself
+            return
+        byte, until = zlib.crc32(self._cache_file._index_name.encode()), time.monotonic() + PATIENCE
+        with contextlib.suppress(OSError):  # nowhere to write: every process compiles for itself
+            self._impl.locator.ensure_cache_path()
+            self._turn = open(os.path.join(self._cache_path, "kernels.lock"), "ab")  # noqa: SIM115
+            while time.monotonic() < until:
+                with contextlib.suppress(BlockingIOError, PermissionError):
+                    fcntl.lockf(self._turn, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, byte)
+                    return
+                time.sleep(0.02)
+            LOG.info("another process has been compiling %s for %g s", self._tree.name, PATIENCE)
+
+    def end_turn(self) -> None:
+        """Let the next process have this kernel: it is compiled and kept, or it failed to compile."""
+        if self._turn is not None:
+            self._turn.close()
+            self._turn = None
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
         with contextlib.suppress(OSError, EOFError, pickle.UnpicklingError):

@@ -68,7 +68,11 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
                 self._cache = Cache(self.py_func, self.tree)
             except RuntimeError as error:  # nowhere to write to
                 LOG.warning("%s", error)
-        return super().compile(sig)
+        try:
+            return super().compile(sig)
+        finally:
+            if isinstance(self._cache, Cache):
+                self._cache.end_turn()
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return what a kernel that calls this one is given of it."""

@@ -1,21 +1,19 @@
-"""The double description method: in compiled floating point, and in exact rationals.
+"""The double description method, in compiled floating point.
 
 T. S. Motzkin et al. (1953); K. Fukuda, A. Prodon, "Double description method revisited" (1996). The
 half-spaces of cone(V) are the extreme rays of its polar {h : V h <= 0}; these are kept up to date while
 the rows of V are inserted one by one. Two rays are adjacent if no third one is tight wherever both are.
 
-Limits: the number of rays in between can exceed that at the end; the floating-point version decides
-what is tight with a tolerance and wants well-scaled rows of full rank (see `representation`).
+Limits: the number of rays in between can exceed that at the end; what is
+tight is decided with a tolerance, and wants well-scaled rows of full rank (see `representation`).
 
-Both by hand though cddlib exists. Its wheel is missing for several Pythons, so it cannot be what
+By hand though cddlib exists. Its wheel is missing for several Pythons, so it cannot be what
 `wrench_cone` rests on; the compiled version takes 1.9 ms where cddlib takes 5.2 and Qhull 5.0 (four feet,
-eight rays each; with 64 rays Qhull is the fastest). The exact one has no counterpart there: that wheel
-counts in floating point only.
+eight rays each; with 64 rays Qhull is the fastest).
 """
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import TypeAlias
 
 import numpy as np
@@ -149,90 +147,3 @@ def _adjacent(bits: _Words, count: int, p: int, m: int, d: int, both: _Words) ->
         if holds:
             return False
     return True
-
-
-def polar_rays_exact(V: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return lines and extreme rays of {h : V h <= 0} in exact rational arithmetic, as floats.
-
-    Slow (pure Python) and without tolerances: every float of V is taken at its exact value, so rows
-    that ought to be parallel but are not by one rounding count as different.
-
-    Parameters
-    ----------
-    V
-        (n, d), of any rank and any shape of cone.
-
-    Returns
-    -------
-    tuple[FloatArray, FloatArray]
-        Lines (l, d), directions that belong both ways, and rays (r, d); scaled to a largest entry of 1.
-
-    Examples
-    --------
-    >>> polar_rays_exact(np.array([[1.0, 0.0]]))
-    (array([[0., 1.]]), array([[-1.,  0.]]))
-    """
-    n, d = V.shape
-    rows = [[Fraction(float(x)) for x in row] for row in V]
-    lines = [[Fraction(int(i == j)) for j in range(d)] for i in range(d)]
-    rays: list[tuple[list[Fraction], set[int]]] = []
-    for step in range(n):
-        v = rows[step]
-        at = next((k for k, line in enumerate(lines) if _dot(v, line) != 0), None)
-        if at is not None:
-            lines, rays = _turn_line(lines, rays, at, v, step)
-        else:
-            rays = _cut(rays, v, step, d - len(lines))
-    return _as_floats(lines, d), _as_floats([ray for ray, _ in rays], d)
-
-
-_Rays: TypeAlias = list[tuple[list[Fraction], set[int]]]
-
-
-def _turn_line(
-    lines: list[list[Fraction]], rays: _Rays, at: int, v: list[Fraction], step: int
-) -> tuple[list[list[Fraction]], _Rays]:
-    """Make a line that crosses the new half-space a ray, and everything else tight on it."""
-    pivot = lines[at] if _dot(v, lines[at]) < 0 else [-x for x in lines[at]]
-    depth = _dot(v, pivot)
-
-    def tight(x: list[Fraction]) -> list[Fraction]:
-        share = _dot(v, x) / depth
-        return [a - share * b for a, b in zip(x, pivot, strict=True)]
-
-    others = [tight(line) for k, line in enumerate(lines) if k != at]
-    moved = [(tight(ray), zeros | {step}) for ray, zeros in rays]
-    return others, [*moved, (pivot, set(range(step)))]
-
-
-def _cut(rays: _Rays, v: list[Fraction], step: int, rank: int) -> _Rays:
-    """Cut the cone with one half-space: new rays where it crosses faces between adjacent rays."""
-    slack = [_dot(v, ray) for ray, _ in rays]
-    out: _Rays = []
-    for (ray, zeros), s in zip(rays, slack, strict=True):
-        if s <= 0:
-            out.append((ray, zeros | {step} if s == 0 else zeros))
-    for p, (ray_p, zeros_p) in enumerate(rays):
-        if slack[p] <= 0:
-            continue
-        for m, (ray_m, zeros_m) in enumerate(rays):
-            if slack[m] >= 0:
-                continue
-            common = zeros_p & zeros_m
-            if len(common) < rank - 2:
-                continue
-            if any(common <= z for k, (_, z) in enumerate(rays) if k not in (p, m)):
-                continue
-            new = [slack[p] * a - slack[m] * b for a, b in zip(ray_m, ray_p, strict=True)]
-            size = max(abs(x) for x in new)
-            out.append(([x / size for x in new], common | {step}))
-    return out
-
-
-def _dot(a: list[Fraction], b: list[Fraction]) -> Fraction:
-    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
-
-
-def _as_floats(rows: list[list[Fraction]], d: int) -> FloatArray:
-    scaled = [[float(x / max(abs(y) for y in row)) for x in row] for row in rows]
-    return np.array(scaled, dtype=np.float64).reshape(-1, d)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.cones.cone import Cone, Fit
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:  # what needs SciPy and compiled code is loaded by the methods that do
     from surefoot.cones.representation import Method
@@ -19,8 +19,7 @@ if TYPE_CHECKING:  # what needs SciPy and compiled code is loaded by the methods
 
 def checked_fit(fit: str) -> Fit:
     """Return which side of a cone its pyramid is on: "inner" or "outer"; any other word is refused."""
-    if fit not in get_args(Fit):
-        raise ProblemError(unknown_name("fit", fit, get_args(Fit)))
+    check_name("fit", fit, get_args(Fit))
     return cast("Fit", fit)
 
 
@@ -66,7 +65,7 @@ class PolyhedralCone(Cone):
         rays
             (r, dim) in the unit of the cone's points; zero rows say nothing.
         method
-            "qhull", "dd", "cdd" or "exact": see `surefoot.cones.representation`.
+            "qhull", "dd" or "cdd": see `surefoot.cones.representation`.
 
         Examples
         --------
@@ -94,10 +93,6 @@ class PolyhedralCone(Cone):
         rows = finite_array("halfspaces", halfspaces, (None, None))
         rays, kept = convert(rows, method)
         return PolyhedralCone(rows[kept], rays)
-
-    def minimal(self, method: Method = "qhull") -> PolyhedralCone:
-        """Return the same cone without redundant rows and rays, worked out from its rays."""
-        return PolyhedralCone.from_rays(self.rays, method)
 
     def representation_gap(self, samples: int = 0, seed: int = 0) -> float:
         """Return how far the two representations are apart, as an angle [rad]; zero to rounding is right.

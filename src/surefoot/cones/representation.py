@@ -4,7 +4,7 @@ By duality one direction is enough: the rays of {x : A x <= 0} are the half-spac
 the rows of A generate. A cone is split into its linear hull, its lineality space (the directions
 that it holds both ways) and a pointed rest; a section of the rest is a polytope, and Qhull finds its
 facets. Double description is the other way: our own compiled one (the fastest up to a few hundred
-rows), our own in exact rationals, and cddlib's.
+rows), and cddlib's.
 
 Every decision is made on rays of length one in whitened coordinates, so that neither the length of a
 ray nor the unit of a component matters.
@@ -17,33 +17,36 @@ from typing import Literal
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.cones.double_description import polar_rays, polar_rays_exact
+from surefoot.cones.double_description import polar_rays
 from surefoot.cones.nearest import nearest_in_cone
-from surefoot.errors import MissingExtra, ProblemError, unknown_name
+from surefoot.errors import MissingExtra, check_name
 
-Method = Literal["qhull", "dd", "cdd", "exact"]
-METHODS = ("qhull", "dd", "cdd", "exact")
+Method = Literal["qhull", "dd", "cdd"]
+METHODS = ("qhull", "dd", "cdd")
 
 _FLAT = 1e-9
 """Singular values and section heights below this share count as zero."""
 
 
-def halfspaces_from_rays(rays: FloatArray, method: Method = "qhull") -> FloatArray:
-    """Return irredundant half-spaces of the cone that the rays generate.
+def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, IntArray]:
+    """Return irredundant half-spaces of the cone that rays generate, and which of the rays suffice for it.
+
+    By duality the other way round, too: the rays of {x : halfspaces @ x <= 0} are `convert(halfspaces)[0]`,
+    a direction that the cone holds both ways being a pair of opposite ones.
 
     Parameters
     ----------
     rays
         (r, dim), of any length; none at all generate the cone {0}.
     method
-        "qhull" (SciPy), "dd" (compiled double description), "cdd" (cddlib) or "exact" (double
-        description in rationals, with the floats taken as they are; slow).
+        "qhull" (SciPy), "dd" (compiled double description) or "cdd" (cddlib).
 
     Returns
     -------
-    FloatArray
-        (m, dim) with m >= 0: rows of length one, outward; an equation is a pair of opposite rows. The
-        whole space has no rows.
+    tuple[FloatArray, IntArray]
+        (m, dim) with m >= 0: rows of length one, outward; an equation is a pair of opposite rows. The whole
+        space has no rows. And the indices (k,) of rays that generate the cone; where it is not pointed, the
+        generators of its lineality space are all kept.
 
     Raises
     ------
@@ -54,35 +57,15 @@ def halfspaces_from_rays(rays: FloatArray, method: Method = "qhull") -> FloatArr
 
     Examples
     --------
-    >>> rows = halfspaces_from_rays(np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]))
-    >>> sorted((rows.round(9) + 0.0).tolist())  # no zero is negative
-    [[-1.0, 0.0], [0.0, -1.0]]
+    >>> rows, kept = convert(np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]))
+    >>> sorted((rows.round(9) + 0.0).tolist()), kept.tolist()  # no zero is negative
+    ([[-1.0, 0.0], [0.0, -1.0]], [0, 2])
     """
-    return convert(rays, method)[0]
-
-
-def rays_from_halfspaces(halfspaces: FloatArray, method: Method = "qhull") -> FloatArray:
-    """Return irredundant rays of the cone {x : halfspaces @ x <= 0}: (r, dim), of length one.
-
-    See `halfspaces_from_rays`; a direction that the cone holds both ways is a pair of opposite rays.
-    """
-    return convert(halfspaces, method)[0]
-
-
-def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, IntArray]:
-    """Return the half-spaces (m, dim) of cone(rays (r, dim)), and which rays suffice to generate it: (k,).
-
-    Where the cone is not pointed, the generators of its lineality space are all kept.
-    """
-    if method not in METHODS:
-        raise ProblemError(unknown_name("method", method, METHODS))
+    check_name("method", method, METHODS)
     V, index = _directions(rays)
     dim = rays.shape[1]
     if not len(V):
         return np.vstack([np.eye(dim), -np.eye(dim)]), index
-    if method == "exact":
-        lines, normals = polar_rays_exact(rays[index])
-        return _unit_rows(np.vstack([lines, -lines, normals])) + 0.0, index
     if method == "cdd":
         return _unit_rows(_cddlib(V)), index
     column = np.abs(V).max(axis=0)
@@ -278,7 +261,7 @@ def representation_gap(halfspaces: FloatArray, rays: FloatArray, samples: int = 
     V, _ = _directions(rays)
     H, _ = _directions(halfspaces)
     outside = float((V @ H.T).max(initial=0.0)) if len(V) and len(H) else 0.0
-    tests = [rays_from_halfspaces(halfspaces)]
+    tests = [convert(halfspaces)[0]]
     if samples:
         draws = np.random.default_rng(seed).normal(size=(samples, rays.shape[1]))
         tests.append(draws - nearest_in_cone(H, draws))

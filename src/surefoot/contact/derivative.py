@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.contact.derivative_kinks import Continuation, choices_of, directional
 from surefoot.contact.derivative_path import SmoothSystem, central_path
+from surefoot.contact.derivative_rates import Cotangents, Tangents, read_rates
 from surefoot.contact.derivative_system import ActiveSystem, move, polished
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
@@ -42,51 +43,6 @@ class Kink:
     contact: int
     distance: float
     modes: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Tangents:
-    """What `ContactDerivative.jvp` returns.
-
-    Attributes
-    ----------
-    forces, velocities
-        (n, 3) rates of change.
-    removed
-        Norm of the part of the perturbation that redundant contacts cannot follow, and that was taken off
-        [unit of g]; zero where the active system is regular.
-    settled
-        False where no consistent choice of modes was found at kinks; the least inconsistent one is returned.
-    """
-
-    forces: FloatArray
-    velocities: FloatArray
-    removed: float = 0.0
-    settled: bool = True
-
-
-@dataclass(frozen=True)
-class Cotangents:
-    """What `ContactDerivative.vjp` returns: the gradient of one number with respect to what was given.
-
-    Attributes
-    ----------
-    G
-        (3n, 3n), symmetric.
-    g
-        (3n,).
-    mu, normal_min, normal_max
-        (n,).
-    compliance
-        (3n,).
-    """
-
-    G: FloatArray
-    g: FloatArray
-    mu: FloatArray
-    normal_min: FloatArray
-    normal_max: FloatArray
-    compliance: FloatArray
 
 
 class ContactDerivative:
@@ -221,19 +177,8 @@ class ContactDerivative:
             If a shape is wrong or an entry is not finite.
         """
         n = self.problem.contacts
-        b = np.zeros(3 * n)
-        flat = self.forces.ravel()
-        if G is not None:
-            dG = finite_array("G", G, (3 * n, 3 * n))
-            b += 0.5 * (dG + dG.T) @ flat
-        if g is not None:
-            b += finite_array("g", g, (3 * n,))
-        if compliance is not None:
-            b += _per_row("compliance", compliance, n) * flat
-        rates = tuple(
-            _per_contact(name, value, n)
-            for name, value in (("mu", mu), ("normal_min", normal_min), ("normal_max", normal_max))
-        )
+        read = read_rates(self.forces, G, g, compliance, (mu, normal_min, normal_max))
+        b, rates = read[:n].ravel(), tuple(read[n:].T)
         system = self._system
         if isinstance(system, SmoothSystem):
             f, u = system.tangents(b, *rates)
@@ -268,8 +213,9 @@ class ContactDerivative:
             b, jump = u - back, p - self.problem.G @ back
             mu = system.jump_mu.T @ jump + system.target_mu.T @ q
             low, high = system.jump_low.T @ jump, system.jump_high.T @ jump
-        outer = np.outer(b, self.forces.ravel())
-        return Cotangents(0.5 * (outer + outer.T), b, mu, low, high, b * self.forces.ravel())
+        out = np.empty((2 * n, 3))
+        out[:n], out[n:] = b.reshape(n, 3), np.column_stack([mu, low, high])
+        return Cotangents(out, self.forces, not self.redundant)
 
     @cached_property
     def _dense(self) -> dict[str, tuple[FloatArray, FloatArray]]:
@@ -325,25 +271,3 @@ BLOCKS = tuple(
     for what in ("forces", "velocities")
     for after in ("G", "g", "mu", "normal_min", "normal_max", "compliance")
 )
-
-
-def _per_contact(name: str, value: ArrayLike | None, n: int) -> FloatArray:
-    """Return a rate that is a number or (n,) as (n,)."""
-    if value is None:
-        return np.zeros(n)
-    array = finite_array(name, value)
-    if array.ndim == 0:
-        return np.full(n, float(array))
-    if array.shape != (n,):
-        raise ProblemError(f"{name} must be a number or have shape ({n},), got {array.shape}")
-    return array
-
-
-def _per_row(name: str, value: ArrayLike, n: int) -> FloatArray:
-    """Return a rate that is a number, (n,) or (3n,) as (3n,)."""
-    array = finite_array(name, value)
-    if array.shape == (3 * n,):
-        return array
-    if array.ndim and array.shape != (n,):
-        raise ProblemError(f"{name} must be a number or have shape ({n},) or ({3 * n},), got {array.shape}")
-    return np.repeat(_per_contact(name, array, n), 3)

@@ -44,7 +44,45 @@ def record_of(forces: FloatArray, velocities: FloatArray, numbers: Numbers) -> F
     return np.concatenate([forces, velocities, rest])
 
 
-class ContactSolution:
+class Certified:
+    """Forces and velocities, a status and the residuals, read from one record: what every answer is.
+
+    Answers fill its slots themselves: a call for it would take a twentieth of a solve.
+    """
+
+    __slots__ = ("_forces", "_record", "_status")
+    _record: FloatArray
+    _forces: FloatArray
+    _status: Status
+
+    @property
+    def forces(self) -> FloatArray:
+        """The (n, 3) forces [N s, or N]."""
+        return self._forces
+
+    @property
+    def velocities(self) -> FloatArray:
+        """The (n, 3) velocities G @ forces + g [m/s, or m/s²]."""
+        n = len(self._forces)
+        return self._record[n : 2 * n]
+
+    @property
+    def status(self) -> Status:
+        """How the solve ended."""
+        return self._status
+
+    @property
+    def solved(self) -> bool:
+        """Whether the status is SOLVED."""
+        return self._status is Status.SOLVED
+
+    @property
+    def residuals(self) -> Residuals:
+        """Every law as a number, see `surefoot.contact.residuals`."""
+        return Residuals(*self._record[2 * len(self._forces) :].ravel()[:7].tolist())
+
+
+class ContactSolution(Certified):
     """Forces and velocities of a `ContactProblem`, with their residuals; nothing of it can be set.
 
     Written out, with slots, because a solve of two microseconds would notice a frozen dataclass.
@@ -80,10 +118,7 @@ class ContactSolution:
         The proof that there is no solution where the status is INFEASIBLE, else None.
     """
 
-    __slots__ = (
-        "_forces", "_iterations", "_problem", "_proof", "_record", "_solve_time", "_solver", "_status",
-        "_timings",
-    )  # fmt: skip
+    __slots__ = ("_iterations", "_problem", "_proof", "_solve_time", "_solver", "_timings")
 
     def __init__(
         self,
@@ -96,10 +131,8 @@ class ContactSolution:
         timings: dict[str, float] | None = None,
         proof: InfeasibilityProof | None = None,
     ) -> None:
+        self._record, self._forces, self._status = record, record[: problem.shape[0]], status
         self._problem = problem
-        self._record = record
-        self._forces = record[: problem.shape[0]]
-        self._status = status
         self._solver = solver
         self._iterations = iterations
         self._solve_time = solve_time
@@ -110,27 +143,6 @@ class ContactSolution:
     def problem(self) -> ContactProblem:
         """What was asked."""
         return self._problem
-
-    @property
-    def forces(self) -> FloatArray:
-        """The (n, 3) forces [N s, or N]."""
-        return self._forces
-
-    @property
-    def velocities(self) -> FloatArray:
-        """The (n, 3) velocities G @ forces + g [m/s, or m/s²]."""
-        n = len(self._forces)
-        return self._record[n : 2 * n]
-
-    @property
-    def status(self) -> Status:
-        """How the solve ended."""
-        return self._status
-
-    @property
-    def residuals(self) -> Residuals:
-        """Every law as a number."""
-        return Residuals(*self._record[2 * len(self._forces) :].ravel()[:7].tolist())
 
     @property
     def solver(self) -> str:
@@ -162,11 +174,6 @@ class ContactSolution:
             f"ContactSolution(status={self._status}, solver={self._solver!r}, iterations={self._iterations}, "
             f"solve_time={self._solve_time:.3g}, forces={self._forces!r}, residuals={self.residuals!r})"
         )
-
-    @property
-    def solved(self) -> bool:
-        """Whether the status is SOLVED."""
-        return self.status is Status.SOLVED
 
     def derivative(self, smoothing: float = 0.0, kink_tol: float = 1e-9) -> ContactDerivative:
         """Return the derivative of forces and velocities, see `ContactDerivative`.

@@ -10,16 +10,17 @@ On a slope, and on stairs, the ground takes a part of the friction: what is left
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.leg_demand import LegDemand, Pace
+from surefoot.control.leg_demand import LegDemand
 from surefoot.control.walking_body import VelocityCommand, slowed_note
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
+from surefoot.stance.adaptive_gait import Pace
 from surefoot.terrain import Terrain
 
 SPEED_SHARE, SPEED_MOST = 0.85, 0.9
@@ -41,8 +42,10 @@ HURRIES = np.linspace(0.0, 1.0, 21)
 """How far a gait may hurry, tried in turn."""
 FRACTIONS = np.linspace(0.1, 1.0, 10)
 """Parts of a commanded velocity for which the timing is found."""
-_TABLES: OrderedDict[tuple[int, tuple[float, ...]], tuple[Robot, LegDemand]] = OrderedDict()
-_TABLES_KEPT = 32
+COMMANDS_KEPT = 3
+"""Commands whose speeds a gait stays ready for."""
+TABLES_KEPT = 32
+"""Tables of joints' demands that are kept: a controller asks for one a velocity, many times."""
 
 
 def hurried(pace: Pace, share: float, least_duty: float = HURRIED_DUTY) -> Pace:
@@ -64,7 +67,28 @@ def hurried(pace: Pace, share: float, least_duty: float = HURRIED_DUTY) -> Pace:
 
 
 @dataclass(frozen=True)
-class Ground:
+class LeggedBody:
+    """Whom the gait is for, and where.
+
+    Attributes
+    ----------
+    robot
+        With point feet.
+    height, clearance
+        Of its centre of mass above the ground, and of a swing at ease [m].
+    terrain, mu
+        The ground and its friction, as the controller believes.
+    """
+
+    robot: Robot
+    height: float
+    clearance: float
+    terrain: Terrain
+    mu: float
+
+
+@dataclass(frozen=True)
+class GroundLimit:
     """What the ground leaves for motion.
 
     Attributes
@@ -111,35 +135,30 @@ class Limits:
 
     Parameters
     ----------
-    robot
-        With a free base and point feet.
+    body
+        Whose legs, and where.
     pace
         The gait's own.
-    height
-        Of the centre of mass above the ground [m].
     adaptable
         Whether the gait may hurry.
-    terrain, mu
-        The ground and its friction, as the controller believes.
     least_duty
         Share of the time on the ground that a foot keeps in the greatest hurry.
     """
 
     def __init__(
-        self,
-        robot: Robot,
-        pace: Pace,
-        height: float,
-        adaptable: bool,
-        terrain: Terrain,
-        mu: float,
-        least_duty: float = HURRIED_DUTY,
+        self, body: LeggedBody, pace: Pace, adaptable: bool, least_duty: float = HURRIED_DUTY
     ) -> None:
-        self.robot, self.pace, self.height, self.least_duty = robot, pace, height, least_duty
+        self.robot, self.height, self.pace, self.least_duty = body.robot, body.height, pace, least_duty
         self.hurries = HURRIES if adaptable else HURRIES[:1]
-        self.ground = ground_left(terrain, mu, height)
-        centres = robot.foot_positions(robot.nominal)[:, :2]
+        self.terrain, self.mu = body.terrain, body.mu
+        self._last: list[Limited] = []
+        centres = body.robot.foot_positions(body.robot.nominal)[:, :2]
         self.radius = float(np.linalg.norm(centres - centres.mean(axis=0), axis=1).max())
+
+    @property
+    def ground(self) -> GroundLimit:
+        """What the ground leaves."""
+        return ground_left(self.terrain, self.mu, self.height)
 
     def size_of(self, velocity: FloatArray) -> float:
         """Return how large a (3,) velocity is at the feet: its length plus what turning adds [m/s]."""
@@ -161,15 +180,31 @@ class Limits:
             ends = np.append(0.0, FRACTIONS * self.size_of(row)), np.append(0.0, more)
             hurry = np.maximum(np.interp(grid, sizes, hurry), np.interp(grid, *ends))
             sizes = grid
-        return Limited(VelocityCommand(command.times, values), notes, sizes, np.maximum.accumulate(hurry))
+        slowed = VelocityCommand(command.times, values)
+        limited = Limited(slowed, notes, sizes, np.maximum.accumulate(hurry))
+        self._last = [limited, *self._last[: COMMANDS_KEPT - 1]]
+        return limited
+
+    def slowed(self, command: VelocityCommand) -> VelocityCommand:
+        """Return another command slowed to what is possible, and ready the gait for its speeds."""
+        return self.limit(command).command
+
+    def hurried(self, share: float) -> Pace:
+        """Return the gait's pace when it hurries by a share between 0 and 1."""
+        return hurried(self.pace, share, self.least_duty)
+
+    def pace_at(self, velocity: FloatArray) -> Pace:
+        """Return the pace at a (3,) velocity [m/s, m/s, rad/s] of one of the last commands."""
+        size = self.size_of(velocity)
+        return self.hurried(max(limited.hurry_at(size) for limited in self._last))
 
     def _needed(self, row: FloatArray) -> FloatArray:
         """Return how far the gait must hurry at each of `FRACTIONS` of a velocity: (10,)."""
-        table = demand_of(self.robot, row, self.height)
+        table = demand_of(self.robot, *row.tolist(), self.height)
         out, at = [], 0
         for part in FRACTIONS:
             while at + 1 < len(self.hurries):
-                use = self.use(table, hurried(self.pace, self.hurries[at], self.least_duty), float(part))[0]
+                use = self.use(table, self.hurried(self.hurries[at]), float(part))[0]
                 if use <= SPEED_SHARE:
                     break
                 at += 1
@@ -185,7 +220,7 @@ class Limits:
 
     def _share(self, row: FloatArray) -> tuple[float, str]:
         """Return the largest share of a velocity that is possible, and what stands in the way of more."""
-        table = demand_of(self.robot, row, self.height)
+        table = demand_of(self.robot, *row.tolist(), self.height)
         most, reason = 1.0, ""
         size = self.size_of(row)
         if size > self.ground.fastest:
@@ -201,7 +236,7 @@ class Limits:
     def _possible(self, table: LegDemand, times: float) -> bool:
         """Return whether some timing keeps joint speeds and torques within their shares."""
         for share in self.hurries[::-1]:
-            speed, torque, _ = self.use(table, hurried(self.pace, share, self.least_duty), times)
+            speed, torque, _ = self.use(table, self.hurried(share), times)
             if speed <= SPEED_MOST and torque <= TORQUE_SHARE:
                 return True
         # robots whose limits even a walk on the spot exceeds are left alone: slowing down does not help them
@@ -215,8 +250,7 @@ class Limits:
 
     def _reason(self, table: LegDemand, times: float) -> str:
         """Return which joint stands in the way of a velocity."""
-        pace = hurried(self.pace, self.hurries[-1], self.least_duty)
-        speed, torque, joint = self.use(table, pace, times)
+        speed, torque, joint = self.use(table, self.hurried(self.hurries[-1]), times)
         if not math.isfinite(max(speed, torque)):
             return "its legs do not reach that far"
         name = self.robot.joint_names[joint]
@@ -225,20 +259,13 @@ class Limits:
         return f"{name} would need {100.0 * torque:.0f} % of its torque ({100 * TORQUE_SHARE:.0f} % allowed)"
 
 
-def demand_of(robot: Robot, velocity: FloatArray, height: float) -> LegDemand:
-    """Return the demand of a (3,) velocity; tables of the last few robots and velocities are kept."""
-    key = id(robot), (*(float(v) for v in velocity), height)
-    if key in _TABLES:
-        _TABLES.move_to_end(key)
-        return _TABLES[key][1]
-    made = LegDemand(robot, velocity, height)
-    _TABLES[key] = robot, made  # the robot is kept, so that its id is not given to another
-    if len(_TABLES) > _TABLES_KEPT:
-        _TABLES.popitem(last=False)
-    return made
+@lru_cache(TABLES_KEPT)
+def demand_of(robot: Robot, forward: float, left: float, turn: float, height: float) -> LegDemand:
+    """Return what a velocity [m/s, m/s, rad/s] asks of a robot's joints at a height [m]; made once."""
+    return LegDemand(robot, np.array([forward, left, turn]), height)
 
 
-def ground_left(terrain: Terrain, mu: float, height: float) -> Ground:
+def ground_left(terrain: Terrain, mu: float, height: float) -> GroundLimit:
     """Return what a ground leaves for motion, with the friction mu [-] that may be used, at a height [m].
 
     Walking multiplies the force along a slope: the share tan(slope) of the normal force that standing
@@ -248,20 +275,20 @@ def ground_left(terrain: Terrain, mu: float, height: float) -> Ground:
     """
     steepness = terrain.steepness
     if steepness <= 1e-9:
-        return Ground(np.array([0.0, 0.0, 1.0]), math.inf, "")
+        return GroundLimit(np.array([0.0, 0.0, 1.0]), math.inf, "")
     if not terrain.planar:
         fastest = step_speed(terrain, height)
         reason = f"steps of {1e3 * terrain.highest_step:.0f} mm are taken at up to {fastest:.2g} m/s"
         if steepness > STEEP_STAIRS:
             reason = f"stairs of steepness {steepness:.2f} are too steep (up to {STEEP_STAIRS:g} is well)"
-        return Ground(np.array([0.0, 0.0, 1.0]), fastest, reason)
+        return GroundLimit(np.array([0.0, 0.0, 1.0]), fastest, reason)
     fastest = slope_speed(steepness, mu, height)
     lean = steepness / math.hypot(1.0, steepness)
     left = 100.0 * max(1.0 - steepness / mu, 0.0)
     reason = (
         f"the ground's slope of {steepness:.2f} leaves {left:.0f} % of the friction {mu:.2f} that may be used"
     )
-    return Ground(np.array([lean, 0.0, math.sqrt(1.0 - lean * lean)]), fastest, reason)
+    return GroundLimit(np.array([lean, 0.0, math.sqrt(1.0 - lean * lean)]), fastest, reason)
 
 
 def slope_speed(steepness: float, mu: float, height: float) -> float:

@@ -5,6 +5,9 @@ that a pendulum of the body's height would need to catch itself [1]_. On terrain
 candidates around it are weighed by their distance, by the height differences within the foot's reach
 (edges) and by the part of the friction cone that the ground's tilt uses.
 
+Between the edges of steps a foot keeps a margin from the edges on both sides, and more from one behind it
+that it came down over: a shin leans back over it.
+
 References
 ----------
 .. [1] M. Raibert, "Legged robots that balance", MIT Press, 1986.
@@ -13,16 +16,27 @@ References
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.step_windows import FARTHEST, nearest_shift, step_windows
 from surefoot.control.walking_kernels import plane_through
 from surefoot.kernels import kernel
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
+
+SHIN, LOW_STEP = 0.13, 0.03
+"""Distance that a descending foot keeps from the edge behind it, and what is a step [m]."""
+UNSURE = 0.01
+"""What it keeps more where edges are only believed to be where they are [m]."""
+LOOK, FINE = 0.3, 0.005
+"""How far along the way edges are looked for, and in what steps [m]."""
+FARTHEST = 0.15
+"""Farthest that a foot is moved for an edge [m]."""
+NEAR = np.arange(-LOOK, LOOK + 0.5 * FINE, FINE)
+EDGE_WEIGHT, TILT_WEIGHT = 3.0, 0.05
+"""Cost of a height difference within the margin to edges, and of the ground's slope, over that of the
+distance [-]."""
 
 
 @kernel
@@ -103,89 +117,141 @@ def step_place(
     return out
 
 
-@dataclass(frozen=True)
-class FootholdSearch:
-    """Looks for a good place near the nominal one.
+def step_windows(
+    terrain: Terrain, place: FloatArray, along: FloatArray, margin: float, ways: FloatArray = NEAR
+) -> tuple[FloatArray, FloatArray] | None:
+    """Return from where to where a foot may be moved along its way, for each tread near it.
 
-    Attributes
+    Parameters
     ----------
+    terrain
+        As believed.
+    place
+        (2,) where the foot would stand [m].
+    along
+        (2,) direction of its way, a unit vector.
+    margin
+        Distance to keep from edges [m].
+    ways
+        (m,) how far along its way to look, even steps [m].
+
+    Returns
+    -------
+    (n,), (n,) least and largest move of each tread in turn [m]; None where there is no edge. Both are
+    the same where a tread is too short: as far from the edge behind as the margin to the next allows,
+    or the middle.
+    """
+    heights = terrain.height(place + ways[:, None] * along)
+    jumps = heights[2:] - heights[:-2]
+    at = np.flatnonzero(np.abs(jumps) > max(2.0 * terrain.noise, LOW_STEP))
+    if not len(at):
+        return None
+    first = np.concatenate([[True], np.diff(at) > 1])  # an edge is seen by two or more differences
+    begin = np.flatnonzero(first)
+    last = np.append(begin[1:], len(at)) - 1
+    edges = 0.5 * (ways[at[begin] + 1] + ways[at[last] + 1])
+    shin = max(SHIN + (UNSURE if terrain.learns else 0.0), margin)
+    behind = np.where(jumps[at[begin]] < 0.0, shin, margin)
+    low = np.concatenate([[-math.inf], edges + behind])
+    high = np.concatenate([edges - margin, [math.inf]])
+    middles = np.concatenate([[-math.inf], 0.5 * (edges[:-1] + edges[1:]), [math.inf]])
+    short = low > high
+    low[short] = high[short] = np.maximum(high, middles)[short]
+    return low, high
+
+
+def nearest_shift(windows: tuple[FloatArray, FloatArray], ahead: FloatArray) -> FloatArray:
+    """Return the least moves into any window, of feet that are `ahead` of their place: (k,) for (k,) [m].
+
+    Examples
+    --------
+    >>> nearest_shift((np.array([-np.inf, 0.1]), np.array([-0.04, 0.3])), np.array([-0.1, 0.0, 0.05, 0.2]))
+    array([ 0.  , -0.04,  0.05,  0.  ])
+    """
+    moves = np.clip(ahead, windows[0][:, None], windows[1][:, None]) - ahead
+    best = np.abs(moves).argmin(axis=0)
+    return np.asarray(moves[best, np.arange(len(ahead))])
+
+
+def choose_foothold(
+    terrain: Terrain,
+    place: FloatArray,
+    reach: float,
+    margin: float,
+    way: FloatArray | None = None,
+    before: FloatArray | None = None,
+    more: float = math.inf,
+) -> FloatArray:
+    """Return the (2,) place [m] to step on near the nominal one, world axes; the nominal one on a plane.
+
+    Parameters
+    ----------
+    terrain
+        As believed.
+    place
+        (2,) the nominal one [m].
     reach
-        Largest distance from the nominal place, along each axis [m].
+        Largest distance from it, along each axis, where the ground is rough [m].
     margin
         Distance to edges that is wanted [m].
-    edge_weight, tilt_weight
-        Cost of a height difference within the margin, and of the ground's slope, against the distance.
+    way
+        (2,) of the foot [m]: on steps across it the foot is moved along it, between the edges.
+    before
+        (2,) where the foot was to stand before [m]: the tread there is kept where it is near enough, and
+        moves the foot by no `more` than the nearest [m].
     """
+    if terrain.planar:
+        return place
+    length = 0.0 if way is None else math.hypot(float(way[0]), float(way[1]))
+    if way is not None and length > 1e-6:
+        along = way / length
+        kept = None if before is None else float((before - place) @ along)
+        shift = step_shift(terrain, place, along, margin, kept, more)
+        if shift is not None:
+            return np.asarray(place + shift * along)
+    return _most_level(terrain, place, reach, margin)
 
-    reach: float = 0.08
-    margin: float = 0.03
-    edge_weight: float = 3.0
-    tilt_weight: float = 0.05
 
-    def choose(
-        self,
-        terrain: Terrain,
-        place: FloatArray,
-        way: FloatArray | None = None,
-        before: FloatArray | None = None,
-        more: float = math.inf,
-    ) -> FloatArray:
-        """Return the (2,) place [m] to step on, world axes; the nominal one on a plane.
+def step_shift(
+    terrain: Terrain,
+    place: FloatArray,
+    along: FloatArray,
+    margin: float,
+    before: float | None = None,
+    more: float = math.inf,
+) -> float | None:
+    """Return how far a foot should be moved along a (2,) direction on steps [m]; None without edges.
 
-        On steps across the (2,) `way` of the foot [m] it is moved along the way, between the edges: those
-        between which it was to stand `before` (2,) [m], where that was said, is near enough, and moves it by
-        no `more` than the nearest [m].
-        """
-        if terrain.planar:
-            return place
-        length = 0.0 if way is None else math.hypot(float(way[0]), float(way[1]))
-        if way is not None and length > 1e-6:
-            along = way / length
-            kept = None if before is None else float((before - place) @ along)
-            shift = self.step_shift(terrain, place, along, kept, more)
-            if shift is not None:
-                return np.asarray(place + shift * along)
-        return self._best(terrain, place)
+    Where the tread that a foot was to stand on `before` is `FARTHEST` away at most, and by no `more`
+    farther than the nearest, that one is kept [m].
+    """
+    windows = step_windows(terrain, place, along, margin)
+    if windows is None:
+        return None
+    nearest = float(nearest_shift(windows, np.zeros(1))[0])
+    if before is not None:
+        tread = int(np.abs(np.clip(before, *windows) - before).argmin())
+        shift = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
+        if abs(shift) <= min(FARTHEST, abs(nearest) + more):
+            return shift
+    return nearest if abs(nearest) <= FARTHEST else None
 
-    def step_shift(
-        self,
-        terrain: Terrain,
-        place: FloatArray,
-        along: FloatArray,
-        before: float | None = None,
-        more: float = math.inf,
-    ) -> float | None:
-        """Return how far a foot should be moved along a (2,) direction on steps [m]; None without edges.
 
-        Where the tread that a foot was to stand on `before` is `FARTHEST` away at most, and by no `more`
-        farther than the nearest, that one is kept [m].
-        """
-        windows = step_windows(terrain, place, along, self.margin)
-        if windows is None:
-            return None
-        nearest = float(nearest_shift(windows, np.zeros(1))[0])
-        if before is not None:
-            tread = int(np.abs(np.clip(before, *windows) - before).argmin())
-            shift = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
-            if abs(shift) <= min(FARTHEST, abs(nearest) + more):
-                return shift
-        return nearest if abs(nearest) <= FARTHEST else None
-
-    def _best(self, terrain: Terrain, place: FloatArray) -> FloatArray:
-        """Return the best (2,) place about one, by the ground around each [m]."""
-        steps = np.linspace(-self.reach, self.reach, 9)
-        grid = np.stack(np.meshgrid(steps, steps[::2], indexing="ij"), axis=-1).reshape(-1, 2)
-        candidates = place + grid
-        angles = np.arange(8) * (0.25 * math.pi)
-        ring = self.margin * np.column_stack([np.cos(angles), np.sin(angles)])
-        middle = terrain.height(candidates)
-        around = terrain.height(candidates[:, None, :] + ring)
-        rise = np.ptp(np.concatenate([around, middle[:, None]], axis=1), axis=1)
-        lean = np.abs(around - middle[:, None]).max(axis=1)
-        if terrain.noise > 0.0:  # what may be noise is no edge
-            rise, lean = np.maximum(rise - terrain.noise, 0.0), np.maximum(lean - terrain.noise, 0.0)
-        cost = np.linalg.norm(grid, axis=1) + self.edge_weight * rise + self.tilt_weight * lean / self.margin
-        return np.asarray(candidates[int(np.argmin(cost))])
+def _most_level(terrain: Terrain, place: FloatArray, reach: float, margin: float) -> FloatArray:
+    """Return the best (2,) place about one, by the ground around each [m]."""
+    steps = np.linspace(-reach, reach, 9)
+    grid = np.stack(np.meshgrid(steps, steps[::2], indexing="ij"), axis=-1).reshape(-1, 2)
+    candidates = place + grid
+    angles = np.arange(8) * (0.25 * math.pi)
+    ring = margin * np.column_stack([np.cos(angles), np.sin(angles)])
+    middle = terrain.height(candidates)
+    around = terrain.height(candidates[:, None, :] + ring)
+    rise = np.ptp(np.concatenate([around, middle[:, None]], axis=1), axis=1)
+    lean = np.abs(around - middle[:, None]).max(axis=1)
+    if terrain.noise > 0.0:  # what may be noise is no edge
+        rise, lean = np.maximum(rise - terrain.noise, 0.0), np.maximum(lean - terrain.noise, 0.0)
+    cost = np.linalg.norm(grid, axis=1) + EDGE_WEIGHT * rise + TILT_WEIGHT * lean / margin
+    return np.asarray(candidates[int(np.argmin(cost))])
 
 
 def fit_plane(places: FloatArray, about: FloatArray, damping: float = 1e-4) -> tuple[float, float, float]:

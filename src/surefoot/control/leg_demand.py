@@ -1,22 +1,22 @@
 """What a gait asks of a robot's joints at a speed: joint speeds and torques, predicted from the model.
 
 A foot that carries goes back under its hip at the body's speed; in the air it comes forward again on the
-path of `swing_even`. The leg's Jacobian along that path gives the joints' speeds; its transpose, at the
+path of `even_swing`. The leg's Jacobian along that path gives the joints' speeds; its transpose, at the
 places of a stance, the torques for the foot's share of the weight. The body is taken to move steadily at its
 nominal height; what tracking adds is left to the shares of the limits that callers allow.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.swing_even import LAND, ramped_step, smooth_bump
+from surefoot.control.swing import LAND, ramped_step, smooth_bump
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
+from surefoot.stance.adaptive_gait import Pace
 
 ALONG, UPWARDS, SIDE = 15, 5, 0.85
 """Places of the table along the ground (odd) and upwards; how far it reaches, in heights of the body."""
@@ -28,30 +28,6 @@ SAMPLES = 33
 """Instants of a swing."""
 SOLVED = 2e-4
 """Distance to which a leg must reach a place of the table [m]."""
-
-
-@dataclass(frozen=True)
-class Pace:
-    """Timing and swing of a gait.
-
-    Attributes
-    ----------
-    period
-        Length of a cycle [s].
-    duty
-        Share of it that a foot carries.
-    clearance
-        Height of the swing over the ground [m].
-    """
-
-    period: float
-    duty: float
-    clearance: float
-
-    @property
-    def stance_time(self) -> float:
-        """Time that a foot carries [s]."""
-        return self.duty * self.period
 
 
 class LegDemand:
@@ -181,13 +157,6 @@ class LegDemand:
         found = np.where(np.isnan(found), np.inf, found)
         own = np.abs(np.nan_to_num(self._lever)).max(axis=(0, 3)) > 0.0  # (n, joints)
         return np.asarray(np.where(inside[:, :, None] & own, found, 0.0).max(axis=(0, 1)))
-
-    @property
-    def reach(self) -> float:
-        """How far the feet can be from their nominal places along the ground, both ways [m]."""
-        fine = ~np.isnan(self._gain[:, 0]).all(axis=(2, 3)).any(axis=1)
-        good = np.abs(self._s[~fine])
-        return float(good.min()) if len(good) else float(self._s[-1])
 
 
 class _Legs:

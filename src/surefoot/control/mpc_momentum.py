@@ -32,7 +32,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.control.mpc_model import predict
@@ -110,25 +109,6 @@ class MpcMomentum:
         off = momentum - np.array(self.reference)
         excess = np.maximum(np.abs(momentum) - np.array(self.bound), 0.0)
         return 0.5 * float(np.sum(np.array(self.weight) * off**2) + self.beyond * np.sum(excess**2))
-
-
-def momentum_of(inertia: ArrayLike, rotation: ArrayLike, angular_velocity: ArrayLike) -> FloatArray:
-    """Return the angular momentum R I Rᵀ w (..., 3) of rigid bodies about their centres, world axes [N m s].
-
-    Parameters
-    ----------
-    inertia
-        (3, 3) in body axes [kg m²].
-    rotation, angular_velocity
-        (..., 3, 3) rotation_world_body, (..., 3) world axes [rad/s].
-
-    Examples
-    --------
-    >>> momentum_of(np.diag([0.1, 0.2, 0.3]), np.eye(3), [1.0, 0.0, 2.0]).tolist()
-    [0.1, 0.0, 0.6]
-    """
-    R, w = np.asarray(rotation, dtype=np.float64), np.asarray(angular_velocity, dtype=np.float64)
-    return np.asarray(np.einsum("...ij,jk,...lk,...l->...i", R, np.asarray(inertia), R, w))
 
 
 def minimise_with_momentum(

@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import math
 
-from surefoot.control.gait import Gait
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.estimation.ground_belief import LOW
+from surefoot.stance.gait import Gait
 from surefoot.terrain import Terrain
 
 DUTY = 0.6

@@ -15,7 +15,6 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact import Status
-from surefoot.control.allocation import Allocation, ExactAllocation
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.model_views import ModelViews
@@ -26,9 +25,11 @@ from surefoot.control.standing_kernels import (
     within_limits,
 )
 from surefoot.control.standing_plan import StandingPlan, StandingTarget
+from surefoot.equilibrium.allocation import Allocation, ExactAllocation
 from surefoot.log.channels import CHANNELS
 from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot
+from surefoot.robot.centroidal import composite_inertia
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
 
@@ -119,11 +120,7 @@ class StandingController(Controller):
         self._pin, self._model = pinocchio, robot.model
         self._views = ModelViews(robot.model, robot.model.createData())
         self._q = q.copy()
-        data = self._views.data
-        pinocchio.ccrba(self._model, data, q, np.zeros(self._model.nv))
-        base = np.array(data.oMi[1].rotation)
-        self._rotation = base.copy()
-        self._inertia_base = base.T @ np.array(data.Ig.inertia) @ base
+        self._inertia_base, _, self._rotation = composite_inertia(robot, q)
         self._set_points(q)
         weight = robot.mass * GRAVITY
         self.normal_min, self.normal_max = default_normal_bounds(robot, normal_min, normal_max)

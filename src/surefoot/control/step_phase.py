@@ -15,10 +15,10 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.contact_schedule import ContactSchedule
-from surefoot.control.step_windows import FINE, LOOK, nearest_shift, step_windows
+from surefoot.control.foothold import FINE, LOOK, nearest_shift, step_windows
 from surefoot.control.walking_body import BodyPlan
 from surefoot.control.walking_kernels import turned_arms
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
 STRIDES, FURTHER = 3, 6

@@ -9,7 +9,7 @@ blind     `TouchedSteps`: a plane through the last footholds (`TouchedGround`), 
 
 from __future__ import annotations
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.estimation.mapped_ground import MappedGround
 from surefoot.estimation.touched_steps import TouchedSteps
 from surefoot.terrain import Terrain
@@ -32,8 +32,7 @@ def believed_ground(knowledge: str, terrain: Terrain) -> Terrain:
     >>> believed_ground("blind", FlatTerrain())
     TouchedSteps()
     """
-    if knowledge not in KNOWLEDGE:
-        raise ProblemError(unknown_name("terrain knowledge", knowledge, KNOWLEDGE))
+    check_name("terrain knowledge", knowledge, KNOWLEDGE)
     if knowledge == "exact":
         return terrain
     return MappedGround() if knowledge == "map" else TouchedSteps()

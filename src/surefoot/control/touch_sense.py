@@ -2,6 +2,25 @@
 
 Feet that strike an edge swing anew, late ones are sent down faster, and the gait waits for a foot
 that has not found the ground while all others stand: a trot that lifted two more would have one foot left.
+
+Edges are told from landings by the direction of the force. Ground pushes up, within its friction; an edge
+pushes back: a foot in the air that is pushed sideways more than upwards, and does not get on, has struck
+something, and is lifted over it [1]_. A leg that brakes, or a jolt of the body, looks like a push, but its
+foot goes on.
+
+Some landings are none. What is measured of the ground is a force at the foot by the torques of its leg. An
+edge that touches the shin gives such a force as well, and so does a leg whose mass is not quite what is
+believed. A foot that is taken to stand then is loaded in the air, and strikes the ground within some
+hundredths of a second. So a touch well above ground that is known counts only once it has lasted, and a foot
+that feels nothing more right after its landing has not landed: contact is told by height and force together
+[2]_.
+
+References
+----------
+.. [1] M. Focchi et al., "Heuristic planning for rough terrain locomotion in presence of external disturbances
+   and variable perception quality", in Advances in Robotics Research, Springer 2020 (a step reflex like it).
+.. [2] G. Bledt, P. Wensing, S. Ingersoll, S. Kim, "Contact model fusion for event-based locomotion in
+   unstructured terrains", ICRA 2018.
 """
 
 from __future__ import annotations
@@ -11,13 +30,11 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.behaviours.behaviour import Request, Search
+from surefoot.control.behaviours.behaviour import FootSearch, Request
 from surefoot.control.controller import RobotState
-from surefoot.control.landing import LandingWatch
-from surefoot.control.stumble import sort_touches
 from surefoot.control.walking_feet import SEARCH_SPEED, Feet
 from surefoot.control.whole_body_tasks import Kinematics
-from surefoot.estimation.ground_belief import GroundBelief, believed
+from surefoot.estimation.ground_belief import BeliefTerrain, believed
 from surefoot.spatial import GRAVITY, base_velocity, heading_of
 from surefoot.terrain import Terrain
 
@@ -29,8 +46,25 @@ AT_ONCE = 3.0
 """A foot that lifts after no more than so many steps lifts now."""
 LEAD_TIME = 0.03
 """Time in which late feet gain the body's speed [s]."""
-USUAL = Search(SEARCH_SPEED)
+USUAL = FootSearch(SEARCH_SPEED)
 """How late feet look for ground that nothing is known of."""
+STRUCK = 0.1
+"""Force against its motion from which a foot has struck something, as a share of m g."""
+STEEP = 1.0
+"""Ground gives no more force sideways than this times that along its normal."""
+SENSED = 0.06
+"""Force along the normal below which a foot in the air has not found the ground, likewise: what is estimated
+of the force on a leg that is braked in the air is not zero."""
+STOPPED = 0.5
+"""A foot that has struck something has less than this share of the speed that it should have, along it."""
+SOONEST, LATEST = 0.15, 1.0
+"""Shares of its swing between which a foot can strike something: lift-off drags."""
+LASTING, LASTING_FAR = 0.02, 0.1
+"""How long a force must last that is felt above the ground, and far above it [s]."""
+FAR = 3.0
+"""How far above the ground is far, over what may be noise."""
+YOUNG, SILENT = 0.04, 0.008
+"""So long after a landing it may be taken back [s], if the foot has felt nothing for this long [s]."""
 
 
 class TouchSense:
@@ -46,7 +80,7 @@ class TouchSense:
         Time between steps [s].
     """
 
-    def __init__(self, belief: GroundBelief, weight: float, height: float, dt: float) -> None:
+    def __init__(self, belief: BeliefTerrain, weight: float, height: float, dt: float) -> None:
         self.belief, self.dt = belief, dt
         self._weight, self._height = weight, height
         self._fall, self._root = math.sqrt(height / GRAVITY), math.sqrt(GRAVITY * height)
@@ -100,7 +134,7 @@ class TouchSense:
             feet.take_back(k, now.centres[k])
         return ground
 
-    def _seek(self, state: RobotState, feet: Feet, clock: float, search: Search) -> None:
+    def _seek(self, state: RobotState, feet: Feet, clock: float, search: FootSearch) -> None:
         """Send late feet down as is asked for."""
         fastest = search.speed * self._root
         if feet.fastest is None or not search.careful:
@@ -148,3 +182,72 @@ def touch_sense(terrain: Terrain, weight: float, height: float, dt: float) -> To
     """Return what feeds a terrain that learns, None for one that is known; parameters of `TouchSense`."""
     belief = believed(terrain)
     return None if belief is None else TouchSense(belief, weight, height, dt)
+
+
+def sort_touches(
+    feet: Feet, sensed: BoolArray, forces: FloatArray, speeds: FloatArray, moving: FloatArray, weight: float
+) -> tuple[BoolArray, BoolArray]:
+    """Return which feet feel the ground, and which have struck an edge in the air: (n,) each.
+
+    Parameters
+    ----------
+    feet
+        The feet.
+    sensed
+        (n,) which feet feel anything.
+    forces
+        (n, 3) on the feet, world axes [N].
+    speeds
+        (n, 3) of the feet, as wanted, world axes [m/s].
+    moving
+        (n, 3) of the feet, as they are, likewise.
+    weight
+        m g [N].
+    """
+    normals = feet.frames[:, :, 2]
+    along = (forces * normals).sum(axis=1)
+    sideways = forces - along[:, None] * normals
+    size = np.linalg.norm(sideways, axis=1)
+    struck = ~feet.carrying & (size > STRUCK * weight) & (size > STEEP * along)
+    against = (sideways[:, :2] * speeds[:, :2]).sum(axis=1) < 0.0
+    stopped = (moving[:, :2] * speeds[:, :2]).sum(axis=1) < STOPPED * (speeds[:, :2] ** 2).sum(axis=1)
+    swinging = ~feet.late & ~feet.again & (feet.share > SOONEST) & (feet.share < LATEST)
+    light = ~feet.carrying & (along < SENSED * weight)
+    return sensed & ~struck & ~light, struck & against & stopped & swinging
+
+
+class LandingWatch:
+    """Doubts landings.
+
+    Parameters
+    ----------
+    feet
+        Number of them.
+    dt
+        Time between steps [s].
+    """
+
+    def __init__(self, feet: int, dt: float) -> None:
+        self.dt = dt
+        self._felt, self._silent = np.zeros((2, feet))
+        self._stood = np.full(feet, np.inf)
+
+    def believe(self, sensed: BoolArray, carrying: BoolArray, above: FloatArray) -> BoolArray:
+        """Return which feet have landed of those that feel the ground: (n,).
+
+        Parameters
+        ----------
+        sensed, carrying
+            (n,) which feet feel it, and which are taken to stand on it.
+        above
+            (n,) how far above the ground they are by what is known of it, over what may be noise [-].
+        """
+        self._felt = np.where(sensed, self._felt + self.dt, 0.0)
+        self._silent = np.where(sensed, 0.0, self._silent + self.dt)
+        lasting = np.where(above > FAR, LASTING_FAR, np.where(above > 1.0, LASTING, 0.0))
+        return sensed & (carrying | (self._felt >= lasting))
+
+    def taken_back(self, carrying: BoolArray) -> BoolArray:
+        """Return which feet that carry have not landed after all: (n,); to be called at each step."""
+        self._stood = np.where(carrying, self._stood + self.dt, 0.0)
+        return carrying & (self._stood < YOUNG) & (self._silent >= SILENT)

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.behaviours.arbiter import Arbiter
-from surefoot.control.behaviours.behaviour import Walk
+from surefoot.control.behaviours.behaviour import WalkFacts
 from surefoot.control.biped.settings import BipedSettings
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.tick import Tick
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.control.walking_feet import Feet
-from surefoot.control.walking_settings import WalkCommand, WalkSettings, damping_command
+from surefoot.control.walking_settings import WalkCommand, WalkSettings
 from surefoot.control.whole_body import WholeBodyCommand, WholeBodyController
-from surefoot.log.channels import CHANNELS
+from surefoot.log.channels import CHANNELS, Channel
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
 
@@ -34,7 +38,6 @@ class Walker(Tick):
         What was changed in the command, one line each.
     """
 
-    channels = tuple(CHANNELS[name] for name in ("planned", "command", "asked_by"))
     robot: Robot
     dt: float
     settings: WalkSettings | BipedSettings
@@ -42,8 +45,7 @@ class Walker(Tick):
     terrain: Terrain
     notes: list[str]
     _limit: Callable[[VelocityCommand], VelocityCommand]
-    _height: float
-    _last: WalkCommand | None
+    height: float
 
     def steer(self, velocity: ArrayLike) -> FloatArray:
         """Take another velocity from now on, limited and ramped as any, and return what is left of it.
@@ -68,10 +70,10 @@ class Walker(Tick):
         return self.command.at(0.0)
 
     def _set_controllers(
-        self, inertia: FloatArray, step: float, pendulum: float, baumgarte: tuple[float, float],
+        self, inertia: FloatArray, step: float, baumgarte: tuple[float, float],
         sole_damping: tuple[float, float] | None = None,
-    ) -> tuple[float, float]:  # fmt: skip
-        """Make the MPC and the whole-body controller, and return least and largest normal force of a point.
+    ) -> None:  # fmt: skip
+        """Make the MPC and the whole-body controller.
 
         Parameters
         ----------
@@ -79,49 +81,79 @@ class Walker(Tick):
             (3, 3) of the robot about its centre of mass, in the axes that the MPC turns [kg m²].
         step
             Of the MPC [s].
-        pendulum
-            sqrt(g / h) [rad/s].
         baumgarte, sole_damping
             See `WholeBodyController`.
         """
-        s, robot, weight = self.settings, self.robot, self.robot.mass * GRAVITY
-        mu, low, high = s.mu * s.friction_share, s.normal_min * weight, s.normal_max * weight
+        s, robot, (low, high) = self.settings, self.robot, self._normals
+        mu = s.mu * s.friction_share
         points = len(robot.contact_points)
         self.mpc = ConvexMpc(robot.mass, inertia, points, s.horizon, step, mu, low, high, s.mpc)
         self.whole_body = WholeBodyController(
             robot, mu, low, high, s.whole_body, baumgarte, None, s.actuators, sole_damping
         )
-        self._body_gain, self._swing_gain = (
-            ((share * pendulum) ** 2, 2.0 * share * pendulum)
-            for share in (s.body_stiffness, s.swing_stiffness)
-        )
-        return low, high
+
+    @property
+    def _normals(self) -> tuple[float, float]:
+        """Least and largest normal force of a contact point [N]."""
+        weight = self.robot.mass * GRAVITY
+        return self.settings.normal_min * weight, self.settings.normal_max * weight
+
+    @property
+    def _pendulum(self) -> float:
+        """sqrt(g / h) [rad/s]."""
+        return math.sqrt(GRAVITY / self.height)
+
+    def _gain(self, share: float) -> tuple[float, float]:
+        """Return stiffness [1/s²] and critical damping [1/s] at a multiple of the pendulum's rate."""
+        rate = share * self._pendulum
+        return rate**2, 2.0 * rate
 
     def _set_behaviours(self, radii: FloatArray, radius: float, watch_friction: bool) -> None:
         """Make the behaviours: feet of `radii` (n,) stand `radius` from the middle [m]."""
         s, weight = self.settings, self.robot.mass * GRAVITY
-        walk = Walk(
-            self.terrain, self.schedule, radii, self._height, radius, weight, s.mu, self.dt, watch_friction,
+        walk = WalkFacts(
+            self.terrain, self.schedule, radii, self.height, radius, weight, s.mu, self.dt, watch_friction,
             s.friction_share,
         )  # fmt: skip
         made = [behaviour for make in s.behaviours if (behaviour := make(walk)) is not None]
         self.arbiter = Arbiter(made, radius, self.notes)
-        self.facts = {
-            "kind": "walk", "normal_min": s.normal_min * weight, "normal_max": s.normal_max * weight,
-            "mu_controller": s.mu, "gait": self.schedule.name, "notes": self.notes,
-            "behaviours": [behaviour.name for behaviour in made],
+
+    @property
+    def facts(self) -> dict[str, Any]:  # type: ignore[override]
+        """What the log should say about it."""
+        low, high = self._normals
+        return {
+            "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": self.settings.mu,
+            "gait": self.schedule.name, "notes": self.notes,
+            "behaviours": [behaviour.name for behaviour in self.arbiter.behaviours],
         }  # fmt: skip
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:  # type: ignore[override]
+        """What it adds to the log: what it wants, who asked for it, and what it has learned of the load."""
+        return tuple(CHANNELS[name] for name in ("planned", "command", "asked_by", *self._load_rows))
+
+    @property
+    def _load_rows(self) -> dict[str, FloatArray]:
+        """What is said of the load."""
+        return {} if self.load is None else self.load.rows
 
     def _commanded(self, body: WholeBodyCommand, feet: Feet) -> WalkCommand:
         """Return the command that says what the parts have decided."""
-        self._last = WalkCommand(
+        return WalkCommand(
             body.torques, body.forces, feet.carrying[self.whole_body.point_foot], body.feasible, body.status,
             feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(),
-            accelerations=body.accelerations, load=self.load.rows, asked_by=self.arbiter.asked_by,
+            accelerations=body.accelerations, load=self._load_rows, asked_by=self.arbiter.asked_by,
         )  # fmt: skip
-        return self._last
 
     def _damped(self, v: FloatArray) -> WalkCommand:
-        """Return the command for a state that is not finite."""
+        """Return the command for a state that is not finite, whose joints move with (nv,) v."""
         body = self.whole_body.damping(v)
-        return damping_command(body, self._last, len(self.robot.feet), self.load.rows)
+        if self.feet is not None:
+            return replace(self._commanded(body, self.feet), accelerations=None)
+        n = len(self.robot.feet)
+        return WalkCommand(
+            body.torques, body.forces, np.ones(len(body.forces), dtype=bool), False, body.status,
+            np.ones(n, dtype=bool), np.tile(np.eye(3), (n, 1, 1)), np.zeros(3), np.zeros((n, 3)),
+            load=self._load_rows,
+        )  # fmt: skip

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from surefoot.control.actuators import Actuators
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import Controller
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
+from surefoot.robot.actuators import Actuators
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
 

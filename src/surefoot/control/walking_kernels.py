@@ -11,7 +11,6 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.swing import swing_motion
-from surefoot.control.swing_even import even_swing
 from surefoot.kernels import kernel
 from surefoot.numerics.rotations import log_between
 from surefoot.spatial import GRAVITY
@@ -217,7 +216,7 @@ def swing_paths(
         (2, n, 3) lift-off and wanted touchdown.
     timing
         (n, 6) rows apex, share of the swing, its duration, share to lift first (negative over even
-        ground: `even_swing`), the time since which the foot has been late, negative for one that is not, and
+        ground), the time since which the foot has been late, negative for one that is not, and
         the share from which it only sinks.
     descent, search, fastest
         Speed towards the ground at the end [m/s]; acceleration with which a late foot goes down [m/s²], and
@@ -228,19 +227,9 @@ def swing_paths(
         if not flying[k]:
             continue
         path, late = out[k], timing[k, 4]
-        if timing[k, 3] < 0.0:
-            path[:] = even_swing(ends[0, k], ends[1, k], timing[k, 0], timing[k, 1], timing[k, 2], descent)
-        else:
-            path[:] = swing_motion(
-                ends[0, k],
-                ends[1, k],
-                timing[k, 0],
-                timing[k, 1],
-                timing[k, 2],
-                descent,
-                timing[k, 3],
-                timing[k, 5],
-            )
+        apex, share, duration = timing[k, 0], timing[k, 1], timing[k, 2]
+        lift_first, down = timing[k, 3], timing[k, 5]
+        path[:] = swing_motion(ends[0, k], ends[1, k], apex, share, duration, descent, lift_first, down)
         if late >= 0.0:
             rush = min(late, fastest / search)
             path[0, 2] -= search * rush * (late - 0.5 * rush)
@@ -324,21 +313,4 @@ def turned_arms(offsets: FloatArray, yaw: FloatArray) -> FloatArray:
         for k in range(len(offsets)):
             x, y = offsets[k, 0], offsets[k, 1]
             out[i, k, 0], out[i, k, 1] = c * x - s * y, s * x + c * y
-    return out
-
-
-@kernel
-def mode_rows(
-    starts: FloatArray, table: BoolArray, period: float, start: float, step: float, count: int
-) -> BoolArray:
-    """Return the rows of a repeated table of modes in the middle of `count` steps [s] from `start` [s].
-
-    `starts` (m,) [s] are rising from 0, `table` is (m, feet); (count, feet).
-    """
-    out = np.empty((count, table.shape[1]), dtype=np.bool_)
-    for k in range(count):
-        t, row = (start + step * (k + 0.5)) % period, starts.size - 1
-        while row > 0 and starts[row] > t:
-            row -= 1
-        out[k] = table[row]
     return out

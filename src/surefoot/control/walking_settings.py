@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.control.actuators import Actuators
 from surefoot.control.behaviours import BEHAVIOURS, MakeBehaviour
 from surefoot.control.behaviours.arbiter import LOGGED
 from surefoot.control.controller import Command
-from surefoot.control.load_adaptation import LoadSettings
 from surefoot.control.mpc import MpcWeights
-from surefoot.control.whole_body import TaskWeights, WholeBodyCommand
+from surefoot.control.whole_body import TaskWeights
+from surefoot.robot.actuators import Actuators
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ class WalkSettings:
     swing_stiffness: float = 8.0
     normal_min: float = 0.02
     normal_max: float = 1.5
-    load: LoadSettings | None = field(default_factory=LoadSettings)
+    watch_load: bool = True
     ramp: float = 0.17
     mpc: MpcWeights = field(default_factory=MpcWeights)
     whole_body: TaskWeights = field(default_factory=TaskWeights)
@@ -107,30 +106,3 @@ class WalkCommand(Command):
         """Return planned contacts, wanted velocity, who asked for what, and what is observed of a load."""
         own = {"planned": self.planned, "command": self.wanted, "asked_by": self.asked_by}
         return {**own, **self.load}
-
-
-def damping_command(
-    body: WholeBodyCommand, last: WalkCommand | None, feet: int, load: Mapping[str, FloatArray]
-) -> WalkCommand:
-    """Return the command for a state that is not finite: the joints slow down, the rest is the last one.
-
-    Parameters
-    ----------
-    body
-        What slows the joints.
-    last
-        The command before; None for none.
-    feet
-        Number of them.
-    load
-        See `WalkCommand`.
-    """
-    points, on = np.ones(len(body.forces), dtype=bool), np.ones(feet, dtype=bool)
-    last = last or WalkCommand(
-        body.torques, body.forces, points, False, body.status, on, np.tile(np.eye(3), (feet, 1, 1)),
-        np.zeros(3), np.zeros((feet, 3)), load=load,
-    )  # fmt: skip
-    return replace(
-        last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
-        accelerations=None,
-    )  # fmt: skip

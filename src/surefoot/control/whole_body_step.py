@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.control.torque_kernels import commanded, exceeded, recover
 from surefoot.control.whole_body_kernels import (
     base_tasks,
     contact_rows,
@@ -263,3 +262,78 @@ def torques_of(
     )  # fmt: skip
     command = commanded(torques, middle, half, losses)
     return torques, accelerations, command, exceeded(torques, middle, half, loose)
+
+
+@kernel
+def recover(
+    rows: FloatArray, forces: FloatArray, offset: FloatArray, gain: FloatArray, M: FloatArray, nle: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the joint torques (joints,) and accelerations (nv,) that go with contact forces.
+
+    Parameters
+    ----------
+    rows
+        (3p, nv) Jacobian of the contact points, rows in contact axes.
+    forces
+        (p, 3) contact frames [N].
+    offset, gain
+        Accelerations are offset + gain w for the ground's force w (6,) on the base; see `eliminate`.
+    M, nle
+        (nv, nv), (nv,) mass matrix and bias forces.
+    """
+    nv = len(offset)
+    ground, a = np.zeros(nv), np.empty(nv)
+    for k in range(len(forces)):
+        for i in range(3):
+            f = forces[k, i]
+            if f != 0.0:
+                for j in range(nv):
+                    ground[j] += rows[3 * k + i, j] * f
+    for j in range(nv):
+        total = offset[j]
+        for i in range(6):
+            total += gain[j, i] * ground[i]
+        a[j] = total
+    torques = np.empty(nv - 6)
+    for j in range(6, nv):
+        total = nle[j] - ground[j]
+        for i in range(nv):
+            total += M[j, i] * a[i]
+        torques[j - 6] = total
+    return torques, a
+
+
+@kernel
+def commanded(torques: FloatArray, middle: FloatArray, half: FloatArray, losses: FloatArray) -> FloatArray:
+    """Return motor torques (joints,) for those on the legs: within middle ± half, plus `losses` [N m]."""
+    out = np.empty(len(torques))
+    for j in range(len(torques)):
+        out[j] = min(max(torques[j], middle[j] - half[j]), middle[j] + half[j]) + losses[j]
+    return out
+
+
+@kernel
+def exceeded(
+    torques: FloatArray, middle: FloatArray, half: FloatArray, loose: BoolArray
+) -> tuple[float, float, float, bool]:
+    """Return by how much (joints,) torques leave the range middle ± half [N m], and whether all are finite.
+
+    The first two are the largest distances from the middle over the half [-] among the joints that no
+    contact loads (`loose`) and among the others, at least zero; the third is the largest excess [N m], of
+    either sign.
+    """
+    light = heavy = 0.0
+    most, finite = -math.inf, True
+    for j in range(len(torques)):
+        size = abs(torques[j] - middle[j])
+        if not math.isfinite(size):
+            finite = False
+            continue
+        if size > 0.0:
+            share = size / half[j]
+            if loose[j]:
+                light = max(light, share)
+            else:
+                heavy = max(heavy, share)
+        most = max(most, size - half[j])
+    return light, heavy, most, finite

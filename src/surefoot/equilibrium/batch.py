@@ -16,6 +16,7 @@ from surefoot.equilibrium.limits import Question
 from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, LEAST_MU, UNDECIDED, most_margin, stand
 from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import checked_gap, com_region
+from surefoot.equilibrium.row_blocks import IN_ONE
 from surefoot.equilibrium.statics import can_stand, needed_wrench
 from surefoot.equilibrium.tracing import ROOM, OutlineProgram, certified
 from surefoot.equilibrium.verdict import Verdict
@@ -265,7 +266,7 @@ def _regions(
     out: dict[int, Region] = {}
     for i, k in enumerate(chosen):
         rows = np.ascontiguousarray(A[i, [0, 1, 2, 5]])
-        outcome, margin, start, _, _ = most_margin(rows, axes[i], w, count)
+        outcome, margin, start, _, _ = most_margin(rows, axes[i], w, count, IN_ONE)
         if outcome != FEASIBLE or not margin > ROOM:
             continue
         G = np.stack([-lengths[i] * A[i, 4], lengths[i] * A[i, 3]])

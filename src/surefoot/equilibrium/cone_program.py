@@ -15,8 +15,12 @@ No tolerance has a unit: gaps are judged against the objective and the rounding 
 equations against their terms, so that data of any size take the same steps. The best iterate is kept, and
 returned when rounding ends the search first.
 
-Limits: dense normal equations of the number of rows; an unbounded program is recognised by a feasible
-point below a given value, not by a ray.
+Rows may come in blocks (`row_blocks`), and be one too many: with a free unknown t along `axis`,
+B x + t axis = b, the equations along it say nothing about x. Many bounds stay cheap that way: turned until
+t is gone, every row would touch every unknown.
+
+Limits: normal equations of the number of rows, dense but for blocks; an unbounded program is recognised by a
+feasible point below a given value, not by a ray.
 """
 
 from __future__ import annotations
@@ -25,11 +29,17 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.equilibrium.row_blocks import (
+    advance_span,
+    dot_span,
+    factor,
+    factor_rows,
+    solve_factored,
+    whole_spans,
+)
 from surefoot.equilibrium.scaling import apply, corrector_target, scale, step_to_boundary
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.numerics.cholesky import HUGE, guarded_cholesky, solve_lower, solve_upper
-from surefoot.numerics.orthogonal import remove_rows, scale_row
 from surefoot.numerics.vectors import advance, dot
 
 OPTIMAL, STALLED, UNBOUNDED = 0, 1, 2
@@ -47,116 +57,109 @@ _FEASIBLE = 1e-9
 
 
 @inline_kernel
-def _factor_rows(BW: FloatArray, M: FloatArray, rows: FloatArray) -> None:
-    """Set the lower triangle of M to the factor L of BW = L rows.
-
-    The same as Cholesky's gives, to twice its digits: near the cones' boundary the products in M lose half.
-    """
-    r, m = BW.shape
-    for j in range(r):
-        top = 0.0
-        for i in range(m):
-            rows[j, i] = BW[j, i]
-            top += BW[j, i] * BW[j, i]
-        for k in range(j):
-            M[j, k] = 0.0
-        size = remove_rows(rows, j, M[j])
-        # a row that depends on those before carries no new equation: a huge pivot drops it
-        M[j, j] = size if size > 1e-14 * math.sqrt(top) else HUGE
-        scale_row(rows, j, M[j, j])
-
-
-@inline_kernel
 def _factor(
-    B: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int, BW: FloatArray, M: FloatArray
-) -> float:
+    B: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int, BW: FloatArray, M: FloatArray,
+    spans: IntArray, axis: FloatArray, free: FloatArray,
+) -> float:  # fmt: skip
     """Set BW = B W and M to the Cholesky factor of B W W B'; return the least share that a pivot kept."""
-    _normal_matrix(B, v, eta, lorentz, BW, M)
-    kept = guarded_cholesky(M)
+    _normal_matrix(B, v, eta, lorentz, BW, M, spans)
+    kept = factor(M, spans, axis, free)
     if kept < _WEAK:
-        _factor_rows(BW, M, np.empty_like(BW))
+        factor_rows(BW, M, spans, axis, free)
     return float(kept)
 
 
 @inline_kernel
-def _solve_factored(M: FloatArray, v: FloatArray) -> None:
-    """Replace v by the solution of (L L') u = v."""
-    solve_lower(M, v)
-    solve_upper(M, v)
-
-
-@inline_kernel
 def _normal_matrix(
-    B: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int, BW: FloatArray, M: FloatArray
-) -> None:
-    """Set BW = B W and the lower triangle of M = B W W B'."""
-    r, m = B.shape
-    for j in range(r):
-        for k in range(lorentz):
+    B: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int, BW: FloatArray, M: FloatArray,
+    spans: IntArray,
+) -> None:  # fmt: skip
+    """Set BW = B W and the lower triangle of M = B W W B', both where the spans are."""
+    for j in range(B.shape[0]):
+        a, b = spans[j, 1], spans[j, 2]
+        for k in range(min(a // 3, lorentz), min(b // 3, lorentz)):
             i = 3 * k
             # W = η (2 v vᵀ - diag(1, -1, -1)): the Nesterov-Todd scaling of a Lorentz cone
             dot = 2.0 * (B[j, i] * v[i] + B[j, i + 1] * v[i + 1] + B[j, i + 2] * v[i + 2])
             BW[j, i] = eta[k] * (dot * v[i] - B[j, i])
             BW[j, i + 1] = eta[k] * (dot * v[i + 1] + B[j, i + 1])
             BW[j, i + 2] = eta[k] * (dot * v[i + 2] + B[j, i + 2])
-        for i in range(3 * lorentz, m):
+        for i in range(max(a, 3 * lorentz), b):
             BW[j, i] = B[j, i] * v[i]
-        for q in range(j + 1):
-            s = 0.0
-            for i in range(m):
-                s += BW[j, i] * BW[q, i]
-            M[j, q] = s
+        for i in range(spans[j, 3], spans[j, 4]):
+            BW[j, i] = B[j, i] * v[i]
+        for q in range(spans[j, 0], j + 1):
+            M[j, q] = dot_span(BW[j], BW[q], spans[q])
 
 
 @inline_kernel
 def _direction(
     B: FloatArray, BW: FloatArray, M: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int,
     rp: FloatArray, target: FloatArray, Wrd: FloatArray, dx: FloatArray, dz: FloatArray, dy: FloatArray,
+    spans: IntArray, free: FloatArray,
 ) -> None:  # fmt: skip
     """Solve B dx = rp, B' dy + dz = rd, W^-1 dx + W dz = target; dx and dz come out scaled."""
     r, m = B.shape
     for j in range(r):
         # eliminate dx and dz: B W W Bᵀ dy = rp + B W (W rd - target)
         s = rp[j]
-        for i in range(m):
+        for i in range(spans[j, 1], spans[j, 2]):
+            s += BW[j, i] * (Wrd[i] - target[i])
+        for i in range(spans[j, 3], spans[j, 4]):
             s += BW[j, i] * (Wrd[i] - target[i])
         dy[j] = s
-    _solve_factored(M, dy)
+    solve_factored(M, dy, spans, free)
     for i in range(m):
-        s = Wrd[i]
-        for j in range(r):
-            s -= BW[j, i] * dy[j]
-        dz[i] = s
-        dx[i] = target[i] - s
+        dz[i] = Wrd[i]
+    for j in range(r):
+        advance_span(dz, -dy[j], BW[j], spans[j])
+    for i in range(m):
+        dx[i] = target[i] - dz[i]
 
 
 @inline_kernel
 def _refine(
     BW: FloatArray, M: FloatArray, rp: FloatArray, dx: FloatArray, dz: FloatArray, dy: FloatArray,
-    rest: FloatArray,
+    rest: FloatArray, more: FloatArray, spans: IntArray, free: FloatArray,
 ) -> None:  # fmt: skip
     """Solve once more for what B dx = rp still lacks: M loses digits near the cones' boundary."""
     r, m = BW.shape
     for j in range(r):
         s = rp[j]
-        for i in range(m):
+        for i in range(spans[j, 1], spans[j, 2]):
+            s -= BW[j, i] * dx[i]
+        for i in range(spans[j, 3], spans[j, 4]):
             s -= BW[j, i] * dx[i]
         rest[j] = s
-    _solve_factored(M, rest)
+    solve_factored(M, rest, spans, free)
     for j in range(r):
         dy[j] += rest[j]
     for i in range(m):
-        s = 0.0
-        for j in range(r):
-            s += BW[j, i] * rest[j]
-        dx[i] += s
-        dz[i] -= s
+        more[i] = 0.0
+    for j in range(r):
+        advance_span(more, rest[j], BW[j], spans[j])
+    for i in range(m):
+        dx[i] += more[i]
+        dz[i] -= more[i]
 
 
 @kernel
 def minimise(
     B: FloatArray, b: FloatArray, c: FloatArray, lorentz: int, x: FloatArray, y: FloatArray, z: FloatArray,
     tol: float, floor: float, zero: float,
+) -> tuple[int, int]:  # fmt: skip
+    """Solve the cone program in place, from a strictly feasible x: `minimise_blocks` in one block.
+
+    Parameters, shapes and what is returned are those of `minimise_blocks`.
+    """
+    spans, axis = whole_spans(B.shape[0], B.shape[1]), np.empty(0)
+    return minimise_blocks(B, b, c, lorentz, x, y, z, tol, floor, zero, spans, axis)
+
+
+@kernel
+def minimise_blocks(
+    B: FloatArray, b: FloatArray, c: FloatArray, lorentz: int, x: FloatArray, y: FloatArray, z: FloatArray,
+    tol: float, floor: float, zero: float, spans: IntArray, axis: FloatArray,
 ) -> tuple[int, int]:  # fmt: skip
     """Solve the cone program in place, from a strictly feasible x.
 
@@ -174,6 +177,11 @@ def minimise(
         Below this objective the program counts as unbounded.
     zero
         What the objective is counted from.
+    spans
+        (r, 5): what each row touches (`row_blocks`); B is zero elsewhere.
+    axis
+        (r,), of length one: the equations hold but for a multiple of it, and y is at right angles to it. Or
+        (0,): all of them hold.
 
     Returns
     -------
@@ -185,13 +193,13 @@ def minimise(
     degree = lorentz + (m - 3 * lorentz)
     work = np.empty((11, m))
     v, lam, target, Wrd, dx, dz = work[0], work[1], work[2], work[3], work[4], work[5]
-    ux, uz, rd, best_x, best_z, best_y = work[6], work[7], work[8], work[9], work[10], np.empty(r)
+    u, spare, rd, best_x, best_z, best_y = work[6], work[7], work[8], work[9], work[10], np.empty(r)
     BW, M, eta, best = np.empty((r, m)), np.empty((r, r)), np.empty(lorentz), math.inf
-    dy, rp, rest = np.empty(r), np.empty(r), np.empty(r)
-    _dual_start(B, c, lorentz, y, z)
+    dy, rp, rest, free = np.empty(r), np.empty(r), np.empty(r), np.empty(axis.size + min(1, axis.size))
+    _dual_start(B, c, lorentz, y, z, spans, axis)
     for iteration in range(_MOST_ITERATIONS):
-        gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd)
-        left, missed = _missing(B, b, x, rp)
+        gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd, spare, spans)
+        left, missed = _missing(B, b, x, rp, spans, axis)
         if lost <= 1e-12 and missed <= _FEASIBLE and gap <= tol + 1e-10 * abs(value - zero) + rounding:
             return OPTIMAL, iteration
         if value < floor and left <= _FEASIBLE:
@@ -207,7 +215,7 @@ def minimise(
             break
         apply(v, eta, lorentz, False, z, lam)
         apply(v, eta, lorentz, False, rd, Wrd)
-        kept = _factor(B, v, eta, lorentz, BW, M)
+        kept = _factor(B, v, eta, lorentz, BW, M, spans, axis, free)
         if math.isnan(kept):
             break
         sigma, primal, dual, product = 0.0, 0.0, 0.0, dot(x, z)
@@ -216,27 +224,33 @@ def minimise(
             if corrector:  # is centred accordingly, and takes along the first one's second-order error
                 corrector_target(lam, dx, dz, sigma * product / degree, lorentz, target)
             else:
-                for i in range(m):
-                    target[i] = -lam[i]
-            _direction(B, BW, M, v, eta, lorentz, rp, target, Wrd, dx, dz, dy)
+                _negate(lam, target)
+            _direction(B, BW, M, v, eta, lorentz, rp, target, Wrd, dx, dz, dy, spans, free)
             if left > _REFINE or kept < _WEAK:
-                _refine(BW, M, rp, dx, dz, dy, rest)
+                _refine(BW, M, rp, dx, dz, dy, rest, spare, spans, free)
             primal = step_to_boundary(lam, dx, lorentz)
             dual = step_to_boundary(lam, dz, lorentz)
             sigma = (1.0 - min(1.0, primal, dual)) ** 3  # the sooner it meets the boundary, the more
         primal, dual = min(1.0, 0.99 * primal), min(1.0, 0.99 * dual)  # strictly inside
-        apply(v, eta, lorentz, False, dx, ux)
-        apply(v, eta, lorentz, True, dz, uz)
-        advance(x, primal, ux)
-        advance(z, dual, uz)
+        apply(v, eta, lorentz, False, dx, u)
+        advance(x, primal, u)
+        apply(v, eta, lorentz, True, dz, u)
+        advance(z, dual, u)
         advance(y, dual, dy)
         if lost * (1.0 - dual) < 1e-9:  # nearly feasible: z from the equation itself
-            _set_slack(B, c, lorentz, y, z, rd)
+            _set_slack(B, c, lorentz, y, z, rd, spans)
         if max(primal, dual) < 1e-8:
             break
     if best < math.inf:
         _copy(best_x, best_y, best_z, x, y, z)
     return STALLED, iteration
+
+
+@inline_kernel
+def _negate(x: FloatArray, out: FloatArray) -> None:
+    """Set out (m,) to -x."""
+    for i in range(x.size):
+        out[i] = -x[i]
 
 
 @inline_kernel
@@ -252,43 +266,58 @@ def _copy(
 
 @inline_kernel
 def _gap(
-    B: FloatArray, b: FloatArray, c: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray, rd: FloatArray
-) -> tuple[float, float, float, float]:
+    B: FloatArray, b: FloatArray, c: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray, rd: FloatArray,
+    weight: FloatArray, spans: IntArray,
+) -> tuple[float, float, float, float]:  # fmt: skip
     """Return the gap, the objective, the gap's own rounding, and the share of the dual equations unmet.
 
     The gap is the larger of x.z and c.x - b.y: they differ by what the equations miss. Sets
-    rd = c - z - B' y.
+    rd = c - z - B' y, and `weight` (m,) to the sizes of its terms.
     """
     r, m = B.shape
     product, value, bound, size, lost = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(m):
-        s, weight = c[i] - z[i], abs(c[i]) + abs(z[i])
-        for j in range(r):
+        rd[i], weight[i] = c[i] - z[i], abs(c[i]) + abs(z[i])
+    for j in range(r):
+        for i in range(spans[j, 1], spans[j, 2]):
             part = B[j, i] * y[j]
-            s -= part
-            weight += abs(part)
-        rd[i] = s
-        if abs(s) > lost * weight:  # divisions are dear
-            lost = abs(s) / weight
+            rd[i] -= part
+            weight[i] += abs(part)
+        for i in range(spans[j, 3], spans[j, 4]):
+            part = B[j, i] * y[j]
+            rd[i] -= part
+            weight[i] += abs(part)
+        bound += b[j] * y[j]
+    for i in range(m):
+        if abs(rd[i]) > lost * weight[i]:  # divisions are dear
+            lost = abs(rd[i]) / weight[i]
         product += x[i] * z[i]
         value += c[i] * x[i]
         size += abs(c[i] * x[i])
     for j in range(r):
-        bound += b[j] * y[j]
         size += abs(b[j] * y[j])
     return max(product, abs(value - bound)), value, _ROUNDING * size, lost
 
 
 @inline_kernel
-def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> tuple[float, float]:
+def _missing(
+    B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray, spans: IntArray, axis: FloatArray
+) -> tuple[float, float]:
     """Set rp = b - B x, or zero where that is rounding; return its largest share of its terms, and of all.
 
     An equation among small numbers may miss much of its own terms and be of no weight among the others.
     """
-    worst, most, largest = 0.0, 0.0, 0.0
+    worst, most, largest, along = 0.0, 0.0, 0.0, 0.0
+    if axis.size > 0:  # what is missed along the axis is the free unknown's
+        for j in range(rp.size):
+            along += axis[j] * (b[j] - dot_span(B[j], x, spans[j]))
     for j in range(rp.size):
-        s, size = b[j], abs(b[j])
-        for i in range(x.size):
+        free = along * axis[j] if axis.size > 0 else 0.0
+        s, size = b[j] - free, abs(b[j]) + abs(free)
+        for i in range(spans[j, 1], spans[j, 2]):
+            s -= B[j, i] * x[i]
+            size += abs(B[j, i] * x[i])
+        for i in range(spans[j, 3], spans[j, 4]):
             s -= B[j, i] * x[i]
             size += abs(B[j, i] * x[i])
         if abs(s) > worst * size:
@@ -299,22 +328,22 @@ def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> tup
 
 
 @inline_kernel
-def _slack(B: FloatArray, c: FloatArray, y: FloatArray, out: FloatArray) -> None:
+def _slack(B: FloatArray, c: FloatArray, y: FloatArray, out: FloatArray, spans: IntArray) -> None:
     """Set out (m,) to c - B' y."""
     for i in range(c.size):
-        s = c[i]
-        for j in range(y.size):
-            s -= B[j, i] * y[j]
-        out[i] = s
+        out[i] = c[i]
+    for j in range(y.size):
+        advance_span(out, -y[j], B[j], spans[j])
 
 
 @inline_kernel
 def _set_slack(
-    B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: FloatArray, trial: FloatArray
-) -> None:
+    B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: FloatArray, trial: FloatArray,
+    spans: IntArray,
+) -> None:  # fmt: skip
     """Set z = c - B' y, so that the dual equations hold to rounding, if that is inside the cone."""
     m = c.size
-    _slack(B, c, y, trial)
+    _slack(B, c, y, trial, spans)
     for k in range(lorentz):
         i = 3 * k
         if trial[i] <= math.sqrt(trial[i + 1] * trial[i + 1] + trial[i + 2] * trial[i + 2]):
@@ -327,12 +356,17 @@ def _set_slack(
 
 
 @inline_kernel
-def _dual_start(B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: FloatArray) -> None:
+def _dual_start(
+    B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: FloatArray, spans: IntArray,
+    axis: FloatArray,
+) -> None:  # fmt: skip
     """Set y = B c and z = c - B' y, moved into the cone along its axis."""
     r, m = B.shape
     for j in range(r):
-        y[j] = dot(B[j], c)
-    _slack(B, c, y, z)
+        y[j] = dot_span(B[j], c, spans[j])
+    if axis.size > 0:
+        advance(y, -dot(axis, y), axis)
+    _slack(B, c, y, z, spans)
     size, depth = dot(z, z), math.inf
     for k in range(lorentz):
         depth = min(depth, z[3 * k] - math.hypot(z[3 * k + 1], z[3 * k + 2]))

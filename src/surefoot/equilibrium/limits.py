@@ -11,10 +11,11 @@ from functools import reduce
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.cones import FrictionPyramid
 from surefoot.cones.cone import Fit
 from surefoot.equilibrium.margin import axis_scale, load_scale, spread
+from surefoot.equilibrium.row_blocks import IN_ONE, find_blocks
 from surefoot.stance import Stance
 
 _IRRELEVANT = 1e7
@@ -121,7 +122,9 @@ class Equations:
     scale, length, row_scale
         Force [N] and length [m] that were divided out, and the size of each bound's row.
     kept
-        Which bounds take part; one that is ten million loads away does not.
+        Which bounds take part, in the order of the rows; one that is ten million loads away does not.
+    blocks
+        (g, 6): rows of A that are alone with their columns (`row_blocks`).
     """
 
     A: FloatArray
@@ -132,7 +135,8 @@ class Equations:
     scale: float
     length: float
     row_scale: FloatArray
-    kept: BoolArray
+    kept: IntArray
+    blocks: IntArray
 
     def wrench_multiplier(self, y: FloatArray) -> FloatArray:
         """Return the (6,) wrench multiplier of scaled multipliers, so that y.load is in newtons [-, 1/m]."""
@@ -179,19 +183,33 @@ def equations(question: Question) -> Equations:
     w = question.load / scale
     w[3:] /= length
     lorentz = len(points) if question.facets is None else 0
-    kept: BoolArray = np.zeros(0, dtype=np.bool_)
+    kept, blocks = np.zeros(0, dtype=np.int64), IN_ONE
     row_scale = np.zeros(0)
     if limits is not None and len(limits):
         size = np.linalg.norm(limits.rows, axis=1)
-        kept = (limits.bound < _IRRELEVANT * scale * size) | (size == 0.0)
+        kept = np.flatnonzero((limits.bound < _IRRELEVANT * scale * size) | (size == 0.0))
+        by_corner = limits.rows[kept] if stance.points() is stance else limits.rows[kept] @ stance.corner_map
+        rows = _times_cones(by_corner, force, len(points))
+        order, groups = find_blocks(rows, len(axis) // max(1, len(points)))
+        kept, rows = kept[order], rows[order]
         size = np.where(size > 0.0, size, 1.0)[kept]
         distance = limits.bound[kept] / (size * scale)  # of the bound from zero force, in loads
         reach = np.maximum(1.0, np.abs(distance))  # slacks are counted in it, to be of size one
         row_scale = size * reach
-        rows = (limits.rows[kept] @ stance.corner_map @ force) / row_scale[:, None]
         count = len(row_scale)
-        A = np.block([[A, np.zeros((6, count))], [rows, np.eye(count)]])
+        blocks = groups + np.array([6, 6, 0, 0, len(axis), len(axis)])
+        A = np.block([[A, np.zeros((6, count))], [rows / row_scale[:, None], np.eye(count)]])
         w = np.concatenate([w, distance / reach])
         axis = np.concatenate([axis, 1.0 / reach])
         force = np.hstack([force, np.zeros((len(force), count))])
-    return Equations(np.ascontiguousarray(A), axis, w, lorentz, force * scale, scale, length, row_scale, kept)
+    return Equations(
+        np.ascontiguousarray(A), axis, w, lorentz, force * scale, scale, length, row_scale, kept, blocks
+    )
+
+
+def _times_cones(rows: FloatArray, force: FloatArray, corners: int) -> FloatArray:
+    """Return rows (l, 3 k) @ force (3 k, m), corner by corner: `force` is blocks of three rows."""
+    each = np.arange(corners)
+    cones = force.reshape(corners, 3, corners, -1)[each, :, each]  # (k, 3, m / k)
+    product: FloatArray = np.einsum("lki,kij->lkj", rows.reshape(-1, corners, 3), cones)
+    return product.reshape(len(rows), -1)

@@ -28,9 +28,10 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
+from surefoot.equilibrium.cone_program import UNBOUNDED, minimise_blocks
+from surefoot.equilibrium.row_blocks import advance_span, dot_span, local_rows, orthonormal_blocks
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.numerics.orthogonal import coordinates, orthonormal_rows, pull_back, reflect, turn_first_row
+from surefoot.numerics.orthogonal import coordinates, pull_back, reflect, turn_first_row
 from surefoot.numerics.vectors import advance, cross, dot
 
 FEASIBLE, INFEASIBLE, UNREACHABLE, ENDLESS, UNDECIDED = 0, 1, 2, 3, 4
@@ -124,7 +125,7 @@ def proof_reach(A: FloatArray, w: FloatArray, y: FloatArray, lorentz: int) -> fl
 
 @kernel
 def most_margin(
-    A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int
+    A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, blocks: IntArray
 ) -> tuple[int, float, FloatArray, FloatArray, float]:
     """Maximise t with A x = w, x - t e in K; all quantities scaled (|w| about 1, rows about 1).
 
@@ -134,6 +135,8 @@ def most_margin(
         (p, m), (m,), (p,).
     lorentz
         Number of 3-D Lorentz cones at the front of x; the rest are half-lines.
+    blocks
+        (g, 6): rows of A that are alone with their columns (`row_blocks`), at its end; none of them: (0, 6).
 
     Returns
     -------
@@ -145,38 +148,43 @@ def most_margin(
     Q, T, pivots = np.empty((p, m)), np.empty((p, p)), np.empty(p, dtype=np.int64)
     b, a, h, full = np.zeros(p), np.zeros(p), np.zeros(p), np.zeros(p)
     x, y = np.zeros(m), np.zeros(p)
-    rank = orthonormal_rows(A, Q, T, pivots)
+    spans = np.empty((p, 5), dtype=np.int64)
+    rank = orthonormal_blocks(A, blocks, Q, T, pivots, spans)
+    apart = local_rows(spans) > 0
     if coordinates(T, pivots, rank, w, b) > BAND:
         _unreachable(T, pivots, rank, w, full, y)
         reach = proof_reach(A, w, y, lorentz)
         return (UNREACHABLE if reach >= REACH else UNDECIDED), -math.inf, x, y, reach
-    for i in range(m):
-        for j in range(rank):
-            x[i] += Q[j, i] * b[j]
-    least_norm = x.copy()  # A⁺ w: what all solutions have in common; t0 is its margin
-    steepest = 0.0
     for j in range(rank):
-        a[j] = dot(Q[j], e)
-    for i in range(m):
-        steepest = max(steepest, e[i])
-    alpha = turn_first_row(Q, rank, a, h, b)
+        advance_span(x, b[j], Q[j], spans[j])
+    least_norm = x.copy()  # A⁺ w: what all solutions have in common; t0 is its margin
+    for j in range(rank):
+        a[j] = dot_span(Q[j], e, spans[j])
+    steepest = _largest(e)
+    alpha = math.sqrt(dot(a, a)) if apart else turn_first_row(Q, rank, a, h, b)
     t0 = depth(x, e, lorentz)
     squeeze = min(_SQUEEZE, 1.0 / steepest)
     if alpha <= 1e-9 * math.sqrt(dot(e, e)):
         advance(x, max(0.0, squeeze - t0), e)
-        _restore(Q, b, rank, x)
+        _restore(Q, b, rank, x, spans)
         return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
     # a start strictly inside the cones, as the interior-point method needs it: depth t0 + start > 0
     start = 1.0 / (steepest * max(1, lorentz)) - 1.5 * min(t0, 0.0)
     if t0 > 0.0:
         start = max(0.0, start - t0)
     advance(x, start, e)
-    dual, z = np.empty(rank - 1), np.empty(m)
-    unit = alpha / steepest  # of the objective, for an axis that moves by one
-    tol, floor = GAP * min(alpha, 4.0 * unit), b[0] - _ENDLESS_MARGIN * unit
-    status, _ = minimise(Q[1:rank], b[1:rank], Q[0], lorentz, x, dual, z, tol, floor, b[0])
-    _raise_apices(Q, b, alpha, e, x)
-    _restore(Q, b, rank, x)
+    z, unit = np.empty(m), alpha / steepest  # of the objective, for an axis that moves by one
+    tol, rows = GAP * min(alpha, 4.0 * unit), rank if apart else rank - 1
+    dual, axis, c, zero, first = np.empty(rows), np.empty(0), Q[0], b[0], rank - rows
+    if apart:  # t stays an unknown of its own, along the direction of a; else row 0 alone has to do with it
+        axis = a[:rank] / alpha
+        c, zero = _combined(Q, axis, spans, m), dot(axis, b[:rank])
+    status, _ = minimise_blocks(
+        Q[first:rank], b[first:rank], c, lorentz, x, dual, z, tol, zero - _ENDLESS_MARGIN * unit, zero,
+        spans[first:rank], axis,
+    )  # fmt: skip
+    _raise_apices(c, zero, alpha, e, x)
+    _restore(Q, b, rank, x, spans)
     t = depth(x, e, lorentz)
     if status == UNBOUNDED:
         share = min(1.0, (squeeze - t0) / (t - t0)) if t > t0 else 1.0
@@ -185,22 +193,49 @@ def most_margin(
         return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
     if _settled(A, e, w, lorentz, x, FEASIBLE) == FEASIBLE:
         return FEASIBLE, t, x, y, 0.0
-    # back from Q's rows to A's: y with A' y = z / alpha, so that (A e).y = 1
-    full[0] = 1.0 / alpha
-    for j in range(1, rank):
-        full[j] = -dual[j - 1] / alpha
-    reflect(h, rank, full)
+    _in_rows_of_q(axis, dual, alpha, h, full)
     pull_back(T, pivots, rank, full, y)
     reach = proof_reach(A, w, y, lorentz)
     return (INFEASIBLE if reach >= REACH else UNDECIDED), t, x, y, reach
 
 
 @inline_kernel
-def _raise_apices(Q: FloatArray, b: FloatArray, alpha: float, e: FloatArray, x: FloatArray) -> None:
-    """Turn x - t e, which meets all equations but the first, into x."""
-    t = b[0]
+def _largest(e: FloatArray) -> float:
+    """Return the largest entry of e (m,) >= 0."""
+    largest = 0.0
+    for i in range(e.size):
+        largest = max(largest, e[i])
+    return largest
+
+
+@inline_kernel
+def _combined(Q: FloatArray, weights: FloatArray, spans: IntArray, m: int) -> FloatArray:
+    """Return Q' weights (m,)."""
+    out = np.zeros(m)
+    for j in range(weights.size):
+        advance_span(out, weights[j], Q[j], spans[j])
+    return out
+
+
+@inline_kernel
+def _in_rows_of_q(axis: FloatArray, dual: FloatArray, alpha: float, h: FloatArray, full: FloatArray) -> None:
+    """Set `full` to the y with Q' y = z / alpha, so that (A e).y = 1; h reflects rows in one piece."""
+    if axis.size > 0:
+        for j in range(axis.size):
+            full[j] = (axis[j] - dual[j]) / alpha
+    else:
+        full[0] = 1.0 / alpha
+        for j in range(dual.size):
+            full[j + 1] = -dual[j] / alpha
+        reflect(h, dual.size + 1, full)
+
+
+@inline_kernel
+def _raise_apices(c: FloatArray, zero: float, alpha: float, e: FloatArray, x: FloatArray) -> None:
+    """Turn x - t e, which misses c.x = zero by t alpha, into x; c and e (m,)."""
+    t = zero
     for i in range(x.size):  # term by term, as in `_restore`
-        t -= Q[0, i] * x[i]
+        t -= c[i] * x[i]
     advance(x, t / alpha, e)
 
 
@@ -212,13 +247,16 @@ def _settled(A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, x: Float
 
 
 @inline_kernel
-def _restore(Q: FloatArray, b: FloatArray, rank: int, x: FloatArray) -> None:
+def _restore(Q: FloatArray, b: FloatArray, rank: int, x: FloatArray, spans: IntArray) -> None:
     """Move x onto Q x = b by the shortest way: the equations then hold to rounding."""
     for j in range(rank):
         s = b[j]
-        for i in range(x.size):  # term by term: a sum taken off at the end would lose the last digits
+        # term by term: a sum taken off at the end would lose the last digits
+        for i in range(spans[j, 1], spans[j, 2]):
             s -= Q[j, i] * x[i]
-        advance(x, s, Q[j])
+        for i in range(spans[j, 3], spans[j, 4]):
+            s -= Q[j, i] * x[i]
+        advance_span(x, s, Q[j], spans[j])
 
 
 @kernel
@@ -229,7 +267,12 @@ def _unreachable(
     p = T.shape[0]
     worst = 0.0
     best = np.zeros(p)
+    taken = np.zeros(p, dtype=np.bool_)
+    for q in range(rank):
+        taken[pivots[q]] = True
     for j in range(p):
+        if taken[j]:  # it can be met alone
+            continue
         for q in range(rank):
             row[q] = T[j, q]
         pull_back(T, pivots, rank, row, y)
@@ -276,7 +319,7 @@ def stand(
     scale = load_scale(load, length)
     for k in range(3):
         w[k], w[k + 3] = load[k] / scale, load[k + 3] / (scale * length)
-    outcome, t, x, y, reach = most_margin(A, e, w, n)
+    outcome, t, x, y, reach = most_margin(A, e, w, n, np.empty((0, 6), dtype=np.int64))
     for i in range(n):
         height = x[3 * i] * scale
         x[3 * i], x[3 * i + 1] = mu[i] * x[3 * i + 1] * scale, mu[i] * x[3 * i + 2] * scale

@@ -55,7 +55,7 @@ def largest_disturbance(question: Question, direction: ArrayLike) -> float:
     """
     push = nonzero(direction)
     eq = equations(question)
-    outcome, margin, x, _, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
+    outcome, margin, x, _, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz, eq.blocks)
     if outcome not in (FEASIBLE, ENDLESS) or margin <= BAND:
         return 0.0
     d = np.zeros(len(eq.w))

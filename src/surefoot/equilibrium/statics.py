@@ -44,7 +44,7 @@ _RUNAWAY = 1e3
 """Forces of so many loads, where bounds take part, are taken for a squeeze that nothing stops."""
 _SQUEEZES = (10.0, 100.0, 1000.0)
 """Total normal forces, in loads, that `friction_needed` counts with where less friction needs ever more."""
-_MOST_MU = 1e4
+MOST_MU = 1e4
 """A stance that needs more friction than this counts as one that no friction saves; where rounding leaves
 more friction no answer, forces are looked for within this much."""
 
@@ -113,8 +113,8 @@ def can_stand(
         return _general(Question(stance, about, load, all_limits(normal_limits(stance), limits), facets, fit))
     question, points = Question(stance, about, load), stance.points()
     outcome, margin, x, y, reach = stand(points.positions, points.rotations, points.mu, about, load)
-    if outcome == UNDECIDED and float(points.mu.max()) > _MOST_MU:
-        less = np.minimum(points.mu, _MOST_MU)
+    if outcome == UNDECIDED and float(points.mu.max()) > MOST_MU:
+        less = np.minimum(points.mu, MOST_MU)
         again = stand(points.positions, points.rotations, less, about, load)
         if again[0] in (FEASIBLE, ENDLESS):  # forces in a part of the cones; a proof would not hold
             outcome, margin, x, _, _ = again
@@ -135,10 +135,10 @@ def _general(question: Question) -> Verdict:
             return Verdict(question, "possible", math.inf, np.zeros(0), None, np.zeros((0, 3)))
         return Verdict(question, "impossible", -math.inf, certificate=-load / size, reach=math.inf)
     eq = equations(question)
-    outcome, margin, x, y, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
+    outcome, margin, x, y, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz, eq.blocks)
     if bounds is not None and outcome in (FEASIBLE, ENDLESS) and np.abs(x).max() > _RUNAWAY:
         held = equations(_held_back(question, bounds))
-        again = most_margin(held.A, held.e, held.w, held.lorentz)
+        again = most_margin(held.A, held.e, held.w, held.lorentz, held.blocks)
         if again[0] in (FEASIBLE, ENDLESS):
             eq, (outcome, margin, x, y, _) = held, again
     margin *= eq.scale
@@ -149,8 +149,8 @@ def _general(question: Question) -> Verdict:
     y[6:] = np.maximum(y[6:], 0.0)
     reach = proof_reach(eq.A, eq.w, y, eq.lorentz)
     if reach < REACH:
-        if float(stance.points().mu.max()) > _MOST_MU:  # arithmetic can deal with a part of the cones
-            less = stance.with_friction(np.minimum(stance.mu, _MOST_MU))
+        if float(stance.points().mu.max()) > MOST_MU:  # arithmetic can deal with a part of the cones
+            less = stance.with_friction(np.minimum(stance.mu, MOST_MU))
             held_by_less = _general(replace(question, stance=less))
             if held_by_less:
                 return replace(held_by_less, question=question)
@@ -269,7 +269,7 @@ def _least_root(depth: Callable[[float], float], band: float) -> float:
     high = 1.0
     at_high = depth(high)
     while at_high < -band:
-        if high >= _MOST_MU:
+        if high >= MOST_MU:
             return math.inf
         low, at_low = high, at_high
         high *= 10.0

@@ -20,6 +20,7 @@ from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, INFEASIBLE, UNR
 from surefoot.equilibrium.outline import TRACED, WITHOUT_BOUND, trace
 from surefoot.equilibrium.polygons import enclose
 from surefoot.equilibrium.region import Region
+from surefoot.equilibrium.row_blocks import IN_ONE
 from surefoot.numerics.orthogonal import coordinates, orthonormal_rows
 
 Rows = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
@@ -83,7 +84,7 @@ class OutlineProgram:
 def traced(question: Question, rows: Rows, tol: float) -> Traced:
     """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it."""
     whole = _program(question, rows)
-    outcome, margin, whole.start, _, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz)
+    outcome, margin, whole.start, _, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz, IN_ONE)
     if outcome in (INFEASIBLE, UNREACHABLE):
         return Traced.nothing(0.0)
     if outcome != FEASIBLE:
@@ -158,7 +159,7 @@ def _widened(program: OutlineProgram, s: float, most: float) -> OutlineProgram |
 
     Cones of little friction are moved by no more than `most` s: their width is in their friction.
     """
-    outcome, _, start, _, _ = most_margin(program.A, program.e, program.w, program.lorentz)
+    outcome, _, start, _, _ = most_margin(program.A, program.e, program.w, program.lorentz, IN_ONE)
     if outcome != FEASIBLE:
         return None
     shift = s * np.minimum(program.e, most)

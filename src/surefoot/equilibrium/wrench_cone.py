@@ -73,7 +73,7 @@ def wrench_cone(
     facets, fit
         Sides of the friction pyramids, inside or around the cones.
     method
-        "dd", "qhull", "cdd" or "exact": see `surefoot.cones.representation`.
+        "dd", "qhull" or "cdd": see `surefoot.cones.representation`.
     most_rows
         Half-spaces that may be expected at most: see `wrench_cone_size`.
 

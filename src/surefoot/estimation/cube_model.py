@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import FloatArray, whole_number
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.estimation import cube_contact as layout
 from surefoot.estimation.cube_motion import simulate
 from surefoot.estimation.toss_model import TossParameter, TossScene
@@ -67,8 +67,7 @@ class CubeModel:
     steps: int | None = None
 
     def __post_init__(self) -> None:
-        if self.law not in PARAMETERS:
-            raise ProblemError(unknown_name("contact law", self.law, PARAMETERS))
+        check_name("contact law", self.law, PARAMETERS)
         if self.steps is not None:
             whole_number("steps", self.steps, low=1)
 

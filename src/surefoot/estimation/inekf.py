@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
 from surefoot.errors import ProblemError
 from surefoot.estimation import inekf_kernels as kernels
-from surefoot.estimation.extended_poses import logarithm, product
 from surefoot.estimation.live_arrays import Bound
 from surefoot.spatial import skew
 
@@ -268,9 +267,3 @@ class InvariantFilter(Bound):
     def doubt_velocity(self, deviation: float) -> None:
         """Add to the uncertainty of the velocity [m/s]: what was believed has turned out to be wrong."""
         self.covariance[3:6, 3:6] += deviation**2 * np.eye(3)
-
-    def error(self, rotation: FloatArray, velocity: FloatArray, position: FloatArray) -> FloatArray:
-        """Return the error ξ (9,) of attitude, velocity and place against true ones: X̂ = exp(ξ) X."""
-        back = rotation.T
-        true = np.column_stack([back, -back @ velocity, -back @ position])
-        return logarithm(product(self.X[:, :5], true))

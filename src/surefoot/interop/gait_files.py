@@ -21,7 +21,7 @@ A file lists its gaits and holds one block for each::
       }
     }
 
-Modes are named by the feet that carry (LF, RF, LH, RH in this order; STANCE for all, FLY for none) or
+Modes are named by the stance feet (LF, RF, LH, RH in this order; STANCE for all, FLY for none) or
 given as numbers. A block with ``eventTimes`` in place of ``switchingTimes`` is a mode schedule.
 """
 
@@ -34,9 +34,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from surefoot.control.contact_schedule import ContactSchedule
-from surefoot.control.gait import MAX_FLIGHT, Gait, ModeSchedule, mode_feet
+from surefoot.arrays import BoolArray
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.stance.contact_schedule import ContactSchedule
+from surefoot.stance.gait import MAX_FLIGHT, Gait, ModeSchedule, mode_feet
+from surefoot.text_files import read_text
 
 QUADRUPED = ("LF", "RF", "LH", "RH")
 BIPED = ("LF", "RF")
@@ -51,10 +53,14 @@ def mode_name(number: int, labels: Sequence[str] = QUADRUPED) -> str:
     >>> mode_name(9), mode_name(15), mode_name(0)
     ('LF_RH', 'STANCE', 'FLY')
     """
-    on = mode_feet(number, len(labels))
-    if on.all():
+    return named_mode(mode_feet(number, len(labels)), labels)
+
+
+def named_mode(stands: Sequence[bool] | BoolArray, labels: Sequence[str]) -> str:
+    """Return OCS2's name of the mode in which the feet (n,) stand that are said to."""
+    if all(stands):
         return "STANCE"
-    return "_".join(name for name, carries in zip(labels, on, strict=True) if carries) or "FLY"
+    return "_".join(name for name, on in zip(labels, stands, strict=True) if on) or "FLY"
 
 
 def mode_from_name(name: str, labels: Sequence[str] = QUADRUPED) -> int:
@@ -98,18 +104,14 @@ def read_gaits(path: Path | str, feet: int = 4, max_flight: float = MAX_FLIGHT) 
     feet
         Number of feet: 4 or 2.
     max_flight
-        Longest time without any carrying foot that is accepted [s].
+        Longest time without any stance foot that is accepted [s].
 
     Raises
     ------
     ProblemError
         If the file cannot be read, its braces do not match, or a gait in it is wrong.
     """
-    try:
-        text = Path(path).read_text()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ProblemError(f"cannot read the gait file {path}: {error}") from error
-    out = parse_gaits(text, feet, max_flight)
+    out = parse_gaits(read_text(path, "the gait file"), feet, max_flight)
     if not out:
         raise ProblemError(f"{path} holds no gait: a block with modeSequence and switchingTimes")
     return out
@@ -150,7 +152,7 @@ def write_gaits(gaits: Mapping[str, ContactSchedule], path: Path | str) -> Path:
 
 def format_gaits(gaits: Mapping[str, ContactSchedule]) -> str:
     """Return gaits and mode schedules as text in OCS2's format."""
-    parts = [_list("list", list(gaits))]
+    parts = [listed("list", list(gaits))]
     for name, gait in gaits.items():
         if gait.feet not in LABELS or not isinstance(gait, (Gait, ModeSchedule)):
             raise ProblemError(
@@ -160,16 +162,19 @@ def format_gaits(gaits: Mapping[str, ContactSchedule]) -> str:
         times, key = (
             (gait.switching, "switchingTimes") if isinstance(gait, Gait) else (gait.event_times, "eventTimes")
         )
-        modes = _list("modeSequence", [mode_name(int(m), labels) for m in gait.modes])
-        inner = modes + _list(key, [f"{t:.12g}" for t in times])
-        body = "".join(f"  {line}\n" for line in inner.splitlines())
-        parts.append(f"{name}\n{{\n{body}}}\n")
-    return "\n".join(parts)
+        modes = listed("modeSequence", [mode_name(int(m), labels) for m in gait.modes])
+        parts.append(block(name, modes + listed(key, [f"{t:.12g}" for t in times])))
+    return "\n".join("\n".join(part) + "\n" for part in parts)
 
 
-def _list(name: str, entries: Sequence[str]) -> str:
-    rows = "".join(f"  [{k}] {entry}\n" for k, entry in enumerate(entries))
-    return f"{name}\n{{\n{rows}}}\n"
+def listed(name: str, entries: Sequence[str]) -> list[str]:
+    """Return the lines of a list in INFO notation: ``[0] a``, ``[1] b`` and so on."""
+    return block(name, [f"[{k}] {entry}" for k, entry in enumerate(entries)])
+
+
+def block(name: str, lines: Sequence[str]) -> list[str]:
+    """Return the lines of a block in INFO notation."""
+    return [name, "{", *("  " + line for line in lines), "}"]
 
 
 def _blocks(tree: Tree, name: str = "gait") -> list[tuple[str, Tree]]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.cones.cone import Fit
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name, unknown_name
 from surefoot.stance import HalfSpaces, Stance
 
 
@@ -102,8 +102,7 @@ class ContactSequence:
         object.__setattr__(self, "frames", tuple(map(str, self.frames)))
         object.__setattr__(self, "mass", real_number("mass", self.mass, low=0.0, high=1e12))
         whole_number("facets", self.facets, low=3)
-        if self.fit not in get_args(Fit):
-            raise ProblemError(unknown_name("fit", self.fit, get_args(Fit)))
+        check_name("fit", self.fit, get_args(Fit))
         if not self.phases:
             raise ProblemError("a contact sequence needs at least one phase")
         if len(set(self.frames)) != len(self.frames):

@@ -13,12 +13,16 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ProblemError, WriteError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
+from surefoot.text_files import read_text, table_of
 
 FORMAT, VERSION = "surefoot.contact-sequence", 1
 SCHEMA = Path(__file__).with_name("contact_sequence.schema.json")
 """The JSON schema of the file."""
 ORTHONORMAL = 1e-6
 """How far a rotation may be from one."""
+_TOP, _FRICTION = ("format", "version", "frames", "friction", "phases"), ("facets", "fit")
+_PHASE, _CONTACT = ("duration", "contacts"), ("frame", "position", "rotation", "mu")
+_PATCH, _ROWS = ("length", "width"), ("A", "b")
 SAME = 1e-9
 """How far half-spaces in a file may be from those of their contact, relative to the largest entry."""
 
@@ -44,13 +48,11 @@ def sequence_from_dict(content: Any) -> ContactSequence:
     ProblemError
         Naming the entry at fault.
     """
-    top = _mapping(
-        "the file", content, ("format", "version", "frames", "friction", "phases"), ("robot", "mass")
-    )
+    top = table_of("the file", content, (*_TOP, "robot", "mass"), required=_TOP)
     if top["format"] != FORMAT or top["version"] != VERSION:
         found = f"{top['format']!r} version {top['version']!r}"
         raise ProblemError(f"a contact sequence has the format {FORMAT!r} version {VERSION}, got {found}")
-    friction = _mapping("friction", top["friction"], ("facets", "fit"))
+    friction = table_of("friction", top["friction"], _FRICTION, required=_FRICTION)
     phases = [_phase(f"phases[{k}]", p, friction) for k, p in enumerate(_list("phases", top["phases"]))]
     names = [str(name) for name in _list("frames", top["frames"])]
     who = str(top.get("robot", "")), top.get("mass", 0.0)
@@ -89,10 +91,8 @@ def read_sequence(path: Path | str) -> ContactSequence:
     """
     source = Path(path)
     try:
-        content = json.loads(source.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ProblemError(f"cannot read {source}: {error.strerror}") from error
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        content = json.loads(read_text(source))
+    except (json.JSONDecodeError, RecursionError) as error:
         raise ProblemError(f"{source} is not JSON: {' '.join(str(error).split())}") from error
     try:
         return sequence_from_dict(content)
@@ -129,7 +129,7 @@ def _phase_entry(sequence: ContactSequence, number: int) -> dict[str, Any]:
 
 def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
     """Return a phase; errors name the entry."""
-    given = _mapping(where, entry, ("duration", "contacts"))
+    given = table_of(where, entry, _PHASE, required=_PHASE)
     contacts, forces = [], []
     for k, one in enumerate(_list(f"{where}.contacts", given["contacts"])):
         contact, force = _contact(f"{where}.contacts[{k}]", one, friction)
@@ -147,7 +147,7 @@ def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
 def _contact(where: str, entry: Any, friction: dict[str, Any]) -> tuple[Contact, FloatArray | None]:
     """Return a contact and the force that it is meant to carry."""
     more = ("normal_min", "normal_max", "patch", "halfspaces", "force")
-    given = _mapping(where, entry, ("frame", "position", "rotation", "mu"), more)
+    given = table_of(where, entry, (*_CONTACT, *more), required=_CONTACT)
     try:
         turn = finite_array("rotation", given["rotation"], (3, 3))
         if np.abs(turn.T @ turn - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(turn) < 0.0:
@@ -171,7 +171,7 @@ def _shape(patch: Any, options: dict[str, Any]) -> Contact:
     """Return a point or a patch."""
     if patch is None:
         return PointContact(**options)
-    sizes = _mapping("patch", patch, ("length", "width"))
+    sizes = table_of("patch", patch, _PATCH, required=_PATCH)
     return PatchContact(length=sizes["length"], width=sizes["width"], **options)
 
 
@@ -179,7 +179,7 @@ def _check_rows(contact: Contact, entry: Any, friction: dict[str, Any]) -> None:
     """Refuse half-spaces that are not those of the contact: a file that says two things says nothing."""
     if entry is None:
         return
-    given = _mapping("halfspaces", entry, ("A", "b"))
+    given = table_of("halfspaces", entry, _ROWS, required=_ROWS)
     rows = Stance([contact]).halfspaces(friction["facets"], friction["fit"])
     kept = np.isfinite(rows.b)
     A = finite_array("halfspaces.A", given["A"], (None, contact.dim))
@@ -187,22 +187,6 @@ def _check_rows(contact: Contact, entry: Any, friction: dict[str, Any]) -> None:
     for name, have, own in (("A", A, rows.A[kept]), ("b", b, rows.b[kept])):
         if have.shape != own.shape or np.abs(have - own).max(initial=0.0) > SAME * (1.0 + np.abs(own).max()):
             raise ProblemError(f"halfspaces.{name} is not that of its mu, bounds, facets and fit")
-
-
-def _mapping(
-    where: str, value: Any, required: tuple[str, ...], optional: tuple[str, ...] = ()
-) -> dict[str, Any]:
-    """Return a mapping with the required keys and no unknown ones."""
-    valid = (*required, *optional)
-    if not isinstance(value, dict):
-        raise ProblemError(f"{where} must be a mapping with {', '.join(valid)}, got {value!r:.60}")
-    for key in value:
-        if key not in valid:
-            raise ProblemError(f"{where}: unknown key {key!r}; valid keys: {', '.join(valid)}")
-    for key in required:
-        if key not in value:
-            raise ProblemError(f"{where}: {key} is missing")
-    return value
 
 
 def _list(where: str, value: Any) -> list[Any]:

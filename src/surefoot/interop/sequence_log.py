@@ -6,13 +6,13 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.cones.cone import Fit
-from surefoot.control.contact_schedule import SAME_TIME, ContactSchedule
 from surefoot.errors import ProblemError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.log import Log
 from surefoot.log.scene import contact_names
 from surefoot.spatial import GRAVITY
 from surefoot.stance import PointContact, Stance
+from surefoot.stance.contact_schedule import SAME_TIME, ContactSchedule
 
 LOADED = 0.02
 """A point touches from this share of m g on."""
@@ -93,7 +93,7 @@ def sequence_from_schedule(
 
     Examples
     --------
-    >>> from surefoot.control.gait_library import named_gait
+    >>> from surefoot.stance.gait_library import named_gait
     >>> feet = [PointContact((x, y, 0.0), name=n) for n, x, y in
     ...         (("FL", 0.2, 0.1), ("FR", 0.2, -0.1), ("RL", -0.2, 0.1), ("RR", -0.2, -0.1))]
     >>> trot = named_gait("flying_trot", 4)

@@ -15,6 +15,7 @@ from surefoot.lab.drawing import Shape
 from surefoot.lab.geometry import pose_of
 from surefoot.robot import Robot
 from surefoot.viz.meshes import triangles
+from surefoot.viz.shapes import bones
 
 CELL = 0.006
 """Vertices nearer to each other than this are drawn as one [m]."""
@@ -55,10 +56,10 @@ class RobotBody:
         """Return the shapes at a (nq,) configuration [m, -, rad]; `held` for the mouse."""
         import pinocchio
 
+        if not self.links:
+            return {"/robot/bones": draw.Lines(bones(self.robot, q), draw.BODY, 6.0)}
         model, data = self.robot.model, self._data
         pinocchio.forwardKinematics(model, data, np.asarray(q, dtype=np.float64))
-        if not self.links:
-            return {"/robot/bones": draw.Lines(self._bones(), draw.BODY, 6.0)}
         out: dict[str, Shape] = {}
         for link in self.links:
             pose = data.oMi[link.joint]
@@ -68,19 +69,10 @@ class RobotBody:
             out[name] = draw.Mesh(link.vertices, link.faces, shade, 1.0, (x, y, z), turn, held)
         return out
 
-    def _bones(self) -> FloatArray:
-        """Return lines from each joint to the next, and to the feet: (m, 2, 3) [m]."""
-        model, data, points = self.robot.model, self._data, self.robot.contact_points
-        places = np.array([pose.translation for pose in data.oMi])
-        lines = [(places[int(model.parents[k])], places[k]) for k in range(2, model.njoints)]
-        for joint, place in zip(points.joints, points.places, strict=True):
-            lines.append((places[int(joint)], np.array(data.oMi[int(joint)].act(place))))
-        return np.array(lines).reshape(-1, 2, 3)
-
 
 @lru_cache(maxsize=8)
 def links_of(robot: Robot) -> tuple[Link, ...]:
-    """Return a link for each joint that carries something to see; none without visual geometry."""
+    """Return a link for each joint with something to see; none without visual geometry."""
     parts: dict[int, list[tuple[FloatArray, IntArray]]] = {}
     for item in robot.visual.geometryObjects:
         made = _surface(item)

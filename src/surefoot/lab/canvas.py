@@ -40,7 +40,7 @@ class Canvas:
             if before is None or type(before[0]) is not type(shape):
                 self._add(name, shape, before)
             else:
-                _UPDATES[type(shape)](before[1], before[0], shape)
+                _change(before[1], before[0], shape)
                 self._shown[name] = shape, before[1]
             if name in self._hidden:
                 self._hidden.discard(name)
@@ -57,6 +57,20 @@ class Canvas:
             self._hold(name, handle)
 
 
+def _change(handle: Any, old: Shape, new: Shape) -> None:
+    """Send what is another than before; arrays that are the very same objects are not."""
+    for name in _CHANGING[type(new)]:
+        before, value = getattr(old, name), getattr(new, name)
+        if value is before or (not isinstance(value, np.ndarray) and value == before):
+            continue
+        if name != "colour":
+            setattr(handle, name, value.astype(_TYPES[name]) if name in _TYPES else value)
+        elif isinstance(new, Lines | Arrows):  # a colour for each end: their array follows the points
+            handle.colors = np.array(value, dtype=np.uint8)
+        else:
+            handle.color = value
+
+
 def _add_mesh(scene: Any, name: str, shape: Mesh) -> Any:
     return scene.add_mesh_simple(
         name, shape.vertices.astype(np.float32), shape.faces.astype(np.uint32), color=shape.colour,
@@ -66,28 +80,10 @@ def _add_mesh(scene: Any, name: str, shape: Mesh) -> Any:
     )  # fmt: skip
 
 
-def _change_mesh(handle: Any, old: Mesh, new: Mesh) -> None:
-    if new.vertices is not old.vertices:
-        handle.vertices = new.vertices.astype(np.float32)
-    if new.faces is not old.faces:
-        handle.faces = new.faces.astype(np.uint32)
-    if new.position != old.position:
-        handle.position = new.position
-    if new.wxyz != old.wxyz:
-        handle.wxyz = new.wxyz
-    _change_colour(handle, old, new)
-
-
 def _add_lines(scene: Any, name: str, shape: Lines) -> Any:
     return scene.add_line_segments(
         name, shape.points.astype(np.float32), shape.colour, thickness=shape.width, thickness_units="screen"
     )
-
-
-def _change_lines(handle: Any, old: Lines, new: Lines) -> None:
-    if new.points is not old.points:
-        handle.points = new.points.astype(np.float32)
-    _change_colours(handle, old, new)
 
 
 def _add_arrows(scene: Any, name: str, shape: Arrows) -> Any:
@@ -98,14 +94,6 @@ def _add_arrows(scene: Any, name: str, shape: Arrows) -> Any:
     )  # fmt: skip
 
 
-def _change_arrows(handle: Any, old: Arrows, new: Arrows) -> None:
-    if new.points is not old.points:
-        handle.points = new.points.astype(np.float32)
-    if new.position != old.position:
-        handle.position = new.position
-    _change_colours(handle, old, new)
-
-
 def _add_ball(scene: Any, name: str, shape: Ball) -> Any:
     return scene.add_icosphere(
         name, shape.radius, shape.colour, subdivisions=2, position=shape.position, cast_shadow=False,
@@ -113,38 +101,19 @@ def _add_ball(scene: Any, name: str, shape: Ball) -> Any:
     )  # fmt: skip
 
 
-def _change_ball(handle: Any, old: Ball, new: Ball) -> None:
-    handle.position = new.position
-    if new.radius != old.radius:
-        handle.radius = new.radius
-    _change_colour(handle, old, new)
-
-
 def _add_label(scene: Any, name: str, shape: Label) -> Any:
     return scene.add_label(name, shape.text, position=shape.position, anchor="bottom-center")
-
-
-def _change_label(handle: Any, old: Label, new: Label) -> None:
-    handle.position = new.position
-    if new.text != old.text:
-        handle.text = new.text
-
-
-def _change_colour(handle: Any, old: Mesh | Ball, new: Mesh | Ball) -> None:
-    if new.colour != old.colour:
-        handle.color = new.colour
-
-
-def _change_colours(handle: Any, old: Lines | Arrows, new: Lines | Arrows) -> None:
-    """Lines and arrows hold a colour for each end: their array follows the points."""
-    if new.colour != old.colour:
-        handle.colors = np.array(new.colour, dtype=np.uint8)
 
 
 _ADDERS: dict[type[Shape], Callable[..., Any]] = {
     Mesh: _add_mesh, Lines: _add_lines, Arrows: _add_arrows, Ball: _add_ball, Label: _add_label,
 }  # fmt: skip
-_UPDATES: dict[type[Shape], Callable[..., None]] = {
-    Mesh: _change_mesh, Lines: _change_lines, Arrows: _change_arrows, Ball: _change_ball,
-    Label: _change_label,
-}  # fmt: skip
+_TYPES = {"vertices": np.float32, "points": np.float32, "faces": np.uint32}
+_CHANGING: dict[type[Shape], tuple[str, ...]] = {
+    Mesh: ("vertices", "faces", "position", "wxyz", "colour"),
+    Lines: ("points", "colour"),
+    Arrows: ("points", "position", "colour"),
+    Ball: ("position", "radius", "colour"),
+    Label: ("position", "text"),
+}
+"""Shape -> its attributes that may change."""

@@ -10,8 +10,9 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.cones.cone import Fit
 from surefoot.cones.friction import FrictionCone
+from surefoot.cones.polyhedral import FrictionPyramid
 from surefoot.lab import drawing as draw
-from surefoot.lab.controls import Choice, Slider, Tick, Values
+from surefoot.lab.controls import Checkbox, Choice, Slider, Values
 from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.figure import Figure
 from surefoot.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
@@ -101,36 +102,23 @@ def _ground() -> Shape:
 def cone_text(state: ConeState) -> str:
     """Return what cone and pyramids say of the force, and how far they are apart."""
     force, cone = np.array(state.force), FrictionCone(state.mu)
-    use = float(cone.use(force))
-    rows: list[tuple[str, ...]] = [
-        ("round cone", _yes(bool(cone.contains(force))), f"{float(cone.margin(force)):.2f}", "exact")
-    ]
-    slope = math.cos(math.pi / state.facets)
+    use, holds = float(cone.use(force)), bool(cone.contains(force))
+    rows = [_row("round cone", cone, force, "exact")]
     for fit in state.fits:
         pyramid = cone.polyhedral(state.facets, fit, math.radians(state.phase))
-        error = (
-            f"gives up {100 * (1 - slope):.1f} %"
-            if fit == "inner"
-            else f"overshoots by {100 * (1 / slope - 1):.1f} %"
-        )
-        rows.append(
-            (
-                f"{fit} pyramid",
-                _yes(bool(pyramid.contains(force))),
-                f"{float(pyramid.margin(force)):.2f}",
-                error,
-            )
-        )
+        verb = "gives up" if fit == "inner" else "overshoots by"
+        rows.append(_row(f"{fit} pyramid", pyramid, force, f"{verb} {100 * pyramid.fit_error.radial:.1f} %"))
     used = f"{100 * use:.0f} %" if math.isfinite(use) else "more than all"
     return text(
-        heading("Sticks" if bool(cone.contains(force)) else "Slides or pulls"),
+        heading("Sticks" if holds else "Slides or pulls"),
         paragraph(f"Friction used: {used}. Half angle of the cone {math.degrees(cone.half_angle):.1f}°."),
         table(("", "holds the force", "margin [N]", "at worst"), rows),
     )
 
 
-def _yes(is_so: bool) -> str:
-    return "yes" if is_so else "no"
+def _row(name: str, cone: FrictionCone | FrictionPyramid, force: FloatArray, error: str) -> tuple[str, ...]:
+    holds = "yes" if bool(cone.contains(force)) else "no"
+    return name, holds, f"{float(cone.margin(force)):.2f}", error
 
 
 def section(state: ConeState) -> str:
@@ -178,7 +166,7 @@ class ConePage(Page):
                 Slider("facets", "sides of the pyramids", 3, 24, 1, s.facets),
                 Slider("phase", "turned by [deg]", 0.0, 120.0, 1.0, s.phase),
                 Choice("fit", "pyramids", FITS, s.fit),
-                Tick("surface", "round cone", s.surface),
+                Checkbox("surface", "round cone", s.surface),
                 Slider("x", "x [N]", -LARGEST, LARGEST, 0.5, s.force[0], "Force"),
                 Slider("y", "y [N]", -LARGEST, LARGEST, 0.5, s.force[1], "Force"),
                 Slider("z", "normal [N]", -40.0, LARGEST, 0.5, s.force[2], "Force"),

@@ -16,7 +16,7 @@ from surefoot.lab.geometry import SIDES, cone_surface, fan
 from surefoot.lab.words import table
 
 WEIGHT_LENGTH = 0.5
-"""Length of an arrow that carries the whole weight [m]."""
+"""Length of the arrow of a force of m g [m]."""
 CONE_HEIGHT = 0.1
 """Height of the cones that are drawn [m]."""
 BROKEN = 1e-3
@@ -31,7 +31,7 @@ def contact_shapes(
     mu: FloatArray,
     weight: float,
 ) -> dict[str, Shape]:
-    """Return cones and arrows of the contacts that carry, those outside their cones in another colour.
+    """Return cones and arrows of the loaded contacts, those outside their cones in another colour.
 
     Each contact has its own arrow, `/forces/` and its name, which travels with its cone.
 

@@ -1,9 +1,8 @@
-"""What a page can be told: sliders, choices, ticks and buttons, each checking what a browser sends."""
+"""What a page takes: sliders, choices, ticks and buttons, each checking what a browser sends."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -65,7 +64,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Tick:
+class Checkbox:
     """On or off; see `Slider` for the other attributes."""
 
     name: str
@@ -91,10 +90,10 @@ class Button:
     hint: str = ""
 
 
-Control: TypeAlias = Slider | Choice | Tick | Button
+Control: TypeAlias = Slider | Choice | Checkbox | Button
 
 
-class Values:
+class Values(dict[str, Any]):
     """The controls of a page and their values.
 
     Parameters
@@ -113,18 +112,7 @@ class Values:
     def __init__(self, controls: tuple[Control, ...] | list[Control]) -> None:
         self.controls = tuple(controls)
         self._by_name = {control.name: control for control in self.controls}
-        self._values: dict[str, Any] = {
-            control.name: control.value for control in self.controls if not isinstance(control, Button)
-        }
-
-    def __getitem__(self, name: str) -> Any:
-        return self._values[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._values
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._values)
+        super().__init__({c.name: c.value for c in self.controls if not isinstance(c, Button)})
 
     def change(self, name: str, raw: object) -> None:
         """Take a value for a control.
@@ -136,11 +124,11 @@ class Values:
         """
         control = self._by_name.get(name)
         if control is None or isinstance(control, Button):
-            raise ProblemError(unknown_name("control", name, self._values))
-        self._values[name] = control.checked(raw)
+            raise ProblemError(unknown_name("control", name, self))
+        self[name] = control.checked(raw)
 
     def within(self, name: str, value: float) -> None:
         """Give a slider the nearest value that it can have."""
         control = self._by_name[name]
         assert isinstance(control, Slider)
-        self._values[name] = min(max(float(value), control.low), control.high)
+        self[name] = min(max(float(value), control.low), control.high)

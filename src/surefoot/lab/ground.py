@@ -21,7 +21,7 @@ SQUARE = 1.5
 """Half the side of the piece of flat ground that is drawn [m]."""
 
 
-class Ground:
+class MovingGround:
     """Draws the ground where a robot goes, seen from the robot.
 
     Parameters

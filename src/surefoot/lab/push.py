@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,9 +14,9 @@ from surefoot.lab.contacts import contact_shapes, force_rows
 from surefoot.lab.controls import Button, Choice, Slider, Values
 from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.figure import strip
-from surefoot.lab.ground import Ground
+from surefoot.lab.ground import MovingGround
 from surefoot.lab.page import Grip, Page
-from surefoot.lab.push_run import HARDEST, KICK, Moment, SharedRun
+from surefoot.lab.push_run import HARDEST, KICK, SharedRun, Snapshot
 from surefoot.lab.words import heading, paragraph, text
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain
@@ -52,7 +53,7 @@ class PushPage(Page):
     def __init__(self, shared: SharedRun, names: tuple[str, ...], gaits: tuple[str, ...]) -> None:
         self._shared, self._names = shared, names
         self._robot = RobotBody(shared.robot)
-        self._ground = Ground(FlatTerrain())
+        self._ground = MovingGround(FlatTerrain())
         self._pull: tuple[FloatArray, FloatArray] | None = None
         moment, _ = shared.look()
         w = moment.choices
@@ -83,7 +84,7 @@ class PushPage(Page):
 
     def change(self, name: str, raw: object) -> None:
         """Take a value; what concerns the robot holds for all viewers."""
-        before = self.values[name] if name in self.values else None  # noqa: SIM401 - it has no get
+        before = self.values.get(name)
         super().change(name, raw)
         try:
             self._choose(name)
@@ -95,19 +96,28 @@ class PushPage(Page):
         """Tell the run what a control says."""
         v = self.values
         if name in ("mu", "payload", "gait"):
-            self._shared.choose(**{name: v[name]})
+            changes = {name: v[name]}
         elif name in ("forward", "left", "turn"):
-            self._shared.choose(velocity=(v["forward"], v["left"], v["turn"]))
+            changes = {"velocity": (v["forward"], v["left"], v["turn"])}
+        else:
+            return
+        with self._shared.held() as run:
+            run.choose(replace(run.choices, **changes))
 
     def press(self, name: str) -> None:
         """Kick the robot, or stand it up."""
         if name == "restart":
-            self._shared.restart()
+            with self._shared.held() as run:
+                run.restart()
         elif name == "kick":
             angle = math.radians(self.values["direction"])
-            self._shared.kick(self.values["force"] * np.array([math.cos(angle), math.sin(angle), 0.0]))
+            self._kick(self.values["force"] * np.array([math.cos(angle), math.sin(angle), 0.0]))
         else:
             super().press(name)
+
+    def _kick(self, force: FloatArray) -> None:
+        with self._shared.held() as run:
+            run.kick(force)
 
     def grip(self, grip: Grip) -> None:
         """Pull the robot with the mouse; letting go kicks it."""
@@ -116,9 +126,9 @@ class PushPage(Page):
         self._pull = None
         if grip.phase == "click":
             way = (grip.point - grip.eye) * [1.0, 1.0, 0.0]
-            self._shared.kick(self.values["force"] * way / max(float(np.linalg.norm(way)), 1e-9))
+            self._kick(self.values["force"] * way / max(float(np.linalg.norm(way)), 1e-9))
         elif grip.phase == "end":
-            self._shared.kick(PULL * (grip.point - grip.start))
+            self._kick(PULL * (grip.point - grip.start))
         else:
             self._pull = grip.start, grip.point
 
@@ -145,7 +155,7 @@ class PushPage(Page):
             shapes["/pull"] = draw.arrows(self._pull[0], self._pull[1] - self._pull[0], draw.PUSH, 0.008)
         return Drawing(shapes, self._text(moment, mu), strip(times, normal, self._names, weight))
 
-    def _follow(self, moment: Moment) -> None:
+    def _follow(self, moment: Snapshot) -> None:
         """Show what other viewers choose."""
         w = moment.choices
         for name, value in (
@@ -154,7 +164,7 @@ class PushPage(Page):
         ):  # fmt: skip
             self.values.change(name, value)
 
-    def _text(self, moment: Moment, mu: FloatArray) -> str:
+    def _text(self, moment: Snapshot, mu: FloatArray) -> str:
         """Return state, speed and forces as HTML."""
         state = (
             "It has fallen"

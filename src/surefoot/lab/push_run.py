@@ -6,23 +6,26 @@ import math
 import threading
 import time
 from collections import deque
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.controller import RobotState
-from surefoot.control.gait_library import gait_names
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import SimulationError, SurefootError
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import LOOK_EVERY, TOUCH, sensed_feet
+from surefoot.simulation.run import LOOK_EVERY, TOUCH
+from surefoot.simulation.run_kernels import loaded_feet
 from surefoot.simulation.scenario import Fall
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.world import ContactReading
 from surefoot.spatial import GRAVITY
+from surefoot.stance.gait_library import gait_names
 from surefoot.terrain import FlatTerrain
 
 LIE = 1.5
@@ -43,7 +46,7 @@ HARDEST = 400.0
 
 @dataclass(frozen=True)
 class Choices:
-    """What a run is told.
+    """What viewers choose of a run.
 
     Attributes
     ----------
@@ -64,7 +67,7 @@ class Choices:
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class Snapshot:
     """What a run is like at an instant.
 
     Attributes
@@ -180,7 +183,7 @@ class WalkRun:
         if self.time - self.fell_at > LIE:
             self.restart()
         world, q_v = self.world, self.world.state()
-        sensed = sensed_feet(world.contact_foot, self._feet, self.reading, self._least)
+        sensed = loaded_feet(world.contact_foot, self.reading.forces, self._feet, self._least)
         command = self.controller.step(RobotState(*q_v, self.time - self._began, sensed))
         try:
             world.step(command.torques, self.push)
@@ -196,11 +199,11 @@ class WalkRun:
         if looks and Fall().happened(q_v[0], self._height, self.terrain) is not None:
             self.fell_at = self.time
 
-    def moment(self, speed: float = 1.0) -> Moment:
+    def snapshot(self, speed: float = 1.0) -> Snapshot:
         """Return what it is like now."""
         notes = tuple(self.controller.notes)
         q = self.world.state()[0]
-        return Moment(self.time, q, self.reading, self.push.copy(), self.choices, speed, self.fallen, notes)
+        return Snapshot(self.time, q, self.reading, self.push.copy(), self.choices, speed, self.fallen, notes)
 
     def strip(self) -> tuple[FloatArray, FloatArray]:
         """Return times (k,) [s] and normal forces (k, p) [N] of the last `STRIP` seconds."""
@@ -253,25 +256,16 @@ class SharedRun:
             if self._viewers <= 0:
                 self._open.clear()
 
-    def choose(self, **changes: object) -> None:
-        """Change some of the choices; raises for those that cannot be."""
+    @contextmanager
+    def held(self) -> Iterator[WalkRun]:
+        """Yield the run, which stands still while the context lasts."""
         with self._lock:
-            self._run.choose(replace(self._run.choices, **changes))  # type: ignore[arg-type]
+            yield self._run
 
-    def kick(self, force: FloatArray) -> None:
-        """Push the base with a (3,) force [N]."""
-        with self._lock:
-            self._run.kick(force)
-
-    def restart(self) -> None:
-        """Stand the robot up again."""
-        with self._lock:
-            self._run.restart()
-
-    def look(self) -> tuple[Moment, tuple[FloatArray, FloatArray]]:
+    def look(self) -> tuple[Snapshot, tuple[FloatArray, FloatArray]]:
         """Return what it is like now; times (k,) [s] and normal forces (k, p) [N] of the strip."""
         with self._lock:
-            return self._run.moment(self._speed), self._run.strip()
+            return self._run.snapshot(self._speed), self._run.strip()
 
     def close(self) -> None:
         """End the run."""

@@ -14,10 +14,10 @@ from surefoot.errors import ProblemError, SurefootError
 from surefoot.lab import drawing as draw
 from surefoot.lab.body import RobotBody
 from surefoot.lab.contacts import contact_shapes, force_rows
-from surefoot.lab.controls import Button, Choice, Control, Slider, Tick, Values
+from surefoot.lab.controls import Button, Checkbox, Choice, Control, Slider, Values
 from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.figure import strip
-from surefoot.lab.ground import Ground
+from surefoot.lab.ground import MovingGround
 from surefoot.lab.page import Page
 from surefoot.lab.words import heading, paragraph, text
 from surefoot.log import Log
@@ -45,7 +45,7 @@ class Span:
     end: float
 
 
-class Recording:
+class RecordedMotion:
     """A log with what is needed to draw it.
 
     Parameters
@@ -55,7 +55,7 @@ class Recording:
     robot
         Whose it is; None for the one that it names, if that is known.
     terrain
-        Its ground; None for what it tells, flat if it tells nothing.
+        Its ground; None for the one that it names, flat if it names none.
 
     Attributes
     ----------
@@ -83,14 +83,16 @@ class Recording:
         if self.robot is not None and ("q" not in log or log["q"].shape[1] != self.robot.model.nq):
             self.notes.append(f"the log's configurations are not those of {self.robot.name}: it is not drawn")
             self.robot = None
-        told = log.facts.get("terrain")
-        self.terrain = terrain or (read_terrain(str(told), "the log's terrain") if told else FlatTerrain())
+        ground = log.facts.get("terrain")
+        self.terrain = terrain or (
+            read_terrain(str(ground), "the log's terrain") if ground else FlatTerrain()
+        )
         self.names, self.weight = contact_names(log), weight_of(log)
         self.pose = pose_of(log)
-        normal = (
-            np.nan_to_num(np.asarray(log["forces"])[..., 2], posinf=0.0) if "forces" in log else np.zeros(0)
-        )
-        self.most = max(self.weight, float(normal.max(initial=0.0)))
+        self.most = self.weight
+        if "forces" in log:
+            normal = np.nan_to_num(np.asarray(log["forces"])[..., 2], posinf=0.0)
+            self.most = max(self.weight, float(normal.max(initial=0.0)))
         if "forces" not in log or "contact_positions" not in log:
             self.notes.append("the log has no contact_positions with forces: no arrows and cones")
 
@@ -132,11 +134,8 @@ class Recording:
         times, rows = self.time[thin], np.nan_to_num(np.asarray(self.log["forces"][thin, :, 2]), posinf=0.0)
         if len(times) < 2:
             return ""
-        marks = [
-            (max(s.start, times[0]), min(s.end, times[-1]))
-            for s in spans
-            if s.end > times[0] and s.start < times[-1]
-        ]
+        low, high = times[0], times[-1]
+        marks = [(max(s.start, low), min(s.end, high)) for s in spans if s.end > low and s.start < high]
         return strip(times, rows, self.names, self.most, time, marks[:50])
 
 
@@ -157,19 +156,19 @@ class RecordingPage(Page):
     eye, look_at = (1.6, -1.6, 1.0), (0.0, 0.0, 0.2)
 
     def __init__(
-        self, recording: Recording, title: str, head: Sequence[str] = (), spans: Sequence[Span] = ()
+        self, recording: RecordedMotion, title: str, head: Sequence[str] = (), spans: Sequence[Span] = ()
     ) -> None:
         self.title, self._head, self._recording = title, head, recording
         self._spans = tuple(spans[:MOST_SPANS])
         self._body = None if recording.robot is None else RobotBody(recording.robot)
-        self._ground = Ground(recording.terrain, recording.path)
+        self._ground = MovingGround(recording.terrain, recording.path)
         self._played = clock.perf_counter()
         t = recording.time
         step = float(np.median(np.diff(t))) if len(t) > 1 else 1e-3
         end = float(t[-1]) if len(t) > 1 else float(t[0]) + step
         controls: list[Control] = [
             Slider("time", "time [s]", float(t[0]), end, step, float(t[0])),
-            Tick("play", "play", False),
+            Checkbox("play", "play", False),
             Slider("speed", "speed", 0.05, 2.0, 0.05, 1.0, hint="1 is real time"),
             Button("back", "a row back", "Step"),
             Button("on", "a row on", "Step"),
@@ -210,13 +209,11 @@ class RecordingPage(Page):
             row += 1 if name == "on" else -1
             self.values.within("time", time[min(max(row, 0), len(time) - 1)])
         elif name in ("previous", "next") and self._spans:
-            now, tiny = self.values["time"], 1e-9
-            later = [s for s in self._spans if s.start > now + tiny]
-            earlier = [s for s in self._spans if s.start < now - tiny]
-            if name == "next" and later:
-                self._go_to(min(later, key=lambda s: s.start))
-            elif name == "previous" and earlier:
-                self._go_to(max(earlier, key=lambda s: s.start))
+            way = 1.0 if name == "next" else -1.0
+            ahead = [(way * (s.start - self.values["time"]), s) for s in self._spans]
+            beyond = [one for one in ahead if one[0] > 1e-9]
+            if beyond:
+                self._go_to(min(beyond, key=lambda one: one[0])[1])
         else:
             super().press(name)
 
@@ -279,7 +276,7 @@ class RecordingPage(Page):
         return {"/robot/base": draw.Ball(place, 0.05, draw.BODY)}
 
 
-def audit_page(recording: Recording, report: AuditReport) -> RecordingPage:
+def audit_page(recording: RecordedMotion, report: AuditReport) -> RecordingPage:
     """Return the page of a log with its audit."""
     spans = [
         Span(f"{k}. {v.law}, {v.contact}, {v.start:.3f} s", v.start, max(v.end, v.start))
@@ -290,7 +287,7 @@ def audit_page(recording: Recording, report: AuditReport) -> RecordingPage:
     return RecordingPage(recording, f"Audit: {report.verdict}", head, spans)
 
 
-def plan_page(recording: Recording, plan: Plan) -> RecordingPage:
+def plan_page(recording: RecordedMotion, plan: Plan) -> RecordingPage:
     """Return the page of a plan."""
     head = [
         f"{plan.status.value}, {plan.road}; {plan.facts['goal']}; law residual {plan.law_residual:.1e}.",

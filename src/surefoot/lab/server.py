@@ -80,7 +80,7 @@ class LabServer:
         self._silence = contextlib.ExitStack()
         self._silence.enter_context(warnings.catch_warnings())
         warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-        with contextlib.redirect_stdout(io.StringIO()):  # viser tells of itself and has no switch for that
+        with contextlib.redirect_stdout(io.StringIO()):  # viser greets and has no switch for that
             self._server = viser.ViserServer(host=host, port=port, verbose=False)
         self.port = int(self._server.get_port())
         if port not in (0, self.port):  # taken between our look and viser's; it moves on silently
@@ -183,7 +183,7 @@ def _keep_local(server: Any) -> None:
 
 
 def _quicken(client: Any) -> None:
-    """Let the browser tell of the mouse as often as pages are drawn.
+    """Let the browser send the mouse as often as pages are drawn.
 
     Viser's page holds messages back for 50 ms, which is 20 a second. Viser has no setting for that; the
     page's own timer is asked for a shorter wait.
@@ -200,7 +200,7 @@ def _quicken(client: Any) -> None:
 
 
 def _one_line(loop: Any, context: dict[str, Any]) -> None:
-    """Tell of a message that viser could not take, as one line."""
+    """Print a message that viser could not take, as one line."""
     error = context.get("exception")
     said = " ".join(str(error or context.get("message", "")).split())[:200]
     print(f"surefoot lab: dropped what a browser sent: {type(error).__name__}: {said}", file=sys.stderr)

@@ -1,6 +1,6 @@
 """One viewer's page at work: what the browser sends goes to the page, its drawing goes to the browser.
 
-Viser calls back from threads of its own. A callback only puts what it was told into a queue; one thread per
+Viser calls back from threads of its own. A callback only puts what came into a queue; one thread per
 viewer empties the queue, asks the page for a drawing and shows it. So a page needs no locks, moves of the
 mouse that come faster than drawings are taken together, and no error reaches viser.
 """
@@ -19,7 +19,7 @@ import numpy as np
 
 from surefoot.errors import SurefootError
 from surefoot.lab.canvas import Canvas
-from surefoot.lab.controls import Button, Choice, Control, Slider, Tick
+from surefoot.lab.controls import Button, Checkbox, Choice, Control, Slider
 from surefoot.lab.page import Grip, Page
 from surefoot.lab.words import refusal
 
@@ -32,7 +32,7 @@ LONGEST_QUEUE = 1000
 LONGEST_LINE = 300
 """Characters of a message."""
 
-_Told = tuple[str, str, Any]
+_Event = tuple[str, str, Any]
 """What the browser sent: "change", "press" or "grip"; the name; the value."""
 
 
@@ -57,7 +57,7 @@ class Session:
     def __init__(self, client: Any, page: Page) -> None:
         self.client, self.page = client, page
         self.draws, self.message = 0, ""
-        self._queue: deque[_Told] = deque()
+        self._queue: deque[_Event] = deque()
         self._lock, self._wake, self._ended = threading.Lock(), threading.Event(), threading.Event()
         self._handles: dict[str, Any] = {}
         self._canvas = Canvas(client.scene, self._hold)
@@ -65,15 +65,15 @@ class Session:
         self._thread = threading.Thread(target=self._work, name=f"lab-{client.client_id}", daemon=True)
         self._thread.start()
 
-    def tell(self, kind: str, name: str, value: Any = None) -> None:
+    def queue(self, kind: str, name: str, value: Any = None) -> None:
         """Take what the browser sent: a change of a control, a press or a grip; any thread may call."""
-        moving = kind == "change" or (kind == "grip" and value.phase == "update")
+        event = kind, name, value
         with self._lock:
             last = self._queue[-1] if self._queue else None
-            if moving and last is not None and last[:2] == (kind, name) and self._replaceable(last):
-                self._queue[-1] = (kind, name, value)
+            if last is not None and last[:2] == event[:2] and _is_move(last) and _is_move(event):
+                self._queue[-1] = event
             elif len(self._queue) < LONGEST_QUEUE:
-                self._queue.append((kind, name, value))
+                self._queue.append(event)
         self._wake.set()
 
     def close(self) -> None:
@@ -82,10 +82,6 @@ class Session:
         self._wake.set()
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout=2.0)
-
-    @staticmethod
-    def _replaceable(told: _Told) -> bool:
-        return told[0] == "change" or (told[0] == "grip" and told[2].phase == "update")
 
     # the panel
 
@@ -113,13 +109,13 @@ class Session:
         return handle
 
     def _listener(self, kind: str, name: str, value: Callable[[Any], Any]) -> Callable[[Any], Any]:
-        """Return a callback for viser that queues an event; those of our own making are not told."""
+        """Return a callback for viser that queues an event; those of our own making are left out."""
 
         async def listen(event: Any) -> None:
             if event.client is None:
                 return
             try:
-                self.tell(kind, name, value(event))
+                self.queue(kind, name, value(event))
             except SurefootError as error:
                 self._refuse(error)
 
@@ -157,7 +153,7 @@ class Session:
             self._guarded(self.page.close)
 
     def _take_all(self) -> None:
-        """Tell the page what came, one by one."""
+        """Hand the page what came, one by one."""
         while True:
             with self._lock:
                 if not self._queue:
@@ -166,14 +162,10 @@ class Session:
             self._guarded(lambda: self._take(kind, name, value))  # noqa: B023 - called at once
 
     def _take(self, kind: str, name: str, value: Any) -> None:
-        """Tell the page one thing."""
+        """Hand the page one thing."""
         self._say("")
-        if kind == "change":
-            self.page.change(name, value)
-        elif kind == "press":
-            self.page.press(name)
-        else:
-            self.page.grip(value)
+        arguments = {"change": (name, value), "press": (name,), "grip": (value,)}[kind]
+        getattr(self.page, kind)(*arguments)
 
     def _draw(self) -> None:
         """Show what the page says now."""
@@ -224,26 +216,14 @@ class Session:
         self._message.visible = bool(line)
 
 
-def _add_slider(gui: Any, control: Slider) -> Any:
-    return gui.add_slider(
-        control.label, control.low, control.high, control.step, control.value, hint=control.hint or None
-    )
-
-
-def _add_choice(gui: Any, control: Choice) -> Any:
-    return gui.add_dropdown(
-        control.label, control.options, initial_value=control.value, hint=control.hint or None
-    )
-
-
-def _add_tick(gui: Any, control: Tick) -> Any:
-    return gui.add_checkbox(control.label, control.value, hint=control.hint or None)
-
-
-def _add_button(gui: Any, control: Button) -> Any:
-    return gui.add_button(control.label, hint=control.hint or None)
+def _is_move(event: _Event) -> bool:
+    """Tell whether the next event of this kind and name stands for this one, too."""
+    return event[0] == "change" or (event[0] == "grip" and event[2].phase == "update")
 
 
 _ADDERS: dict[type[Control], Callable[[Any, Any], Any]] = {
-    Slider: _add_slider, Choice: _add_choice, Tick: _add_tick, Button: _add_button,
-}  # fmt: skip
+    Slider: lambda gui, c: gui.add_slider(c.label, c.low, c.high, c.step, c.value, hint=c.hint or None),
+    Choice: lambda gui, c: gui.add_dropdown(c.label, c.options, initial_value=c.value, hint=c.hint or None),
+    Checkbox: lambda gui, c: gui.add_checkbox(c.label, c.value, hint=c.hint or None),
+    Button: lambda gui, c: gui.add_button(c.label, hint=c.hint or None),
+}

@@ -10,15 +10,15 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.cones.cone import Fit
-from surefoot.control.stance_forces import distribute
 from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import com_region
+from surefoot.equilibrium.stance_forces import distribute
 from surefoot.equilibrium.statics import can_stand, friction_needed
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.lab import drawing as draw
 from surefoot.lab.contacts import force_rows
-from surefoot.lab.controls import Button, Choice, Slider, Tick, Values
+from surefoot.lab.controls import Button, Checkbox, Choice, Slider, Values
 from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
 from surefoot.lab.page import Grip, Page
@@ -28,7 +28,7 @@ from surefoot.spatial import GRAVITY, rotation_from_normal
 from surefoot.stance import PointContact, Stance
 
 WEIGHT_LENGTH = 0.3
-"""Length of an arrow that carries the whole weight [m]."""
+"""Length of the arrow of a force of m g [m]."""
 CONE_HEIGHT = 0.09
 """Height of the cones that are drawn [m]."""
 LIFT = 0.003
@@ -100,13 +100,8 @@ class StandState:
     def stance(self) -> Stance:
         """Return the contacts of the feet that touch."""
         places, n = self.on_ground(self.feet), self.normal
-        return Stance(
-            [
-                PointContact(places[k], n, float(self.mu[k]), self.names[k])
-                for k in range(len(self.names))
-                if self.on[k]
-            ]
-        )
+        on = np.flatnonzero(self.on)
+        return Stance([PointContact(places[k], n, float(self.mu[k]), self.names[k]) for k in on])
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +114,7 @@ class StandAnswer:
     needed: float
 
 
-def answer(state: StandState) -> StandAnswer:
+def answer_of(state: StandState) -> StandAnswer:
     """Return what the statics say of a state."""
     stance, (facets, fit) = state.stance(), CONES[state.cones]
     verdict = can_stand(stance, state.com, state.mass, facets=facets, fit=fit)
@@ -136,26 +131,26 @@ def answer(state: StandState) -> StandAnswer:
 
 def stand_drawing(state: StandState) -> Drawing:
     """Return cones, forces, region and verdict of a state."""
-    told = answer(state)
-    shapes: dict[str, Shape] = {**_ground(state), **_region(state, told), **_body(state, told)}
+    answer = answer_of(state)
+    shapes: dict[str, Shape] = {**_ground(state), **_region(state, answer), **_body(state, answer)}
     normal = state.normal
     frame, places = rotation_from_normal(normal), state.on_ground(state.feet)
-    for k, name in enumerate(state.names):
-        colour = draw.CONE if state.on[k] else draw.BODY
+    for place, above, on, mu, name in zip(
+        places, places + 0.06 * normal, state.on, state.mu, state.names, strict=True
+    ):
+        shapes[f"/names/{name}"] = draw.Label(above, name)
         shapes[f"/feet/{name}"] = draw.Ball(
-            places[k] if state.on[k] else places[k] + 0.06 * normal, 0.018, colour, True
+            place if on else above, 0.018, draw.CONE if on else draw.BODY, True
         )
-        shapes[f"/names/{name}"] = draw.Label(places[k] + 0.06 * normal, name)
-        if state.on[k]:
-            surface = cone_surface(float(state.mu[k]), CONE_HEIGHT, frame)
-            where = (float(places[k, 0]), float(places[k, 1]), float(places[k, 2]))
-            shapes[f"/cones/{name}"] = draw.Mesh(surface, fan(SIDES), draw.CONE, 0.3, where)
-    if told.forces is not None and len(told.forces):
-        vectors = told.forces @ frame.T * (WEIGHT_LENGTH / (state.mass * GRAVITY)) * state.on.sum() ** 0.5
+        if on:
+            surface, (x, y, z) = cone_surface(float(mu), CONE_HEIGHT, frame), place.tolist()
+            shapes[f"/cones/{name}"] = draw.Mesh(surface, fan(SIDES), draw.CONE, 0.3, (x, y, z))
+    if answer.forces is not None and len(answer.forces):
+        vectors = answer.forces @ frame.T * (WEIGHT_LENGTH / (state.mass * GRAVITY)) * state.on.sum() ** 0.5
         shapes["/forces"] = draw.arrows(places[state.on], vectors, draw.FORCE)
-    if told.verdict.certificate is not None:
-        shapes["/motion"] = _motion(state, told.verdict.certificate, places[state.on])
-    return Drawing(shapes, verdict_text(state, told))
+    if answer.verdict.certificate is not None:
+        shapes["/motion"] = _motion(state, answer.verdict.certificate, places[state.on])
+    return Drawing(shapes, verdict_text(state, answer))
 
 
 def _ground(state: StandState) -> dict[str, Shape]:
@@ -171,23 +166,23 @@ def _ground(state: StandState) -> dict[str, Shape]:
     }
 
 
-def _region(state: StandState, told: StandAnswer) -> dict[str, Shape]:
+def _region(state: StandState, answer: StandAnswer) -> dict[str, Shape]:
     """Return where the centre of mass may be, on the ground below it."""
-    corners = told.region.inner
+    corners = answer.region.inner
     if len(corners) == 0:
         return {}
     floor = state.on_ground(corners) + np.array([0.0, 0.0, LIFT])
-    colour = draw.REGION if told.verdict.feasible else draw.BAD
+    colour = draw.REGION if answer.verdict.feasible else draw.BAD
     return {
         "/region/area": draw.Mesh(polygon_surface(floor), fan(CORNERS), colour, 0.35),
         "/region/border": draw.outline(floor, colour, 3.0),
     }
 
 
-def _body(state: StandState, told: StandAnswer) -> dict[str, Shape]:
+def _body(state: StandState, answer: StandAnswer) -> dict[str, Shape]:
     """Return the centre of mass, its weight, the plumb line and a stick for every leg."""
     com, below = state.com, state.on_ground(state.com[None, :2])[0]
-    colour = draw.GOOD if told.verdict.feasible else draw.BAD
+    colour = draw.GOOD if answer.verdict.feasible else draw.BAD
     places = state.on_ground(state.feet)
     hips = com + np.column_stack([HIPS * (state.feet - state.feet.mean(axis=0)), np.zeros(len(places))])
     trunk = draw.outline(hips[around(hips[:, :2])], draw.BODY).points
@@ -222,9 +217,9 @@ def _motion(state: StandState, certificate: FloatArray, places: FloatArray) -> S
     return draw.arrows(points, MOTION_LENGTH / max(fastest, 1e-12) * speeds, MOTION, 0.005)
 
 
-def verdict_text(state: StandState, told: StandAnswer) -> str:
+def verdict_text(state: StandState, answer: StandAnswer) -> str:
     """Return the verdict, the margin or the certificate, and the forces as HTML."""
-    verdict = told.verdict
+    verdict = answer.verdict
     if verdict.feasible:
         parts = [
             heading("It can stand"),
@@ -242,19 +237,19 @@ def verdict_text(state: StandState, told: StandAnswer) -> str:
         ]
     else:
         parts = [heading("Undecided"), paragraph("Rounding leaves neither forces nor a proof.")]
-    needed = f"{told.needed:.3f}" if math.isfinite(told.needed) else "no friction is enough"
+    needed = f"{answer.needed:.3f}" if math.isfinite(answer.needed) else "no friction is enough"
     parts.append(paragraph(f"Friction needed, the same under every foot: {needed}."))
-    if not told.region.empty:
-        distance = told.region.distance(state.com)
+    if not answer.region.empty:
+        distance = answer.region.distance(state.com)
         side = "inside" if distance <= 0.0 else "outside"
-        area = f"region {1e4 * told.region.area:.0f} cm²"
+        area = f"region {1e4 * answer.region.area:.0f} cm²"
         parts.append(
             paragraph(f"Centre of mass {1e3 * abs(distance):.0f} mm {side} the region's border ({area}).")
         )
-    if told.forces is not None and len(told.forces):
+    if answer.forces is not None and len(answer.forces):
         contacts = verdict.stance.contacts
         mu = np.array([contact.mu for contact in contacts])
-        parts.append(force_rows([contact.name for contact in contacts], told.forces, mu))
+        parts.append(force_rows([contact.name for contact in contacts], answer.forces, mu))
     return text(*parts)
 
 
@@ -361,6 +356,6 @@ def _controls(state: StandState) -> list[Any]:
     ]
     feet: list[Any] = []
     for name, on, mu in zip(state.names, state.on, state.mu, strict=True):
-        feet.append(Tick(f"on {name}", f"{name} touches", bool(on), "Feet"))
+        feet.append(Checkbox(f"on {name}", f"{name} touches", bool(on), "Feet"))
         feet.append(Slider(f"mu {name}", f"{name} friction", 0.0, 1.5, 0.01, float(mu), "Feet"))
     return [*common, *feet, Button("reset", "begin anew")]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import whole_number
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name, unknown_name
 from surefoot.log.channels import CHANNELS
 from surefoot.log.log import Log
 from surefoot.log.mapped import log_from_source
@@ -120,8 +120,7 @@ def _channels(arrays: Mapping[str, Any], environment: int | None) -> tuple[dict[
     which = None if environment is None else whole_number("environment", environment)
     for name, given in arrays.items():
         channel, frame = ALIASES.get(name, (name, ""))
-        if channel not in CHANNELS:
-            raise ProblemError(unknown_name("array", name, [*CHANNELS, *ALIASES]))
+        check_name("array", name, [*CHANNELS, *ALIASES])
         if channel in fields:
             raise ProblemError(f"two arrays are the channel {channel}: {', '.join(arrays)}")
         array = _numpy(name, given)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,9 +12,7 @@ import numpy as np
 from surefoot.errors import ProblemError
 
 SCHEMA = 2
-"""Version of the channels' meaning that is written; schema 1 had the same names without their definitions."""
-SCHEMAS = (1, 2)
-"""Versions that can be read."""
+"""Version of the channels' meaning that is written and read."""
 
 
 @dataclass(frozen=True)
@@ -176,8 +174,3 @@ def check_shapes(arrays: Mapping[str, Any], channels: Mapping[str, Channel]) -> 
                 more = f", {symbol} = {sizes[symbol]}" if symbol else ""
                 raise ProblemError(f"channel {name} must have shape ({expected}){more}, got {shape}")
     return sizes
-
-
-def known_channels(names: Iterable[str]) -> dict[str, Channel]:
-    """Return the definitions of those names that Surefoot knows."""
-    return {name: CHANNELS[name] for name in names if name in CHANNELS}

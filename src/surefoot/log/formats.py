@@ -59,11 +59,6 @@ def register_format(new: Format) -> None:
     FORMATS[new.name] = new
 
 
-def format_names() -> list[str]:
-    """Return the names of the formats, sorted."""
-    return sorted(FORMATS)
-
-
 def format_of(path: Path) -> Format:
     """Return the format of a file by its suffix, of a folder by what lies in it; else it holds parts.
 

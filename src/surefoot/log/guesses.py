@@ -12,6 +12,7 @@ from typing import Any
 from surefoot.errors import ProblemError
 from surefoot.log.mapping import LogMapping, Take
 from surefoot.log.source import Source, Topic, full_name
+from surefoot.log.units import UNITS
 
 _FOOT = r"(?P<foot>[FRHL][FRHL]|left|right|foot_?\d|leg_?\d)"
 _JOINT = r"(?P<joint>\w*?[A-Za-z]\w*?)"
@@ -70,14 +71,15 @@ RULES = (
     ColumnRule("mu", r"mu|friction"),
 )
 """Rules for the columns of tables, tried in this order; a column belongs to the first that takes it."""
+_BARE = ("deg", "rad", "s", "ms", "us", "ns")
 _SPELT = {
-    "[deg]": "deg", "(deg)": "deg", "_deg": "deg", "[rad]": "rad", "(rad)": "rad", "_rad": "rad",
-    "(s)": "s", "[s]": "s", "_s": "s", "(ms)": "ms", "[ms]": "ms", "_ms": "ms", "(us)": "us", "[us]": "us",
-    "_us": "us", "(ns)": "ns", "[ns]": "ns", "_ns": "ns", "[n]": "N", "(n)": "N", "[m]": "m", "(m)": "m",
-    "[nm]": "N m", "(nm)": "N m", "[rad/s]": "rad/s", "(rad/s)": "rad/s", "[deg/s]": "deg/s",
-    "(deg/s)": "deg/s", "[m/s]": "m/s", "(m/s)": "m/s", "[m/s^2]": "m/s^2", "(m/s^2)": "m/s^2", "[g]": "g",
-    "(g)": "g", "[mm]": "mm", "(mm)": "mm",
-}  # fmt: skip
+    ending: unit
+    for unit in UNITS
+    if unit != "1"  # an index
+    for word in [unit.lower().replace(" ", "")]
+    for ending in (f"[{word}]", f"({word})", *([f"_{word}"] if unit in _BARE else []))
+}
+"""How the names of columns end that tell their unit."""
 _INERTIAL = r"(?i)^/?(world|map|odom|earth)"
 MESSAGES: dict[str, tuple[tuple[str, str, dict[str, Any]], ...]] = {
     "JointState": (

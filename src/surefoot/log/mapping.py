@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import yaml
-
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name, unknown_name
 from surefoot.log.channels import CHANNELS, Channel
+from surefoot.text_files import parse_yaml, read_yaml, table_of
 
 QUATERNIONS = ("xyzw", "wxyz")
 """Orders of a quaternion's numbers."""
@@ -86,8 +85,7 @@ class LogMapping:
     def __post_init__(self) -> None:
         known = {**CHANNELS, **self.define}
         for name, take in self.channels.items():
-            if name not in known:
-                raise ProblemError(unknown_name("channel", name, known))
+            check_name("channel", name, known)
             if take.quaternion and take.quaternion not in QUATERNIONS:
                 raise ProblemError(unknown_name("order of a quaternion", take.quaternion, QUATERNIONS))
             if take.frame and take.frame not in FRAMES:
@@ -107,6 +105,8 @@ class LogMapping:
 
             out["define"] = [{**c, "shape": list(c["shape"])} for c in channels_to(self.define.values())]
         out["channels"] = {name: _take_to(take) for name, take in self.channels.items()}
+        import yaml
+
         return yaml.safe_dump(out, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
 
 
@@ -125,35 +125,25 @@ def read_mapping(path: Path | str) -> LogMapping:
     ProblemError
         If the file cannot be read, or says what no mapping says.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ProblemError(f"cannot read the mapping {path}: {error}") from error
-    return mapping_from_yaml(text, str(path))
+    return _mapping_from(read_yaml(Path(path), "the mapping"), str(path))
 
 
 def mapping_from_yaml(text: str, name: str = "the mapping") -> LogMapping:
     """Return the mapping that a YAML text holds; `name` is what errors call it."""
-    try:
-        content = yaml.safe_load(text)
-    except (yaml.YAMLError, RecursionError) as error:
-        raise ProblemError(f"{name} is no YAML: {' '.join(str(error).split())[:200]}") from error
-    if not isinstance(content, dict):
-        raise ProblemError(f"{name} must hold the keys {', '.join(_KEYS)}, got {text[:60]!r}")
-    _only(name, content, _KEYS)
-    takes = content.get("channels", {})
-    if not isinstance(takes, dict):
-        raise ProblemError(f"{name}: channels must be a table of names, got {takes!r:.80}")
+    return _mapping_from(parse_yaml(text, name), name)
+
+
+def _mapping_from(content: Any, name: str) -> LogMapping:
+    """Return the mapping that parsed YAML stands for."""
+    content = table_of(name, content, _KEYS)
+    takes = table_of(f"{name}: channels", content.get("channels", {}))
     if "time" in content:
         takes = {"time": content["time"], **takes}
-    facts = content.get("facts") or {}
-    if not isinstance(facts, dict):
-        raise ProblemError(f"{name}: facts must be a table, got {facts!r:.80}")
     return LogMapping(
         {str(channel): _take_from(name, str(channel), take) for channel, take in takes.items()},
         _texts(name, "feet", content.get("feet", ())),
         _texts(name, "joints", content.get("joints", ())),
-        facts,
+        table_of(f"{name}: facts", content.get("facts") or {}),
         _defined(name, content.get("define", [])),
     )
 
@@ -170,18 +160,12 @@ def _defined(name: str, content: Any) -> dict[str, Channel]:
 def _take_from(name: str, channel: str, content: Any) -> Take:
     """Return where a channel comes from: a field's name, a list of them, or a table with ``from``."""
     table = content if isinstance(content, dict) else {"from": content}
-    _only(f"{name}, {channel}", table, _TAKE_KEYS)
+    table_of(f"{name}, {channel}", table, _TAKE_KEYS)
     scale = table.get("scale", 1.0)
     if isinstance(scale, bool) or not isinstance(scale, (int, float)):
         raise ProblemError(f"{name}, {channel}: scale must be a number, got {scale!r:.40}")
     texts = {key: str(table.get(key, "")) for key in ("unit", "frame", "quaternion")}
     return Take(_texts(name, channel, table.get("from")), scale=float(scale), **texts)
-
-
-def _only(name: str, table: Mapping[Any, Any], keys: tuple[str, ...]) -> None:
-    for key in table:
-        if key not in keys:
-            raise ProblemError(f"{name}: {unknown_name('key', key, keys)}")
 
 
 def _texts(name: str, key: str, value: Any) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.errors import ProblemError
-from surefoot.log.channels import SCHEMA, SCHEMAS, Channel, known_channels
+from surefoot.log.channels import SCHEMA, Channel
 from surefoot.log.log import MEMORY, Log
 
 
@@ -26,9 +26,7 @@ def read(path: Path) -> Log:
     # opened here: where the file is cut, NumPy leaves open what it opened
     with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
         check_schema(path, int(file["schema"]))
-        channels = known_channels(file.files)
-        if "channels" in file:
-            channels = channels_from(json.loads(str(file["channels"])))
+        channels = channels_from(json.loads(str(file["channels"])))
         facts = {k[5:]: file[k].tolist() for k in file.files if k.startswith("fact_")}
         large = sum(item.file_size for item in file.zip.infolist()) > MEMORY
         arrays = _unpack(file.zip, channels) if large else {k: file[k] for k in channels}
@@ -45,9 +43,8 @@ def write(log: Log, path: Path) -> None:
 
 def check_schema(path: Path, schema: int) -> None:
     """Raise `ProblemError` for a schema that this version does not know."""
-    if schema not in SCHEMAS:
-        known = " or ".join(map(str, SCHEMAS))
-        raise ProblemError(f"{path} has log schema {schema}, expected {known}")
+    if schema != SCHEMA:
+        raise ProblemError(f"{path} has log schema {schema}, expected {SCHEMA}")
 
 
 def channels_to(channels: Iterable[Channel]) -> list[dict[str, Any]]:

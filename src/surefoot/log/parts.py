@@ -9,21 +9,19 @@ from __future__ import annotations
 import json
 import os
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from surefoot.errors import ProblemError, WriteError
-from surefoot.log.channels import SCHEMA, Channel, known_channels
+from surefoot.log.channels import SCHEMA, Channel
 from surefoot.log.log import Log
 from surefoot.log.npz import channels_from, channels_to, check_schema
 
 HEADER_BYTES = 256
 """Length of a .npy header with room for any number of rows; a multiple of 64 as the format asks."""
-PIECE_BYTES = 1 << 15
-"""So much of a channel is gathered at a time to be written."""
 FACTS_FILE = "facts.json"
 
 
@@ -35,12 +33,10 @@ def read(folder: Path) -> Log:
     ProblemError
         If the folder holds no log.
     """
-    facts = json.loads((folder / FACTS_FILE).read_text(encoding="utf-8"))
+    whole = json.loads((folder / FACTS_FILE).read_text(encoding="utf-8"))
     files = {p.stem: p for p in sorted(folder.glob("*.npy"))}
-    channels = known_channels(files)
-    if "schema" in facts:  # schema 1 had the facts alone
-        check_schema(folder, facts["schema"])
-        channels, facts = channels_from(facts["channels"]), facts["facts"]
+    check_schema(folder, whole["schema"])
+    channels, facts = channels_from(whole["channels"]), whole["facts"]
     arrays = {name: np.load(files[name], mmap_mode="r") for name in channels if name in files}
     rows = min(map(len, arrays.values()), default=0)
     return Log({name: array[:rows] for name, array in arrays.items()}, facts, channels=channels)
@@ -79,7 +75,7 @@ class PartFiles:
             self.write_facts(facts)
             for channel in self._channels:
                 file = self._files[channel.name] = (folder / f"{channel.name}.npy").open("xb", buffering=0)
-                _write_at(file, 0, [_header(channel.dtype, (0, *channel.row_shape))])
+                _write_at(file, 0, _header(channel.dtype, (0, *channel.row_shape)))
         except OSError as error:
             self.remove()
             raise WriteError(folder, error) from error
@@ -93,9 +89,9 @@ class PartFiles:
             for name, file in self._files.items():
                 array = rows[name]
                 begin = HEADER_BYTES + start * array[:1].nbytes
-                _write_at(file, begin, _pieces(array[:count]))
+                _write_at(file, begin, array[:count].reshape(-1).view(np.uint8).data)
             for name, file in self._files.items():
-                _write_at(file, 0, [_header(rows[name].dtype, (start + count, *rows[name].shape[1:]))])
+                _write_at(file, 0, _header(rows[name].dtype, (start + count, *rows[name].shape[1:])))
         except OSError as error:
             raise WriteError(self.folder, error) from error
 
@@ -139,20 +135,12 @@ def _header(dtype: Any, shape: tuple[int, ...]) -> bytes:
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(body)) + body
 
 
-def _pieces(array: Any) -> Iterator[bytes]:
-    """Yield the bytes of an array's rows, some at a time: they need not lie next to each other in memory."""
-    some = max(1, PIECE_BYTES // max(array[:1].nbytes, 1))
-    for first in range(0, len(array), some):
-        yield array[first : first + some].tobytes()
-
-
-def _write_at(file: Any, offset: int, data: Iterable[bytes]) -> None:
+def _write_at(file: Any, offset: int, data: bytes | memoryview) -> None:
     """Write all of the data at a place in an unbuffered file."""
     file.seek(offset, os.SEEK_SET)
-    for piece in data:
-        left = memoryview(piece)
-        while left:
-            left = left[file.write(left) :]
+    left = memoryview(data)
+    while left:
+        left = left[file.write(left) :]
 
 
 def _plain(value: Any) -> Any:

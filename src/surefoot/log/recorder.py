@@ -15,7 +15,6 @@ from surefoot.errors import WriteError
 from surefoot.log import parts
 from surefoot.log.channels import Channel
 from surefoot.log.log import MEMORY, Log
-from surefoot.log.rows import RowMemory
 
 CHUNK_BYTES = 1 << 20
 """Size of the rows that are held back before they are written to a folder that was asked for."""
@@ -60,8 +59,7 @@ class Recorder:
         self._row_bytes = sum(c.dtype.itemsize * math.prod(c.row_shape) for c in rows)
         room = (MEMORY if folder is None else CHUNK_BYTES) // max(self._row_bytes, 1)
         self._rows = max(1, min(steps, room))
-        self._memory = RowMemory(rows, self._rows)
-        self.arrays = self._memory.arrays
+        self.arrays: dict[str, Any] = {c.name: np.zeros((self._rows, *c.row_shape), c.dtype) for c in rows}
         self.count = self._written = 0
         self._facts = dict(facts or {})
         self._temporary: tempfile.TemporaryDirectory[str] | None = None
@@ -91,7 +89,9 @@ class Recorder:
         ValueError, TypeError
             For a value that does not fit its channel.
         """
-        self._memory.write(self.slot(), values)
+        at = self.slot()
+        for array, value in zip(self.arrays.values(), values, strict=True):
+            array[at] = value
         self.count += 1  # last: an interrupted row is none
 
     def flush(self) -> None:

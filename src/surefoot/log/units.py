@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.log.channels import Channel
 
 _DEGREE = 0.017453292519943295
@@ -42,8 +42,7 @@ def factor(unit: str, channel: Channel) -> float:
     """
     if not unit:
         return 1.0
-    if unit not in UNITS:
-        raise ProblemError(unknown_name("unit", unit, UNITS))
+    check_name("unit", unit, UNITS)
     own, by = UNITS[unit]
     wanted = channel.unit.split(", ")
     if own not in wanted:

@@ -1,6 +1,6 @@
 """Small dense algebra inside kernels, each piece once: a call into LAPACK would take longer than the work.
 
-Every public kernel here has its NumPy twin in `tests/conformance/`. Sizes decide which file serves:
+Every public kernel here is tested against NumPy. Sizes decide which file serves:
 
 =================  =====================================================================================
 `six`              vectors and symmetric matrices of six, as scalars in registers

@@ -41,25 +41,6 @@ def cholesky(A: FloatArray) -> bool:
 
 
 @inline_kernel
-def guarded_cholesky(A: FloatArray) -> float:
-    """Factor a semidefinite A (n, n) as `cholesky` does; pivots that vanish are made huge.
-
-    Returns the least share of its diagonal entry that a pivot has kept (1 for no rows), NaN where A is not
-    finite.
-    """
-    least = 1.0
-    for j in range(A.shape[0]):
-        top, square = A[j, j], _reduced(A, j, j)
-        if not math.isfinite(square):
-            return math.nan
-        if square < least * top:
-            least = square / top
-        A[j, j] = math.sqrt(square) if square > VANISHED * top else HUGE
-        _fill_column(A, j)
-    return least
-
-
-@inline_kernel
 def solve_lower(L: FloatArray, x: FloatArray) -> None:
     """Replace x (n,) by L⁻¹ x, L lower triangular."""
     for i in range(x.size):

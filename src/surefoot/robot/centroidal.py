@@ -91,6 +91,28 @@ def centroidal_inertia(robot: Robot, q: ArrayLike) -> FloatArray:
     return np.array(robot.data.Ig.matrix())
 
 
+def composite_inertia(robot: Robot, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return inertia and centre of mass of a robot whose joints are locked at (nq,) q, base axes.
+
+    Returns
+    -------
+    (3, 3), (3,), (3, 3)
+        Inertia about the centre of mass [kg m²], that centre from the base's origin [m], and the rotation
+        rotation_world_base.
+    """
+    import pinocchio
+
+    data = robot.data
+    pinocchio.ccrba(robot.model, data, q, np.zeros(robot.model.nv))
+    base = data.oMi[1]
+    axes = np.array(base.rotation)
+    return (
+        axes.T @ np.array(data.Ig.inertia) @ axes,
+        axes.T @ (np.array(data.com[0]) - base.translation),
+        axes,
+    )
+
+
 def momentum(robot: Robot, q: ArrayLike, v: ArrayLike) -> Momentum:
     """Return the momentum at a configuration (nq,) and velocity (nv,) [m/s, rad/s]."""
     import pinocchio

@@ -1,4 +1,4 @@
-"""Dynamics of a robot in contact, and the Delassus operator G = J M⁻¹ Jᵀ three ways.
+"""Dynamics of a robot in contact, and the Delassus operator G = J M⁻¹ Jᵀ.
 
 With M v̇ + h = τ + Jᵀ f and the contacts' acceleration prescribed, J v̇ = γ, the motion and the forces
 are the solution of one linear system::
@@ -14,23 +14,19 @@ those of least norm as ε goes to zero; where γ cannot be met they grow like 1/
 References
 ----------
 .. [1] R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 8.
-.. [2] J. Carpentier, R. Budhiraja, N. Mansard, "Proximal and sparse resolution of constrained dynamic
-   equations", Robotics: Science and Systems 2021.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
-from scipy.sparse.linalg import LinearOperator
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
-from surefoot.robot.jacobians import Attachment, Contacts, attached, contact_drift, contact_jacobian
+from surefoot.robot.jacobians import Contacts, attached, contact_drift, contact_jacobian
 from surefoot.robot.robot import Robot
 
 RANK_TOLERANCE = 1e-10
@@ -146,97 +142,3 @@ def delassus_dense(robot: Robot, q: ArrayLike, contacts: Contacts) -> FloatArray
     L = np.linalg.cholesky(mass_matrix(robot, q))
     Y = scipy.linalg.solve_triangular(L, J.T, lower=True)
     return np.asarray(Y.T @ Y)
-
-
-def delassus_factorised(robot: Robot, q: ArrayLike, contacts: Contacts) -> FloatArray:
-    """Return the same (m, m) G [1/kg] from Pinocchio's sparse Cholesky factors of the constrained system.
-
-    The factorisation follows the branches of the tree and skips the zeros between them [2]_; the Jacobian
-    in it is Pinocchio's own.
-    """
-    import pinocchio
-
-    configuration = robot.configuration(q)
-    points = attached(robot, configuration, contacts)
-    if not points:
-        return np.zeros((0, 0))
-    models = pinocchio.StdVec_RigidConstraintModel()
-    data = robot.model.createData()
-    pinocchio.computeJointJacobians(robot.model, data, configuration)
-    pinocchio.updateFramePlacements(robot.model, data)
-    for point in points:
-        models.append(rigid_constraint(robot, data, point))
-    datas = pinocchio.StdVec_RigidConstraintData()
-    pinocchio.crba(robot.model, data, configuration, pinocchio.Convention.WORLD)
-    for model in models:
-        datas.append(model.createData())
-        model.calc(robot.model, data, datas[-1])  # the factorisation reads the placements, unasked for
-    factors = pinocchio.ContactCholeskyDecomposition(robot.model, data, models, datas)
-    factors.compute(robot.model, data, models, datas, 0.0)
-    return np.array(factors.getInverseOperationalSpaceInertiaMatrix())
-
-
-def rigid_constraint(robot: Robot, data: Any, point: Attachment) -> Any:
-    """Return Pinocchio's RigidConstraintModel of an attached contact, along the contact's axes now.
-
-    `data` must hold the frames' placements.
-    """
-    import pinocchio
-
-    kind = pinocchio.ContactType.CONTACT_3D if point.dim == 3 else pinocchio.ContactType.CONTACT_6D
-    joint, placement = placement_of(robot.model, data, point)
-    return pinocchio.RigidConstraintModel(kind, robot.model, joint, placement, pinocchio.ReferenceFrame.LOCAL)
-
-
-def placement_of(model: Any, data: Any, point: Attachment) -> tuple[int, Any]:
-    """Return the joint that carries a contact, and the contact's frame in the joint's: an SE3."""
-    import pinocchio
-
-    frame = model.frames[point.frame]
-    axes = data.oMf[point.frame].rotation.T @ point.rotation_world_contact
-    return int(frame.parentJoint), frame.placement * pinocchio.SE3(axes, point.offset)
-
-
-class DelassusOperator(LinearOperator):
-    """The same G as a product only: x -> J M⁻¹ Jᵀ x in O(n) joints, neither M nor J nor G is formed.
-
-    Forces go onto the bodies, the articulated-body algorithm gives the acceleration from rest without
-    gravity, and forward kinematics the velocity that it brings the contacts.
-
-    Parameters
-    ----------
-    robot, q, contacts
-        As for `delassus_dense`.
-    """
-
-    def __init__(self, robot: Robot, q: ArrayLike, contacts: Contacts) -> None:
-        import pinocchio
-
-        self.configuration = robot.configuration(q)
-        chosen = attached(robot, self.configuration, contacts)
-        self.model = robot.model.copy()
-        self.model.gravity = pinocchio.Motion.Zero()
-        self.data = self.model.createData()
-        pinocchio.framesForwardKinematics(self.model, self.data, self.configuration)
-        self.points = [(*placement_of(self.model, self.data, point), point.dim) for point in chosen]
-        size = sum(point.dim for point in chosen)
-        super().__init__(np.dtype(np.float64), (size, size))  # type: ignore[call-arg]
-
-    def _matvec(self, x: FloatArray) -> FloatArray:
-        import pinocchio
-
-        zero = np.zeros(self.model.nv)
-        on_bodies = [pinocchio.Force.Zero() for _ in range(self.model.njoints)]
-        values, start = np.ravel(x), 0
-        for joint, placement, dim in self.points:
-            wrench = np.zeros(6)
-            wrench[:dim] = values[start : start + dim]
-            on_bodies[joint] += placement.act(pinocchio.Force(wrench))
-            start += dim
-        change = pinocchio.aba(self.model, self.data, self.configuration, zero, zero, on_bodies)
-        pinocchio.forwardKinematics(self.model, self.data, self.configuration, change)
-        out = [placement.actInv(self.data.v[joint]).vector[:dim] for joint, placement, dim in self.points]
-        return np.concatenate(out)
-
-    def _rmatvec(self, x: FloatArray) -> FloatArray:
-        return self._matvec(x)

@@ -34,16 +34,16 @@ class JointFigures(NamedTuple):
 def joint_figures(robot: Robot) -> JointFigures:
     """Return what the robot's file says: URDF's ``<dynamics>``, MJCF's armature, damping, frictionloss.
 
-    Ideal joints, which are the default everywhere, leave all of it out: see `surefoot.control.actuators`.
+    Ideal joints, which are the default everywhere, leave all of it out: see `surefoot.robot.actuators`.
     """
     model, first = robot.model, robot.base_dof
     rotors = np.array(model.rotorInertia) * np.array(model.rotorGearRatio) ** 2
-    told = (
+    figures = (
         np.array(model.armature) + rotors,
         np.array(model.damping),
         np.array(model.upperDryFrictionLimit),
     )
-    return JointFigures(*(np.asarray(row[first:], dtype=np.float64) for row in told))
+    return JointFigures(*(np.asarray(row[first:], dtype=np.float64) for row in figures))
 
 
 def with_rotors(robot: Robot, armature: ArrayLike) -> Robot:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.actuators import Actuators, actuators_of
 from surefoot.robot import Robot
+from surefoot.robot.actuators import Actuators, actuators_of
 from surefoot.robot.rotors import with_rotors
 
 HOLD = 0.5

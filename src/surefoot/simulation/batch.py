@@ -1,8 +1,8 @@
 """Many robots of one model at once: state arrays in, state arrays out, each as in a `RigidWorld` of its own.
 
 A step of one robot is a dozen short calls that hold Python's lock, so threads would wait for each other:
-`workers` are processes, which share the arrays and are told only to go on. The answers do not depend on their
-number: robots are apart, and a step depends on its own state alone.
+`workers` are processes, each with some of the robots. The answers do not depend on their number: robots are
+apart, and a step depends on its own state alone.
 """
 
 from __future__ import annotations
@@ -21,9 +21,6 @@ from surefoot.errors import ProblemError, SimulationError
 from surefoot.robot import Robot
 from surefoot.stepping import State, StepOptions, Stepper
 from surefoot.terrain import Terrain
-
-FIELDS = ("q", "v", "torques", "push", "mu", "forces", "gaps", "counts")
-"""The arrays that workers share; counts are steps taken, problems unsolved, and whether the robot is lost."""
 
 
 @dataclass(frozen=True)
@@ -97,35 +94,19 @@ class RigidBatch:
     ) -> None:
         self.robot, self.count = robot, whole_number("count", count, low=1)
         self.options = options or StepOptions()
+        self.set_friction(mu)
         loads = per_robot("payload", payload, self.count)
         workers = min(whole_number("workers", workers, low=1), self.count)
-        model, points = robot.model, len(robot.contact_points)
-        shapes = {"q": (model.nq,), "v": (model.nv,), "torques": (robot.joints,), "push": (3,), "mu": (),
-                  "forces": (points, 3), "gaps": (points,), "counts": (3,)}  # fmt: skip
-        context = multiprocessing.get_context("spawn")  # forks of processes with threads can hang
-        raw = {
-            name: context.RawArray("d", self.count * int(np.prod(shape))) for name, shape in shapes.items()
-        }
-        self._arrays = {name: _view(raw[name], (self.count, *shapes[name])) for name in FIELDS}
-        self._arrays["mu"][:] = per_robot("mu", mu, self.count)
-        self._arrays["q"][:] = robot.nominal
+        self._q, self._v = np.tile(robot.nominal, (self.count, 1)), np.zeros((self.count, robot.model.nv))
         edges = np.linspace(0, self.count, workers + 1).astype(int).tolist()
-        self._own = RobotCrew(robot, terrain, self.options, loads, self._arrays, 0, edges[1])
+        self._parts = [slice(*ends) for ends in pairwise(edges)]
+        self._own = RobotCrew(robot, terrain, self.options, loads[self._parts[0]])
         self._rest: list[tuple[Connection, Any]] = []
-        for start, stop in pairwise(edges[1:]):
+        context = multiprocessing.get_context("spawn")  # forks of processes with threads can hang
+        for part in self._parts[1:]:
             here, there = context.Pipe()
-            arguments = (
-                there,
-                robot.without_meshes(),
-                terrain,
-                self.options,
-                loads,
-                raw,
-                shapes,
-                start,
-                stop,
-            )
-            process = context.Process(target=_serve, args=arguments, daemon=True)
+            given = there, robot.without_meshes(), terrain, self.options, loads[part]
+            process = context.Process(target=_serve, args=given, daemon=True)
             process.start()
             self._rest.append((here, process))
 
@@ -134,22 +115,20 @@ class RigidBatch:
 
         `which` (count,) is a mask of the robots that are meant; None for all.
         """
-        a = self._arrays
         chosen = chosen_robots(which, self.count)
-        new_q = rows_per_robot("q", q, self.count, a["q"].shape[1])
-        new_v = np.zeros_like(a["v"]) if v is None else rows_per_robot("v", v, self.count, a["v"].shape[1])
+        new_q = rows_per_robot("q", q, self.count, self._q.shape[1])
+        new_v = np.zeros_like(self._v) if v is None else rows_per_robot("v", v, self.count, self._v.shape[1])
         for k in np.flatnonzero(chosen).tolist():
-            a["q"][k], a["v"][k] = self.robot.configuration(new_q[k]), new_v[k]
-        a["counts"][chosen] = 0.0
-        self._everywhere(("reset", chosen))
+            self._q[k], self._v[k] = self.robot.configuration(new_q[k]), new_v[k]
+        self._everywhere("reset", self._q, self._v, chosen)
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return q (count, nq) [m, -, rad] and v (count, nv) [m/s, rad/s]."""
-        return self._arrays["q"].copy(), self._arrays["v"].copy()
+        return self._q.copy(), self._v.copy()
 
     def set_friction(self, mu: ArrayLike) -> None:
         """Change the friction of the ground [-], a number or (count,), from the next step on."""
-        self._arrays["mu"][:] = per_robot("mu", mu, self.count)
+        self._mu = per_robot("mu", mu, self.count)
 
     def step(self, torques: ArrayLike, push: ArrayLike | None = None, repeat: int = 1) -> BatchStep:
         """Advance all robots by `repeat` steps under (count, joints) torques [N m] and (count, 3) pushes [N].
@@ -159,16 +138,12 @@ class RigidBatch:
         ProblemError
             For a wrong shape or an entry that is not finite. Nothing has moved.
         """
-        a, repeat = self._arrays, whole_number("repeat", repeat, low=1)
-        given = finite_array("torques", torques, a["torques"].shape)
+        given = finite_array("torques", torques, (self.count, self.robot.joints))
         pushes = None if push is None else finite_array("push", push, (self.count, 3))
-        a["torques"][:], a["push"][:] = given, 0.0 if pushes is None else pushes
-        a["counts"][:, 1] = 0.0
-        self._everywhere(("step", (repeat, pushes is not None)))
-        return BatchStep(
-            a["q"].copy(), a["v"].copy(), a["forces"].copy(), a["gaps"].copy(),
-            a["counts"][:, 1].astype(np.int64), a["counts"][:, 2] > 0.0,
-        )  # fmt: skip
+        done = self._everywhere("step", given, pushes, self._mu, whole_number("repeat", repeat, low=1))
+        out = BatchStep(*map(np.concatenate, zip(*done, strict=True)))
+        self._q[:], self._v[:] = out.q, out.v
+        return out
 
     def close(self) -> None:
         """End the worker processes."""
@@ -184,87 +159,67 @@ class RigidBatch:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _everywhere(self, order: tuple[str, Any]) -> None:
-        """Have an order carried out by all, this process included."""
-        for pipe, _ in self._rest:
-            pipe.send(order)
-        self._own.obey(order)
-        failed = [found for pipe, _ in self._rest if (found := pipe.recv()) is not None]
-        if failed:
-            raise failed[0]
+    def _everywhere(self, order: str, *given: Any) -> list[Any]:
+        """Return what all crews, this process's first, answer to an order with their robots' rows."""
+        mine, *theirs = ([x[part] if isinstance(x, np.ndarray) else x for x in given] for part in self._parts)
+        for (pipe, _), rows in zip(self._rest, theirs, strict=True):
+            pipe.send((order, rows))
+        answers = [getattr(self._own, order)(*mine), *(pipe.recv() for pipe, _ in self._rest)]
+        for answer in answers:
+            if isinstance(answer, Exception):
+                raise answer
+        return answers
 
 
 class RobotCrew:
-    """Takes the steps of robots `start` to `stop` - 1, with one stepper for each payload."""
+    """Takes the steps of (n,) robots, with one stepper for each payload."""
 
     def __init__(
-        self, robot: Robot, terrain: Terrain | None, options: StepOptions, payload: FloatArray,
-        arrays: dict[str, FloatArray], start: int, stop: int,
-    ) -> None:  # fmt: skip
-        self._arrays, self._first = arrays, start
-        loads = payload[start:stop].tolist()
-        known = {load: Stepper(robot, terrain, options, load) for load in set(loads)}
-        self._steppers = [known[load] for load in loads]
-        self._states: list[State] = [State(robot.nominal.copy(), np.zeros(robot.model.nv)) for _ in loads]
+        self, robot: Robot, terrain: Terrain | None, options: StepOptions, payload: FloatArray
+    ) -> None:
+        known = {load: Stepper(robot, terrain, options, load) for load in set(payload.tolist())}
+        self._steppers = [known[load] for load in payload.tolist()]
+        n, p, still = len(payload), len(robot.contact_points), np.zeros(robot.model.nv)
+        self._states: list[State] = [State(robot.nominal.copy(), still.copy()) for _ in range(n)]
+        self._forces, self._gaps = np.zeros((n, p, 3)), np.zeros((n, p))
+        self._lost: BoolArray = np.zeros(n, dtype=np.bool_)
 
-    def obey(self, order: tuple[str, Any]) -> None:
-        """Carry out an order."""
-        what, given = order
-        if what == "reset":
-            self._reset(given)
-        else:
-            for k in range(len(self._states)):
-                self._step(k, *given)
+    def reset(self, q: FloatArray, v: FloatArray, chosen: BoolArray) -> None:
+        """Put the `chosen` (n,) robots at (n, nq) q, (n, nv) v [m, rad], [m/s, rad/s]."""
+        for k in np.flatnonzero(chosen).tolist():
+            self._states[k] = self._steppers[k].start(q[k].copy(), v[k].copy())
+        self._lost[chosen] = False
 
-    def _reset(self, chosen: BoolArray) -> None:
-        a = self._arrays
-        for k in range(len(self._states)):
-            row = self._first + k
-            if chosen[row]:
-                self._states[k] = self._steppers[k].start(a["q"][row].copy(), a["v"][row].copy())
-
-    def _step(self, k: int, repeat: int, pushed: bool) -> None:
-        """Take the steps of one robot."""
-        a, row = self._arrays, self._first + k
-        counts = a["counts"][row]
-        if counts[2] > 0.0:
-            return
-        torques, push = a["torques"][row].copy(), a["push"][row].copy() if pushed else None
-        state, last = self._states[k], None
-        for _ in range(repeat):
-            try:
-                last = self._steppers[k].step(state, torques, push, float(a["mu"][row]))
-            except SimulationError:
-                counts[2] = 1.0
-                break
-            state = last.state
-            counts[0] += 1.0
-            counts[1] += last.unsolved
-        self._states[k] = state
-        a["q"][row], a["v"][row] = state.q, state.v
-        if last is not None:
-            a["forces"][row], a["gaps"][row] = last.forces, last.gaps
+    def step(
+        self, torques: FloatArray, push: FloatArray | None, mu: FloatArray, repeat: int
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray, BoolArray]:
+        """Return the fields of a `BatchStep`."""
+        unsolved: IntArray = np.zeros(len(mu), dtype=np.int64)
+        for k in np.flatnonzero(~self._lost).tolist():
+            pushed, friction = None if push is None else push[k].copy(), float(mu[k])
+            for _ in range(repeat):
+                try:
+                    last = self._steppers[k].step(self._states[k], torques[k].copy(), pushed, friction)
+                except SimulationError:
+                    self._lost[k] = True
+                    break
+                self._states[k] = last.state
+                unsolved[k] += last.unsolved
+                self._forces[k], self._gaps[k] = last.forces, last.gaps
+        q, v = (np.array([getattr(state, name) for state in self._states]) for name in ("q", "v"))
+        return q, v, self._forces.copy(), self._gaps.copy(), unsolved, self._lost.copy()
 
 
 def _serve(
-    pipe: Connection, robot: Robot, terrain: Terrain | None, options: StepOptions, payload: FloatArray,
-    raw: dict[str, Any], shapes: dict[str, tuple[int, ...]], start: int, stop: int,
-) -> None:  # fmt: skip
+    pipe: Connection, robot: Robot, terrain: Terrain | None, options: StepOptions, payload: FloatArray
+) -> None:
     """Carry out orders up to None."""
-    arrays = {name: _view(raw[name], (len(payload), *shapes[name])) for name in FIELDS}
-    crew = RobotCrew(robot, terrain, options, payload, arrays, start, stop)
+    crew = RobotCrew(robot, terrain, options, payload)
     while (order := pipe.recv()) is not None:
         try:
-            crew.obey(order)
-        except Exception as error:  # told to the process that asked
+            pipe.send(getattr(crew, order[0])(*order[1]))
+        except Exception as error:  # for the process that asked
             pipe.send(error)
-        else:
-            pipe.send(None)
-
-
-def _view(raw: Any, shape: tuple[int, ...]) -> FloatArray:
-    """Return shared memory as an array."""
-    return np.frombuffer(raw, dtype=np.float64).reshape(shape)
 
 
 def per_robot(name: str, value: ArrayLike, count: int) -> FloatArray:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import copy
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.control.controller import Command, RobotState
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.robot import Robot
 from surefoot.simulation.world import World
-from surefoot.spatial import quaternion_from_rotation, rotation_about, rotation_from_quaternion
+from surefoot.spatial import quaternion_from_rotation, rotation_exp, rotation_from_quaternion
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class Faults:
     strength
         Torque that every motor gives over the one asked for.
     dropouts
-        (start, duration) of times in which the controller is told the state before them, again and again [s].
+        (start, duration) of times in which the controller gets the state before them, again and again [s].
     """
 
     noise: float = 0.0
@@ -56,8 +58,7 @@ class Faults:
         names = world.robot.joint_names
         strength = np.full(len(names), real_number("strength", self.strength, low=0.0, high=10.0))
         if self.weak_joint:
-            if self.weak_joint not in names:
-                raise ProblemError(unknown_name("joint", self.weak_joint, names))
+            check_name("joint", self.weak_joint, names)
             strength[names.index(self.weak_joint)] *= 1.0 - self.torque_loss
         late = round(real_number("delay", self.delay, low=0.0, high=1.0) / world.dt)
         for start, duration in self.dropouts:
@@ -71,7 +72,7 @@ class Faults:
 class ActiveFaults:
     """The faults of one run; made by `Faults.start`."""
 
-    told: Faults
+    levels: Faults
     strength: FloatArray
     late: int
     generator: np.random.Generator
@@ -84,16 +85,13 @@ class ActiveFaults:
 
     def sense(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the state, q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s], as the controller sees it."""
-        r, level = self.generator, self.told.noise
+        r, level = self.generator, self.levels.noise
         if level == 0.0:
             return q, v
         q, v = q.copy(), v.copy()
         q[:3] += 0.01 * level * r.normal(size=3)
         turn = 0.01 * level * r.normal(size=3)
-        angle = float(np.linalg.norm(turn))
-        if angle > 0.0:
-            rotation = rotation_about(turn / angle, angle) @ rotation_from_quaternion(q[3:7])
-            q[3:7] = quaternion_from_rotation(rotation)
+        q[3:7] = quaternion_from_rotation(rotation_exp(turn) @ rotation_from_quaternion(q[3:7]))
         q[7:] += 0.01 * level * r.normal(size=len(q) - 7)
         v[:6] += 0.05 * level * r.normal(size=6)
         v[6:] += 0.2 * level * r.normal(size=len(v) - 6)
@@ -101,9 +99,9 @@ class ActiveFaults:
 
     def heard(self, state: RobotState) -> RobotState:
         """Return the state that reaches the controller: in a dropout the last one before it."""
-        if self.told.dropouts and self._reached is not None:
+        if self.levels.dropouts and self._reached is not None:
             now = state.time + 1e-9
-            if any(start <= now < start + duration for start, duration in self.told.dropouts):
+            if any(start <= now < start + duration for start, duration in self.levels.dropouts):
                 return self._reached
         self._reached = state
         return state
@@ -124,18 +122,32 @@ class ActiveFaults:
         return torques * self.strength if self.weak else torques
 
 
-def believed_robot(robot: Robot, mass_factor: float) -> Robot:
-    """Return the robot as a controller with a wrong mass sees it: all inertias scaled by a factor [-].
+def scaled_robot(
+    robot: Robot, mass: float = 1.0, inertia: float = 1.0, shift: ArrayLike = (0.0, 0.0, 0.0)
+) -> Robot:
+    """Return the robot with other masses; geometry and limits stay.
 
-    Raises
-    ------
-    ProblemError
-        If the factor is not positive.
+    Parameters
+    ----------
+    robot
+        It is left as it is.
+    mass, inertia
+        Factors of all masses with their inertias, and of inertias about the links' own centres once more.
+    shift
+        (3,) of the base's centre of mass: forward, left, up [m].
     """
-    factor = real_number("mass factor", mass_factor, low=1e-3, high=1e3)
-    model = robot.model.copy()
+    scale, again = (
+        real_number(f"{name} factor", value, low=1e-3, high=1e3)
+        for name, value in (("mass", mass), ("inertia", inertia))
+    )
+    moved = np.asarray(shift, dtype=np.float64)
+    if scale == again == 1.0 and not moved.any():
+        return robot
+    out, model = copy.copy(robot), robot.model.copy()
     for k in range(model.njoints):
-        inertia = model.inertias[k]
-        model.inertias[k] = type(inertia)(inertia.mass * factor, inertia.lever, inertia.inertia * factor)
-    names = robot.foot_names
-    return Robot(robot.name, model, robot.collision, robot.visual, names, robot.nominal, robot.floating)
+        own = model.inertias[k]
+        lever = own.lever + moved if k == 1 else own.lever
+        model.inertias[k] = type(own)(scale * own.mass, lever, scale * again * own.inertia)
+    out.__dict__.pop("mass", None)  # a cached sum
+    out.model, out.data = model, model.createData()
+    return out

@@ -1,6 +1,6 @@
 """A range sensor that looks at the ground ahead: rays, noise, mounting errors, rate and latency.
 
-What a ray hits is found on the true terrain, so that edges hide what lies behind them. The points are told in
+What a ray hits is found on the true terrain, so that edges hide what lies behind them. The points are in
 base axes, as they were when they were taken; where the base was then, the robot has to know itself.
 """
 
@@ -16,7 +16,7 @@ from surefoot.arrays import FloatArray, real_number
 from surefoot.control.controller import HeightScan
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
-from surefoot.spatial import rotation_about, rotation_from_quaternion
+from surefoot.spatial import rotation_about, rotation_exp, rotation_from_quaternion
 from surefoot.terrain import Terrain
 
 MARCH, BISECTIONS = 64, 7
@@ -125,15 +125,13 @@ class ActiveRangeSensor:
         angle = math.radians(model.pitch)
         self._mounting = rotation_about(np.array([0.0, 1.0, 0.0]), angle)
         turn = model.tilt * random.normal(size=3)
-        size = float(np.linalg.norm(turn))
-        error = rotation_about(turn / size, size) if size > 0.0 else np.eye(3)
-        self._true_mounting = error @ self._mounting
+        self._true_mounting = rotation_exp(turn) @ self._mounting
         self._true_place = self._place + model.shift * random.normal(size=3)
         self._count = 0
         self._waiting: deque[tuple[int, HeightScan]] = deque()
 
     def look(self, q: FloatArray, time: float) -> HeightScan | None:
-        """Return the scan that is told at a time [s] with the robot at the true (nq,) q, or None."""
+        """Return the scan that arrives at a time [s] with the robot at the true (nq,) q, or None."""
         if self._count % self._every == 0:
             self._waiting.append((self._count + self._late, self._scan(q, time)))
         self._count += 1

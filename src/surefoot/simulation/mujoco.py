@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.collision import Geometry
-from surefoot.control.actuators import Actuators
 from surefoot.errors import SimulationError
 from surefoot.kernels import VECTOR, entry_point
 from surefoot.log import Log
 from surefoot.robot import Robot
+from surefoot.robot.actuators import Actuators
 from surefoot.simulation.actuated import equipped
 from surefoot.simulation.mujoco_actuators import LOAD_TYPES, fit_actuators, load_joints, motor_figures
 from surefoot.simulation.mujoco_contacts import (
@@ -73,7 +73,7 @@ class MujocoWorld:
     collision
         What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
     actuators
-        Its motors: "ideal", "real", or a value; see `surefoot.control.actuators`.
+        Its motors: "ideal", "real", or a value; see `surefoot.robot.actuators`.
     solref, solimp
         MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
         damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
@@ -128,7 +128,7 @@ class MujocoWorld:
             spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         spec.option.timestep = self.dt
         self._mujoco = mujoco
-        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is told, not hidden
+        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is an error
         self.model = compiled(spec, robot.name)
         if self.model.ntree == 1:  # looking for islands in one tree takes 1 us, and finds it
             self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
@@ -185,7 +185,7 @@ class MujocoWorld:
     def divide(self, substeps: int) -> None:
         """Make each step in so many of MuJoCo's, 1 to 64, on ground as many times as fast as the default.
 
-        Torques and pushes stay, of the contacts means are told. A foot that strikes a riser at 2 m/s is 2 mm
+        Torques and pushes stay, contacts are means. A foot that strikes a riser at 2 m/s is 2 mm
         inside it after a step of 1 ms, a quarter of that after one of four. Softness that was chosen stays.
 
         Raises
@@ -304,7 +304,7 @@ class MujocoWorld:
         """Return forces, gaps and velocities at the feet's spheres during the last step.
 
         A foot that touches two surfaces, in a corner, tells of the one that bears more; what the other gives
-        is told with the forces on other links, in a world that has them.
+        comes with the forces on other links, in a world that has them.
         """
         return self._last_contacts() if self._mean is None else self._mean
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.actuators import Actuators
-from surefoot.control.torque_kernels import hold_to_motors
 from surefoot.kernels import REAL, VECTOR, kernel
 from surefoot.robot import Robot
+from surefoot.robot.actuators import Actuators
+from surefoot.robot.motor_limits import hold_to_motors
 from surefoot.stepping.arithmetic import largest
 
 FRICTION_TIME = (0.004, 1.0)

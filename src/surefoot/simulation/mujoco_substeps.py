@@ -48,7 +48,7 @@ def mean_reading(readings: Sequence[ContactReading]) -> tuple[ContactReading, Fl
 
     Forces are means, so that force times step is the impulse; the gap of a contact that was loaded is the
     deepest that it had while it was. Places and velocities are means by normal force, and the frame is that
-    of the part with the greatest one; what was not loaded is told as of the first part. A foot that met
+    of the part with the greatest one; what was not loaded is that of the first part. A foot that met
     another surface in some of the parts has left force there that is none of the row's.
 
     Components are means of those in the parts' own frames, which turn with a foot that rolls over an edge:
@@ -67,8 +67,8 @@ def mean_reading(readings: Sequence[ContactReading]) -> tuple[ContactReading, Fl
     Examples
     --------
     >>> one, up = np.ones((1, 3)), np.array([[0.0, 0.0, 1.0]])
-    >>> told = (0.0, 1e-3), (4.0, -1e-4)
-    >>> parts = [ContactReading(f * up, np.array([gap]), 0 * one, one, None, up) for f, gap in told]
+    >>> pushes = (0.0, 1e-3), (4.0, -1e-4)
+    >>> parts = [ContactReading(f * up, np.array([gap]), 0 * one, one, None, up) for f, gap in pushes]
     >>> found, rest = mean_reading(parts)
     >>> found.forces.tolist(), found.gaps.tolist(), rest.any()
     ([[0.0, 0.0, 2.0]], [-0.0001], np.False_)

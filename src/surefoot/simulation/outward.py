@@ -12,7 +12,7 @@ from surefoot.terrain.frames import surface_frames
 
 
 class Outward:
-    """Adds to a state what a range sensor saw, and forces on the feet where no estimator has told them.
+    """Adds to a state what a range sensor saw, and forces on the feet where no estimator has found them.
 
     Parameters
     ----------

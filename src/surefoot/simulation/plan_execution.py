@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, whole_number
 from surefoot.audit import audit_log
-from surefoot.control.controller import Controller
-from surefoot.control.motor_limits import MotorLimited, MotorLimits, motor_limits
+from surefoot.control.controller import Command, Controller, RobotState, Wrapper
 from surefoot.errors import ProblemError
 from surefoot.log import Ending, Log
+from surefoot.planning.stand_up.controller import controller_of
 from surefoot.planning.tracking import Reference, TrackSettings
-from surefoot.planning.tracking.stand_up import controller_of
 from surefoot.robot import Robot, load_robot
 from surefoot.robot.legs import Legs
-from surefoot.simulation.faults import believed_robot
-from surefoot.simulation.observers import Moment, Observer
+from surefoot.robot.motor_limits import MotorLimits, motor_limits
+from surefoot.simulation.faults import scaled_robot
+from surefoot.simulation.link_touches import LinkTouches
 from surefoot.simulation.run import Scenario, run
 from surefoot.simulation.scenario import Fall
 from surefoot.simulation.world import World
 from surefoot.simulation.worlds import make_world
-from surefoot.spatial import quaternion_from_rotation, rotation_about, rotation_from_quaternion
+from surefoot.spatial import quaternion_from_rotation, rotation_about, rotation_exp, rotation_from_quaternion
 
 START_PLACE, START_TURN = 0.02, math.radians(2.0)
 """Largest error of the body's place at the start along each axis [m], of its attitude about each [rad]."""
@@ -182,7 +182,7 @@ def execute(
     own: dict[str, Any] = {"solref": (STIFF[0] * dt, STIFF[1])} if world == "mujoco" else {}
     there = make_world(
         world,
-        believed_robot(robot, surprise.mass),
+        scaled_robot(robot, surprise.mass),
         None,
         mu * surprise.friction,
         dt=dt,
@@ -191,7 +191,7 @@ def execute(
     )
     scenario = Scenario(
         reference.duration + settle, mu * surprise.friction, seed=seed, fall=NEVER,
-        start=(displaced if standing else laid)(robot, reference.start, surprise),
+        start=displaced(robot, reference.start, surprise) if standing else laid(reference.start, surprise),
     )  # fmt: skip
     return judged(there, MotorLimited(controller, motors), scenario, reference, surprise)
 
@@ -204,13 +204,9 @@ def _known(robot: Robot | None) -> Robot:
 
 def displaced(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
     """Return a standing configuration (nq,) with the body displaced, and the feet where they were."""
-    feet = robot.foot_positions(q)
-    out = q.copy()
+    feet, out = robot.foot_positions(q), q.copy()
     out[:3] += surprise.place
-    angle = float(np.linalg.norm(surprise.turn))
-    rotation = rotation_from_quaternion(q[3:7])
-    if angle > 0.0:
-        rotation = rotation_about(surprise.turn / angle, angle) @ rotation
+    rotation = rotation_exp(surprise.turn) @ rotation_from_quaternion(q[3:7])
     out[3:7] = quaternion_from_rotation(rotation)
     out[7:] = Legs(robot).reach((feet - out[:3]) @ rotation, q[7:])
     points = robot.contact_points
@@ -218,28 +214,14 @@ def displaced(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
     return out
 
 
-def laid(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
+def laid(q: FloatArray, surprise: Surprise) -> FloatArray:
     """Return a lying configuration (nq,) with the whole robot displaced, as high as its errors can need."""
     out = q.copy()
     out[:3] += surprise.place
     out[2] += LAID
-    angle = float(np.linalg.norm(surprise.turn))
-    if angle > 0.0:
-        rotation = rotation_about(surprise.turn / angle, angle) @ rotation_from_quaternion(q[3:7])
-        out[3:7] = quaternion_from_rotation(rotation)
+    if surprise.turn.any():
+        out[3:7] = quaternion_from_rotation(rotation_exp(surprise.turn) @ rotation_from_quaternion(q[3:7]))
     return out
-
-
-class LinkTouches(Observer):
-    """Collects what touches beside feet on the ground."""
-
-    def __init__(self, world: Any) -> None:
-        self._world, self.names = world, set[tuple[str, str]]()
-
-    def step(self, moment: Moment) -> None:
-        """See a step."""
-        if moment.reading.others is not None and moment.reading.others.any():
-            self.names.update(self._world.touching())
 
 
 def judged(
@@ -249,14 +231,15 @@ def judged(
     robot = world.robot
     watch = LinkTouches(world)
     log = run(world, controller, scenario, [watch])
+    links = tuple(sorted(watch.found))
     report = audit_log(log, robot)
-    why = _shortfall(robot, log, reference, tuple(sorted(watch.names)))
+    why = _shortfall(robot, log, reference, links)
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
     fastest = float(np.abs(v[:, 6:] / robot.speed_limits).max())
     return Execution(
         not why, sorted({v.law for v in report.violations}),
         float(np.abs(np.asarray(log["torques"]) / robot.effort_limits).max()), fastest, log, report.verdict,
-        tuple(sorted(watch.names)), _moved(robot, q), _turned(np.asarray(log["time"]), v), why, surprise,
+        links, _moved(robot, q), _turned(np.asarray(log["time"]), v), why, surprise,
     )  # fmt: skip
 
 
@@ -311,3 +294,25 @@ def _shortfall(robot: Robot, log: Log, reference: Reference, links: tuple[tuple[
     if links and reference.begins_standing:
         return "touched: " + ", ".join(" on ".join(pair) for pair in links)
     return ""
+
+
+class MotorLimited(Wrapper):
+    """A controller whose torques pass through motors: what they cannot give at a joint's speed is cut off.
+
+    Parameters
+    ----------
+    controller
+        Who commands.
+    limits
+        Of the motors.
+    """
+
+    def __init__(self, controller: Controller, limits: MotorLimits) -> None:
+        super().__init__(controller)
+        self.limits = limits
+
+    def step(self, state: RobotState) -> Command:
+        """Return the controller's command with the torques that the motors give."""
+        command = self.controller.step(state)
+        speed = state.v[-len(self.limits.speed) :]
+        return replace(command, torques=self.limits.clip(command.torques, np.nan_to_num(speed)))

@@ -26,7 +26,7 @@ from surefoot.robot import Robot
 from surefoot.simulation.replay_task import ReplayTask, replay_task
 from surefoot.simulation.scenario import Fall
 from surefoot.simulation.world import World
-from surefoot.simulation.world_facts import softness_of, told_by
+from surefoot.simulation.world_facts import facts_before, softness_of
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import Terrain
@@ -176,7 +176,7 @@ def replay_log(
     log = log if isinstance(log, Log) else read_log(log)
     task = replay_task(log, robot, terrain, mu)
     window = real_number("window", window, low=10.0 * task.dt * task.steps)
-    make_world(world, task.robot, task.terrain, float(task.mu[0]))  # told before any work, if it cannot be
+    make_world(world, task.robot, task.terrain, float(task.mu[0]))  # refused before any work, if it cannot be
     own = _own_world(log)
     fallen = _fall_of_the_log(task)
     if fallen:
@@ -206,10 +206,10 @@ def _at_home(
 
 def _own_world(log: Log) -> str:
     """Return the name of the world that a log comes from; empty where that is not one of ours."""
-    told = str(log.facts.get("world", ""))
+    origin = str(log.facts.get("world", ""))
     for name, (made, _) in WORLDS.items():
         title = made.rpartition(":")[2] if isinstance(made, str) else getattr(made, "__name__", "")
-        if told and told == title:
+        if origin and origin == title:
             return name
     return ""
 
@@ -316,7 +316,7 @@ class _Replay:
     def __init__(self, task: ReplayTask, world: World, first: int, last: int) -> None:
         self.task, self.world, self.first, self.last = task, world, first, last
         self.limits = task.robot.effort_limits
-        robot, facts = task.robot, {"kind": "replay", **told_by(world)}
+        robot, facts = task.robot, {"kind": "replay", **facts_before(world)}
         self.recorder = Recorder(
             (last - first) * task.steps, (CHANNELS[name] for name in _CHANNELS), None, facts,
             nq=int(robot.model.nq), nv=int(robot.model.nv), joints=robot.joints, p=len(world.contact_foot),

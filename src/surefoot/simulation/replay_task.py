@@ -120,13 +120,13 @@ def _motion(log: Log, robot: Robot) -> tuple[FloatArray, FloatArray, FloatArray]
             f"the log cannot be replayed: {robot.name} has (nq, nv, joints) = {want}, the log {have}"
         )
     if "joints" in log.facts:
-        told = tuple(map(str, log.fact("joints")))
-        if told != robot.joint_names:
-            if set(told) != set(robot.joint_names):
+        named = tuple(map(str, log.fact("joints")))
+        if named != robot.joint_names:
+            if set(named) != set(robot.joint_names):
                 raise ProblemError(f"the log cannot be replayed: its joints are not those of {robot.name}")
             if any(int(model.nqs[k]) != 1 for k in range(2, model.njoints)):
                 raise ProblemError("the log cannot be replayed: its joints are in another order")
-            order = np.array([told.index(name) for name in robot.joint_names])
+            order = np.array([named.index(name) for name in robot.joint_names])
             torques = torques[:, order]
             q[:, 7:], v[:, 6:] = q[:, 7 + order], v[:, 6 + order]
     length = np.linalg.norm(q[:, 3:7], axis=1)

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.collision import Geometry, robot_geometry
 from surefoot.contact import ContactSolution
-from surefoot.control.actuators import Actuators
-from surefoot.errors import ProblemError, StiffContactWarning, unknown_name
+from surefoot.errors import ProblemError, StiffContactWarning, check_name
 from surefoot.robot import Robot
+from surefoot.robot.actuators import Actuators
 from surefoot.simulation.actuated import JointFriction, equipped
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping import State, Step, StepDerivative, StepOptions, Stepper, step_derivative
@@ -32,7 +32,7 @@ COLLISIONS: dict[str, Callable[[Robot], Geometry | None]] = {
 """What may touch, by name."""
 
 
-class Touch(NamedTuple):
+class BodyTouch(NamedTuple):
     """A contact that carries a force.
 
     Attributes
@@ -68,8 +68,7 @@ def chosen_geometry(robot: Robot, collision: str | Geometry) -> Geometry | None:
     own = getattr(robot, "geometry", None) if isinstance(collision, str) else collision
     if own is not None or not isinstance(collision, str):
         return own
-    if collision not in COLLISIONS:
-        raise ProblemError(unknown_name("collision", collision, tuple(COLLISIONS)))
+    check_name("collision", collision, COLLISIONS)
     return COLLISIONS[collision](robot)
 
 
@@ -92,7 +91,7 @@ class RigidWorld:
         What may touch: "feet" on the ground alone, or "full", all of the robot's collision geometry with the
         ground and with itself; or a `Geometry` of `surefoot.collision`.
     actuators
-        Its motors: "ideal", "real", or a value; see `surefoot.control.actuators`.
+        Its motors: "ideal", "real", or a value; see `surefoot.robot.actuators`.
     **settings
         ``restitution``, ``stabilisation``, ``law``, ``solver``, ``tol``, ``integration`` and ``order`` of
         `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft, None is rigid.
@@ -268,7 +267,7 @@ class RigidWorld:
         J = self.stepper.contacts(State(step.impact.q, step.impact.after)).J[3 * p :]
         return np.asarray(J.T @ step.forces[p:].ravel())
 
-    def touches(self) -> list[Touch]:
+    def touches(self) -> list[BodyTouch]:
         """Return every contact that carried a force in the last step: feet, other links, bodies."""
         step, contacts = self.last, self.stepper.bodies.contacts
         if step is None or step.impact is None:
@@ -278,7 +277,7 @@ class RigidWorld:
         for k in np.flatnonzero(np.abs(step.impulses).max(axis=1, initial=0.0)).tolist():
             body, other = contacts.names[contacts.group[k]]
             force, normal = frames[k] @ step.impulses[k] / step.dt, frames[k, :, 2].copy()
-            out.append(Touch(body, other, float(step.gaps[k]), step.positions[k].copy(), normal, force))
+            out.append(BodyTouch(body, other, float(step.gaps[k]), step.positions[k].copy(), normal, force))
         return out
 
     def touching(self) -> list[tuple[str, str]]:

@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
-from surefoot.control.standstill import Standstill
+from surefoot.drive.standstill import Standstill
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log
 from surefoot.log.channels import Channel
@@ -30,8 +29,8 @@ from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
 from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, TrueState
-from surefoot.simulation.world import ContactReading, World
-from surefoot.simulation.world_facts import softness_of, told_by
+from surefoot.simulation.world import World
+from surefoot.simulation.world_facts import facts_before, softness_of
 from surefoot.spatial import GRAVITY
 
 LOOK_EVERY = 20
@@ -92,11 +91,6 @@ def run(
     return log
 
 
-def sensed_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least: float) -> BoolArray:
-    """Return which of the feet have a contact point with more than the least normal force [N]: (n,)."""
-    return loaded_feet(contact_foot, reading.forces, feet, least)
-
-
 def _recorder(
     world: World, controller: Controller, more: tuple[Channel, ...], scenario: Scenario, folder: Path | None
 ) -> Recorder:
@@ -112,7 +106,7 @@ def _recorder(
         "mass_controller": robot.mass,
         **controller.facts,
         "effort_limits": robot.effort_limits,
-        **told_by(world),
+        **facts_before(world),
         "duration": scenario.duration,
         "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),
@@ -142,15 +136,17 @@ class _Run:
         self.recorder = _recorder(world, controller, more, scenario, folder)
         self.limits = AT_LIMIT * world.robot.effort_limits
         any_reached(self.limits, self.limits)  # so that no step of the run waits for a compiler
-        sensed_feet(world.contact_foot, len(world.robot.feet), world.contacts(), 0.0)
+        loaded_feet(world.contact_foot, world.contacts().forces, len(world.robot.feet), 0.0)
         self.stop = Standstill(world.robot, world.dt)
         self.touches = LinkTouches(world)
         self.outward = Outward(world, scenario.scanner, scenario.seed)
         rows = self.recorder.arrays
         self._others = np.zeros(rows["other_forces"].shape[1:]) if "other_forces" in rows else None
         self._motors = "torques_commanded" in rows
-        told = ((None, controller), (self.sensing, self.sensing), (self.ground, self.ground))
-        self._told = [(part, [c.name for c in by.channels]) for part, by in told if by.channels or not part]
+        parts = ((None, controller), (self.sensing, self.sensing), (self.ground, self.ground))
+        self._sources = [
+            (part, [c.name for c in by.channels]) for part, by in parts if by.channels or not part
+        ]
 
     def carry_out(self, observers: Sequence[Observer], height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
@@ -158,7 +154,7 @@ class _Run:
         `height` is that of the base over the ground at the start [m].
         """
         begin, recorder = clock.perf_counter(), self.recorder
-        told: dict[str, Any] = {}
+        more: dict[str, Any] = {}
         try:
             ending = self._loop(observers, height)
         except (KeyboardInterrupt, SurefootError) as stop:
@@ -169,15 +165,15 @@ class _Run:
                 ending = Ending.INTERRUPTED
             else:
                 ending = Ending.STOPPED if isinstance(stop, WriteError) else Ending.INVALID
-                told = {"error": str(stop)}
+                more = {"error": str(stop)}
         except BaseException:
             recorder.abandon()
             raise
         if self.sensing.lost:
-            told = {"error": self.sensing.lost, **told}
+            more = {"error": self.sensing.lost, **more}
         touched = self.touches.lines(self.world.dt)
-        told |= {"link_touches": touched} if touched else {}
-        return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **told})
+        more |= {"link_touches": touched} if touched else {}
+        return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **more})
 
     def _loop(self, observers: Sequence[Observer], height: float) -> Ending:
         """Step the world to the end, a fall, or a stop because the state is not known."""
@@ -203,11 +199,10 @@ class _Run:
             torques = given_by(world, self._asked)
             sensing.acted(command, torques)
             reading = world.contacts()
-            self.touches.look(now, reading)
             # its row
             moment = Moment(now, q, v, torques, push, self.ground.mu, spent, command, reading)
             self._record(moment)
-            for observer in observers:
+            for observer in (self.touches, *observers):
                 observer.step(moment)
             # whether it goes on
             if sensing.lost:
@@ -241,18 +236,18 @@ class _Run:
             row.append(self._others if reading.others is None else reading.others)
         if self._motors:
             row.append(self._asked)
-        for part, names in self._told:
-            told = command.rows() if part is None else part.rows()
-            if [*told] == names:
-                row += told.values()
-            elif part is None and self.recorder.count == 0 and told.keys() != set(names):
-                raise _wrong_rows(told, names)
+        for part, names in self._sources:
+            given = command.rows() if part is None else part.rows()
+            if [*given] == names:
+                row += given.values()
+            elif part is None and self.recorder.count == 0 and given.keys() != set(names):
+                raise _wrong_rows(given, names)
             else:
-                row += [told.get(name, 0.0) for name in names]
+                row += [given.get(name, 0.0) for name in names]
         self.recorder.write(row)
 
 
 def _wrong_rows(rows: Iterable[str], channels: Iterable[str]) -> ProblemError:
     """Return the error that a command's own rows are not the controller's channels."""
-    told, said = (", ".join(sorted(some)) or "none" for some in (rows, channels))
-    return ProblemError(f"a command has rows for {told}, its controller has the channels {said}")
+    given, said = (", ".join(sorted(some)) or "none" for some in (rows, channels))
+    return ProblemError(f"a command has rows for {given}, its controller has the channels {said}")

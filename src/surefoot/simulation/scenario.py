@@ -110,7 +110,7 @@ STANDING_FALL = Fall(0.5, math.radians(50.0))
 
 @dataclass(frozen=True)
 class Scenario:
-    """What happens to the robot; what it carries belongs to the world, what it is told to the controller.
+    """What happens to the robot; what it carries belongs to the world, what it is given to the controller.
 
     Attributes
     ----------
@@ -133,7 +133,7 @@ class Scenario:
     fall
         When it has fallen, and the run ends.
     sensors
-        What the robot has to estimate its state from; None for a controller that is told the true state.
+        What the robot has to estimate its state from; None for a controller that is given the true state.
     scanner
         What it sees the ground with; None for a robot that sees nothing.
     """

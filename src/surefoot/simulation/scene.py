@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.collision import Geometry, Shape, Solid, robot_geometry
 from surefoot.collision.shapes import positive
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.robot import Robot
 from surefoot.robot.libraries import import_pinocchio
 
@@ -234,8 +234,7 @@ class Scene(Robot):
 
     def _found(self, name: str) -> int:
         """Return the joint of a body."""
-        if name not in self._joint:
-            raise ProblemError(unknown_name("body", name, tuple(self._joint)))
+        check_name("body", name, self._joint)
         return self._joint[name]
 
 

@@ -1,4 +1,4 @@
-"""What a controller is told in a run: the true state, or what an estimator makes of the robot's sensors."""
+"""What a controller is given in a run: the true state, or what an estimator makes of the robot's sensors."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command, RobotState
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.state_estimator import Health, Reading, StateEstimator
 from surefoot.log import CHANNELS
 from surefoot.log.channels import Channel
+from surefoot.robot.actuators import Actuators
 from surefoot.simulation.faults import ActiveFaults
 from surefoot.simulation.sensor_kernels import with_points
 from surefoot.simulation.sensors import SensorModel, Sensors
@@ -43,7 +43,7 @@ class Sensing(Protocol):
     heard: FloatArray | None = None
 
     def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
-        """Return what the controller is told at a true state, with (n,) the feet that truly touch."""
+        """Return what the controller is given at a true state, with (n,) the feet that truly touch."""
         ...
 
     def acted(self, command: Command, torques: FloatArray) -> None:
@@ -125,10 +125,10 @@ class EstimatedState(Sensing):
         touching = estimator.decide(sensed)
         estimate = estimator.update(touching, self._standing)
         self._spent = spent + clock.perf_counter() - start
-        self._told = RobotState(*estimate, time, touching, forces=estimator.forces)
+        self._reported = RobotState(*estimate, time, touching, forces=estimator.forces)
         if estimator.health is not Health.GOOD and not self.lost:
             self.lost = f"the state estimate was lost at {time:.3f} s: {estimator.health}"
-        return self._told
+        return self._reported
 
     def acted(self, command: Command, torques: FloatArray) -> None:
         """See `Sensing.acted`."""
@@ -140,14 +140,14 @@ class EstimatedState(Sensing):
         self.estimator.expect(pushing, np.asarray(planned, dtype=bool))
         self.heard = heard = self.sensors.torques(torques)
         if self._actuators is not None:  # currents tell what the motors give, the gears' friction included
-            heard = heard - self._actuators.losses(self._told.v[6:])
+            heard = heard - self._actuators.losses(self._reported.v[6:])
         self.estimator.applied(heard)
         self._spent += clock.perf_counter() - start
 
     def rows(self) -> Mapping[str, Any]:
         """See `Sensing.rows`."""
-        told = self._told
+        reported = self._reported
         return {
-            "q_estimated": told.q, "v_estimated": told.v, "contact_estimated": told.contact,
+            "q_estimated": reported.q, "v_estimated": reported.v, "contact_estimated": reported.contact,
             "estimator_time": self._spent,
         }  # fmt: skip

@@ -15,7 +15,7 @@ from surefoot.simulation.actuated import facts_of
 from surefoot.simulation.world import World
 
 
-def told_by(world: World) -> dict[str, Any]:
+def facts_before(world: World) -> dict[str, Any]:
     """Return what is known of a world before the run: robot, terrain, mass, payload, motors, substeps."""
     robot, payload = world.robot, float(getattr(world, "payload", 0.0))
     out: dict[str, Any] = {

@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 
 if TYPE_CHECKING:  # the command line reads the names without loading a robot
     from surefoot.robot import Robot
@@ -17,6 +17,7 @@ WORLDS: dict[str, tuple[str | Callable[..., World], tuple[str, ...]]] = {
     "mujoco": ("surefoot.simulation.mujoco:MujocoWorld", ("mujoco",)),
     "rigid": ("surefoot.simulation.rigid:RigidWorld", ()),
     "drake": ("surefoot.simulation.drake.world:DrakeWorld", ("drake",)),
+    "bullet": ("surefoot.simulation.bullet:BulletWorld", ("pybullet",)),
     "mjx": ("surefoot.simulation.mjx:MjxWorld", ("mujoco", "jax", "mujoco-mjx")),
 }
 """Name to the class (or "module:class", imported when asked for), and the packages that it needs."""
@@ -43,8 +44,7 @@ def make_world(
     MissingExtra
         If the world's engine is not installed.
     """
-    if name not in WORLDS:
-        raise ProblemError(unknown_name("world", name, tuple(WORLDS)))
+    check_name("world", name, WORLDS)
     made = WORLDS[name][0]
     if isinstance(made, str):
         module, _, title = made.partition(":")

@@ -18,8 +18,7 @@ from surefoot.arrays import FloatArray, real_number, whole_number
 from surefoot.contact.matrix import ASYMMETRY
 from surefoot.contact.problem import ContactOptions, ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
-from surefoot.contact.residuals import Residuals
-from surefoot.contact.solution import Status
+from surefoot.contact.solution import Certified, Status
 from surefoot.errors import ProblemError
 from surefoot.kernels import (
     BOOLEAN,
@@ -29,6 +28,7 @@ from surefoot.kernels import (
     VECTOR,
     borrowed,
     entry_point,
+    inline_kernel,
     releasing_kernel,
     window,
 )
@@ -48,8 +48,25 @@ from surefoot.solvers.solver import solve
 
 FLOAT = np.dtype(np.float64)
 _empty, _ndarray, _SOLVED = np.empty, np.ndarray, Status.SOLVED
+_FASTER = 10.0
+"""Times the free velocity that the last forces may give the contacts and still be a start."""
 LAWS, FLAGS, COMPLIANCE, LAST = 1, 2, 3, 4
 """Rows of the solver's memory after G and g: see `_solve_raw`."""
+
+
+@inline_kernel
+def _of_this_size(G: FloatArray, g: FloatArray, forces: FloatArray) -> bool:
+    """Return whether forces (m,) of another call move the contacts about as fast as the free velocity g does.
+
+    Where they move them much faster (that call was a wild one) nothing is a better start than they are.
+    """
+    fastest, free = 0.0, 0.0
+    for i in range(g.size):
+        moved = 0.0
+        for j in range(g.size):
+            moved += G[i, j] * forces[j]
+        fastest, free = max(fastest, abs(moved)), max(free, abs(g[i]))
+    return fastest <= _FASTER * free
 
 
 @releasing_kernel
@@ -71,6 +88,7 @@ def _solve_raw(
         return refused
     for i in range(m):
         memory[i, i] += memory[m + COMPLIANCE, i]
+    start = start and _of_this_size(matrix, vectors[0], memory[m + LAST])
     if start:
         for k in range(m // 3):
             for a in range(3):
@@ -88,7 +106,7 @@ def _solve_raw(
     return done
 
 
-class ContactForces:
+class ContactForces(Certified):
     """What a `ContactSolver` returns: forces and velocities that it owns, and their certificate.
 
     Attributes
@@ -106,7 +124,7 @@ class ContactForces:
         (2n + 3, 3) memory that it is read from, rows in the units of forces, velocities and residuals.
     """
 
-    __slots__ = ("_forces", "buffer", "iterations", "proof", "status")
+    __slots__ = ("iterations", "proof")
 
     def __init__(
         self,
@@ -116,34 +134,18 @@ class ContactForces:
         iterations: int,
         proof: InfeasibilityProof | None = None,
     ) -> None:
-        self.buffer, self._forces = buffer, buffer[:contacts]
-        self.status, self.iterations, self.proof = status, iterations, proof
+        self._record, self._forces, self._status = buffer, buffer[:contacts], status
+        self.iterations, self.proof = iterations, proof
 
     @property
-    def forces(self) -> FloatArray:
-        """The (n, 3) forces [N s, or N]."""
-        return self._forces
-
-    @property
-    def velocities(self) -> FloatArray:
-        """The (n, 3) velocities G @ forces + g [m/s, or m/s²]."""
-        n = len(self._forces)
-        return self.buffer[n : 2 * n]
-
-    @property
-    def solved(self) -> bool:
-        """Whether the status is SOLVED."""
-        return self.status is _SOLVED
+    def buffer(self) -> FloatArray:
+        """The memory that it is read from, (2n + 3, 3)."""
+        return self._record
 
     @property
     def velocity_error(self) -> float:
         """The first field of `residuals` [-]."""
-        return float(self.buffer[2 * len(self._forces), 0])
-
-    @property
-    def residuals(self) -> Residuals:
-        """Every law as a number, see `surefoot.contact.residuals`."""
-        return Residuals(*self.buffer[2 * len(self._forces) :].ravel()[:7].tolist())
+        return float(self._record[2 * len(self._forces), 0])
 
     def __repr__(self) -> str:
         return (

@@ -34,6 +34,7 @@ from surefoot.contact.sets import ContactKind, ContactSet
 from surefoot.kernels import working_time
 from surefoot.solvers.set_kernels import (
     CODE,
+    CONE,
     DISCS,
     FREE,
     HIGH,
@@ -41,6 +42,7 @@ from surefoot.solvers.set_kernels import (
     MOST_DISCS,
     RADIUS,
     SHIFT,
+    SIDES,
     WIDEST,
     jacobian_sets,
     pack,
@@ -163,8 +165,8 @@ class _Directions:
         offset, group, table = pack(contacts, law, np.ones(len(chosen)))
         for row, start, contact in zip(table, self.starts, chosen, strict=True):
             row[LOW], row[HIGH] = 0.0, np.inf if contact.normal_max == np.inf else 0.0
-            if contact.polygon is not None:
-                row[CODE] = DISCS
+            if row[CODE] == CONE:
+                row[CODE], row[SIDES] = DISCS, 0.0
             for b, disc in enumerate(contact.discs_inside):
                 row[RADIUS + b] = disc.radius * (1.0 - row[SHIFT] if disc.friction else 1.0)
                 group[start + np.array(disc.rows)] = b

@@ -29,9 +29,9 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import working_time
-from surefoot.solvers.admm import scaling
 from surefoot.solvers.newton_sparse import BlockNewton
-from surefoot.solvers.solver import Answer, Search, SolverSettings, register
+from surefoot.solvers.scaled import scaling
+from surefoot.solvers.solver import Answer, BestPoint, SolverSettings, register
 from surefoot.solvers.stopping import measure_of, velocity_error
 
 MAX_ITERATIONS, PATIENCE = 100, 15
@@ -187,6 +187,8 @@ def solve_interior_point(
 ) -> Answer:
     """Solve either law on exact cones by a primal-dual interior-point method; a (n, 3) start is unused."""
     p = _program(problem)
+    if p.columns.size == 0:  # every contact is off
+        return Answer(np.zeros((problem.contacts, 3)), 0)
     coulomb, m = problem.law.shift > 0.0, p.cones
     laws = problem.mu, problem.normal_min, problem.normal_max, measure_of(problem), not coulomb
     unit = np.ones(p.b.size)
@@ -196,7 +198,7 @@ def solve_interior_point(
     start = max(float(np.abs(p.c).max(initial=0.0)), 1e-12)
     s, z, y = start * unit, start * unit, start * y
     degree = m + p.b.size - 3 * m
-    search = Search(settings, MAX_ITERATIONS, np.zeros(3 * problem.contacts), math.inf, PATIENCE)
+    search = BestPoint(settings, MAX_ITERATIONS, np.zeros(3 * problem.contacts), math.inf, PATIENCE)
     while search.done < search.limit:
         with np.errstate(all="ignore"):  # past the last digit of the barrier: found out below
             y, s, z = _advance(p, y, s, z, unit, degree, coulomb)

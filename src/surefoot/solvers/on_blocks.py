@@ -13,12 +13,11 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import working_time
-from surefoot.solvers.admm import Cones, run_admm
+from surefoot.solvers.admm import run_admm
 from surefoot.solvers.compiled import UNBOUNDED
+from surefoot.solvers.newton import NATURAL_STEPS, on_natural_map
 from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
-from surefoot.solvers.set_admm import Sets
-from surefoot.solvers.set_newton import MAX_ITERATIONS as MOST_STEPS
-from surefoot.solvers.set_newton import run_newton
+from surefoot.solvers.scaled import ScaledContacts
 from surefoot.solvers.solver import Answer, SolverSettings, start_forces
 
 CHUNK, STEP_WORTH = 10, 50
@@ -57,34 +56,28 @@ def admm_and_newton(
 
     It sorts out who slides long before it converges.
     """
-    end = working_time() + settings.max_time
-    if problem.general:
-        sets = Sets(problem, warm_start)
-
-        def finish_sets(z: FloatArray) -> tuple[FloatArray, float]:
-            found, error, _ = run_newton(sets, z.copy(), settings.tol, MOST_STEPS, end)
-            return found * sets.D, error
-
-        return run_admm(sets, settings, finish_sets)
-    newton, cones = BlockNewton(problem, settings.tol, end), Cones(problem, warm_start)
+    end, scaled = working_time() + settings.max_time, ScaledContacts(problem)
+    newton = None if problem.general else BlockNewton(problem, settings.tol, end)
 
     def finish(z: FloatArray) -> tuple[FloatArray, float]:
-        found = z * cones.D
+        if newton is None:
+            return on_natural_map(scaled, z.copy(), settings.tol, NATURAL_STEPS, end)[:2]
+        found = z * scaled.D
         return found, newton.run(found, UNBOUNDED, *FINISH)[1]
 
-    return run_admm(cones, settings, finish)
+    return run_admm(scaled, settings, warm_start, finish)
 
 
 def alternate(
     problem: ContactProblem,
     settings: SolverSettings,
     forces: FloatArray,
-    hopeless: Callable[[float], bool] | None = None,
+    infeasible: Callable[[float], bool] | None = None,
 ) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
-    Flat (3n,) forces are updated in place; `hopeless` is that of `BlockNewton.run`. Return sweeps and steps,
-    the velocity error and the force error.
+    Flat (3n,) forces are updated in place; `infeasible` is that of `BlockNewton.run`. Return sweeps and
+    steps, the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
     newton = BlockNewton(problem, tol, working_time() + settings.max_time)
@@ -96,7 +89,7 @@ def alternate(
         if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
             break
     if error > tol and done < most and working_time() < newton.end:
-        used, error = newton.run(forces, most - done, *FIRST_TRY, hopeless=hopeless)
+        used, error = newton.run(forces, most - done, *FIRST_TRY, infeasible=infeasible)
         done, far = done + used, newton.measure(forces)[2]
     return done, error, far
 

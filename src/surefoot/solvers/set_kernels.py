@@ -1,7 +1,7 @@
 """Contacts of any kind in compiled code: projection, generalised Jacobian, De Saxcé shift, natural map.
 
 A problem's contacts are packed into three arrays, in scaled variables where moments are counted over their
-lengths: `offset` (n + 1,), `group` (m,) with the disc of each row (-1 for the normal one), `table` (n, 15)
+lengths: `offset` (n + 1,), `group` (m,) with the disc of each row (-1 for the normal one), `table` (n, WIDTH)
 with what the columns below name. Kernels dispatch on its first column.
 """
 
@@ -17,24 +17,26 @@ from surefoot.contact.sets import ContactSet
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.pyramid import project_any, sector, shift_any
 
-DISCS, POLYGON, FREE = 0, 1, 2
-"""Codes: a section of discs, a polygon (three rows), any force."""
-CODE, LOW, HIGH, SHIFT, MU, SIDES, INNER, RADIUS, FRICTION = 0, 1, 2, 3, 4, 5, 6, 7, 11
-"""Columns: the code, normal bounds, θ of the law, a pyramid's mu, sides and fit, radii of up to four discs,
-and whether each is friction."""
-MOST_DISCS, WIDEST = 4, 6
-"""Discs of a section, and rows of a contact, at most."""
+DISCS, CONE, FREE = 0, 1, 2
+"""Codes: a section of discs, a cone or pyramid of three rows, any force."""
+CODE, LOW, HIGH, SHIFT, MU, SIDES, INNER, RADIUS, FRICTION, NORM = 0, 1, 2, 3, 4, 5, 6, 7, 11, 15
+"""Columns: the code, normal bounds, θ of the law, a cone's mu, sides (0 for a round one) and fit, radii of up
+to four discs, whether each is friction, and room for the norms of their rows."""
+MOST_DISCS, WIDEST, WIDTH = 4, 6, 19
+"""Discs of a section and rows of a contact, at most; columns of the table."""
+Packing = tuple[IntArray, IntArray, FloatArray]
+"""offset, group and table."""
 
 
-def pack(contacts: ContactSet, law: Law, unit: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+def pack(contacts: ContactSet, law: Law, unit: FloatArray) -> Packing:
     """Return offset, group and table, the bounds over the (n,) unit of each contact's force."""
     group = np.full(contacts.rows, -1, dtype=np.int64)
-    table = np.zeros((len(contacts), FRICTION + MOST_DISCS))
+    table = np.zeros((len(contacts), WIDTH))
     for k, contact in enumerate(contacts):
         row, start = table[k], contacts.offsets[k]
         row[LOW], row[HIGH] = contact.normal_min / unit[k], contact.normal_max / unit[k]
         row[MU], row[SHIFT] = contact.coefficient, law.shift_at(contact.coefficient)
-        row[CODE] = FREE if contact.bilateral else DISCS if contact.polygon is None else POLYGON
+        row[CODE] = FREE if contact.bilateral else DISCS if contact.short_form is None else CONE
         if contact.polygon is not None:
             row[SIDES], row[INNER] = contact.polygon
         for b, disc in enumerate(contact.factors):
@@ -43,32 +45,72 @@ def pack(contacts: ContactSet, law: Law, unit: FloatArray) -> tuple[IntArray, In
     return contacts.offsets, group, table
 
 
+@kernel
+def pack_cones(
+    vectors: FloatArray, scales: FloatArray, shift: float, sides: int, inner: bool, D: FloatArray,
+    offset: IntArray, group: IntArray, table: FloatArray, measure: FloatArray,
+) -> None:  # fmt: skip
+    """Do for a problem's short form what `pack`, `scaled.scaling` and `scaled.measure_of` do for any.
+
+    The vectors (2, 3n) and scales (4, n) are those of `ContactProblem`. Filled: the scale D (3n,) of each
+    row, offset (n + 1,), group (3n,), table (n, WIDTH), and the step and weight of `natural_sets`, measure
+    (2, n).
+    """
+    n = table.shape[0]
+    top = 0.0
+    for k in range(n):
+        top = max(top, scales[2, k] / 3.0)
+    offset[0] = 0
+    for k in range(n):
+        mu, low, high, w, s = (
+            vectors[1, k],
+            vectors[1, n + k],
+            vectors[1, 2 * n + k],
+            scales[0, k],
+            scales[1, k],
+        )
+        # blocks of trace 3
+        trace = scales[2, k] / 3.0
+        if not trace > 1e-12 * top:
+            trace = top if top > 0.0 else 1.0
+        unit = 1.0 / math.sqrt(trace)
+        D[3 * k] = D[3 * k + 1] = D[3 * k + 2] = unit
+        offset[k + 1] = 3 * k + 3
+        group[3 * k] = group[3 * k + 1] = 0 if sides == 0 else -1
+        group[3 * k + 2] = -1
+        table[k, CODE] = FREE if low == -np.inf else CONE
+        table[k, LOW], table[k, HIGH], table[k, SHIFT] = low / unit, high / unit, shift
+        table[k, MU], table[k, SIDES], table[k, INNER] = mu, sides, 1.0 if inner else 0.0
+        table[k, RADIUS], table[k, FRICTION] = mu, 1.0
+        if not w > 0.0:
+            w = s if s > 0.0 else 1.0
+        measure[0, k], measure[1, k] = 1.0 / (w * unit * unit), w * unit / s if s > 0.0 else 0.0
+
+
 @inline_kernel
-def _norms(group: IntArray, start: int, end: int, x: FloatArray, sizes: FloatArray) -> int:
+def _norms(group: IntArray, start: int, end: int, x: FloatArray, row: FloatArray) -> int:
     """Fill the norms of a contact's discs' rows of x; return its normal row, -1 for none."""
     normal = -1
-    for b in range(MOST_DISCS):
-        sizes[b] = 0.0
+    for b in range(NORM, NORM + MOST_DISCS):
+        row[b] = 0.0
     for i in range(start, end):
         if group[i] < 0:
             normal = i
         else:
-            sizes[group[i]] += x[i] * x[i]
-    for b in range(MOST_DISCS):
-        sizes[b] = math.sqrt(sizes[b])
+            row[NORM + group[i]] += x[i] * x[i]
+    for b in range(NORM, NORM + MOST_DISCS):
+        row[b] = math.sqrt(row[b])
     return normal
 
 
 @inline_kernel
-def _height(
-    group: IntArray, start: int, end: int, row: FloatArray, x: FloatArray, sizes: FloatArray
-) -> float:
+def _height(group: IntArray, start: int, end: int, row: FloatArray, x: FloatArray) -> float:
     """Return the normal force of the nearest point; fill the norms of the discs' rows.
 
     s - z = Σ r_b (||x_b|| - r_b s)₊ is concave in s where it counts: Newton's method from s = 0 rises to the
     root, one disc let go at a time.
     """
-    normal = _norms(group, start, end, x, sizes)
+    normal = _norms(group, start, end, x, row)
     z = x[normal] if normal >= 0 else 0.0
     s = 0.0
     for _ in range(MOST_DISCS + 1):
@@ -76,8 +118,8 @@ def _height(
         push, slope = z, 1.0
         for b in range(MOST_DISCS):
             radius = row[RADIUS + b]
-            if sizes[b] > radius * s:
-                push += radius * sizes[b]
+            if row[NORM + b] > radius * s:
+                push += radius * row[NORM + b]
                 slope += radius * radius
         if push / slope <= s:
             break
@@ -89,77 +131,82 @@ def _height(
 def project_sets(
     offset: IntArray, group: IntArray, table: FloatArray, x: FloatArray, out: FloatArray
 ) -> None:
-    """Fill out (m,) with the nearest admissible forces of flat x (m,), in scaled variables; see `pack`."""
-    sizes = np.empty(MOST_DISCS)
+    """Fill out (m,) with the nearest admissible forces of flat x (m,), in scaled variables; see `pack`.
+
+    They may be one array.
+    """
     for k in range(table.shape[0]):
-        start, end, row = offset[k], offset[k + 1], table[k]
-        if row[CODE] == FREE:
+        start, end = offset[k], offset[k + 1]
+        if table[k, CODE] == CONE:
+            out[start], out[start + 1], out[start + 2] = project_any(
+                x[start], x[start + 1], x[start + 2], table[k, MU], table[k, LOW], table[k, HIGH],
+                int(table[k, SIDES]), table[k, INNER] != 0.0,
+            )  # fmt: skip
+        elif table[k, CODE] == FREE:
             for i in range(start, end):
                 out[i] = x[i]
-        elif row[CODE] == POLYGON:
-            out[start], out[start + 1], out[start + 2] = project_any(
-                x[start], x[start + 1], x[start + 2], row[MU], row[LOW], row[HIGH], int(row[SIDES]),
-                row[INNER] != 0.0,
-            )  # fmt: skip
         else:
-            s = _height(group, start, end, row, x, sizes)
+            row = table[k]
+            s = _height(group, start, end, row, x)
             for i in range(start, end):
                 b = group[i]
                 if b < 0:
                     out[i] = s
                 else:
                     limit = row[RADIUS + b] * s
-                    out[i] = x[i] * (limit / sizes[b]) if sizes[b] > limit else x[i]
+                    out[i] = x[i] * (limit / row[NORM + b]) if row[NORM + b] > limit else x[i]
 
 
 @kernel
-def shift_sets(offset: IntArray, group: IntArray, table: FloatArray, u: FloatArray, out: FloatArray) -> None:
-    """Fill out (m,) with u + θ Γ(u), the shift on the normal rows, for flat u (m,) in scaled variables."""
-    sizes = np.empty(MOST_DISCS)
+def add_shift(
+    offset: IntArray, group: IntArray, table: FloatArray, u: FloatArray, sense: float, out: FloatArray
+) -> None:
+    """Add sense θ Γ(sense u) to the normal rows of out (m,), for flat u (m,) in scaled variables."""
     for k in range(table.shape[0]):
-        start, end, row = offset[k], offset[k + 1], table[k]
-        gamma, normal = 0.0, _norms(group, start, end, u, sizes)
-        for i in range(start, end):
-            out[i] = u[i]
-        if row[SHIFT] == 0.0 or row[CODE] == FREE:
+        start, end = offset[k], offset[k + 1]
+        if table[k, SHIFT] == 0.0 or table[k, CODE] == FREE:
             continue
-        if row[CODE] == POLYGON:
-            gamma = shift_any(u[start], u[start + 1], row[MU], int(row[SIDES]), row[INNER] != 0.0)
+        gamma, normal = 0.0, start + 2
+        if table[k, CODE] == CONE:
+            p, q = sense * u[start], sense * u[start + 1]
+            gamma = shift_any(p, q, table[k, MU], int(table[k, SIDES]), table[k, INNER] != 0.0)
         else:
+            row = table[k]
+            normal = _norms(group, start, end, u, row)
             for b in range(MOST_DISCS):
                 # Γ(u) = sup of -λ_t·u_t over friction's discs at λ_n = 1: Σ r_b ||u_b||
-                gamma += row[FRICTION + b] * row[RADIUS + b] * sizes[b]
-        out[normal] += row[SHIFT] * gamma
+                gamma += row[FRICTION + b] * row[RADIUS + b] * row[NORM + b]
+        out[normal] += sense * (table[k, SHIFT] * gamma)
 
 
 @inline_kernel
 def _disc_jacobian(
-    group: IntArray, start: int, end: int, row: FloatArray, x: FloatArray, sizes: FloatArray, J: FloatArray
+    group: IntArray, start: int, end: int, row: FloatArray, x: FloatArray, J: FloatArray
 ) -> None:
     """Fill the Jacobian of one contact's projection onto a section of discs; J is zero before."""
-    s = _height(group, start, end, row, x, sizes)
+    s = _height(group, start, end, row, x)
     slope = 1.0
     for b in range(MOST_DISCS):
-        if sizes[b] > row[RADIUS + b] * s:
+        if row[NORM + b] > row[RADIUS + b] * s:
             slope += row[RADIUS + b] ** 2
     # ds/dz, zero where a bound holds the height
     moves = 1.0 / slope if max(row[LOW], 0.0) < s < row[HIGH] else 0.0
     for i in range(start, end):
         b = group[i]
-        p, held = 1.0, True  # row i is p s where it is held
+        p, held, size = 1.0, True, row[NORM + b]  # row i is p s where it is held
         if b >= 0:
-            held = sizes[b] > row[RADIUS + b] * s
-            p = row[RADIUS + b] * x[i] / sizes[b] if held else 0.0
+            held = size > row[RADIUS + b] * s
+            p = row[RADIUS + b] * x[i] / size if held else 0.0
         for j in range(start, end):
             c = group[j]
             q = 1.0
             if c >= 0:
-                q = row[RADIUS + c] * x[j] / sizes[c] if sizes[c] > row[RADIUS + c] * s else 0.0
+                q = row[RADIUS + c] * x[j] / row[NORM + c] if row[NORM + c] > row[RADIUS + c] * s else 0.0
             value = p * moves * q if held else 0.0
             if b >= 0 and held and b == c:
                 # turning x_b within its disc: r_b s / ||x_b|| (1 - x̂ x̂ᵀ)
-                bend = row[RADIUS + b] * s / sizes[b]
-                value += bend * ((1.0 if i == j else 0.0) - x[i] * x[j] / (sizes[b] * sizes[b]))
+                bend = row[RADIUS + b] * s / size
+                value += bend * ((1.0 if i == j else 0.0) - x[i] * x[j] / (size * size))
             if not held and i == j and row[RADIUS + b] * s > 0.0:  # inside its disc; one of radius 0 has none
                 value = 1.0
             J[i - start, j - start] = value
@@ -214,7 +261,6 @@ def _polygon_jacobian(start: int, row: FloatArray, x: FloatArray, J: FloatArray)
 @kernel
 def jacobian_sets(offset: IntArray, group: IntArray, table: FloatArray, x: FloatArray, J: FloatArray) -> None:
     """Fill a generalised Jacobian of `project_sets`, (n, 6, 6), zero beyond a contact's rows."""
-    sizes = np.empty(MOST_DISCS)
     for k in range(table.shape[0]):
         for a in range(WIDEST):
             for b in range(WIDEST):
@@ -222,10 +268,10 @@ def jacobian_sets(offset: IntArray, group: IntArray, table: FloatArray, x: Float
         if table[k, CODE] == FREE:
             for a in range(offset[k + 1] - offset[k]):
                 J[k, a, a] = 1.0
-        elif table[k, CODE] == POLYGON:
+        elif table[k, SIDES] > 0.0:
             _polygon_jacobian(offset[k], table[k], x, J[k])
         else:
-            _disc_jacobian(group, offset[k], offset[k + 1], table[k], x, sizes, J[k])
+            _disc_jacobian(group, offset[k], offset[k + 1], table[k], x, J[k])
 
 
 @kernel
@@ -237,7 +283,9 @@ def natural_sets(
 
     With step 1 / w_k and weight w_k / s_k that is the velocity error. A sum that is no number is infinite.
     """
-    shift_sets(offset, group, table, velocities, point)
+    for i in range(point.size):
+        point[i] = velocities[i]
+    add_shift(offset, group, table, velocities, 1.0, point)
     for k in range(table.shape[0]):
         for i in range(offset[k], offset[k + 1]):
             point[i] = forces[i] - step[k] * point[i]
@@ -272,17 +320,17 @@ def newton_matrix(
 ) -> None:  # fmt: skip
     """Fill A (m, m) = I - J (I - step (I + N) G), the natural map's derivative; N is that of the shift."""
     m = G.shape[0]
-    sizes, row_of_shift, moved = np.empty(MOST_DISCS), np.empty(WIDEST), np.empty((WIDEST, m))
+    row_of_shift, moved = np.empty(WIDEST), np.empty((WIDEST, m))
     for k in range(table.shape[0]):
         start, end, row = offset[k], offset[k + 1], table[k]
-        normal = _norms(group, start, end, u, sizes)
+        normal = _norms(group, start, end, u, row)
         # N has one row, the normal's: θ ∂Γ/∂u_b = θ r_b u_b / ||u_b||
         for i in range(start, end):
             b, value = group[i], 0.0
-            if row[CODE] == DISCS and b >= 0 and sizes[b] > 0.0:
-                value = row[FRICTION + b] * row[RADIUS + b] * u[i] / sizes[b]
+            if row[CODE] != FREE and b >= 0 and row[NORM + b] > 0.0:
+                value = row[FRICTION + b] * row[RADIUS + b] * u[i] / row[NORM + b]
             row_of_shift[i - start] = row[SHIFT] * value
-        if row[CODE] == POLYGON:
+        if row[SIDES] > 0.0:
             _corner_slope(u[start], u[start + 1], row, row_of_shift)
         # (I + N) G, the rows of this contact
         for i in range(start, end):

@@ -45,7 +45,7 @@ class SolverSettings:
     max_time: float = math.inf
 
 
-class Search:
+class BestPoint:
     """The best point of an iteration so far, and whether it is worth going on.
 
     Attributes
@@ -135,8 +135,6 @@ _MODULES = (
     "interior_point",
     "lemke",
     "external",
-    "set_admm",
-    "set_newton",
 )
 _loaded = False
 GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)

@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers.pyramid import project_any, shift_any
+from surefoot.solvers.pyramid import project_any
 
 
 @inline_kernel
@@ -40,33 +40,32 @@ def settle(low: FloatArray, scales: FloatArray, forces: FloatArray) -> None:
 @inline_kernel
 def _natural_square(
     forces: FloatArray, velocities: FloatArray, k: int, step: float, mu: float, low: float, high: float,
-    convex: bool, facets: int, inner: bool,
+    convex: bool,
 ) -> float:  # fmt: skip
     """Return ||λ_k - P_K(λ_k - step (u_k + Γ(u_k)))||² of contact k."""
     i = 3 * k
     x, y, z = forces[i], forces[i + 1], forces[i + 2]
     p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
     if not convex and low > -np.inf:
-        r += shift_any(p, q, mu, facets, inner)
-    a, b, c = project_any(x - step * p, y - step * q, z - step * r, mu, low, high, facets, inner)
+        r += mu * math.sqrt(p * p + q * q)
+    a, b, c = project_any(x - step * p, y - step * q, z - step * r, mu, low, high, 0, True)
     return float((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2)
 
 
 @inline_kernel
 def velocity_error(
     forces: FloatArray, velocities: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray,
-    measure: FloatArray, convex: bool, facets: int = 0, inner: bool = True,
+    measure: FloatArray, convex: bool,
 ) -> float:  # fmt: skip
     """Return max_k w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)|| / s_k for flat (3n,) forces and velocities.
 
-    `measure` is what `fill_measure` filled; facets = 0 is the exact cone, else pyramids, see `pyramid`. A sum
-    that is not a number is returned as infinite.
+    `measure` is what `fill_measure` filled. A sum that is not a number is returned as infinite.
     """
     worst = total = 0.0
     at = measure.shape[1] - 2
     for k in range(mu.size):
         gap = measure[k, at + 1] * _natural_square(
-            forces, velocities, k, measure[k, at], mu[k], low[k], high[k], convex, facets, inner
+            forces, velocities, k, measure[k, at], mu[k], low[k], high[k], convex
         )
         worst = max(worst, gap)
         total += gap
@@ -87,7 +86,7 @@ def force_error(
     at = measure.shape[1] - 2
     for k in range(mu.size):
         i, step = 3 * k, measure[k, at]
-        gap += _natural_square(forces, velocities, k, step, mu[k], low[k], high[k], convex, 0, True) / step
+        gap += _natural_square(forces, velocities, k, step, mu[k], low[k], high[k], convex) / step
         size += (forces[i] ** 2 + forces[i + 1] ** 2 + forces[i + 2] ** 2) / step
         reach += step * (g[i] ** 2 + g[i + 1] ** 2 + g[i + 2] ** 2)
     scale = max(size, reach)

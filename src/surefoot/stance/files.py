@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError
 from surefoot.spatial import rotation_from_normal
 from surefoot.stance.contact import Contact, PatchContact, PointContact
 from surefoot.stance.stance import Stance
+from surefoot.text_files import read_yaml, table_of
 
 _TOP = ("name", "mass", "com", "external_wrench", "mu", "contacts")
 _CONTACT = ("name", "position", "normal", "mu", "heading", "normal_min", "normal_max", "length", "width")
@@ -49,16 +50,8 @@ def read_stance(path: str | Path) -> StanceQuestion:
         Naming the file and the entry at fault: a key that is unknown or missing, a normal that is not of
         length one, a value that is not a number.
     """
-    import yaml
-
     source = Path(path)
-    try:
-        content = yaml.safe_load(source.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not text"
-        raise ProblemError(f"cannot read {source}: {reason}") from error
-    except yaml.YAMLError as error:
-        raise ProblemError(f"{source} is not YAML: {' '.join(str(error).split())}") from error
+    content = read_yaml(source)
     try:
         return stance_from_dict(content, source.stem)
     except ProblemError as error:
@@ -67,7 +60,7 @@ def read_stance(path: str | Path) -> StanceQuestion:
 
 def stance_from_dict(content: Any, name: str = "stance") -> StanceQuestion:
     """Return the question that the parsed YAML stands for; see `read_stance`."""
-    top = _mapping("the file", content, _TOP, required=("mass", "com"))
+    top = table_of("the file", content, _TOP, required=("mass", "com"))
     mu = real_number("mu", top.get("mu", 0.6), low=0.0)
     entries = top.get("contacts", [])
     if not isinstance(entries, list):
@@ -137,7 +130,7 @@ def _contact_entry(contact: Contact) -> dict[str, Any]:
 
 def _contact(where: str, entry: Any, mu: float) -> Contact:
     """Return one contact; errors name the entry."""
-    given = _mapping(where, entry, _CONTACT, required=("position",))
+    given = table_of(where, entry, _CONTACT, required=("position",))
     options: dict[str, Any] = {
         key: given[key]
         for key in ("position", "normal", "heading", "normal_min", "normal_max")
@@ -154,16 +147,3 @@ def _contact(where: str, entry: Any, mu: float) -> Contact:
         return PatchContact(length=given["length"], width=given["width"], **options)
     except ProblemError as error:
         raise ProblemError(f"{where}: {error}") from error
-
-
-def _mapping(where: str, value: Any, valid: tuple[str, ...], required: tuple[str, ...]) -> dict[str, Any]:
-    """Return a mapping with known keys only, the required ones among them."""
-    if not isinstance(value, dict):
-        raise ProblemError(f"{where} must be a mapping with keys {', '.join(valid)}, got {value!r:.60}")
-    for key in value:
-        if key not in valid:
-            raise ProblemError(f"{where}: {unknown_name('key', key, valid)}")
-    for key in required:
-        if key not in value:
-            raise ProblemError(f"{where}: {key} is missing")
-    return value

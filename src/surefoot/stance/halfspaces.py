@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.cones.cone import Fit
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.stance.contact import Contact
 
 Axes = Literal["contact", "world"]
@@ -75,8 +75,7 @@ def halfspaces(
     swing: Sequence[bool] | Sequence[str] = (),
 ) -> HalfSpaces:
     """Return the rows of contacts; see `Stance.halfspaces`."""
-    if axes not in ("contact", "world"):
-        raise ProblemError(unknown_name("axes", axes, ["contact", "world"]))
+    check_name("axes", axes, ["contact", "world"])
     mask = swing_mask(contacts, swing)
     m, p = row_counts(contacts, facets, mask)
     dim = sum(c.dim for c in contacts)
@@ -117,8 +116,7 @@ def swing_mask(contacts: Sequence[Contact], swing: Sequence[bool] | Sequence[str
         return tuple(bool(s) for s in given)
     names = [c.name for c in contacts]
     for name in given:
-        if name not in names:
-            raise ProblemError(unknown_name("contact", str(name), names))
+        check_name("contact", str(name), names)
     return tuple(name in given for name in names)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array, per_contact
 from surefoot.cones import ProductCone
 from surefoot.cones.cone import Fit
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.spatial import skew
 from surefoot.stance.contact import Contact, PatchContact, PointContact
 from surefoot.stance.halfspaces import Axes, HalfSpaces, halfspaces, row_counts
@@ -219,6 +219,5 @@ class Stance:
             For a name that is not in the stance.
         """
         for name in names:
-            if name not in self.names:
-                raise ProblemError(unknown_name("contact", name, self.names))
+            check_name("contact", name, self.names)
         return Stance([c for c in self.contacts if c.name not in names])

@@ -8,7 +8,7 @@ from typing import Literal, TypedDict, get_args
 from surefoot.arrays import real_number
 from surefoot.contact.laws import LAWS
 from surefoot.contact.laws.soft import SoftLaw
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name, unknown_name
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
 STABILISATIONS: tuple[Stabilisation, ...] = get_args(Stabilisation)
@@ -76,10 +76,8 @@ class StepOptions:
     order: int = 2
 
     def __post_init__(self) -> None:
-        if self.stabilisation not in STABILISATIONS:
-            raise ProblemError(unknown_name("stabilisation", self.stabilisation, STABILISATIONS))
-        if self.integration not in INTEGRATIONS:
-            raise ProblemError(unknown_name("integration", self.integration, INTEGRATIONS))
+        check_name("stabilisation", self.stabilisation, STABILISATIONS)
+        check_name("integration", self.integration, INTEGRATIONS)
         if self.soft is not None:
             self._fit_soft_law(self.soft)
         elif self.law not in LAWS:

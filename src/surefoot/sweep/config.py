@@ -10,10 +10,11 @@ from typing import Any
 
 from surefoot import __version__
 from surefoot.arrays import whole_number
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.sweep.experiment import SweepExperiment, make_experiment
 from surefoot.sweep.ranges import read_range
 from surefoot.sweep.space import MOST, Space
+from surefoot.text_files import read_yaml, table_of
 
 _KEYS = ("experiment", "samples", "seed", "settings", "ranges", "maps")
 SAMPLES = 1000
@@ -55,8 +56,7 @@ class SweepConfig:
             for end in drawn.ends[1:]:  # what an experiment refuses is refused before long work
                 replace(self.experiment, **{**first, name: end})
         for name in (name for pair in self.maps for name in pair):
-            if name not in self.space.drawn:
-                raise ProblemError("maps: " + unknown_name("drawn number", name, self.space.drawn))
+            check_name("drawn number", name, self.space.drawn, "maps")
 
     def identity(self) -> dict[str, Any]:
         """Return what decides about every sample's results: all but how many, and what is drawn of them.
@@ -96,16 +96,8 @@ def read_sweep(path: str | Path) -> SweepConfig:
     ProblemError
         Naming the file and the entry at fault.
     """
-    import yaml
-
     source = Path(path)
-    try:
-        content = yaml.safe_load(source.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not text"
-        raise ProblemError(f"cannot read {source}: {reason}") from error
-    except (yaml.YAMLError, RecursionError) as error:
-        raise ProblemError(f"{source} is not YAML: {' '.join(str(error).split())}") from error
+    content = read_yaml(source)
     try:
         return sweep_from_dict(content, source.parent)
     except ProblemError as error:
@@ -114,15 +106,10 @@ def read_sweep(path: str | Path) -> SweepConfig:
 
 def sweep_from_dict(content: Any, folder: Path | None = None) -> SweepConfig:
     """Return the sweep that parsed YAML stands for; `folder` is what files in it are relative to."""
-    top = _mapping("the file", content)
-    for key in top:
-        if key not in _KEYS:
-            raise ProblemError(unknown_name("key", key, _KEYS))
-    if "experiment" not in top:
-        raise ProblemError("the file lacks 'experiment'")
+    top = table_of("the file", content, _KEYS, required=("experiment",))
     name = str(top["experiment"])
-    experiment = make_experiment(name, _mapping("settings", top.get("settings") or {}))
-    entries = _mapping("ranges", top.get("ranges") or {})
+    experiment = make_experiment(name, table_of("settings", top.get("settings") or {}))
+    entries = table_of("ranges", top.get("ranges") or {})
     read = {n: read_range(experiment, n, entry, folder or Path()) for n, entry in entries.items()}
     ranges = {n: read[n] for n in experiment.parameters() if n in read}  # the file's order does not matter
     maps = top.get("maps") or []
@@ -131,9 +118,3 @@ def sweep_from_dict(content: Any, folder: Path | None = None) -> SweepConfig:
     samples = whole_number("samples", top.get("samples", SAMPLES))
     space = Space(ranges, whole_number("seed", top.get("seed", 0)))
     return SweepConfig(name, experiment, space, samples, tuple((str(x), str(y)) for x, y in maps))
-
-
-def _mapping(name: str, value: Any) -> dict[str, Any]:
-    if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
-        raise ProblemError(f"{name} must be a mapping of names, got {value!r:.60}")
-    return value

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about
 from surefoot.sweep.experiment import number
 from surefoot.sweep.grounded import Grounded
@@ -68,8 +68,7 @@ class DropExperiment(Grounded):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.body not in BODIES:
-            raise ProblemError(unknown_name("body", self.body, BODIES))
+        check_name("body", self.body, BODIES)
         if not isinstance(self.tumble, bool):
             raise ProblemError(f"tumble must be true or false, got {self.tumble!r:.40}")
 

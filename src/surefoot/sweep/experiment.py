@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
 from surefoot.arrays import real_number
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 KINDS = ("float", "bool", "text")
 """Types of a result's columns."""
@@ -94,8 +94,8 @@ class SweepExperiment(ABC):
 
 EXPERIMENTS: dict[str, str | type[SweepExperiment]] = {
     "drop": "surefoot.sweep.drop:DropExperiment",
-    "stand": "surefoot.sweep.robots:Stand",
-    "walk": "surefoot.sweep.robots:Walk",
+    "stand": "surefoot.sweep.robots:StandTrial",
+    "walk": "surefoot.sweep.robots:WalkTrial",
 }
 """Name to the class, or "module:class", imported when asked for."""
 
@@ -108,14 +108,12 @@ def make_experiment(name: str, settings: Mapping[str, Any] | None = None) -> Swe
     ProblemError
         For an unknown name, and a setting that the experiment does not have or cannot take.
     """
-    if name not in EXPERIMENTS:
-        raise ProblemError(unknown_name("experiment", name, EXPERIMENTS))
+    check_name("experiment", name, EXPERIMENTS)
     kind = EXPERIMENTS[name]
     if isinstance(kind, str):
         module, _, title = kind.partition(":")
         kind = getattr(importlib.import_module(module), title)
     known = [f.name for f in fields(kind)]
     for key in settings or {}:
-        if key not in known:
-            raise ProblemError(unknown_name(f"setting of {name}", key, known))
+        check_name(f"setting of {name}", key, known)
     return kind(**(settings or {}))

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from surefoot.contact.laws.soft import ExactFriction, SpringDamper
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
+from surefoot.simulation.faults import scaled_robot
 from surefoot.sweep.experiment import SweepExperiment, number
 from surefoot.terrain import FlatTerrain, SlopeTerrain, Terrain, read_terrain, rough_ground
 
@@ -80,18 +78,7 @@ class Grounded(SweepExperiment):
 
     def altered(self, robot: Robot) -> Robot:
         """Return the robot with the masses of the settings; geometry and limits stay."""
-        shift = np.array([self.com_x, self.com_y, self.com_z])
-        if self.mass == 1.0 and self.inertia == 1.0 and not shift.any():
-            return robot
-        model = robot.model.copy()
-        for k in range(1, model.njoints):
-            own = model.inertias[k]
-            lever = own.lever + shift if k == 1 else own.lever
-            model.inertias[k] = type(own)(self.mass * own.mass, lever, self.mass * self.inertia * own.inertia)
-        out = copy.copy(robot)
-        out.__dict__.pop("mass", None)  # a cached sum
-        out.model, out.data = model, model.createData()
-        return out
+        return scaled_robot(robot, self.mass, self.inertia, (self.com_x, self.com_y, self.com_z))
 
     def ground(self, seed: int) -> Terrain:
         """Return the terrain; flat if the settings name none."""

@@ -15,7 +15,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from surefoot.arrays import whole_number
-from surefoot.errors import MissingExtra, ProblemError, unknown_name
+from surefoot.errors import MissingExtra, ProblemError, check_name
 from surefoot.sweep.worker import Row, SweepTask, run_chunk, start_local_worker
 
 Chunk = tuple[int, ...]
@@ -171,8 +171,7 @@ class Pool:
     def __init__(
         self, backend: str, task: SweepTask, workers: int | None = None, address: str | None = None
     ) -> None:
-        if backend not in BACKENDS:
-            raise ProblemError(unknown_name("backend", backend, BACKENDS))
+        check_name("backend", backend, BACKENDS)
         if workers is not None:
             whole_number("workers", workers, low=1)
         self._open: Callable[[], Workers] = partial(BACKENDS[backend], task, workers, address)

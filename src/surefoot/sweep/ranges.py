@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from surefoot.arrays import real_number
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.sweep.experiment import SweepExperiment
+from surefoot.text_files import table_of
 
 SCALES = ("linear", "log")
 
@@ -76,8 +77,7 @@ def read_range(experiment: SweepExperiment, name: str, entry: Any, folder: Path)
     ProblemError
         Naming the parameter and the value at fault.
     """
-    if name not in experiment.parameters():
-        raise ProblemError(unknown_name("parameter", name, experiment.parameters()))
+    check_name("parameter", name, experiment.parameters())
     if name not in experiment.numbers():
         texts = [entry] if isinstance(entry, str) else entry
         if not isinstance(texts, list) or not texts or not all(isinstance(t, str) for t in texts):
@@ -96,19 +96,16 @@ def read_range(experiment: SweepExperiment, name: str, entry: Any, folder: Path)
 
 def _interval(name: str, entry: dict[str, Any]) -> NumberRange:
     """Return the interval of {low, high, scale}; whether its ends make sense is the experiment's affair."""
-    _check_keys(name, entry, ("low", "high", "scale"))
-    ends = [entry.get(key) for key in ("low", "high")]
-    for key, end in zip(("low", "high"), ends, strict=True):
-        if key not in entry:
-            raise ProblemError(f"{name} lacks {key!r}: it takes low, high and scale")
+    table_of(name, entry, ("low", "high", "scale"), required=("low", "high"))
+    ends = [entry[key] for key in ("low", "high")]
+    for end in ends:
         if isinstance(end, bool) or end == "":
             raise ProblemError(f"{name} must be a number, got {end!r}")
-    low, high = (real_number(name, end) for end in ends)  # type: ignore[arg-type]
+    low, high = (real_number(name, end) for end in ends)
     scale = entry.get("scale", "linear")
     if low > high:
         raise ProblemError(f"{name} must have low <= high, got [{low:g}, {high:g}]")
-    if scale not in SCALES:
-        raise ProblemError(f"{name}: " + unknown_name("scale", scale, SCALES))
+    check_name("scale", scale, SCALES, name)
     if scale == "log" and low <= 0.0:
         raise ProblemError(f"{name}: a log scale needs low > 0, got {low:g}")
     return NumberRange(low, high, str(scale))
@@ -118,7 +115,7 @@ def _identified(
     experiment: SweepExperiment, name: str, entry: dict[str, Any], folder: Path
 ) -> dict[str, Any]:
     """Return the 95 % interval of a fit, widened about its value and cut to what makes sense."""
-    _check_keys(name, entry, ("identified", "as", "widen", "scale"))
+    table_of(name, entry, ("identified", "as", "widen", "scale"))
     file, key = folder / str(entry["identified"]), str(entry.get("as", name))
     widen = real_number(f"{name}.widen", entry.get("widen", 1.0), low=0.0, high=1e3)
     try:
@@ -133,9 +130,3 @@ def _identified(
     least, most = experiment.limits(name)
     low, high = max(value - widen * (value - low), least), min(value + widen * (high - value), most)
     return {"low": low, "high": high, "scale": entry.get("scale", "linear")}
-
-
-def _check_keys(name: str, entry: dict[str, Any], known: tuple[str, ...]) -> None:
-    for key in entry:
-        if key not in known:
-            raise ProblemError(f"{name}: " + unknown_name("key", key, known))

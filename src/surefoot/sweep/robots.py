@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.sweep.experiment import number
 from surefoot.sweep.grounded import Grounded
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
     from surefoot.control.controller import Controller
     from surefoot.log import Log
     from surefoot.robot import Robot
-    from surefoot.simulation.scenario import Scenario
-    from surefoot.simulation.world import World
 
 PUSH_LENGTH = 0.2
 """Length of a push [s]."""
@@ -78,8 +75,7 @@ class RobotRun(Grounded):
     def __post_init__(self) -> None:
         if not isinstance(self.robot, str) or "/" in self.robot or self.robot.endswith((".urdf", ".xml")):
             raise ProblemError(f"robot must be the name of a known robot, got {self.robot!r:.60}")
-        if self.world not in tuple(WORLDS):  # a list would not be hashable
-            raise ProblemError(unknown_name("world", self.world, WORLDS))
+        check_name("world", self.world, WORLDS)  # a list would not be hashable
         super().__post_init__()
         if (self.push_x or self.push_y) and self.push_time >= self.duration:
             raise ProblemError(f"push_time {self.push_time:g} s is after the end, {self.duration:g} s")
@@ -90,7 +86,9 @@ class RobotRun(Grounded):
 
     def run(self, seed: int) -> dict[str, Any]:
         """Return how the robot stood or walked."""
+        from surefoot.simulation.engine_warnings import engine_warnings
         from surefoot.simulation.faults import Faults
+        from surefoot.simulation.run import run
         from surefoot.simulation.scenario import Push, Scenario
 
         robot, terrain = known_robot(self.robot), self.ground(seed)
@@ -102,7 +100,8 @@ class RobotRun(Grounded):
         force = (self.push_x, self.push_y, 0.0)
         pushes = [Push(self.push_time, force, PUSH_LENGTH)] if any(force) else []
         scenario = Scenario(self.duration, self.mu, pushes, seed=seed, faults=faults, **start)
-        log = run_quietly(world, controller, scenario)
+        with engine_warnings():  # not into the worker's folder: the results tell of a lost state
+            log = run(world, controller, scenario)
         summary, more = self._judge(log)
         return {
             "survived": bool(summary.success),
@@ -127,7 +126,7 @@ class RobotRun(Grounded):
 
 
 @dataclass(frozen=True)
-class Stand(RobotRun):
+class StandTrial(RobotRun):
     """A robot stands under the standing controller; it survives if `surefoot stand` would call it "stood"."""
 
     columns: ClassVar[Mapping[str, str]] = {
@@ -155,7 +154,7 @@ class Stand(RobotRun):
 
 
 @dataclass(frozen=True)
-class Walk(RobotRun):
+class WalkTrial(RobotRun):
     """A robot walks under the walking controller; it survives if `surefoot walk` would call it "walked".
 
     Unlike there, its controller gets the true state.
@@ -178,12 +177,11 @@ class Walk(RobotRun):
     duration: float = number(4.0, 0.1, 600.0, "s")
 
     def __post_init__(self) -> None:
-        from surefoot.control.gait_library import gait_names
+        from surefoot.stance.gait_library import gait_names
 
         super().__post_init__()
         walks = [name for name in gait_names() if name != "stand"]
-        if self.gait not in walks:
-            raise ProblemError(unknown_name("gait", self.gait, walks))
+        check_name("gait", self.gait, walks)
 
     def _begin(self, robot: Robot, terrain: Terrain) -> tuple[Controller, dict[str, Any]]:
         from surefoot.control.walking import WalkingController, WalkSettings
@@ -214,18 +212,3 @@ def ground_work(log: Log) -> float:
     forces, velocities = np.asarray(log["forces"]), np.asarray(log["contact_velocities"])
     power = np.maximum(forces[..., 2] * velocities[..., 2], 0.0)
     return float(power.sum() * log.fact("dt"))
-
-
-def run_quietly(world: World, controller: Controller, scenario: Scenario) -> Log:
-    """Run, and keep MuJoCo's warnings out of the worker's folder: the results tell of a lost state."""
-    from surefoot.simulation.run import run
-
-    if "mujoco" not in sys.modules:
-        return run(world, controller, scenario)
-    mujoco: Any = sys.modules["mujoco"]
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(lambda _text: None)
-    try:
-        return run(world, controller, scenario)
-    finally:
-        mujoco.set_mju_user_warning(before)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.sweep.config import SweepConfig
 from surefoot.sweep.ranges import TextRange
 from surefoot.sweep.worker import CRASHED, DONE, ERROR
@@ -130,8 +130,7 @@ def check_varying(config: SweepConfig, name: str) -> None:
     ProblemError
         Listing those that vary.
     """
-    if name not in config.space.varying:
-        raise ProblemError(unknown_name("parameter that varies", name, config.space.varying))
+    check_name("parameter that varies", name, config.space.varying)
 
 
 def _done(table: Any) -> Any:

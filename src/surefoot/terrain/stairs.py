@@ -72,9 +72,3 @@ class StairsTerrain(LevelsTerrain):
     def approach(self, clearance: float) -> FloatArray:
         """Return the (2,) place that lies `clearance` before the first riser [m]."""
         return np.array([-clearance, 0.0])
-
-    def riser_distance(self, xy: ArrayLike) -> FloatArray:
-        """Return the horizontal distance from (..., 2) places to the nearest riser [m]: (...)."""
-        x = np.asarray(xy, dtype=np.float64)[..., 0]
-        nearest = np.clip(np.round(x / self.tread), 0.0, self.steps - 1.0) * self.tread
-        return np.asarray(np.abs(x - nearest))

@@ -28,7 +28,7 @@ class Terrain(ABC):
     planar
         Whether the ground is one plane, so that normal and frame are the same everywhere.
     learns
-        Whether it is a belief that changes with what a robot senses (`surefoot.control.terrain_knowledge`).
+        Whether it is a belief that changes with what a robot senses (see `control.terrain_knowledge`).
     noise
         Height differences between neighbouring places that mean nothing [m]; zero for ground that is known.
     """

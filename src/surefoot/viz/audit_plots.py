@@ -13,7 +13,7 @@ from surefoot.audit.rows import Rows
 from surefoot.audit.setting import BODY, setting_of
 from surefoot.log import Log
 from surefoot.log.scene import robot_of
-from surefoot.viz.shapes import cone_rim
+from surefoot.viz.shapes import bones, cone_rim
 from surefoot.viz.style import BAD, FOOT_COLOURS, FORCE, GROUND, INK, MUTED, new_axis, new_figure, save
 
 COLUMNS = 1500
@@ -89,8 +89,9 @@ def draw_moment(log: Log, report: AuditReport, moment: Violation, path: Path) ->
     mu = float(rows.mu[at, 0]) if "mu" in log else 0.0
     figure, axes = new_figure(size=(6.0, 5.0), subplot_kw={"projection": "3d"})
     axis = axes[0, 0]
-    for a, b in _bones(log, row):
-        axis.plot(*np.stack([a, b], axis=1), color=INK, lw=2.5, solid_capstyle="round")
+    robot = robot_of(log)
+    for bone in [] if robot is None else bones(robot, np.nan_to_num(np.asarray(log["q"][row]))):
+        axis.plot(*bone.T, color=INK, lw=2.5, solid_capstyle="round")
     for k, place in enumerate(places):
         force = frames[k] @ rows.forces[at, k] * (ARROW / setting.weight)
         colour = BAD if setting.names[k] == moment.contact else FORCE
@@ -102,23 +103,6 @@ def draw_moment(log: Log, report: AuditReport, moment: Violation, path: Path) ->
     axis.set_title(f"{moment.law} of {moment.contact} at {time[row]:.3f} s: {moment.value:.3g} {moment.unit}")
     axis.set_aspect("equal")
     return save(figure, path)
-
-
-def _bones(log: Log, row: int) -> list[tuple[FloatArray, FloatArray]]:
-    """Return the robot as lines from joint to joint and to its feet; none where it is not known."""
-    robot = robot_of(log)
-    if robot is None:
-        return []
-    import pinocchio
-
-    model, data = robot.model, robot.model.createData()
-    pinocchio.framesForwardKinematics(model, data, np.nan_to_num(np.asarray(log["q"][row], dtype=np.float64)))
-    places = [np.array(pose.translation) for pose in data.oMi]
-    bones = [(places[int(model.parents[k])], places[k]) for k in range(2, model.njoints)]
-    points = robot.contact_points
-    return bones + [
-        (places[int(model.frames[f].parentJoint)], np.array(data.oMf[f].translation)) for f in points.frames
-    ]
 
 
 def _cone(axis: Any, apex: FloatArray, frame: FloatArray, mu: float) -> None:

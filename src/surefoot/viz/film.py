@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +12,9 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.errors import MissingExtra
 from surefoot.log import Log
 from surefoot.robot import Robot
-from surefoot.simulation.observers import Observer
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
 from surefoot.viz.overlay import Entry, Overlay
-from surefoot.viz.shapes import cone_rim
 from surefoot.viz.video import (
     ARROW_LENGTH,
     CONE_COLOUR,
@@ -27,6 +24,7 @@ from surefoot.viz.video import (
     Arrow,
     Renderer,
     RenderError,
+    cone_lines,
     edge_lines,
     log_arrows,
     wanted_differs,
@@ -71,7 +69,7 @@ class FilmScene:
         return np.asarray(fast & (log["forces"][:, :, 2] > 0.0))
 
     def legend(self) -> list[Entry]:
-        """Return what the legend has to tell: only what happens in this log."""
+        """Return the legend: only what happens in this log."""
         log = self.log
         entries = [
             Entry("arrow", FORCE_COLOUR, "force of the ground"),
@@ -87,24 +85,14 @@ class FilmScene:
         return entries
 
     def arrows(self, step: int) -> list[Arrow]:
-        """Return the forces of a step, without the push."""
-        arrows = log_arrows(self.log, step, self.terrain, self.scale)
-        return [arrow for arrow in arrows if arrow[2] != PUSH_COLOUR]
+        """Return the forces of a step."""
+        return log_arrows(self.log, step, self.terrain, self.scale)
 
     def lines(self, step: int) -> list[Arrow]:
         """Return cones whose rims hold the forces' tips, the slips up to a step, and the ground's edges."""
-        return [*self._cones(step), *self._slips(step), *self.edges]
-
-    def _cones(self, step: int) -> list[Arrow]:
-        log = self.log
-        lines: list[Arrow] = []
-        mu = float(log["mu"][step])
-        for place, force in zip(log["contact_positions"][step], log["forces"][step], strict=True):
-            if force[2] > 0.0:
-                rim = cone_rim(mu, self.scale * float(force[2]), self.terrain.frame(place[:2]), RIM)
-                lines += [(place + a, b - a, CONE_COLOUR) for a, b in pairwise(rim)]
-                lines += [(place, edge, CONE_COLOUR) for edge in rim[:-1:4]]
-        return lines
+        heights = self.scale * self.log["forces"][step][:, 2]
+        cones = cone_lines(self.log, step, self.terrain, heights, RIM, 4)
+        return [*cones, *self._slips(step), *self.edges]
 
     def _slips(self, step: int) -> list[Arrow]:
         """Return the marks of all slides up to a step; steps are asked for in their order."""
@@ -161,7 +149,7 @@ def write_video(
     rate: int = RATE,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """Write a film of a log as .mp4 and return its path; `progress` is told the share done.
+    """Write a film of a log as .mp4 and return its path; `progress` is called with the share done.
 
     Raises
     ------
@@ -190,27 +178,3 @@ def write_video(
         if writer is not None:
             writer.close()
     return path
-
-
-class Film(Observer):
-    """Films a run when it has ended.
-
-    Parameters
-    ----------
-    path
-        Of the new .mp4.
-    robot, terrain
-        Who is filmed on what.
-
-    Raises
-    ------
-    RenderError, MissingExtra
-        At the end of the run; see `write_video`.
-    """
-
-    def __init__(self, path: Path, robot: Robot, terrain: Terrain) -> None:
-        self._path, self._robot, self._terrain = path, robot, terrain
-
-    def end(self, log: Log) -> None:
-        """Write the film."""
-        write_video(log, self._robot, self._terrain, self._path)

@@ -8,6 +8,7 @@ s.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -50,13 +51,18 @@ def add_meshes(spec: Any, robot: Robot) -> None:
                 inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
             )
             body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=f"mesh:{k}", **placement)
-        elif kind == "Box":
-            body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=shape.halfSide, **placement)
-        elif kind == "Sphere":
-            body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[shape.radius, 0, 0], **placement)
-        elif kind in ("Cylinder", "Capsule"):
-            form = mujoco.mjtGeom.mjGEOM_CYLINDER if kind == "Cylinder" else mujoco.mjtGeom.mjGEOM_CAPSULE
-            body.add_geom(type=form, size=[shape.radius, shape.halfLength, 0], **placement)
+        elif kind in _FORMS:
+            form, sizes = _FORMS[kind]
+            body.add_geom(type=getattr(mujoco.mjtGeom, form), size=sizes(shape), **placement)
+
+
+_FORMS: dict[str, tuple[str, Callable[[Any], list[float]]]] = {
+    "Box": ("mjGEOM_BOX", lambda shape: list(shape.halfSide)),
+    "Sphere": ("mjGEOM_SPHERE", lambda shape: [shape.radius, 0, 0]),
+    "Cylinder": ("mjGEOM_CYLINDER", lambda shape: [shape.radius, shape.halfLength, 0]),
+    "Capsule": ("mjGEOM_CAPSULE", lambda shape: [shape.radius, shape.halfLength, 0]),
+}
+"""Class of coal -> MuJoCo's kind of geom, and its size."""
 
 
 def triangles(item: Any) -> tuple[FloatArray, IntArray]:

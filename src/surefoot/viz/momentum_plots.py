@@ -1,50 +1,15 @@
-"""Pictures of momentum: what its matrix costs, and how it moves in flight."""
+"""Pictures of momentum: how it moves in flight."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.viz.style import FOOT_COLOURS, MUTED, draw_columns, new_axis, new_figure, save
+from surefoot.viz.style import FOOT_COLOURS, draw_columns, new_axis, new_figure, save
 
 AXES = ("x", "y", "z")
-LABELS = {
-    "pinocchio": "Pinocchio (C++)",
-    "composite": "composite bodies (Python)",
-    "summed": "link by link (Python)",
-}
-
-
-def plot_timing(
-    path: Path, chains: ArrayLike, timings: Mapping[str, ArrayLike], growth: Mapping[str, float]
-) -> Path:
-    """Write a picture of time against the number of links, both logarithmic.
-
-    Parameters
-    ----------
-    path
-        Where the picture goes.
-    chains
-        (n,) numbers of links.
-    timings
-        Way -> (n,) seconds; there must be one called "composite".
-    growth
-        Way -> exponent of its growth.
-    """
-    names = {"xlabel": "links in the chain", "ylabel": "one momentum matrix [µs]"}
-    figure, ax = new_axis((7.0, 4.2), "Centroidal momentum matrix of a chain", **names)
-    links = np.asarray(chains, dtype=np.float64)
-    for colour, (way, seconds) in zip(FOOT_COLOURS, timings.items(), strict=False):
-        label = f"{LABELS.get(way, way)}: n^{growth[way]:.2f}"
-        ax.loglog(links, 1e6 * np.array(seconds), "o-", color=colour, label=label, markersize=4)
-    slowest = 1e6 * np.array(timings["composite"])
-    ax.loglog(links, slowest[0] * links / links[0], "--", color=MUTED, linewidth=0.9, label="slope 1")
-    ax.loglog(links, slowest[0] * (links / links[0]) ** 2, ":", color=MUTED, linewidth=0.9, label="slope 2")
-    ax.legend(fontsize=8)
-    return save(figure, path)
 
 
 def plot_components(

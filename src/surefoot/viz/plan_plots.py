@@ -108,8 +108,8 @@ def draw_search(iterations: Sequence[Iteration], path: Path) -> Path:
     upper.plot(count, cost, color=INK, marker=".", ms=3)
     if (cost > 0.0).all() and np.ptp(np.log10(cost)) > 1.5:
         upper.set_yscale("log")
-    told = np.isfinite(residual)
-    lower.semilogy(count[told], np.maximum(residual[told], LEAST_RESIDUAL), color=BAD, marker=".", ms=3)
+    known = np.isfinite(residual)
+    lower.semilogy(count[known], np.maximum(residual[known], LEAST_RESIDUAL), color=BAD, marker=".", ms=3)
     return save(figure, path)
 
 

@@ -20,7 +20,7 @@ from surefoot.viz.style import (
     MUTED,
     draw_columns,
     new_axis,
-    new_figure,
+    new_grid,
     new_panels,
     save,
 )
@@ -55,16 +55,11 @@ def draw_normal_forces(log: Log, path: Path) -> Path:
 def draw_cone_use(log: Log, path: Path) -> Path:
     """Draw every measured force in its cone's cross-section, scaled so that the cone is the unit circle."""
     names = log.facts["feet"]
-    columns = min(4, len(names))
-    rows = -(-len(names) // columns)
-    figure, axes = new_figure(rows, columns, size=(2.4 * columns, 2.6 * rows + 0.3), sharex=True, sharey=True)
+    figure, axes = new_grid(len(names), 4, (2.4, 2.6), (0.0, 0.3), sharex=True, sharey=True)
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
     threshold = LOADED_SHARE * log.facts["mass"] * GRAVITY
     forces = foot_forces(log)
-    for k, axis in enumerate(axes.flat):
-        if k >= len(names):
-            axis.set_axis_off()
-            continue
+    for k, axis in enumerate(axes):
         f = forces[:, k]
         loaded = f[:, 2] > threshold
         scaled = f[loaded, :2] / np.maximum(log["mu"][loaded] * f[loaded, 2], 1e-12)[:, None]

@@ -1,4 +1,4 @@
-"""Ranges of axes: wide enough to mean something, and what they leave out is told."""
+"""Ranges of axes: wide enough to mean something, and what they leave out is marked."""
 
 from __future__ import annotations
 

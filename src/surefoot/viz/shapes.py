@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+
+if TYPE_CHECKING:
+    from surefoot.robot import Robot
 
 
 def ring(corners: FloatArray) -> FloatArray:
@@ -52,3 +55,16 @@ def draw_sole(axis: Any, outline: FloatArray, ground: str, ink: str) -> FloatArr
     axis.fill(*closed.T, color=ground, lw=0)
     axis.plot(*closed.T, color=ink, lw=1.1)
     return np.asarray(closed)
+
+
+def bones(robot: Robot, q: FloatArray) -> FloatArray:
+    """Return the (m, 2, 3) ends of a robot's bones at (nq,) q [m]: joint to joint, and to contact points."""
+    import pinocchio
+
+    model, points, data = robot.model, robot.contact_points, robot.model.createData()
+    pinocchio.forwardKinematics(model, data, np.asarray(q, dtype=np.float64))
+    places = np.array([pose.translation for pose in data.oMi])
+    lines = [(places[int(model.parents[k])], places[k]) for k in range(2, model.njoints)]
+    for joint, place in zip(points.joints, points.places, strict=True):
+        lines.append((places[int(joint)], np.array(data.oMi[int(joint)].act(place))))
+    return np.array(lines).reshape(-1, 2, 3)

@@ -71,6 +71,26 @@ def new_panels(
     return figure, axes[:, 0]
 
 
+def new_grid(
+    count: int,
+    columns: int,
+    panel: tuple[float, float],
+    margin: tuple[float, float] = (0.0, 0.0),
+    **subplots: Any,
+) -> tuple[Any, list[Any]]:
+    """Return a figure of so many panels in rows of at most so many `columns`, and their axes.
+
+    `panel` is the size of each, `margin` what is around all of them [inches].
+    """
+    columns = min(columns, count)
+    rows = -(-count // columns)
+    size = (panel[0] * columns + margin[0], panel[1] * rows + margin[1])
+    figure, axes = new_figure(rows, columns, size, **subplots)
+    for axis in axes.flat[count:]:
+        axis.set_axis_off()
+    return figure, list(axes.flat[:count])
+
+
 def draw_columns(axis: Any, x: Any, columns: Any, names: Iterable[str], **line: Any) -> None:
     """Draw the columns of a (T, n) array over x, each in its own colour and with its name."""
     for k, name in enumerate(names):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from surefoot.viz.style import BAD, FOOT_COLOURS, GROUND, INK, MUTED, house_style, new_figure, save
+from surefoot.viz.style import BAD, FOOT_COLOURS, GROUND, INK, MUTED, house_style, new_grid, save
 
 if TYPE_CHECKING:
     from surefoot.sweep import SweepConfig
@@ -54,13 +54,8 @@ def _pairs(config: SweepConfig, found: list[Margin]) -> tuple[tuple[str, str], .
 def _draw_margins(config: SweepConfig, found: list[Margin], path: Path) -> Path:
     """Draw the share that survived over each parameter."""
     shown = sorted(found, key=lambda m: -m.effect())[:MOST_MARGINS]
-    columns = min(COLUMNS, len(shown))
-    rows = -(-len(shown) // columns)
-    figure, axes = new_figure(rows, columns, size=(3.4 * columns + 0.6, 2.7 * rows + 0.5))
-    for axis, margin in itertools.zip_longest(axes.flat, shown):
-        if margin is None:
-            axis.set_axis_off()
-            continue
+    figure, axes = new_grid(len(shown), COLUMNS, (3.4, 2.7), (0.6, 0.5))
+    for axis, margin in zip(axes, shown, strict=True):
         _draw_margin(axis, config, margin)
     with house_style():
         figure.suptitle(f"{config.name}: share that {config.experiment.goal}, with 95 % intervals", color=INK)
@@ -86,15 +81,9 @@ def _draw_maps(config: SweepConfig, table: Any, pairs: tuple[tuple[str, str], ..
 
     from surefoot.sweep.survival import survival_grid
 
-    columns = min(COLUMNS, len(pairs))
-    rows = -(-len(pairs) // columns)
-    figure, axes = new_figure(rows, columns, size=(4.1 * columns + 0.9, 3.4 * rows + 0.5))
+    figure, axes = new_grid(len(pairs), COLUMNS, (4.1, 3.4), (0.9, 0.5))
     colours = LinearSegmentedColormap.from_list("survival", [BAD, GROUND, SURVIVED])
-    image = None
-    for axis, pair in itertools.zip_longest(axes.flat, pairs):
-        if pair is None:
-            axis.set_axis_off()
-            continue
+    for axis, pair in zip(axes, pairs, strict=True):
         x, y, number, survived = survival_grid(config, table, *pair)
         share = np.ma.masked_where(number == 0, survived / np.maximum(number, 1))
         image = axis.pcolormesh(x, y, share.T, cmap=colours, vmin=0.0, vmax=1.0)
@@ -104,7 +93,7 @@ def _draw_maps(config: SweepConfig, table: Any, pairs: tuple[tuple[str, str], ..
         axis.set(xlabel=config.label(pair[0]), ylabel=config.label(pair[1]))
         axis.grid(visible=False)
     with house_style():
-        figure.colorbar(image, ax=axes, label=f"share that {config.experiment.goal}")
+        figure.colorbar(image, ax=figure.axes, label=f"share that {config.experiment.goal}")
         figure.suptitle(f"{config.name}: {table.num_rows} samples; white: none", color=INK)
     return save(figure, path)
 

@@ -21,11 +21,11 @@ from surefoot.spatial import quaternion_wxyz
 from surefoot.terrain import Terrain
 from surefoot.terrain.shapes import Box
 from surefoot.viz.meshes import add_meshes
-from surefoot.viz.shapes import cone_rim
+from surefoot.viz.shapes import bones, cone_rim
 
 WIDTH, HEIGHT = 1280, 720
 ARROW_LENGTH = 1.2
-"""Length of an arrow that carries the whole weight, in base heights."""
+"""Length of the arrow of a force of m g, in base heights."""
 FORCE_COLOUR, WANTED_COLOUR, PUSH_COLOUR = (
     (0.82, 0.29, 0.36, 1.0),
     (0.1, 0.4, 0.7, 0.35),
@@ -81,10 +81,9 @@ class Renderer:
         try:
             self.model = spec.compile()
         except ValueError as error:
-            told = " ".join(str(error).split())
-            raise RenderError(f"no pictures: MuJoCo cannot draw {robot.name} ({told:.120})") from error
+            said = " ".join(str(error).split())
+            raise RenderError(f"no pictures: MuJoCo cannot draw {robot.name} ({said:.120})") from error
         self.data = mujoco.MjData(self.model)
-        self._bones = [] if robot.visual.ngeoms else self._skeleton()
         try:
             self._renderer = mujoco.Renderer(self.model, height, width)
         except Exception as error:  # each GL backend fails with a class of its own
@@ -107,8 +106,9 @@ class Renderer:
         middle = q[:3] if self.robot.floating else self.data.xpos[1:].mean(axis=0)
         self._camera.lookat[:] = middle - [0.0, 0.0, 0.45 * self.size]
         self._renderer.update_scene(self.data, self._camera)
-        bones = [(a.copy(), b - a, BONE_COLOUR) for a, b in self._bones]
-        for line, drawn in ((False, arrows), (True, [*lines, *bones])):
+        ends = np.zeros((0, 2, 3)) if self.robot.visual.ngeoms else bones(self.robot, q)
+        sticks = [(a, b - a, BONE_COLOUR) for a, b in ends]
+        for line, drawn in ((False, arrows), (True, [*lines, *sticks])):
             for start, vector, colour in drawn:
                 self._arrow(start, vector, colour, line)
         return self._renderer.render()
@@ -124,17 +124,6 @@ class Renderer:
         half = 0.5 * self._renderer.height
         x, y = share * float(view @ np.cross(ahead, up)), share * float(view @ up)
         return np.array([0.5 * self._renderer.width + half * x, half * (1.0 - y)])
-
-    def _skeleton(self) -> list[tuple[FloatArray, FloatArray]]:
-        """Return where the ends of bones are, as views of MuJoCo's places: of links without meshes."""
-        model, data = self.model, self.data
-        joined = [
-            (data.xpos[model.body_parentid[k]], data.xpos[k])
-            for k in range(1, model.nbody)
-            if model.body_parentid[k]
-        ]
-        feet = [g for g in range(model.ngeom) if model.geom(g).name.startswith("foot:")]
-        return joined + [(data.xpos[model.geom_bodyid[g]], data.geom_xpos[g]) for g in feet]
 
     def _arrow(
         self, start: FloatArray, vector: FloatArray, colour: tuple[float, ...], line: bool = False
@@ -204,7 +193,7 @@ def _add_light(mujoco: Any, spec: Any, width: int, height: int, samples: int) ->
 
 
 def log_arrows(log: Log, step: int, terrain: Terrain, scale: float) -> list[Arrow]:
-    """Return the arrows of one step: measured forces, commanded ones where they differ, the push.
+    """Return the arrows of one step: measured forces, and commanded ones where they differ.
 
     `scale` is the length of a newton [m/N].
     """
@@ -216,9 +205,6 @@ def log_arrows(log: Log, step: int, terrain: Terrain, scale: float) -> list[Arro
         arrows.append((place, scale * frame @ measured, FORCE_COLOUR))
         if wanted_differs(wanted, measured):
             arrows.append((place, scale * frame @ wanted, WANTED_COLOUR))
-    push = log["push"][step]
-    if np.any(push):
-        arrows.append((log["q"][step, :3] - 2.0 * scale * push, 2.0 * scale * push, PUSH_COLOUR))
     return arrows
 
 
@@ -227,16 +213,27 @@ def wanted_differs(wanted: FloatArray, measured: FloatArray) -> Any:
     return np.linalg.norm(wanted - measured, axis=-1) > 0.15 * np.linalg.norm(wanted, axis=-1)
 
 
-def cone_lines(log: Log, step: int, terrain: Terrain, height: float, rays: int = 24) -> list[Arrow]:
-    """Return the friction cones of the loaded contacts as lines; `height` along the normal [m]."""
+def cone_lines(
+    log: Log, step: int, terrain: Terrain, height: float | FloatArray, rays: int = 24, every: int = 1
+) -> list[Arrow]:
+    """Return the friction cones of the loaded contacts as lines.
+
+    Parameters
+    ----------
+    log, step, terrain
+        Whose contacts, when, on what.
+    height
+        Of the cones along the normal [m]: a number, or (p,) one for each contact.
+    rays, every
+        Sides of the polygon that stands for a rim; a line from the apex goes to each so many of its corners.
+    """
     lines: list[Arrow] = []
-    mu = float(log["mu"][step])
-    for k, place in enumerate(log["contact_positions"][step]):
-        if log["forces"][step, k, 2] <= 0.0:
-            continue
-        rim = cone_rim(mu, height, terrain.frame(place[:2]), rays)
-        lines += [(place, edge, CONE_COLOUR) for edge in rim[:-1]]
-        lines += [(place + a, b - a, CONE_COLOUR) for a, b in pairwise(rim)]
+    places, loads = log["contact_positions"][step], log["forces"][step][:, 2]
+    heights = np.broadcast_to(height, loads.shape)
+    for k in np.flatnonzero(loads > 0.0):
+        rim = cone_rim(float(log["mu"][step]), float(heights[k]), terrain.frame(places[k, :2]), rays)
+        lines += [(places[k], edge, CONE_COLOUR) for edge in rim[:-1:every]]
+        lines += [(places[k] + a, b - a, CONE_COLOUR) for a, b in pairwise(rim)]
     return lines
 
 

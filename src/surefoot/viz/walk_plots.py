@@ -59,7 +59,7 @@ def draw_velocity(log: Log, path: Path) -> Path:
 
 
 def draw_footfalls(log: Log, path: Path) -> Path:
-    """Draw when each foot carried (bars) and when the gait wanted it to (outline), at the run's end."""
+    """Draw when each foot was on the ground (bars) and when the gait has it there (lines), at the end."""
     names = log.facts["feet"]
     title = "Footfalls: bars measured, dark lines planned"
     figure, axis = new_axis((8.0, 0.45 * len(names) + 1.2), title, xlabel="time [s]")

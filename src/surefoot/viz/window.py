@@ -1,6 +1,6 @@
 """A window that shows a robot while it walks: MuJoCo's passive viewer on a model that is only drawn.
 
-Any world's run can be shown: the viewer has a model of its own, with meshes and ground, and is told
+Any world's run can be shown: the viewer has a model of its own, with meshes and ground, and is given
 configurations.
 """
 
@@ -46,12 +46,12 @@ def check_display(environment: Mapping[str, str] = os.environ, system: str = sys
         warnings.simplefilter("always")
         opened = bool(glfw.init())
     if not opened:
-        why = "; ".join(" ".join(str(w.message).split()) for w in said) or "no reason told"
+        why = "; ".join(" ".join(str(w.message).split()) for w in said) or "no reason given"
         raise ProblemError(f"--view cannot open a window: {why}")
 
 
-class Window:
-    """MuJoCo's passive viewer; see `surefoot.simulation.live.View` for the methods.
+class ViewerWindow:
+    """MuJoCo's passive viewer; see `surefoot.simulation.live.LiveView` for the methods.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Window:
         self._handle: Any = None
 
     def open(self, press: Callable[[int], object]) -> None:
-        """See `View.open`."""
+        """See `LiveView.open`."""
         launch = self._launch
         if launch is None:
             import mujoco.viewer
@@ -96,7 +96,7 @@ class Window:
         camera.distance, camera.azimuth, camera.elevation = 5.0 * size, 140.0, -14.0
 
     def show(self, q: FloatArray, velocity: FloatArray) -> bool:
-        """See `View.show`."""
+        """See `LiveView.show`."""
         if not self._handle.is_running():
             return False
         with self._handle.lock():
@@ -114,7 +114,7 @@ class Window:
         self._mujoco.mj_forward(self.model, self.data)
 
     def close(self) -> None:
-        """See `View.close`."""
+        """See `LiveView.close`."""
         if self._handle is not None:
             self._handle.close()
             self._handle = None

@@ -11,15 +11,15 @@ from surefoot.arrays import FloatArray
 from surefoot.control.behaviours.behaviour import NOTHING
 from surefoot.control.behaviours.cruise import FOLLOW, SLACK, Cruise
 from surefoot.control.command_limits import ground_left
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
-from surefoot.control.gait_library import named_gait
 from surefoot.control.stair_gait import speed_in_step
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.estimation.ground_belief import TouchedGround
 from surefoot.estimation.mapped_ground import MappedGround
 from surefoot.robot import load_robot
+from surefoot.stance.contact_schedule import ContactSchedule
+from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import SlopeTerrain, StairsTerrain
 from tests.control.behaviours.views import view_of, walk_of
 

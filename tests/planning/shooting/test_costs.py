@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pinocchio
 import pytest
@@ -13,16 +11,12 @@ from surefoot.errors import ProblemError
 from surefoot.planning.shooting import Costs, FootCost, JointCost, StateCost, TorqueCost
 from surefoot.planning.shooting.cost_kernels import cost_slopes
 from surefoot.planning.shooting.horizon import Horizon
-from surefoot.planning.shooting.state_space import defect, difference, feedback, retract
-from surefoot.robot import Robot, load_robot
+from surefoot.planning.shooting.state_space import defect, difference, retract
+from surefoot.robot import load_robot
+from tests.robots import go2
 
 N, DT, MU, H = 2, 0.02, 0.6, 1e-6
 rng = np.random.default_rng(3)
-
-
-@cache
-def go2() -> Robot:
-    return load_robot("go2")
 
 
 def matrix(size: int, rows: int) -> np.ndarray:
@@ -147,20 +141,6 @@ def test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order(f
         total = defect(floating, state, (b, state[1] + 1.0), off)
         np.testing.assert_allclose(off, np.r_[1e-5 * tangent, np.ones(n)], atol=1e-9)
         assert total == pytest.approx(np.abs(off).sum())
-
-
-def test_feedback_is_the_policy_within_its_limits() -> None:
-    model = go2().model
-    a = go2().nominal
-    K, step, u, out = rng.normal(size=(12, 36)), rng.normal(size=12), rng.normal(size=12), np.empty(12)
-    d = 0.1 * rng.normal(size=36)
-    b = np.empty(model.nq)
-    retract(True, a, d[:18], b)
-    wide = np.array([np.full(12, -1e3), np.full(12, 1e3)])
-    feedback(True, (b, d[18:]), (a, np.zeros(18)), u, step, 0.5, K, wide, out)
-    np.testing.assert_allclose(out, u + 0.5 * step + K @ d, atol=1e-10)
-    feedback(True, (b, d[18:]), (a, np.zeros(18)), u, step, 0.5, K, 1e-4 * wide, out)
-    np.testing.assert_allclose(out, np.clip(u + 0.5 * step + K @ d, -0.1, 0.1), atol=1e-12)
 
 
 @pytest.mark.parametrize(

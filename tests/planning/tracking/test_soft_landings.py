@@ -10,9 +10,8 @@ import pytest
 import surefoot as sf
 from surefoot.control.whole_body import WholeBodyController
 from surefoot.planning.tracking import Reference
-from surefoot.planning.tracking.flight import Flight, Touchdown, touchdowns
+from surefoot.planning.tracking.flight import FlightControl, Touchdown, touchdowns
 from surefoot.planning.tracking.landing import BRAKE, NEAR, SLOW, gently
-from surefoot.robot.legs import Legs
 from surefoot.spatial import quaternion_from_rotation, rotation_about
 from tests.planning.tracking.hops import hop
 
@@ -41,27 +40,19 @@ def seen(jump: Reference, goal: Touchdown, turn: float):
 
 def test_on_the_plan_nothing_is_moved(jump: Reference, goal: Touchdown) -> None:
     _, now = seen(jump, goal, 0.0)
-    np.testing.assert_allclose(Flight(ROBOT, 60.0, 0.7).levelled(now, goal, 0.0), 0.0, atol=1e-6)
+    np.testing.assert_allclose(FlightControl(ROBOT, 60.0, 0.7).levelled(now, goal, 0.0), 0.0, atol=1e-6)
 
 
 def test_a_tilted_body_still_lands_its_feet_where_planned(jump: Reference, goal: Touchdown) -> None:
     q, now = seen(jump, goal, 0.1)
     moved = q.copy()
-    moved[7:] += Flight(ROBOT, 60.0, 0.7).levelled(now, goal, 0.0)
+    moved[7:] += FlightControl(ROBOT, 60.0, 0.7).levelled(now, goal, 0.0)
     wanted = goal.feet[:2, [0, 2]]
     off = [np.abs((ROBOT.foot_positions(c) - ROBOT.com(q))[:2][:, [0, 2]] - wanted).max() for c in (q, moved)]
     assert off[0] > 0.015
     assert off[1] < 0.3 * off[0]
     np.testing.assert_array_equal(moved[13:], q[13:])  # the rear legs, which do not land
     np.testing.assert_array_equal(moved[[7, 10]], q[[7, 10]])  # abduction
-
-
-def test_slopes_are_the_jacobians(jump: Reference) -> None:
-    joints = jump.q[10, 7:]
-    move = np.random.default_rng(3).normal(size=12)
-    legs = Legs(ROBOT)
-    ahead = (legs.feet(joints + 1e-5 * move) - legs.feet(joints - 1e-5 * move)) / 2e-5
-    np.testing.assert_allclose(legs.slopes(joints) @ move, ahead, atol=1e-7)
 
 
 def test_feet_near_the_ground_slow_down(jump: Reference) -> None:

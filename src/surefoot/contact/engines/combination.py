@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from surefoot.arrays import real_number
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 
 class CombinationRule(NamedTuple):
@@ -75,8 +75,7 @@ def combine_friction(engine: str, first: float, second: float) -> float:
     >>> [round(combine_friction(e, 0.5, 1.0), 3) for e in ("mujoco", "drake", "physx", "bullet")]
     [1.0, 0.667, 0.75, 0.5]
     """
-    if engine not in _RULES:
-        raise ProblemError(unknown_name("engine", engine, _RULES))
+    check_name("engine", engine, _RULES)
     a, b = (real_number("friction", mu, low=0.0) for mu in (first, second))
     if math.isinf(a) or math.isinf(b):
         raise ProblemError("friction must be finite")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 from surefoot.contact.laws.soft.law import SoftLaw
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.spatial import GRAVITY
 
 ENGINES: dict[str, tuple[str, str]] = {
@@ -93,8 +93,7 @@ def engine_named(name: str) -> type[EngineContact]:
     ProblemError
         For an unknown name; the message lists the names.
     """
-    if name not in ENGINES:
-        raise ProblemError(unknown_name("engine", name, ENGINES))
+    check_name("engine", name, ENGINES)
     file, kind = ENGINES[name]
     found: type[EngineContact] = getattr(importlib.import_module(f"surefoot.contact.engines.{file}"), kind)
     return found

@@ -11,7 +11,7 @@ from surefoot.contact.engines.engine import ENGINES, EngineContact, engine_named
 from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 
 def _bouncing_spring(mass: float, speed: float, stiffness: float, restitution: float) -> SoftLaw:
@@ -66,16 +66,14 @@ def read_contact(
     >>> read_contact("physical", {"stiffness": 1e4, "damping": 20.0}, mass=1.0, speed=1.0)
     PhysicalContact(stiffness=10000.0, damping=20.0)
     """
-    if source not in source_names():
-        raise ProblemError(unknown_name("source", source, source_names()))
+    check_name("source", source, source_names())
     recipe = next((r for (s, key), r in _RECIPES.items() if s == source and (not key or key in values)), None)
     maker: Callable[..., Any] = recipe if recipe is not None else engine_named(source)
     parameters = {
         name: p for name, p in inspect.signature(maker).parameters.items() if name not in ("mass", "speed")
     }
     for name in values:
-        if name not in parameters:
-            raise ProblemError(unknown_name(f"parameter of {source}", name, parameters))
+        check_name(f"parameter of {source}", name, parameters)
     missing = [n for n, p in parameters.items() if p.default is p.empty and n not in values]
     if missing:
         raise ProblemError(f"{source} needs {', '.join(missing)} (got {', '.join(values) or 'nothing'})")

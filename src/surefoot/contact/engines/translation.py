@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 from surefoot.arrays import real_number
 from surefoot.contact.engines.engine import EngineContact, Situation, engine_named
-from surefoot.contact.laws.soft.behaviour import Behaviour, behaviour
+from surefoot.contact.laws.soft.behaviour import MassOnContact, behaviour
 from surefoot.contact.laws.soft.law import SoftLaw
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.spatial import GRAVITY
 
 AGREED = 0.01
@@ -55,8 +55,8 @@ class Translation:
     contact: EngineContact
     law: SoftLaw
     lost: tuple[str, ...]
-    given: Behaviour
-    translated: Behaviour
+    given: MassOnContact
+    translated: MassOnContact
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -121,8 +121,7 @@ def translate(
     >>> found.parameters
     {'soft_erp': 0.5, 'soft_cfm': 0.05}
     """
-    if keep not in ("motion", "rest"):
-        raise ProblemError(unknown_name("keep", keep, ["motion", "rest"]))
+    check_name("keep", keep, ["motion", "rest"])
     situation = Situation(
         real_number("mass", mass, low=1e-9, high=1e9),
         real_number("gravity", gravity, low=1e-9, high=1e6),

@@ -51,10 +51,6 @@ class Bilateral(ContactKind):
         """Return the point (rows,) itself, in any unit."""
         return np.array(y, dtype=np.float64)
 
-    def jacobian(self, force: FloatArray) -> FloatArray:
-        """Return the unit matrix (rows, rows) [-]."""
-        return np.eye(self.rows)
-
     def support(self, direction: FloatArray) -> float:
         """Return 0 for a direction (rows,) of zeros, infinity for any other, in any unit."""
         return math.inf if np.any(direction) else 0.0

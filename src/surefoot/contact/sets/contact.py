@@ -1,4 +1,4 @@
-"""What a contact is: which forces it can carry, as a convex set with four operations.
+"""What a contact is: which forces it can carry, as a convex set with three operations.
 
 A contact has rows in the order of a wrench, [force; moment], tangents before the normal; `normal` is the
 row of the normal force. Its set is a stack of sections, {λ : low <= λ_n <= high, λ_t in λ_n C}, and C a
@@ -143,31 +143,6 @@ class ContactKind:
             push, slope = push + radius * size, slope + radius * radius
             s = push / slope
         return min(max(s, low, 0.0), high), sizes
-
-    def jacobian(self, force: FloatArray) -> FloatArray:
-        """Return a generalised Jacobian of `project` at a force [N, N m]: (rows, rows) [-, m]."""
-        y = np.asarray(force) / self.lengths
-        s, sizes = self._height(y, self.normal_min, self.normal_max)
-        n = self.normal
-        J, rise = np.eye(self.rows), np.zeros(self.rows)  # the normal force moves by rise · dy
-        rise[n], slope = 1.0, 1.0
-        held = [size > b.radius * s for b, size in zip(self.factors, sizes, strict=True)]
-        for b, size, holds in zip(self.factors, sizes, held, strict=True):
-            if holds:
-                rise[list(b.rows)] = b.radius * y[list(b.rows)] / size
-                slope += b.radius * b.radius
-        inside = max(self.normal_min, 0.0) < s < self.normal_max
-        rise = rise / slope if inside else np.zeros(self.rows)
-        J[n] = rise
-        for b, size, holds in zip(self.factors, sizes, held, strict=True):
-            if holds:
-                rows = list(b.rows)
-                e = y[rows] / size
-                J[rows] = b.radius * e[:, None] * rise[None, :]
-                J[np.ix_(rows, rows)] += b.radius * s / size * (np.eye(len(rows)) - np.outer(e, e))
-            elif b.radius * s == 0.0:
-                J[list(b.rows)] = 0.0
-        return self.lengths[:, None] * J / self.lengths[None, :]
 
     def support(self, direction: FloatArray) -> float:
         """Return sup of direction (rows,) · λ over the set, in the unit of both; infinite without a bound."""

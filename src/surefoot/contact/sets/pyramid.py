@@ -76,27 +76,6 @@ class Pyramid(ContactKind):
             nearest(x, y_, z, float(self.mu), float(low), float(high), self.facets, self.fit == "inner")
         )
 
-    def jacobian(self, force: FloatArray) -> FloatArray:
-        """Return the projector (3, 3) [-] along the faces that hold the point nearest to a force [N].
-
-        A polyhedron's projection is affine where the multipliers of its faces stay positive.
-        """
-        sector = np.pi / self.facets
-        angles = 2.0 * sector * np.arange(self.facets) + (sector if self.fit == "inner" else 0.0)
-        slope = self.mu * np.cos(sector) if self.fit == "inner" else self.mu
-        faces = np.column_stack([np.cos(angles), np.sin(angles), np.full(self.facets, -slope)])
-        A = np.vstack([faces, [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]])
-        limits = np.array([*np.zeros(self.facets), -self.normal_min, self.normal_max])
-        y = np.asarray(force, dtype=np.float64)
-        point = self.project(y)
-        active = A[limits - A @ point <= 1e-11 * (1.0 + float(np.abs(y).max()))]
-        if not len(active):
-            return np.eye(3)
-        from scipy.optimize import nnls  # a tenth of a second that few need
-
-        held = active[nnls(active.T, y - point)[0] > 0.0]
-        return np.eye(3) - np.linalg.pinv(held) @ held if len(held) else np.eye(3)
-
     def reach(self, direction: FloatArray, friction: bool | None = None) -> float:
         """Return sup of direction (3,), any unit, · λ over the section λ_n = 1, without the normal's part."""
         return 0.0 if friction is False else float(np.max(self._edges @ np.asarray(direction)[:2]))

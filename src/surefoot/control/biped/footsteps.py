@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.contact_schedule import ContactSchedule
+from surefoot.stance.contact_schedule import ContactSchedule
 
 LONGEST = 30.0
 """A stance that ends later than this from now has no end that matters [s]."""

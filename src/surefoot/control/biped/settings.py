@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from surefoot.control.actuators import Actuators
 from surefoot.control.behaviours import Cruise, MakeBehaviour, StandStill
 from surefoot.control.mpc import MpcWeights
 from surefoot.control.whole_body import TaskWeights
+from surefoot.robot.actuators import Actuators
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.swing import minimum_jerk
 from surefoot.control.walking_feet import Feet
 from surefoot.robot import Robot
 from surefoot.robot.sole_plane import sole_plane
 from surefoot.spatial import rotation_about, rotation_log
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
 TURN_FIRST, TURN_LAST = 0.1, 0.9

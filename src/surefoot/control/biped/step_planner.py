@@ -10,9 +10,9 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.biped.footsteps import Footstep, StepGeometry, stances, touching
 from surefoot.control.biped.soles import Soles
-from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.swing import swing_motion
 from surefoot.control.walking_body import BodyPlan
+from surefoot.stance.contact_schedule import ContactSchedule
 
 
 @dataclass(frozen=True)

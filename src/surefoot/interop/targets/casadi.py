@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from surefoot.interop.sequence import ContactSequence
-from surefoot.interop.targets.target import header, python_data
+from surefoot.interop.targets.target import script
 
 BODY = '''
 
@@ -37,17 +37,7 @@ def exact(phase, forces):
 '''
 
 
-class Casadi:
-    """A module with `linear(phase, forces)` and `exact(phase, forces)`."""
-
-    name = "casadi"
-    meaning = "a module of constraint functions for SX, MX and DM"
-
-    def files(self, sequence: ContactSequence) -> dict[str, str]:
-        """Return contacts_casadi.py."""
-        how = "linear(phase, forces) and exact(phase, forces) are <= 0 where forces are allowed."
-        text = header(sequence, "CasADi", how) + "import casadi as ca\n\n" + python_data(sequence) + BODY
-        return {"contacts_casadi.py": text}
-
-
-TARGET = Casadi()
+def files(sequence: ContactSequence) -> dict[str, str]:
+    """Return contacts_casadi.py, with `linear(phase, forces)` and `exact(phase, forces)`."""
+    how = "linear(phase, forces) and exact(phase, forces) are <= 0 where forces are allowed."
+    return {"contacts_casadi.py": script(sequence, "CasADi", how, "import casadi as ca\n\n", BODY)}

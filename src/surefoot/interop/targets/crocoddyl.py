@@ -6,7 +6,7 @@ import math
 
 from surefoot.errors import ProblemError
 from surefoot.interop.sequence import ContactSequence
-from surefoot.interop.targets.target import header, python_data
+from surefoot.interop.targets.target import script
 from surefoot.stance import PointContact
 
 BODY = '''
@@ -62,22 +62,19 @@ def cone_costs(state, actuation, phase, weight=1e1):
 '''
 
 
-class Crocoddyl:
-    """A module with `cones(phase)`, `contact_model(...)` and `cone_costs(...)`; facets must be even."""
+def files(sequence: ContactSequence) -> dict[str, str]:
+    """Return contacts_crocoddyl.py, with `cones(phase)`, `contact_model(...)` and `cone_costs(...)`.
 
-    name = "crocoddyl"
-    meaning = "a module of cones, contact models and costs for every phase"
-
-    def files(self, sequence: ContactSequence) -> dict[str, str]:
-        """Return contacts_crocoddyl.py."""
-        if sequence.facets % 2:
-            raise ProblemError(f"Crocoddyl's cones have an even number of facets, got {sequence.facets}")
-        how = "cones(phase) are Crocoddyl's own cones; contact_model and cone_costs make its models."
-        text = header(sequence, "Crocoddyl", how) + "import crocoddyl\nimport numpy as np\n\n"
-        first = PointContact((0.0, 0.0, 0.0)).sides(sequence.facets, sequence.fit)[0]
-        turned = math.atan2(first[1], first[0])
-        text += f"FACETS, INNER, TURNED = {sequence.facets}, {sequence.fit == 'inner'}, {turned!r}\n"
-        return {"contacts_crocoddyl.py": text + python_data(sequence) + BODY}
-
-
-TARGET = Crocoddyl()
+    Raises
+    ------
+    ProblemError
+        For an odd number of facets.
+    """
+    if sequence.facets % 2:
+        raise ProblemError(f"Crocoddyl's cones have an even number of facets, got {sequence.facets}")
+    how = "cones(phase) are Crocoddyl's own cones; contact_model and cone_costs make its models."
+    first = PointContact((0.0, 0.0, 0.0)).sides(sequence.facets, sequence.fit)[0]
+    turned = math.atan2(first[1], first[0])
+    setup = "import crocoddyl\nimport numpy as np\n\n"
+    setup += f"FACETS, INNER, TURNED = {sequence.facets}, {sequence.fit == 'inner'}, {turned!r}\n"
+    return {"contacts_crocoddyl.py": script(sequence, "Crocoddyl", how, setup, BODY)}

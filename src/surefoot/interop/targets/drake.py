@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from surefoot.interop.sequence import ContactSequence
-from surefoot.interop.targets.target import header, python_data
+from surefoot.interop.targets.target import script
 
 BODY = '''
 
@@ -37,21 +37,7 @@ def add_exact(prog, forces, phase):
 '''
 
 
-class Drake:
-    """A module with `new_forces`, `add_linear` and `add_exact`."""
-
-    name = "drake"
-    meaning = "a module that adds constraints to a MathematicalProgram"
-
-    def files(self, sequence: ContactSequence) -> dict[str, str]:
-        """Return contacts_drake.py."""
-        how = "add_linear(prog, forces, phase) and add_exact(prog, forces, phase) constrain them."
-        return {
-            "contacts_drake.py": header(sequence, "Drake", how)
-            + "import numpy as np\n\n"
-            + python_data(sequence)
-            + BODY
-        }
-
-
-TARGET = Drake()
+def files(sequence: ContactSequence) -> dict[str, str]:
+    """Return contacts_drake.py, with `new_forces`, `add_linear` and `add_exact`."""
+    how = "add_linear(prog, forces, phase) and add_exact(prog, forces, phase) constrain them."
+    return {"contacts_drake.py": script(sequence, "Drake", how, "import numpy as np\n\n", BODY)}

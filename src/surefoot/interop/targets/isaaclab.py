@@ -20,35 +20,22 @@ def ground_material(frame, time=0.0):
 '''
 
 
-class IsaacLab:
-    """A module with MATERIALS and `ground_material(frame, time)`."""
-
-    name = "isaaclab"
-    meaning = "a module of RigidBodyMaterialCfg"
-
-    def files(self, sequence: ContactSequence) -> dict[str, str]:
-        """Return contacts_isaaclab.py."""
-        values = sorted({c.mu for phase in sequence.phases for c in phase.stance})
-        lines = ["import isaaclab.sim as sim_utils\n", "MATERIALS = {"]
-        for mu in values:
-            lines += [
-                f"    {mu!r}: sim_utils.RigidBodyMaterialCfg(",
-                f"        static_friction={mu!r}, dynamic_friction={mu!r}, restitution=0.0,",
-                '        friction_combine_mode="min", restitution_combine_mode="multiply",',
-                "    ),",
-            ]
-        lines += ["}", "SPANS = ["]
-        times = sequence.switching
-        for k, phase in enumerate(sequence.phases):
-            frames = {contact.name: contact.mu for contact in phase.stance}
-            lines.append(f"    ({float(times[k])!r}, {float(times[k + 1])!r}, {frames!r}),")
-        how = "ground_material(frame, time) is the ground's material below a foot."
-        return {
-            "contacts_isaaclab.py": header(sequence, "Isaac Lab", how)
-            + "\n".join([*lines, "]"])
-            + "\n"
-            + BODY
-        }
-
-
-TARGET = IsaacLab()
+def files(sequence: ContactSequence) -> dict[str, str]:
+    """Return contacts_isaaclab.py, with MATERIALS and `ground_material(frame, time)`."""
+    values = sorted({c.mu for phase in sequence.phases for c in phase.stance})
+    lines = ["import isaaclab.sim as sim_utils\n", "MATERIALS = {"]
+    for mu in values:
+        lines += [
+            f"    {mu!r}: sim_utils.RigidBodyMaterialCfg(",
+            f"        static_friction={mu!r}, dynamic_friction={mu!r}, restitution=0.0,",
+            '        friction_combine_mode="min", restitution_combine_mode="multiply",',
+            "    ),",
+        ]
+    lines += ["}", "SPANS = ["]
+    times = sequence.switching
+    for k, phase in enumerate(sequence.phases):
+        frames = {contact.name: contact.mu for contact in phase.stance}
+        lines.append(f"    ({float(times[k])!r}, {float(times[k + 1])!r}, {frames!r}),")
+    how = "ground_material(frame, time) is the ground's material below a foot."
+    data = "\n".join([*lines, "]\n"])
+    return {"contacts_isaaclab.py": header(sequence, "Isaac Lab", how) + data + BODY}

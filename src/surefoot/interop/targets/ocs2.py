@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from surefoot.errors import ProblemError
-from surefoot.interop.gait_files import QUADRUPED
+from surefoot.interop.gait_files import QUADRUPED, block, listed, named_mode
 from surefoot.interop.sequence import ContactSequence
 from surefoot.stance import Contact, PointContact
 
@@ -29,51 +29,33 @@ frictionConeSoftConstraint
 """
 
 
-class Ocs2:
-    """Gait, schedule and friction of four point feet, in the order of the frames (OCS2: LF, RF, LH, RH)."""
+def files(sequence: ContactSequence) -> dict[str, str]:
+    """Return gait.info and friction.info, of four point feet in the order of the frames (LF, RF, LH, RH).
 
-    name = "ocs2"
-    meaning = "gait, mode schedule and friction settings in INFO notation"
-
-    def files(self, sequence: ContactSequence) -> dict[str, str]:
-        """Return gait.info and friction.info."""
-        feet = dict(zip(sequence.frames, QUADRUPED, strict=False))
-        if len(sequence.frames) != len(QUADRUPED):
-            raise ProblemError(f"OCS2's modes name 4 feet, the sequence has {len(sequence.frames)} frames")
-        contacts = [contact for phase in sequence.phases for contact in phase.stance]
-        for contact in contacts:
-            if not isinstance(contact, PointContact):
-                raise ProblemError(f"OCS2's legged robot has point feet, {contact.name} is a patch")
-        modes = [_mode([feet[name] for name in sequence.frames if name in p.names]) for p in sequence.phases]
-        times = [f"{time:.12g}" for time in sequence.switching]
-        gait = [
-            *(f"; {label} is {name}" for name, label in feet.items()),
-            *_block("list", _entries(["sequence"])),
-            *_block("sequence", _gait(modes, "switchingTimes", times)),
-            # a schedule goes on for ever on both sides: there its first and last modes hold
-            *_block("initialModeSchedule", _gait(modes, "eventTimes", times[1:-1])),
-        ]
-        mu = min((_upright_friction(contact) for contact in contacts), default=0.0)
-        lean = max((_lean(contact) for contact in contacts), default=0.0)
-        said = f", which lean by up to {math.degrees(lean):.3g} deg" if lean > 1e-9 else ""
-        return {"gait.info": "\n".join(gait) + "\n", "friction.info": FRICTION.format(mu=mu, lean=said)}
-
-
-def _mode(feet: list[str]) -> str:
-    """Return OCS2's name of the mode in which these feet touch."""
-    return "STANCE" if len(feet) == len(QUADRUPED) else "_".join(feet) or "FLY"
-
-
-def _gait(modes: list[str], key: str, times: list[str]) -> list[str]:
-    return [*_block("modeSequence", _entries(modes)), *_block(key, _entries(times))]
-
-
-def _entries(values: list[str]) -> list[str]:
-    return [f"[{k}] {value}" for k, value in enumerate(values)]
-
-
-def _block(name: str, lines: list[str]) -> list[str]:
-    return [name, "{", *("  " + line for line in lines), "}"]
+    Raises
+    ------
+    ProblemError
+        For other feet, and a cone that no upright one is inside of.
+    """
+    if len(sequence.frames) != len(QUADRUPED):
+        raise ProblemError(f"OCS2's modes name 4 feet, the sequence has {len(sequence.frames)} frames")
+    contacts = [contact for phase in sequence.phases for contact in phase.stance]
+    for contact in contacts:
+        if not isinstance(contact, PointContact):
+            raise ProblemError(f"OCS2's legged robot has point feet, {contact.name} is a patch")
+    modes = [named_mode([name in p.names for name in sequence.frames], QUADRUPED) for p in sequence.phases]
+    times = [f"{time:.12g}" for time in sequence.switching]
+    gait = [
+        *(f"; {label} is {name}" for name, label in zip(sequence.frames, QUADRUPED, strict=True)),
+        *listed("list", ["sequence"]),
+        *block("sequence", listed("modeSequence", modes) + listed("switchingTimes", times)),
+        # a schedule goes on for ever on both sides: there its first and last modes hold
+        *block("initialModeSchedule", listed("modeSequence", modes) + listed("eventTimes", times[1:-1])),
+    ]
+    mu = min((_upright_friction(contact) for contact in contacts), default=0.0)
+    lean = max((_lean(contact) for contact in contacts), default=0.0)
+    said = f", which lean by up to {math.degrees(lean):.3g} deg" if lean > 1e-9 else ""
+    return {"gait.info": "\n".join(gait) + "\n", "friction.info": FRICTION.format(mu=mu, lean=said)}
 
 
 def _lean(contact: Contact) -> float:
@@ -91,6 +73,3 @@ def _upright_friction(contact: Contact) -> float:
             f"leans by {math.degrees(_lean(contact)):.3g} deg at mu {contact.mu:g}"
         )
     return math.tan(spare)
-
-
-TARGET = Ocs2()

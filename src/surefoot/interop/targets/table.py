@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from surefoot.errors import ProblemError, WriteError, unknown_name
+from surefoot.errors import ProblemError, WriteError, check_name
 from surefoot.interop.sequence import ContactSequence
-from surefoot.interop.targets.target import ExportTarget
 
+Target = Callable[[ContactSequence], dict[str, str]]
+"""Takes a sequence, returns names of files and their texts; a ProblemError where it cannot express it."""
 TARGETS: dict[str, str] = {
-    name: f"surefoot.interop.targets.{name}:TARGET"
+    name: f"surefoot.interop.targets.{name}:files"
     for name in ("ocs2", "crocoddyl", "tsid", "casadi", "drake", "isaaclab")
 }
-"""Name to "module:object"."""
+"""Name to "module:function"."""
 
 
 def target_names() -> tuple[str, ...]:
@@ -21,18 +23,17 @@ def target_names() -> tuple[str, ...]:
     return tuple(TARGETS)
 
 
-def find_target(name: str) -> ExportTarget:
-    """Return the target of a name.
+def find_target(name: str) -> Target:
+    """Return what writes the files of a target.
 
     Raises
     ------
     ProblemError
         For an unknown name.
     """
-    if name not in TARGETS:
-        raise ProblemError(unknown_name("target", name, TARGETS))
+    check_name("target", name, TARGETS)
     module, _, attribute = TARGETS[name].partition(":")
-    target: ExportTarget = getattr(import_module(module), attribute)
+    target: Target = getattr(import_module(module), attribute)
     return target
 
 
@@ -47,7 +48,7 @@ def export_sequence(sequence: ContactSequence, target: str, folder: Path | str) 
     WriteError
         If a file cannot be written.
     """
-    texts = find_target(target).files(sequence)
+    texts = find_target(target)(sequence)
     where = Path(folder)
     taken = [name for name in texts if (where / name).exists()]
     if taken:

@@ -1,37 +1,12 @@
-"""What a target is: a sequence in, the texts of files out."""
+"""What targets that are Python scripts have in common: a sequence as data, and a body that uses it."""
 
 from __future__ import annotations
-
-from typing import Protocol
 
 from surefoot.interop.sequence import ContactSequence
 from surefoot.stance import PatchContact
 
 WIDTH = 100
 """Characters of a line of data."""
-
-
-class ExportTarget(Protocol):
-    """A tool that contact sequences are written for.
-
-    Attributes
-    ----------
-    name, meaning
-        For people, the meaning in one line.
-    """
-
-    name: str
-    meaning: str
-
-    def files(self, sequence: ContactSequence) -> dict[str, str]:
-        """Return names of files and their texts.
-
-        Raises
-        ------
-        ProblemError
-            For a sequence that the tool cannot express.
-        """
-        ...
 
 
 def python_data(sequence: ContactSequence) -> str:
@@ -64,6 +39,21 @@ def python_data(sequence: ContactSequence) -> str:
 def _number(value: object) -> str:
     """Return Python text of a value; infinity has no literal of its own."""
     return repr(value).replace("inf", 'float("inf")') if isinstance(value, float) else repr(value)
+
+
+def script(sequence: ContactSequence, tool: str, how: str, setup: str, body: str) -> str:
+    """Return a script that holds a sequence.
+
+    Parameters
+    ----------
+    sequence
+        See `python_data`.
+    tool, how
+        Whom it is for, and what to call in it, in a sentence.
+    setup, body
+        What stands before the data (imports, with a blank line behind them) and after it.
+    """
+    return header(sequence, tool, how) + setup + python_data(sequence) + body
 
 
 def header(sequence: ContactSequence, tool: str, how: str) -> str:

@@ -10,7 +10,7 @@ foot's own axes, but for a `ContactPoint` with useLocalFrame(False), which is wh
 from __future__ import annotations
 
 from surefoot.interop.sequence import ContactSequence
-from surefoot.interop.targets.target import header, python_data
+from surefoot.interop.targets.target import script
 
 BODY = '''
 MOST = 1e6
@@ -54,24 +54,11 @@ def schedule():
 '''
 
 
-class Tsid:
-    """A module with `contacts(robot, phase)` and `schedule()`."""
-
-    name = "tsid"
-    meaning = "a module of ContactPoint and Contact6d for every phase"
-
-    def files(self, sequence: ContactSequence) -> dict[str, str]:
-        """Return contacts_tsid.py."""
-        how = "contacts(robot, phase) are TSID's contacts, schedule() says when to add and remove them."
-        text = header(sequence, "TSID", how) + "import math\n\nimport numpy as np\nimport tsid\n\n"
-        text += f"INNER = {sequence.fit == 'inner'}\n" + python_data(sequence) + BODY
-        if sequence.facets != 4:
-            text = text.replace(
-                f"{sequence.facets} facets, {sequence.fit}",
-                f"{sequence.facets} facets, {sequence.fit} (TSID itself has four)",
-                1,
-            )
-        return {"contacts_tsid.py": text}
-
-
-TARGET = Tsid()
+def files(sequence: ContactSequence) -> dict[str, str]:
+    """Return contacts_tsid.py, with `contacts(robot, phase)` and `schedule()`."""
+    how = "contacts(robot, phase) are TSID's contacts, schedule() says when to add and remove them."
+    setup = f"import math\n\nimport numpy as np\nimport tsid\n\nINNER = {sequence.fit == 'inner'}\n"
+    text, sides = script(sequence, "TSID", how, setup, BODY), f"{sequence.facets} facets, {sequence.fit}"
+    if sequence.facets != 4:
+        text = text.replace(sides, f"{sides} (TSID itself has four)", 1)
+    return {"contacts_tsid.py": text}

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_array, real_number, whole_number
 from surefoot.errors import ProblemError
-from surefoot.planning.transcription.planar import passive_joints
-from surefoot.planning.transcription.touches import Touch
+from surefoot.planning.transcription.planar import is_planar, passive_joints
+from surefoot.planning.transcription.touches import BodyTouch
 from surefoot.robot import Robot
 from surefoot.terrain import FlatTerrain, Terrain
 
@@ -20,7 +20,7 @@ UNBOUNDED = 1e15
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
+class StateWindow:
     """Bounds on the state at a knot; None for none, infinite entries for those that are free.
 
     Attributes
@@ -38,8 +38,9 @@ class Window:
 
     @classmethod
     def at(
-        cls, q: ArrayLike | None = None, v: ArrayLike | None = None, within: float = 0.0, speed: float = 0.0
-    ) -> Window:
+        cls, q: ArrayLike | None = None, v: ArrayLike | None = None, within: ArrayLike = 0.0,
+        speed: ArrayLike = 0.0,
+    ) -> StateWindow:  # fmt: skip
         """Return the window about (nq,) q, (nv,) v, NaN left free: ± `within` [m, rad], `speed` [m/s]."""
         sides = list[FloatArray | None]()
         for value, reach in ((q, within), (v, speed)):
@@ -47,7 +48,9 @@ class Window:
                 sides += [None, None]
                 continue
             middle = np.asarray(value, dtype=np.float64)
-            sides += [np.where(np.isnan(middle), s * np.inf, middle + s * reach) for s in (-1.0, 1.0)]
+            sides += [
+                np.where(np.isnan(middle), s * np.inf, middle + s * np.asarray(reach)) for s in (-1.0, 1.0)
+            ]
         return cls(*sides)
 
     def narrow(
@@ -130,7 +133,7 @@ class DirectProblem:
     joint_limits
         Whether the model's limits on joint positions and speeds hold.
     planar
-        Whether all contacts move in the plane y = 0; None to find out.
+        Whether all contacts move in the plane y = 0; None where the robot is one of `transcription.planar`.
     touches
         Contacts between bodies of a planar robot, beside those of its feet with the ground.
 
@@ -146,15 +149,15 @@ class DirectProblem:
     knots: int
     dt: float
     reference: FloatArray | None = None
-    end: Window = field(default_factory=Window)
-    windows: Mapping[int, Window] = field(default_factory=dict)
+    end: StateWindow = field(default_factory=StateWindow)
+    windows: Mapping[int, StateWindow] = field(default_factory=dict)
     weights: Weights = field(default_factory=Weights)
     mu: float = 0.6
     terrain: Terrain = field(default_factory=FlatTerrain)
     torque_limits: FloatArray | None = None
     joint_limits: bool = True
     planar: bool | None = None
-    touches: tuple[Touch, ...] = ()
+    touches: tuple[BodyTouch, ...] = ()
 
     def __post_init__(self) -> None:
         robot, model = self.robot, self.robot.model
@@ -179,7 +182,7 @@ class DirectProblem:
             if not 0 < k <= self.knots:
                 raise ProblemError(f"windows are of knots 1 to {self.knots}, got {k}")
         if self.planar is None:
-            object.__setattr__(self, "planar", _moves_in_plane(robot))
+            object.__setattr__(self, "planar", is_planar(robot))
         if self.touches and not (self.planar and model.nq == model.nv):
             raise ProblemError(f"touches are of planar robots, {robot.name} is none")
 
@@ -212,26 +215,6 @@ class DirectProblem:
             window.narrow(low[k], high[k], nq, k)
         low[0] = high[0] = np.concatenate([self.q, self.v])
         return low, high
-
-
-def _moves_in_plane(robot: Robot) -> bool:
-    """Return whether no contact point can move across the plane y = 0, by Jacobians at random poses."""
-    import pinocchio
-
-    model, points = robot.model, robot.contact_points
-    data = model.createData()
-    rng = np.random.default_rng(0)
-    for _ in range(2):  # a bent pose can hide a direction, not two random ones
-        q = pinocchio.integrate(model, robot.nominal, rng.normal(size=model.nv))
-        pinocchio.computeJointJacobians(model, data, q)
-        for joint, place in zip(points.joints, points.places, strict=True):
-            J = pinocchio.getJointJacobian(
-                model, data, int(joint), pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
-            )
-            arm = data.oMi[int(joint)].rotation @ place
-            if np.abs(J[1] - (pinocchio.skew(arm) @ J[3:])[1]).max() > 1e-12:
-                return False
-    return True
 
 
 def limit_joints(robot: Robot, low: FloatArray, high: FloatArray, speed_share: float = 1.0) -> None:

@@ -1,10 +1,7 @@
-"""The step of `surefoot.stepping.Knot` as the rows of a block of an NLP, and Ipopt on it.
+"""A knot whose contacts nobody gives, and Ipopt on it.
 
-Semi-implicit Euler with all forces at the start, written as inverse dynamics (no mass matrix is inverted)::
-
-    dt RNEA(q, v, (v⁺ - v) / dt) = dt S tau + Jᵀλ,      q⁺ = q ⊕ dt v⁺,
-
-and the laws of contact for φ = gap / dt + n·u and u_t, with u = J(q) v⁺: see `contact_rows`.
+The step is that of `transcription.knot`; the laws of contact are for φ = gap / dt + n·u and u_t, with
+u = J(q) v⁺: see `contact_rows`.
 """
 
 from __future__ import annotations
@@ -18,9 +15,9 @@ from surefoot.arrays import FloatArray
 from surefoot.planning.direct.problem import DirectProblem
 from surefoot.planning.transcription.contact_rows import AXES, ContactLaw, ContactRows
 from surefoot.planning.transcription.guess import Guess
+from surefoot.planning.transcription.knot import SymbolicKnot, stacked
 from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, Sides, pack, unpack
 from surefoot.robot.libraries import import_casadi
-from surefoot.robot.symbolic_body import SymbolicBody
 
 
 @dataclass(frozen=True)
@@ -33,8 +30,8 @@ class Transcription:
         Of `Nlp`; its parameter is eps [J], its data the reference posture of the knot.
     contacts
         Variables and bounds of the contacts, the last ones of the block's u; torques come before.
-    row_low, row_high
-        (m,) bounds of the block's rows.
+    row_bounds
+        (knots, m) of the block's rows.
     law_rows
         Number of rows of the contact laws, the last ones.
     impulses
@@ -45,8 +42,7 @@ class Transcription:
 
     block: Block
     contacts: ContactRows
-    row_low: FloatArray
-    row_high: FloatArray
+    row_bounds: Sides
     law_rows: int
     impulses: Any
     seen: Any
@@ -54,52 +50,42 @@ class Transcription:
 
 def transcribe(problem: DirectProblem, law: ContactLaw) -> Transcription:
     """Return the block of a problem's knots under a way to write the contact laws."""
-    ca = import_casadi()
-    body = SymbolicBody(problem.robot.model, problem.robot.contact_points)
-    dt, n = problem.dt, body.nv
-    x, after = ca.SX.sym("x", body.nq + n), ca.SX.sym("after", body.nq + n)
-    q, v, q_after, v_after = x[: body.nq], x[body.nq :], after[: body.nq], after[body.nq :]
+    ca, dt = import_casadi(), problem.dt
+    knot = SymbolicKnot(problem.robot, problem.terrain, dt)
+    body, v_after = knot.body, knot.v_after
     torques, eps = ca.SX.sym("torques", problem.robot.joints), ca.SX.sym("eps")
     reference = ca.SX.sym("reference", body.nq + 1)
-    touches = [touch.at(q) for touch in problem.touches]
-    closing, sliding = _contact_speeds(problem, body, touches, q, v_after)
+    touches = [touch.at(knot.q) for touch in problem.touches]
+    closing, sliding = _contact_speeds(problem, knot, touches)
     contacts = law.write(closing, sliding, problem.frictions, eps)
-    frame = problem.terrain.frame([0.0, 0.0])
-    forces = ca.mtimes(ca.DM(frame), contacts.impulses[:, : body.points]) / dt
-    effort = body.inverse_dynamics(q, v, (v_after - v) / dt, forces, frame[:, 2])
-    motors = ca.vertcat(ca.SX.zeros(problem.robot.base_dof), torques)
-    moved = dt * (effort - motors)
+    forces = knot.world(contacts.impulses[:, : body.points]) / dt
+    moved = dt * knot.missing_effort(forces, torques)
     for k, (_, J) in enumerate(touches):
         moved -= ca.mtimes(J.T, contacts.impulses[[0, 2], body.points + k])
-    equal = ca.vertcat(moved, q_after - body.integrate(q, dt * v_after))
-    rows = [(equal, 0.0, 0.0), *contacts.rows]
-    low = np.concatenate([np.full(r.shape[0], a) for r, a, _ in rows])
-    high = np.concatenate([np.full(r.shape[0], b) for r, _, b in rows])
+    equal = ca.vertcat(moved, knot.missed_way())
+    rows, bounds = stacked([(equal, 0.0, 0.0), *contacts.rows], problem.knots)
     w = problem.weights
-    off = q_after - reference[: body.nq]
+    off = knot.q_after - reference[: body.nq]
     cost = dt * (w.torque * ca.sumsqr(torques) + w.velocity * ca.sumsqr(v_after) + w.posture * ca.sumsqr(off))
-    cost += w.change / dt * ca.sumsqr(v_after - v)
+    cost += w.change / dt * ca.sumsqr(v_after - knot.v)
     cost += reference[body.nq] * w.end * (ca.sumsqr(off) + ca.sumsqr(v_after))  # 1 in the last knot
     u = ca.vertcat(torques, contacts.variables)
-    block = Block(x, u, after, eps, ca.vertcat(*(r for r, _, _ in rows)), cost + contacts.cost, reference)
+    block = Block(knot.x, u, knot.after, eps, rows, cost + contacts.cost, reference)
     impulses = ca.Function("impulses", [contacts.variables], [contacts.impulses])
-    seen = ca.Function("seen", [q, v_after], [closing, sliding])
-    return Transcription(block, contacts, low, high, len(low) - int(equal.shape[0]), impulses, seen)
+    seen = ca.Function("seen", [knot.q, v_after], [closing, sliding])
+    return Transcription(block, contacts, bounds, int(rows.shape[0] - equal.shape[0]), impulses, seen)
 
 
 def _contact_speeds(
-    problem: DirectProblem, body: SymbolicBody, touches: list[tuple[Any, Any]], q: Any, after: Any
+    problem: DirectProblem, knot: SymbolicKnot, touches: list[tuple[Any, Any]]
 ) -> tuple[Any, Any]:
     """Return φ (p, 1) and u_t (d - 1, p)."""
     ca = import_casadi()
-    frame, points = problem.terrain.frame([0.0, 0.0]), problem.robot.contact_points
-    above = points.radii + float(problem.terrain.height([0.0, 0.0])) * frame[2, 2]
-    gaps = ca.mtimes(ca.DM(frame[:, 2:].T), body.sphere_centres(q)).T - ca.DM(above)
-    velocities = ca.mtimes(ca.DM(frame.T), body.point_velocities(q, after, frame[:, 2]))
-    closing = [gaps / problem.dt + velocities[2, :].T]
-    sliding = [velocities[list(AXES[problem.tangents]), :]]
+    gaps, speeds = knot.gaps(knot.q), knot.point_speeds(knot.q, knot.v_after)
+    closing = [gaps.T / problem.dt + speeds[2, :].T]
+    sliding = [speeds[list(AXES[problem.tangents]), :]]
     for gap, J in touches:
-        rate = ca.mtimes(J, after)
+        rate = ca.mtimes(J, knot.v_after)
         closing.append(gap / problem.dt + rate[1])
         sliding.append(rate[0])
     return ca.vertcat(*closing), ca.horzcat(*sliding)
@@ -179,12 +165,10 @@ class DirectNlp:
             Ipopt's.
         """
         t, n = self.transcription, self.problem.knots
-        row_low, row_high = np.tile(t.row_low, (n, 1)), np.tile(t.row_high, (n, 1))
+        rows = t.row_bounds[0].copy(), t.row_bounds[1].copy()
         if row_bounds is not None:
-            row_low[:, -t.law_rows :], row_high[:, -t.law_rows :] = row_bounds
+            rows[0][:, -t.law_rows :], rows[1][:, -t.law_rows :] = row_bounds
         last = np.zeros((n, 1))
         last[-1] = 1.0
         data = np.hstack([self.problem.references[1:], last])
-        return self._nlp.solve(
-            start, data, self.bounds(contact_bounds), (row_low, row_high), (eps,), multipliers, **options
-        )
+        return self._nlp.solve(start, data, self.bounds(contact_bounds), rows, (eps,), multipliers, **options)

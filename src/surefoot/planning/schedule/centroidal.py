@@ -28,11 +28,12 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.planning.direct.problem import Window
+from surefoot.planning.direct.problem import StateWindow
 from surefoot.planning.schedule.limbs import soles
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.search import ACCEPTED, solve_scheduled
-from surefoot.planning.transcription.nlp import Block, Iterate, Sides, Tell, pack, unpack
+from surefoot.planning.transcription.knot import stacked
+from surefoot.planning.transcription.nlp import Block, Iterate, OnIteration, Sides, pack, unpack
 from surefoot.robot.libraries import import_casadi
 from surefoot.robot.symbolic_body import turn_matrix
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
@@ -136,8 +137,11 @@ class CentroidalModel:
         self.reference = reference
         self.windows = {k: _window(w, shift[k]) for k, w in problem.windows.items()}
 
-    def block(self) -> Block:
-        """Return the block of a knot: x = (c, quaternion, v, h / m, footholds), u = forces / m g."""
+    def block(self) -> tuple[Block, Sides]:
+        """Return the block of a knot, and the bounds (knots, m) of its rows.
+
+        Variables: x = (c, quaternion, v, h / m, footholds), u = forces / m g.
+        """
         ca, n, dt = import_casadi(), len(self.stand), self.problem.dt
         x, after = (ca.SX.sym(name, STATE + 2 * n) for name in ("x", "after"))
         u = ca.SX.sym("u", 3 * n)
@@ -161,33 +165,26 @@ class CentroidalModel:
             for t, centre in ((turn, c), (turn_after, c_after))
         ]
         size = ca.sqrt(shares[0, :] ** 2 + shares[1, :] ** 2 + ROUND**2)
-        rows = ca.vertcat(
+        moved = ca.vertcat(
             (c_after - c) / dt - v - 0.5 * dt * a, turn_after - _turned(turn, dt * spin),
-            v_after - v - dt * a, h_after - h - dt * torque, after[STATE:] - x[STATE:],
-            (self.problem.mu * shares[2, :] - size).T, ca.reshape(below[0], 3 * n, 1),
-            ca.reshape(below[1], 3 * n, 1),
+            v_after - v - dt * a, h_after - h - dt * torque,
         )  # fmt: skip
+        stays = np.vstack([self.stance[:-1] & self.stance[1:], np.zeros((1, n), dtype=bool)])
+        held = np.where(np.repeat(stays, 2, axis=1), 0.0, np.inf)
+        inside = np.where(self.stance[:, :, None], self.reach, np.inf).reshape(len(self.stance), -1)
+        begins = inside.copy()
+        begins[0] = np.inf  # the start is given
+        rows, bounds = stacked([
+            (moved, 0.0, 0.0), (after[STATE:] - x[STATE:], -held, held),
+            ((self.problem.mu * shares[2, :] - size).T, np.where(self.stance, 0.0, -np.inf), np.inf),
+            (ca.reshape(below[0], 3 * n, 1), -begins, begins),
+            (ca.reshape(below[1], 3 * n, 1), -inside, inside),
+        ], len(self.stance))  # fmt: skip
         data, nothing = ca.SX.sym("data", 7 + n), ca.SX.sym("nothing", 0)
         cost = POSITION * ca.sumsqr(c_after - data[:3]) + ORIENTATION * ca.sumsqr(turn_after - data[3:7])
         cost += VELOCITY * ca.sumsqr(v_after) + FORCE * ca.sumsqr(u) + MOMENTUM * ca.sumsqr(h_after)
         cost += FOOTHOLD * ca.dot(data[7:], ca.sum1(below[0][:2, :] ** 2).T)
-        return Block(x, u, after, nothing, rows, dt * cost, data)
-
-    def row_bounds(self) -> Sides:
-        """Return the bounds (knots, m) of the rows; infinite where a row does not matter."""
-        knots, n = self.stance.shape
-        least = np.zeros((knots, STATE + 9 * n))
-        most = least.copy()
-        stays = np.vstack([self.stance[:-1] & self.stance[1:], np.zeros((1, n), dtype=bool)])
-        moves = ~np.repeat(stays, 2, axis=1)
-        at, cone, box = STATE, STATE + 2 * n, STATE + 3 * n
-        least[:, at:cone][moves], most[:, at:cone][moves] = -np.inf, np.inf
-        least[:, cone:box][~self.stance] = -np.inf
-        most[:, cone:box] = np.inf
-        inside = np.tile(np.where(self.stance[:, :, None], self.reach, np.inf).reshape(knots, -1), 2)
-        inside[0, : 3 * n] = np.inf  # the start is given
-        least[:, box:], most[:, box:] = -inside, inside
-        return least, most
+        return Block(x, u, after, nothing, rows, dt * cost, data), bounds
 
     def variable_bounds(self) -> Sides:
         """Return the bounds of all variables (V,), in the order of the NLP."""
@@ -221,7 +218,7 @@ class CentroidalModel:
 
 
 def optimise_centroidal(
-    problem: ScheduleProblem, max_iterations: int = 200, tell: Tell | None = None
+    problem: ScheduleProblem, max_iterations: int = 200, tell: OnIteration | None = None
 ) -> CentroidalMotion:
     """Return the best centroidal motion that Ipopt finds over a problem's schedule, from its reference.
 
@@ -242,9 +239,8 @@ def optimise_centroidal(
     model = CentroidalModel(problem)
     knots, n = model.stance.shape
     data = np.hstack([model.reference[1:], model.stance])
-    found = solve_scheduled(
-        model.block(), data, model.variable_bounds(), model.row_bounds(), model.start(), max_iterations, tell
-    )
+    block, rows = model.block()
+    found = solve_scheduled(block, data, model.variable_bounds(), rows, model.start(), max_iterations, tell)
     states, inputs = unpack(found.variables, STATE + 2 * n, knots)
     forces = problem.weight * inputs.reshape(knots, n, 3) @ model.frame.T
     places = model.origin + states[:-1, STATE:].reshape(knots, n, 2) @ model.frame[:, :2].T
@@ -270,15 +266,15 @@ def _turning_late(quaternions: FloatArray, stance: BoolArray) -> FloatArray:
     return np.asarray(out / np.linalg.norm(out, axis=1, keepdims=True))
 
 
-def _window(window: Window, shift: FloatArray) -> Window:
+def _window(window: StateWindow, shift: FloatArray) -> StateWindow:
     """Return a window of the base as one of the centre of mass, `shift` [m] away."""
     moved = np.concatenate([shift, np.zeros(4)])
     q = [None if side is None else side[:7] + moved for side in (window.q_low, window.q_high)]
     if window.v_low is None or window.v_high is None:
-        return Window(q[0], q[1])
+        return StateWindow(q[0], q[1])
     turning = (window.v_low[3:6] != 0.0) | (window.v_high[3:6] != 0.0)
     free = np.concatenate([np.zeros(3, dtype=bool), turning])
-    return Window(
+    return StateWindow(
         q[0], q[1], np.where(free, -np.inf, window.v_low[:6]), np.where(free, np.inf, window.v_high[:6])
     )
 

@@ -6,16 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
-from surefoot.control.contact_schedule import ContactSchedule
-from surefoot.control.motor_limits import MotorLimits
 from surefoot.errors import ProblemError
-from surefoot.planning.direct.problem import Window
-from surefoot.planning.transcription.touches import Touch
+from surefoot.planning.direct.problem import StateWindow
+from surefoot.planning.transcription.touches import BodyTouch
 from surefoot.robot import Robot
+from surefoot.robot.motor_limits import MotorLimits
 from surefoot.spatial import GRAVITY
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import FlatTerrain, Terrain
 
 
@@ -113,7 +112,7 @@ class ScheduleProblem:
     q: FloatArray
     v: FloatArray
     reference: FloatArray
-    windows: Mapping[int, Window] = field(default_factory=dict)
+    windows: Mapping[int, StateWindow] = field(default_factory=dict)
     weights: ScheduleWeights = field(default_factory=ScheduleWeights)
     mu: float = 0.5
     terrain: Terrain = field(default_factory=FlatTerrain)
@@ -136,8 +135,8 @@ class ScheduleProblem:
                 f"a scheduled motion needs a floating base and feet, {robot.name} has not both"
             )
         if self.schedule.feet != len(robot.feet):
-            told = f"the schedule has {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
-            raise ProblemError(told)
+            sizes = f"the schedule has {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
+            raise ProblemError(sizes)
         if not self.terrain.planar:
             raise ProblemError(f"a scheduled motion takes a plane for ground, got {self.terrain!r}")
         real_number("dt", self.dt, low=1e-4, high=0.2)
@@ -166,7 +165,7 @@ class ScheduleProblem:
         return float(self.robot.mass * GRAVITY)
 
     @property
-    def touches(self) -> tuple[Touch, ...]:
+    def touches(self) -> tuple[BodyTouch, ...]:
         """None: feet on the ground are all."""
         return ()
 
@@ -185,14 +184,3 @@ class ScheduleProblem:
     def speed_limits(self) -> FloatArray:
         """(joints,) that may be used [rad/s], infinite where the model has none."""
         return np.asarray(self.speed_share * self.robot.speed_limits)
-
-
-def window_about(
-    q: ArrayLike, v: ArrayLike | None = None, within: ArrayLike = 0.0, speed: ArrayLike = 0.0
-) -> Window:
-    """Return the window of ± `within` about (nq,) q and ± `speed` about (nv,) v; arrays or numbers."""
-    q, reach = np.asarray(q, dtype=np.float64), np.asarray(within, dtype=np.float64)
-    if v is None:
-        return Window(q - reach, q + reach)
-    v, fast = np.asarray(v, dtype=np.float64), np.asarray(speed, dtype=np.float64)
-    return Window(q - reach, q + reach, v - fast, v + fast)

@@ -9,9 +9,9 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.planning.schedule.problem import ScheduleProblem
-from surefoot.planning.schedule.transcribe import row_bounds, transcribe, variable_bounds
+from surefoot.planning.schedule.transcribe import transcribe, variable_bounds
 from surefoot.planning.transcription.guess import Guess
-from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, Sides, Tell, pack, unpack
+from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, OnIteration, Sides, pack, unpack
 
 OPTIONS: dict[str, Any] = {"tol": 1e-8, "mu_strategy": "adaptive"}
 """Of Ipopt."""
@@ -63,7 +63,7 @@ def optimise(
     problem: ScheduleProblem,
     guess: Guess | None = None,
     max_iterations: int = 500,
-    tell: Tell | None = None,
+    tell: OnIteration | None = None,
     **options: Any,
 ) -> ScheduledMotion:
     """Return the best motion that Ipopt finds over a problem's schedule.
@@ -86,8 +86,7 @@ def optimise(
     MissingExtra
         If CasADi is not installed.
     """
-    block, parts = transcribe(problem)
-    rows = row_bounds(problem, parts)
+    block, rows = transcribe(problem)
     begin = pack_guess(problem, guess_from(problem) if guess is None else guess)
     found = solve_scheduled(
         block, problem.reference[1:], variable_bounds(problem), rows, begin, max_iterations, tell, **options
@@ -102,7 +101,7 @@ def optimise(
 
 def solve_scheduled(
     block: Block, data: FloatArray, variables: Sides, rows: Sides, begin: FloatArray, max_iterations: int,
-    tell: Tell | None = None, **options: Any,
+    tell: OnIteration | None = None, **options: Any,
 ) -> Iterate:  # fmt: skip
     """Return what Ipopt finds for blocks whose rows are bounded as a schedule says; see `Nlp.solve`.
 

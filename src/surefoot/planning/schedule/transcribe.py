@@ -1,29 +1,26 @@
 """A scheduled motion as an NLP: the exact step's equations with the contact modes of the schedule.
 
-Semi-implicit Euler as `surefoot.stepping.Knot` takes it, written as inverse dynamics::
-
-    RNEA(q, v, (v⁺ - v) / dt, f) = S tau,      q⁺ = q ⊕ dt v⁺
-
-A foot that stands has gap / dt + u_n = 0, u_t = 0 and its force inside the friction cone; one that does not
-has no force and gap / dt + u_n >= 0. Those are the laws of contact for feet that stick or are in the air, so
-that the torques of a solution lead through the exact step to the same motion.
+The step is that of `transcription.knot`. A foot that stands has gap / dt + u_n = 0, u_t = 0 and its force
+inside the friction cone; one that does not has no force and gap / dt + u_n >= 0. Those are the laws of
+contact for feet that stick or are in the air, so that the torques of a solution lead through the exact step
+to the same motion.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.control.motor_limits import MotorLimits
 from surefoot.planning.direct.problem import limit_joints
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
+from surefoot.planning.transcription.knot import Row, SymbolicKnot, stacked
 from surefoot.planning.transcription.nlp import Block, Sides, pack
 from surefoot.robot import Robot
 from surefoot.robot.libraries import import_casadi
+from surefoot.robot.motor_limits import MotorLimits
 from surefoot.robot.symbolic_body import SymbolicBody
 
 ROUND = 1e-3
@@ -32,77 +29,51 @@ TRUNK_DEPTH = 0.3
 """Half the height of the box that stands for the trunk, as a share of its half length."""
 
 
-@dataclass(frozen=True)
-class Parts:
-    """Where the rows of a knot are: name to slice, in the order that they were written.
-
-    Attributes
-    ----------
-    rows
-        Slices of a block's rows.
-    count
-        Number of rows.
-    """
-
-    rows: dict[str, slice]
-    count: int
-
-
-def transcribe(problem: ScheduleProblem) -> tuple[Block, Parts]:
-    """Return the block of a problem's knots, and where its rows are.
+def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
+    """Return the block of a problem's knots, and the bounds (knots, m) of its rows.
 
     Variables: x = (q, v), u = (torques as shares of their limits, forces in contact axes as shares of m g).
     """
-    ca, robot = import_casadi(), problem.robot
-    body, dt, weight = SymbolicBody(robot.model, robot.contact_points), problem.dt, problem.weight
-    nq, n, p = body.nq, body.nv, body.points
-    x, after = ca.SX.sym("x", nq + n), ca.SX.sym("after", nq + n)
-    q, v, q_after, v_after = x[:nq], x[nq:], after[:nq], after[nq:]
+    ca, robot, stance, inf = import_casadi(), problem.robot, problem.stance, np.inf
+    knot, dt, weight = SymbolicKnot(robot, problem.terrain, problem.dt), problem.dt, problem.weight
+    body, q_after, v_after = knot.body, knot.q_after, knot.v_after
+    p = body.points
     u = ca.SX.sym("u", robot.joints + 3 * p)
     torques = u[: robot.joints] * ca.DM(problem.torque_limits)
     shares = ca.reshape(u[robot.joints :], 3, p)
-    frame = problem.terrain.frame([0.0, 0.0])
-    normal = frame[:, 2]
-    height = float(problem.terrain.height([0.0, 0.0])) * normal[2]
-    effort = body.inverse_dynamics(q, v, (v_after - v) / dt, weight * ca.mtimes(ca.DM(frame), shares), normal)
-    motors = ca.vertcat(ca.SX.zeros(robot.base_dof), torques)
-    slope = ca.DM(frame[:, 2:].T)
-    above = ca.DM(robot.contact_points.radii + height).T
-    gaps = ca.mtimes(slope, body.sphere_centres(q)) - above
-    seen = ca.mtimes(ca.DM(frame.T), body.point_velocities(q, v_after, normal))
-    joints, places = body_corners(robot)
+    speeds = knot.point_speeds(knot.q, v_after)
+    slip = np.where(np.repeat(stance, 2, axis=1), 0.0, inf)
     size = ca.sqrt(shares[0, :] ** 2 + shares[1, :] ** 2 + ROUND**2)
-    named = {
-        "dynamics": (effort - motors) / weight,
-        "motion": (q_after - body.integrate(q, dt * v_after)) / dt,
-        "normal": (gaps / dt + seen[2, :]).T,
-        "tangential": ca.reshape(seen[:2, :], 2 * p, 1),
-        "cone": (problem.mu * shares[2, :] - size).T,
-        "gap": (ca.mtimes(slope, body.sphere_centres(q_after)) - above).T,
-        "corners": (ca.mtimes(slope, body.body_points(q_after, joints, places)) - height).T,
-    }
+    joints, places = body_corners(robot)
+    corners = ca.mtimes(ca.DM(knot.frame[:, 2:].T), body.body_points(q_after, joints, places)) - knot.height
+    least = np.full(len(joints), problem.body_clearance)
+    least[: len(np.unique(robot.contact_points.joints))] = problem.knee_clearance
+    rows: list[Row] = [
+        (knot.missing_effort(weight * knot.world(shares), torques) / weight, 0.0, 0.0),
+        (knot.missed_way() / dt, 0.0, 0.0),
+        ((knot.gaps(knot.q) / dt + speeds[2, :]).T, 0.0, np.where(stance, 0.0, inf)),
+        (ca.reshape(speeds[:2, :], 2 * p, 1), -slip, slip),
+        ((problem.mu * shares[2, :] - size).T, np.where(stance, -ROUND, -inf), inf),
+        (knot.gaps(q_after).T, swing_heights(problem), inf),
+        (corners.T, least, inf),
+    ]
     if problem.leg_gap > 0.0:
-        named["legs"] = _leg_gaps(robot, body, q_after)
+        rows.append((_leg_gaps(robot, body, q_after), problem.leg_gap, inf))
     if problem.stance_reach > 0.0:
-        named["reach"] = _reach(robot, body, q_after)
+        rows.append((_reach(robot, body, q_after), np.where(stance, problem.stance_reach, -inf), inf))
     if np.isfinite(problem.touchdown_speed):
-        before = ca.mtimes(ca.DM(frame.T), body.point_velocities(q, v, normal))
-        named["touchdown"] = ca.reshape(before, 3 * p, 1)
+        landing = stance & ~np.vstack([stance[:1], stance[:-1]])
+        most = np.where(np.repeat(landing, 3, axis=1), problem.touchdown_speed, inf)
+        rows.append((ca.reshape(knot.point_speeds(knot.q, knot.v), 3 * p, 1), -most, most))
     if problem.motors is not None:
-        named["motors"] = _motor_use(
-            problem.motors, torques, (v[robot.base_dof :], v_after[robot.base_dof :])
-        )
-    reference = ca.SX.sym("reference", nq)
-    cost = _cost(problem, (q_after - reference, v_after, v_after - v), u)
+        use = _motor_use(problem.motors, torques, (knot.v[robot.base_dof :], v_after[robot.base_dof :]))
+        rows.append((use, -problem.motor_share, problem.motor_share))
+    reference = ca.SX.sym("reference", body.nq)
+    cost = _cost(problem, (q_after - reference, v_after, v_after - knot.v), u)
     if problem.weights.symmetry:
         cost += problem.dt * problem.weights.symmetry * _difference(problem, q_after)
-    rows, at = dict[str, slice](), 0
-    for name, part in named.items():
-        rows[name] = slice(at, at + int(part.shape[0]))
-        at = rows[name].stop
-    nothing = ca.SX.sym("nothing", 0)
-    block = Block(x, u, after, nothing, ca.vertcat(*named.values()), cost, reference)
-    return block, Parts(rows, at)
+    expression, bounds = stacked(rows, problem.knots)
+    return Block(knot.x, u, knot.after, ca.SX.sym("nothing", 0), expression, cost, reference), bounds
 
 
 def _cost(problem: ScheduleProblem, state: tuple[Any, Any, Any], u: Any) -> Any:
@@ -178,38 +149,6 @@ def _motor_use(motors: MotorLimits, torques: Any, speeds: tuple[Any, Any]) -> An
     steep = (1.0 - motors.knee) / motors.driving
     load = steep * torques / ca.DM(motors.effort)
     return ca.vertcat(*(load + speed / ca.DM(motors.speed) for speed in speeds))
-
-
-def row_bounds(problem: ScheduleProblem, parts: Parts) -> Sides:
-    """Return the bounds (knots, m) of all rows; both infinite where a row does not matter."""
-    n, stance = problem.knots, problem.stance
-    low = np.full((n, parts.count), -np.inf)
-    high = -low
-    rows = parts.rows
-    for name in ("dynamics", "motion"):
-        low[:, rows[name]] = high[:, rows[name]] = 0.0
-    low[:, rows["normal"]] = 0.0
-    high[:, rows["normal"]] = np.where(stance, 0.0, np.inf)
-    still = np.repeat(stance, 2, axis=1)
-    low[:, rows["tangential"]] = np.where(still, 0.0, -np.inf)
-    high[:, rows["tangential"]] = np.where(still, 0.0, np.inf)
-    low[:, rows["cone"]] = np.where(stance, -ROUND, -np.inf)
-    low[:, rows["gap"]] = swing_heights(problem)
-    if problem.leg_gap > 0.0:
-        low[:, rows["legs"]] = problem.leg_gap
-    if problem.stance_reach > 0.0:
-        low[:, rows["reach"]] = np.where(stance, problem.stance_reach, -np.inf)
-    if np.isfinite(problem.touchdown_speed):
-        landing = stance & ~np.vstack([stance[:1], stance[:-1]])
-        most = np.where(np.repeat(landing, 3, axis=1), problem.touchdown_speed, np.inf)
-        low[:, rows["touchdown"]], high[:, rows["touchdown"]] = -most, most
-    if problem.motors is not None:
-        low[:, rows["motors"]], high[:, rows["motors"]] = -problem.motor_share, problem.motor_share
-    knees = len(np.unique(problem.robot.contact_points.joints))
-    least = np.full(rows["corners"].stop - rows["corners"].start, problem.body_clearance)
-    least[:knees] = problem.knee_clearance
-    low[:, rows["corners"]] = least
-    return low, high
 
 
 def swing_heights(problem: ScheduleProblem) -> FloatArray:

@@ -168,8 +168,3 @@ class Engine:
         """The current motion with the gains and steps of the last backward pass."""
         now = self.now
         return FeedbackPolicy(now.q, now.v, now.torques, self.gains, self.steps, now.gaps)
-
-    @property
-    def expected(self) -> float:
-        """Decrease of the cost that the last backward pass predicts for its whole step."""
-        return -float(self._predicted[0] + 0.5 * self._predicted[1])

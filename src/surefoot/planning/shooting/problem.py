@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from surefoot.arrays import FloatArray, finite_array, real_array, real_number, whole_number
+from surefoot.arrays import FloatArray, real_array, real_number, whole_number
 from surefoot.contact import Status
 from surefoot.errors import ProblemError
 from surefoot.planning.shooting.costs import Costs
@@ -31,33 +28,6 @@ class Goal:
 
     distance: Callable[[Trajectory], float]
     tolerance: float
-
-    @classmethod
-    def state(
-        cls, robot: Robot, q: ArrayLike, v: ArrayLike = 0.0, *, position: float = 0.02, speed: float = 0.1
-    ) -> Goal:
-        """Return the goal to end at a state.
-
-        Parameters
-        ----------
-        robot
-            Who moves.
-        q, v
-            (nq,) and (nv,) of the end.
-        position, speed
-            Largest entry of the difference that is allowed [m, rad] and [m/s, rad/s].
-        """
-        import pinocchio
-
-        q = robot.configuration(q)
-        v = np.broadcast_to(finite_array("v", v), (int(robot.model.nv),))
-
-        def distance(trajectory: Trajectory) -> float:
-            off = np.abs(pinocchio.difference(robot.model, q, trajectory.q[-1])).max()
-            late = np.abs(trajectory.v[-1] - v).max()
-            return float(max(off / position, late / speed))
-
-        return cls(distance, 1.0)
 
 
 @dataclass(frozen=True)

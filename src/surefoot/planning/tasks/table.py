@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib import import_module
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.planning.tasks.task import Task
 
 TASKS: dict[str, str] = {
@@ -14,7 +14,7 @@ TASKS: dict[str, str] = {
     "jump": "surefoot.planning.tasks.jump:JUMP",
     "jump-up": "surefoot.planning.tasks.jump:JUMP_UP",
     "backflip": "surefoot.planning.tasks.backflip:BACKFLIP",
-    "stand-up": "surefoot.planning.tasks.stand_up:STAND_UP",
+    "stand-up": "surefoot.planning.stand_up.task:STAND_UP",
 }
 """Name to "module:object"."""
 
@@ -27,8 +27,7 @@ def find_task(name: str) -> Task:
     ProblemError
         For an unknown name.
     """
-    if name not in TASKS:
-        raise ProblemError(unknown_name("task", name, TASKS))
+    check_name("task", name, TASKS)
     module, _, attribute = TASKS[name].partition(":")
     task: Task = getattr(import_module(module), attribute)
     return task

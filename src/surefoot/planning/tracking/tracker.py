@@ -18,14 +18,14 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
-from surefoot.control.motor_limits import motor_limits
 from surefoot.control.whole_body import Kinematics, Tasks, TaskWeights, WholeBodyController
 from surefoot.errors import ProblemError
 from surefoot.log.channels import Channel
-from surefoot.planning.tracking.flight import Flight, Targets, touchdowns
+from surefoot.planning.tracking.flight import FlightControl, Targets, touchdowns
 from surefoot.planning.tracking.landing import Landing, gently, lowered, pressed
 from surefoot.planning.tracking.reference import Reference
 from surefoot.robot import Robot
+from surefoot.robot.motor_limits import motor_limits
 from surefoot.spatial import GRAVITY, rotation_log
 
 GROUND, FLYING, LANDED = 0.0, 1.0, 2.0
@@ -133,7 +133,7 @@ class TrackingController(Controller):
             robot, s.mu, least, weights=TaskWeights(force=s.force_share), baumgarte=BAUMGARTE
         )
         self.motors = motor_limits(robot, "curve")
-        self.flight = Flight(robot, s.joints, s.capture)
+        self.flight = FlightControl(robot, s.joints, s.capture)
         self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
         self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": s.mu}
         self._radii = robot.contact_points.foot_radii

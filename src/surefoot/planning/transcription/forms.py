@@ -20,11 +20,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot.libraries import import_casadi
 
@@ -32,28 +31,26 @@ Pairwise = Callable[[Any, Any, Any], Any]
 """(a, b, eps) to a CasADi column, entry by entry."""
 
 
-@dataclass(frozen=True)
-class Softened:
+class Softened(NamedTuple):
     """What pairs add to an NLP.
 
     Attributes
     ----------
     rows
-        (m, 1) CasADi expression, m = 0 or the number of pairs.
-    lower, upper
-        (m,) bounds of the rows; they do not depend on eps, which stands in the rows.
+        (m, 1) CasADi expression, m = 0 or the number of pairs, of `low` to zero.
+    low
+        0 or minus infinity; it does not depend on eps, which stands in the rows.
     cost
         Scalar CasADi expression to be added to the objective, or 0.0.
     """
 
     rows: Any
-    lower: FloatArray
-    upper: FloatArray
+    low: float
     cost: Any
 
 
 @dataclass(frozen=True)
-class Form:
+class SoftForm:
     """A way to write 0 <= a ⟂ b >= 0.
 
     Attributes
@@ -101,10 +98,8 @@ class Form:
         if a.shape != b.shape or a.shape[1] != 1:
             raise ProblemError(f"a and b must be columns of one length, got {a.shape} and {b.shape}")
         rows = type(a)(0, 1) if self.row is None else self.row(a, b, eps)
-        count = rows.shape[0]
-        lower = np.zeros(count) if self.equality else np.full(count, -np.inf)
         cost = 0.0 if self.price is None else casadi.sum1(self.price(a, b, eps))
-        return Softened(rows, lower, np.zeros(count), cost)
+        return Softened(rows, 0.0 if self.equality else -np.inf, cost)
 
 
 def _product(a: Any, b: Any, eps: Any) -> Any:
@@ -131,25 +126,17 @@ def _price(a: Any, b: Any, eps: Any) -> Any:
     return a * b / import_casadi().sqrt(eps)
 
 
+_FB = "a + b - sqrt(a² + b² + 2 eps)"
 _LISTED = (
-    Form("relaxed", "a b <= eps, a >= 0, b >= 0", True, _product, equality=False),
-    Form("equal", "a b = eps, a >= 0, b >= 0", True, _product),
-    Form("log-barrier", "log a + log b = log eps: b = eps / a, the force of -eps log a", True, _logarithms),
-    Form("fischer-burmeister", "a + b - sqrt(a² + b² + 2 eps) = 0, signs implied", False, fischer_burmeister),
-    Form(
-        "fischer-burmeister-signs",
-        "a + b - sqrt(a² + b² + 2 eps) = 0, a >= 0, b >= 0",
-        True,
-        fischer_burmeister,
+    SoftForm("relaxed", "a b <= eps, a >= 0, b >= 0", True, _product, equality=False),
+    SoftForm("equal", "a b = eps, a >= 0, b >= 0", True, _product),
+    SoftForm(
+        "log-barrier", "log a + log b = log eps: b = eps / a, the force of -eps log a", True, _logarithms
     ),
-    Form(
-        "fischer-burmeister-relaxed",
-        "a + b - sqrt(a² + b² + 2 eps) <= 0, a >= 0, b >= 0",
-        True,
-        fischer_burmeister,
-        equality=False,
-    ),
-    Form("penalty", "cost + a b / sqrt(eps), a >= 0, b >= 0", True, price=_price),
+    SoftForm("fischer-burmeister", f"{_FB} = 0, signs implied", False, fischer_burmeister),
+    SoftForm("fischer-burmeister-signs", f"{_FB} = 0, a >= 0, b >= 0", True, fischer_burmeister),
+    SoftForm("fischer-burmeister-relaxed", f"{_FB} <= 0, a >= 0, b >= 0", True, fischer_burmeister, False),
+    SoftForm("penalty", "cost + a b / sqrt(eps), a >= 0, b >= 0", True, price=_price),
 )
 FORMS = {form.name: form for form in _LISTED}
 """The forms by name."""
@@ -157,7 +144,7 @@ RECOMMENDED = "relaxed"
 """The form to begin with; docs/softening.md says when another is right."""
 
 
-def form_named(name: str) -> Form:
+def form_named(name: str) -> SoftForm:
     """Return a form by name.
 
     Raises

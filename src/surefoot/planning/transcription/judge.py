@@ -2,35 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.planning.trajectory import Trajectory
+from surefoot.planning.transcription.guess import Guess
 
 if TYPE_CHECKING:
     from surefoot.planning.direct.problem import DirectProblem
     from surefoot.robot import Robot
 
+Motion: TypeAlias = Trajectory | Guess
+"""States q and v of knots, and their torques."""
 REACH = 1e-3
 """How far the exact motion may be outside a window that it was to reach [m, rad; ten times as many m/s]."""
-
-
-class Motion(Protocol):
-    """States of knots: q (N + 1, nq), v (N + 1, nv), and torques (N, joints) [N m]."""
-
-    @property
-    def q(self) -> FloatArray:
-        """(N + 1, nq)."""
-
-    @property
-    def v(self) -> FloatArray:
-        """(N + 1, nv)."""
-
-    @property
-    def torques(self) -> FloatArray:
-        """(N, joints) [N m]."""
 
 
 def window_miss(problem: DirectProblem, motion: Motion) -> float:

@@ -19,7 +19,7 @@ from surefoot.robot.libraries import import_casadi
 Expression = Any
 Sides = tuple[FloatArray, FloatArray]
 """Least and largest values."""
-Tell = Callable[[int, float, float], None]
+OnIteration = Callable[[int, float, float], None]
 """Who hears of the number of an iteration, its cost and its violation."""
 QUIET: dict[str, Any] = {
     "print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes", "show_eval_warnings": False,
@@ -128,9 +128,7 @@ class Nlp:
 
     def __init__(self, block: Block, count: int, kept: IntArray | None = None) -> None:
         self.block, self.count, self.kept = block, count, kept
-        self.problem, self.derivatives = build_nlp(block, count)
-        if kept is not None:
-            self.problem, self.derivatives = _only(self.problem, self.derivatives, kept)
+        self.problem, self.derivatives = build_nlp(block, count, kept)
 
     def solve(
         self,
@@ -140,7 +138,7 @@ class Nlp:
         rows: Sides,
         parameter: FloatArray | tuple[float, ...] = (),
         multipliers: tuple[FloatArray, FloatArray] | None = None,
-        tell: Tell | None = None,
+        tell: OnIteration | None = None,
         **options: Any,
     ) -> Iterate:
         """Return what Ipopt makes of a start.
@@ -191,10 +189,12 @@ class Nlp:
         )  # fmt: skip
 
 
-def build_nlp(block: Block, count: int) -> tuple[dict[str, Any], dict[str, Any]]:
+def build_nlp(
+    block: Block, count: int, kept: IntArray | None = None
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the NLP of `count` blocks as CasADi wants it, and the functions of its derivatives.
 
-    The parameter of the NLP is the blocks' parameter followed by the data of each block.
+    The parameter of the NLP is the blocks' parameter followed by the data of each block; `kept` as for `Nlp`.
 
     Returns
     -------
@@ -206,13 +206,14 @@ def build_nlp(block: Block, count: int) -> tuple[dict[str, Any], dict[str, Any]]
     total, m = block.stride * count + int(block.x.shape[0]), int(block.rows.shape[0])
     places = np.arange(block.size)[:, None] + block.stride * np.arange(count)[None, :]
     x, p = ca.MX.sym("x", total), ca.MX.sym("p", shared + own * count)
-    lam_f, lam_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", m * count)
+    asked = list(range(m * count)) if kept is None else kept.tolist()
+    lam_f, lam_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", len(asked))
     seen = ca.reshape(x[places.T.ravel().tolist()], block.size, count)
     given = ca.repmat(p[:shared], 1, count), ca.reshape(p[shared:], own, count)
     functions = _functions(block)
     value = functions["value"].map(count)
     cost, rows = value(seen, *given)
-    g = ca.reshape(rows, m * count, 1)
+    g = ca.reshape(rows, m * count, 1)[asked]
     f = ca.sum2(cost)
     # gradient: the blocks' own, added where they share variables
     slope = functions["slope"].map(count)(seen, *given)
@@ -226,10 +227,12 @@ def build_nlp(block: Block, count: int) -> tuple[dict[str, Any], dict[str, Any]]
     at_row = (row[None, :] + m * np.arange(count)[:, None]).ravel()
     at_column = places[column].T.ravel()
     jac = _placed(ca, functions["jacobian"].map(count)(seen, *given), at_row, at_column, (m * count, total))
+    jac = jac[asked, :]
     # Hessian: entries of neighbours add up on the state that they share
     pattern = functions["hessian"].sparsity_out(0)
     row, column = (np.array(n) for n in pattern.get_triplet())
-    weights = ca.repmat(lam_f, 1, count), ca.reshape(lam_g, m, count)
+    spread = ca.DM(ca.Sparsity.triplet(m * count, len(asked), asked, list(range(len(asked)))), 1.0)
+    weights = ca.repmat(lam_f, 1, count), ca.reshape(ca.mtimes(spread, lam_g), m, count)
     curved = functions["hessian"].map(count)(seen, *given, *weights)
     hess = _placed(ca, curved, places[row].T.ravel(), places[column].T.ravel(), (total, total))
     names = ["x", "p"]
@@ -272,28 +275,6 @@ def _placed(
     return ca.MX(pattern, ca.mtimes(add, entries))
 
 
-def _only(
-    nlp: dict[str, Any], derivatives: dict[str, Any], kept: IntArray
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return an NLP without the rows that nothing bounds."""
-    ca, x, p = import_casadi(), nlp["x"], nlp["p"]
-    rows = [int(k) for k in kept]
-    g, jacobian = derivatives["jac_g"](x, p)
-    lam_f, lam = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", len(rows))
-    total = int(nlp["g"].shape[0])
-    spread = ca.DM(ca.Sparsity.triplet(total, len(rows), rows, list(range(len(rows)))), 1.0)
-    curved = derivatives["hess_lag"](x, p, lam_f, ca.mtimes(spread, lam))
-    names = ["x", "p"]
-    fewer = {
-        "grad_f": derivatives["grad_f"],
-        "jac_g": ca.Function("nlp_jac_g", [x, p], [g[rows], jacobian[rows, :]], names, ["g", "jac:g:x"]),
-        "hess_lag": ca.Function(
-            "nlp_hess_l", [x, p, lam_f, lam], [curved], [*names, "lam:f", "lam:g"], ["triu:hess:gamma:x:x"]
-        ),
-    }
-    return {**nlp, "g": nlp["g"][rows]}, fewer
-
-
 class _Watch:
     """Hears of every iteration, and ends the search after Ctrl-C.
 
@@ -303,7 +284,7 @@ class _Watch:
         Whether someone stopped it.
     """
 
-    def __init__(self, tell: Tell, low: FloatArray, high: FloatArray) -> None:
+    def __init__(self, tell: OnIteration, low: FloatArray, high: FloatArray) -> None:
         self._tell, self._low, self._high = tell, low, high
         self.count, self.interrupted = 0, False
 

@@ -14,14 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import ModelError, ProblemError, SimulationError, unknown_name
+from surefoot.arrays import FloatArray, real_number
+from surefoot.errors import ModelError, ProblemError, check_name
 from surefoot.robot import Robot
-from surefoot.simulation.drake.scene import scene_of
 from surefoot.simulation.drake_python import Worker
-from surefoot.simulation.world import ContactReading, ground_of
+from surefoot.simulation.engine_world import HIGHEST, LARGEST, EngineWorld
 from surefoot.spatial import rotation_from_quaternion
-from surefoot.stepping import Stepper
 from surefoot.stepping.bodies import finite_vector
 from surefoot.terrain import Terrain
 
@@ -35,10 +33,6 @@ STICTION = 1e-4
 """Drake's stiction tolerance [m/s]."""
 MATERIAL = ("point_contact_stiffness", "hunt_crossley_dissipation", "relaxation_time")
 """Drake's proximity properties that its point contact reads."""
-HIGHEST = 1e9
-"""Largest friction, and largest payload [kg]."""
-LARGEST = 1e10
-"""Speed from which a motion counts as lost [rad/s, m/s]."""
 
 
 def near_rigid(mass: float, dt: float) -> dict[str, Any]:
@@ -56,7 +50,7 @@ def near_rigid(mass: float, dt: float) -> dict[str, Any]:
     }
 
 
-class DrakeWorld:
+class DrakeWorld(EngineWorld):
     """A robot on a terrain in Drake; see `surefoot.simulation.world.World` for the methods.
 
     Parameters
@@ -99,23 +93,13 @@ class DrakeWorld:
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         self._worker, self._closed = Worker(WORKER), False
-        self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
-        self.payload = payload = real_number("payload", payload, low=0.0, high=HIGHEST)
-        self.payload_position = finite_array("payload_position", payload_position, (3,))
-        self._stepper = Stepper(robot, ground_of(terrain), payload=payload)  # for its contact detection
-        self.terrain, self.contact_foot = self._stepper.terrain, robot.contact_points.foot
+        super().__init__(robot, terrain, dt, payload, payload_position)
         self.mu = real_number("mu", mu, low=0.0, high=HIGHEST)
-        chosen = near_rigid(robot.mass + payload, self.dt) if contact is None else contact
-        scene = scene_of(robot, self.terrain, payload, self.payload_position)
-        scene |= {"dt": self.dt, "mu": self.mu, **contact_words(chosen)}
+        chosen = near_rigid(robot.mass + self.payload, self.dt) if contact is None else contact
+        scene = self._scene | {"dt": self.dt, "mu": self.mu, **contact_words(chosen)}
         scene["near_rigid"] = None if contact is None else 0.0
         self._worker.ask(["scene", scene])
         self.reset(robot.nominal)
-
-    @property
-    def time(self) -> float:
-        """Simulated time [s]."""
-        return self._steps * self.dt
 
     def close(self) -> None:
         """End Drake's process; the world can be asked where it is, but takes no further step."""
@@ -128,12 +112,8 @@ class DrakeWorld:
             raise ModelError("this drake world is closed; make another one")
         return self._worker.ask(task)
 
-    def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
-        state = self._stepper.start(q, v)
-        self._seen = self._stepper.contacts(state)
-        self._q, self._v, self._steps = state.q, state.v, 0
-        self._forces = np.zeros((len(self.contact_foot), 3))
+    def _place(self) -> None:
+        """See `EngineWorld`."""
         self._ask(["reset", *self._drakes()])
 
     def _drakes(self) -> tuple[list[float], list[float]]:
@@ -155,10 +135,6 @@ class DrakeWorld:
             R = rotation_from_quaternion(q[3:7])
             v[:3], v[3:6] = R.T @ answer["v"][3:6], R.T @ answer["v"][:3]
         return q, v
-
-    def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
-        return self._q.copy(), self._v.copy()
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
         """Advance by `dt` under (joints,) torques [N m] and a (3,) force on the base [N], world axes.
@@ -186,16 +162,9 @@ class DrakeWorld:
         if not np.abs(v).max(initial=0.0) < LARGEST:
             raise self._lost()
         self._q, self._v, self._steps = q, v, self._steps + 1
+        # all is of the step's end, to which Drake's implicit step ties its forces
         self._seen = self._stepper.contacts(self._stepper.start(q))
-        self._forces = self._read(answer["contacts"])
-
-    def _lost(self) -> SimulationError:
-        """Go back to the state before the last step and return the error that says what was lost."""
-        steps = self._steps
-        self.reset(self._q, self._v)
-        self._steps = steps
-        joint, speed = self._stepper.bodies.fastest_joint(self._v)
-        return SimulationError("motion", self.time, self.dt, joint, speed)
+        self._rates, self._forces = self._seen.velocities(v), self._read(answer["contacts"])
 
     def _read(self, contacts: list[list[float]]) -> FloatArray:
         """Return forces (p, 3) in the terrain's frames: normal parts are those along Drake's own normals."""
@@ -215,28 +184,16 @@ class DrakeWorld:
             self._ask(["friction", wanted])
             self.mu = wanted
 
-    def contacts(self) -> ContactReading:
-        """Return what the ground did during the last step.
-
-        All is of the step's end, to which Drake's implicit step ties its forces.
-        """
-        seen = self._seen
-        return ContactReading(
-            self._forces.copy(), seen.gaps.copy(), seen.velocities(self._v), seen.positions.copy()
-        )
-
 
 def contact_words(contact: Mapping[str, Any]) -> dict[str, Any]:
     """Return a contact's approximation and material as the worker takes them."""
     if not isinstance(contact, Mapping) or not isinstance(contact.get("each_body"), Mapping):
         raise ProblemError(f"contact must be a mapping with one named each_body, got {contact!r:.80}")
     approximation = str(contact.get("discrete_contact_approximation"))
-    if approximation not in APPROXIMATIONS:
-        raise ProblemError(unknown_name("discrete_contact_approximation", approximation, APPROXIMATIONS))
+    check_name("discrete_contact_approximation", approximation, APPROXIMATIONS)
     material = contact["each_body"]
     for name in material:
-        if name not in MATERIAL:  # Drake would take it, and never look at it
-            raise ProblemError(unknown_name("proximity property", str(name), MATERIAL))
+        check_name("proximity property", str(name), MATERIAL)  # Drake would take it, and never look at it
     numbers = {name: real_number(name, value, low=0.0) for name, value in material.items()}
     if not 0.0 < numbers.get("point_contact_stiffness", 1.0) < np.inf:
         raise ProblemError(

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import importlib
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.contact.laws.soft.behaviour import Behaviour, settling_time
-from surefoot.errors import MissingExtra, ProblemError, SimulationError, unknown_name
-from surefoot.simulation.drops.task import SlideDrop
+from surefoot.contact.laws.soft.behaviour import MassOnContact, settling_time
+from surefoot.errors import MissingExtra, SimulationError, check_name
 from surefoot.spatial import GRAVITY
 
 RUNNERS: dict[str, str] = {
@@ -24,6 +24,38 @@ NUDGE = 0.02
 """Share of the rest depth by which the mass is pressed down to see how it settles."""
 
 
+@dataclass(frozen=True)
+class SlideDrop:
+    """What an engine is asked to run.
+
+    Attributes
+    ----------
+    settings
+        The engine's contact parameters.
+    mass
+        [kg].
+    gravity
+        [m/s²].
+    gap, speed
+        Where the mass starts above the ground, and its upward velocity [m], [m/s].
+    dt
+        The engine's step [s].
+    steps
+        How many.
+    until
+        "apart" ends the run when the mass has left the ground.
+    """
+
+    settings: dict[str, Any]
+    mass: float
+    gravity: float
+    gap: float
+    speed: float
+    dt: float
+    steps: int
+    until: str = ""
+
+
 def available_engines() -> list[str]:
     """Return the engines that can run here."""
     return [name for name, home in RUNNERS.items() if importlib.import_module(home).present()]
@@ -32,13 +64,13 @@ def available_engines() -> list[str]:
 def measure(
     engine: str,
     settings: dict[str, Any],
-    expected: Behaviour,
+    expected: MassOnContact,
     mass: float,
     *,
     speed: float = 1.0,
     gravity: float = GRAVITY,
     dt: float = 1e-5,
-) -> Behaviour:
+) -> MassOnContact:
     """Run an engine and return how the mass rests, bounces and settles in it.
 
     Parameters
@@ -65,8 +97,7 @@ def measure(
     MissingExtra
         If it is not installed.
     """
-    if engine not in RUNNERS:
-        raise ProblemError(unknown_name("engine that can be run", engine, RUNNERS))
+    check_name("engine that can be run", engine, RUNNERS)
     module = importlib.import_module(RUNNERS[engine])
     if not module.present():
         raise MissingExtra(module.PACKAGE, module.EXTRA)
@@ -84,7 +115,7 @@ def measure(
     settling = settling_time(frequency, ratio)
     gaps, speeds = run(0.0, -speed, 300.0 * max(1.0 / expected.frequency, depth / speed), "apart")
     left = gaps[-1] > 0.0 and speeds[-1] > 0.0
-    return Behaviour(depth, float(speeds[-1]) / speed if left else 0.0, frequency, ratio, settling)
+    return MassOnContact(depth, float(speeds[-1]) / speed if left else 0.0, frequency, ratio, settling)
 
 
 def _modes(deviation: FloatArray, dt: float) -> tuple[float, float]:

@@ -1,22 +1,11 @@
 """The same experiment in every world, held against a closed form."""
 
-from surefoot.simulation.experiments.experiment import (
-    Curve,
-    Measurement,
-    WorldExperiment,
-    WorldsOutcome,
-    carry_out,
-    compare,
-)
-from surefoot.simulation.experiments.table import EXPERIMENTS, experiment_named
+from __future__ import annotations
 
-__all__ = [
-    "EXPERIMENTS",
-    "Curve",
-    "Measurement",
-    "WorldExperiment",
-    "WorldsOutcome",
-    "carry_out",
-    "compare",
-    "experiment_named",
-]
+from surefoot.simulation.experiments.bodies import BODIES
+from surefoot.simulation.experiments.experiment import WorldExperiment
+from surefoot.simulation.experiments.experiment import carry_out as carry_out
+from surefoot.simulation.experiments.robots import ROBOTS
+
+EXPERIMENTS: dict[str, WorldExperiment] = {e.name: e for e in (*BODIES, *ROBOTS)}
+"""Name to experiment, in the order in which they are shown."""

@@ -54,12 +54,16 @@ def _mujoco(law: SoftLaw, mass: float, dt: float) -> dict[str, Any]:
     return {"solref": tuple(words["solref"]), "solimp": tuple(words["solimp"])}
 
 
+def _bullet(law: SoftLaw, mass: float, dt: float) -> dict[str, Any]:
+    return {"contact": translate(law, "bullet", mass, dt=dt).parameters}
+
+
 def _drake(law: SoftLaw, mass: float, dt: float) -> dict[str, Any]:
     return {"contact": translate(law, "drake", mass, dt=dt).parameters}
 
 
 _SOFT: dict[str, Callable[[SoftLaw, float, float], dict[str, Any]]] = {
-    "rigid": _rigid, "mujoco": _mujoco, "mjx": _mujoco, "drake": _drake,
+    "rigid": _rigid, "mujoco": _mujoco, "mjx": _mujoco, "bullet": _bullet, "drake": _drake,
 }  # fmt: skip
 
 

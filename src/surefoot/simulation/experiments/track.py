@@ -74,8 +74,8 @@ class BodyRun:
 
     def run(self, world: str, dt: float, options: Mapping[str, Any] | None = None) -> BodyTrack:
         """Return the path in a world; its own options are those of hard ground unless given."""
-        told = hard(world, dt) if options is None else options
-        made = make_world(world, self.body, self.terrain, self.mu, dt=dt, **told)
+        chosen = hard(world, dt) if options is None else options
+        made = make_world(world, self.body, self.terrain, self.mu, dt=dt, **chosen)
         try:
             q = self.body.nominal if self.start is None else self.start
             made.reset(q)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib.util import find_spec
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.estimation.toss_model import TossModel
 from surefoot.simulation.tosses.mujoco_cube import MujocoCube
 
@@ -28,6 +28,5 @@ def make_rival(name: str) -> TossModel:
     MissingExtra
         If its package is not installed.
     """
-    if name not in RIVALS:
-        raise ProblemError(unknown_name("rival", name, RIVALS))
+    check_name("rival", name, RIVALS)
     return RIVALS[name]()

@@ -1,0 +1,84 @@
+"""Contact forces of a stance for one wanted wrench; flat feet push at the corners of their soles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.equilibrium.force_distribution import ForceDistributor
+from surefoot.stance import Stance
+
+
+def distribute(
+    stance: Stance,
+    wrench: ArrayLike,
+    about: ArrayLike = (0.0, 0.0, 0.0),
+    wrench_weights: ArrayLike = 1.0,
+    force_weight: float = 1e-4,
+) -> FloatArray:
+    """Return contact forces of a stance for a wanted wrench, with exact cones.
+
+    Parameters
+    ----------
+    stance
+        Point and patch contacts; a patch is allocated through its four corners.
+    wrench
+        (6,) wanted [force; moment about the point], world axes [N, N·m].
+    about
+        (3,) point that moments refer to, usually the centre of mass [m].
+    wrench_weights, force_weight
+        As for `ForceDistributor`.
+
+    Returns
+    -------
+    FloatArray
+        (n, 3) forces in contact frames [N]. If the stance has patches, the stacked (dim,) vector of
+        `Stance.slices` instead: three components for a point, a wrench of six about the patch's
+        centre for a patch.
+
+    Raises
+    ------
+    ProblemError
+        If the wrench or the point is not finite or has the wrong shape.
+    """
+    w = finite_array("wrench", wrench, (6,))
+    points = stance.points()
+    distributor = ForceDistributor(
+        points.mu, points.normal_min, points.normal_max, wrench_weights, force_weight
+    )
+    if len(points) == len(stance):
+        return distributor.solve(points.grasp_map(about), w)
+    forces = distributor.solve_with_rows(points.grasp_map(about), w, *_patch_sums(stance))
+    return _patch_wrenches(stance, points, forces)
+
+
+def _patch_sums(stance: Stance) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the (patches, 3n) map from corner forces to the patches' normal forces, and its bounds."""
+    patches = [c for c in stance.contacts if c.dim == 6]
+    sums = np.zeros((len(patches), 3 * len(stance.points())))
+    row = column = 0
+    for contact in stance.contacts:
+        if contact.dim == 6:
+            sums[row, column + 2 : column + 12 : 3] = 1.0
+            row += 1
+        column += 12 if contact.dim == 6 else 3
+    low, high = (np.array([getattr(c, name) for c in patches]) for name in ("normal_min", "normal_max"))
+    return sums, low, high
+
+
+def _patch_wrenches(stance: Stance, points: Stance, forces: FloatArray) -> FloatArray:
+    """Return the stacked forces of points and wrenches of patches for (n, 3) forces of `stance.points()`."""
+    out = np.zeros(stance.dim)
+    taken = 0
+    for contact, part in zip(stance.contacts, stance.slices, strict=True):
+        if contact.dim == 3:
+            out[part] = forces[taken]
+            taken += 1
+            continue
+        corners = points.contacts[taken : taken + 4]
+        arms = [contact.rotation_world_contact.T @ (c.position - contact.position) for c in corners]
+        own = forces[taken : taken + 4]
+        out[part] = np.concatenate([own.sum(axis=0), np.cross(arms, own).sum(axis=0)])
+        taken += 4
+    return out

@@ -1,0 +1,90 @@
+"""A knot of the exact step in symbols, and rows with their bounds: what every road writes its program with.
+
+Semi-implicit Euler as `surefoot.stepping.Knot` takes it, written as inverse dynamics (no mass matrix is
+inverted)::
+
+    RNEA(q, v, (v⁺ - v) / dt, f) = S tau,      q⁺ = q ⊕ dt v⁺
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.planning.transcription.nlp import Expression, Sides
+from surefoot.robot import Robot
+from surefoot.robot.libraries import import_casadi
+from surefoot.robot.symbolic_body import SymbolicBody
+from surefoot.terrain import Terrain
+
+Row: TypeAlias = tuple[Expression, ArrayLike, ArrayLike]
+"""A column (m, 1) of SX, and its bounds: a number, (m,) or (knots, m); infinite where it does not matter."""
+
+
+class SymbolicKnot:
+    """The state before and after a knot of a robot on a plane, and what the step says of them.
+
+    Parameters
+    ----------
+    robot, terrain
+        Who moves, on which plane.
+    dt
+        Length of the knot [s].
+
+    Attributes
+    ----------
+    body
+        The robot's dynamics.
+    x, after
+        (nq + nv, 1) SX symbols: q and v at the knot's start, and at its end.
+    q, v, q_after, v_after
+        Their parts.
+    frame, height
+        (3, 3) rotation_world_contact of the plane, and its distance from the origin along its normal [m].
+    """
+
+    def __init__(self, robot: Robot, terrain: Terrain, dt: float) -> None:
+        ca = import_casadi()
+        self.robot, self.dt = robot, dt
+        self.body = body = SymbolicBody(robot.model, robot.contact_points)
+        self.x, self.after = ca.SX.sym("x", body.nq + body.nv), ca.SX.sym("after", body.nq + body.nv)
+        self.q, self.v = self.x[: body.nq], self.x[body.nq :]
+        self.q_after, self.v_after = self.after[: body.nq], self.after[body.nq :]
+        self.frame = np.asarray(terrain.frame([0.0, 0.0]))
+        self.height = float(terrain.height([0.0, 0.0])) * self.frame[2, 2]
+
+    def world(self, forces: Expression) -> Expression:
+        """Return (3, p) in world axes what is (3, p) in contact axes."""
+        return import_casadi().mtimes(import_casadi().DM(self.frame), forces)
+
+    def missing_effort(self, forces: Expression, torques: Expression) -> Expression:
+        """Return what forces (3, p), world axes [N], and torques (joints, 1) lack of the motion (nv, 1)."""
+        ca, change = import_casadi(), (self.v_after - self.v) / self.dt
+        effort = self.body.inverse_dynamics(self.q, self.v, change, forces, self.frame[:, 2])
+        return effort - ca.vertcat(ca.SX.zeros(self.robot.base_dof), torques)
+
+    def missed_way(self) -> Expression:
+        """Return (nq, 1) q⁺ less q ⊕ dt v⁺."""
+        return self.q_after - self.body.integrate(self.q, self.dt * self.v_after)
+
+    def gaps(self, q: Expression) -> Expression:
+        """Return the gaps (1, p) of the contact points at (nq, 1) q [m]."""
+        ca = import_casadi()
+        above = ca.DM(self.robot.contact_points.radii + self.height).T
+        return ca.mtimes(ca.DM(self.frame[:, 2:].T), self.body.sphere_centres(q)) - above
+
+    def point_speeds(self, q: Expression, v: Expression) -> Expression:
+        """Return the contact points' velocities (3, p) at (nq, 1) q and (nv, 1) v, contact axes [m/s]."""
+        ca = import_casadi()
+        return ca.mtimes(ca.DM(self.frame.T), self.body.point_velocities(q, v, self.frame[:, 2]))
+
+
+def stacked(rows: Sequence[Row], knots: int) -> tuple[Expression, Sides]:
+    """Return rows one below the other (m, 1), and their bounds (knots, m)."""
+    sizes = [(knots, int(row.shape[0])) for row, _, _ in rows]
+    low = [np.broadcast_to(least, size) for (_, least, _), size in zip(rows, sizes, strict=True)]
+    high = [np.broadcast_to(most, size) for (_, _, most), size in zip(rows, sizes, strict=True)]
+    return import_casadi().vertcat(*(row for row, _, _ in rows)), (np.hstack(low), np.hstack(high))

@@ -1,0 +1,68 @@
+"""Standing up from the back: found, lawful, and carried out by feedback."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.contact import Status
+from surefoot.planning import Plan
+from surefoot.planning.stand_up.lying import upright
+from surefoot.planning.stand_up.task import STAND_UP, StandUp
+from surefoot.planning.tasks.task import Iteration, PlanRequest
+from surefoot.simulation.mujoco import MujocoWorld
+from surefoot.simulation.plan_execution import execute
+
+ROBOT = sf.load_robot("go2")
+
+
+@pytest.fixture(scope="module")
+def told() -> list[Iteration]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def plan(told: list[Iteration]) -> Plan:
+    task = StandUp(model=MujocoWorld(ROBOT, dt=2e-3, collision="full"))
+    return task.plan(PlanRequest(ROBOT, 180.0, dt=2e-3), told.append)
+
+
+@pytest.mark.long
+def test_the_plan_gets_up_lawfully(plan: Plan, told: list[Iteration]) -> None:
+    assert plan.status is Status.SOLVED
+    assert plan.law_residual < 1e-8
+    assert upright(plan["q"][0]) < -0.9
+    assert upright(np.asarray(plan.facts["end_q"])) > 0.98
+    assert told
+    assert told[-1].cost == pytest.approx(plan.cost)
+    limits = ROBOT.effort_limits
+    assert (np.abs(plan["torques"]) <= limits + 1e-9).all()
+    low, high = ROBOT.model.lowerPositionLimit[7:], ROBOT.model.upperPositionLimit[7:]
+    assert (plan["q"][:, 7:] > low - 0.02).all()
+    assert (plan["q"][:, 7:] < high + 0.02).all()
+
+
+@pytest.mark.long
+def test_it_stands_up_where_it_is_not_expected(plan: Plan) -> None:
+    done = execute(plan, "mujoco", "curve", seed=3, settle=1.0, dt=1e-3)
+    assert done.landed, done.why
+    assert done.torque_use_max <= 1.0
+    assert done.speed_use_max <= 1.0
+    assert any("base_0" in pair for pair in done.links)
+
+
+@pytest.mark.long
+def test_a_saved_plan_is_executed_the_same_way(plan: Plan, tmp_path: object) -> None:
+    from pathlib import Path
+
+    path = Path(str(tmp_path)) / "plan.npz"
+    plan.save(path)
+    again = Plan.read(path)
+    runs = [execute(p, "mujoco", settle=0.0, dt=1e-3) for p in (plan, again)]
+    np.testing.assert_array_equal(runs[0].log["q"], runs[1].log["q"])
+
+
+def test_who_cannot() -> None:
+    with pytest.raises(sf.ProblemError, match="four legs"):
+        STAND_UP.plan(PlanRequest(sf.load_robot("g1")), lambda iteration: None)
