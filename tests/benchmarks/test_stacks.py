@@ -6,7 +6,6 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,11 +16,10 @@ from benchmarks.stacks.bench import TRIALS, Bench, measure
 from benchmarks.stacks.judging import Trial
 from benchmarks.stacks.measures import Measures, outside_cones, stance_slides
 from benchmarks.stacks.setting import HARD, IDEAL, Setting, true_robot
-from benchmarks.stacks.stack import START, Surefoot, ramp_time, ramped
-from benchmarks.stacks.stacks import choose_stacks
+from benchmarks.stacks.stack import START, ramp_time, ramped
 from benchmarks.stacks.table import rows
 from benchmarks.stacks.tasks import TASKS, Bound, choose_tasks
-from benchmarks.stacks.trial import PHASES, Variation, push_time, start
+from benchmarks.stacks.trial import Variation, start
 from surefoot.cli.main import main
 from surefoot.control.walking_body import BodyPlan
 from surefoot.errors import ProblemError
@@ -72,20 +70,6 @@ def test_a_start_moves_the_base_and_leaves_the_feet() -> None:
     posture = robot.nominal.copy()
     posture[7:] = np.tile([0.0, 0.9, -1.8], 4)
     assert start(robot, ground, posture, still)[2] < q0[2] - 0.03
-
-
-def test_pushes_come_in_the_phase_of_the_seed() -> None:
-    seeds = [Variation.drawn(seed) for seed in range(2 * PHASES)]
-    assert [vary.phase for vary in seeds] == [0.0, 0.25, 0.5, 0.75] * 2
-    controller: Any = SimpleNamespace(gait_start=0.3, gait_period=0.42)
-    for vary in seeds:
-        time = push_time(controller, vary.phase)
-        assert 2.5 - 1e-9 <= time < 2.5 + 0.42
-        assert ((time - 0.3) / 0.42 - vary.phase) % 1.0 == pytest.approx(0.0, abs=2e-3) or (
-            (time - 0.3) / 0.42 - vary.phase
-        ) % 1.0 == pytest.approx(1.0, abs=2e-3)
-    assert max(abs(vary.mass - 1.0) for vary in seeds) <= 0.05
-    assert len({vary.mass for vary in seeds}) == len(seeds)
 
 
 def synthetic(**arrays: Any) -> Log:
@@ -219,15 +203,6 @@ def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch
     (tmp_path / TRIALS).write_text("nonsense\n")
     with pytest.raises(ProblemError, match="is no file of trials"):
         measure(small(1), tmp_path)
-
-
-def test_absent_peers_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("SUREFOOT_GO2_CONVEX_MPC", "SUREFOOT_QUADRUPED_PYMPC"):
-        monkeypatch.delenv(name, raising=False)
-    chosen = choose_stacks(None, {})
-    assert [stack.name for stack in chosen.stacks] == ["surefoot"]
-    assert isinstance(chosen.stacks[0], Surefoot)
-    assert "checkout of https://github.com/iit-DLSLab/Quadruped-PyMPC" in chosen.absent["quadruped-pympc"]
 
 
 def test_a_real_trial_from_the_command_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -125,19 +125,6 @@ def test_newtons_law_for_all_contacts_at_once_is_no_cradle(n):
     assert abs(change) < 1e-6
 
 
-def test_a_lossy_cradle_is_a_wave_of_collisions_of_two():
-    """e = 0.6 of three balls: pair after pair, until none closes faster than what counts as rest."""
-    speeds, _ = row(3, restitution=0.6)
-    v = np.array([1.0, 0.0, 0.0])
-    for _ in range(100):
-        for a in (0, 1):
-            if v[a] - v[a + 1] > 2.0 * GRAVITY * 1e-3:
-                mean, off = 0.5 * (v[a] + v[a + 1]), 0.3 * (v[a] - v[a + 1])
-                v[a], v[a + 1] = mean - off, mean + off
-    np.testing.assert_allclose(speeds, v, atol=2.0 * GRAVITY * 1e-3)
-    assert abs(sum(speeds) - 1.0) < 1e-9
-
-
 @pytest.mark.parametrize("on_table", [False, True])
 def test_a_sliding_ball_rolls_at_five_sevenths_of_its_speed(on_table):
     lift = 0.3 if on_table else 0.0
