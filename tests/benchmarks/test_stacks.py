@@ -19,14 +19,12 @@ from benchmarks.stacks.setting import HARD, IDEAL, Setting, true_robot
 from benchmarks.stacks.stack import START, ramp_time, ramped
 from benchmarks.stacks.table import rows
 from benchmarks.stacks.tasks import TASKS, Bound, choose_tasks
-from benchmarks.stacks.trial import Variation, start
 from surefoot.cli.main import main
 from surefoot.control.walking_body import BodyPlan
 from surefoot.errors import ProblemError
 from surefoot.log import CHANNELS, Log
 from surefoot.robot import load_robot
 from surefoot.spatial import GRAVITY
-from surefoot.terrain import SlopeTerrain
 
 GOOD = Measures(
     0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004
@@ -58,18 +56,6 @@ def test_a_heavier_robot_with_a_load() -> None:
     assert robot.mass == pytest.approx(16.085), "the documented one stays as it is"
     inertia = np.asarray(heavy.model.inertias[2].inertia)
     assert inertia == pytest.approx(1.05 * np.asarray(robot.model.inertias[2].inertia))
-
-
-def test_a_start_moves_the_base_and_leaves_the_feet() -> None:
-    robot, ground = load_robot("go2"), SlopeTerrain(15.0)
-    still = replace(Variation.drawn(3), place=(0.0, 0.0), lean=(0.0, 0.0))
-    q0, q1 = start(robot, ground, None, still), start(robot, ground, None, Variation.drawn(3))
-    assert robot.foot_positions(q1) == pytest.approx(robot.foot_positions(q0), abs=2e-5)
-    assert q1[:2] - q0[:2] == pytest.approx(Variation.drawn(3).place)
-    assert np.abs(q1[3:7] - q0[3:7]).max() > 1e-3
-    posture = robot.nominal.copy()
-    posture[7:] = np.tile([0.0, 0.9, -1.8], 4)
-    assert start(robot, ground, posture, still)[2] < q0[2] - 0.03
 
 
 def synthetic(**arrays: Any) -> Log:

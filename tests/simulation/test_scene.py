@@ -166,46 +166,6 @@ def test_a_log_lies_between_two_others():
         assert abs(np.linalg.norm(forces(world)["top", side]) - GRAVITY / math.sqrt(3.0)) < 1e-6
 
 
-def test_momentum_of_bodies_in_the_air_is_kept():
-    rng = np.random.default_rng(4)
-    shapes, places = (CUBE, Capsule(0.05, 0.3), BALL), np.vstack([np.eye(3), -np.eye(3)]) * 0.4
-    bodies = [
-        Body(
-            f"b{k}",
-            shapes[k % 3],
-            1.0 + k,
-            tuple(places[k] + [0, 0, 5.0]),
-            velocity=tuple(-4.0 * places[k] + 0.2 * rng.normal(size=3)),
-            spin=tuple(rng.normal(size=3)),
-            restitution=0.5,
-        )
-        for k in range(6)
-    ]
-    world = SceneWorld(Scene(bodies), mu=0.4)
-
-    def momentum():
-        p, L = np.zeros(3), np.zeros(3)
-        for body in bodies:
-            pose, (v, w) = world.pose(body.name), world.twist(body.name)
-            inertia = pose.rotation @ np.diag(body.shape.moments(body.mass)) @ pose.rotation.T
-            p += body.mass * v
-            L += inertia @ w + body.mass * np.cross(pose.position, v)
-        return p, L
-
-    met, (p, L), mass = 0, momentum(), sum(b.mass for b in bodies)
-    for _ in range(300):
-        world.step()
-        met += bool(world.touches())
-    assert met > 3
-    fall = np.array([0, 0, -GRAVITY * world.time])
-    after, angular = momentum()
-    np.testing.assert_allclose(after, p + mass * fall, atol=1e-9)
-    centre = sum(b.mass * np.array(b.position) for b in bodies) / mass
-    # the moment of the weight about the origin, along the way of the common centre of mass
-    moment = np.cross(centre, fall) + 0.5 * world.time * np.cross(p / mass, fall)
-    np.testing.assert_allclose(angular, L + mass * moment, atol=1e-6)
-
-
 def test_go2_stands_on_a_box_with_its_front_feet():
     robot = sf.load_robot("go2")
     q, feet = robot.nominal, robot.foot_positions()
