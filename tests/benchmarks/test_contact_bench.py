@@ -12,7 +12,6 @@ from benchmarks.contact.comparison import (
     Run,
     compare,
     copies_of,
-    problems_in,
 )
 from benchmarks.contact.ours import CONTACT_SOLVER
 from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix, settings
@@ -131,10 +130,3 @@ def test_command_writes_json_and_pictures(tmp_path: Path, capsys: pytest.Capture
     folder = next((tmp_path / "runs").iterdir())
     assert {f.name for f in folder.iterdir()} == {"contact.json", "profile.png", "profile-new-g.png"}
     assert (folder / "profile.png").stat().st_size > 10_000
-
-
-def test_folders_without_problems_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ProblemError, match="no contact problems"):
-        problems_in(tmp_path)
-    with pytest.raises(ProblemError, match="no such folder"):
-        problems_in(tmp_path / "none")

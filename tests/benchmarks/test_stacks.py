@@ -20,7 +20,7 @@ from benchmarks.stacks.setting import HARD, IDEAL, Setting, true_robot
 from benchmarks.stacks.stack import START, Surefoot, ramp_time, ramped
 from benchmarks.stacks.stacks import choose_stacks
 from benchmarks.stacks.table import rows
-from benchmarks.stacks.tasks import LADDER, QUADRUPEDS, TASKS, Bound, choose_tasks
+from benchmarks.stacks.tasks import TASKS, Bound, choose_tasks
 from benchmarks.stacks.trial import PHASES, Variation, push_time, start
 from surefoot.cli.main import main
 from surefoot.control.walking_body import BodyPlan
@@ -98,28 +98,6 @@ def synthetic(**arrays: Any) -> Log:
     } | arrays
     facts = {"dt": 1e-3, "mass": 10.0 / GRAVITY, "contact_foot": [0], "feet": ["foot"]}
     return Log(full, facts, {name: CHANNELS[name] for name in full})
-
-
-def test_slides_of_stances_against_adding_up_one_by_one() -> None:
-    random, T = np.random.default_rng(5), 4000
-    loaded = np.repeat(random.random(40) < 0.5, 100)
-    loaded[150:160] = False  # a bounce
-    forces = np.zeros((T, 1, 3))
-    forces[:, 0, 2] = np.where(loaded, 5.0, 0.0)
-    velocity = random.normal(scale=0.2, size=(T, 1, 3)).cumsum(axis=0) * 0.05
-    longest, place, free = 0.0, None, 99
-    for k in range(T):
-        if not loaded[k]:
-            free += 1
-            continue
-        if place is None or free > 20:
-            place = -1e-3 * velocity[k, 0, :2]  # the row of the touchdown counts for nothing
-        free = 0
-        place = place + 1e-3 * velocity[k, 0, :2]
-        longest = max(longest, float(np.linalg.norm(place)))
-    found = stance_slides(synthetic(forces=forces, contact_velocities=velocity))
-    assert found == pytest.approx([longest], rel=1e-9)
-    assert longest > 0.01
 
 
 def test_cones_are_those_of_the_ground() -> None:
@@ -243,21 +221,6 @@ def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch
         measure(small(1), tmp_path)
 
 
-def test_words_that_are_none(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("SUREFOOT_GO2_CONVEX_MPC", raising=False)
-    for words, said in (
-        (["--stack", "moon"], "unknown stack 'moon'"),
-        (["--task", "moon"], "unknown task 'moon'"),
-        (["--estimator", "moon"], "unknown estimator 'moon'"),
-        (["--stack", "go2-convex-mpc"], "set --go2-convex-mpc or SUREFOOT_GO2_CONVEX_MPC to a checkout of"),
-        (["--resume", "/nowhere"], "no trials.jsonl there"),
-    ):
-        assert main(["bench", "stacks", *words]) == 2
-        found = capsys.readouterr()
-        assert said in found.err
-        assert (found.out, found.err.count("\n")) == ("", 1)
-
-
 def test_absent_peers_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("SUREFOOT_GO2_CONVEX_MPC", "SUREFOOT_QUADRUPED_PYMPC"):
         monkeypatch.delenv(name, raising=False)
@@ -284,12 +247,23 @@ def test_a_real_trial_from_the_command_line(capsys: pytest.CaptureFixture[str], 
     assert "speed-0.2*" in capsys.readouterr().out
 
 
-def test_there_is_a_task_for_all_that_has_to_hold() -> None:
-    must = {name for name, task in TASKS.items() if task.must}
-    assert {f"speed-{v:g}" for v in LADDER} | {f"robot-{name}" for name in QUADRUPEDS} <= must
-    assert {"payload-off-centre", "ice", "stairs-up", "stairs-down", "slope-up", "delay", "estimate"} <= must
-    assert sum(name.startswith("push-") for name in must) == 8
-    assert sum(name.startswith("g1-push-") for name in must) == 4
-    assert {"g1-0", "g1-0.3", "g1-0.6", "g1-turn", "g1-slope-up", "g1-rough", "real-time"} <= must
-    pushes = [TASKS[name].push for name in must if name.startswith("push-")]
-    assert all(math.hypot(*push) == pytest.approx(150.0) for push in pushes if push is not None)
+def test_slides_of_stances_against_adding_up_one_by_one() -> None:
+    random, T = np.random.default_rng(5), 4000
+    loaded = np.repeat(random.random(40) < 0.5, 100)
+    loaded[150:160] = False  # a bounce
+    forces = np.zeros((T, 1, 3))
+    forces[:, 0, 2] = np.where(loaded, 5.0, 0.0)
+    velocity = random.normal(scale=0.2, size=(T, 1, 3)).cumsum(axis=0) * 0.05
+    longest, place, free = 0.0, None, 99
+    for k in range(T):
+        if not loaded[k]:
+            free += 1
+            continue
+        if place is None or free > 20:
+            place = -1e-3 * velocity[k, 0, :2]  # the row of the touchdown counts for nothing
+        free = 0
+        place = place + 1e-3 * velocity[k, 0, :2]
+        longest = max(longest, float(np.linalg.norm(place)))
+    found = stance_slides(synthetic(forces=forces, contact_velocities=velocity))
+    assert found == pytest.approx([longest], rel=1e-9)
+    assert longest > 0.01

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pinocchio
 import pytest
@@ -16,19 +14,15 @@ from surefoot.control.walking_body import BodyPlan, VelocityCommand
 from surefoot.control.whole_body import Tasks, WholeBodyController
 from surefoot.errors import ProblemError
 from surefoot.estimation.wrench_observer import Load
-from surefoot.robot import Robot, load_robot, place
+from surefoot.robot import Robot, place
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario
 from surefoot.spatial import rotation_from_quaternion
+from tests.robots import robot_of
 
 DT = 1e-3
 PLACE = np.array([0.1, 0.08, 0.08])
-
-
-@cache
-def robot_of(name: str) -> Robot:
-    return load_robot(name)
 
 
 def adaptation(robot: Robot, settings: LoadSettings | None = None) -> LoadAdaptation:

@@ -86,18 +86,6 @@ def test_several_commands_are_told_by_several_files(tmp_path: Path, monkeypatch:
     assert "(`surefoot plan jump 0.4 --no-video --no-report`; `surefoot plan jump-up 0.2" in shown
 
 
-def test_a_file_is_for_the_tables_of_one_command(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tables, "measure", lambda names, told: pytest.fail("measured"))
-    monkeypatch.setattr("sys.argv", ["tables", "rigid", "contact", "--told", "x.json"])
-    with pytest.raises(SystemExit):
-        tables.main()
-
-
-def test_a_command_that_prints_nothing_is_told() -> None:
-    with pytest.raises(RuntimeError, match="unrecognized arguments"):
-        tables.answer("python -m docs.tables --nonsense", as_json=False)
-
-
 def test_a_table_without_a_file_keeps_what_stands_in_its_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -16,7 +16,6 @@ from surefoot.estimation.foot_kinematics import (
     base_state,
     follow_stances,
     over_ground,
-    places_seen,
     roll,
     state_ahead,
 )
@@ -150,22 +149,6 @@ def test_only_what_lies_in_place_is_read_in_place() -> None:
         live_parts([np.zeros(3)[:2]])
 
 
-def test_forces_are_damped_least_squares() -> None:
-    random, damping = np.random.default_rng(3), 0.1
-    twists, points, v = random.normal(size=(6, 18)), random.normal(size=(3, 3)), random.normal(size=18)
-    support, flat = random.random((3, 18)) < 0.7, np.array([False, True, False])
-    support[2, 6:] = False  # a foot without joints
-    residual, forces, velocities = random.normal(size=18), np.zeros((3, 3)), np.zeros((3, 3))
-    foot_forces(twists, support, points, flat, residual, v, damping, forces, velocities)
-    for k, point in enumerate(points):
-        J = np.vstack([twists[:3] + np.cross(twists[3:], point, axis=0), twists[3:]]) * support[k]
-        np.testing.assert_allclose(velocities[k], J[:3] @ v, atol=1e-12)
-        A = J[: 6 if flat[k] else 3, 6:]
-        square = A @ A.T + damping**2 * np.trace(A @ A.T) * np.eye(len(A))
-        expected = np.zeros(3) if k == 2 else np.linalg.solve(square, A @ residual[6:])[:3]
-        np.testing.assert_allclose(forces[k], expected, atol=1e-10)
-
-
 def test_stances_have_an_age() -> None:
     random, dt, n = np.random.default_rng(8), 0.01, 4
     age, touching, landed = np.full(n, -dt), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
@@ -178,14 +161,6 @@ def test_stances_have_an_age() -> None:
         np.testing.assert_array_equal(touching, stands)
         np.testing.assert_array_equal(landed, since <= 3)  # 0.025 s after the first
         assert new == (since == 1).any()
-
-
-def test_places_are_seen_from_the_imu_and_less_what_has_rolled() -> None:
-    random = np.random.default_rng(9)
-    X = exponential(0.3 * random.normal(size=15))
-    centres, rolled, out = random.normal(size=(2, 3)), random.normal(size=(2, 3)), np.zeros((2, 3))
-    places_seen(X, centres, np.array([0.1, 0.2, 0.3]), rolled, out)
-    np.testing.assert_allclose(out, centres - [0.1, 0.2, 0.3] - rolled @ X[:, :3])
 
 
 def test_the_state_ahead_is_that_of_its_parts() -> None:

@@ -15,6 +15,7 @@ from surefoot.control.walking_kernels import advance_body, body_rise, cruise, sl
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
+from surefoot.text_files import read_text
 
 LEAD = 0.05
 """The wanted place never runs further ahead of the body than it goes in this time [s], at Froude speed 1 or
@@ -72,12 +73,8 @@ class VelocityCommand:
         ProblemError
             If the file cannot be read or a line does not hold four numbers; the message names the line.
         """
-        try:
-            lines = path.read_text().splitlines()
-        except (OSError, UnicodeDecodeError) as error:
-            raise ProblemError(f"cannot read the velocity file {path}: {error}") from error
         rows = []
-        for number, line in enumerate(lines, 1):
+        for number, line in enumerate(read_text(path, "the velocity file").splitlines(), 1):
             words = line.split("#")[0].replace(",", " ").split()
             if not words:
                 continue
