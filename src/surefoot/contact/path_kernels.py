@@ -83,6 +83,59 @@ def fill_slack_rates(
             out[h + 2] += slope * (u[h] * du[h] + u[h + 1] * du[h + 1]) + by_force * step[h + 2]
 
 
+@inline_kernel
+def _cone_parts(
+    laws: FloatArray, epsilon: FloatArray, kappa: float, convex: bool, k: int, forces: FloatArray,
+    u: FloatArray, slacks: FloatArray, part: FloatArray, lag: FloatArray, own: FloatArray,
+) -> float:  # fmt: skip
+    """Fill Q U (3, 3), -(c + Q lag) (3,), ∂c by mu and both bounds (3, 3) of contact k; return ∂y_n/∂λ_n."""
+    h, mu = 3 * k, laws[0, k]
+    square = mu * mu
+    x, y, z = slacks[h], slacks[h + 1], slacks[h + 2]
+    fx, fy, fz = forces[h], forces[h + 1], forces[h + 2]
+    normal, speed, slope, by_force, above, below = _normal_slack(laws, epsilon, kappa, convex, k, forces, u)
+    # Q U by rows
+    p, q = slope * u[h], slope * u[h + 1]
+    part[0, 0], part[0, 1], part[0, 2] = square * fz + fx * p, fx * q, fx
+    part[1, 0], part[1, 1], part[1, 2] = fy * p, square * fz + fy * q, fy
+    part[2, 0], part[2, 1], part[2, 2] = fx + fz * p, fy + fz * q, fz
+    # c, and what it moves by when the slacks catch up
+    p, q, r = u[h] - x, u[h + 1] - y, normal - z
+    lag[0] = -(square * fz * x + z * fx + (square * fz * p + fx * r))
+    lag[1] = -(square * fz * y + z * fy + (square * fz * q + fy * r))
+    lag[2] = -(fx * x + fy * y + fz * z - kappa + (fx * p + fy * q + fz * r))
+    # by mu through the shift and the cone's own metric, by the bounds through their terms
+    low, high = -kappa * above * above, -kappa * below * below
+    for a in range(3):
+        f = (fx, fy, fz)[a]
+        own[a, 0] = f * speed + 2.0 * mu * fz * (x, y, 0.0)[a]
+        own[a, 1], own[a, 2] = f * low, f * high
+    return by_force
+
+
+@inline_kernel
+def _fill_right(
+    k: int, n: int, part: FloatArray, lag: FloatArray, own: FloatArray, A: FloatArray, right: FloatArray
+) -> None:
+    """Fill the rows of contact k on the right, and divide them and those of A by the largest entry of A's."""
+    h, m = 3 * k, 3 * n
+    wide = right.shape[1] > 1
+    for a in range(3):
+        size = 0.0
+        for j in range(m):
+            size = max(size, abs(A[h + a, j]))
+        size = 1.0 / size if size > 0.0 else 1.0
+        for j in range(m):
+            A[h + a, j] *= size
+        for j in range(right.shape[1]):
+            right[h + a, j] = 0.0 if wide else size * lag[a]
+        if wide:
+            for b in range(3):
+                right[h + a, h + b] = -size * part[a, b]
+                if m + b * n < right.shape[1]:
+                    right[h + a, m + b * n + k] = -size * own[a, b]
+
+
 @kernel
 def path_system(
     G: FloatArray, laws: FloatArray, epsilon: FloatArray, kappa: float, convex: bool, forces: FloatArray,
@@ -95,68 +148,31 @@ def path_system(
     contacts of any stiffness count alike. Forces, u and slacks are (3n,); the rest as for `fill_slacks`.
     """
     n, m = epsilon.size, u.size
-    part, lag, own = np.empty((3, 3)), np.empty(3), np.empty((3, 3))
-    wide = right.shape[1] > 1
+    part, lag, own = np.zeros((3, 3)), np.empty(3), np.zeros((3, 3))
     for k in range(n):
-        h, mu = 3 * k, laws[0, k]
-        square = mu * mu
+        h, square = 3 * k, laws[0, k] * laws[0, k]
         held, off = laws[1, k] == -np.inf, laws[2, k] == 0.0
         x, y, z = slacks[h], slacks[h + 1], slacks[h + 2]
-        fx, fy, fz = forces[h], forces[h + 1], forces[h + 2]
         by_force = 0.0
         if held or off:
             # u = 0, or λ = 0
             for a in range(3):
                 lag[a] = -u[h + a] if held else -forces[h + a]
                 for b in range(3):
-                    part[a, b] = 1.0 if held and a == b else 0.0
-                    own[a, b] = 0.0
+                    part[a, b], own[a, b] = 1.0 if held and a == b else 0.0, 0.0
         else:
-            normal, speed, slope, by_force, above, below = _normal_slack(
-                laws, epsilon, kappa, convex, k, forces, u
-            )
-            # Q U by rows
-            p, q = slope * u[h], slope * u[h + 1]
-            part[0, 0], part[0, 1], part[0, 2] = square * fz + fx * p, fx * q, fx
-            part[1, 0], part[1, 1], part[1, 2] = fy * p, square * fz + fy * q, fy
-            part[2, 0], part[2, 1], part[2, 2] = fx + fz * p, fy + fz * q, fz
-            # c, and what it moves by when the slacks catch up
-            p, q, r = u[h] - x, u[h + 1] - y, normal - z
-            lag[0] = -(square * fz * x + z * fx + (square * fz * p + fx * r))
-            lag[1] = -(square * fz * y + z * fy + (square * fz * q + fy * r))
-            lag[2] = -(fx * x + fy * y + fz * z - kappa + (fx * p + fy * q + fz * r))
-            # ∂c by mu, through the shift and the cone's own metric; by the bounds, through their terms
-            low, high = -kappa * above * above, -kappa * below * below
-            for a in range(3):
-                f = (fx, fy, fz)[a]
-                own[a, 0] = f * speed + 2.0 * mu * fz * (x, y, 0.0)[a]
-                own[a, 1], own[a, 2] = f * low, f * high
+            by_force = _cone_parts(laws, epsilon, kappa, convex, k, forces, u, slacks, part, lag, own)
         for a in range(3):
             for j in range(m):
                 A[h + a, j] = part[a, 0] * G[h, j] + part[a, 1] * G[h + 1, j] + part[a, 2] * G[h + 2, j]
-        if off:
-            for a in range(3):
+            if off:
                 A[h + a, h + a] = 1.0
-        elif not held:
-            # + P, the derivative of c by λ with y held, and Q B
-            A[h, h] += z
-            A[h, h + 2] += square * x + fx * by_force
-            A[h + 1, h + 1] += z
-            A[h + 1, h + 2] += square * y + fy * by_force
+        # + P, the derivative of c by λ with y held, and Q B
+        if not (held or off):
+            for a in range(2):
+                A[h + a, h + a] += z
+                A[h + a, h + 2] += square * slacks[h + a] + forces[h + a] * by_force
             A[h + 2, h] += x
             A[h + 2, h + 1] += y
-            A[h + 2, h + 2] += z + fz * by_force
-        for a in range(3):
-            size = 0.0
-            for j in range(m):
-                size = max(size, abs(A[h + a, j]))
-            size = 1.0 / size if size > 0.0 else 1.0
-            for j in range(m):
-                A[h + a, j] *= size
-            for j in range(right.shape[1]):
-                right[h + a, j] = 0.0 if wide else size * lag[a]
-            if wide:
-                for b in range(3):
-                    right[h + a, h + b] = -size * part[a, b]
-                    if m + b * n < right.shape[1]:
-                        right[h + a, m + b * n + k] = -size * own[a, b]
+            A[h + 2, h + 2] += z + forces[h + 2] * by_force
+        _fill_right(k, n, part, lag, own, A, right)
