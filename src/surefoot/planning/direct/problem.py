@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_array, real_number, whole_number
 from surefoot.errors import ProblemError
-from surefoot.planning.transcription.planar import passive_joints
+from surefoot.planning.transcription.planar import is_planar, passive_joints
 from surefoot.planning.transcription.touches import BodyTouch
 from surefoot.robot import Robot
 from surefoot.terrain import FlatTerrain, Terrain
@@ -133,7 +133,7 @@ class DirectProblem:
     joint_limits
         Whether the model's limits on joint positions and speeds hold.
     planar
-        Whether all contacts move in the plane y = 0; None to find out.
+        Whether all contacts move in the plane y = 0; None where the robot is one of `transcription.planar`.
     touches
         Contacts between bodies of a planar robot, beside those of its feet with the ground.
 
@@ -182,7 +182,7 @@ class DirectProblem:
             if not 0 < k <= self.knots:
                 raise ProblemError(f"windows are of knots 1 to {self.knots}, got {k}")
         if self.planar is None:
-            object.__setattr__(self, "planar", _moves_in_plane(robot))
+            object.__setattr__(self, "planar", is_planar(robot))
         if self.touches and not (self.planar and model.nq == model.nv):
             raise ProblemError(f"touches are of planar robots, {robot.name} is none")
 
@@ -215,26 +215,6 @@ class DirectProblem:
             window.narrow(low[k], high[k], nq, k)
         low[0] = high[0] = np.concatenate([self.q, self.v])
         return low, high
-
-
-def _moves_in_plane(robot: Robot) -> bool:
-    """Return whether no contact point can move across the plane y = 0, by Jacobians at random poses."""
-    import pinocchio
-
-    model, points = robot.model, robot.contact_points
-    data = model.createData()
-    rng = np.random.default_rng(0)
-    for _ in range(2):  # a bent pose can hide a direction, not two random ones
-        q = pinocchio.integrate(model, robot.nominal, rng.normal(size=model.nv))
-        pinocchio.computeJointJacobians(model, data, q)
-        for joint, place in zip(points.joints, points.places, strict=True):
-            J = pinocchio.getJointJacobian(
-                model, data, int(joint), pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
-            )
-            arm = data.oMi[int(joint)].rotation @ place
-            if np.abs(J[1] - (pinocchio.skew(arm) @ J[3:])[1]).max() > 1e-12:
-                return False
-    return True
 
 
 def limit_joints(robot: Robot, low: FloatArray, high: FloatArray, speed_share: float = 1.0) -> None:
