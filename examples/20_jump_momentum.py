@@ -11,14 +11,14 @@ import pinocchio
 import surefoot as sf
 from surefoot.cli.output import new_run_folder
 from surefoot.robot.centroidal import momentum
-from surefoot.stepping.flight import FreeFlight, fly
+from surefoot.stepping.flight import FlightRecord, fly
 from surefoot.viz.momentum_plots import plot_components
 
 TAKE_OFF = np.array([0.4, 0.1, 2.6, 0.6, -1.5, 0.8])  # base velocity at take-off [m/s, rad/s]
 STIFFNESS, DAMPING, LIMIT = 20.0, 0.5, 20.0  # [N m/rad, N m s/rad, N m]
 
 
-def jump(robot: sf.Robot) -> FreeFlight:
+def jump(robot: sf.Robot) -> FlightRecord:
     """Fly from take-off until the centre of mass is back at its height, legs pulled in and kicking."""
     tucked = robot.nominal[7:] + np.tile([0.0, 0.5, -0.8], 4)
     kick = 0.5 * np.tile([0.6, 1.0, 0.4], 4) * np.repeat([1.0, -1.0, -1.0, 1.0], 3)
@@ -32,7 +32,7 @@ def jump(robot: sf.Robot) -> FreeFlight:
     return fly(robot, robot.nominal, v, seconds, torque=torque, dt=1.25e-4)
 
 
-def trunk_share(robot: sf.Robot, flight: FreeFlight) -> np.ndarray:
+def trunk_share(robot: sf.Robot, flight: FlightRecord) -> np.ndarray:
     """Angular momentum of the trunk alone about the whole robot's centre of mass: (n, 3)."""
     out, data, trunk = [], robot.model.createData(), robot.model.inertias[1]
     for q, v, com in zip(flight.q, flight.v, flight.com, strict=True):

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 import surefoot as sf
 from surefoot.cli.output import new_run_folder
 from surefoot.robot.centroidal import centroidal_inertia
-from surefoot.stepping.flight import FreeFlight, Shape, fly, follow_shape
+from surefoot.stepping.flight import FlightRecord, Shape, fly, follow_shape
 from surefoot.viz.momentum_plots import plot_components
 
 LIFT_SPEED = 3.0  # of the centre of mass at take-off [m/s]
@@ -39,12 +39,12 @@ def tuck(robot: sf.Robot, amount: float) -> tuple[Shape, Shape]:
     )
 
 
-def pitch(flight: FreeFlight) -> np.ndarray:
+def pitch(flight: FlightRecord) -> np.ndarray:
     """The base's pitch over the flight, unwound: (n,) [rad]."""
     return np.unwrap(2.0 * np.arctan2(flight.q[:, 4], flight.q[:, 6]))
 
 
-def flip(robot: sf.Robot, amount: float, spin: float, dt: float = 4e-3) -> FreeFlight:
+def flip(robot: sf.Robot, amount: float, spin: float, dt: float = 4e-3) -> FlightRecord:
     carried = np.array([0.0, 0.0, robot.mass * LIFT_SPEED, 0.0, -spin, 0.0])
     return follow_shape(
         robot, robot.nominal, tuck(robot, amount)[0], FLIGHT_TIME, carried=carried, gravity=True, dt=dt

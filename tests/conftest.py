@@ -131,3 +131,17 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000, 20, 20)
+
+
+@pytest.fixture(scope="session")
+def go2() -> Any:
+    """Return the robot of most tests, which none may change."""
+    from tests.robots import go2
+
+    return go2()
+
+
+@pytest.fixture(scope="session")
+def robot(go2: Any) -> Any:
+    """Return the same, where the name does not matter."""
+    return go2

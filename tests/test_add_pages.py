@@ -1,8 +1,11 @@
-"""What the pages "add a ..." show from outside the package works as it stands there."""
+"""The pages "add a ..." hold whole programs: they run as shown, from outside the package."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,15 +15,32 @@ from surefoot.audit import log_laws
 from surefoot.control import gait_library
 from surefoot.control.controller import RobotState
 from surefoot.log import CHANNELS, formats
-from tests.pages import run_page
+from surefoot.robot import load_robot
+from surefoot.robot.catalog import CATALOG
+from surefoot.simulation.worlds import WORLDS, make_world
+from surefoot.terrain import TERRAINS, read_terrain
+from tests import pages
 
 
 @pytest.fixture(autouse=True)
-def tables(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def tables(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
     """Leave the package's tables, and the working folder, as they were."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(formats, "FORMATS", dict(formats.FORMATS))
-    monkeypatch.setitem(gait_library.PATTERNS, 4, dict(gait_library.PATTERNS[4]))
+    changed = (formats.FORMATS, gait_library.PATTERNS[4], TERRAINS, WORLDS, CATALOG)
+    kept = [(table, dict(table)) for table in changed]
+    yield
+    for table, before in kept:
+        table.clear()
+        table.update(before)
+
+
+def run_page(name: str) -> dict[str, Any]:
+    """Run a page and return its names, with the exit codes of its commands."""
+    return pages.run_page(
+        name,
+        {"codes": []},
+        edit=lambda block: re.sub(r"^main\((.*)\)$", r"codes.append(main(\1))", block, flags=re.MULTILINE),
+    )
 
 
 def test_a_controller_from_outside_stands_and_tells_its_own_channel() -> None:
@@ -92,3 +112,42 @@ def test_a_behaviour_from_outside_crouches_below_a_bar_and_the_log_says_who_aske
     asked = log["asked_by"][crouching]
     assert (asked[:, names["LOGGED"].index("height")] == own).all()
     assert np.median(np.gradient(x[below], 1e-3)) < 0.28
+
+
+def test_a_terrain_from_outside(capfd: pytest.CaptureFixture[str]) -> None:
+    names = run_page("add-a-terrain.md")
+    assert names["codes"] == [0]
+    assert "walked" in capfd.readouterr().out
+    waves, robot = read_terrain("waves:0.04,1.5"), load_robot("go2")
+    places = np.random.default_rng(0).uniform(-2.0, 2.0, (50, 2))
+    coarse = super(type(waves), waves).gradient(places)
+    assert waves.gradient(places) == pytest.approx(coarse, abs=1e-8)
+    for name in ("mujoco", "rigid"):  # the worlds that take any surface
+        world = make_world(name, robot, waves)
+        world.reset(robot.nominal + np.array([0.0, 0.0, 0.1] + [0.0] * 16))
+        for _ in range(400):
+            world.step(np.zeros(12))
+        reading = world.contacts()
+        assert np.abs(reading.gaps[reading.forces[:, 2] > 1.0]).max() < 2e-3
+        assert reading.forces[:, 2].sum() > 10.0
+
+
+def test_a_world_from_outside(capsys: pytest.CaptureFixture[str]) -> None:
+    names = run_page("add-a-world.md")
+    assert names["codes"] == [0]
+    assert "stood" in capsys.readouterr().out
+    robot = load_robot("go2")
+    world = make_world("springs", robot, read_terrain("slope:5"))
+    assert world.contact_foot.tolist() == [0, 1, 2, 3]
+    world.reset(robot.nominal)
+    world.step(np.zeros(12), push=np.array([0.0, 500.0, 0.0]))
+    assert world.state()[1][1] > 0.0
+    assert world.time == pytest.approx(1e-3)
+
+
+def test_a_robot_from_outside(capsys: pytest.CaptureFixture[str]) -> None:
+    names = run_page("add-a-robot.md")
+    assert names["codes"] == [0]
+    assert names["robot"].mass == pytest.approx(3.9)
+    assert load_robot("my_a1").mass == load_robot("a1").mass
+    assert "front_foot:0" in capsys.readouterr().out

@@ -66,7 +66,7 @@ def execution(
 def planned(task: str, quick: bool = False) -> Plan:
     """Return the plan of a task for Go2; a quick stand-up is looked for in MuJoCo, which is faster."""
     from surefoot.planning.planner import plan as make_plan
-    from surefoot.planning.tasks.stand_up import StandUp
+    from surefoot.planning.stand_up.task import StandUp
     from surefoot.planning.tasks.task import PlanRequest
     from surefoot.robot import load_robot
     from surefoot.simulation.mujoco import MujocoWorld

@@ -83,7 +83,7 @@ def table_of(problem: ContactProblem) -> tuple[dict[str, plans.Plan], str, str]:
 
 
 @contextmanager
-def without(table: dict[str, plans.Plan], key: str, stage: plans.Stage) -> Iterator[None]:
+def without(table: dict[str, plans.Plan], key: str, stage: plans.PlanStage) -> Iterator[None]:
     """Leave a stage out of a plan for a while."""
     with patch.dict(table, {key: tuple(s for s in table[key] if s != stage)}):
         yield
@@ -96,7 +96,7 @@ def decided(problem: ContactProblem, tol: float, most: float) -> tuple[bool, flo
     return found.status in DECIDED, time.perf_counter() - start
 
 
-def _watched(asked: list[plans.Stage], stage: plans.Stage, *given: Any) -> Any:
+def _watched(asked: list[plans.PlanStage], stage: plans.PlanStage, *given: Any) -> Any:
     """Note a stage and try it."""
     asked.append(stage)
     return TRY(stage, *given)
@@ -107,7 +107,7 @@ def ablate(folder: Path | None, seeds: int, most: float, quick: bool) -> dict[tu
     rows: dict[tuple[str, str], list[tuple[str, bool, bool, float, float]]] = defaultdict(list)
     for kind, named in sets(folder, seeds, quick):
         problem = named.problem
-        asked: list[plans.Stage] = []
+        asked: list[plans.PlanStage] = []
         with patch.object(auto, "try_stage", partial(_watched, asked)):
             first = decided(problem, TOLERANCE[kind], most)
         table, key, size = table_of(problem)

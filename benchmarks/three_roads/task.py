@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.planning.direct import DirectProblem, Weights, Window, planar_hopper, rest_to_rest
+from surefoot.planning.direct import DirectProblem, StateWindow, Weights, planar_hopper, rest_to_rest
 from surefoot.planning.trajectory import TOLERANCE, Trajectory
 from surefoot.planning.transcription.contact_rows import OPEN, STICK
 from surefoot.planning.transcription.judge import window_miss
@@ -118,7 +118,7 @@ def go2_jump() -> JumpTask:
 def loosened(problem: DirectProblem) -> DirectProblem:
     """Return a problem whose end is met within 1 cm and 0.01 rad, 0.1 m/s and 0.1 rad/s."""
     rest = np.zeros(int(problem.robot.model.nv))
-    return replace(problem, end=Window.at(problem.references[-1], rest, 0.5 * NEAR, 5.0 * NEAR))
+    return replace(problem, end=StateWindow.at(problem.references[-1], rest, 0.5 * NEAR, 5.0 * NEAR))
 
 
 def moved(problem: DirectProblem, by: Mapping[int, float]) -> DirectProblem:

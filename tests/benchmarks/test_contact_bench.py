@@ -12,10 +12,9 @@ from benchmarks.contact.comparison import (
     Run,
     compare,
     copies_of,
-    problems_in,
 )
 from benchmarks.contact.ours import CONTACT_SOLVER
-from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix, settings
+from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix
 from benchmarks.contact.siconos_rival import siconos_best, siconos_installed
 from benchmarks.problems.contacts import NamedProblem, families, problem_set
 from benchmarks.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
@@ -92,14 +91,6 @@ def test_rivals_really_solve_ready_and_with_a_new_matrix(name: str) -> None:
     assert judge(problem, tight.ready()) <= 1e-8  # the operator has kept nothing of the other problem
 
 
-def test_sparse_problems_get_sparse_rivals() -> None:
-    large = {p.family: p.problem for p in large_problems()}
-    few, full, sparse = (settings(large[name]) for name in ("stack-40", "platform-225", "wall-100"))
-    assert few == full == DENSE
-    assert {name for name, s in sparse.items() if s.method == "admm"} == set(SPARSE)
-    assert sum(s.method == "pgs" for s in sparse.values()) == 3
-
-
 @pytest.mark.skipif(not siconos_installed(), reason="Siconos is not installed for the system's Python")
 def test_siconos_in_its_own_process() -> None:
     problem = problem_set("robot", copies=0.01)[0].problem
@@ -131,10 +122,3 @@ def test_command_writes_json_and_pictures(tmp_path: Path, capsys: pytest.Capture
     folder = next((tmp_path / "runs").iterdir())
     assert {f.name for f in folder.iterdir()} == {"contact.json", "profile.png", "profile-new-g.png"}
     assert (folder / "profile.png").stat().st_size > 10_000
-
-
-def test_folders_without_problems_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ProblemError, match="no contact problems"):
-        problems_in(tmp_path)
-    with pytest.raises(ProblemError, match="no such folder"):
-        problems_in(tmp_path / "none")

@@ -29,13 +29,6 @@ def test_as_json_all_tables_are_one_list(capsys: pytest.CaptureFixture[str]) -> 
     }
 
 
-def test_for_people_they_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    show([_table()])
-    said = capsys.readouterr().out
-    assert "two solvers" in said
-    assert "theirs" in said
-
-
 def test_a_record_is_printed_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = report({"a": float("nan")}, True, lambda console: console.print("words"), out=tmp_path, name="x")
     said = capsys.readouterr()

@@ -18,8 +18,3 @@ def test_command_prints_json_only(capsys):
     found = json.loads(capsys.readouterr().out)
     assert all(row["solved"] == row["starts"] == 1 for row in found["race"])
     assert found["recommended"][0]["complementarity"] < 1e-12
-
-
-def test_an_unknown_problem_is_named(capsys):
-    assert main(["bench", "softening", "--problem", "cube"]) == 2
-    assert "valid names: ball" in capsys.readouterr().err

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import textwrap
 from pathlib import Path
 
@@ -13,12 +12,11 @@ from benchmarks.stacks.peer import Peer, PeerController
 from benchmarks.stacks.pins import PINS, Pin
 from benchmarks.stacks.setting import IDEAL
 from benchmarks.stacks.stack import Job
-from benchmarks.stacks.stacks import PEERS
 from benchmarks.stacks.tasks import TASKS
 from benchmarks.stacks.trial import carry_out
 from surefoot.control.controller import RobotState
 from surefoot.errors import SurefootError
-from surefoot.robot import load_robot, place
+from surefoot.robot import load_robot
 from surefoot.terrain import FlatTerrain, SlopeTerrain
 
 STANDS = """
@@ -87,18 +85,6 @@ def test_torques_are_held_between_the_times_when_the_peer_is_due(peer: Peer) -> 
         controller.close()
 
 
-def test_forces_are_told_in_the_frames_of_the_ground(peer: Peer) -> None:
-    task = job(20.0)
-    controller = peer.controller(task)
-    try:
-        found = controller.step(RobotState(task.robot.nominal, np.zeros(18))).forces[0]
-    finally:
-        controller.close()
-    frame = task.terrain.frame([0.0, 0.0])
-    assert frame @ found == pytest.approx([1.0, 2.0, 10.0])
-    assert found[2] == pytest.approx(np.array([1.0, 2.0, 10.0]) @ task.terrain.normal([0.0, 0.0]))
-
-
 def test_a_trial_with_a_peer(peer: Peer) -> None:
     found = carry_out(peer, TASKS["speed-0.2"], 0, IDEAL)
     assert found.outcome == "done"
@@ -127,22 +113,3 @@ def test_a_peer_that_does_not_start(peer: Peer, tmp_path: Path) -> None:
         PeerController(peer, job())
     refused = carry_out(peer, TASKS["speed-0.2"], 0, IDEAL)
     assert (refused.outcome, refused.duration) == ("refused", 0.0)
-
-
-@pytest.mark.parametrize("name", sorted(PEERS))
-def test_a_real_peer_where_there_is_one(name: str) -> None:
-    if not os.environ.get(PINS[name].variable):
-        pytest.skip(f"{PINS[name].variable} names no checkout of {PINS[name].url}")
-    stack = PEERS[name].at(None)
-    task = job()
-    controller = stack.controller(task)
-    try:
-        assert controller.posture is not None
-        q = place(task.robot, q=controller.posture)
-        state = RobotState(q, np.zeros(18), 0.0, np.ones(4, dtype=bool))
-        command = controller.step(state)
-        weight = task.robot.mass * 9.81
-        assert 0.5 * weight < command.forces[:, 2].sum() < 2.0 * weight
-        assert (np.abs(command.torques) <= 0.9 * task.robot.effort_limits + 1e-9).all()
-    finally:
-        controller.close()

@@ -6,7 +6,6 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,18 +16,15 @@ from benchmarks.stacks.bench import TRIALS, Bench, measure
 from benchmarks.stacks.judging import Trial
 from benchmarks.stacks.measures import Measures, outside_cones, stance_slides
 from benchmarks.stacks.setting import HARD, IDEAL, Setting, true_robot
-from benchmarks.stacks.stack import START, Surefoot, ramp_time, ramped
-from benchmarks.stacks.stacks import choose_stacks
+from benchmarks.stacks.stack import START, ramp_time, ramped
 from benchmarks.stacks.table import rows
-from benchmarks.stacks.tasks import LADDER, QUADRUPEDS, TASKS, Bound, choose_tasks
-from benchmarks.stacks.trial import PHASES, Variation, push_time, start
+from benchmarks.stacks.tasks import TASKS, Bound, choose_tasks
 from surefoot.cli.main import main
 from surefoot.control.walking_body import BodyPlan
 from surefoot.errors import ProblemError
 from surefoot.log import CHANNELS, Log
 from surefoot.robot import load_robot
 from surefoot.spatial import GRAVITY
-from surefoot.terrain import SlopeTerrain
 
 GOOD = Measures(
     0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004
@@ -62,32 +58,6 @@ def test_a_heavier_robot_with_a_load() -> None:
     assert inertia == pytest.approx(1.05 * np.asarray(robot.model.inertias[2].inertia))
 
 
-def test_a_start_moves_the_base_and_leaves_the_feet() -> None:
-    robot, ground = load_robot("go2"), SlopeTerrain(15.0)
-    still = replace(Variation.drawn(3), place=(0.0, 0.0), lean=(0.0, 0.0))
-    q0, q1 = start(robot, ground, None, still), start(robot, ground, None, Variation.drawn(3))
-    assert robot.foot_positions(q1) == pytest.approx(robot.foot_positions(q0), abs=2e-5)
-    assert q1[:2] - q0[:2] == pytest.approx(Variation.drawn(3).place)
-    assert np.abs(q1[3:7] - q0[3:7]).max() > 1e-3
-    posture = robot.nominal.copy()
-    posture[7:] = np.tile([0.0, 0.9, -1.8], 4)
-    assert start(robot, ground, posture, still)[2] < q0[2] - 0.03
-
-
-def test_pushes_come_in_the_phase_of_the_seed() -> None:
-    seeds = [Variation.drawn(seed) for seed in range(2 * PHASES)]
-    assert [vary.phase for vary in seeds] == [0.0, 0.25, 0.5, 0.75] * 2
-    controller: Any = SimpleNamespace(gait_start=0.3, gait_period=0.42)
-    for vary in seeds:
-        time = push_time(controller, vary.phase)
-        assert 2.5 - 1e-9 <= time < 2.5 + 0.42
-        assert ((time - 0.3) / 0.42 - vary.phase) % 1.0 == pytest.approx(0.0, abs=2e-3) or (
-            (time - 0.3) / 0.42 - vary.phase
-        ) % 1.0 == pytest.approx(1.0, abs=2e-3)
-    assert max(abs(vary.mass - 1.0) for vary in seeds) <= 0.05
-    assert len({vary.mass for vary in seeds}) == len(seeds)
-
-
 def synthetic(**arrays: Any) -> Log:
     """Return a log of one contact that weighs 10 N, at 1 ms."""
     T = len(next(iter(arrays.values())))
@@ -98,28 +68,6 @@ def synthetic(**arrays: Any) -> Log:
     } | arrays
     facts = {"dt": 1e-3, "mass": 10.0 / GRAVITY, "contact_foot": [0], "feet": ["foot"]}
     return Log(full, facts, {name: CHANNELS[name] for name in full})
-
-
-def test_slides_of_stances_against_adding_up_one_by_one() -> None:
-    random, T = np.random.default_rng(5), 4000
-    loaded = np.repeat(random.random(40) < 0.5, 100)
-    loaded[150:160] = False  # a bounce
-    forces = np.zeros((T, 1, 3))
-    forces[:, 0, 2] = np.where(loaded, 5.0, 0.0)
-    velocity = random.normal(scale=0.2, size=(T, 1, 3)).cumsum(axis=0) * 0.05
-    longest, place, free = 0.0, None, 99
-    for k in range(T):
-        if not loaded[k]:
-            free += 1
-            continue
-        if place is None or free > 20:
-            place = -1e-3 * velocity[k, 0, :2]  # the row of the touchdown counts for nothing
-        free = 0
-        place = place + 1e-3 * velocity[k, 0, :2]
-        longest = max(longest, float(np.linalg.norm(place)))
-    found = stance_slides(synthetic(forces=forces, contact_velocities=velocity))
-    assert found == pytest.approx([longest], rel=1e-9)
-    assert longest > 0.01
 
 
 def test_cones_are_those_of_the_ground() -> None:
@@ -243,30 +191,6 @@ def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch
         measure(small(1), tmp_path)
 
 
-def test_words_that_are_none(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("SUREFOOT_GO2_CONVEX_MPC", raising=False)
-    for words, said in (
-        (["--stack", "moon"], "unknown stack 'moon'"),
-        (["--task", "moon"], "unknown task 'moon'"),
-        (["--estimator", "moon"], "unknown estimator 'moon'"),
-        (["--stack", "go2-convex-mpc"], "set --go2-convex-mpc or SUREFOOT_GO2_CONVEX_MPC to a checkout of"),
-        (["--resume", "/nowhere"], "no trials.jsonl there"),
-    ):
-        assert main(["bench", "stacks", *words]) == 2
-        found = capsys.readouterr()
-        assert said in found.err
-        assert (found.out, found.err.count("\n")) == ("", 1)
-
-
-def test_absent_peers_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("SUREFOOT_GO2_CONVEX_MPC", "SUREFOOT_QUADRUPED_PYMPC"):
-        monkeypatch.delenv(name, raising=False)
-    chosen = choose_stacks(None, {})
-    assert [stack.name for stack in chosen.stacks] == ["surefoot"]
-    assert isinstance(chosen.stacks[0], Surefoot)
-    assert "checkout of https://github.com/iit-DLSLab/Quadruped-PyMPC" in chosen.absent["quadruped-pympc"]
-
-
 def test_a_real_trial_from_the_command_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     words = ["bench", "stacks", "--stack", "surefoot", "--task", "speed-0.2", "--seeds", "1", "--ideal"]
     assert main([*words, "--json", "--out", str(tmp_path)]) == 0
@@ -284,12 +208,23 @@ def test_a_real_trial_from_the_command_line(capsys: pytest.CaptureFixture[str], 
     assert "speed-0.2*" in capsys.readouterr().out
 
 
-def test_there_is_a_task_for_all_that_has_to_hold() -> None:
-    must = {name for name, task in TASKS.items() if task.must}
-    assert {f"speed-{v:g}" for v in LADDER} | {f"robot-{name}" for name in QUADRUPEDS} <= must
-    assert {"payload-off-centre", "ice", "stairs-up", "stairs-down", "slope-up", "delay", "estimate"} <= must
-    assert sum(name.startswith("push-") for name in must) == 8
-    assert sum(name.startswith("g1-push-") for name in must) == 4
-    assert {"g1-0", "g1-0.3", "g1-0.6", "g1-turn", "g1-slope-up", "g1-rough", "real-time"} <= must
-    pushes = [TASKS[name].push for name in must if name.startswith("push-")]
-    assert all(math.hypot(*push) == pytest.approx(150.0) for push in pushes if push is not None)
+def test_slides_of_stances_against_adding_up_one_by_one() -> None:
+    random, T = np.random.default_rng(5), 4000
+    loaded = np.repeat(random.random(40) < 0.5, 100)
+    loaded[150:160] = False  # a bounce
+    forces = np.zeros((T, 1, 3))
+    forces[:, 0, 2] = np.where(loaded, 5.0, 0.0)
+    velocity = random.normal(scale=0.2, size=(T, 1, 3)).cumsum(axis=0) * 0.05
+    longest, place, free = 0.0, None, 99
+    for k in range(T):
+        if not loaded[k]:
+            free += 1
+            continue
+        if place is None or free > 20:
+            place = -1e-3 * velocity[k, 0, :2]  # the row of the touchdown counts for nothing
+        free = 0
+        place = place + 1e-3 * velocity[k, 0, :2]
+        longest = max(longest, float(np.linalg.norm(place)))
+    found = stance_slides(synthetic(forces=forces, contact_velocities=velocity))
+    assert found == pytest.approx([longest], rel=1e-9)
+    assert longest > 0.01

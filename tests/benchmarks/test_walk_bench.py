@@ -10,7 +10,6 @@ from benchmarks.walk import plan_momentum
 from benchmarks.walk import race as walk
 from benchmarks.walk.race import ACCURACY, measure
 from benchmarks.walk.rivals import Variant, matrices, rivals, solve_exact
-from surefoot.errors import ProblemError
 
 NAMES = [f"{r.solver}-{r.facets}" for r in rivals()]
 
@@ -32,15 +31,6 @@ def test_every_rival_solves_in_every_form(programs, which):
             for program in todo:
                 own = solve_exact(matrices(mpc, program, rival.facets, sparse=False, dense=False), 1e-11)
                 assert np.linalg.norm(solve(rival.pack(mpc, program, form)) - own) < ACCURACY
-
-
-def arrays(item):
-    """Return all numbers in a rival's packed program."""
-    if hasattr(item, "pointers"):  # HPIPM's stages
-        return [array for group in item.data.values() for array in group]
-    if isinstance(item, tuple):
-        return [arrays(part) for part in item]
-    return item.toarray() if hasattr(item, "toarray") else item if isinstance(item, np.ndarray) else None
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
@@ -80,11 +70,6 @@ def test_rows_add_up(monkeypatch):
     assert 0.0 < step.timing.median < 0.1
     four, eight = (np.mean([r.lost for r in bench.rows if f"{k} facets" in r.method]) for k in (4, 8))
     assert four > eight
-
-
-def test_an_unknown_scene_is_named():
-    with pytest.raises(ProblemError, match=r"unknown scene 'moon'.*trot"):
-        measure(["moon"])
 
 
 def test_momentum_is_weighed_and_not_forbidden(tmp_path: Path) -> None:

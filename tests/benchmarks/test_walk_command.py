@@ -34,8 +34,3 @@ def test_a_ladder_of_speeds(capsys):
     assert (row["walked"], row["good"], row["lawful"]) == (1, 1, 1)
     assert 0.3 < row["speed_use"] < 0.8
     assert row["usual_rate"] < 4.0
-
-
-def test_an_unknown_scene_is_one_line(capsys):
-    assert main(["bench", "walk", "--scene", "moon"]) == 2
-    assert "unknown scene 'moon'" in capsys.readouterr().err

@@ -7,7 +7,6 @@ import pytest
 
 from benchmarks.walks import HARD, Walk, known_robot
 from surefoot.control.walking import WalkingController
-from surefoot.robot import Robot
 from surefoot.terrain import FlatTerrain
 
 
@@ -30,7 +29,3 @@ def test_a_walk_carries_its_load_on_its_ground() -> None:
     assert np.all(log["mu"] == 0.5)
     assert log.fact("payload") == 2.0
     assert np.degrees(np.arccos(log["normals"][0, 0, 2])) == pytest.approx(5.0)
-
-
-def test_robots_are_loaded_as_the_catalogue_has_them() -> None:
-    assert isinstance(known_robot("a1"), Robot)

@@ -58,16 +58,6 @@ def test_the_page_holds_verdict_timeline_moments_and_tables(folder: Path, tmp_pa
     assert json.loads((made / "audit.json").read_text())["verdict"] == "broken"
 
 
-@pytest.mark.parametrize("name", ["cut.npz", "text.npz", "other.xyz", "plain.npz", "none.npz", "."])
-def test_what_is_no_log_is_one_line_and_exit_code_2(
-    name: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["audit", str(folder / name)]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert len(said.err.splitlines()) == 1
-
-
 def test_nowhere_to_write_is_told_before_the_work(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["audit", str(folder / "clean.npz"), "--out", str(folder / "text.npz")]) == 2
     assert "cannot write to --out" in capsys.readouterr().err

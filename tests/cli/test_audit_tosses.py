@@ -46,20 +46,3 @@ def test_tables_and_report(folder: Path, tmp_path: Path, capfd: pytest.CaptureFi
     (page,) = tmp_path.glob("audit-stray-*/report.html")
     assert "broken:" in page.read_text()
     assert json.loads((page.parent / "audit.json").read_text())["verdict"] == "broken"
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["few.npz"], "8 tosses or more"),
-        (["lawful.npz", "--replay", "rigid"], "--replay means nothing"),
-        (["lawful.npz", "--mu", "-1"], "mu"),
-    ],
-)
-def test_what_cannot_be_audited_is_a_line(
-    words: list[str], said: str, folder: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["audit", str(folder / words[0]), *words[1:]]) == 2
-    error = capfd.readouterr().err
-    assert said in error
-    assert "Traceback" not in error

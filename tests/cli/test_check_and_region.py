@@ -69,7 +69,8 @@ def test_tables_are_readable(capsys, slides):
     assert main(["check", slides, "--no-picture"]) == 1
     text = capsys.readouterr().out
     assert "impossible: needs friction 0.577" in text
-    assert "gives way by the motion" in text
+    assert "Proof: along the motion" in text
+    assert "how the robot will slide or fall is another question" in " ".join(text.split())
     assert main(["check", str(EXAMPLES / "slope.yaml"), "--no-picture"]) == 0
     text = capsys.readouterr().out
     assert "push at the centre of mass" in text
@@ -103,28 +104,6 @@ def test_region_draws_and_says_where_the_weight_is(capsys, slides, tmp_path):
     assert "friction is not enough" in found["differences"][0]
     assert main(["region", str(EXAMPLES / "chimney.yaml"), "--no-picture"]) == 0
     assert "beyond the support polygon" in " ".join(capsys.readouterr().out.split())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["check"], "Missing argument"),
-        (["check", "nowhere.yaml"], "cannot read nowhere.yaml"),
-        (["check", str(EXAMPLES / "slope.yaml"), "--slope", "5"], "--slope"),
-        (["check", str(EXAMPLES / "slope.yaml"), "--mu", "-1"], "mu"),
-        (["check", str(EXAMPLES / "slope.yaml"), "--facets", "2"], "--facets"),
-        (["check", str(EXAMPLES / "slope.yaml"), "--fit", "middle"], "inner, outer"),
-        (["check", str(EXAMPLES / "slope.yaml"), "--lift", "tail"], "valid names: FL, FR, RL, RR"),
-        (["region", str(EXAMPLES / "slope.yaml"), "--tol", "0"], "--tol"),
-        (["region", str(EXAMPLES / "slope.yaml"), "--lift", "FL,FR,RL,RR"], "no contacts"),
-    ],
-)
-def test_bad_input_is_one_line_and_exit_code_two(capsys, arguments, message):
-    assert main(arguments) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert message in captured.err
-    assert captured.err.count("\n") == 1
 
 
 @pytest.mark.parametrize("lift", ["FL,FR,RL,RR", "FL,FR,RL", "FL,RR", "FL"])

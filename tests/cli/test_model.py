@@ -52,13 +52,3 @@ def test_table_shows_everything(capsys, name):
     for part in ("Joints: link mass [kg]", "effort", "Centroidal inertia", "radius of gyration"):
         assert part in text
     assert ("contact Jacobian" in text) == (name != "ur5")
-
-
-def test_wrong_input_is_one_line(capsys):
-    assert main(["model", "dog"]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert "unknown robot 'dog'" in error
-    assert main(["model", "go2", "--feet", "paw"]) == 2
-    assert "unknown foot frame" in capsys.readouterr().err
-    assert main(["model", "x.urdf"]) == 2

@@ -9,7 +9,6 @@ import pytest
 
 from surefoot.cli.main import main
 from surefoot.planning import Plan
-from surefoot.planning.planner import task_names
 
 pytest.importorskip("casadi")
 
@@ -42,31 +41,3 @@ def test_what_is_not_solved_is_exit_code_1(tmp_path: Path, capfd: pytest.Capture
     assert "the optimiser ended with Maximum_Iterations_Exceeded" in said
     assert "jump: solved" not in said
     assert list(tmp_path.glob("plan-jump-*/plan.npz"))
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["fly"], "valid names: " + ", ".join(sorted(task_names()))),
-        (["jump", "far"], "amount"),
-        (["jump", "99"], "distance [m]"),
-        (["jump", "--robot", "g1"], "four feet"),
-        (["jump", "--robot", "robodog"], "robodog"),
-        (["jump", "--road", "guess"], "valid names"),
-        (["jump", "--mu", "-1"], "mu"),
-        (["jump", "--dt", "0"], "dt"),
-        (["jump", "--execute", "gazebo"], "mujoco"),
-        (["backflip", "0.3"], "takes no number"),
-        (["ball", "--robot", "go2"], "robot of its own"),
-        (["jump", "--max-iterations", "0"], "max_iterations"),
-        (["jump", "--seed", "-1"], "seed"),
-    ],
-)
-def test_wrong_input_is_one_line(
-    arguments: list[str], told: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["plan", *arguments, "--out", str(tmp_path / "out")]) == 2
-    said = capfd.readouterr()
-    assert told in said.err
-    assert said.err.count("\n") == 1
-    assert not (tmp_path / "out").exists()

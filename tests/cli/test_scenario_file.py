@@ -80,15 +80,6 @@ def test_stands_on_soft_ground(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     assert (code, found["stood"], found["laws_broken"]) == (0, True, [])
 
 
-def test_a_whole_robot_stands_as_its_feet_do(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    common = ("stand", "--world", "rigid", "--duration", "0.5")
-    code, found = summary(capsys, tmp_path, None, *common, "--collision", "full")
-    _, feet = summary(capsys, tmp_path, None, *common)
-    assert (code, found["stood"], found["laws_broken"]) == (0, True, [])
-    for whole, alone in zip(found["feet"], feet["feet"], strict=True):
-        assert whole["normal_force_mean"] == pytest.approx(alone["normal_force_mean"], rel=1e-6)
-
-
 def test_chatter_is_said_before_it_happens_and_breaks_laws(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -232,38 +223,3 @@ def test_a_file_that_cannot_be_read_is_one_line(
     (tmp_path / "folder").mkdir()
     assert main(["walk", "--scenario", str(tmp_path / name)]) == 2
     assert f"cannot read the scenario {tmp_path / name}" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--world", "moon"], "unknown world 'moon'"),
-        (["--world", "drake", "--collision", "full"], "--collision full is of --world mujoco or rigid"),
-        (["--world", "drake", "--actuators", "real"], "--actuators real is of --world mujoco or rigid"),
-        (["--actuators", "magic"], "valid names: ideal, real"),
-        (["--world", "rigid", "--collision", "legs"], "valid names: feet, full"),
-    ],
-)
-@pytest.mark.parametrize("command", ["stand", "walk"])
-def test_wrong_worlds_are_one_line(
-    command: str, options: list[str], words: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main([command, "go2", *options]) == 2
-    assert words in " ".join(capsys.readouterr().err.split())
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--commands", "thoughts"], "valid names: targets, torques"),
-        (["--dropout", "1"], "is not of the form T:DURATION"),
-        (["--dropout", "99:0.1"], "when the run is over"),
-        (["--dropout", "1:-0.1"], "duration of a dropout must be"),
-        (["--planner", "contact-implicit", "--commands", "targets"], "takes no --commands"),
-    ],
-)
-def test_wrong_commands_are_one_line(
-    options: list[str], words: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["walk", "go2", *FILES, *options]) == 2
-    assert words in " ".join(capsys.readouterr().err.split())

@@ -37,24 +37,6 @@ def test_unsolved_is_exit_code_one(file: Path) -> None:
     assert main(["solve", str(file), "--solver", "nsgs", "--tol", "0"]) == 1
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["none.dat"], "no such file: none.dat"),
-        (["FILE", "--solver", "simplex"], "unknown solver 'simplex'; valid names:"),
-        (["FILE", "--solver", "lemke"], "takes pyramids only"),
-        (["FILE", "--tol", "-1"], "tol"),
-    ],
-)
-def test_bad_input_is_one_line(
-    file: Path, arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["solve", *(str(file) if a == "FILE" else a for a in arguments)]) == 2
-    err = capsys.readouterr().err
-    assert words in err
-    assert err.count("\n") == 1
-
-
 @pytest.fixture
 def lcp_files(tmp_path: Path) -> list[Path]:
     """One LCP with a solution and one without: z1 + z2 >= 1 cannot be where M = 0."""

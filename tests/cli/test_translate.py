@@ -18,24 +18,3 @@ def test_translate_proves_itself(capfd: pytest.CaptureFixture[str]) -> None:
         assert row["measured"] == pytest.approx(row["given"], rel=0.01)
     assert main(words) == 0
     assert "lost: the force is proportional to the effective mass" in capfd.readouterr().out
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["nobody", "mujoco"],
-        ["physical", "nobody", "stiffness=1", "damping=0"],
-        ["physical", "ode", "stiffness=1"],
-        ["physical", "ode", "stiffness", "damping=1"],
-        ["physical", "ode", "stiffness=1", "stiffness=2", "damping=1"],
-        ["physical", "ode", "stiffness=1e4", "damping=1", "--dt", "0"],
-        ["physical", "ode", "stiffness=1e4", "damping=1", "--prove"],
-        ["physical", "mujoco", "stiffness=1e4", "damping=1", "--mass", "-1"],
-        ["mujoco", "physical", "solref=0.02"],
-    ],
-)
-def test_wrong_input_is_one_line(words: list[str], capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["translate", *words]) == 2
-    said = capfd.readouterr().err
-    assert said.startswith("surefoot: ")
-    assert said.count("\n") == 1

@@ -82,22 +82,5 @@ def test_absent_worlds_are_one_line_each(
     assert "drake is not installed" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["drip"], "unknown experiment 'drip'"),
-        (["--world", "moon"], "unknown world 'moon'"),
-        (["drop", "--dt", "0"], "--dt must be between"),
-        (["drop", "--dt", "nan"], "--dt must be between"),
-        (["drop", "--world", "rigid", "--out", "/dev/null"], "cannot write to --out"),
-    ],
-)
-def test_wrong_input_is_one_line(words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["worlds", *words]) == 2
-    said = capsys.readouterr().err
-    assert told in said
-    assert len(said.strip().splitlines()) == 1
-
-
 def test_help_names_every_experiment() -> None:
     assert worlds.NAMES.split(", ") == list(EXPERIMENTS)

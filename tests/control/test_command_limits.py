@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 
 import numpy as np
 import pytest
@@ -20,19 +19,14 @@ from surefoot.control.command_limits import (
 from surefoot.control.gait_choice import GaitChoice, choose_gait
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
-from surefoot.robot import Robot, load_robot
 from surefoot.stance.adaptive_gait import AdaptiveGait, Pace
 from surefoot.stance.gait import Gait
 from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
+from tests.robots import go2
 
 HEIGHT = 0.316
 PACE = Pace(0.41, 0.55, 0.07)
-
-
-@cache
-def go2() -> Robot:
-    return load_robot("go2")
 
 
 def limits(terrain: Terrain | None = None, adaptable: bool = True, mu: float = 0.54) -> Limits:

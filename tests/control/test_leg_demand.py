@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
 
 from surefoot.control.leg_demand import LegDemand
 from surefoot.control.swing import even_swing
-from surefoot.robot import Robot, load_robot
 from surefoot.stance.adaptive_gait import Pace
+from tests.robots import go2
 
 HEIGHT, PACE = 0.316, Pace(0.36, 0.45, 0.05)
-
-
-@cache
-def go2() -> Robot:
-    return load_robot("go2")
 
 
 def solved(place: np.ndarray, q: np.ndarray) -> np.ndarray:

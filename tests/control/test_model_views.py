@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from functools import cache
 
 import numpy as np
 import pinocchio
@@ -12,12 +11,7 @@ import pytest
 from surefoot.control.damping import LARGEST, computable
 from surefoot.control.model_views import ModelViews
 from surefoot.control.whole_body_step import exceeded
-from surefoot.robot import Robot, load_robot
-
-
-@cache
-def robot_of(name: str) -> Robot:
-    return load_robot(name)
+from tests.robots import robot_of
 
 
 @pytest.mark.parametrize("name", ["go2", "g1"])

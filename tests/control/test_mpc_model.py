@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.problems.walking import INERTIA, MASS, choose_scenes, controller, record
 from surefoot.control import mpc_model
-from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
+from surefoot.control.mpc import BodyReference
 
 NAMES = ("trot", "walk", "slope", "rough")
 
@@ -154,15 +154,3 @@ def test_cruise_moves_along_the_surface_and_turns_about_its_normal():
     assert np.allclose(turn, 0.8 * 1.0 * normal, atol=1e-12)
     speeds = np.diff(ref.position, axis=0) / 0.05  # central differences of an arc, second order in dt
     assert np.allclose(speeds, 0.5 * (ref.linear_velocity[1:] + ref.linear_velocity[:-1]), atol=1e-3)
-
-
-def test_a_body_at_rest_on_its_reference_is_held_by_its_weight():
-    mpc = ConvexMpc(MASS, INERTIA, weights=MpcWeights(terminal=2.0), tol=1e-8)
-    ref = BodyReference.cruise([0, 0, 0.3], 0.7)
-    state = BodyState(ref.rotation[0], ref.position[0], np.zeros(3), np.zeros(3))
-    feet = ref.position[0] + np.array(
-        [[0.2, 0.1, -0.3], [-0.2, 0.1, -0.3], [0.2, -0.1, -0.3], [-0.2, -0.1, -0.3]]
-    )
-    plan = mpc.solve(state, ref, feet, np.ones((10, 4), dtype=bool))
-    assert np.allclose(plan.forces, [0.0, 0.0, MASS * 9.81 / 4], atol=1e-6)
-    assert np.allclose(plan.position, ref.position, atol=1e-9)

@@ -6,7 +6,6 @@ import pytest
 from surefoot.cones import FrictionCone
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcMomentum, MpcWeights
 from surefoot.errors import ProblemError
-from surefoot.solvers.dual_newton.horizon import newton
 from surefoot.spatial import rotation_about, rotation_from_normal
 
 SKEW = np.array([[0.1, 0.01, -0.02], [0.01, 0.25, 0.015], [-0.02, 0.015, 0.3]])
@@ -102,14 +101,6 @@ def test_without_a_term_nothing_changes():
         assert np.array_equal(a.forces, b.forces)
         assert a.error == b.error
         assert a.iterations == b.iterations
-    plain.reset()
-    program = plain.program(*given)
-    force, point = np.empty((program.step.size, 3)), np.full((program.step.size, 3), np.nan)
-    newton(
-        plain._inverse, program.P, program.q, program.step, program.M, program.bounds, program.centre,
-        program.rho, plain.tol, 16, plain.max_iterations, point, force,
-    )  # fmt: skip
-    assert np.array_equal(plain.solve(*given).forces[program.step, program.foot], force)
 
 
 @pytest.mark.parametrize(

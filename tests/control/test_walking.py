@@ -1,7 +1,5 @@
 """The walking controller away from any world: plans, cones, safety and refusals."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
@@ -9,18 +7,14 @@ from surefoot.control.controller import RobotState
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ModelError, ProblemError
-from surefoot.robot import Robot, load_robot, place
+from surefoot.robot import place
 from surefoot.stance.gait import ModeSchedule
 from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import SlopeTerrain
+from tests.robots import robot_of
 
 FORWARD = VelocityCommand.constant(0.5)
 ALL = np.ones(4, dtype=bool)
-
-
-@cache
-def robot_of(name: str) -> Robot:
-    return load_robot(name)
 
 
 def test_a_standing_robot_gets_forces_that_carry_it() -> None:

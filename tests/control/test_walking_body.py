@@ -1,11 +1,13 @@
 """The wanted motion: commands from files, ramps, the leash, and the ground under the feet."""
 
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand, limit_command
+from surefoot.control.walking_kernels import advance_body, body_rise
 from surefoot.errors import ProblemError
 
 FEET = np.array([[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])
@@ -130,3 +132,37 @@ def test_the_body_comes_down_without_a_jump() -> None:
         heights.append(plan.position[2])
     assert heights[-1] == pytest.approx(0.3 / np.hypot(1.0, 0.4), rel=1e-4)
     assert np.abs(np.diff(heights)).max() < 0.2e-3  # less than 0.2 m/s
+
+
+@pytest.mark.parametrize("speed_over", [1.0, 4.0])
+@pytest.mark.parametrize("seed", range(10))
+def test_a_body_goes_where_it_should(seed: int, speed_over: float) -> None:
+    rng = np.random.default_rng(seed)
+    position, velocity, slope = rng.normal(size=3), rng.normal(size=3), 0.3 * rng.normal(size=2)
+    velocity *= speed_over
+    com, command, dt, height = position + 0.2 * rng.normal(size=3), rng.normal(size=3), 0.01, 0.3
+    yaw, ground, lowered, most, dip, lead, lowering = 0.4, 0.1, 0.3, 5.0, 0.2, 0.05, 0.3
+    place, speed = position.copy(), velocity.copy()
+    found = advance_body(
+        place, speed, slope, command, com, dt, height, yaw, ground, lowered, most, dip, lead, lowering
+    )
+    limits = np.array([most, most, most / height]) * dt
+    wanted = velocity + np.clip(command - velocity, -limits, limits)
+    turned = yaw + wanted[2] * dt
+    R = np.array([[math.cos(turned), -math.sin(turned)], [math.sin(turned), math.cos(turned)]])
+    flow = R @ wanted[:2]
+    ahead = position[:2] + dt * flow - com[:2]
+    reach = lead * max(math.sqrt(9.81 * height), float(np.linalg.norm(flow)))
+    ahead *= min(1.0, reach / np.linalg.norm(ahead))
+    level, low = ground + slope @ flow * dt, lowered + (1.0 - lowered) * dt / lowering
+    np.testing.assert_allclose(speed, wanted, atol=1e-13)
+    np.testing.assert_allclose(found, (turned, level, low), atol=1e-13)
+    np.testing.assert_allclose(place[:2], com[:2] + ahead, atol=1e-12)
+    rise = body_rise(slope, turned, height, dip, low)
+    assert place[2] == pytest.approx(level + rise, abs=1e-13)
+    steep = float(np.linalg.norm(slope))
+    climb = float(slope @ R[:, 0])
+    sink = dip * min(max(-climb, 0.0), 0.4) * low
+    power = 0.5 - 0.5 * low * (1.0 + climb / steep)
+    assert rise == pytest.approx(height * (1.0 - sink) * (1.0 + steep**2) ** power)
+    assert body_rise(np.zeros(2), yaw, height, dip, low) == height

@@ -21,49 +21,6 @@ def turned(vectors: np.ndarray, yaw: float) -> np.ndarray:
     return vectors @ np.array([[c, s], [-s, c]])
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_a_body_is_led_back_to_its_motion(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    motion, now, t = rng.normal(size=(5, 3)), rng.normal(size=(3, 3)), 0.02
-    start, end = Rotation.random(2, rng=rng)
-    com, turn = kernels.follow(motion, start.as_matrix(), t, now, end.as_matrix(), 7.0, 3.0)
-    place, v, spin, a, b = motion
-    miss = place + t * v + 0.5 * t**2 * a - now[0]
-    assert com == pytest.approx(a + 7.0 * miss + 3.0 * (v + t * a - now[1]), abs=1e-12)
-    miss = t * spin + 0.5 * t**2 * b - (end * start.inv()).as_rotvec()
-    assert turn == pytest.approx(b + 7.0 * miss + 3.0 * (spin + t * b - now[2]), abs=1e-9)
-
-
-def test_a_plan_made_now_asks_for_no_turn_back() -> None:
-    R = Rotation.random(rng=np.random.default_rng(0)).as_matrix()
-    _, turn = kernels.follow(np.zeros((5, 3)), np.eye(3), 0.0, np.zeros((3, 3)), R, 7.0, 3.0)
-    assert turn == pytest.approx(np.zeros(3), abs=0.0)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_a_steady_body_moves_along_chords_of_its_arc(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    position, velocity, slope, yaw = rng.normal(size=3), rng.normal(size=3), rng.normal(size=2), 0.7
-    times = np.array([0.0, 0.1, 0.4])
-    headings, places, flow = kernels.cruise(position, yaw, velocity, slope, times)
-    assert headings == pytest.approx(yaw + velocity[2] * times)
-    for t, heading, place, v in zip(times, headings, places, flow, strict=True):
-        move = turned(velocity[:2], yaw + 0.5 * velocity[2] * t) * t
-        assert place == pytest.approx(position + np.array([*move, move @ slope]))
-        along = turned(velocity[:2], heading)
-        assert v == pytest.approx([*along, along @ slope])
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_the_plane_is_that_of_least_squares(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    places, about, damping = rng.normal(size=(4, 3)), rng.normal(size=2), 1e-2
-    rows = np.column_stack([np.ones(4), places[:, :2] - about])
-    rows = np.vstack([rows, np.sqrt(damping) * np.eye(3)[1:]])
-    wanted = np.linalg.lstsq(rows, np.append(places[:, 2], [0.0, 0.0]))[0]
-    assert kernels.plane_through(places, about, damping) == pytest.approx(wanted)
-
-
 @pytest.mark.parametrize("fastest", [math.inf, 0.06])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_feet_in_the_air_follow_their_paths(seed: int, fastest: float) -> None:

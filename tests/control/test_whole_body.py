@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pinocchio
 import pytest
 
 from surefoot.control.whole_body import Tasks, TaskWeights, WholeBodyController
 from surefoot.errors import ModelError
-from surefoot.robot import Robot, load_robot
+from surefoot.robot import Robot
 from surefoot.solvers.backends import ConeProgram, solve_program
 from surefoot.spatial import rotation_from_normal, skew
+from tests.robots import robot_of
 
 GRAVITY = 9.81
 ALIGNED = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -22,11 +21,6 @@ ROBOTS = ("go2", "anymal", "g1")
 def stack(matrices: list, rights: list, columns: int) -> tuple[np.ndarray, np.ndarray]:
     """Return blocks of rows on top of each other, none included."""
     return np.vstack([np.zeros((0, columns)), *matrices]), np.concatenate([np.zeros(0), *rights])
-
-
-@cache
-def robot_of(name: str) -> Robot:
-    return load_robot(name)
 
 
 def random_case(

@@ -12,7 +12,7 @@ import surefoot as sf
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, JointTargets, RobotState
 from surefoot.drive.joint_targets import Held, JointTargetController, TargetSettings
-from surefoot.drive.latency import EVIDENCE, LONGEST, DelayMeter, LatencyCompensation, fitting, note
+from surefoot.drive.latency import LONGEST, DelayMeter, LatencyCompensation
 from surefoot.drive.watchdog import Watchdog
 from surefoot.errors import ProblemError
 
@@ -186,29 +186,3 @@ def test_joint_targets_are_the_drives_law() -> None:
     one = np.ones(2)
     targets = JointTargets(2.0 * one, 3.0 * one, 10.0 * one, 0.5 * one, 4.0 * one)
     np.testing.assert_allclose(targets.torques(one, one), 4.0 + 10.0 + 1.0)
-
-
-def test_the_delay_that_fits_is_that_of_plain_sums() -> None:
-    random, rows, joints, keep = np.random.default_rng(7), 6, 3, 0.9
-    asked, misfit, plain = np.zeros((rows, joints)), np.zeros(rows), np.zeros(rows)
-    given: list[np.ndarray] = []
-    steps = believed = 0
-    for count in range(40):
-        delay = 2 if count < 20 else 4
-        if count:
-            told = given[count - 1 - delay] if count > delay else np.zeros(joints)
-            steps = fitting(asked, count, told, keep, misfit, steps)
-            past = [given[count - 1 - k] if k < count else np.zeros(joints) for k in range(rows)]
-            plain = keep * plain + np.array([((row - told) ** 2).sum() for row in past])
-            best = int(np.argmin(plain[:count]))
-            believed = best if EVIDENCE * plain[best] < plain[believed] else believed
-            np.testing.assert_allclose(misfit, plain, atol=1e-12)
-            assert steps == believed
-        given.append(random.normal(size=joints))
-        note(asked, count + 1, given[-1])
-    assert steps == 4
-    before = misfit.copy()
-    assert fitting(asked, 40, np.array([np.nan, 0.0, 0.0]), keep, misfit, 3) == 3
-    np.testing.assert_array_equal(misfit, before)
-    note(asked, 41, np.array([np.nan, np.inf, 1.0]))
-    np.testing.assert_array_equal(asked[40 % rows], [0.0, 0.0, 1.0])

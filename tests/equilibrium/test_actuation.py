@@ -15,11 +15,6 @@ from surefoot.robot import load_robot, place  # noqa: E402
 from surefoot.spatial import GRAVITY  # noqa: E402
 
 
-@pytest.fixture(scope="module")
-def go2():
-    return load_robot("go2")
-
-
 def test_forces_and_torques_hold_the_robot_at_rest(go2):
     """Pinocchio's inverse dynamics with the contact forces as external forces gives the torques."""
     ground = sf.SlopeTerrain(15.0)

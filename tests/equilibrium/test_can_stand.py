@@ -383,16 +383,3 @@ def test_pushing_over_and_pushing_away():
 def test_bad_input_is_named(change, message):
     with pytest.raises(ProblemError, match=message):
         sf.can_stand(**({"stance": on_slope(0), "com": [0, 0, 0.3], "mass": 15.0} | change))
-
-
-def test_extreme_values_give_answers():
-    for scale in (1e-9, 1e9):
-        assert sf.can_stand(on_slope(0), [0, 0, 0.3], scale)
-        assert not sf.can_stand(on_slope(0), [0.3, 0, 0.3], scale)
-    far = sf.Stance([sf.PointContact([1e4 + p[0], p[1], 0]) for p in FEET])
-    assert sf.can_stand(far, [1e4, 0, 0.3], 15.0)
-    tall = sf.can_stand(on_slope(0), [0, 0, 1e4], 15.0)
-    assert tall
-    assert tall.verify()
-    tiny = sf.Stance([sf.PointContact([*p, 0], mu=1e-9) for p in FEET])
-    assert sf.can_stand(tiny, [0, 0, 0.3], 15.0)

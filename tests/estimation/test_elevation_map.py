@@ -15,47 +15,6 @@ Array = NDArray[np.float64]
 SEEDS = range(3)
 
 
-def fused(heights: Array, variances: Array, points: Array, spread: Array) -> tuple[Array, Array]:
-    """Return what plain Python makes of points on a grid of 0.1 m from (0, 0), gate 3, doubt 0.2."""
-    h, p, once = heights.copy(), variances.copy(), np.zeros(heights.shape, dtype=bool)
-    for (x, y, z), r in zip(points, spread, strict=True):
-        i, j = round(x / 0.1), round(y / 0.1)
-        if not (0 <= i < len(h) and 0 <= j < len(h)):
-            continue
-        if np.isinf(p[i, j]):
-            h[i, j], p[i, j], once[i, j] = z, r, True
-            continue
-        miss = z - h[i, j]
-        if once[i, j] and miss**2 > 9.0 * (p[i, j] + r):
-            h[i, j], p[i, j] = z, r
-            continue
-        once[i, j] = False
-        if miss**2 > 9.0 * (p[i, j] + r):
-            p[i, j] += 0.2 * miss**2
-            if miss**2 > 9.0 * (p[i, j] + r):
-                continue
-        # the product of two normal densities
-        h[i, j] = (h[i, j] / p[i, j] + z / r) / (1.0 / p[i, j] + 1.0 / r)
-        p[i, j] = 1.0 / (1.0 / p[i, j] + 1.0 / r)
-    return h, p, once
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_points_are_fused_one_by_one(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    points = np.column_stack([rng.uniform(-0.3, 1.2, (400, 2)), 0.1 * rng.normal(size=400)])
-    spread = rng.uniform(1e-4, 1e-3, 400)
-    heights, variances, alone = np.zeros((9, 9)), np.full((9, 9), np.inf), np.zeros((9, 9), dtype=bool)
-    wanted = fused(heights, variances, points, spread)
-    points[7, 2] = np.nan  # is left out
-    wanted = fused(heights, variances, np.delete(points, 7, axis=0), np.delete(spread, 7))
-    kernels.fuse_points(heights, variances, np.zeros(2), 0.1, points, spread, 3.0, 0.2, alone, False)
-    assert heights == pytest.approx(wanted[0])
-    assert variances == pytest.approx(wanted[1])
-    assert (alone == wanted[2]).all()
-    assert 0 < alone.sum() < alone.size
-
-
 @pytest.mark.parametrize("seed", SEEDS)
 def test_unknown_cells_take_the_lowest_nearby_or_the_plane(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -126,6 +85,14 @@ def test_an_edge_stays_an_edge_and_its_sides_stay_level() -> None:
     assert ground.height([0.4, 0.0]) - ground.height([0.2, 0.0]) > 0.1
 
 
+def test_points_of_a_cell_are_weighed_by_their_variances() -> None:
+    rng, ground = np.random.default_rng(4), ElevationMap()
+    z, variances = 0.01 * rng.normal(size=20), rng.uniform(1e-4, 4e-4, 20)
+    ground.see(np.column_stack([np.full((20, 2), 0.2), z]), variances)
+    assert ground.grid()[0][70, 70] == pytest.approx((z / variances).sum() / (1.0 / variances).sum())
+    assert ground.variance([0.2, 0.2]) == pytest.approx(1.0 / (1.0 / variances).sum())
+
+
 def test_one_stray_point_does_nothing_and_a_changed_ground_is_believed() -> None:
     ground = ElevationMap()
     level, raised = np.array([[0.2, 0.2, 0.0]]), np.array([[0.2, 0.2, 0.1]])
@@ -173,22 +140,6 @@ def test_nothing_known_is_the_plane_under_the_feet() -> None:
 def test_wrong_settings_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ProblemError, match=next(iter(wrong))):
         MapSettings(**wrong)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_lone_cells_need_a_neighbour_that_is_as_high(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    heights, known = rng.choice([0.0, 0.02, -1.0], (20, 20)), rng.random((20, 20)) < 0.3
-    alone, variances = known & (rng.random((20, 20)) < 0.6), np.where(known, 1e-4, np.inf)
-    out = np.empty((20, 20))
-    kernels.leave_out_strays(heights, variances, alone, 0.04, out)
-    i, j = np.indices(known.shape)
-    for a in range(20):
-        for b in range(20):
-            ring = known & (np.maximum(abs(i - a), abs(j - b)) == 1)
-            backed = (np.abs(heights[ring] - heights[a, b]) < 0.04).any()
-            assert np.isfinite(out[a, b]) == (known[a, b] and (backed or not alone[a, b]))
-    assert 0 < (np.isinf(out) & known).sum() < alone.sum()
 
 
 def test_a_stray_point_in_the_dark_digs_no_hole() -> None:

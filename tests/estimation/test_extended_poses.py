@@ -10,9 +10,9 @@ from hypothesis.extra.numpy import arrays
 from scipy.linalg import expm
 
 from surefoot.arrays import FloatArray
-from surefoot.estimation.extended_poses import apply, gammas, move
+from surefoot.estimation.extended_poses import gammas, move
 from surefoot.spatial import skew
-from tests.estimation.poses import adjoint, exponential, inverse, logarithm, product
+from tests.estimation.poses import exponential, inverse, product
 
 ALGEBRA = arrays(np.float64, 12, elements=st.floats(-3.0, 3.0))
 """ξ of SE_3(3): a rotation vector and three more."""
@@ -61,25 +61,3 @@ def test_product_inverse_and_move_are_the_matrices(a: FloatArray, b: FloatArray)
     moved = Y.copy()
     move(moved, a)
     np.testing.assert_allclose(moved, product(X, Y), atol=1e-12)
-
-
-@settings(max_examples=100, deadline=None)
-@given(ALGEBRA, ALGEBRA)
-def test_the_adjoint_takes_a_vector_past_an_element(a: FloatArray, xi: FloatArray) -> None:
-    X = exponential(a)
-    left = product(product(X, exponential(xi)), inverse(X))
-    np.testing.assert_allclose(left, exponential(adjoint(X) @ xi), atol=1e-9)
-
-
-@settings(max_examples=100, deadline=None)
-@given(ALGEBRA)
-def test_the_logarithm_undoes_the_exponential(xi: FloatArray) -> None:
-    angle = float(np.linalg.norm(xi[:3]))
-    if angle >= 3.1:
-        xi[:3] *= 3.0 / angle
-    np.testing.assert_allclose(logarithm(exponential(xi)), xi, atol=1e-8)
-
-
-def test_apply_is_a_product() -> None:
-    A, x = np.random.default_rng(0).normal(size=(3, 3)), np.array([1.0, -2.0, 0.5])
-    np.testing.assert_allclose(apply(A, *x), A @ x)

@@ -14,18 +14,13 @@ from surefoot.errors import ProblemError
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.state_estimator import Health, Reading, StateEstimator, WatchSettings
 from surefoot.log import Log
-from surefoot.robot import Robot, load_robot
+from surefoot.robot import Robot
 from surefoot.simulation.sensors import SensorModel, Sensors
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.terrain import FlatTerrain
 from tests.audit.logs import TROT, log_of
 
 REST = np.array([0.0, 0.0, GRAVITY])
-
-
-@pytest.fixture(scope="module")
-def robot() -> Robot:
-    return load_robot("go2")
 
 
 def replayed(robot: Robot, log: Log, model: SensorModel, seed: int) -> tuple[StateEstimator, EstimateErrors]:

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pinocchio
 import pytest
 
 from surefoot.estimation import wrench_kernels as kernels
 from surefoot.estimation.wrench_observer import FURTHEST, LARGEST, LEAST, MOST, Instant, WrenchObserver
-from surefoot.robot import Robot, load_robot
+from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.stepping.bodies import loaded_model
+from tests.robots import robot_of
 
 DT = 1e-3
 TROT = np.array([True, False, False, True])
-
-
-@cache
-def robot_of(name: str) -> Robot:
-    return load_robot(name)
 
 
 class Motion:
@@ -77,16 +71,6 @@ def test_a_known_wrench_is_what_the_equations_of_motion_leave(name: str, touchin
         error = seen(robot, motion) - motion.wrench
         assert np.abs(error[:3]).max() < 0.005 * robot.mass * GRAVITY  # damping of the legs' short levers
         assert np.abs(error[3:]).max() < 0.005 * robot.mass * GRAVITY * robot.nominal[2]
-
-
-def test_the_weight_of_a_load_is_force_and_moment() -> None:
-    random = np.random.default_rng(3)
-    q = pinocchio.Quaternion(random.normal(size=4)).normalized()
-    pose, mass, place = np.column_stack([q.matrix(), random.normal(size=3)]), 3.0, random.normal(size=3)
-    wrench = random.normal(size=6)
-    wanted = wrench + np.r_[0.0, 0.0, -mass * GRAVITY, np.cross(q.matrix() @ place, [0, 0, -mass * GRAVITY])]
-    kernels.add_weight(mass, mass * place, pose, wrench)
-    assert np.allclose(wrench, wanted, rtol=0, atol=1e-12)
 
 
 def test_the_filters_step_is_kalmans() -> None:

@@ -21,7 +21,7 @@ from surefoot.interop import (
     write_sequence,
 )
 from surefoot.interop.sequence_file import SCHEMA, sequence_from_dict, sequence_to_dict
-from surefoot.planning import Search, plan_from, rollout
+from surefoot.planning import PlanSearch, plan_from, rollout
 from surefoot.robot import load_robot, place
 from surefoot.stance import PointContact, Stance
 from surefoot.stance.gait_library import named_gait
@@ -161,7 +161,7 @@ def landing(tmp_path_factory: pytest.TempPathFactory) -> Path:
     motion = rollout(
         robot, q, np.zeros(18), lambda k, a, v: 60.0 * (q[7:] - a[7:]) - 2.0 * v[6:], dt=0.002, steps=150
     )
-    plan = plan_from(motion, robot, Search("fall", "none", 0.0, True, 0, 0.0))
+    plan = plan_from(motion, robot, PlanSearch("fall", "none", 0.0, True, 0, 0.0))
     return plan.save(tmp_path_factory.mktemp("plan") / "fall.npz")
 
 

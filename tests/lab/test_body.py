@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio
-import pytest
 from scipy.spatial import cKDTree
 
 import surefoot as sf
@@ -12,11 +11,6 @@ from surefoot.lab.body import CELL, RobotBody, coarse, links_of
 from surefoot.lab.drawing import Lines, Mesh
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.viz.meshes import triangles
-
-
-@pytest.fixture(scope="module")
-def robot() -> sf.Robot:
-    return sf.load_robot("go2")
 
 
 def test_links_stand_where_the_geometry_model_puts_them(robot: sf.Robot) -> None:

@@ -98,21 +98,6 @@ def test_the_stand_page_is_drawn_and_follows_the_mouse(browser: Browser, folder:
         assert all(address.startswith(server.url) for address in tab.requests)
 
 
-def test_two_browsers_have_their_own_stances(browser: Browser) -> None:
-    assert CHROMIUM is not None
-    state = start_state(sf.load_robot("go2"))
-    with LabServer(lambda: StandPage(state), port=0) as server, Browser(CHROMIUM) as another:
-        one = browser.open(server.url)
-        shown(one, "It can stand")
-        two = another.open(server.url)
-        shown(two, "It can stand")
-        first, second = server.sessions.values()
-        second.queue("change", "x", 0.5)
-        shown(two, "It cannot stand")
-        assert one.ask("document.body.innerText.includes('It can stand')")
-        assert first.page.values["x"] < 0.1
-
-
 def test_the_cone_page_is_drawn_and_its_force_is_dragged_out(browser: Browser, folder: Path) -> None:
     with LabServer(ConePage, port=0) as server:
         tab = browser.open(server.url)

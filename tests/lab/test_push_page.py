@@ -19,11 +19,6 @@ from surefoot.lab.push_run import HARDEST, LIE, Choices, SharedRun, WalkRun
 EYE = np.array([1.5, -1.5, 0.9])
 
 
-@pytest.fixture(scope="module")
-def robot() -> sf.Robot:
-    return sf.load_robot("go2")
-
-
 def go(run: WalkRun, steps: int) -> None:
     for _ in range(steps):
         run.step()

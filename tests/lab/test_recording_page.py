@@ -15,7 +15,7 @@ from surefoot.errors import ProblemError
 from surefoot.lab.drawing import BAD, Arrows, Mesh
 from surefoot.lab.recording import NOWHERE, RecordedMotion, RecordingPage, audit_page, plan_page
 from surefoot.planning import Plan, rollout
-from surefoot.planning.plan import Search, plan_from
+from surefoot.planning.plan import PlanSearch, plan_from
 
 
 @pytest.fixture(scope="module")
@@ -102,20 +102,6 @@ def test_it_plays_by_the_clock_and_stops_at_the_end(log: sf.Log) -> None:
     assert page.values["time"] == float(log["time"][0])
 
 
-def test_rows_are_stepped(log: sf.Log) -> None:
-    page = RecordingPage(RecordedMotion(log), "a log")
-    page.press("back")
-    assert page.row == 0
-    for _ in range(3):
-        page.press("on")
-    assert page.row == 3
-    page.press("back")
-    assert page.row == 2
-    for name in ("next", "previous", "nothing"):
-        with pytest.raises(ProblemError):
-            page.press(name)
-
-
 def test_rows_that_are_not_finite_are_drawn_without(log: sf.Log) -> None:
     arrays = {name: np.array(log[name]) for name in ("time", "q", "forces", "contact_positions", "mu")}
     for name in ("q", "forces", "contact_positions", "mu"):
@@ -148,9 +134,9 @@ def test_a_log_that_cannot_be_scrubbed_is_refused(times: np.ndarray, said: str) 
 def test_a_plan_from_a_file_is_shown(tmp_path: Path) -> None:
     robot = sf.load_robot("go2")
     motion = rollout(robot, sf.place(robot), np.zeros(18), np.zeros((10, 12)), dt=0.01)
-    plan_from(motion, robot, Search("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)).save(
-        tmp_path / "plan.npz"
-    )
+    plan_from(
+        motion, robot, PlanSearch("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
+    ).save(tmp_path / "plan.npz")
     plan = Plan.read(tmp_path / "plan.npz")
     page = plan_page(RecordedMotion(plan), plan)
     assert page.title == "Plan: fall"

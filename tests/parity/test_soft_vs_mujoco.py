@@ -73,9 +73,3 @@ def test_go2_rests_at_mujocos_depth():
     mujoco, ours = depths
     assert mujoco.min() > 1e-3  # 4 kg on each 0.4 kg: ten times as deep as a free body
     assert np.abs(ours / mujoco - 1.0).max() < 5e-3
-
-
-@pytest.mark.parametrize("softness", [{"solref": (0.02, -1.0)}, {"solimp": ()}, {"solref": (0.02,)}])
-def test_no_softness(softness):
-    with pytest.raises(sf.ProblemError, match=next(iter(softness))):
-        MujocoWorld(ball(), **softness)

@@ -9,17 +9,12 @@ from surefoot import audit_log
 from surefoot.contact import Status
 from surefoot.errors import NoSolution, ProblemError
 from surefoot.log.formats import read_log
-from surefoot.planning import Plan, Search, plan_from, rollout
+from surefoot.planning import Plan, PlanSearch, plan_from, rollout
 from surefoot.planning import planner as planners
 from surefoot.planning.tasks import table
-from surefoot.robot import load_robot, place
+from surefoot.robot import place
 
-FOUND = Search("stand", "by hand", cost=1.5, reached=True, iterations=3, seconds=0.25, goal="stands")
-
-
-@pytest.fixture(scope="module")
-def go2():
-    return load_robot("go2")
+FOUND = PlanSearch("stand", "by hand", cost=1.5, reached=True, iterations=3, seconds=0.25, goal="stands")
 
 
 @pytest.fixture(scope="module")
@@ -127,22 +122,3 @@ def test_a_task_from_outside_is_planned(go2):
     plan = planners.plan(go2, "wait")
     assert (len(plan), plan.road) == (20, "pd")
     assert len(planners.plan(go2, "wait", 0.02, dt=0.004, road="none")) == 5
-
-
-@pytest.mark.usefixtures("wait")
-@pytest.mark.parametrize(
-    ("task", "amount", "more", "told"),
-    [
-        ("fly", None, {}, "valid names"),
-        ("wait", None, {"road": "guess"}, "pd"),
-        ("wait", float("nan"), {}, "seconds"),
-        ("wait", None, {"mu": -0.1}, "mu"),
-        ("wait", None, {"dt": 0.0}, "dt"),
-        ("wait", None, {"knots": 0}, "knots"),
-        ("wait", None, {"seed": -1}, "seed"),
-        ("wait", None, {"max_iterations": 0}, "max_iterations"),
-    ],
-)
-def test_bad_requests_are_named(go2, task, amount, more, told):
-    with pytest.raises(ProblemError, match=told):
-        planners.plan(go2, task, amount, **more)

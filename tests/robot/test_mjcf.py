@@ -164,15 +164,6 @@ def test_the_model_is_mujocos(tmp_path: Path) -> None:
         assert np.triu(ours) == pytest.approx(np.triu(M), abs=1e-12)
 
 
-def test_pinocchios_own_reader_agrees(tmp_path: Path) -> None:
-    path = mjcf(tmp_path)
-    robot, other = sf.load_robot(path, feet=list(FEET)), pin.buildModelFromMJCF(str(path))
-    q = pin.integrate(other, pin.neutral(other), np.random.default_rng(3).normal(size=18))
-    other.armature[:] = 0.0  # rotors are left out, as for URDF files
-    M = [pin.crba(m, m.createData(), q) for m in (robot.model, other)]
-    assert np.triu(M[0]) == pytest.approx(np.triu(M[1]), abs=1e-10)
-
-
 def test_the_base_is_as_the_file_says(tmp_path: Path) -> None:
     free = mjcf(tmp_path)
     assert sf.load_robot(free).floating
@@ -190,11 +181,6 @@ def test_a_keyframe_is_the_nominal_pose(tmp_path: Path) -> None:
     robot = sf.load_robot(mjcf(tmp_path, more=key), feet=list(FEET))
     assert robot.nominal[7:] == pytest.approx(joints)
     assert robot.foot_positions()[:, 2].min() == pytest.approx(0.025, abs=1e-12)
-
-
-def test_it_stands_in_simulation(tmp_path: Path) -> None:
-    robot = sf.load_robot(mjcf(tmp_path), feet=list(FEET))
-    assert sf.can_stand(robot.stance(), robot.com(), robot.mass).feasible
 
 
 @pytest.mark.parametrize(
@@ -273,15 +259,6 @@ def test_what_takes_nothing_from_a_tree_is_loaded(tmp_path: Path, crank: str, mo
     path = tmp_path / "tree.xml"
     path.write_text(CRANK.format(crank=crank, more=more))
     assert sf.load_robot(path).joint_names == ("j1", "j2", "j3")
-
-
-def test_many_springs_are_counted(tmp_path: Path) -> None:
-    path = tmp_path / "sprung.xml"
-    text = CRANK.format(crank="", more="")
-    joints = "".join(f'<joint name="s{k}" axis="0 0 1" stiffness="1"/>' for k in range(5))
-    path.write_text(text.replace('<joint name="j2"/>', joints))
-    with pytest.raises(ModelError, match=r"joint with a spring \(5\): s0, s1, s2 and 2 more"):
-        sf.load_robot(path)
 
 
 def test_a_motor_in_the_parents_axes_has_a_limit(tmp_path: Path) -> None:

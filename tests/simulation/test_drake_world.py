@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from benchmarks.problems.logged_runs import CleanRun
 from surefoot.cli.main import main
 from surefoot.contact.laws.soft import SpringDamper
 from surefoot.errors import ModelError, ProblemError
@@ -139,8 +138,3 @@ def test_a_closed_world_says_so() -> None:
     with pytest.raises(ModelError, match="this drake world is closed"):
         world.set_friction(0.1)
     assert world.state()[0] == pytest.approx(here)
-
-
-def test_a_log_survives_in_drake() -> None:
-    log = CleanRun(world="rigid", gait="trot", velocity=(0.4, 0.0, 0.0), duration=0.8, seed=4).make()
-    assert sf.replay_log(log, "drake").survives

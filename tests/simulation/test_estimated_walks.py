@@ -8,40 +8,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from surefoot.audit import WalkSummary, summarise_walk
+from surefoot.audit import WalkSummary
 from surefoot.cli.walk_output import estimate_lines, headline
-from surefoot.control.walking import WalkingController, WalkSettings
-from surefoot.control.walking_body import VelocityCommand
 from surefoot.log import Ending, Log
-from surefoot.robot import load_robot
-from surefoot.simulation.run import Push, Scenario, run
+from surefoot.simulation.run import Push
 from surefoot.simulation.sensing import STOP_TIME
 from surefoot.simulation.sensors import SensorModel
-from surefoot.simulation.walk_terrain import start_pose
-from surefoot.simulation.worlds import make_world
-from surefoot.terrain import FlatTerrain, SlopeTerrain, Terrain
+from surefoot.terrain import SlopeTerrain, Terrain
+from tests.simulation.walks import walk
 
 ORDINARY = SensorModel()
 
 
-def walk(
-    world: str = "mujoco",
-    speed: float = 0.5,
-    duration: float = 3.0,
-    terrain: Terrain | None = None,
-    sensors: SensorModel | None = ORDINARY,
-    robot_name: str = "go2",
-    **events: Any,
-) -> tuple[Log, WalkSummary]:
-    """Return the log of a robot's trot on an estimated state, and its summary."""
-    robot, ground = load_robot(robot_name), terrain or FlatTerrain()
-    command = VelocityCommand.constant(speed, 0.0, 0.0)
-    controller = WalkingController(robot, command, "trot", ground, WalkSettings())
-    scenario = Scenario(
-        duration, 0.6, start=start_pose(robot, ground), sensors=sensors, **({"seed": 0} | events)
-    )
-    log = run(make_world(world, robot, ground, 0.6), controller, scenario)
-    return log, summarise_walk(log)
+def estimated(*words: Any, sensors: SensorModel = ORDINARY, **options: Any) -> tuple[Log, WalkSummary]:
+    """Return log and summary of a walk on an estimated state."""
+    return walk(*words, sensors=sensors, **options)
 
 
 @pytest.mark.parametrize(
@@ -55,7 +36,7 @@ def walk(
     ids=str,
 )
 def test_a_trot_on_an_estimate(world: str, speed: float, terrain: Terrain | None, seed: int) -> None:
-    log, summary = walk(world, speed, terrain=terrain, seed=seed)
+    log, summary = estimated(speed, world={"name": world}, terrain=terrain, seed=seed)
     assert summary.success
     assert summary.laws_broken == []
     errors = summary.estimate
@@ -71,14 +52,14 @@ def test_a_trot_on_an_estimate(world: str, speed: float, terrain: Terrain | None
 
 def test_legs_that_feel_nothing_walk_by_heights_speeds_and_the_plan() -> None:
     numb = replace(ORDINARY, touch=replace(ORDINARY.touch, missed=1.0))
-    _, summary = walk(sensors=numb)
+    _, summary = estimated(sensors=numb)
     assert summary.success
     assert summary.laws_broken == []
 
 
 def test_false_touches_do_not_stop_a_leg_in_its_swing() -> None:
     haunted = replace(ORDINARY, touch=replace(ORDINARY.touch, false=1.0))
-    log, summary = walk(sensors=haunted, seed=1)
+    log, summary = estimated(sensors=haunted, seed=1)
     assert summary.success
     high = (log["gaps"] > 0.02) & ~log["planned"]
     assert high.mean() > 0.2
@@ -87,7 +68,7 @@ def test_false_touches_do_not_stop_a_leg_in_its_swing() -> None:
 
 def test_a_slope_is_felt_without_a_map() -> None:
     """Feet that roll on what is taken for level drift by 3 % of the way."""
-    _, summary = walk(speed=0.4, terrain=SlopeTerrain(15.0), sensors=replace(ORDINARY, heights=False))
+    _, summary = estimated(0.4, terrain=SlopeTerrain(15.0), sensors=replace(ORDINARY, heights=False))
     assert summary.success
     assert summary.estimate is not None
     assert summary.estimate.drift_share is not None
@@ -96,7 +77,7 @@ def test_a_slope_is_felt_without_a_map() -> None:
 
 def test_a_heavy_robot_whose_feet_bounce_stays_level() -> None:
     """HyQ's feet rebound at 1.2 m/s: a force alone finds them 50 ms late, and it leans by 30 degrees."""
-    _, summary = walk(speed=1.21, robot_name="hyq", duration=5.0)
+    _, summary = estimated(1.21, 5.0, "hyq")
     assert summary.success
     assert summary.tilt_max_deg < 2.0
 
@@ -105,7 +86,7 @@ def test_latency_of_five_milliseconds_is_made_up_for() -> None:
     late = replace(
         ORDINARY, imu=replace(ORDINARY.imu, latency=0.005), encoders=replace(ORDINARY.encoders, latency=0.005)
     )
-    _, summary = walk(sensors=late)
+    _, summary = estimated(sensors=late)
     assert summary.success
     assert summary.laws_broken == []
     assert summary.estimate is not None
@@ -114,7 +95,7 @@ def test_latency_of_five_milliseconds_is_made_up_for() -> None:
 
 def test_a_robot_with_a_broken_accelerometer_stops_and_says_so() -> None:
     broken = replace(ORDINARY, imu=replace(ORDINARY.imu, accelerometer_range=6.0))
-    log, summary = walk(sensors=broken)
+    log, summary = estimated(sensors=broken)
     assert summary.outcome == "lost"
     assert not summary.success
     assert "diverged" in summary.error
@@ -130,15 +111,7 @@ def test_a_robot_with_a_broken_accelerometer_stops_and_says_so() -> None:
 
 
 def test_a_robot_that_is_thrown_over_fell_and_says_that_it_was_lost_before() -> None:
-    log, summary = walk(pushes=(Push(1.0, (0.0, 0.0, 800.0), 0.1),), duration=3.0)
+    log, summary = estimated(pushes=(Push(1.0, (0.0, 0.0, 800.0), 0.1),), duration=3.0)
     assert log.facts["outcome"] == Ending.FELL
     assert summary.error.startswith("the state estimate was lost at 1.")
     assert "no foot touched" in summary.error
-
-
-def test_the_same_seed_gives_the_same_log() -> None:
-    first, second, other = (walk(duration=0.6, seed=seed)[0] for seed in (5, 5, 6))
-    for name, array in first.arrays.items():
-        if not name.endswith("_time"):
-            assert array.tobytes() == second[name].tobytes(), name
-    assert (first["q_estimated"] != other["q_estimated"]).any()

@@ -7,9 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
-from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.simulation import drake_python
 from surefoot.simulation.experiments import EXPERIMENTS, bodies, carry_out
@@ -97,26 +95,6 @@ def test_every_run_is_told_before_it_is_made() -> None:
 def test_a_step_that_is_no_step(dt: float) -> None:
     with pytest.raises(ProblemError, match="dt must be"):
         carry_out(EXPERIMENTS["drop"], ["rigid"], dt)
-
-
-def test_the_tipping_box_is_the_pendulum_equation() -> None:
-    """Integrate the box that rolls on its corner's sphere, from Lagrange's equation, not from energy."""
-    arm, r, m = bodies._arm()[0], bodies.CORNER, bodies.MASS
-    own = m / 12.0 * (bodies.TALL[0] ** 2 + bodies.TALL[2] ** 2)
-
-    def rates(_: float, y: FloatArray) -> list[float]:
-        a, w = y
-        inertia = own + m * (arm**2 + r**2 + 2.0 * r * arm * math.cos(a))
-        return [w, (m * GRAVITY * arm * math.sin(a) + m * r * arm * math.sin(a) * w**2) / inertia]
-
-    def there(_: float, y: FloatArray) -> float:
-        return float(y[0]) - math.radians(bodies.UNTIL)
-
-    there.terminal = True  # type: ignore[attr-defined]
-    start = [math.radians(bodies.LEAN), 0.0]
-    found = solve_ivp(rates, (0.0, 5.0), start, events=there, rtol=1e-11, atol=1e-13)
-    expected = float(bodies._turning(np.array(math.radians(bodies.UNTIL))))
-    assert found.y_events[0][0][1] == pytest.approx(expected, rel=1e-8)
 
 
 @pytest.mark.skipif(not HERE["mujoco"], reason="MuJoCo is not here")

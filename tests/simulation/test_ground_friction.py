@@ -5,30 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.audit import summarise_walk
-from surefoot.cli import parsing
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
-from surefoot.log import Log
 from surefoot.robot import load_robot
-from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
-from surefoot.simulation.run import Ice, IcePatch, Scenario, run
+from surefoot.simulation.run import IcePatch, Scenario, run
 from surefoot.simulation.sensors import SensorModel
-
-
-def walk(mu: float, patches: tuple[IcePatch, ...] = (), watch: bool = True, duration: float = 2.5) -> Log:
-    """Return the log of a Go2's trot at 0.5 m/s on an estimated state."""
-    robot = load_robot("go2")
-    settings = WalkSettings(watch_friction=watch)
-    controller = WalkingController(robot, VelocityCommand.constant(0.5), settings=settings)
-    scenario = Scenario(duration, mu, seed=2, patches=patches, sensors=SensorModel())
-    return run(MujocoWorld(robot, mu=mu), controller, scenario)
+from tests.simulation.walks import walk
 
 
 def test_a_robot_that_watches_walks_on_ice_that_throws_another() -> None:
-    careful, careless = summarise_walk(walk(0.2)), summarise_walk(walk(0.2, watch=False))
+    (_, careful), (_, careless) = (
+        walk(0.5, 2.5, mu=0.2, settings=WalkSettings(watch_friction=watch), sensors=SensorModel(), seed=2)
+        for watch in (True, False)
+    )
     assert careful.outcome == "walked"
     assert careful.laws_broken == []
     assert max(foot.slip for foot in careful.feet) < 0.01
@@ -36,7 +27,8 @@ def test_a_robot_that_watches_walks_on_ice_that_throws_another() -> None:
 
 
 def test_a_patch_of_ice_is_where_it_says_and_the_log_knows() -> None:
-    log = walk(0.6, (IcePatch((0.3, -1.0), (0.6, 1.0), 0.25),))
+    patches = (IcePatch((0.3, -1.0), (0.6, 1.0), 0.25),)
+    log, summary = walk(0.5, 2.5, patches=patches, sensors=SensorModel(), seed=2)
     told, x = log["contact_friction"], log["contact_positions"][..., 0]
     deep = (x > 0.31) & (x < 0.59)
     assert deep.any()
@@ -46,7 +38,7 @@ def test_a_patch_of_ice_is_where_it_says_and_the_log_knows() -> None:
     loaded = forces[..., 2] > 5.0
     use = np.hypot(forces[..., 0], forces[..., 1])[loaded] / forces[..., 2][loaded]
     assert (use <= told[loaded] * 1.001).all()
-    assert summarise_walk(log).laws_broken == []
+    assert summary.laws_broken == []
 
 
 def test_the_rigid_world_has_one_friction_everywhere() -> None:
@@ -55,12 +47,6 @@ def test_the_rigid_world_has_one_friction_everywhere() -> None:
     scenario = Scenario(0.1, 0.6, patches=(IcePatch((0.0, 0.0), (1.0, 1.0), 0.1),))
     with pytest.raises(ProblemError, match="mujoco"):
         run(RigidWorld(robot), controller, scenario)
-
-
-def test_the_two_forms_of_ice() -> None:
-    assert parsing.ice({"from": 2.0, "mu": 0.05}) == Ice(2.0, 0.05)
-    patch = parsing.ice({"lower": (1.0, -1.0), "upper": (2.0, 1.0), "mu": 0.05})
-    assert patch == IcePatch((1.0, -1.0), (2.0, 1.0), 0.05)
 
 
 def test_a_patch_without_an_inside_is_refused() -> None:

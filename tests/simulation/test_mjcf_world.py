@@ -10,7 +10,6 @@ import pytest
 
 import surefoot as sf
 from surefoot.audit import summarise_walk
-from surefoot.cli.main import main
 from surefoot.cli.walk_output import headline
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
@@ -160,16 +159,3 @@ def test_another_robot_and_another_ground_are_refused() -> None:
         MjcfWorld(sf.load_robot("go2"), MOTORS)
     with pytest.raises(ProblemError, match="floor of its own"):
         MjcfWorld(load(MOTORS), MOTORS, SlopeTerrain(5.0))
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ([str(MOTORS)], "needs --feet"),
-        ([str(MOTORS), "--feet", "FL,FR,RL,RR", "--actuators", "real"], "without --actuators"),
-        (["none.xml", "--feet", "FL"], "no file"),
-    ],
-)
-def test_wrong_words_about_a_file(capsys: pytest.CaptureFixture[str], options: list[str], said: str) -> None:
-    assert main(["walk", "--no-video", "--no-report", *options]) == 2
-    assert said in " ".join(capsys.readouterr().err.split())

@@ -105,13 +105,3 @@ def test_robots_start_on_their_feet(terrain: Terrain) -> None:
     check_ground(robot, terrain, q, 0.6)
     gaps = terrain.gap(robot.foot_positions(q)) - [foot.radius for foot in robot.feet]
     assert gaps == pytest.approx(np.zeros(4), abs=1e-6)
-
-
-def test_impossible_ground_is_refused_with_what_is_needed() -> None:
-    robot = load_robot("go2")
-    steep = SlopeTerrain(35.0)
-    with pytest.raises(ProblemError, match=r"with friction 0\.6: 0\.70 would be needed"):
-        check_ground(robot, steep, start_pose(robot, steep), 0.6)
-    high = StairsTerrain(0.3, 0.3)
-    with pytest.raises(ProblemError, match=r"steps of 0\.3 m, its legs take"):
-        check_ground(robot, high, start_pose(robot, high), 0.6)

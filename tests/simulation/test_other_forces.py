@@ -1,6 +1,8 @@
-"""A robot on its trunk: its log has the trunk's forces, and the audit accounts for the motion."""
+"""A robot on its trunk, in both worlds: its log has the trunk's forces, and the audit explains the motion."""
 
 from __future__ import annotations
+
+from functools import cache
 
 import numpy as np
 import pytest
@@ -8,8 +10,10 @@ import pytest
 import surefoot as sf
 from surefoot.audit.rows import Rows
 from surefoot.audit.setting import setting_of
-from surefoot.simulation.rigid import RigidWorld
+from surefoot.collision import robot_geometry
+from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.scenario import Fall
+from surefoot.simulation.worlds import make_world
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.terrain.terrain import Terrain
 from tests.audit.logs import changed
@@ -35,17 +39,18 @@ class Lying(Fall):
         return None
 
 
-def fallen(q: np.ndarray, collision: str = "full", seconds: float = 0.8) -> sf.Log:
-    world = RigidWorld(ROBOT, collision=collision)
-    scenario = sf.Scenario(seconds, 0.6, start=q, fall=Lying())
-    return sf.run(world, Hold(), scenario)
+@cache
+def fallen(world: str = "rigid") -> sf.Log:
+    """Return the log of a robot that falls on its back."""
+    q = ROBOT.nominal.copy()
+    q[2], q[3:7] = 0.2, [1.0, 0.0, 0.0, 0.0]
+    scenario = sf.Scenario(0.8, 0.6, start=q, fall=Lying())
+    return sf.run(make_world(world, ROBOT, collision="full"), Hold(), scenario)
 
 
 @pytest.fixture(scope="module")
 def on_its_back() -> sf.Log:
-    q = ROBOT.nominal.copy()
-    q[2], q[3:7] = 0.2, [1.0, 0.0, 0.0, 0.0]
-    return fallen(q)
+    return fallen()
 
 
 def unexplained(log: sf.Log) -> np.ndarray:
@@ -55,8 +60,9 @@ def unexplained(log: sf.Log) -> np.ndarray:
     return rest.force / WEIGHT
 
 
-def test_the_trunk_carries_the_weight(on_its_back: sf.Log) -> None:
-    log = on_its_back
+@pytest.mark.parametrize("world", ["rigid", "mujoco"])
+def test_the_trunk_carries_the_weight(world: str) -> None:
+    log = fallen(world)
     assert log.channels["other_forces"].shape == (18,)
     assert not np.asarray(log["forces"])[-200:].any()
     R = rotation_from_quaternion(np.asarray(log["q"])[-200:, 3:7])
@@ -97,25 +103,55 @@ def test_a_wrong_force_of_the_trunk_is_told(on_its_back: sf.Log) -> None:
     assert sf.audit_log(changed(on_its_back, other_forces=lost)).verdict != "broken"
 
 
-def test_forces_within_the_robot_leave_its_base_alone() -> None:
-    """Legs that press each other in the air: opposite forces, nothing on the whole."""
-    world = RigidWorld(ROBOT, collision="full")
-    q, goal = ROBOT.nominal.copy(), ROBOT.nominal[7:].copy()
-    q[2] = 2.0
-    goal[[0, 3]] = [-0.9, 0.9]  # the front legs inwards
+def test_both_worlds_explain_the_motion_and_come_to_rest_alike() -> None:
+    rigid, mujoco = fallen("rigid"), fallen("mujoco")
+    assert np.abs(unexplained(mujoco)[:-1]).max() < 0.02
+    np.testing.assert_allclose(mujoco["q"][-1], rigid["q"][-1], atol=0.02)
+
+
+@pytest.mark.parametrize("world", ["rigid", "mujoco"])
+def test_feet_alone_have_no_such_channel(world: str) -> None:
+    made = make_world(world, ROBOT)
+    assert made.contacts().others is None
+    assert "other_forces" not in sf.run(made, Hold(), sf.Scenario(0.01, 0.6))
+    with pytest.raises(sf.ProblemError, match="full"):
+        make_world(world, ROBOT, collision="some")
+
+
+def test_a_foot_on_a_link_is_no_foot_on_the_ground() -> None:
+    """In the air, with the legs folded into each other: forces within the robot, and none of the ground."""
+    world = MujocoWorld(ROBOT, collision="full")
+    q = ROBOT.nominal.copy()
+    q[2] = 3.0
+    q[7:] = np.array([0.0, 3.4, -2.6, 0.0, 3.4, -2.6, 0.0, -0.4, -1.0, 0.0, -0.4, -1.0])
     world.reset(q)
-    pressed = 0.0
-    for _ in range(400):
-        q, v = world.state()
-        world.step(np.clip(60.0 * (goal - q[7:]) - 2.0 * v[6:], -23.0, 23.0))
-        others = world.contacts().others
-        assert others is not None
-        pressed = max(pressed, np.abs(others[6:]).max())
-        assert np.abs(others[:6]).max() < 1e-9 * max(1.0, np.abs(others).max())
-    assert pressed > 1.0
+    touched, fed = set[tuple[str, str]](), 0.0
+    for _ in range(300):
+        now, v = world.state()
+        aim = np.array([-1.0, 3.4, -2.0, 1.0, 3.4, -2.0, -1.0, 0.8, -2.6, 1.0, 0.8, -2.6])
+        world.step(np.clip(40.0 * (aim - now[7:]) - v[6:], -20.0, 20.0))
+        reading = world.contacts()
+        touched.update(world.touching())
+        assert not reading.forces.any()
+        assert reading.others is not None
+        fed = max(fed, float(np.abs(reading.others[6:]).max()))
+        # what the robot does to itself moves nothing as a whole
+        assert np.abs(reading.others[:3]).max() < 1e-6 * max(1.0, fed)
+    assert touched
+    assert fed > 1.0
+    assert not any("ground" in pair for pair in touched)
 
 
-def test_a_world_of_feet_alone_has_no_such_channel() -> None:
-    assert RigidWorld(ROBOT).contacts().others is None
-    log = fallen(ROBOT.nominal.copy(), "feet", 0.01)
-    assert "other_forces" not in log
+def test_pairs_are_those_of_the_rigid_world() -> None:
+    world = MujocoWorld(ROBOT, collision="full")
+    geometry = robot_geometry(ROBOT)
+    names = [s.name for s in geometry.solids]
+    wanted = {frozenset((names[a], names[b])) for a, b in geometry.pairs().tolist()}
+    model = world.model
+    made = {
+        frozenset(
+            model.geom(int(g)).name.split(":", 1)[1] for g in (model.pair_geom1[k], model.pair_geom2[k])
+        )
+        for k in range(model.npair)
+    }
+    assert made == wanted

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pinocchio
 import pytest
@@ -12,19 +10,15 @@ import surefoot as sf
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.errors import ProblemError
-from surefoot.robot import Robot, load_robot, place
+from surefoot.robot import Robot, place
 from surefoot.simulation.mujoco import MujocoWorld, import_mujoco
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import START_DEPTH, Scenario
 from surefoot.terrain import FlatTerrain
+from tests.robots import robot_of
 
 MASS, PLACE = 4.0, (0.1, -0.08, 0.06)
-
-
-@cache
-def robot_of(name: str) -> Robot:
-    return load_robot(name)
 
 
 def true_model(robot: Robot) -> pinocchio.Model:

@@ -37,20 +37,6 @@ def tumbled(body, q, v, seconds):
     return np.concatenate([x, y[:4] / np.linalg.norm(y[:4])])
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.2, 0.5])
-def test_block_slides_with_the_closed_form_acceleration(mu):
-    degrees = math.degrees(math.atan(mu)) + 8.0
-    theta = math.radians(degrees)
-    body = box(2.0, (0.3, 0.3, 0.1))
-    world = RigidWorld(body, sf.SlopeTerrain(degrees), mu=mu)
-    world.reset(on_slope(body, degrees))
-    states = run(world, 0.3)
-    along = -(math.sin(theta) - mu * math.cos(theta)) * GRAVITY  # -x of the body is downhill
-    assert states[-1][1][0] == pytest.approx(0.3 * along, rel=1e-6)
-    assert np.abs(states[-1][1][[1, 2, 3, 4, 5]]).max() < 1e-7
-    assert np.abs(world.contacts().gaps[world.contacts().forces[:, 2] > 0]).max() < 1e-8  # no lift-off
-
-
 @pytest.mark.parametrize("e", [0.0, 0.3, 0.7, 1.0])
 def test_ball_bounces_with_its_restitution(e):
     body = ball(0.5, 0.1)

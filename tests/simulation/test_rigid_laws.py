@@ -19,25 +19,6 @@ from surefoot.spatial import GRAVITY
 from tests.simulation.rigid_runs import NONE, on_slope, run
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_ground_never_feeds_energy_to_a_tumbling_box(seed):
-    rng = np.random.default_rng(seed)
-    body = box(1.0, (0.1, 0.2, 0.3))
-    q = pinocchio.integrate(body.model, body.nominal, np.array([0, 0, 0.4, *rng.normal(size=3)]))
-    world = RigidWorld(body, mu=0.5)
-    world.reset(q, np.concatenate([rng.normal(size=3), 6.0 * rng.normal(size=3)]))
-    start, energies, works = world.energy(), [], []
-    for _ in range(1500):
-        world.step(NONE)
-        works.append(world.contact_work())
-        energies.append(world.energy())
-    assert max(works) < 1e-12
-    assert sum(works) < -0.5 * start
-    assert max(energies) < start * (1.0 + 1e-8)
-    assert max(np.diff(energies[1000:])) < 1e-9  # at rest in the end
-    assert world.contacts().gaps.min() > -1e-5
-
-
 @settings(max_examples=12, deadline=None, derandomize=True)
 @given(
     spin=arrays(float, 3, elements=st.floats(-30, 30)),
@@ -133,19 +114,6 @@ def test_a_lost_state_raises_and_is_never_handed_on(size):
     world.reset(sf.place(robot))
     world.step(np.zeros(12))
     assert np.isfinite(world.energy())
-
-
-def test_reset_repeats_a_run_exactly():
-    robot = sf.load_robot("go2")
-    world, ends = RigidWorld(robot), []
-    for _ in range(2):
-        world.reset(sf.place(robot))
-        for _ in range(100):
-            world.step(np.zeros(12), np.array([20.0, 5.0, 0.0]))
-        ends.append(world.state())
-    assert np.array_equal(ends[0][0], ends[1][0])
-    assert np.array_equal(ends[0][1], ends[1][1])
-    assert world.time == pytest.approx(0.1)
 
 
 def test_convex_law_throws_a_sliding_block_up():

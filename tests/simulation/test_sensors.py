@@ -9,7 +9,7 @@ import pinocchio
 import pytest
 
 from surefoot.errors import ProblemError
-from surefoot.robot import Robot, load_robot
+from surefoot.robot import Robot
 from surefoot.simulation.sensor_kernels import mean_readings
 from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
@@ -22,11 +22,6 @@ def mean_motion(last: tuple, now: tuple, dt: float, arm: np.ndarray) -> tuple[np
     rate, force = np.empty(3), np.empty(3)
     mean_readings(*last, *now, dt, arm, rate, force)
     return rate, force
-
-
-@pytest.fixture(scope="module")
-def robot() -> Robot:
-    return load_robot("go2")
 
 
 def test_mean_motion_integrates_back_to_the_motion(robot: Robot) -> None:

@@ -10,6 +10,7 @@ import pytest
 from numba.core import event
 
 import surefoot as sf
+from benchmarks.problems.contacts import capsules
 from surefoot.contact.laws import LAWS
 from surefoot.kernels import working_time
 from surefoot.solvers import auto, on_blocks, plans
@@ -110,6 +111,24 @@ def test_contradictions_are_proven_before_the_methods_wear_out(contacts: int) ->
     found = sf.solve(squeezed(contacts))
     assert found.status is sf.Status.INFEASIBLE
     assert found.iterations < 3000  # sweeps and steps: 34,000 where the proof comes last
+
+
+def test_only_forces_that_run_away_are_doubted_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A look for a proof in the middle of a heap's solve took a seventh of it, and found nothing."""
+    looks: list[sf.ContactProblem] = []
+    monkeypatch.setattr(auto, "find_proof", lambda problem, _: looks.append(problem))
+    alternate = on_blocks.alternate
+
+    def alone(*given: Any) -> Any:
+        alternate(*given)
+        raise NotImplementedError("the rest of the plan")
+
+    monkeypatch.setattr(on_blocks, "alternate", alone)
+    heap = capsules(np.random.default_rng(1), 60, 276, 0.5, push=0.01)
+    for problem in (heap, squeezed(64)):
+        with pytest.raises(NotImplementedError):
+            sf.solve(problem, max_iterations=2000)
+    assert [problem.contacts for problem in looks] == [64]
 
 
 def test_the_clock_stands_still_while_kernels_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:

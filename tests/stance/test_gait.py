@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.errors import ProblemError
+from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.stance.gait import Gait, ModeSchedule, mode_feet, mode_number
 from surefoot.stance.gait_library import PATTERNS, gait_names, named_gait
 
@@ -149,3 +150,15 @@ def test_rows_of_a_repeated_table_are_those_of_the_schedule(seed: int) -> None:
     start, step = rng.uniform(-2.0, 5.0), rng.uniform(0.01, 0.06)
     middles = start + step * (np.arange(25) + 0.5)
     np.testing.assert_array_equal(gait.horizon(start, step, 25), gait.contacts(middles))
+
+
+TROT = Gait.from_phases("trot", period=0.4, duty=0.6, offset=[0.0, 0.5, 0.5, 0.0])
+
+
+@pytest.mark.parametrize("schedule", [TROT, TROT.schedule(1.0)], ids=["gait", "modes"])
+def test_the_table_of_phases_is_what_the_schedule_says_of_each_foot(schedule: ContactSchedule) -> None:
+    assert isinstance(schedule, (Gait, ModeSchedule))
+    times = np.r_[np.arange(-0.1, 1.4, 7e-3), 0.2, 0.4, 0.64, 0.3]
+    for time in times.tolist():
+        said = np.array([schedule.phase(k, time) for k in range(4)], dtype=float)
+        assert np.array_equal(schedule.phases(time), said)

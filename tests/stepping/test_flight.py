@@ -10,11 +10,6 @@ from surefoot.stepping.flight import fly, follow_shape
 RATES = np.linspace(3.0, 9.0, 12)
 
 
-@pytest.fixture(scope="module")
-def go2():
-    return sf.load_robot("go2")
-
-
 def legs(robot):
     """Legs that swing out and back: positions, velocities and accelerations over time."""
     mean, swing = robot.nominal[7:], 0.3 * np.sin(np.arange(12))

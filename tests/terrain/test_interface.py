@@ -9,7 +9,6 @@ from surefoot.errors import ProblemError
 from surefoot.terrain import (
     TERRAINS,
     Box,
-    FlatTerrain,
     Grid,
     HeightfieldTerrain,
     LevelsTerrain,
@@ -150,8 +149,3 @@ def test_wrong_texts_are_named(text: str, message: str) -> None:
 
 def test_forms_name_every_terrain() -> None:
     assert [form.partition(":")[0] for form in terrain_forms().split(", ")] == list(TERRAINS)
-
-
-def test_flat_ground_is_flat() -> None:
-    assert FlatTerrain().planar
-    assert (FlatTerrain().normal(np.zeros((2, 2))) == [0.0, 0.0, 1.0]).all()

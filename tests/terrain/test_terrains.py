@@ -9,24 +9,6 @@ from surefoot import FlatTerrain, ProblemError, SlopeTerrain, StairsTerrain
 from surefoot.terrain.heightfield import HeightfieldTerrain
 
 ROUGH = HeightfieldTerrain.rough(amplitude=0.08, wavelength=0.4, size=4.0, seed=3)
-SMOOTH = {"flat": FlatTerrain(), "slope": SlopeTerrain(25.0), "down": SlopeTerrain(-40.0), "rough": ROUGH}
-
-
-@pytest.mark.parametrize("ground", SMOOTH.values(), ids=SMOOTH.keys())
-def test_normals_follow_the_height(ground):
-    places, h = np.random.default_rng(0).uniform(-1.9, 1.9, size=(400, 2)), 1e-6
-    slope = np.stack(
-        [
-            (ground.height(places + d) - ground.height(places - d)) / (2 * h)
-            for d in (np.array([h, 0]), np.array([0, h]))
-        ],
-        axis=-1,
-    )
-    normals = ground.normal(places)
-    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-12)
-    np.testing.assert_allclose(-normals[:, :2] / normals[:, 2:], slope, atol=1e-7)
-    assert ground.normal(places.reshape(4, 100, 2)).shape == (4, 100, 3)
-    assert np.ndim(ground.height([0.1, 0.2])) == 0
 
 
 @pytest.mark.parametrize("ground", [FlatTerrain(), SlopeTerrain(30.0)])

@@ -16,10 +16,8 @@ from surefoot.log import Log
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import Ice, Push, Scenario, run
 from surefoot.viz import meshes, report
-from surefoot.viz.cone_plots import draw_pyramids
 from surefoot.viz.film import write_video
 from surefoot.viz.plots import draw_run
-from surefoot.viz.video import Renderer, log_arrows
 
 
 @pytest.fixture(scope="module")
@@ -46,30 +44,12 @@ def test_foot_forces_add_up_the_corners(log: Log) -> None:
     np.testing.assert_allclose(total.sum(axis=1), log["forces"].sum(axis=1), atol=1e-9)
 
 
-def test_pyramids_picture(tmp_path: Path) -> None:
-    path = draw_pyramids(0.6, [3, 8], 0.1, tmp_path / "pyramids.png")
-    assert path.stat().st_size > 10_000
-
-
 def test_a_run_is_filmed(log: Log, tmp_path: Path) -> None:
     try:
         path = write_video(log, sf.load_robot("g1"), sf.FlatTerrain(), tmp_path / "film.mp4")
     except SurefootError as error:
         pytest.skip(str(error))
     assert path.stat().st_size > 2000
-
-
-def test_film_frame_shows_robot_and_arrows(log: Log) -> None:
-    robot = sf.load_robot("g1")
-    try:
-        renderer = Renderer(robot, sf.FlatTerrain(), 160, 120)
-    except SurefootError as error:
-        pytest.skip(str(error))
-    bare = renderer.frame(log["q"][0], []).copy()
-    drawn = renderer.frame(log["q"][0], log_arrows(log, 150, sf.FlatTerrain(), 0.01))
-    renderer.close()
-    assert bare.std() > 5.0
-    assert (bare != drawn).any()
 
 
 def test_parts_of_a_mesh_are_separated_and_turned_outwards() -> None:

@@ -37,11 +37,6 @@ def test_a_screen_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
         check_display()
 
 
-def test_a_planner_that_cannot_be_steered(capsys: Any) -> None:
-    assert main(["walk", "go2", "--view", "--planner", "contact-implicit"]) == 2
-    assert "--view steers --planner convex, got contact-implicit" in capsys.readouterr().err
-
-
 class Handle:
     """What MuJoCo's viewer gives back."""
 

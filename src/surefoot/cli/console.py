@@ -11,6 +11,8 @@ from rich.console import Console
 
 from surefoot.cli.output import to_json
 
+NARROW = 10
+"""Characters that a column needs so that its words can still be read."""
 Cell: TypeAlias = Callable[[Any], str]
 """What a table says of a thing in one column."""
 
@@ -50,16 +52,27 @@ def table(
     left
         How many columns, from the first one on, are flush left, or which; the others are flush right.
     whole
-        Columns whose cells are never broken into lines.
+        Columns whose cells are not broken into lines, where the others then keep `NARROW` characters each.
     column
         Of every column, for Rich.
     """
     from rich.table import Table as RichTable
 
     flush = header[:left] if isinstance(left, int) else left
+    rows = list(rows)
+    taken = sum(
+        max(len(line[k]) for line in (header, *rows)) if name in whole else NARROW
+        for k, name in enumerate(header)
+    )
+    whole = whole if taken + 3 * len(header) + 1 <= plain_console().width else ()
     out = RichTable(title=title, title_justify="left")
     for name in header:
-        out.add_column(name, justify="left" if name in flush else "right", no_wrap=name in whole, **column)
+        out.add_column(
+            name,
+            justify="left" if name in flush else "right",
+            no_wrap=name in whole,
+            **{"overflow": "fold", **column},
+        )
     for row in rows:
         out.add_row(*row)
     return out

@@ -31,6 +31,7 @@ from surefoot.cli import (
     warmup,
     worlds,
 )
+from surefoot.cli.closed_pipes import heard
 from surefoot.cli.compiling import announce_compilation
 from surefoot.cli.typer_command import LiteralHelpCommand, ungrouped
 from surefoot.errors import SurefootError
@@ -73,10 +74,15 @@ def surefoot(
 
 def run(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; bad input is one line on stderr and exit code 2."""
+    sys.stdout, sys.stderr = heard(sys.stdout), heard(sys.stderr)
     if not sys.stdout.isatty():
         os.environ.setdefault("COLUMNS", PIPE_WIDTH)
+    if not os.environ.get("COLUMNS", PIPE_WIDTH).isdecimal() or int(os.environ.get("COLUMNS", "1")) == 0:
+        os.environ["COLUMNS"] = PIPE_WIDTH
     announce_compilation()
-    sys.exit(main(arguments))
+    code = main(arguments)
+    sys.stdout.flush()
+    sys.exit(code)
 
 
 @cache

@@ -91,6 +91,8 @@ def ice(entry: Mapping[str, Any]) -> Ice | IcePatch:
 def dropout(text: str) -> tuple[float, float]:
     """Return start and duration of "T:DURATION" [s]."""
     start, duration = numbers("--dropout", text, "T:DURATION", "2:0.5")
+    if start < 0.0 or duration < 0.0:
+        raise ProblemError(f"--dropout {text!r}: T and DURATION must be >= 0")
     return start, duration
 
 

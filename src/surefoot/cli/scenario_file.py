@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.errors import ProblemError, check_name
-from surefoot.yaml_files import read_yaml
+from surefoot.text_files import read_yaml
 
 SCHEMA = Path(__file__).with_name("scenario.schema.json")
 GROUND = frozenset({"ice", "law", "integration", "solref", "solimp", "substeps"})

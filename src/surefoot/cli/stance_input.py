@@ -33,7 +33,8 @@ class StanceOptions:
     subject: Annotated[
         str,
         typer.Argument(
-            help="A stance file (YAML, see docs/files.md), or ROBOT: a name, a .urdf or an .xml.",
+            help="A stance file (YAML, see docs/files.md; - reads what is piped in), or ROBOT: a name, "
+            "a .urdf or an .xml.",
             metavar="FILE|ROBOT",
         ),
     ]
@@ -48,7 +49,8 @@ class StanceOptions:
             parsing.friction("--mu", self.mu)
         real_number("--slope", self.slope, low=-80.0, high=80.0)
         path = Path(self.subject)
-        of_file = not is_file(self.subject) and (path.exists() or path.suffix or "/" in self.subject)
+        named = path.exists() or path.suffix or "/" in self.subject
+        of_file = self.subject == "-" or (not is_file(self.subject) and named)
         return StanceCase(self._of_file(path)) if of_file else self._of_robot()
 
     def _of_file(self, file: Path) -> StanceQuestion:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from surefoot.control.walking_kernels import advance_body, body_rise, cruise, sl
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
+from surefoot.text_files import read_text
 
 LEAD = 0.05
 """The wanted place never runs further ahead of the body than it goes in this time [s], at Froude speed 1 or
@@ -72,12 +73,8 @@ class VelocityCommand:
         ProblemError
             If the file cannot be read or a line does not hold four numbers; the message names the line.
         """
-        try:
-            lines = path.read_text().splitlines()
-        except (OSError, UnicodeDecodeError) as error:
-            raise ProblemError(f"cannot read the velocity file {path}: {error}") from error
         rows = []
-        for number, line in enumerate(lines, 1):
+        for number, line in enumerate(read_text(path, "the velocity file").splitlines(), 1):
             words = line.split("#")[0].replace(",", " ").split()
             if not words:
                 continue
@@ -152,14 +149,14 @@ class BodyPlan:
     ground: float = 0.0
     lowered: float = 0.0
     dip: float = 0.0
-    stance: float = 0.0
+    stance: InitVar[float] = 0.0
     ceiling: float = math.inf
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, stance: float) -> None:
         self.change = ACCELERATION * GRAVITY
         longest = LONG_STANCE * math.sqrt(self.height / GRAVITY)
-        if self.stance > longest:
-            self.change *= (longest / self.stance) ** 2
+        if stance > longest:
+            self.change *= (longest / stance) ** 2
         self.acceleration = self.change
 
     def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:

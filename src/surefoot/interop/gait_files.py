@@ -38,6 +38,7 @@ from surefoot.arrays import BoolArray
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.stance.gait import MAX_FLIGHT, Gait, ModeSchedule, mode_feet
+from surefoot.text_files import read_text
 
 QUADRUPED = ("LF", "RF", "LH", "RH")
 BIPED = ("LF", "RF")
@@ -110,11 +111,7 @@ def read_gaits(path: Path | str, feet: int = 4, max_flight: float = MAX_FLIGHT) 
     ProblemError
         If the file cannot be read, its braces do not match, or a gait in it is wrong.
     """
-    try:
-        text = Path(path).read_text()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ProblemError(f"cannot read the gait file {path}: {error}") from error
-    out = parse_gaits(text, feet, max_flight)
+    out = parse_gaits(read_text(path, "the gait file"), feet, max_flight)
     if not out:
         raise ProblemError(f"{path} holds no gait: a block with modeSequence and switchingTimes")
     return out

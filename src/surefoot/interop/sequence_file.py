@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ProblemError, WriteError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
-from surefoot.yaml_files import table_of
+from surefoot.text_files import read_text, table_of
 
 FORMAT, VERSION = "surefoot.contact-sequence", 1
 SCHEMA = Path(__file__).with_name("contact_sequence.schema.json")
@@ -91,10 +91,8 @@ def read_sequence(path: Path | str) -> ContactSequence:
     """
     source = Path(path)
     try:
-        content = json.loads(source.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ProblemError(f"cannot read {source}: {error.strerror}") from error
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        content = json.loads(read_text(source))
+    except (json.JSONDecodeError, RecursionError) as error:
         raise ProblemError(f"{source} is not JSON: {' '.join(str(error).split())}") from error
     try:
         return sequence_from_dict(content)

@@ -9,7 +9,7 @@ from typing import Any
 
 from surefoot.errors import ProblemError, check_name, unknown_name
 from surefoot.log.channels import CHANNELS, Channel
-from surefoot.yaml_files import parse_yaml, read_yaml, table_of
+from surefoot.text_files import parse_yaml, read_yaml, table_of
 
 QUATERNIONS = ("xyzw", "wxyz")
 """Orders of a quaternion's numbers."""

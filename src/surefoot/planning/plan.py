@@ -33,7 +33,7 @@ class Phase:
 
 
 @dataclass(frozen=True)
-class Search:
+class PlanSearch:
     """How a plan was looked for.
 
     Attributes
@@ -85,7 +85,7 @@ class Plan(Log):
     >>> from surefoot.planning import rollout
     >>> robot = sf.load_robot("go2")
     >>> motion = rollout(robot, sf.place(robot), np.zeros(18), np.zeros((10, 12)), dt=0.01)
-    >>> search = Search("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
+    >>> search = PlanSearch("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
     >>> plan = plan_from(motion, robot, search)
     >>> plan.status.value, plan.law_residual < 1e-8, len(plan), len(plan.contacts)
     ('solved', True, 10, 4)
@@ -196,7 +196,7 @@ class Plan(Log):
 
 
 def plan_from(
-    trajectory: Trajectory, robot: Robot, search: Search, terrain: Terrain | None = None, **facts: Any
+    trajectory: Trajectory, robot: Robot, search: PlanSearch, terrain: Terrain | None = None, **facts: Any
 ) -> Plan:
     """Return a trajectory and how it was found as a plan.
 
@@ -235,7 +235,7 @@ def plan_from(
 
 def plan_facts(
     robot: Robot,
-    search: Search,
+    search: PlanSearch,
     status: Status,
     law_residual: float,
     numbers: tuple[float, float],
@@ -265,7 +265,7 @@ def plan_facts(
     }  # fmt: skip
 
 
-def _status(trajectory: Trajectory, search: Search, rows: int) -> Status:
+def _status(trajectory: Trajectory, search: PlanSearch, rows: int) -> Status:
     """Return what may be said of a plan."""
     if rows < len(trajectory):
         return Status.INVALID
@@ -279,25 +279,36 @@ def _status(trajectory: Trajectory, search: Search, rows: int) -> Status:
 def _arrays(trajectory: Trajectory, robot: Robot, terrain: Terrain, rows: int) -> dict[str, Any]:
     """Return the log's channels: (rows, ...)."""
     t, now, end = trajectory, slice(0, rows), slice(1, rows + 1)
-    forces = t.impulses[now] / t.dt
-    limits = np.asarray(robot.effort_limits) * (1.0 - 1e-6)
+    motion = {
+        "q": t.q[now], "v": t.v[now], "torques": t.torques[now], "forces": t.impulses[now] / t.dt,
+        "gaps": t.gaps[end], "contact_velocities": t.speeds[now], "contact_positions": t.positions[end],
+    }  # fmt: skip
+    return plan_channels(motion, (t.dt, t.mu), terrain, robot.effort_limits)
+
+
+def plan_channels(
+    motion: dict[str, Any], numbers: tuple[float, float], terrain: Terrain, effort: FloatArray
+) -> dict[str, Any]:
+    """Return the channels of a plan: those of its motion, and what follows from them.
+
+    Parameters
+    ----------
+    motion
+        By name, (rows, ...) each: q, v, torques, forces, gaps, contact_velocities, contact_positions.
+    numbers
+        Length of a row [s] and friction.
+    terrain, effort
+        The ground, and (joints,) torque limits [N m].
+    """
+    forces, (dt, mu) = motion["forces"], numbers
+    rows = len(forces)
     return {
-        "time": t.times[now],
-        "q": t.q[now],
-        "v": t.v[now],
-        "torques": t.torques[now],
-        "forces": forces,
-        "forces_commanded": forces.copy(),
-        "gaps": t.gaps[end],
-        "contact_velocities": t.speeds[now],
-        "contact_positions": t.positions[end],
-        "normals": terrain.normal(t.positions[end][..., :2]),
-        "active": forces[:, :, 2] > 0.0,
-        "attained": np.ones(rows, dtype=bool),
-        "saturated": (np.abs(t.torques[now]) >= limits).any(axis=1),
-        "push": np.zeros((rows, 3)),
-        "mu": np.full(rows, t.mu),
-    }
+        "time": dt * np.arange(rows, dtype=np.float64), **motion, "forces_commanded": forces.copy(),
+        "normals": terrain.normal(motion["contact_positions"][..., :2]),
+        "active": forces[:, :, 2] > 0.0, "attained": np.ones(rows, dtype=bool),
+        "saturated": (np.abs(motion["torques"]) >= effort * (1.0 - 1e-6)).any(axis=1),
+        "push": np.zeros((rows, 3)), "mu": np.full(rows, mu),
+    }  # fmt: skip
 
 
 def contact_phases(log: Log) -> list[Phase]:

@@ -86,7 +86,7 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
         try:
             compiled = mujoco.MjModel.from_xml_path(str(path))
         except (ValueError, OSError) as error:
-            raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {told(error)}") from error
+            raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {one_line(error)}") from error
     beyond = beyond_a_tree(mujoco, compiled)
     if beyond:
         raise ModelError(
@@ -102,7 +102,7 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
     return _Builder(mujoco, pinocchio, compiled, root, floating, path).build()
 
 
-def told(error: Exception) -> str:
+def one_line(error: Exception) -> str:
     """Return what an error of MuJoCo says, in one line."""
     return " ".join(str(error).split()).removeprefix("Error: ")
 
@@ -159,8 +159,8 @@ class _Builder:
 
     def _tell(self) -> None:
         """Note rotor inertia, damping and dry friction where ideal joints leave them out."""
-        told = (("rotorInertia", "dof_armature"), ("damping", "dof_damping"))
-        figures = (*told, ("upperDryFrictionLimit", "dof_frictionloss"))
+        ideal = (("rotorInertia", "dof_armature"), ("damping", "dof_damping"))
+        figures = (*ideal, ("upperDryFrictionLimit", "dof_frictionloss"))
         for ours, theirs in figures:
             values = np.array(getattr(self.model, ours))
             for index, joint in self.joints:

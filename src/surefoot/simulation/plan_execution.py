@@ -13,8 +13,8 @@ from surefoot.audit import audit_log
 from surefoot.control.controller import Command, Controller, RobotState, Wrapper
 from surefoot.errors import ProblemError
 from surefoot.log import Ending, Log
+from surefoot.planning.stand_up.controller import controller_of
 from surefoot.planning.tracking import Reference, TrackSettings
-from surefoot.planning.tracking.stand_up import controller_of
 from surefoot.robot import Robot, load_robot
 from surefoot.robot.legs import Legs
 from surefoot.robot.motor_limits import MotorLimits, motor_limits

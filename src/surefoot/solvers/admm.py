@@ -33,7 +33,7 @@ from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel, working_time
 from surefoot.numerics.elimination import invert_shifted
 from surefoot.solvers.scaled import ScaledContacts
-from surefoot.solvers.set_kernels import Packed, add_shift, natural_sets, project_sets
+from surefoot.solvers.set_kernels import Packing, add_shift, natural_sets, project_sets
 from surefoot.solvers.solver import Answer, SolverSettings, register, start_forces
 
 MAX_ITERATIONS = 20_000
@@ -92,7 +92,7 @@ def _update(
 
 @kernel
 def iterate(
-    inverse: FloatArray, packed: Packed, g: FloatArray, rho: float, eta: float, x: FloatArray, z: FloatArray,
+    inverse: FloatArray, packed: Packing, g: FloatArray, rho: float, eta: float, x: FloatArray, z: FloatArray,
     y: FloatArray, count: int,
 ) -> tuple[float, float]:  # fmt: skip
     """Run `count` iterations in place; return the primal and dual residuals of the last one.
@@ -116,7 +116,7 @@ def iterate(
 
 @kernel
 def _half_step(
-    packed: Packed, g: FloatArray, rho: float, eta: float, x: FloatArray, z: FloatArray, y: FloatArray,
+    packed: Packing, g: FloatArray, rho: float, eta: float, x: FloatArray, z: FloatArray, y: FloatArray,
     b: FloatArray, point: FloatArray, projecting: bool,
 ) -> tuple[float, float]:  # fmt: skip
     """Do what lies on one side of the linear solve: fill b, or project and move y."""
@@ -148,7 +148,7 @@ def next_penalty(
 
 @kernel
 def _run_dense(
-    G: FloatArray, g: FloatArray, packed: Packed, step: FloatArray, weight: FloatArray, memory: Memory,
+    G: FloatArray, g: FloatArray, packed: Packing, step: FloatArray, weight: FloatArray, memory: Memory,
     tol: float, limit: int, best: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Iterate to the tolerance or the limit; return the iterations and the least velocity error, of `best`.

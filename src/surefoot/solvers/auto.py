@@ -29,7 +29,7 @@ from surefoot.solvers.compiled import COMPILED_CONTACTS, attempt
 from surefoot.solvers.infeasibility import find_proof
 from surefoot.solvers.newton_sparse import NO_GUESS
 from surefoot.solvers.newton_step import FEW
-from surefoot.solvers.plans import EARLY_PROOF, ON_BLOCKS, PARTS, PROOF, Plan, Stage
+from surefoot.solvers.plans import EARLY_PROOF, ON_BLOCKS, PARTS, PROOF, Plan, PlanStage
 from surefoot.solvers.solver import (
     Answer,
     SolverFunction,
@@ -47,6 +47,9 @@ NEARLY = 1e-2
 POSSIBLE, EARLY_TIME = 1e-3, 0.1
 """A velocity error of many contacts below which no proof of infeasibility is looked for before all else has
 failed, and seconds for an early look."""
+RUNAWAY = 100.0
+"""Forces beyond this many times s_k / ||G_kk||, what stops the fastest contact, run away: 8e3 to 1e5 where
+redundant contacts contradict each other, 12 in dense heaps of capsules."""
 
 
 @register("auto", laws=None, bilateral=True, polyhedral=True, general=True, attempt=attempt, proves=True)
@@ -62,13 +65,15 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     forces, plan = start_forces(problem, warm_start), plans.CONES_LARGE[problem.law]
     looks: list[InfeasibilityProof | None] = []
 
-    def hopeless(error: float) -> bool:
+    def infeasible(error: float) -> bool:
         """Look for a proof, for as long as the solve has taken: forces that run away look like progress."""
-        if error > POSSIBLE:
+        weight, speed = problem.scales[:2]
+        size = weight * np.linalg.norm(forces.reshape(-1, 3), axis=1)
+        if error > POSSIBLE and (size > RUNAWAY * speed).any():
             looks.append(find_proof(problem, max(working_time() - start, EARLY_TIME)))
         return looks[-1:] not in ([], [None])
 
-    done, error, far = on_blocks.alternate(problem, settings, forces, hopeless)
+    done, error, far = on_blocks.alternate(problem, settings, forces, infeasible)
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
     if error <= settings.tol or (looks and looks[0] is not None):
         return Answer(forces.reshape(-1, 3), done, proof=looks[0] if looks else None)
@@ -130,7 +135,7 @@ def _run(
 
 
 def try_stage(
-    stage: Stage, problem: ContactProblem, settings: SolverSettings, best: FloatArray
+    stage: PlanStage, problem: ContactProblem, settings: SolverSettings, best: FloatArray
 ) -> Answer | None:
     """Return what a stage answers from the best forces (rows,) so far, in the problem's unit of force.
 

@@ -31,7 +31,7 @@ from surefoot.contact.solution import Status
 from surefoot.kernels import working_time
 from surefoot.solvers.newton_sparse import BlockNewton
 from surefoot.solvers.scaled import scaling
-from surefoot.solvers.solver import Answer, Search, SolverSettings, register
+from surefoot.solvers.solver import Answer, BestPoint, SolverSettings, register
 from surefoot.solvers.stopping import measure_of, velocity_error
 
 MAX_ITERATIONS, PATIENCE = 100, 15
@@ -198,7 +198,7 @@ def solve_interior_point(
     start = max(float(np.abs(p.c).max(initial=0.0)), 1e-12)
     s, z, y = start * unit, start * unit, start * y
     degree = m + p.b.size - 3 * m
-    search = Search(settings, MAX_ITERATIONS, np.zeros(3 * problem.contacts), math.inf, PATIENCE)
+    search = BestPoint(settings, MAX_ITERATIONS, np.zeros(3 * problem.contacts), math.inf, PATIENCE)
     while search.done < search.limit:
         with np.errstate(all="ignore"):  # past the last digit of the barrier: found out below
             y, s, z = _advance(p, y, s, z, unit, degree, coulomb)

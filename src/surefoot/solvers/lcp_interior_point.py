@@ -13,7 +13,7 @@ import scipy.linalg
 from surefoot.arrays import FloatArray
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
-from surefoot.solvers.solver import Answer, Search, SolverSettings
+from surefoot.solvers.solver import Answer, BestPoint, SolverSettings
 
 
 def solve_interior_point(problem: LCP, settings: SolverSettings) -> Answer:
@@ -22,7 +22,7 @@ def solve_interior_point(problem: LCP, settings: SolverSettings) -> Answer:
     M, q = problem.M / scale, problem.q / scale
     start = max(float(np.abs(q).max()), 1e-3)
     z, w = np.full(q.size, start), np.full(q.size, start)
-    search = Search(settings, 200, np.zeros(q.size), problem.residual(np.zeros(q.size)), 40)
+    search = BestPoint(settings, 200, np.zeros(q.size), problem.residual(np.zeros(q.size)), 40)
     while search.done < search.limit:
         with np.errstate(all="ignore"):
             z, w = _advance(M, q, z, w)

@@ -158,7 +158,7 @@ class BlockNewton:
         sweeps: int = 0,
         patience: int = PATIENCE,
         without_guess: int | None = None,
-        hopeless: Callable[[float], bool] | None = None,
+        infeasible: Callable[[float], bool] | None = None,
     ) -> tuple[int, float]:
         """Take steps from flat forces, updated in place and never worse; return their number and the error.
 
@@ -176,7 +176,7 @@ class BlockNewton:
             Steps that may pass without a force error that falls well.
         without_guess
             Steps after which to stop where the force error is still above `NO_GUESS`.
-        hopeless
+        infeasible
             Asked once, after `DOUBT_AFTER` steps, with the velocity error: whether to stop.
         """
         current = forces.copy()
@@ -200,6 +200,6 @@ class BlockNewton:
                 forces[:] = current
             if steps == without_guess and nearest > NO_GUESS:
                 break
-            if steps == DOUBT_AFTER and hopeless is not None and hopeless(best):
+            if steps == DOUBT_AFTER and infeasible is not None and infeasible(best):
                 break
         return done, best

@@ -72,12 +72,12 @@ def alternate(
     problem: ContactProblem,
     settings: SolverSettings,
     forces: FloatArray,
-    hopeless: Callable[[float], bool] | None = None,
+    infeasible: Callable[[float], bool] | None = None,
 ) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
-    Flat (3n,) forces are updated in place; `hopeless` is that of `BlockNewton.run`. Return sweeps and steps,
-    the velocity error and the force error.
+    Flat (3n,) forces are updated in place; `infeasible` is that of `BlockNewton.run`. Return sweeps and
+    steps, the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
     newton = BlockNewton(problem, tol, working_time() + settings.max_time)
@@ -89,7 +89,7 @@ def alternate(
         if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
             break
     if error > tol and done < most and working_time() < newton.end:
-        used, error = newton.run(forces, most - done, *FIRST_TRY, hopeless=hopeless)
+        used, error = newton.run(forces, most - done, *FIRST_TRY, infeasible=infeasible)
         done, far = done + used, newton.measure(forces)[2]
     return done, error, far
 

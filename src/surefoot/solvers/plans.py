@@ -11,7 +11,7 @@ ADMM_AND_NEWTON = "admm and newton"
 
 
 @dataclass(frozen=True)
-class Stage:
+class PlanStage:
     """One step of a plan.
 
     Attributes
@@ -35,75 +35,75 @@ class Stage:
         return self.name + (f", {self.most}" if self.most else "") + (", warm" if self.warm else "")
 
 
-Plan = tuple[Stage, ...]
+Plan = tuple[PlanStage, ...]
 CONES: dict[str, Plan] = {
     "coulomb": (
-        Stage(PARTS),
-        Stage(PROOF),
-        Stage("newton"),
-        Stage("admm", 1500),
-        Stage(ON_BLOCKS, 20_000),
-        Stage("interior_point"),
-        Stage("admm", 10_000, warm=True),
-        Stage("nsgs", 20_000, warm=True),
+        PlanStage(PARTS),
+        PlanStage(PROOF),
+        PlanStage("newton"),
+        PlanStage("admm", 1500),
+        PlanStage(ON_BLOCKS, 20_000),
+        PlanStage("interior_point"),
+        PlanStage("admm", 10_000, warm=True),
+        PlanStage("nsgs", 20_000, warm=True),
     ),
     "convex": (
-        Stage(PARTS),
-        Stage(PROOF),
-        Stage("distribution"),
-        Stage("interior_point"),
-        Stage("admm", 4000, warm=True),
-        Stage("clarabel"),
+        PlanStage(PARTS),
+        PlanStage(PROOF),
+        PlanStage("distribution"),
+        PlanStage("interior_point"),
+        PlanStage("admm", 4000, warm=True),
+        PlanStage("clarabel"),
     ),
 }
 """After the compiled call on few contacts."""
 CONES_LARGE: dict[str, Plan] = {
     "coulomb": (
-        Stage(PARTS),
-        Stage(EARLY_PROOF),
-        Stage("interior_point", 40),
-        Stage(ADMM_AND_NEWTON, 6000, warm=True),
-        Stage(PROOF),
-        Stage(MORE_NEWTON, 30_000, warm=True),
-        Stage(ADMM_AND_NEWTON, 20_000, warm=True),
-        Stage(MORE_NEWTON, 100_000, warm=True),
-        Stage(PROOF),
+        PlanStage(PARTS),
+        PlanStage(EARLY_PROOF),
+        PlanStage("interior_point", 40),
+        PlanStage(ADMM_AND_NEWTON, 6000, warm=True),
+        PlanStage(PROOF),
+        PlanStage(MORE_NEWTON, 30_000, warm=True),
+        PlanStage(ADMM_AND_NEWTON, 20_000, warm=True),
+        PlanStage(MORE_NEWTON, 100_000, warm=True),
+        PlanStage(PROOF),
     ),
     "convex": (
-        Stage(PARTS),
-        Stage(PROOF),
-        Stage("interior_point"),
-        Stage(ADMM_AND_NEWTON, 4000, warm=True),
-        Stage("clarabel"),
-        Stage(PROOF),
+        PlanStage(PARTS),
+        PlanStage(PROOF),
+        PlanStage("interior_point"),
+        PlanStage(ADMM_AND_NEWTON, 4000, warm=True),
+        PlanStage("clarabel"),
+        PlanStage(PROOF),
     ),
 }
 """After sweeps and Newton steps on blocks."""
 PYRAMIDS: dict[str, Plan] = {
     "coulomb": (
-        Stage("admm", 2000, warm=True),
-        Stage(PARTS),
-        Stage(PROOF),
-        Stage("lemke"),
-        Stage("admm", warm=True),
+        PlanStage("admm", 2000, warm=True),
+        PlanStage(PARTS),
+        PlanStage(PROOF),
+        PlanStage("lemke"),
+        PlanStage("admm", warm=True),
     ),
     "convex": (
-        Stage("admm", 2000, warm=True),
-        Stage(PARTS),
-        Stage(PROOF),
-        Stage("daqp"),
-        Stage("admm", warm=True),
+        PlanStage("admm", 2000, warm=True),
+        PlanStage(PARTS),
+        PlanStage(PROOF),
+        PlanStage("daqp"),
+        PlanStage("admm", warm=True),
     ),
 }
 ANY_LAW = "any law"
 GENERAL: dict[str, Plan] = {
     ANY_LAW: (
-        Stage("newton", 30),
-        Stage(PARTS),
-        Stage(ADMM_AND_NEWTON, 300),
-        Stage(PROOF),
-        Stage(ADMM_AND_NEWTON, 10_000, warm=True),
-        Stage("admm", 20_000),
+        PlanStage("newton", 30),
+        PlanStage(PARTS),
+        PlanStage(ADMM_AND_NEWTON, 300),
+        PlanStage(PROOF),
+        PlanStage(ADMM_AND_NEWTON, 10_000, warm=True),
+        PlanStage("admm", 20_000),
     )
 }
 """For contacts of any kind, under any law."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
-from surefoot.solvers.set_kernels import WIDTH, Packed, natural_sets, pack, pack_cones
+from surefoot.solvers.set_kernels import WIDTH, Packing, natural_sets, pack, pack_cones
 
 
 def scaling(problem: ContactProblem) -> FloatArray:
@@ -49,7 +49,7 @@ class ScaledContacts:
 
     def __init__(self, problem: ContactProblem) -> None:
         self.problem, n, m = problem, problem.contacts, problem.g.size
-        self.packed: Packed
+        self.packed: Packing
         if problem.general:
             self.D, contacts = scaling(problem), problem.contact_set
             unit = self.D[contacts.normal_rows]

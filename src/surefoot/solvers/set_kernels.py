@@ -24,11 +24,11 @@ CODE, LOW, HIGH, SHIFT, MU, SIDES, INNER, RADIUS, FRICTION, NORM = 0, 1, 2, 3, 4
 to four discs, whether each is friction, and room for the norms of their rows."""
 MOST_DISCS, WIDEST, WIDTH = 4, 6, 19
 """Discs of a section and rows of a contact, at most; columns of the table."""
-Packed = tuple[IntArray, IntArray, FloatArray]
+Packing = tuple[IntArray, IntArray, FloatArray]
 """offset, group and table."""
 
 
-def pack(contacts: ContactSet, law: Law, unit: FloatArray) -> Packed:
+def pack(contacts: ContactSet, law: Law, unit: FloatArray) -> Packing:
     """Return offset, group and table, the bounds over the (n,) unit of each contact's force."""
     group = np.full(contacts.rows, -1, dtype=np.int64)
     table = np.zeros((len(contacts), WIDTH))

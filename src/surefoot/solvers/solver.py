@@ -45,7 +45,7 @@ class SolverSettings:
     max_time: float = math.inf
 
 
-class Search:
+class BestPoint:
     """The best point of an iteration so far, and whether it is worth going on.
 
     Attributes

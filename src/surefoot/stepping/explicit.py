@@ -35,12 +35,7 @@ class ExplicitMeeting(Meeting):
         impulses, solution, rows = np.zeros(arriving.shape), None, None
         taken = np.flatnonzero(normal > 0.0)
         if taken.size:
-            rows, G, g = arithmetic.assemble(
-                contacts.J, self.L, self.before, self.free, np.zeros(contacts.gaps.size), taken, dt,
-                0.0, np.inf, 0.0,
-            )  # fmt: skip
-            if not max(arithmetic.largest(g), arithmetic.largest(G.ravel())) < np.inf:
-                raise LostMotion("contact problem")
+            rows, G, g = self.unshifted(taken)
             _, by_depth, by_rate = law.pressed(-contacts.gaps[taken], -arriving[taken, 2])
             self.tally.add_step(stable_step_together(G[2::3, 2::3], by_depth, by_rate))
             given = dt * normal[taken]

@@ -25,6 +25,8 @@ from surefoot.spatial import GRAVITY
 
 Control = Callable[[float, FloatArray, FloatArray], FloatArray]
 """Function of time [s], q and v that returns (joints,) torques [N m] or joint accelerations [rad/s^2]."""
+Rates = Callable[[float, FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+"""Function of time [s], q and v that returns how fast q moves and v changes: (nv,) each."""
 Shape = Callable[[float], tuple[FloatArray, FloatArray]]
 """Function of time [s] that returns the (joints,) joint positions [rad] and velocities [rad/s]."""
 
@@ -33,7 +35,7 @@ STAGES = ((0.0, 1.0, 0.5), (0.5, 2.0, 0.5), (0.5, 2.0, 1.0), (1.0, 1.0, 0.0))
 
 
 @dataclass(frozen=True)
-class FreeFlight:
+class FlightRecord:
     """A flight, step by step.
 
     Attributes
@@ -64,7 +66,7 @@ def fly(
     torque: Control | None = None,
     joint_acceleration: Control | None = None,
     dt: float = 1e-3,
-) -> FreeFlight:
+) -> FlightRecord:
     """Integrate the equations of motion of a robot that touches nothing.
 
     Parameters
@@ -93,24 +95,24 @@ def fly(
         raise ProblemError(f"{robot.name} has a fixed base and does not fly")
     model, data = robot.model, robot.model.createData()
 
-    def by_torque(t: float, at: FloatArray, speed: FloatArray) -> FloatArray:
+    def by_torque(t: float, at: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
         assert torque is not None
         effort = np.concatenate([np.zeros(6), torque(t, at, speed)])
-        return np.array(pinocchio.aba(model, data, at, speed, effort))
+        return speed, np.array(pinocchio.aba(model, data, at, speed, effort))
 
-    def by_acceleration(t: float, at: FloatArray, speed: FloatArray) -> FloatArray:
+    def by_acceleration(t: float, at: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
         assert joint_acceleration is not None
         joints = np.asarray(joint_acceleration(t, at, speed), dtype=np.float64)
         M = np.array(pinocchio.crba(model, data, at))[:6]
         M[:, :6] = np.triu(M[:, :6]) + np.triu(M[:, :6], 1).T
         bias = pinocchio.nonLinearEffects(model, data, at, speed)[:6]
-        return np.concatenate([np.linalg.solve(M[:, :6], -bias - M[:, 6:] @ joints), joints])
+        return speed, np.concatenate([np.linalg.solve(M[:, :6], -bias - M[:, 6:] @ joints), joints])
 
-    rate = by_torque if torque is not None else by_acceleration
+    rates = by_torque if torque is not None else by_acceleration
     steps, h = _steps(seconds, dt)
     states = [(robot.configuration(q), finite_array("v", v, (model.nv,)))]
     for k in range(steps):
-        states.append(_munthe_kaas(robot, *states[-1], rate, k * h, h))
+        states.append(_munthe_kaas(robot, *states[-1], rates, k * h, h))
     return _recorded(robot, h, states)
 
 
@@ -123,7 +125,7 @@ def follow_shape(
     carried: FloatArray | None = None,
     gravity: bool = False,
     dt: float = 1e-3,
-) -> FreeFlight:
+) -> FlightRecord:
     """Integrate the base under a prescribed shape and a conserved momentum: kinematics only, no forces.
 
     Parameters
@@ -147,11 +149,14 @@ def follow_shape(
         h_now = start + np.array([0.0, 0.0, weight * t, 0.0, 0.0, 0.0])
         return np.concatenate([base_velocity_for(robot, full, rates, h_now), rates])
 
+    def rates(t: float, at: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return velocity(t, at), np.zeros_like(speed)  # what is left of v is not used
+
     now = robot.configuration(q)
     now[7:] = shape(0.0)[0]
     states = [(now, velocity(0.0, now))]
     for k in range(steps):
-        now = _kinematic_step(robot, states[-1][0], velocity, k * h, h)
+        now, _ = _munthe_kaas(robot, *states[-1], rates, k * h, h)
         now[7:] = shape((k + 1) * h)[0]
         states.append((now, velocity((k + 1) * h, now)))
     return _recorded(robot, h, states)
@@ -174,41 +179,26 @@ def _tangent_rate(robot: Robot, q: FloatArray, xi: FloatArray, v: FloatArray) ->
 
 
 def _munthe_kaas(
-    robot: Robot, q: FloatArray, v: FloatArray, rate: Control, t: float, h: float
+    robot: Robot, q: FloatArray, v: FloatArray, rates: Rates, t: float, h: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return q and v one step later."""
+    """Return q and v one step later, for what they change by at a time, a place and a velocity."""
     import pinocchio
 
     xi, speed = np.zeros_like(v), v
     total_xi, total_v = np.zeros_like(v), np.zeros_like(v)
     for when, weight, share in STAGES:
         at = np.array(pinocchio.integrate(robot.model, q, xi))
-        slope_xi, slope_v = _tangent_rate(robot, q, xi, speed), rate(t + when * h, at, speed)
+        way, slope_v = rates(t + when * h, at, speed)
+        slope_xi = _tangent_rate(robot, q, xi, way)
         total_xi, total_v = total_xi + weight * slope_xi, total_v + weight * slope_v
         xi, speed = share * h * slope_xi, v + share * h * slope_v
     q_next = np.array(pinocchio.integrate(robot.model, q, h / 6.0 * total_xi))
     return q_next, v + h / 6.0 * total_v
 
 
-def _kinematic_step(
-    robot: Robot, q: FloatArray, velocity: Callable[[float, FloatArray], FloatArray], t: float, h: float
-) -> FloatArray:
-    """Return q one step later for a velocity field."""
-    import pinocchio
-
-    xi = np.zeros(robot.model.nv)
-    total = np.zeros_like(xi)
-    for when, weight, share in STAGES:
-        at = np.array(pinocchio.integrate(robot.model, q, xi))
-        slope = _tangent_rate(robot, q, xi, velocity(t + when * h, at))
-        total = total + weight * slope
-        xi = share * h * slope
-    return np.array(pinocchio.integrate(robot.model, q, h / 6.0 * total))
-
-
-def _recorded(robot: Robot, h: float, states: list[tuple[FloatArray, FloatArray]]) -> FreeFlight:
+def _recorded(robot: Robot, h: float, states: list[tuple[FloatArray, FloatArray]]) -> FlightRecord:
     kept = [momentum(robot, q, v) for q, v in states]
-    return FreeFlight(
+    return FlightRecord(
         h * np.arange(len(states), dtype=np.float64),
         np.array([q for q, _ in states]),
         np.array([v for _, v in states]),

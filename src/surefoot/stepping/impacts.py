@@ -136,6 +136,17 @@ class Meeting(NamedTuple):
             impulses[near] = solution.forces
         return self._outcome(near, rows, impulses, swerve, solution)
 
+    def unshifted(self, chosen: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return rows, G and g of contacts to whose velocities no law adds; see `arithmetic.assemble`."""
+        contacts = self.contacts
+        rows, G, g = arithmetic.assemble(
+            contacts.J, self.L, self.before, self.free, np.zeros(contacts.gaps.size), chosen, self.horizon,
+            0.0, np.inf, 0.0,
+        )  # fmt: skip
+        if not max(arithmetic.largest(g), arithmetic.largest(G.ravel())) < np.inf:
+            raise LostMotion("contact problem")
+        return rows, G, g
+
     def _matrices(self, near: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return rows, G and g of the near contacts; see `arithmetic.assemble`."""
         options = self.options

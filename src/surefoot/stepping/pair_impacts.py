@@ -74,9 +74,7 @@ class PairMeeting(Meeting):
             chosen = near[closing]
             if not chosen.size:
                 return (total if stage else None), v - self.before
-            rows, G, g = arithmetic.assemble(
-                contacts.J, self.L, v, v, 0.0 * contacts.gaps, chosen, self.horizon, 0.0, np.inf, 0.0
-            )
+            rows, G, g = self._replace(before=v, free=v).unshifted(chosen)
             g[2::3] += surfaces.restitution[chosen] * speeds[closing]
             solution = self._solution(G, g, chosen, np.zeros((chosen.size, 3)))
             total[chosen] += solution.forces

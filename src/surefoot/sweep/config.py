@@ -14,7 +14,7 @@ from surefoot.errors import ProblemError, check_name
 from surefoot.sweep.experiment import SweepExperiment, make_experiment
 from surefoot.sweep.ranges import read_range
 from surefoot.sweep.space import MOST, Space
-from surefoot.yaml_files import read_yaml, table_of
+from surefoot.text_files import read_yaml, table_of
 
 _KEYS = ("experiment", "samples", "seed", "settings", "ranges", "maps")
 SAMPLES = 1000

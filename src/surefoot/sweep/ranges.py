@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from surefoot.arrays import real_number
 from surefoot.errors import ProblemError, check_name
 from surefoot.sweep.experiment import SweepExperiment
-from surefoot.yaml_files import table_of
+from surefoot.text_files import table_of
 
 SCALES = ("linear", "log")
 

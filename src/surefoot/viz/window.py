@@ -49,7 +49,7 @@ def check_display(environment: Mapping[str, str] = os.environ, system: str = sys
 
 
 class ViewerWindow:
-    """MuJoCo's passive viewer; see `surefoot.simulation.live.View` for the methods.
+    """MuJoCo's passive viewer; see `surefoot.simulation.live.LiveView` for the methods.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class ViewerWindow:
         self._handle: Any = None
 
     def open(self, press: Callable[[int], object]) -> None:
-        """See `View.open`."""
+        """See `LiveView.open`."""
         launch = self._launch
         if launch is None:
             import mujoco.viewer
@@ -94,7 +94,7 @@ class ViewerWindow:
         camera.distance, camera.azimuth, camera.elevation = 5.0 * size, 140.0, -14.0
 
     def show(self, q: FloatArray, velocity: FloatArray) -> bool:
-        """See `View.show`."""
+        """See `LiveView.show`."""
         if not self._handle.is_running():
             return False
         with self._handle.lock():
@@ -112,7 +112,7 @@ class ViewerWindow:
         self._mujoco.mj_forward(self.model, self.data)
 
     def close(self) -> None:
-        """See `View.close`."""
+        """See `LiveView.close`."""
         if self._handle is not None:
             self._handle.close()
             self._handle = None

@@ -16,8 +16,8 @@ from surefoot.planning.direct import (
     GivenModes,
     Guess,
     RoundCone,
+    StateWindow,
     Weights,
-    Window,
     plan_direct,
     plan_with_modes,
     planar_biped,
@@ -37,7 +37,8 @@ def ahead(robot, distance: float, **settings) -> DirectProblem:
     n = robot.model.nv
     there = robot.nominal.copy()
     there[0] += distance
-    given = {"knots": 24, "dt": 0.03, "reference": there, "end": Window.at(there, np.zeros(n), 1e-3, 1e-2)}
+    end = StateWindow.at(there, np.zeros(n), 1e-3, 1e-2)
+    given = {"knots": 24, "dt": 0.03, "reference": there, "end": end}
     return DirectProblem(robot, robot.nominal, np.zeros(n), **{**given, **settings})
 
 
@@ -126,7 +127,7 @@ def test_a_plan_warm_starts_the_next_one(hop) -> None:
 def test_uphill_with_little_friction() -> None:
     """On a slope of 10 degrees, friction of 0.25 suffices: the friction used stays within it."""
     hopper, slope = planar_hopper(), SlopeTerrain(10.0)
-    problem = ahead(hopper, 0.0, terrain=slope, mu=0.25, knots=12, end=Window())
+    problem = ahead(hopper, 0.0, terrain=slope, mu=0.25, knots=12, end=StateWindow())
     found = plan_direct(problem)
     assert found.plan.raise_if_failed().law_residual < 1e-8
     impulses = found.trajectory.impulses
@@ -140,7 +141,7 @@ def test_go2_shifts_its_weight_on_the_contacts_that_it_chooses() -> None:
     goal = np.full(19, np.nan)
     goal[:3] = q[:3] + np.array([0.02, 0.0, -0.04])
     problem = DirectProblem(
-        robot, q, np.zeros(18), knots=8, dt=0.04, end=Window.at(goal, np.zeros(18), 2e-3, 2e-2),
+        robot, q, np.zeros(18), knots=8, dt=0.04, end=StateWindow.at(goal, np.zeros(18), 2e-3, 2e-2),
         weights=Weights(torque=1e-4, change=1e-4),
     )  # fmt: skip
     found = plan_direct(problem, smoothings=(1e-1, 1e-3, 1e-5, 1e-8))
@@ -162,7 +163,7 @@ def test_what_cannot_be_reached_is_not_solved() -> None:
         ({"knots": 0}, "knots must be a whole number >= 1"),
         ({"terrain": StairsTerrain()}, "takes a plane for ground"),
         ({"reference": np.zeros(4)}, r"reference must have shape \(5,\) or \(25, 5\)"),
-        ({"windows": {25: Window()}}, "windows are of knots 1 to 24, got 25"),
+        ({"windows": {25: StateWindow()}}, "windows are of knots 1 to 24, got 25"),
         ({"torque_limits": np.ones(2)}, r"torque_limits must have shape \(5,\)"),
     ],
 )
@@ -173,7 +174,7 @@ def test_problems_that_are_none(settings, message) -> None:
 
 def test_windows_that_leave_nothing() -> None:
     far = planar_hopper().nominal + 9.0 * np.eye(5)[3]
-    problem = ahead(planar_hopper(), 0.3, end=Window.at(far))
+    problem = ahead(planar_hopper(), 0.3, end=StateWindow.at(far))
     with pytest.raises(ProblemError, match=r"q of the window at knot 24\[3\] leaves nothing"):
         plan_direct(problem)
 

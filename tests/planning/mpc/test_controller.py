@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
 
@@ -13,17 +11,13 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ModelError, ProblemError
 from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
 from surefoot.planning.mpc.cost import WalkWeights, walking_costs
-from surefoot.robot import Robot, load_robot, place
+from surefoot.robot import load_robot, place
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Push, Scenario
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.terrain import SlopeTerrain
-
-
-@cache
-def go2() -> Robot:
-    return load_robot("go2")
+from tests.robots import go2
 
 
 def controller(*velocity: float, **settings: object) -> ContactImplicitMpc:

@@ -21,21 +21,6 @@ def test_a_walk_without_a_gait_says_how_it_plans(capsys: pytest.CaptureFixture[s
     assert "25 knots of 20 ms" in found["notes"][0]
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--planner", "magic"], "contact-implicit"),
-        (["--planner", "contact-implicit", "--gait", "pace"], "--gait"),
-        (["g1", "--planner", "contact-implicit"], "g1"),
-    ],
-)
-def test_wrong_words_are_one_line(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["walk", *words]) == 2
-    err = capsys.readouterr().err
-    assert said in err
-    assert len(err.strip().splitlines()) == 1
-
-
 def test_the_benchmark_prints_json_alone(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "plan", "--quick", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

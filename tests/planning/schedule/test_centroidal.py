@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surefoot.robot import load_robot, place
+from surefoot.robot import place
 from surefoot.robot.centroidal import momentum
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.stance.gait import ModeSchedule
@@ -22,11 +22,6 @@ from surefoot.planning.tasks.task import PlanRequest
 from tests.pages import run_page
 
 G = np.array([0.0, 0.0, -9.81])
-
-
-@pytest.fixture(scope="module")
-def go2():
-    return load_robot("go2")
 
 
 @pytest.fixture(scope="module")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pinocchio
 import pytest
@@ -14,15 +12,11 @@ from surefoot.planning.shooting import Costs, FootCost, JointCost, StateCost, To
 from surefoot.planning.shooting.cost_kernels import cost_slopes
 from surefoot.planning.shooting.horizon import Horizon
 from surefoot.planning.shooting.state_space import defect, difference, retract
-from surefoot.robot import Robot, load_robot
+from surefoot.robot import load_robot
+from tests.robots import go2
 
 N, DT, MU, H = 2, 0.02, 0.6, 1e-6
 rng = np.random.default_rng(3)
-
-
-@cache
-def go2() -> Robot:
-    return load_robot("go2")
 
 
 def matrix(size: int, rows: int) -> np.ndarray:

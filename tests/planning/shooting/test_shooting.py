@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +24,7 @@ from surefoot.planning.shooting import (
 from surefoot.planning.shooting.guess import holding_torques
 from surefoot.planning.tasks.task import Iteration
 from surefoot.robot import Robot, load_robot, place
+from tests.robots import go2
 
 LINK = """<link name="{0}"><inertial><origin xyz="{1}"/><mass value="{2}"/>
 <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
@@ -37,11 +37,6 @@ def robot_of(folder: Path, *parts: str, feet: list[str], fixed: bool) -> Robot:
     path = folder / "robot.urdf"
     path.write_text('<robot name="small">' + "".join(parts) + "</robot>")
     return load_robot(path, feet=feet, fixed_base=fixed)
-
-
-@cache
-def go2() -> Robot:
-    return load_robot("go2")
 
 
 def pendulum(folder: Path, effort: float) -> Robot:

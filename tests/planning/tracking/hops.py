@@ -78,4 +78,4 @@ def hop(
     forces[:] = 0.25 * robot.mass * (acceleration + np.array([0.0, 0.0, GRAVITY]))[:, None, :]
     stance = np.repeat(on[:-1, None], 4, axis=1)
     forces[~stance] = 0.0
-    return Reference(robot, time, q, v, np.zeros((len(x) - 1, robot.joints)), forces, stance)
+    return Reference(robot, time, q, v, forces, stance)

@@ -7,7 +7,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.errors import ProblemError
-from surefoot.planning import Search, plan_from, rollout
+from surefoot.planning import PlanSearch, plan_from, rollout
 from surefoot.planning.tracking import Reference
 from surefoot.spatial import rotation_about
 from tests.planning.tracking.hops import hop
@@ -59,7 +59,7 @@ def test_after_the_end_it_holds_still(jump: Reference) -> None:
 
 def test_of_a_plan() -> None:
     motion = rollout(ROBOT, sf.place(ROBOT), np.zeros(18), np.zeros((6, 12)), dt=0.01)
-    plan = plan_from(motion, ROBOT, Search("fall", "none", 0.0, True, 0, 0.0))
+    plan = plan_from(motion, ROBOT, PlanSearch("fall", "none", 0.0, True, 0, 0.0))
     reference = Reference.of(plan, ROBOT)
     np.testing.assert_allclose(reference.q, motion.q)
     np.testing.assert_allclose(reference.forces * 0.01, motion.impulses)
@@ -68,7 +68,7 @@ def test_of_a_plan() -> None:
 
 
 def test_what_is_no_reference(jump: Reference) -> None:
-    parts = (jump.time, jump.q, jump.v, jump.torques, jump.forces)
+    parts = (jump.time, jump.q, jump.v, jump.forces)
     with pytest.raises(ProblemError, match="times"):
         Reference(ROBOT, jump.time[::-1], *parts[1:])
     with pytest.raises(ProblemError, match="q"):

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from surefoot.arrays import real_number
 from surefoot.contact.engines.engine import EngineContact, Situation, engine_named
-from surefoot.contact.laws.soft.behaviour import Behaviour, behaviour
+from surefoot.contact.laws.soft.behaviour import MassOnContact, behaviour
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import check_name
 from surefoot.spatial import GRAVITY
@@ -55,8 +55,8 @@ class Translation:
     contact: EngineContact
     law: SoftLaw
     lost: tuple[str, ...]
-    given: Behaviour
-    translated: Behaviour
+    given: MassOnContact
+    translated: MassOnContact
 
     @property
     def parameters(self) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from surefoot.contact import Status
 from surefoot.errors import ProblemError
 from surefoot.planning.direct.problem import DirectProblem
 from surefoot.planning.direct.transcribe import DirectNlp
-from surefoot.planning.plan import Plan, Search, plan_from
+from surefoot.planning.plan import Plan, PlanSearch, plan_from
 from surefoot.planning.tasks.task import Iteration, Tell
 from surefoot.planning.trajectory import Trajectory
 from surefoot.planning.transcription.contact_rows import (
@@ -61,7 +61,7 @@ NEAR: dict[str, Any] = {"mu_init": 1e-4, "bound_push": 1e-6, "bound_frac": 1e-6}
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class IpoptRun:
     """One of Ipopt's runs: its smoothing [J] (0 for the equations of the modes), and what came of it."""
 
     smoothing: float
@@ -87,8 +87,6 @@ class DirectPlan:
         Ipopt's runs.
     departure
         Largest distance of a position or angle of the exact motion from the optimiser's [m, rad].
-    open_departure
-        That of its torques alone, without feedback: how far errors grow.
     products
         Largest |min(φ dt, λ_n)| of the optimiser's motion [m or N s]: how far from complementary it is.
     miss
@@ -98,9 +96,8 @@ class DirectPlan:
     plan: Plan
     motion: Guess
     trajectory: Trajectory
-    stages: tuple[Stage, ...]
+    stages: tuple[IpoptRun, ...]
     departure: float
-    open_departure: float
     products: float
     miss: float
 
@@ -154,12 +151,12 @@ def plan_direct(
 
     Examples
     --------
-    >>> from surefoot.planning.direct import DirectProblem, Window, plan_direct, planar_hopper
+    >>> from surefoot.planning.direct import DirectProblem, StateWindow, plan_direct, planar_hopper
     >>> hopper = planar_hopper()
     >>> there = hopper.nominal + [0.3, 0.0, 0.0, 0.0, 0.0]
     >>> ahead = DirectProblem(
     ...     hopper, hopper.nominal, np.zeros(5), knots=24, dt=0.03, reference=there,
-    ...     end=Window.at(there, np.zeros(5), within=1e-3, speed=1e-2),
+    ...     end=StateWindow.at(there, np.zeros(5), within=1e-3, speed=1e-2),
     ... )
     >>> found = plan_direct(ahead)
     >>> found.plan.status.value, found.plan.law_residual < 1e-8, len(found.plan.contacts) > 1
@@ -168,7 +165,7 @@ def plan_direct(
     began = time.perf_counter()
     law = (Facets(2) if problem.planar else RoundCone()) if law is None else law
     most = whole_number("max_iterations", max_iterations, low=1)
-    nlp, stages = DirectNlp(problem, law), _Stages(tell, total)
+    nlp, stages = DirectNlp(problem, law), _Runs(tell, total)
     found = []
     soft = _soften_less(nlp, nlp.pack(_start(problem, guess)), smoothings, most, stages)
     if soft.finite:
@@ -213,14 +210,14 @@ def plan_with_modes(
             else f"got {sorted(set(modes.ravel().tolist()))}"
         )
         raise ProblemError(f"modes must have shape {wanted}, of 0 (open), 1 (sticks), 2 (slides), {said}")
-    stages = _Stages(tell)
+    stages = _Runs(tell)
     nlp = DirectNlp(problem, GivenModes())
     found = _with_modes(nlp, _start(problem, guess), modes, max_iterations, stages)
     return _made_exact(problem, nlp.contact_speeds, found, (task, "given modes"), stages, began)
 
 
-class _Stages(list[Stage]):
-    """Ipopt's runs, told as they come."""
+class _Runs(list[IpoptRun]):
+    """Ipopt's runs, reported as they come."""
 
     def __init__(self, tell: Tell | None, total: int | None = None) -> None:
         super().__init__()
@@ -237,7 +234,7 @@ class _Stages(list[Stage]):
 
     def note(self, smoothing: float, found: Iterate) -> None:
         """Keep a run, and tell of it."""
-        self.append(Stage(smoothing, found.iterations, found.cost, found.violation, found.said))
+        self.append(IpoptRun(smoothing, found.iterations, found.cost, found.violation, found.said))
         if self._tell is not None:
             what = f"eps {smoothing:g}" if smoothing else "modes"
             self._tell(Iteration(self.iterations, found.cost, max(smoothing, found.violation), what))
@@ -250,7 +247,7 @@ def _start(problem: DirectProblem, guess: Guess | Trajectory | None) -> Guess:
 
 
 def _soften_less(
-    nlp: DirectNlp, start: FloatArray, smoothings: Sequence[float], most: int, stages: _Stages
+    nlp: DirectNlp, start: FloatArray, smoothings: Sequence[float], most: int, stages: _Runs
 ) -> Iterate:
     """Return what the continuation ends in: every smoothing from the solution of the one before."""
     if not len(smoothings):
@@ -276,7 +273,7 @@ def _soften_less(
 
 
 def _with_modes(
-    nlp: DirectNlp, motion: Guess, modes: IntArray, most: int, stages: _Stages, **start: Any
+    nlp: DirectNlp, motion: Guess, modes: IntArray, most: int, stages: _Runs, **start: Any
 ) -> list[Guess]:
     """Return the motion that obeys the equations of modes (N, p), from one that need not; none if lost."""
     law, d, mu = GivenModes(), nlp.problem.tangents - 1, nlp.problem.frictions
@@ -294,7 +291,7 @@ def _made_exact(
     contact_speeds: Callable[[Guess], tuple[FloatArray, FloatArray]],
     found: Sequence[Guess],
     names: tuple[str, str],
-    stages: _Stages,
+    stages: _Runs,
     began: float,
     within: float = np.inf,
 ) -> DirectPlan:
@@ -312,19 +309,18 @@ def _made_exact(
     miss, motion, trajectory = best
     closing, _ = contact_speeds(motion)
     products = np.minimum(closing * problem.dt, motion.impulses[..., 2])
-    alone, off = follow(problem, motion, feedback=False), departure(problem.robot, motion, trajectory)
+    off = departure(problem.robot, motion, trajectory)
     cost, reached = exact_cost(problem, trajectory), miss <= REACH and off <= within
     goal = f"ends {miss:.2g} outside its windows (allowed {REACH:g}), {off:.1e} from the optimiser's motion"
     spent = time.perf_counter() - began
     stopped = Status.MAX_TIME if stages.interrupted else Status.STALLED
     if not stages.left(MAX_ITERATIONS):
         stopped = Status.MAX_ITERATIONS
-    search = Search(*names, cost, reached, stages.iterations, spent, goal, stopped)
+    search = PlanSearch(*names, cost, reached, stages.iterations, spent, goal, stopped)
     facts: dict[str, Any] = {"interrupted": True} if stages.interrupted else {}
     if trajectory.touch_impulses is not None:
         facts["touch_impulses"] = trajectory.touch_impulses
     return DirectPlan(
         plan_from(trajectory, problem.robot, search, problem.terrain, **facts), motion, trajectory,
-        tuple(stages), off, departure(problem.robot, motion, alone),
-        float(np.abs(products).max(initial=0.0)), miss,
+        tuple(stages), off, float(np.abs(products).max(initial=0.0)), miss,
     )  # fmt: skip

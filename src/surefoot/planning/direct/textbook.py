@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.direct.problem import DirectProblem, Weights, Window
+from surefoot.planning.direct.problem import DirectProblem, Weights
 from surefoot.planning.transcription import planar
 from surefoot.planning.transcription.guess import Guess
-from surefoot.planning.transcription.touches import Touch
+from surefoot.planning.transcription.touches import BodyTouch
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
@@ -39,7 +40,7 @@ class SmallProblem:
     problem: DirectProblem
     towards: FloatArray
     spread: FloatArray
-    done: Window
+    done: StateWindow
 
     def guess(self, seed: int) -> Guess:
         """Return a random start: a noisy line, velocities of 1 m/s, impulses of the size of the weight's.
@@ -71,14 +72,15 @@ def falling_ball(height: float = 1.0, mu: float = 0.0, knots: int = 50, dt: floa
     robot = planar.point("ball", 0.1)
     start, end = robot.nominal + np.array([0.0, height]), robot.nominal
     problem = DirectProblem(robot, start, np.zeros(2), knots, dt, end, weights=FREE, mu=mu)
-    return SmallProblem(problem, end, np.full(2, 0.3), Window.at([np.nan, end[1]], np.zeros(2), 1e-6, 1e-6))
+    done = StateWindow.at([np.nan, end[1]], np.zeros(2), 1e-6, 1e-6)
+    return SmallProblem(problem, end, np.full(2, 0.3), done)
 
 
 def sliding_point(speed: float = 2.0, mu: float = 0.5, knots: int = 40, dt: float = 0.02) -> SmallProblem:
     """Return a point of 1 kg that slides over the ground until friction has stopped it."""
     robot = planar.point("point")
     problem = DirectProblem(robot, np.zeros(2), np.array([speed, 0.0]), knots, dt, weights=FREE, mu=mu)
-    done = Window.at(None, np.zeros(2), speed=1e-6)
+    done = StateWindow.at(None, np.zeros(2), speed=1e-6)
     return SmallProblem(problem, np.array([0.5, 0.0]), np.full(2, 0.1), done)
 
 
@@ -99,7 +101,7 @@ def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: fl
     towards = robot.nominal + np.array([distance, 0.0, distance + 0.1, 0.0])
     end, spread = np.array([distance, np.nan, np.nan, np.nan]), [0.1, 0.02, 0.1, 0.02]
     made = _driven(robot, end, towards, spread, 1e-2, (mu, knots, dt))
-    return replace(made, problem=replace(made.problem, touches=(Touch("foot on block", face, 0.3),)))
+    return replace(made, problem=replace(made.problem, touches=(BodyTouch("foot on block", face, 0.3),)))
 
 
 def _driven(
@@ -112,12 +114,12 @@ def _driven(
 ) -> SmallProblem:
     """Return a motion from rest to rest at (nq,) `end`, NaN where free, that costs `effort` u² dt."""
     n, (mu, knots, dt) = len(end), numbers
-    goal = Window.at(end, np.zeros(n))
+    goal = StateWindow.at(end, np.zeros(n))
     problem = DirectProblem(
         robot, robot.nominal, np.zeros(n), knots, dt, towards, goal, weights=replace(FREE, torque=effort),
         mu=mu,
     )  # fmt: skip
-    return SmallProblem(problem, towards, np.array(spread), Window.at(end, np.zeros(n), 1e-6, 1e-6))
+    return SmallProblem(problem, towards, np.array(spread), StateWindow.at(end, np.zeros(n), 1e-6, 1e-6))
 
 
 PROBLEMS: dict[str, Callable[[], SmallProblem]] = {

@@ -28,12 +28,12 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.planning.direct.problem import Window
 from surefoot.planning.schedule.limbs import soles
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.search import ACCEPTED, solve_scheduled
 from surefoot.planning.transcription.knot import stacked
-from surefoot.planning.transcription.nlp import Block, Iterate, Sides, Tell, pack, unpack
+from surefoot.planning.transcription.nlp import Block, Iterate, OnIteration, Sides, pack, unpack
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot.libraries import import_casadi
 from surefoot.robot.symbolic_body import turn_matrix
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
@@ -218,7 +218,7 @@ class CentroidalModel:
 
 
 def optimise_centroidal(
-    problem: ScheduleProblem, max_iterations: int = 200, tell: Tell | None = None
+    problem: ScheduleProblem, max_iterations: int = 200, tell: OnIteration | None = None
 ) -> CentroidalMotion:
     """Return the best centroidal motion that Ipopt finds over a problem's schedule, from its reference.
 
@@ -266,15 +266,15 @@ def _turning_late(quaternions: FloatArray, stance: BoolArray) -> FloatArray:
     return np.asarray(out / np.linalg.norm(out, axis=1, keepdims=True))
 
 
-def _window(window: Window, shift: FloatArray) -> Window:
+def _window(window: StateWindow, shift: FloatArray) -> StateWindow:
     """Return a window of the base as one of the centre of mass, `shift` [m] away."""
     moved = np.concatenate([shift, np.zeros(4)])
     q = [None if side is None else side[:7] + moved for side in (window.q_low, window.q_high)]
     if window.v_low is None or window.v_high is None:
-        return Window(q[0], q[1])
+        return StateWindow(q[0], q[1])
     turning = (window.v_low[3:6] != 0.0) | (window.v_high[3:6] != 0.0)
     free = np.concatenate([np.zeros(3, dtype=bool), turning])
-    return Window(
+    return StateWindow(
         q[0], q[1], np.where(free, -np.inf, window.v_low[:6]), np.where(free, np.inf, window.v_high[:6])
     )
 

@@ -11,9 +11,9 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.direct.problem import Window
 from surefoot.planning.schedule.problem import ScheduleProblem, ScheduleWeights
 from surefoot.planning.schedule.symmetry import quadruped_order
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot, place
 from surefoot.robot.motor_limits import motor_limits
 from surefoot.spatial import GRAVITY
@@ -83,7 +83,7 @@ def jump(robot: Robot, distance: float, height: float, mu: float, dt: float | No
     reference[:, 2] += _flight_height(np.asarray(t - push), flight)
     end = reference[-1]
     within = np.concatenate([[0.01, 0.02, 0.02], np.full(4, 0.015), np.full(robot.joints, 0.02)])
-    windows = {knots: Window.at(end, np.zeros(robot.model.nv), within)}
+    windows = {knots: StateWindow.at(end, np.zeros(robot.model.nv), within)}
     if height > 0.0:
         windows[round((push + 0.5 * flight) / dt)] = _above(q, height)
     return ScheduleProblem(
@@ -120,7 +120,7 @@ def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProble
     reference[:, 3:7] = _turned(q[3:7], -2.0 * math.pi * share)
     reach = float(robot.nominal[2])
     within = np.concatenate([[1.05 * reach, 0.02, 0.03], np.full(4, 0.03), np.full(robot.joints, 0.12)])
-    end = Window.at(reference[-1], np.zeros(nv), within)
+    end = StateWindow.at(reference[-1], np.zeros(nv), within)
     touchdown = round((push + rear + flight) / dt)
     windows = {k: _spread(robot, q) for k in range(round((push + rear) / dt), touchdown)}
     windows |= {knots: end}
@@ -137,7 +137,7 @@ def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProble
     )  # fmt: skip
 
 
-def _spread(robot: Robot, q: FloatArray) -> Window:
+def _spread(robot: Robot, q: FloatArray) -> StateWindow:
     """Return where legs may be in a flight: abducted about as in (nq,) q, knees not bent to their stops."""
     model = robot.model
     low, high = np.full(int(model.nq), -np.inf), np.full(int(model.nq), np.inf)
@@ -149,14 +149,14 @@ def _spread(robot: Robot, q: FloatArray) -> Window:
             low[knee] = least + FOLD * (most - least)
         else:
             high[knee] = most - FOLD * (most - least)
-    return Window(low, high)
+    return StateWindow(low, high)
 
 
-def _above(q: FloatArray, height: float) -> Window:
+def _above(q: FloatArray, height: float) -> StateWindow:
     """Return a window of the base at least so much above where it is in (nq,) q [m]."""
     low = np.full(len(q), -np.inf)
     low[2] = q[2] + height
-    return Window(low)
+    return StateWindow(low)
 
 
 def _flight_height(t: FloatArray, flight: float) -> FloatArray:

@@ -11,7 +11,7 @@ from surefoot.arrays import FloatArray
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.transcribe import transcribe, variable_bounds
 from surefoot.planning.transcription.guess import Guess
-from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, Sides, Tell, pack, unpack
+from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, OnIteration, Sides, pack, unpack
 
 OPTIONS: dict[str, Any] = {"tol": 1e-8, "mu_strategy": "adaptive"}
 """Of Ipopt."""
@@ -63,7 +63,7 @@ def optimise(
     problem: ScheduleProblem,
     guess: Guess | None = None,
     max_iterations: int = 500,
-    tell: Tell | None = None,
+    tell: OnIteration | None = None,
     **options: Any,
 ) -> ScheduledMotion:
     """Return the best motion that Ipopt finds over a problem's schedule.
@@ -101,7 +101,7 @@ def optimise(
 
 def solve_scheduled(
     block: Block, data: FloatArray, variables: Sides, rows: Sides, begin: FloatArray, max_iterations: int,
-    tell: Tell | None = None, **options: Any,
+    tell: OnIteration | None = None, **options: Any,
 ) -> Iterate:  # fmt: skip
     """Return what Ipopt finds for blocks whose rows are bounded as a schedule says; see `Nlp.solve`.
 

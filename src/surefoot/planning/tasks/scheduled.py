@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surefoot.contact import Status
-from surefoot.planning.plan import Plan, Search, plan_from
+from surefoot.planning.plan import Plan, PlanSearch, plan_from
 from surefoot.planning.tasks.task import Iteration, PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory
 
@@ -113,7 +113,7 @@ def scheduled_plan(
     elif off > DRIFT:
         said += f"; the exact motion departs by {off:.1e} from the optimiser's"
     stopped = Status.MAX_ITERATIONS if ended == "Maximum_Iterations_Exceeded" else Status.STALLED
-    search = Search(
+    search = PlanSearch(
         task, ROAD, motion.iterate.cost, bool(done and motion.found), motion.iterate.iterations,
         time.perf_counter() - begun, said, stopped,
     )  # fmt: skip

@@ -14,7 +14,7 @@ TASKS: dict[str, str] = {
     "jump": "surefoot.planning.tasks.jump:JUMP",
     "jump-up": "surefoot.planning.tasks.jump:JUMP_UP",
     "backflip": "surefoot.planning.tasks.backflip:BACKFLIP",
-    "stand-up": "surefoot.planning.tasks.stand_up:STAND_UP",
+    "stand-up": "surefoot.planning.stand_up.task:STAND_UP",
 }
 """Name to "module:object"."""
 

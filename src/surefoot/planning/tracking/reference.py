@@ -31,8 +31,8 @@ class Sample:
     ----------
     q, v
         (nq,), (nv,) Pinocchio's order.
-    torques, forces
-        (joints,) [N m] and (p, 3) [N].
+    forces
+        (p, 3) [N].
     stance
         (n,) which feet stand.
     com, com_velocity, com_acceleration
@@ -43,7 +43,6 @@ class Sample:
 
     q: FloatArray
     v: FloatArray
-    torques: FloatArray
     forces: FloatArray
     stance: BoolArray
     com: FloatArray
@@ -65,8 +64,6 @@ class Reference:
         (N + 1,) of the states [s], increasing.
     q, v
         (N + 1, nq), (N + 1, nv) Pinocchio's order.
-    torques
-        (N, joints) from each state to the next [N m]; a last row more is left out.
     forces
         (N, p, 3) of the ground on the contact points, world axes [N]; a last row more is left out.
     stance
@@ -84,7 +81,6 @@ class Reference:
         time: FloatArray,
         q: FloatArray,
         v: FloatArray,
-        torques: FloatArray,
         forces: FloatArray,
         stance: BoolArray | None = None,
     ) -> None:
@@ -97,7 +93,6 @@ class Reference:
         points = robot.contact_points
         self.q = finite_array("q", q, (rows, robot.model.nq))
         self.v = finite_array("v", v, (rows, robot.model.nv))
-        self.torques = finite_array("torques", np.asarray(torques)[: rows - 1], (rows - 1, robot.joints))
         self.forces = finite_array("forces", np.asarray(forces)[: rows - 1], (rows - 1, len(points), 3))
         if stance is None:
             loads = np.stack(
@@ -121,13 +116,13 @@ class Reference:
         ProblemError
             If the log does not hold what a plan holds.
         """
-        for name in ("time", "q", "v", "torques", "forces"):
+        for name in ("time", "q", "v", "forces"):
             if name not in plan:
                 raise ProblemError(f"a plan needs the channel {name!r}; it has: {', '.join(plan.arrays)}")
         dt = float(plan.fact("dt"))
         time = np.append(plan["time"], plan["time"][-1] + dt)
         q, v = np.vstack([plan["q"], plan.fact("end_q")]), np.vstack([plan["v"], plan.fact("end_v")])
-        return cls(robot, time, q, v, plan["torques"], plan["forces"])
+        return cls(robot, time, q, v, plan["forces"])
 
     def _set_body(self) -> None:
         """Compute centre of mass and base of every state, and their accelerations from each to the next."""
@@ -178,7 +173,7 @@ class Reference:
         q[:, :2] += shift
         for k, rotation in enumerate(R @ self.rotation):
             q[k, 3:7] = quaternion_from_rotation(rotation)
-        return Reference(self.robot, self.time, q, self.v, self.torques, self.forces @ R.T, self.stance)
+        return Reference(self.robot, self.time, q, self.v, self.forces @ R.T, self.stance)
 
     @property
     def duration(self) -> float:
@@ -228,7 +223,7 @@ class Reference:
         v, over = mixed(self.v), time > self.time[-1]
         rest = 0.0 if over else 1.0
         return Sample(
-            q, rest * v, self.torques[k], self.forces[k], self.stance[k], mixed(self.com),
+            q, rest * v, self.forces[k], self.stance[k], mixed(self.com),
             rest * mixed(self.com_velocity), rest * self.com_acceleration[k],
             rotation_from_quaternion(q[3:7]), rest * mixed(self.turn_rate), rest * self.turn_acceleration[k],
         )  # fmt: skip

@@ -21,7 +21,7 @@ from surefoot.control.damping import computable
 from surefoot.control.whole_body import Kinematics, Tasks, TaskWeights, WholeBodyController
 from surefoot.errors import ProblemError
 from surefoot.log.channels import Channel
-from surefoot.planning.tracking.flight import Flight, Targets, touchdowns
+from surefoot.planning.tracking.flight import FlightControl, Targets, touchdowns
 from surefoot.planning.tracking.landing import Landing, gently, lowered, pressed
 from surefoot.planning.tracking.reference import Reference
 from surefoot.robot import Robot
@@ -133,7 +133,7 @@ class TrackingController(Controller):
             robot, s.mu, least, weights=TaskWeights(force=s.force_share), baumgarte=BAUMGARTE
         )
         self.motors = motor_limits(robot, "curve")
-        self.flight = Flight(robot, s.joints, s.capture)
+        self.flight = FlightControl(robot, s.joints, s.capture)
         self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
         self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": s.mu}
         self._radii = robot.contact_points.foot_radii

@@ -23,7 +23,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.errors import ProblemError
-from surefoot.planning.transcription.forms import Form, form_named
+from surefoot.planning.transcription.forms import SoftForm, form_named
 from surefoot.robot.libraries import import_casadi
 
 Expression = Any
@@ -60,7 +60,7 @@ class ContactRows:
     rows: list[tuple[Expression, float, float]] = field(default_factory=list)
     cost: Expression = 0.0
 
-    def pair(self, form: Form, a: Expression, b: Expression, eps: Expression) -> None:
+    def pair(self, form: SoftForm, a: Expression, b: Expression, eps: Expression) -> None:
         """Ask for a ⟂ b in a softened form."""
         soft = form.soften(a, b, eps)
         self.rows.append((soft.rows, soft.low, 0.0))

@@ -50,7 +50,7 @@ class Softened(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Form:
+class SoftForm:
     """A way to write 0 <= a ⟂ b >= 0.
 
     Attributes
@@ -128,13 +128,15 @@ def _price(a: Any, b: Any, eps: Any) -> Any:
 
 _FB = "a + b - sqrt(a² + b² + 2 eps)"
 _LISTED = (
-    Form("relaxed", "a b <= eps, a >= 0, b >= 0", True, _product, equality=False),
-    Form("equal", "a b = eps, a >= 0, b >= 0", True, _product),
-    Form("log-barrier", "log a + log b = log eps: b = eps / a, the force of -eps log a", True, _logarithms),
-    Form("fischer-burmeister", f"{_FB} = 0, signs implied", False, fischer_burmeister),
-    Form("fischer-burmeister-signs", f"{_FB} = 0, a >= 0, b >= 0", True, fischer_burmeister),
-    Form("fischer-burmeister-relaxed", f"{_FB} <= 0, a >= 0, b >= 0", True, fischer_burmeister, False),
-    Form("penalty", "cost + a b / sqrt(eps), a >= 0, b >= 0", True, price=_price),
+    SoftForm("relaxed", "a b <= eps, a >= 0, b >= 0", True, _product, equality=False),
+    SoftForm("equal", "a b = eps, a >= 0, b >= 0", True, _product),
+    SoftForm(
+        "log-barrier", "log a + log b = log eps: b = eps / a, the force of -eps log a", True, _logarithms
+    ),
+    SoftForm("fischer-burmeister", f"{_FB} = 0, signs implied", False, fischer_burmeister),
+    SoftForm("fischer-burmeister-signs", f"{_FB} = 0, a >= 0, b >= 0", True, fischer_burmeister),
+    SoftForm("fischer-burmeister-relaxed", f"{_FB} <= 0, a >= 0, b >= 0", True, fischer_burmeister, False),
+    SoftForm("penalty", "cost + a b / sqrt(eps), a >= 0, b >= 0", True, price=_price),
 )
 FORMS = {form.name: form for form in _LISTED}
 """The forms by name."""
@@ -142,7 +144,7 @@ RECOMMENDED = "relaxed"
 """The form to begin with; docs/softening.md says when another is right."""
 
 
-def form_named(name: str) -> Form:
+def form_named(name: str) -> SoftForm:
     """Return a form by name.
 
     Raises

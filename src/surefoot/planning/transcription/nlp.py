@@ -19,7 +19,7 @@ from surefoot.robot.libraries import import_casadi
 Expression = Any
 Sides = tuple[FloatArray, FloatArray]
 """Least and largest values."""
-Tell = Callable[[int, float, float], None]
+OnIteration = Callable[[int, float, float], None]
 """Who hears of the number of an iteration, its cost and its violation."""
 QUIET: dict[str, Any] = {
     "print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes", "show_eval_warnings": False,
@@ -138,7 +138,7 @@ class Nlp:
         rows: Sides,
         parameter: FloatArray | tuple[float, ...] = (),
         multipliers: tuple[FloatArray, FloatArray] | None = None,
-        tell: Tell | None = None,
+        tell: OnIteration | None = None,
         **options: Any,
     ) -> Iterate:
         """Return what Ipopt makes of a start.
@@ -284,7 +284,7 @@ class _Watch:
         Whether someone stopped it.
     """
 
-    def __init__(self, tell: Tell, low: FloatArray, high: FloatArray) -> None:
+    def __init__(self, tell: OnIteration, low: FloatArray, high: FloatArray) -> None:
         self._tell, self._low, self._high = tell, low, high
         self.count, self.interrupted = 0, False
 

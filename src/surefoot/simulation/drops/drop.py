@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.contact.laws.soft.behaviour import Behaviour, settling_time
+from surefoot.contact.laws.soft.behaviour import MassOnContact, settling_time
 from surefoot.errors import MissingExtra, SimulationError, check_name
 from surefoot.spatial import GRAVITY
 
@@ -64,13 +64,13 @@ def available_engines() -> list[str]:
 def measure(
     engine: str,
     settings: dict[str, Any],
-    expected: Behaviour,
+    expected: MassOnContact,
     mass: float,
     *,
     speed: float = 1.0,
     gravity: float = GRAVITY,
     dt: float = 1e-5,
-) -> Behaviour:
+) -> MassOnContact:
     """Run an engine and return how the mass rests, bounces and settles in it.
 
     Parameters
@@ -115,7 +115,7 @@ def measure(
     settling = settling_time(frequency, ratio)
     gaps, speeds = run(0.0, -speed, 300.0 * max(1.0 / expected.frequency, depth / speed), "apart")
     left = gaps[-1] > 0.0 and speeds[-1] > 0.0
-    return Behaviour(depth, float(speeds[-1]) / speed if left else 0.0, frequency, ratio, settling)
+    return MassOnContact(depth, float(speeds[-1]) / speed if left else 0.0, frequency, ratio, settling)
 
 
 def _modes(deviation: FloatArray, dt: float) -> tuple[float, float]:

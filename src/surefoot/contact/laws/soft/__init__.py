@@ -1,6 +1,6 @@
 """Compliant contact laws as values; each in a file of its own."""
 
-from surefoot.contact.laws.soft.behaviour import Behaviour, behaviour, rebound
+from surefoot.contact.laws.soft.behaviour import MassOnContact, behaviour, rebound
 from surefoot.contact.laws.soft.friction import ExactFriction, Friction, RegularisedFriction
 from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
 from surefoot.contact.laws.soft.law import ForceJacobian, Linearisation, SoftLaw
@@ -10,13 +10,13 @@ from surefoot.contact.laws.soft.stability import stable_step, stable_step_togeth
 from surefoot.contact.laws.soft.validation import validate_law
 
 __all__ = [
-    "Behaviour",
     "ExactFriction",
     "ForceJacobian",
     "Friction",
     "Hertz",
     "HuntCrossley",
     "Linearisation",
+    "MassOnContact",
     "MujocoLaw",
     "RegularisedFriction",
     "SoftLaw",

@@ -18,7 +18,7 @@ LONGEST = 300.0
 
 
 @dataclass(frozen=True)
-class Behaviour:
+class MassOnContact:
     """A mass on a contact under its own weight.
 
     Attributes
@@ -42,7 +42,7 @@ class Behaviour:
     settling_time: float
 
 
-def behaviour(law: SoftLaw, mass: float, speed: float = 1.0, gravity: float = GRAVITY) -> Behaviour:
+def behaviour(law: SoftLaw, mass: float, speed: float = 1.0, gravity: float = GRAVITY) -> MassOnContact:
     """Return how a mass rests, bounces and settles on a contact.
 
     Parameters
@@ -70,7 +70,7 @@ def behaviour(law: SoftLaw, mass: float, speed: float = 1.0, gravity: float = GR
     frequency = math.sqrt(stiff / heavy)
     ratio = damped / (2.0 * heavy * frequency)
     bounce = rebound(law, heavy, speed, gravity)
-    return Behaviour(depth, bounce, frequency, ratio, settling_time(frequency, ratio))
+    return MassOnContact(depth, bounce, frequency, ratio, settling_time(frequency, ratio))
 
 
 def settling_time(frequency: float, ratio: float, share: float = SETTLED) -> float:

@@ -17,11 +17,11 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.errors import ProblemError, SimulationError
-from surefoot.planning.plan import Plan, Search
-from surefoot.planning.sampling.cross_entropy import cross_entropy
-from surefoot.planning.sampling.forward import ForwardModel, RigidModel
-from surefoot.planning.sampling.lying import beyond, lying_plan, upright
-from surefoot.planning.sampling.postures import Postures, postures
+from surefoot.planning.plan import Plan, PlanSearch
+from surefoot.planning.stand_up.cross_entropy import cross_entropy
+from surefoot.planning.stand_up.forward import ForwardModel, RigidModel
+from surefoot.planning.stand_up.lying import beyond, lying_plan, upright
+from surefoot.planning.stand_up.postures import Postures
 from surefoot.planning.tasks.task import Iteration, PlanRequest, Tell
 from surefoot.robot import Robot, load_robot
 from surefoot.spatial import GRAVITY
@@ -71,11 +71,11 @@ class StandUp:
             rounds=request.max_iterations or 8, enough=ENOUGH, seed=request.seed,
             tell=lambda number, cost: tell(Iteration(number, cost, 0.0, "sampling")),
         )  # fmt: skip
-        told = Search(
+        how = PlanSearch(
             self.name, "sampling", found.cost, found.reached, found.evaluations, clock.perf_counter() - begin
         )
         fine = RigidModel(robot, request.mu, FINER * dt)
-        return lying_plan(fine, search.postures(found.point), start, told, legs)
+        return lying_plan(fine, search.postures(found.point), start, how)
 
 
 def _legs(robot: Robot) -> IntArray:
@@ -130,7 +130,7 @@ class _Rollouts:
         times = ROLL_TIME * np.arange(1, ROLLS + 1)
         more = times[-1] + np.cumsum([*GATHER, RISE, HOLD])
         targets = np.array([*rolls, self.folded, self.folded, stand, stand])
-        return postures(self.robot, np.concatenate([times, more]), targets, *self._gains)
+        return Postures.of(self.robot, np.concatenate([times, more]), targets, *self._gains)
 
     def lie(self, roll: float) -> FloatArray:
         """Return where the robot comes to lie (nq,) when it is laid down turned by `roll` [rad]."""
@@ -139,7 +139,7 @@ class _Rollouts:
         q[7:] = folded
         q[3:7] = (math.sin(0.5 * roll), 0.0, 0.0, math.cos(0.5 * roll))
         model.reset(q)
-        law = postures(self.robot, np.ones(1), folded[None], *self._gains)
+        law = Postures.of(self.robot, np.ones(1), folded[None], *self._gains)
         for _ in range(round(1.5 / model.dt)):
             q, v = model.state()
             model.step(law.torques(folded, q[7:], v[6:]))

@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.arrays import FloatArray
 from surefoot.contact import Status
-from surefoot.planning.plan import Plan, Search, plan_facts
-from surefoot.planning.sampling.forward import RigidModel
-from surefoot.planning.sampling.postures import Postures
+from surefoot.planning.plan import Plan, PlanSearch, plan_channels, plan_facts
+from surefoot.planning.stand_up.forward import RigidModel
+from surefoot.planning.stand_up.postures import Postures
 from surefoot.planning.trajectory import TOLERANCE
+from surefoot.terrain import FlatTerrain
 
 STANDS_UP, STANDS_HIGH = math.cos(math.radians(10.0)), 0.9
 """A robot has got up if its vertical axis leans less than 10 degrees and it has this share of its height."""
@@ -32,7 +33,7 @@ def beyond(angles: FloatArray, low: FloatArray, high: FloatArray) -> float:
     return max(float((low - angles).max()), float((angles - high).max()), 0.0)
 
 
-def lying_plan(model: RigidModel, law: Postures, start: FloatArray, search: Search, legs: IntArray) -> Plan:
+def lying_plan(model: RigidModel, law: Postures, start: FloatArray, search: PlanSearch) -> Plan:
     """Roll postures out from a start (nq,) and return the plan; SOLVED if it gets up, lawfully.
 
     Parameters
@@ -45,8 +46,6 @@ def lying_plan(model: RigidModel, law: Postures, start: FloatArray, search: Sear
         (nq,) lying.
     search
         How they were found.
-    legs
-        (n, k) joints of the legs, for the controller.
     """
     robot = model.robot
     model.reset(start)
@@ -72,25 +71,5 @@ def lying_plan(model: RigidModel, law: Postures, start: FloatArray, search: Sear
     found = replace(search, reached=reached, goal=goal)
     facts = plan_facts(robot, found, status, model.worst_residual, (model.dt, model.mu), (q, v))
     facts["world"] = "rigid steps with all links"
-    return Plan(_finished(arrays, model, law.effort), {**facts, **_law(law, legs)})
-
-
-def _finished(arrays: dict[str, Any], model: RigidModel, effort: FloatArray) -> dict[str, Any]:
-    """Return the log's channels: what was recorded, and what follows from it."""
-    rows = len(arrays["q"])
-    forces, normals = arrays["forces"], np.zeros_like(arrays["forces"])
-    normals[:, :, 2] = 1.0
-    return {
-        "time": model.dt * np.arange(rows, dtype=np.float64), **arrays, "forces_commanded": forces.copy(),
-        "normals": normals, "active": forces[:, :, 2] > 0.0, "attained": np.ones(rows, dtype=bool),
-        "saturated": (np.abs(arrays["torques"]) >= effort * (1.0 - 1e-6)).any(axis=1),
-        "push": np.zeros((rows, 3)), "mu": np.full(rows, model.mu),
-    }  # fmt: skip
-
-
-def _law(law: Postures, legs: IntArray) -> dict[str, Any]:
-    """Return the postures as facts."""
-    return {
-        "posture_times": law.times, "posture_targets": law.targets, "posture_stiffness": law.stiffness,
-        "posture_damping": law.damping, "posture_legs": legs,
-    }  # fmt: skip
+    channels = plan_channels(arrays, (model.dt, model.mu), FlatTerrain(), law.effort)
+    return Plan(channels, {**facts, **law.facts})

@@ -8,8 +8,8 @@ import pytest
 import surefoot as sf
 from surefoot.contact import Status
 from surefoot.planning import Plan
-from surefoot.planning.sampling.lying import upright
-from surefoot.planning.tasks.stand_up import STAND_UP, StandUp
+from surefoot.planning.stand_up.lying import upright
+from surefoot.planning.stand_up.task import STAND_UP, StandUp
 from surefoot.planning.tasks.task import Iteration, PlanRequest
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.plan_execution import execute

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.errors import ProblemError
-from surefoot.planning.sampling import Postures
+from surefoot.planning.stand_up.postures import Postures
 
 LAW = Postures(
     np.array([1.0, 3.0]),

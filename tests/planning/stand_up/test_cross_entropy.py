@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.errors import ProblemError
-from surefoot.planning.sampling import cross_entropy
+from surefoot.planning.stand_up.cross_entropy import cross_entropy
 
 
 def test_a_bowl() -> None:

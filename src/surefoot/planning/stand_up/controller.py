@@ -17,8 +17,8 @@ from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.whole_body import TaskWeights, WholeBodyController
 from surefoot.log import Log
-from surefoot.planning.sampling.lying import upright
-from surefoot.planning.sampling.postures import Postures, postures
+from surefoot.planning.stand_up.lying import upright
+from surefoot.planning.stand_up.postures import Postures
 from surefoot.planning.tracking.landing import Landing
 from surefoot.planning.tracking.reference import Reference
 from surefoot.planning.tracking.tracker import BAUMGARTE, TrackCommand, TrackingController, TrackSettings
@@ -51,7 +51,7 @@ class StandUpController(Controller):
 
     def __init__(self, robot: Robot, plan: Log, settings: TrackSettings | None = None) -> None:
         s = settings or TrackSettings()
-        self.robot, self.law = robot, postures_of(plan, robot)
+        self.robot, self.law = robot, Postures.read(plan, robot)
         reference = Reference.of(plan, robot)
         self._lying = reference.start[7:]
         self.whole_body = WholeBodyController(
@@ -125,19 +125,6 @@ class StandUpController(Controller):
         point_foot = self.whole_body.point_foot
         forces = np.zeros((len(point_foot), 3))
         return TrackCommand(torques, forces, stance[point_foot], True, Status.SOLVED, self.phase)
-
-
-def postures_of(plan: Log, robot: Robot) -> Postures:
-    """Return the postures of a plan.
-
-    Raises
-    ------
-    ProblemError
-        If it has none.
-    """
-    times, targets = (np.asarray(plan.fact(f"posture_{k}"), dtype=np.float64) for k in ("times", "targets"))
-    gains = (float(plan.fact(f"posture_{k}")) for k in ("stiffness", "damping"))
-    return postures(robot, times, targets, *gains)
 
 
 def controller_of(

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
+from surefoot.log import Log
 from surefoot.robot import Robot
 
 SLOW = 0.6
@@ -60,6 +62,34 @@ class Postures:
         if not (np.diff(self.times, prepend=0.0) > 0.0).all():
             raise ProblemError("the times of postures must increase from above 0")
 
+    @classmethod
+    def of(
+        cls, robot: Robot, times: FloatArray, targets: FloatArray, stiffness: float, damping: float
+    ) -> Postures:
+        """Return postures within the limits of a robot's model, of its speeds to `SLOW` of them."""
+        first = int(robot.model.nq) - robot.joints
+        low, high = robot.model.lowerPositionLimit[first:], robot.model.upperPositionLimit[first:]
+        effort, speed = robot.effort_limits, SLOW * robot.speed_limits
+        return cls(times, targets, stiffness, damping, effort, speed, np.array(low), np.array(high))
+
+    @classmethod
+    def read(cls, plan: Log, robot: Robot) -> Postures:
+        """Return the postures of a plan, which are among its facts.
+
+        Raises
+        ------
+        ProblemError
+            If it has none.
+        """
+        table = [np.asarray(plan.fact(f"posture_{k}"), dtype=np.float64) for k in ("times", "targets")]
+        gains = [float(plan.fact(f"posture_{k}")) for k in ("stiffness", "damping")]
+        return cls.of(robot, table[0], table[1], gains[0], gains[1])
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What a plan says of them."""
+        return {f"posture_{k}": getattr(self, k) for k in ("times", "targets", "stiffness", "damping")}
+
     @property
     def duration(self) -> float:
         """When the last posture is reached [s]."""
@@ -83,23 +113,3 @@ class Postures:
         high = np.where(speeds > 0.0, driving, self.effort)
         low = np.where(speeds < 0.0, driving, self.effort)
         return np.asarray(np.minimum(np.maximum(pull, -low), high))
-
-
-def postures(
-    robot: Robot, times: FloatArray, targets: FloatArray, stiffness: float, damping: float
-) -> Postures:
-    """Return postures of a robot, with the limits that its model gives; speeds only to `SLOW` of them.
-
-    Parameters
-    ----------
-    robot
-        Whose joints.
-    times, targets, stiffness, damping
-        See `Postures`.
-    """
-    speed = SLOW * robot.speed_limits
-    first = int(robot.model.nq) - robot.joints
-    low, high = robot.model.lowerPositionLimit[first:], robot.model.upperPositionLimit[first:]
-    return Postures(
-        times, targets, stiffness, damping, robot.effort_limits, speed, np.array(low), np.array(high)
-    )

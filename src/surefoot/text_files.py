@@ -1,0 +1,105 @@
+"""What people write by hand: text and YAML files, and tables in them whose keys are known."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from surefoot.errors import ProblemError, check_name
+
+MOST = 64_000_000
+"""Bytes of a text that are read at most: a device never ends."""
+
+
+def read_text(path: Path | str, what: str = "") -> str:
+    """Return what a text file holds, or with "-" the standard input; `what` it is of, for the message.
+
+    Raises
+    ------
+    ProblemError
+        If it cannot be read, is not text, or is longer than `MOST`.
+    """
+    named = f"cannot read {what}{' ' if what else ''}{path}: "
+    try:
+        if str(path) == "-":
+            content = sys.stdin.buffer.read(MOST + 1)
+        else:
+            with Path(path).open("rb") as file:
+                content = file.read(MOST + 1)
+        if len(content) > MOST:
+            raise ProblemError(f"{named}longer than {MOST // 1_000_000} MB")
+        return content.decode("utf-8-sig")
+    except OSError as error:
+        raise ProblemError(f"{named}{error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise ProblemError(f"{named}not text") from error
+
+
+def read_yaml(path: Path | str, what: str = "") -> Any:
+    """Return what a YAML file holds; `what` it is of, for the message.
+
+    Raises
+    ------
+    ProblemError
+        If it cannot be read, is not YAML, or says a key twice.
+    """
+    return parse_yaml(read_text(path, what), path)
+
+
+def parse_yaml(text: str, name: object) -> Any:
+    """Return what a YAML text holds; `name` is what errors call it."""
+    import yaml
+
+    try:
+        loader = yaml.SafeLoader(text)
+        root = loader.get_single_node()
+        content = None if root is None else loader.construct_document(root)
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise ProblemError(f"{name} is not YAML: {' '.join(str(error).split())[:200]}") from error
+    _check_keys(root, name)
+    return content
+
+
+def _check_keys(root: Any, name: object) -> None:
+    """Refuse a key that stands twice in a mapping: YAML's readers keep the last in silence."""
+    import yaml
+
+    nodes, seen = [root], set[int]()
+    while nodes:
+        node = nodes.pop()
+        if not isinstance(node, yaml.CollectionNode) or id(node) in seen:  # aliases come again
+            continue
+        seen.add(id(node))
+        if isinstance(node, yaml.SequenceNode):
+            nodes += node.value
+            continue
+        keys = Counter(key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode))
+        nodes += [part for pair in node.value for part in pair]
+        for key, count in keys.items():
+            if count > 1:
+                line = node.start_mark.line + 1
+                raise ProblemError(f"{name}: the key {key} stands twice in the mapping at line {line}")
+
+
+def table_of(
+    where: str, value: Any, keys: Sequence[str] | None = None, required: Sequence[str] = ()
+) -> dict[str, Any]:
+    """Return a table of names if it holds no other keys than `keys` (None: any), and the required ones.
+
+    Raises
+    ------
+    ProblemError
+        Naming what is wrong `where`.
+    """
+    if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
+        named = "names" if keys is None else f"the keys {', '.join(keys)}"
+        raise ProblemError(f"{where} must be a mapping of {named}, got {value!r:.60}")
+    for key in value if keys is not None else ():
+        check_name("key", key, keys or (), where)
+    for key in required:
+        if key not in value:
+            raise ProblemError(f"{where}: {key} is missing")
+    return value
