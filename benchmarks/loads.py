@@ -23,7 +23,6 @@ from benchmarks.timing import Stopwatch
 from surefoot.arrays import FloatArray
 from surefoot.audit import WalkSummary, summarise_walk
 from surefoot.control.controller import Controller
-from surefoot.control.load_adaptation import LoadSettings
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.robot import Robot
 from surefoot.simulation.faults import Faults
@@ -49,8 +48,7 @@ class Walk(walks.Walk):
 
     def controller(self, robot: Robot, terrain: Terrain) -> Controller:
         """Return the walking controller, with the observer or without."""
-        load = LoadSettings() if self.observed else None
-        settings = WalkSettings(actuators=self.motors(robot), load=load)
+        settings = WalkSettings(actuators=self.motors(robot), watch_load=self.observed)
         return WalkingController(robot, self.command, terrain=terrain, settings=settings)
 
 

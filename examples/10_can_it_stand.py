@@ -27,7 +27,7 @@ def report(title, stance, com, mass):
         print(f"  it withstands a push of {push:.1f} N downhill")
     else:
         way = verdict.certificate[:3] / np.linalg.norm(verdict.certificate[:3])
-        print(f"  no forces hold it: it gives way along {way.round(3) + 0.0}")
+        print(f"  no forces hold it: no force works against the motion {way.round(3) + 0.0}")
     return verdict
 
 

@@ -172,6 +172,7 @@ def test_never_nan(hard: Any, smoothing: float, law: str) -> None:
         assert all(np.isfinite(s[k]).all() for s in (*slopes, found.forces, found.velocities)), name
         bad = name in ("nan in g", "infinite G", "negative mu")
         assert (STATUSES[int(found.status[k])] is Status.INVALID) == bad, name
+        assert not (bad and found.forces[k].any()), name
         if name == "G is zero":
             assert STATUSES[int(found.status[k])] is not Status.SOLVED
 

@@ -67,6 +67,7 @@ def test_never_nan(hard: Any, on_host: bool) -> None:
         assert all(torch.isfinite(v).all() for v in numbers), name
         bad = name in ("nan in g", "infinite G", "negative mu")
         assert (STATUSES[int(found.status[0])] is Status.INVALID) == bad, name
+        assert not (bad and found.forces.any()), name
 
 
 def test_single_precision_is_rounded_double(problems: Any) -> None:

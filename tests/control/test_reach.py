@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from surefoot.control.controller import RobotState
+from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.robot import load_robot
+from surefoot.terrain import FlatTerrain
 
 LEAVES = (
     str, bytes, int, float, np.ndarray, type, types.ModuleType, types.FunctionType, types.BuiltinFunctionType,
@@ -51,11 +53,13 @@ def reached(root: Any) -> dict[str, set[str]]:
 
 def test_how_much_is_reached_from_a_walking_controller(capsys: pytest.CaptureFixture[str]) -> None:
     robot = load_robot("go2")
-    walker = WalkingController(robot, VelocityCommand.constant(0.5))
-    walker.step(RobotState(robot.nominal, np.zeros(robot.model.nv)))
-    found = reached(walker)
-    names = set().union(*found.values())
-    with capsys.disabled():
-        print(f"\nfrom a walking controller: {len(found)} classes, {len(names)} names of attributes")
-    assert len(found) <= 38
-    assert len(names) <= 320
+    for knowledge, classes, attributes in (("exact", 25, 200), ("blind", 33, 245), ("map", 36, 260)):
+        terrain = believed_ground(knowledge, FlatTerrain())
+        walker = WalkingController(robot, VelocityCommand.constant(0.5), terrain=terrain)
+        walker.step(RobotState(robot.nominal, np.zeros(robot.model.nv)))
+        found = reached(walker)
+        names = set().union(*found.values())
+        with capsys.disabled():
+            print(f"\nreached from a walk, {knowledge} ground: {len(found)} classes, {len(names)} names")
+        assert len(found) <= classes
+        assert len(names) <= attributes

@@ -14,7 +14,7 @@ from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.touch_sense import sort_touches
 from surefoot.control.walking_feet import Feet
 from surefoot.errors import ProblemError
-from surefoot.estimation.ground_belief import GroundBelief, TouchedGround
+from surefoot.estimation.ground_belief import BeliefTerrain, TouchedGround
 from surefoot.estimation.mapped_ground import MappedGround
 from surefoot.robot import load_robot
 from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor
@@ -33,7 +33,7 @@ def state(time: float = 0.0, scan: HeightScan | None = None) -> RobotState:
     return RobotState(q, np.zeros(18), time, scan=scan)
 
 
-def march(belief: GroundBelief, ground: Terrain, steps: int, stride: float = 0.1) -> float:
+def march(belief: BeliefTerrain, ground: Terrain, steps: int, stride: float = 0.1) -> float:
     """Walk diagonal pairs of feet over a ground; return where the middle of the feet ends."""
     stands = np.column_stack([HIPS, ground.height(HIPS)])
     belief.begin(state(), stands, HEIGHT)

@@ -254,3 +254,21 @@ def test_regions_without_interior_forces():
     useless = sf.Stance([sf.PointContact([0.3, 0.2, 0.0], mu=0.0), hand])
     region = sf.com_region(useless, 15.0)
     np.testing.assert_allclose(region.inner, [[0.3, 0.2]], atol=1e-6)
+
+
+@pytest.mark.parametrize("mu", [1e8, 1e12])
+def test_very_much_friction_leaves_no_empty_region(mu):
+    """What rounding cannot say of it, less friction can: the polygon stands, what is outside is not known."""
+    rng = np.random.default_rng(2)
+    feet = [[0.2, 0.15, 0.01], [0.2, -0.15, -0.02], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.03], [0.0, 0.2, 0.02]]
+    for _ in range(4):
+        normals = np.array([[*rng.normal(0.0, 0.3, 2), 1.0] for _ in feet])
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        contacts = [sf.PointContact(p, n, mu) for p, n in zip(feet, normals, strict=True)]
+        region = sf.com_region(sf.Stance(contacts), 15.0)
+        assert not region.empty
+        assert "empty" not in repr(region)
+        assert len(region.outer) or region.gap == np.inf
+        for corner in region.inner[:: max(1, len(region.inner) // 4)]:
+            held = [sf.PointContact(c.position, c.normal, 1e4) for c in contacts]
+            assert sf.can_stand(sf.Stance(held), [*(0.999 * corner), region.height], 15.0)

@@ -12,7 +12,7 @@ from surefoot.estimation.contact_odds import (
     BANDWIDTHS,
     QUIET,
     ContactFusion,
-    GroundBelief,
+    GroundLevel,
     TouchSettings,
     force_noise,
     observer_gain,
@@ -94,7 +94,7 @@ def test_ground_without_a_map_is_the_plane_under_the_feet() -> None:
     feet = random.normal(size=(4, 3))
     feet[:, 2] = slope.height(feet[:, :2])
     places = random.normal(size=(5, 3))
-    mapped, sensed = GroundBelief(slope, feet), GroundBelief(None, feet)
+    mapped, sensed = GroundLevel(slope, feet), GroundLevel(None, feet)
     np.testing.assert_allclose(mapped.heights(places), slope.height(places[:, :2]))
     np.testing.assert_allclose(sensed.heights(places), slope.height(places[:, :2]), atol=1e-12)
     assert mapped.normal() is None
@@ -102,7 +102,7 @@ def test_ground_without_a_map_is_the_plane_under_the_feet() -> None:
     for k in range(4):
         sensed.stood(k, feet[k] + [0.0, 0.0, 0.1])
     np.testing.assert_allclose(sensed.heights(places), slope.height(places[:, :2]) + 0.1, atol=1e-12)
-    row = GroundBelief(None, np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.2]]))  # two feet: level across them
+    row = GroundLevel(None, np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.2]]))  # two feet: level across them
     np.testing.assert_allclose(row.heights(np.array([[0.5, 3.0, 0.0]])), [0.1])
 
 

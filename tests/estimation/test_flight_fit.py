@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surefoot.estimation import elevation_kernels as kernels
-from surefoot.estimation.flight_fit import FlightFit, Steps, parting
+from surefoot.estimation.flight_fit import FlightFit, StairSteps, parting
 from surefoot.spatial import rotation_about
 from surefoot.terrain import StairsTerrain
 
@@ -48,7 +48,7 @@ def _scan(
 
 
 def _walk(
-    stairs: StairsTerrain, steps: Steps, heading: float, seed: int, tilt: float = 0.0
+    stairs: StairsTerrain, steps: StairSteps, heading: float, seed: int, tilt: float = 0.0
 ) -> tuple[FlightFit, float]:
     """Return a fit that begins with rough steps after a walk onto the stairs, and where it ended along x."""
     rng = np.random.default_rng(seed)
@@ -69,7 +69,7 @@ def _walk(
 @pytest.mark.parametrize("seed", range(2))
 def test_edges_and_levels_are_found_to_millimetres(rise: float, tread: float, seed: int) -> None:
     stairs = StairsTerrain(rise, tread)
-    fit, x = _walk(stairs, Steps(1.1 * rise, 1.05 * tread), 0.03, seed)
+    fit, x = _walk(stairs, StairSteps(1.1 * rise, 1.05 * tread), 0.03, seed)
     assert fit.known
     assert fit.first == 0
     assert fit.last >= 2
@@ -85,7 +85,7 @@ def test_edges_and_levels_are_found_to_millimetres(rise: float, tread: float, se
 
 def test_an_error_of_the_mounting_moves_edges_by_its_lever_alone() -> None:
     tilt = 0.01
-    fit, _ = _walk(StairsTerrain(-0.12, 0.3), Steps(-0.12, 0.3), 0.0, 0, tilt)
+    fit, _ = _walk(StairsTerrain(-0.12, 0.3), StairSteps(-0.12, 0.3), 0.0, 0, tilt)
     nearest = _edge(fit.parameters(), 0)
     assert abs(nearest) < 1.5 * tilt * 0.6  # seen last from 0.45 m above and 0.2 m before it
 
@@ -106,7 +106,7 @@ def _height(flight: np.ndarray, x: float) -> tuple[float, bool]:
 
 
 def test_feet_tell_the_heights() -> None:
-    fit, _ = _walk(StairsTerrain(-0.12, 0.3), Steps(-0.12, 0.3), 0.0, 1)
+    fit, _ = _walk(StairsTerrain(-0.12, 0.3), StairSteps(-0.12, 0.3), 0.0, 1)
     before = fit.parameters()
     for _ in range(4):
         fit.touch(np.array([0.2, 0.1, -0.12 + 0.008]))
@@ -121,7 +121,7 @@ def test_feet_tell_the_heights() -> None:
 @pytest.mark.parametrize("moved", [0.15, 0.0])
 def test_stairs_that_are_gone_are_lost(moved: float) -> None:
     stairs = StairsTerrain(0.12, 0.3)
-    fit, _ = _walk(stairs, Steps(0.12, 0.3), 0.0, 0)
+    fit, _ = _walk(stairs, StairSteps(0.12, 0.3), 0.0, 0)
     rng, origin = np.random.default_rng(0), np.array([0.25, 0.0, 0.65])
     for _ in range(20):
         fit.see(origin, _scan(stairs, origin, 0.0, 45.0, 0.0, rng) + np.array([moved, 0.0, 0.0]))

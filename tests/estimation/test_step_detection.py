@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.estimation.flight_fit import Steps
+from surefoot.estimation.flight_fit import StairSteps
 from surefoot.estimation.step_detection import (
     FINE,
     LOOKS,
@@ -76,7 +76,7 @@ def test_what_is_remembered_is_even_and_ends_after_the_last_edge() -> None:
     assert watch.steps is None
     time = _watch(stairs, watch, np.linspace(-0.3, 0.9, 30), time)
     assert watch.steps is not None
-    assert watch.steps == pytest.approx(Steps(0.12, 0.3), abs=0.005)
+    assert watch.steps == pytest.approx(StairSteps(0.12, 0.3), abs=0.005)
     kept = watch.steps
     time = _watch(FlatTerrain(), watch, np.zeros(3), time)
     assert watch.steps == kept

@@ -14,7 +14,7 @@ from surefoot.control.standing_plan import Lift
 from surefoot.log import Ending
 from surefoot.log.formats import read_log
 from surefoot.simulation.faults import Faults
-from surefoot.simulation.observers import Moment, Observer, Progress
+from surefoot.simulation.observers import Moment, Observer, RunProgress
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Fall
 from surefoot.terrain.terrain import Terrain
@@ -81,7 +81,7 @@ def test_the_controller_is_told_the_state_the_time_and_the_feet(robot: sf.Robot)
     controller, watcher, ticks = standing(robot), Watcher(), []
     lifted = np.array([0.0, 0.0, 0.01] + [0.0] * (robot.model.nq - 3))
     scenario = sf.Scenario(0.2, 0.6, start=sf.place(robot) + lifted)
-    log = run(sf.MujocoWorld(robot, mu=0.6), controller, scenario, [watcher, Progress(ticks.append)])
+    log = run(sf.MujocoWorld(robot, mu=0.6), controller, scenario, [watcher, RunProgress(ticks.append)])
     told = controller.states[-200:]
     assert [state.time for state in told] == pytest.approx(log["time"])
     np.testing.assert_array_equal([state.q for state in told], log["q"])

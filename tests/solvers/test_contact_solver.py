@@ -67,6 +67,18 @@ def test_warm_starts_and_their_end() -> None:
     assert np.shares_memory(found.forces, out)
 
 
+@pytest.mark.parametrize("wild", [1e6, 1e12, 1e100])
+def test_a_wild_call_leaves_no_start(wild: float) -> None:
+    """Forces of another size are no start: the next call takes as long as a fresh one."""
+    p = next(p for p in four_contacts() if sf.solve(p).iterations > 3)
+    solver = sf.ContactSolver(4, p.mu)
+    fresh = solver.solve(p.G, p.g).iterations
+    for G, g in ((p.G, wild * p.g), (p.G / wild, p.g)):
+        assert solver.solve(G, g).solved
+        assert solver.solve(p.G, p.g).iterations == fresh
+        assert solver.solve(p.G, 1.01 * p.g).iterations < fresh
+
+
 def test_hard_input_is_answered_and_forgotten() -> None:
     """NaN, no solution, overflow: a status, finite forces, and the next call is not spoilt."""
     p = four_contacts()[0]

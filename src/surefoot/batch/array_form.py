@@ -89,7 +89,8 @@ def answer(xp: Framework, asked: BatchRequest, G: Any, g: Any, mu: Any, on: Any)
     forces = xp.where(on[..., None], forces, 0.0)
     if asked.smoothing == 0.0:
         forces = snapped(xp, G, g, mu, on, s, forces, asked.convex)
-    forces = xp.where(xp.isfinite(forces).all(-1).all(-1)[..., None, None], forces, 0.0)
+    kept = good & xp.isfinite(forces).all(-1).all(-1)  # the path of what is no problem is that of zeros
+    forces = xp.where(kept[..., None, None], forces, 0.0)
     out = certified(xp, G, g, mu, on, s, forces, good, asked.convex, asked.tol)
     if asked.smoothing > 0.0:
         # a point on the path is judged by the path's own equations

@@ -172,7 +172,8 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
         motion = facts["certificate"] / max(abs(x) for x in facts["certificate"])
         say(
             console,
-            f"It gives way by the motion [{_numbers(motion[:3], 3)}] [{_numbers(motion[3:], 3)}] (linear, "
-            "and angular about the centre of mass): gravity works with it, no contact force against it.",
+            f"Proof: along the motion [{_numbers(motion[:3], 3)}] [{_numbers(motion[3:], 3)}] (linear, and "
+            "angular about the centre of mass) gravity works, and no contact force against it. It is a "
+            "proof's direction, one of many: how the robot will slide or fall is another question.",
         )
     say(console, f"picture: {facts['picture']}" if facts["picture"] else "", facts["note"])

@@ -20,7 +20,7 @@ from surefoot.control.controller import Controller
 from surefoot.log import Ending, Log
 from surefoot.robot import Robot
 from surefoot.simulation.engine_warnings import engine_warnings
-from surefoot.simulation.observers import Observer, Progress
+from surefoot.simulation.observers import Observer, RunProgress
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario
 from surefoot.simulation.world import World
@@ -97,7 +97,7 @@ class SimulatedRun:
         with ends_softly() as stop:
             shown = not self.leaving.as_json
             with progress_bar(shown, account.doing, scenario.duration) as tell, engine_warnings() as warned:
-                watching = [*observers, *([] if tell is None else [Progress(tell)])]
+                watching = [*observers, *([] if tell is None else [RunProgress(tell)])]
                 log = run(world, controller, scenario, watching, self.folder / PARTS)
             say(self.console, *warned)
             summary, entries = self._write(log, account)

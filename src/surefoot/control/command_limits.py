@@ -88,7 +88,7 @@ class LeggedBody:
 
 
 @dataclass(frozen=True)
-class Ground:
+class GroundLimit:
     """What the ground leaves for motion.
 
     Attributes
@@ -150,10 +150,15 @@ class Limits:
     ) -> None:
         self.robot, self.height, self.pace, self.least_duty = body.robot, body.height, pace, least_duty
         self.hurries = HURRIES if adaptable else HURRIES[:1]
-        self.ground = ground_left(body.terrain, body.mu, body.height)
+        self.terrain, self.mu = body.terrain, body.mu
         self._last: list[Limited] = []
         centres = body.robot.foot_positions(body.robot.nominal)[:, :2]
         self.radius = float(np.linalg.norm(centres - centres.mean(axis=0), axis=1).max())
+
+    @property
+    def ground(self) -> GroundLimit:
+        """What the ground leaves."""
+        return ground_left(self.terrain, self.mu, self.height)
 
     def size_of(self, velocity: FloatArray) -> float:
         """Return how large a (3,) velocity is at the feet: its length plus what turning adds [m/s]."""
@@ -260,7 +265,7 @@ def demand_of(robot: Robot, forward: float, left: float, turn: float, height: fl
     return LegDemand(robot, np.array([forward, left, turn]), height)
 
 
-def ground_left(terrain: Terrain, mu: float, height: float) -> Ground:
+def ground_left(terrain: Terrain, mu: float, height: float) -> GroundLimit:
     """Return what a ground leaves for motion, with the friction mu [-] that may be used, at a height [m].
 
     Walking multiplies the force along a slope: the share tan(slope) of the normal force that standing
@@ -270,20 +275,20 @@ def ground_left(terrain: Terrain, mu: float, height: float) -> Ground:
     """
     steepness = terrain.steepness
     if steepness <= 1e-9:
-        return Ground(np.array([0.0, 0.0, 1.0]), math.inf, "")
+        return GroundLimit(np.array([0.0, 0.0, 1.0]), math.inf, "")
     if not terrain.planar:
         fastest = step_speed(terrain, height)
         reason = f"steps of {1e3 * terrain.highest_step:.0f} mm are taken at up to {fastest:.2g} m/s"
         if steepness > STEEP_STAIRS:
             reason = f"stairs of steepness {steepness:.2f} are too steep (up to {STEEP_STAIRS:g} is well)"
-        return Ground(np.array([0.0, 0.0, 1.0]), fastest, reason)
+        return GroundLimit(np.array([0.0, 0.0, 1.0]), fastest, reason)
     fastest = slope_speed(steepness, mu, height)
     lean = steepness / math.hypot(1.0, steepness)
     left = 100.0 * max(1.0 - steepness / mu, 0.0)
     reason = (
         f"the ground's slope of {steepness:.2f} leaves {left:.0f} % of the friction {mu:.2f} that may be used"
     )
-    return Ground(np.array([lean, 0.0, math.sqrt(1.0 - lean * lean)]), fastest, reason)
+    return GroundLimit(np.array([lean, 0.0, math.sqrt(1.0 - lean * lean)]), fastest, reason)
 
 
 def slope_speed(steepness: float, mu: float, height: float) -> float:

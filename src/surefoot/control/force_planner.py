@@ -3,6 +3,12 @@
 A plan takes longer than all else that a step does. So that no step has to do it whole, which feet carry when,
 how much, and where they stand is found out a step ahead; the program is built and solved from the state then.
 The feet that have changed in between are in the bounds of the whole-body controller at once.
+
+A foot that carries its share of the weight from one millisecond to the next asks its motors for a step in
+torque, and drops the body when it leaves. So the most that a foot may push grows along a line from the moment
+it touches, and falls along one to the moment it is planned to lift; the predictive controller knows it and
+moves the load to the other feet in time. A foot that has been taken to stand for an instant and does not
+touch any more waits with its ramp: pushed down in the air it would strike the ground.
 """
 
 from __future__ import annotations
@@ -13,12 +19,18 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.body_motion import BodyReference
-from surefoot.control.force_ramps import ForceRamps
 from surefoot.control.mpc import BodyState, ConvexMpc
 from surefoot.control.walking_body import BodyPlan
 from surefoot.control.walking_feet import Feet
 from surefoot.control.walking_kernels import stance_places, turned_arms
 from surefoot.control.whole_body import Kinematics
+from surefoot.kernels import kernel
+from surefoot.stance.contact_schedule import ContactSchedule
+
+SAMPLES = 4
+"""Instants within a step of the horizon that its mean bound is taken from."""
+LANDED = 1e-3
+"""A foot that touches has used this much of its ramp: it may push at once, if little [s]."""
 
 
 class ForcePlanner:
@@ -28,12 +40,16 @@ class ForcePlanner:
     ----------
     mpc
         Solves for them.
+    schedule
+        When feet are planned to lift and land.
     offsets
         (n, >= 2) where the feet belong about the centre of mass, heading axes [m].
     radii
         (n,) of the feet [m].
-    step
+    dt
         Time between the steps of the controller [s].
+    ramp
+        Length of a ramp [s]; 0 for none.
 
     Attributes
     ----------
@@ -48,8 +64,12 @@ class ForcePlanner:
         Times at which the last plan was set up, and solved [s].
     """
 
-    def __init__(self, mpc: ConvexMpc, offsets: FloatArray, radii: FloatArray, step: float) -> None:
-        self.mpc, self.offsets, self.radii, self.step = mpc, offsets, radii, step
+    def __init__(
+        self, mpc: ConvexMpc, schedule: ContactSchedule, offsets: FloatArray, radii: FloatArray, dt: float,
+        ramp: float,
+    ) -> None:  # fmt: skip
+        self.mpc, self.schedule, self.offsets, self.radii, self.dt = mpc, schedule, offsets, radii, dt
+        self.ramp = max(ramp, 1e-9)
         self.motion, self.rotation = np.zeros((5, 3)), np.eye(3)
         self.reset()
 
@@ -59,30 +79,83 @@ class ForcePlanner:
         self.forces: FloatArray | None = None
         self.begun = self.made = -math.inf
         self._horizon: tuple[BodyReference, FloatArray, BoolArray, FloatArray] | None = None
+        self._landed = np.full(len(self.radii), -math.inf)
+        self._stood: BoolArray = np.ones(len(self.radii), dtype=bool)
+        self._time = math.inf  # no time has passed before the first step
 
     @property
     def pending(self) -> bool:
         """Whether what is set up has still to be solved."""
         return self._horizon is not None
 
-    def set_up(
-        self, time: float, clock: float, feet: Feet, body: BodyPlan, ramps: ForceRamps, stance: float
-    ) -> None:
+    def shares(self, time: float, carrying: BoolArray, felt: BoolArray | None = None) -> FloatArray:
+        """Return the shares at a time of the schedule [s] for (n,) feet that carry: (n,), 0 to 1.
+
+        To be called at every step: a foot's ramp begins when it first carries, and goes on while the foot
+        feels the ground, (n,); None where that is not known, and all do.
+        """
+        shares, schedule = np.ones(len(self.radii)), self.schedule
+        elapsed = max(time - self._time, 0.0)
+        self._time = time
+        early = ramp_shares(
+            schedule.phases(time), carrying, carrying if felt is None else felt, self._stood, self._landed,
+            time, elapsed, LANDED, self.ramp, shares,
+        )  # fmt: skip
+        for k in range(len(shares)) if early else ():
+            if early >> k & 1:
+                left = (self._lift_off(k, time) - time) / self.ramp
+                shares[k] = min(shares[k], max(left, 0.0))
+        return shares
+
+    def _shares_ahead(self, time: float, step: float, count: int) -> FloatArray:
+        """Return the mean shares over `count` coming steps of `step` [s]: (count, n).
+
+        Feet that carry now keep the ramp of their touchdown; later stances are those of the schedule.
+        """
+        fine = time + step * (np.arange(count * SAMPLES) + 0.5) / SAMPLES
+        last, stances = float(fine[-1]), []
+        for k in range(self.schedule.feet):
+            if self._stood[k]:
+                begin, end = float(self._landed[k]), self._lift_off(k, time)
+            else:
+                begin, end = self._next_stance(k, time)
+            while begin <= last:
+                stances.append((k, begin, end))
+                if end > last:
+                    break
+                begin, end = self._next_stance(k, end)
+        out = np.empty((count, self.schedule.feet))
+        mean_shares(np.array(stances, dtype=np.float64).reshape(-1, 3), fine, self.ramp, out)
+        return out
+
+    def _lift_off(self, k: int, time: float) -> float:
+        """Return when a foot that carries is planned to lift; one that landed early, after its stance."""
+        planned, _, end = self.schedule.phase(k, time)
+        return end if planned else self.schedule.phase(k, end)[2]
+
+    def _next_stance(self, k: int, time: float) -> tuple[float, float]:
+        """Return begin and end of the stance that a foot in the air lands for."""
+        planned, begin, end = self.schedule.phase(k, time)
+        if planned:  # late: its stance has begun
+            return max(begin, time), end
+        return end, self.schedule.phase(k, end)[2]
+
+    def set_up(self, time: float, clock: float, feet: Feet, body: BodyPlan, stance: float) -> None:
         """Find out what the horizon that begins at the next step is like; at the first plan, at this one.
 
         Parameters
         ----------
         time, clock
             Now, and on the schedule's clock [s].
-        feet, body, ramps
+        feet, body
             What carries, where the body should be, and the feet's ramps.
         stance
             Length of a stance [s].
         """
         N, dt = self.mpc.horizon, self.mpc.dt
-        ahead = 0.0 if self.forces is None else self.step
+        ahead = 0.0 if self.forces is None else self.dt
         start = clock + ahead
-        contacts = feet.schedule.horizon(start, dt, N)
+        contacts = self.schedule.horizon(start, dt, N)
         if start < 0.0:
             contacts[start + dt * (np.arange(N) + 0.5) < 0.0] = True
         contacts[0] = feet.carrying
@@ -97,7 +170,7 @@ class ForcePlanner:
         )  # fmt: skip
         if self.forces is not None and not self.pending:
             self.mpc.shift(max(time + ahead - self.made, 0.0))
-        self._horizon = reference, places, contacts, ramps.ahead(start, dt, N)
+        self._horizon = reference, places, contacts, self._shares_ahead(start, dt, N)
         self.begun = time
 
     def solve(self, time: float, now: Kinematics, frames: FloatArray, mu: float | None) -> None:
@@ -126,3 +199,64 @@ class ForcePlanner:
         motion[3] = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
         motion[4] = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
         self.forces, self.rotation, self.made, self._horizon = plan.first, now.rotation, time, None
+
+
+@kernel
+def ramp_shares(
+    phases: FloatArray, carrying: BoolArray, felt: BoolArray, carried: BoolArray, landed: FloatArray,
+    time: float, elapsed: float, step: float, length: float, shares: FloatArray,
+) -> int:  # fmt: skip
+    """Fill (n,) shares of the largest normal force; return as a sum of 2^k the feet that landed early.
+
+    Parameters
+    ----------
+    phases
+        (n, 3) see `ContactSchedule.phases`.
+    carrying, felt
+        (n,) which feet carry now, and which feel the ground.
+    carried, landed
+        (n,) which feet carried at the last step, and (n,) when they began to [s]: brought up.
+    time, elapsed, step, length
+        Now, since the last step, what is counted as carried already at a touchdown, and a ramp's length [s].
+    shares
+        1 for feet that do not carry. Those of feet that landed early have no end yet.
+    """
+    early = 0
+    for k in range(shares.shape[0]):
+        if carrying[k] and not carried[k]:
+            landed[k] = time
+        elif carrying[k] and not felt[k] and time - landed[k] + step < length:
+            landed[k] += elapsed  # it may hang in the air still: more force would throw it at the ground
+        carried[k] = carrying[k]
+        shares[k] = 1.0
+        if carrying[k]:
+            used = time - landed[k] + step
+            if phases[k, 0] > 0.0:
+                used = min(used, phases[k, 2] - time)
+            else:
+                early |= 1 << k
+            shares[k] = min(max(used / length, 0.0), 1.0)
+    return early
+
+
+@kernel
+def mean_shares(stances: FloatArray, times: FloatArray, length: float, out: FloatArray) -> None:
+    """Fill (count, n) means of the feet's shares, 0 to 1, over equally many of the times; 1 outside stances.
+
+    Parameters
+    ----------
+    stances
+        (m, 3) foot, begin and end of stances in order, none overlapping another of its foot [-, s, s].
+    times
+        (k count,) rising [s].
+    length
+        Of a ramp [s].
+    """
+    count, samples = len(out), len(times) // len(out)
+    out[:] = 1.0
+    for i in range(len(stances)):
+        foot, begin, end = int(stances[i, 0]), stances[i, 1], stances[i, 2]
+        for t in range(count * samples):
+            if begin <= times[t] < end:
+                share = min(max(min(times[t] - begin, end - times[t]) / length, 0.0), 1.0)
+                out[t // samples, foot] -= (1.0 - share) / samples

@@ -13,7 +13,7 @@ from abc import abstractmethod
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.behaviours.arbiter import Arbiter
-from surefoot.control.behaviours.behaviour import Request, View
+from surefoot.control.behaviours.behaviour import Request, WalkView
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.load_adaptation import LoadAdaptation
@@ -29,6 +29,8 @@ class Tick(Controller):
 
     Attributes
     ----------
+    start
+        Time at which the gait begins [s].
     command
         Wanted velocity over time, after limits.
     body, feet
@@ -45,7 +47,7 @@ class Tick(Controller):
     load: LoadAdaptation | None
     arbiter: Arbiter
     whole_body: WholeBodyController
-    _start: float
+    start: float
 
     def step(self, state: RobotState) -> WalkCommand:
         """Return the command for a state; where no foot senses, the gait's plan is taken for the contacts.
@@ -59,7 +61,7 @@ class Tick(Controller):
         self._adapt(state)
         now = self.whole_body.update(state.q, state.v)
         feet = self._begin(now, state) if self.feet is None else self.feet
-        clock = state.time - self._start - feet.wait
+        clock = state.time - self.start - feet.wait
         sensed = feet.planned.copy() if state.contact is None else state.contact
         standing = self._sort_touches(state, now, sensed, clock)
         changed = clock >= 0.0 and self._move_feet(now, standing, clock)
@@ -76,9 +78,9 @@ class Tick(Controller):
             self.load.acted(state.time, body.torques, feet.carrying)
         return self._commanded(body, feet)
 
-    def _view(self, state: RobotState, now: Kinematics, feet: Feet, clock: float) -> View:
+    def _view(self, state: RobotState, now: Kinematics, feet: Feet, clock: float) -> WalkView:
         """Return what behaviours may read."""
-        return View(
+        return WalkView(
             state.time, clock, state, now, self.command.at(max(clock, 0.0)), self.body.velocity,
             self.body.position, feet.carrying, feet.ground, feet.frames, self._fits, self._waiting,
         )  # fmt: skip

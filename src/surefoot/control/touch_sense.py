@@ -30,11 +30,11 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.behaviours.behaviour import Request, Search
+from surefoot.control.behaviours.behaviour import FootSearch, Request
 from surefoot.control.controller import RobotState
 from surefoot.control.walking_feet import SEARCH_SPEED, Feet
 from surefoot.control.whole_body_tasks import Kinematics
-from surefoot.estimation.ground_belief import GroundBelief, believed
+from surefoot.estimation.ground_belief import BeliefTerrain, believed
 from surefoot.spatial import GRAVITY, base_velocity, heading_of
 from surefoot.terrain import Terrain
 
@@ -46,7 +46,7 @@ AT_ONCE = 3.0
 """A foot that lifts after no more than so many steps lifts now."""
 LEAD_TIME = 0.03
 """Time in which late feet gain the body's speed [s]."""
-USUAL = Search(SEARCH_SPEED)
+USUAL = FootSearch(SEARCH_SPEED)
 """How late feet look for ground that nothing is known of."""
 STRUCK = 0.1
 """Force against its motion from which a foot has struck something, as a share of m g."""
@@ -80,7 +80,7 @@ class TouchSense:
         Time between steps [s].
     """
 
-    def __init__(self, belief: GroundBelief, weight: float, height: float, dt: float) -> None:
+    def __init__(self, belief: BeliefTerrain, weight: float, height: float, dt: float) -> None:
         self.belief, self.dt = belief, dt
         self._weight, self._height = weight, height
         self._fall, self._root = math.sqrt(height / GRAVITY), math.sqrt(GRAVITY * height)
@@ -134,7 +134,7 @@ class TouchSense:
             feet.take_back(k, now.centres[k])
         return ground
 
-    def _seek(self, state: RobotState, feet: Feet, clock: float, search: Search) -> None:
+    def _seek(self, state: RobotState, feet: Feet, clock: float, search: FootSearch) -> None:
         """Send late feet down as is asked for."""
         fastest = search.speed * self._root
         if feet.fastest is None or not search.careful:

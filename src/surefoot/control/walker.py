@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.behaviours.arbiter import Arbiter
-from surefoot.control.behaviours.behaviour import Walk
+from surefoot.control.behaviours.behaviour import WalkFacts
 from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.tick import Tick
@@ -43,7 +45,7 @@ class Walker(Tick):
     terrain: Terrain
     notes: list[str]
     _limit: Callable[[VelocityCommand], VelocityCommand]
-    _height: float
+    height: float
 
     def steer(self, velocity: ArrayLike) -> FloatArray:
         """Take another velocity from now on, limited and ramped as any, and return what is left of it.
@@ -68,10 +70,10 @@ class Walker(Tick):
         return self.command.at(0.0)
 
     def _set_controllers(
-        self, inertia: FloatArray, step: float, pendulum: float, baumgarte: tuple[float, float],
+        self, inertia: FloatArray, step: float, baumgarte: tuple[float, float],
         sole_damping: tuple[float, float] | None = None,
-    ) -> tuple[float, float]:  # fmt: skip
-        """Make the MPC and the whole-body controller, and return least and largest normal force of a point.
+    ) -> None:  # fmt: skip
+        """Make the MPC and the whole-body controller.
 
         Parameters
         ----------
@@ -79,37 +81,51 @@ class Walker(Tick):
             (3, 3) of the robot about its centre of mass, in the axes that the MPC turns [kg m²].
         step
             Of the MPC [s].
-        pendulum
-            sqrt(g / h) [rad/s].
         baumgarte, sole_damping
             See `WholeBodyController`.
         """
-        s, robot, weight = self.settings, self.robot, self.robot.mass * GRAVITY
-        mu, low, high = s.mu * s.friction_share, s.normal_min * weight, s.normal_max * weight
+        s, robot, (low, high) = self.settings, self.robot, self._normals
+        mu = s.mu * s.friction_share
         points = len(robot.contact_points)
         self.mpc = ConvexMpc(robot.mass, inertia, points, s.horizon, step, mu, low, high, s.mpc)
         self.whole_body = WholeBodyController(
             robot, mu, low, high, s.whole_body, baumgarte, None, s.actuators, sole_damping
         )
-        self._body_gain, self._swing_gain = (
-            ((share * pendulum) ** 2, 2.0 * share * pendulum)
-            for share in (s.body_stiffness, s.swing_stiffness)
-        )
-        return low, high
+
+    @property
+    def _normals(self) -> tuple[float, float]:
+        """Least and largest normal force of a contact point [N]."""
+        weight = self.robot.mass * GRAVITY
+        return self.settings.normal_min * weight, self.settings.normal_max * weight
+
+    @property
+    def _pendulum(self) -> float:
+        """sqrt(g / h) [rad/s]."""
+        return math.sqrt(GRAVITY / self.height)
+
+    def _gain(self, share: float) -> tuple[float, float]:
+        """Return stiffness [1/s²] and critical damping [1/s] at a multiple of the pendulum's rate."""
+        rate = share * self._pendulum
+        return rate**2, 2.0 * rate
 
     def _set_behaviours(self, radii: FloatArray, radius: float, watch_friction: bool) -> None:
         """Make the behaviours: feet of `radii` (n,) stand `radius` from the middle [m]."""
         s, weight = self.settings, self.robot.mass * GRAVITY
-        walk = Walk(
-            self.terrain, self.schedule, radii, self._height, radius, weight, s.mu, self.dt, watch_friction,
+        walk = WalkFacts(
+            self.terrain, self.schedule, radii, self.height, radius, weight, s.mu, self.dt, watch_friction,
             s.friction_share,
         )  # fmt: skip
         made = [behaviour for make in s.behaviours if (behaviour := make(walk)) is not None]
         self.arbiter = Arbiter(made, radius, self.notes)
-        self.facts = {
-            "kind": "walk", "normal_min": s.normal_min * weight, "normal_max": s.normal_max * weight,
-            "mu_controller": s.mu, "gait": self.schedule.name, "notes": self.notes,
-            "behaviours": [behaviour.name for behaviour in made],
+
+    @property
+    def facts(self) -> dict[str, Any]:  # type: ignore[override]
+        """What the log should say about it."""
+        low, high = self._normals
+        return {
+            "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": self.settings.mu,
+            "gait": self.schedule.name, "notes": self.notes,
+            "behaviours": [behaviour.name for behaviour in self.arbiter.behaviours],
         }  # fmt: skip
 
     @property

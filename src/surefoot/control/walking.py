@@ -11,13 +11,12 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.control.behaviours.behaviour import Request
 from surefoot.control.command_limits import LeggedBody
 from surefoot.control.controller import RobotState
 from surefoot.control.foothold import step_place
 from surefoot.control.force_planner import ForcePlanner
-from surefoot.control.force_ramps import ForceRamps
 from surefoot.control.gait_choice import choose_gait
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import plane_ahead
@@ -93,47 +92,44 @@ class WalkingController(Walker):
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.settings = s = settings or WalkSettings()
         self.terrain = FlatTerrain() if terrain is None else terrain
-        self._start = s.start
-        self._measure()
+        self.start = s.start
+        inertia, offsets, radii = self._measure()
         body = LeggedBody(
-            robot, self._height, s.clearance * self._height, self.terrain, s.mu * s.friction_share
+            robot, self.height, s.clearance * self.height, self.terrain, s.mu * s.friction_share
         )
         chosen = choose_gait(body, command, gait)
         self.schedule, self.command, self.notes = chosen.schedule, chosen.command, chosen.notes
         self._limit = chosen.limit
-        period = chosen.shortest or PERIOD * math.sqrt(self._height / 0.3)
+        period = chosen.shortest or PERIOD * math.sqrt(self.height / 0.3)
         self._stance_time = self.schedule.stance_time or STANCE * period
         self._mpc_dt = period / s.steps_per_period
-        self._late = min(s.plan_interval, self._mpc_dt) - 0.5 * dt
-        self._set_parts(chosen.shortest > 0.0)
+        self._set_parts(inertia, offsets, radii, chosen.shortest > 0.0)
 
-    def _measure(self) -> None:
-        """Read mass, inertia, height and foot places off the robot's nominal pose."""
+    def _measure(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return inertia (3, 3) [kg m²], places (n, 3) and radii (n,) of feet [m] in the nominal pose."""
         robot, q = self.robot, self.robot.nominal
-        self._inertia, _, base = composite_inertia(robot, q)
-        self._radii = np.array([f.radius for f in robot.feet])
+        inertia, _, base = composite_inertia(robot, q)
+        radii = np.array([f.radius for f in robot.feet])
         com, centres = robot.com(q), robot.foot_positions(q)
-        self._height = float(com[2] - (centres[:, 2] - self._radii).mean())
+        self.height = float(com[2] - (centres[:, 2] - radii).mean())
         offsets = (centres - com) @ base
-        self._offsets = offsets - np.array([*offsets[:, :2].mean(axis=0), 0.0])
-        self._radius = float(np.linalg.norm(self._offsets[:, :2], axis=1).max())
-        self._pendulum = math.sqrt(GRAVITY / self._height)
+        return inertia, offsets - np.array([*offsets[:, :2].mean(axis=0), 0.0]), radii
 
-    def _set_parts(self, cyclic: bool) -> None:
+    def _set_parts(self, inertia: FloatArray, offsets: FloatArray, radii: FloatArray, cyclic: bool) -> None:
         """Make what gives the forces, and what looks after ground, steps and load."""
         s, weight = self.settings, self.robot.mass * GRAVITY
-        rates = 0.0, 2.0 * self._pendulum
-        self._normals = self._set_controllers(self._inertia, self._mpc_dt, self._pendulum, rates)
-        self._set_behaviours(self._radii, self._radius, s.watch_friction)
+        self._set_controllers(inertia, self._mpc_dt, (0.0, 2.0 * self._pendulum))
+        radius = float(np.linalg.norm(offsets[:, :2], axis=1).max())
+        self._set_behaviours(radii, radius, s.watch_friction)
         self._steps = None
         if cyclic and (self.terrain.highest_step > 0.0 or self.terrain.learns):
-            margin = 2.0 * float(self._radii.mean())
-            self._steps = StepPhase(self.terrain, self.schedule, self._offsets, margin)
-        self._touch = touch_sense(self.terrain, weight, self._height, self.dt)
+            margin = 2.0 * float(radii.mean())
+            self._steps = StepPhase(self.terrain, self.schedule, offsets, margin)
+        self._touch = touch_sense(self.terrain, weight, self.height, self.dt)
         self.load = None
-        if s.load is not None:
-            self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
-        self.planner = ForcePlanner(self.mpc, self._offsets, self._radii, self.dt)
+        if s.watch_load:
+            self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body)
+        self.planner = ForcePlanner(self.mpc, self.schedule, offsets, radii, self.dt, s.ramp / self._pendulum)
         self.reset()
 
     def reset(self) -> None:
@@ -142,7 +138,6 @@ class WalkingController(Walker):
             if part is not None:
                 part.reset()
         self.feet: Feet | None = None
-        self.ramps = ForceRamps(self.schedule, self.settings.ramp / self._pendulum)
         self._aimed_at = -math.inf
         self._fits = True  # the gait follows the speed fast enough
         self._new_load = True  # what has been learned of the load since the models were brought up
@@ -153,9 +148,14 @@ class WalkingController(Walker):
         """Whether the body waits to set off onto steps."""
         return self._steps is not None and self._steps.waiting
 
+    @property
+    def _interval(self) -> float:
+        """Time between two plans, less half a step [s]."""
+        return min(self.settings.plan_interval, self._mpc_dt) - 0.5 * self.dt
+
     def _due(self, time: float) -> bool:
         """Return whether it is time for another plan."""
-        return time - self.planner.begun >= self._late
+        return time - self.planner.begun >= self._interval
 
     def _adapt(self, state: RobotState) -> None:
         """Learn of the load; bring the models up in a step without a plan and without footholds."""
@@ -163,20 +163,20 @@ class WalkingController(Walker):
             return
         self.load.observe(state)
         if self._new_load and not (self._due(state.time) or self.planner.pending):
-            self.load.tell(None if self.feet is None else self.body)
+            self.load.update_models(None if self.feet is None else self.body)
             self._new_load = False
 
     def _begin(self, now: Kinematics, state: RobotState) -> Feet:
         """Start from where the robot stands."""
-        clearance = self.settings.clearance * self._height
-        descent = DESCENT * math.sqrt(GRAVITY * self._height)
+        clearance = self.settings.clearance * self.height
+        descent = DESCENT * math.sqrt(GRAVITY * self.height)
         centres = now.centres.copy()
         if self._touch is not None:
-            self._touch.begin(state, centres, self._radii)
-        self.feet = Feet(self.schedule, self.terrain, self._radii, clearance, descent, centres)
+            self._touch.begin(state, centres, self.planner.radii)
+        self.feet = Feet(self.schedule, self.terrain, self.planner.radii, clearance, descent, centres)
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
         dip = 0.0 if self.terrain.planar else DIP
-        self.body = BodyPlan(self._height, now.com.copy(), yaw, dip=dip, stance=first_stance(self.schedule))
+        self.body = BodyPlan(self.height, now.com.copy(), yaw, dip=dip, stance=first_stance(self.schedule))
         self._follow_ground(math.inf)
         return self.feet
 
@@ -217,16 +217,16 @@ class WalkingController(Walker):
         if self.load is not None:
             self.load.pull(now, state.q[:3])
         low, high = self._normals
-        top = high * self.ramps.now(clock, feet.carrying, standing)
+        top = high * self.planner.shares(clock, feet.carrying, standing)
         self.whole_body.bound_normals(np.minimum(low, top), top)
         if changed or self._due(time):
-            self.planner.set_up(time, clock, feet, self.body, self.ramps, self._stance_time)
+            self.planner.set_up(time, clock, feet, self.body, self._stance_time)
             self._aimless |= changed
             if self.planner.forces is None:
                 self._plan_forces(now, request, time)
         elif self.planner.pending:
             self._plan_forces(now, request, time)
-        elif self._aimless or time - self._aimed_at >= self._late:
+        elif self._aimless or time - self._aimed_at >= self._interval:
             self._aim(now, request, clock, time)
             self._new_load = True
 
@@ -242,7 +242,7 @@ class WalkingController(Walker):
         if self.terrain.planar or self.terrain.unsure:
             body.fit_ground(feet.ground, elapsed)
             return
-        plane = plane_ahead(self.terrain, body.position[:2], body.yaw, body.flow(), self._height)
+        plane = plane_ahead(self.terrain, body.position[:2], body.yaw, body.flow(), self.height)
         body.follow_plane(*plane, elapsed)
 
     def _aim(self, now: Kinematics, request: Request, clock: float, time: float) -> None:
@@ -254,15 +254,15 @@ class WalkingController(Walker):
         if schedule.adapts:
             self._time_steps(request, max(clock, 0.0))
         own = schedule.clearance
-        feet.clearance = (self.settings.clearance * self._height if own is None else own) + request.clearance
+        feet.clearance = (self.settings.clearance * self.height if own is None else own) + request.clearance
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self.terrain.unsure)
             feet.stride = self._steps.stride
         for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
             _, _, end = schedule.phase(k, clock)
             place = step_place(
-                now.com, now.com_velocity, self._offsets[k], self.body.yaw, self.body.velocity,
-                max(end - clock, 0.0), self._height, self._stance_time,
+                now.com, now.com_velocity, self.planner.offsets[k], self.body.yaw, self.body.velocity,
+                max(end - clock, 0.0), self.height, self._stance_time,
             )  # fmt: skip
             if request.foot_goals is not None:
                 place = request.foot_goals(place, feet.start[k], float(feet.duration[k]))
@@ -291,8 +291,9 @@ class WalkingController(Walker):
         assert planner.forces is not None
         motion = np.array([now.com, now.com_velocity, now.angular_velocity])
         since = state.time - planner.made
-        com, turn = follow(planner.motion, planner.rotation, since, motion, now.rotation, *self._body_gain)
-        wanted = feet.accelerations(clock, now.centres, now.twists, self._swing_gain)
+        gain = self._gain(self.settings.body_stiffness)
+        com, turn = follow(planner.motion, planner.rotation, since, motion, now.rotation, *gain)
+        wanted = feet.accelerations(clock, now.centres, now.twists, self._gain(self.settings.swing_stiffness))
         return Tasks(
             feet.carrying, com, turn, wanted, np.zeros(self.robot.joints), planner.forces, feet.frames,
             np.zeros(len(feet.radii)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -149,14 +149,14 @@ class BodyPlan:
     ground: float = 0.0
     lowered: float = 0.0
     dip: float = 0.0
-    stance: float = 0.0
+    stance: InitVar[float] = 0.0
     ceiling: float = math.inf
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, stance: float) -> None:
         self.change = ACCELERATION * GRAVITY
         longest = LONG_STANCE * math.sqrt(self.height / GRAVITY)
-        if self.stance > longest:
-            self.change *= (longest / self.stance) ** 2
+        if stance > longest:
+            self.change *= (longest / stance) ** 2
         self.acceleration = self.change
 
     def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:

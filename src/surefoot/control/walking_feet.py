@@ -110,10 +110,9 @@ class Feet(Bound):
         self._retry = np.full((n, 2), -np.inf)  # when swings that were interrupted begin anew and end
         self.again: BoolArray = np.zeros(n, dtype=bool)
         self._late_from = np.zeros(n)
-        self._plane = self.terrain.planar
-        self._lift_first[:] = swing.EVEN if self._plane else LIFT_FIRST
+        self._lift_first[:] = swing.EVEN if self.terrain.planar else LIFT_FIRST
         self._timing[:, 5] = DOWN
-        self._reach, self._margin = 1.2 * self.clearance, float(2.0 * self.radii.mean())
+        self._reach = 1.2 * self.clearance
 
     def _bind(self) -> None:
         """Find the parts of what swings are computed from."""
@@ -239,20 +238,20 @@ class Feet(Bound):
     def _lift(self, k: int, begin: float, duration: float, centre: FloatArray) -> None:
         self.carrying[k] = self.again[k] = False
         self._lifted[k], self.duration[k] = begin, duration
-        self._lift_first[k] = swing.EVEN if self._plane else LIFT_FIRST
+        self._lift_first[k] = swing.EVEN if self.terrain.planar else LIFT_FIRST
         self.start[k] = centre
 
     def _land(self, k: int, centre: FloatArray) -> None:
         self.carrying[k], self.late[k] = True, False
         self._aimed[k], self.target[k] = self.target[k], centre
-        if not self._plane:
+        if not self.terrain.planar:
             self.frames[k] = self.terrain.frame(centre[:2])
         self.ground[k] = centre - self.radii[k] * self.frames[k, :, 2]
 
     def aim(self, k: int, place: FloatArray) -> None:
         """Set the target of a foot in the air: (2,) nominal place [m], moved to good ground."""
         share = float(self.share[k])
-        if share > (FREEZE if self._plane else FREEZE_ROUGH):
+        if share > (FREEZE if self.terrain.planar else FREEZE_ROUGH):
             return
         if share > FREEZE_ROUGH:  # ever less can be changed without a rush
             trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
@@ -262,17 +261,18 @@ class Feet(Bound):
         if share > CHOSEN:
             before = self.target[k, :2]
         more = math.inf if share > CHOSEN else SAME_TREAD * float(self.radii[k])
-        xy = choose_foothold(self.terrain, place, self._reach, self._margin, way, before, more)
-        normal = self.frames[k, :, 2] if self._plane else self.terrain.normal(xy)
+        margin = float(2.0 * self.radii.mean())
+        xy = choose_foothold(self.terrain, place, self._reach, margin, way, before, more)
+        normal = self.frames[k, :, 2] if self.terrain.planar else self.terrain.normal(xy)
         self.target[k, :2] = xy
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
         noise = self.terrain.noise_at(xy)
         self._timing[k, 5] = DOWN - (DOWN - DOWN_NOISY) * min(noise / NOISY, 1.0)
         above = RAISE * noise + self.radii[k] / normal[2]
         self.target[k, 2] = float(self.terrain.height(xy)) + above
-        if not self._plane:
+        if not self.terrain.planar:
             self.frames[k] = self.terrain.frame(xy)
-        if self._plane or self._even(k, noise):
+        if self.terrain.planar or self._even(k, noise):
             self._lift_first[k] = swing.EVEN
             self.target[k, 2] -= RAISE * noise  # a late foot costs more than an early one
             # the bump is put on the line between both ends, which is as steep as the plane

@@ -12,7 +12,6 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.behaviours import BEHAVIOURS, MakeBehaviour
 from surefoot.control.behaviours.arbiter import LOGGED
 from surefoot.control.controller import Command
-from surefoot.control.load_adaptation import LoadSettings
 from surefoot.control.mpc import MpcWeights
 from surefoot.control.whole_body import TaskWeights
 from surefoot.robot.actuators import Actuators
@@ -67,7 +66,7 @@ class WalkSettings:
     swing_stiffness: float = 8.0
     normal_min: float = 0.02
     normal_max: float = 1.5
-    load: LoadSettings | None = field(default_factory=LoadSettings)
+    watch_load: bool = True
     ramp: float = 0.17
     mpc: MpcWeights = field(default_factory=MpcWeights)
     whole_body: TaskWeights = field(default_factory=TaskWeights)

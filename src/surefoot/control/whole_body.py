@@ -54,6 +54,7 @@ from surefoot.control.whole_body_tasks import TaskWeights as TaskWeights
 from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
 from surefoot.equilibrium.force_distribution import ForceDistributor
 from surefoot.errors import ModelError
+from surefoot.estimation.live_arrays import Bound
 from surefoot.estimation.wrench_kernels import point_inertia
 from surefoot.estimation.wrench_observer import Instant, Load
 from surefoot.robot import Robot
@@ -70,7 +71,7 @@ _Range = tuple[FloatArray, FloatArray, FloatArray]
 _Answer = tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]
 
 
-class WholeBodyController:
+class WholeBodyController(Bound):
     """Turns tasks into torques at every step of a fast loop: `update`, then `solve`.
 
     Parameters
@@ -97,6 +98,8 @@ class WholeBodyController:
 
     Attributes
     ----------
+    mass
+        Of the robot with its load [kg].
     outside
         (6,) known wrench on the base beside the ground's, about its origin, base axes [N, N m].
     friction
@@ -124,7 +127,7 @@ class WholeBodyController:
             raise ModelError(f"whole-body control of {robot.name} needs a floating base and feet")
         self.robot = robot = robot if actuators is None else with_rotors(robot, actuators.armature)
         self._views = ModelViews(robot.model.copy(), robot.model.createData())
-        self._mass = robot.mass
+        self.mass = robot.mass
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
         self.actuators = actuators
         self.outside, self.friction = np.zeros(6), np.zeros(robot.joints)
@@ -145,6 +148,11 @@ class WholeBodyController:
         weights = np.array([w.linear, w.angular * square, w.swing, w.swing * square, *rates])
         joints = w.joints * square * np.where(legs, 1.0, w.body)
         self._numbers, self._memory = step_memory(int(self.robot.model.nv), points, weights, joints)
+        self._bind()
+
+    def _bind(self) -> None:
+        """Make what every step reads of its memory, here and in a copy."""
+        self._map, self._target = self._part(MAP, 6, -1), self._part(TARGET, 6)
 
     @property
     def point_foot(self) -> IntArray:
@@ -201,7 +209,7 @@ class WholeBodyController:
         import pinocchio
 
         base, inertias = self.robot.model.inertias[1], self._views.model.inertias
-        self._mass = self.robot.mass
+        self.mass = self.robot.mass
         if load is None:
             inertias[1] = base
             return
@@ -211,7 +219,7 @@ class WholeBodyController:
         centre = (base.mass * base.lever + load.moment) / mass
         turned = base.inertia + reduced * point_inertia(load.place - base.lever)
         inertias[1] = pinocchio.Inertia(mass, centre, turned)
-        self._mass += load.mass
+        self.mass += load.mass
 
     def instant(self) -> Instant:
         """Return the model at the state of the last `solve`.
@@ -257,7 +265,7 @@ class WholeBodyController:
         views, numbers, memory = self._views, self._numbers, self._memory
         span = self._usable()
         rows, sound = force_problem(
-            numbers, memory, views.mass_matrix, views.bias, self._mass, self.outside, tasks.stance,
+            numbers, memory, views.mass_matrix, views.bias, self.mass, self.outside, tasks.stance,
             tasks.com_acceleration, tasks.turn_acceleration, tasks.feet, tasks.joints, tasks.frames,
             tasks.gaps,
         )  # fmt: skip
@@ -295,7 +303,7 @@ class WholeBodyController:
     def _share(self, tasks: Tasks, span: _Range) -> tuple[FloatArray, Status, _Answer]:
         """Return forces and what follows from them, the torques of loaded joints within their limits."""
         distributor = self._distributor
-        forces = distributor.solve(self._part(MAP, 6, -1), self._part(TARGET, 6), tasks.forces)
+        forces = distributor.solve(self._map, self._target, tasks.forces)
         answer = self._answer(forces, span)
         if answer[3][1] > 1.0:
             distributor = self._limited
@@ -351,8 +359,8 @@ class WholeBodyController:
         # in units in which the range is as wide as the box of the limits
         scale = np.divide(self.limits, half, out=np.ones_like(half), where=np.isfinite(half) & (half > 0.0))
         return self._limited.solve(
-            self._part(MAP, 6, -1),
-            self._part(TARGET, 6),
+            self._map,
+            self._target,
             tasks.forces,
             self._stance[self.point_foot],
             jacobian=(scale[:, None] * slope).T,

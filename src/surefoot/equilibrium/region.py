@@ -27,7 +27,7 @@ class Region:
         (h, 2) [-], (h,) [m]: no point of the region has ``directions @ point > heights``.
     gap
         Largest distance of the outer polygon from the inner one [m], measured on these two; infinite where
-        rounding lets nothing be said.
+        rounding lets nothing be said of what is outside (the polygon stands, and there are no half-planes).
     height
         Height of the plane the polygon lies in [m].
     axis
@@ -57,7 +57,7 @@ class Region:
 
     def __repr__(self) -> str:
         if self.empty:
-            return "Region(empty)"
+            return "Region(empty)" if self.gap == 0.0 else "Region(undecided)"
         return f"Region(area={self.area:.4g} m^2, gap={self.gap:.2g} m, {len(self.inner)} corners)"
 
     @property
@@ -72,8 +72,8 @@ class Region:
 
     @property
     def outer(self) -> FloatArray:
-        """(h, 2) corners of the outer polygon, counter-clockwise [m]."""
-        if self.empty:
+        """(h, 2) corners of the outer polygon, counter-clockwise [m]; none where nothing bounds it."""
+        if self.empty or not len(self.directions):
             return np.zeros((0, 2))
         middle = self.inner.mean(axis=0)
         reach = float(np.max(self.heights - self.directions @ middle, initial=0.0))

@@ -12,8 +12,8 @@ from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.cones.cone import Fit
 from surefoot.equilibrium.limits import ForceLimits, Question, all_limits, normal_limits, squeeze_limit
 from surefoot.equilibrium.region import Region, convex_hull
-from surefoot.equilibrium.statics import needed_wrench
-from surefoot.equilibrium.tracing import Rows, traced
+from surefoot.equilibrium.statics import MOST_MU, needed_wrench
+from surefoot.equilibrium.tracing import Rows, Traced, traced
 from surefoot.errors import ProblemError
 from surefoot.stance import Stance
 
@@ -187,16 +187,28 @@ def _region(question: Question, tol: float, rows: Rows, height: float, axis: Flo
         return Region.nothing(height, axis)
     question = replace(question, limits=all_limits(normal_limits(stance), question.limits))
     force_limit = math.inf
-    found = traced(question, rows, tol)
+    found = _within_reason(question, rows, tol)
     if found.unbounded:
         force_limit = SQUEEZE * float(np.linalg.norm(question.load[:3]))
         limits = all_limits(question.limits, squeeze_limit(stance, force_limit))
-        found = traced(replace(question, limits=limits), rows, tol)
+        found = _within_reason(replace(question, limits=limits), rows, tol)
     if found.empty:
         return Region.nothing(height, axis, force_limit)
     if found.unbounded:
         raise ProblemError("the region has no bound: give the contacts a normal_max")
     return found.region(height, axis, tol, force_limit)
+
+
+def _within_reason(question: Question, rows: Rows, tol: float) -> Traced:
+    """Trace the region; where rounding says nothing of very much friction, the part that less of it gives.
+
+    What less friction holds, more holds as well: the polygon stands, the half-planes around it do not.
+    """
+    found, mu = traced(question, rows, tol), question.stance.mu
+    if found.unbounded or math.isfinite(found.gap) or not mu.max() > MOST_MU:
+        return found
+    part = traced(replace(question, stance=question.stance.with_friction(np.minimum(mu, MOST_MU))), rows, tol)
+    return Traced(part.inner, np.zeros((0, 2)), np.zeros(0), math.inf, part.unbounded)
 
 
 def checked_gap(tol: float) -> None:

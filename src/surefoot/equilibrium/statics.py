@@ -44,7 +44,7 @@ _RUNAWAY = 1e3
 """Forces of so many loads, where bounds take part, are taken for a squeeze that nothing stops."""
 _SQUEEZES = (10.0, 100.0, 1000.0)
 """Total normal forces, in loads, that `friction_needed` counts with where less friction needs ever more."""
-_MOST_MU = 1e4
+MOST_MU = 1e4
 """A stance that needs more friction than this counts as one that no friction saves; where rounding leaves
 more friction no answer, forces are looked for within this much."""
 
@@ -113,8 +113,8 @@ def can_stand(
         return _general(Question(stance, about, load, all_limits(normal_limits(stance), limits), facets, fit))
     question, points = Question(stance, about, load), stance.points()
     outcome, margin, x, y, reach = stand(points.positions, points.rotations, points.mu, about, load)
-    if outcome == UNDECIDED and float(points.mu.max()) > _MOST_MU:
-        less = np.minimum(points.mu, _MOST_MU)
+    if outcome == UNDECIDED and float(points.mu.max()) > MOST_MU:
+        less = np.minimum(points.mu, MOST_MU)
         again = stand(points.positions, points.rotations, less, about, load)
         if again[0] in (FEASIBLE, ENDLESS):  # forces in a part of the cones; a proof would not hold
             outcome, margin, x, _, _ = again
@@ -149,8 +149,8 @@ def _general(question: Question) -> Verdict:
     y[6:] = np.maximum(y[6:], 0.0)
     reach = proof_reach(eq.A, eq.w, y, eq.lorentz)
     if reach < REACH:
-        if float(stance.points().mu.max()) > _MOST_MU:  # arithmetic can deal with a part of the cones
-            less = stance.with_friction(np.minimum(stance.mu, _MOST_MU))
+        if float(stance.points().mu.max()) > MOST_MU:  # arithmetic can deal with a part of the cones
+            less = stance.with_friction(np.minimum(stance.mu, MOST_MU))
             held_by_less = _general(replace(question, stance=less))
             if held_by_less:
                 return replace(held_by_less, question=question)
@@ -269,7 +269,7 @@ def _least_root(depth: Callable[[float], float], band: float) -> float:
     high = 1.0
     at_high = depth(high)
     while at_high < -band:
-        if high >= _MOST_MU:
+        if high >= MOST_MU:
             return math.inf
         low, at_low = high, at_high
         high *= 10.0

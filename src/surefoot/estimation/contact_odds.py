@@ -84,7 +84,7 @@ class TouchSettings:
             real_number(one.name, getattr(self, one.name), low=-20.0 if signed else 1e-6, high=1e3)
 
 
-class GroundBelief:
+class GroundLevel:
     """Where the ground is: a map, or else the plane through where the feet stood last.
 
     Parameters

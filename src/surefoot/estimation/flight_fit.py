@@ -51,7 +51,7 @@ BESIDE = 2
 """So many treads before the first edge and beyond the last one the ground is taken to be level."""
 
 
-class Steps(NamedTuple):
+class StairSteps(NamedTuple):
     """Stairs along a way.
 
     Attributes
@@ -115,7 +115,9 @@ class FlightFit(StepLine):
         Numbers of the edges that have been seen, from the one given, 0.
     """
 
-    def __init__(self, along: FloatArray, edge: float, level: float, steps: Steps, place: FloatArray) -> None:
+    def __init__(
+        self, along: FloatArray, edge: float, level: float, steps: StairSteps, place: FloatArray
+    ) -> None:
         self.along, self.across = along, np.array([-along[1], along[0]])
         self.aside = float(place @ self.across)
         self._x = np.array([edge, steps.tread, 0.0])

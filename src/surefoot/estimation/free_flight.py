@@ -30,7 +30,7 @@ SURE = 0.2
 
 
 @dataclass(frozen=True)
-class FreeFlight:
+class TossFlight:
     """The fit of the frames before the first touch.
 
     Attributes
@@ -84,7 +84,7 @@ def gravity_of(terms: FloatArray, weights: FloatArray) -> FloatArray:
     return np.where(information > 0.0, moment / np.maximum(information, 1e-300), GRAVITY)
 
 
-def fit_free_flight(tosses: Tosses, frames: IntArray, gravity: float) -> FreeFlight:
+def fit_free_flight(tosses: Tosses, frames: IntArray, gravity: float) -> TossFlight:
     """Fit the free flight of every toss, (B,) frames of each."""
     starts = np.empty((len(tosses), 13))
     used = np.where(frames >= FEWEST, frames, 0)
@@ -102,7 +102,7 @@ def fit_free_flight(tosses: Tosses, frames: IntArray, gravity: float) -> FreeFli
             variances.append(residuals / (3.0 * (int(used[k]) - 2)))
     # the median toss: a few tosses lose a fiducial for a frame
     noise = np.sqrt(np.median(variances, axis=0)) if variances else np.zeros(2)
-    return FreeFlight(starts, used, float(noise[0]), float(noise[1]))
+    return TossFlight(starts, used, float(noise[0]), float(noise[1]))
 
 
 def _fit(rows: FloatArray, t: FloatArray, gravity: float) -> tuple[FloatArray, FloatArray]:

@@ -75,7 +75,7 @@ class Sensed(Protocol):
         """What a range sensor has seen, at the steps at which it says so."""
 
 
-class GroundBelief(Terrain):
+class BeliefTerrain(Terrain):
     """A terrain that learns from what the robot senses.
 
     Attributes
@@ -208,12 +208,12 @@ class GroundBelief(Terrain):
         """Use a new plane: `_level` [m] at `_about`, `_slope`."""
 
 
-def believed(terrain: Terrain) -> GroundBelief | None:
+def believed(terrain: Terrain) -> BeliefTerrain | None:
     """Return a terrain that learns as the belief that it is, None for one that is known."""
-    return cast(GroundBelief, terrain) if terrain.learns else None
+    return cast(BeliefTerrain, terrain) if terrain.learns else None
 
 
-class TouchedGround(GroundBelief):
+class TouchedGround(BeliefTerrain):
     """The plane through the last footholds, by touch alone.
 
     Examples
@@ -234,7 +234,7 @@ class TouchedGround(GroundBelief):
         return "TouchedGround()"
 
     def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
-        """See `GroundBelief.begin`."""
+        """See `BeliefTerrain.begin`."""
         self._bias = 0.0
         super().begin(state, ground, height)
 
@@ -254,4 +254,4 @@ class TouchedGround(GroundBelief):
         self._bias = min(max(self._bias + BIAS_GAIN * error, -most), most)
 
     def _fitted(self) -> None:
-        """See `GroundBelief`; the plane is read as it is."""
+        """See `BeliefTerrain`; the plane is read as it is."""

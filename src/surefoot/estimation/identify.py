@@ -20,7 +20,7 @@ from surefoot.errors import ProblemError
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.free_flight import (
     SURE,
-    FreeFlight,
+    TossFlight,
     fit_free_flight,
     flying_frames,
     gravity_of,
@@ -95,7 +95,7 @@ class Surroundings:
     gravity: float
     planes: FloatArray
     gravities: FloatArray
-    flight: FreeFlight
+    flight: TossFlight
     notes: tuple[str, ...]
 
     def scene(self, tosses: Tosses) -> TossScene:

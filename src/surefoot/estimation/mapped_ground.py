@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.estimation.elevation_kernels import flight_heights
 from surefoot.estimation.elevation_map import ElevationMap, MapSettings
-from surefoot.estimation.ground_belief import GroundBelief, Sensed
+from surefoot.estimation.ground_belief import BeliefTerrain, Sensed
 from surefoot.estimation.step_detection import StepWatch
 from surefoot.spatial import rotation_from_quaternion
 
@@ -23,7 +23,7 @@ STRIKE_NOISE = 2.0
 """A foot strikes nothing that is lower than this many times the noise below its sole."""
 
 
-class MappedGround(GroundBelief):
+class MappedGround(BeliefTerrain):
     """A height map of what a range sensor has seen and feet have touched.
 
     Parameters
@@ -54,7 +54,7 @@ class MappedGround(GroundBelief):
         return f"MappedGround({self.map!r})"
 
     def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
-        """See `GroundBelief.begin`."""
+        """See `BeliefTerrain.begin`."""
         self.map.begin(ground[:, :2].mean(axis=0), 0.0, np.zeros(2))
         self._poses.clear()
         self.watch.reset()
@@ -67,7 +67,7 @@ class MappedGround(GroundBelief):
     def observe(
         self, state: Sensed, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
-        """See `GroundBelief.observe`; a scan goes where the base was believed to be when it was taken."""
+        """See `BeliefTerrain.observe`; a scan goes where the base was believed to be when it was taken."""
         self._poses.append((state.time, state.q[:7].copy()))
         while self._poses[0][0] < state.time - REMEMBERED:
             self._poses.popleft()
@@ -88,7 +88,7 @@ class MappedGround(GroundBelief):
         self.watch.look(self.map, state.q[:2], math.atan2(R[1, 0], R[0, 0]), state.time)
 
     def above(self, soles: FloatArray, asked: BoolArray) -> FloatArray:
-        """See `GroundBelief.above`."""
+        """See `BeliefTerrain.above`."""
         out = np.zeros(len(soles))
         for k in np.flatnonzero(asked).tolist():
             if math.isfinite(self.map.variance(soles[k, :2])):
@@ -96,14 +96,14 @@ class MappedGround(GroundBelief):
         return out
 
     def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
-        """See `GroundBelief.may_strike`: not where the ground before the foot is known to be low."""
+        """See `BeliefTerrain.may_strike`: not where the ground before the foot is known to be low."""
         path = self._path_ahead(sole, velocity)
         known = bool(self.map.known(path).all())
         return not known or float(self.height(path).max()) > sole[2] - STRIKE_NOISE * self.noise
 
     @property
     def bumps(self) -> float:
-        """See `GroundBelief.bumps`: none, feet are lifted over what is seen [m]."""
+        """See `BeliefTerrain.bumps`: none, feet are lifted over what is seen [m]."""
         return 0.0
 
     @property

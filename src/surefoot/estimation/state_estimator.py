@@ -19,7 +19,7 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.contact_odds import (
     ContactFusion,
-    GroundBelief,
+    GroundLevel,
     TouchSettings,
     force_noise,
     observer_gain,
@@ -149,7 +149,7 @@ class StateEstimator:
         self.latency.reset()
         robot, ground = self.ekf.robot, self.ekf.ground
         soles = robot.foot_positions(q) - robot.contact_points.foot_radii[:, None] * [0.0, 0.0, 1.0]
-        self.ground, self._stood = GroundBelief(ground, soles), np.zeros(len(robot.feet), dtype=bool)
+        self.ground, self._stood = GroundLevel(ground, soles), np.zeros(len(robot.feet), dtype=bool)
         self._sensed = np.zeros_like(self._stood)
         self.health = Health.GOOD
         self.forces = np.zeros((len(self.ekf.robot.feet), 3))

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.estimation.flight_fit import FlightFit, Steps
+from surefoot.estimation.flight_fit import FlightFit, StairSteps
 from surefoot.terrain import Terrain
 
 FINE, ACROSS = 0.01, 4
@@ -36,7 +36,7 @@ PATIENCE = 0.6
 """Time without any edge after which stairs are over [s]."""
 
 
-class Flight(NamedTuple):
+class StairFlight(NamedTuple):
     """Stairs along a way, and where they begin on it.
 
     Attributes
@@ -47,7 +47,7 @@ class Flight(NamedTuple):
         Of their first edge that is seen [m].
     """
 
-    steps: Steps
+    steps: StairSteps
     begin: float
 
 
@@ -74,16 +74,16 @@ def find_edges(heights: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.array(places), np.array(jumps)
 
 
-def find_flight(heights: FloatArray) -> Flight | None:
+def find_flight(heights: FloatArray) -> StairFlight | None:
     """Return the longest flight of stairs in (m,) heights every `FINE` along a way [m]; None without any.
 
     Examples
     --------
     >>> find_flight(np.repeat([0.0, 0.0, -0.1, -0.2, -0.3], 28))
-    Flight(steps=Steps(rise=-0.1, tread=0.28), begin=0.555)
+    StairFlight(steps=StairSteps(rise=-0.1, tread=0.28), begin=0.555)
     """
     places, jumps = find_edges(heights)
-    best: Flight | None = None
+    best: StairFlight | None = None
     longest = 1
     for first in range(len(places) - 1):
         for last in range(first + 1, len(places)):
@@ -93,7 +93,9 @@ def find_flight(heights: FloatArray) -> Flight | None:
             even &= np.abs(rises - rise).max() <= EVEN_RISES * abs(rise)
             if even and TREADS[0] <= tread <= TREADS[1] and last - first > longest - 1:
                 fitted, begin = np.polyfit(np.arange(last - first + 1), FINE * places[first : last + 1], 1)
-                best = Flight(Steps(round(rise, 6), round(float(fitted), 6)), round(float(begin), 6))
+                best = StairFlight(
+                    StairSteps(round(rise, 6), round(float(fitted), 6)), round(float(begin), 6)
+                )
                 longest = last - first + 1
     return best
 
@@ -114,11 +116,11 @@ class StepWatch:
 
     def reset(self) -> None:
         """Forget them."""
-        self.steps: Steps | None = None
+        self.steps: StairSteps | None = None
         self.flight: FloatArray | None = None
         self._fit: FlightFit | None = None
         self._seen = self._time = self._begun = -math.inf
-        self._looks: deque[Steps] = deque(maxlen=LOOKS)
+        self._looks: deque[StairSteps] = deque(maxlen=LOOKS)
 
     def look(self, terrain: Terrain, place: FloatArray, yaw: float, time: float) -> None:
         """Look along the way of a robot at a (2,) place [m] with a heading [rad], at a time [s]."""
@@ -140,10 +142,10 @@ class StepWatch:
         self._looks.append(found.steps)
         if len(self._looks) == LOOKS:
             rise, tread = (float(np.median(a)) for a in zip(*self._looks, strict=True))
-            self._believe(Steps(rise, tread), OTHER)
+            self._believe(StairSteps(rise, tread), OTHER)
 
     def _begin(
-        self, found: Flight, heights: FloatArray, along: FloatArray, place: FloatArray, time: float
+        self, found: StairFlight, heights: FloatArray, along: FloatArray, place: FloatArray, time: float
     ) -> None:
         """Begin to fit a flight that has been found in (m,) heights along a way, see `look`."""
         ground = [round((found.begin - share * found.steps.tread) / FINE) for share in (0.7, 0.2)]
@@ -171,9 +173,9 @@ class StepWatch:
     def _use(self, fit: FlightFit) -> None:
         """Believe in a fit."""
         self.flight = fit.parameters()
-        self._believe(Steps(fit.rise, fit.tread), FITTED)
+        self._believe(StairSteps(fit.rise, fit.tread), FITTED)
 
-    def _believe(self, steps: Steps, other: float) -> None:
+    def _believe(self, steps: StairSteps, other: float) -> None:
         """Take steps in place of those believed, if their treads differ by a share of at least `other`."""
         known = self.steps
         if (

@@ -67,7 +67,7 @@ class TouchedSteps(TouchedGround):
         return "TouchedSteps()"
 
     def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
-        """See `GroundBelief.begin`."""
+        """See `BeliefTerrain.begin`."""
         self._forget()
         self._heading, self._time = np.array([1.0, 0.0]), state.time
         self._struck: tuple[FloatArray, FloatArray] | None = None
@@ -82,16 +82,16 @@ class TouchedSteps(TouchedGround):
 
     @property
     def unsure(self) -> bool:
-        """See `GroundBelief.unsure`: until the second riser is known, and near a drop."""
+        """See `BeliefTerrain.unsure`: until the second riser is known, and near a drop."""
         return self.drop is not None or (self.flight is not None and not self.flight.tread_known)
 
     @property
     def edges_known(self) -> bool:
-        """See `GroundBelief.edges_known`."""
+        """See `BeliefTerrain.edges_known`."""
         return self.flight is not None or self.drop is not None
 
     def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
-        """See `GroundBelief.may_strike`: of known steps only a riser that is higher than the foot."""
+        """See `BeliefTerrain.may_strike`: of known steps only a riser that is higher than the foot."""
         flight = self.flight
         if self.drop is not None or (flight is not None and flight.tread_known):
             ahead = self.height(self._path_ahead(sole, velocity))
@@ -101,7 +101,7 @@ class TouchedSteps(TouchedGround):
         return True
 
     def stumbled(self, time: float) -> None:
-        """See `GroundBelief.stumbled`: what was struck is a riser."""
+        """See `BeliefTerrain.stumbled`: what was struck is a riser."""
         super().stumbled(time)
         struck, self._struck = self._struck, None
         if struck is None or time < self._ignored_until:
@@ -124,7 +124,7 @@ class TouchedSteps(TouchedGround):
     def observe(
         self, state: Sensed, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
-        """See `GroundBelief.observe`."""
+        """See `BeliefTerrain.observe`."""
         self._heading = heading_of(state.q[3:7])
         if self.flight is None and (self._expected or sought.any()):
             self._look_down(base_velocity(state.q, state.v), ground, carrying, sought, soles)

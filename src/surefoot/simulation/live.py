@@ -1,6 +1,6 @@
 """A run that is watched and steered while it goes: paced to real time, commanded by keys.
 
-Who shows it is a `View`; `surefoot.viz.window` has one. What is steered is a controller with a method
+Who shows it is a `LiveView`; `surefoot.viz.window` has one. What is steered is a controller with a method
 `steer`, which limits and ramps the velocity as any other (`WalkingController.steer`).
 """
 
@@ -99,7 +99,7 @@ class Pacer:
         return -ahead
 
 
-class View(Protocol):
+class LiveView(Protocol):
     """Shows a run."""
 
     def open(self, press: Callable[[int], object]) -> None:
@@ -126,7 +126,7 @@ class Live(Observer):
         Keeps the time.
     """
 
-    def __init__(self, view: View, steering: Steering, pacer: Pacer | None = None) -> None:
+    def __init__(self, view: LiveView, steering: Steering, pacer: Pacer | None = None) -> None:
         self._view, self._steering = view, steering
         self._pacer = pacer or Pacer()
         self._keys: deque[int] = deque()

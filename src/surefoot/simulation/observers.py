@@ -57,7 +57,7 @@ class Observer(Protocol):
         return
 
 
-class Progress(Observer):
+class RunProgress(Observer):
     """Tells how far a run is.
 
     Parameters

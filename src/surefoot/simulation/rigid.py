@@ -32,7 +32,7 @@ COLLISIONS: dict[str, Callable[[Robot], Geometry | None]] = {
 """What may touch, by name."""
 
 
-class Touch(NamedTuple):
+class BodyTouch(NamedTuple):
     """A contact that carries a force.
 
     Attributes
@@ -267,7 +267,7 @@ class RigidWorld:
         J = self.stepper.contacts(State(step.impact.q, step.impact.after)).J[3 * p :]
         return np.asarray(J.T @ step.forces[p:].ravel())
 
-    def touches(self) -> list[Touch]:
+    def touches(self) -> list[BodyTouch]:
         """Return every contact that carried a force in the last step: feet, other links, bodies."""
         step, contacts = self.last, self.stepper.bodies.contacts
         if step is None or step.impact is None:
@@ -277,7 +277,7 @@ class RigidWorld:
         for k in np.flatnonzero(np.abs(step.impulses).max(axis=1, initial=0.0)).tolist():
             body, other = contacts.names[contacts.group[k]]
             force, normal = frames[k] @ step.impulses[k] / step.dt, frames[k, :, 2].copy()
-            out.append(Touch(body, other, float(step.gaps[k]), step.positions[k].copy(), normal, force))
+            out.append(BodyTouch(body, other, float(step.gaps[k]), step.positions[k].copy(), normal, force))
         return out
 
     def touching(self) -> list[tuple[str, str]]:

@@ -28,6 +28,7 @@ from surefoot.kernels import (
     VECTOR,
     borrowed,
     entry_point,
+    inline_kernel,
     releasing_kernel,
     window,
 )
@@ -47,8 +48,25 @@ from surefoot.solvers.solver import solve
 
 FLOAT = np.dtype(np.float64)
 _empty, _ndarray, _SOLVED = np.empty, np.ndarray, Status.SOLVED
+_FASTER = 10.0
+"""Times the free velocity that the last forces may give the contacts and still be a start."""
 LAWS, FLAGS, COMPLIANCE, LAST = 1, 2, 3, 4
 """Rows of the solver's memory after G and g: see `_solve_raw`."""
+
+
+@inline_kernel
+def _of_this_size(G: FloatArray, g: FloatArray, forces: FloatArray) -> bool:
+    """Return whether forces (m,) of another call move the contacts about as fast as the free velocity g does.
+
+    Where they move them much faster (that call was a wild one) nothing is a better start than they are.
+    """
+    fastest, free = 0.0, 0.0
+    for i in range(g.size):
+        moved = 0.0
+        for j in range(g.size):
+            moved += G[i, j] * forces[j]
+        fastest, free = max(fastest, abs(moved)), max(free, abs(g[i]))
+    return fastest <= _FASTER * free
 
 
 @releasing_kernel
@@ -70,6 +88,7 @@ def _solve_raw(
         return refused
     for i in range(m):
         memory[i, i] += memory[m + COMPLIANCE, i]
+    start = start and _of_this_size(matrix, vectors[0], memory[m + LAST])
     if start:
         for k in range(m // 3):
             for a in range(3):

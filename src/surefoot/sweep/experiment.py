@@ -94,8 +94,8 @@ class SweepExperiment(ABC):
 
 EXPERIMENTS: dict[str, str | type[SweepExperiment]] = {
     "drop": "surefoot.sweep.drop:DropExperiment",
-    "stand": "surefoot.sweep.robots:Stand",
-    "walk": "surefoot.sweep.robots:Walk",
+    "stand": "surefoot.sweep.robots:StandTrial",
+    "walk": "surefoot.sweep.robots:WalkTrial",
 }
 """Name to the class, or "module:class", imported when asked for."""
 

@@ -126,7 +126,7 @@ class RobotRun(Grounded):
 
 
 @dataclass(frozen=True)
-class Stand(RobotRun):
+class StandTrial(RobotRun):
     """A robot stands under the standing controller; it survives if `surefoot stand` would call it "stood"."""
 
     columns: ClassVar[Mapping[str, str]] = {
@@ -154,7 +154,7 @@ class Stand(RobotRun):
 
 
 @dataclass(frozen=True)
-class Walk(RobotRun):
+class WalkTrial(RobotRun):
     """A robot walks under the walking controller; it survives if `surefoot walk` would call it "walked".
 
     Unlike there, its controller gets the true state.

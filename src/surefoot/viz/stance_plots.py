@@ -20,7 +20,7 @@ COM, SUPPORT, ZMP = FOOT_COLOURS[0], FOOT_COLOURS[3], FOOT_COLOURS[4]
 
 
 def draw_check(question: StanceQuestion, verdict: Verdict, headline: str, path: Path) -> Path:
-    """Draw a stance in space and from above, with its forces or the motion by which it falls.
+    """Draw a stance in space and from above, with its forces or the motion that proves that none will do.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _forces(axis: Any, stance: Stance, verdict: Verdict, size: float) -> None:
 
 
 def _falling(axis: Any, stance: Stance, com: FloatArray, verdict: Verdict, size: float) -> None:
-    """Draw the separating wrench as the motion by which the robot falls."""
+    """Draw the separating wrench as a motion: a proof's direction, not how the robot will fall."""
     assert verdict.certificate is not None
     linear, angular = verdict.certificate[:3], verdict.certificate[3:]
     arms = stance.points().positions.reshape(-1, 3) - com
@@ -121,7 +121,7 @@ def _falling(axis: Any, stance: Stance, com: FloatArray, verdict: Verdict, size:
     longest = float(np.linalg.norm(np.vstack([linear, moves]), axis=1).max(initial=1e-300))
     scale = 0.45 * size / longest
     axis.quiver(*com, *(scale * linear), color=BAD, lw=2.2, arrow_length_ratio=0.15)
-    axis.text(*(com + 1.1 * scale * linear), "gives way", fontsize=8.5, color=BAD)
+    axis.text(*(com + 1.1 * scale * linear), "proof", fontsize=8.5, color=BAD)
     for arm, move in zip(arms, moves, strict=True):
         if np.linalg.norm(scale * move) > 0.02 * size:
             axis.quiver(*(com + arm), *(scale * move), color=BAD, lw=1.1, alpha=0.7, arrow_length_ratio=0.2)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra, ProblemError
+from surefoot.errors import ProblemError, needs
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import import_mujoco
 from surefoot.spatial import quaternion_wxyz
@@ -38,10 +38,8 @@ def check_display(environment: Mapping[str, str] = os.environ, system: str = sys
         raise ProblemError(
             f"--view needs a screen: neither {' nor '.join(_SCREENS)} is set (on a remote machine: ssh -X)"
         )
-    try:
+    with needs("mujoco", "sim"):
         import glfw
-    except ImportError as error:
-        raise MissingExtra("mujoco", "sim") from error
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         opened = bool(glfw.init())
@@ -51,7 +49,7 @@ def check_display(environment: Mapping[str, str] = os.environ, system: str = sys
 
 
 class ViewerWindow:
-    """MuJoCo's passive viewer; see `surefoot.simulation.live.View` for the methods.
+    """MuJoCo's passive viewer; see `surefoot.simulation.live.LiveView` for the methods.
 
     Parameters
     ----------
@@ -77,7 +75,7 @@ class ViewerWindow:
         self._handle: Any = None
 
     def open(self, press: Callable[[int], object]) -> None:
-        """See `View.open`."""
+        """See `LiveView.open`."""
         launch = self._launch
         if launch is None:
             import mujoco.viewer
@@ -96,7 +94,7 @@ class ViewerWindow:
         camera.distance, camera.azimuth, camera.elevation = 5.0 * size, 140.0, -14.0
 
     def show(self, q: FloatArray, velocity: FloatArray) -> bool:
-        """See `View.show`."""
+        """See `LiveView.show`."""
         if not self._handle.is_running():
             return False
         with self._handle.lock():
@@ -114,7 +112,7 @@ class ViewerWindow:
         self._mujoco.mj_forward(self.model, self.data)
 
     def close(self) -> None:
-        """See `View.close`."""
+        """See `LiveView.close`."""
         if self._handle is not None:
             self._handle.close()
             self._handle = None

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surefoot.control.behaviours.arbiter import LOGGED, RULES, Arbiter
-from surefoot.control.behaviours.behaviour import NOTHING, Request, Search, View
+from surefoot.control.behaviours.behaviour import NOTHING, FootSearch, Request, WalkView
 from tests.control.behaviours.views import RADIUS, view_of
 
 
@@ -21,7 +21,7 @@ class Asking:
     def reset(self) -> None:
         """Forget nothing."""
 
-    def propose(self, view: View) -> Request:
+    def propose(self, view: WalkView) -> Request:
         """Return the request."""
         return self.request
 
@@ -51,7 +51,7 @@ def test_every_quantity_but_the_note_has_a_rule() -> None:
         ("clearance", 0.02, 0.05, 1),
         ("mu", 0.5, 0.2, 1),
         ("height", 0.3, 0.25, 1),
-        ("search", Search(0.1), Search(0.4), 0),
+        ("search", FootSearch(0.1), FootSearch(0.4), 0),
         ("velocity", np.ones(3), np.zeros(3), 0),
         ("foot_goals", min, max, 0),
         ("leading", 2, 1, 0),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.control.behaviours.behaviour import NOTHING
-from surefoot.control.behaviours.steps_by_touch import StepsByTouch, Stop
+from surefoot.control.behaviours.steps_by_touch import StepsByTouch, StopAtDrop
 from surefoot.control.controller import RobotState
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
@@ -96,7 +96,7 @@ def test_a_small_step_is_none_and_the_walk_goes_on_as_on_a_plane() -> None:
 def test_commands_that_lead_back_are_left(turn: float) -> None:
     along = np.array([np.cos(turn), np.sin(turn)])
     across = np.array([-along[1], along[0]])
-    drop = Stop(Ledge(along, 0.5, 0.6, 0.0, 0.12, HEIGHT, RADIUS), HEIGHT)
+    drop = StopAtDrop(Ledge(along, 0.5, 0.6, 0.0, 0.12, HEIGHT, RADIUS), HEIGHT)
     assert drop.slowed(0.4 * along + 0.1 * across).tolist() == [0.0, 0.0]
     assert drop.slowed(-0.4 * along) == pytest.approx(-0.4 * along)
     assert drop.slowed(0.3 * along + 0.3 * across) == pytest.approx(0.3 * across)

@@ -10,7 +10,7 @@ from surefoot.control.behaviours.stumble import HIGHEST, LIFT, MEMORY, Stumble
 from surefoot.control.controller import RobotState
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
-from surefoot.estimation.ground_belief import GroundBelief, TouchedGround
+from surefoot.estimation.ground_belief import BeliefTerrain, TouchedGround
 from surefoot.estimation.mapped_ground import MappedGround
 from surefoot.robot import load_robot
 from surefoot.simulation.rigid import RigidWorld
@@ -24,7 +24,7 @@ from tests.control.behaviours.views import HEIGHT, HIPS, view_of, walk_of
 
 
 @pytest.mark.parametrize("belief", [TouchedGround(), MappedGround()], ids=["touch", "map"])
-def test_a_stumble_is_remembered_for_a_while(belief: GroundBelief) -> None:
+def test_a_stumble_is_remembered_for_a_while(belief: BeliefTerrain) -> None:
     one = Stumble.of(walk_of(belief))
     assert one is not None
     belief.begin(RobotState(np.zeros(19), np.zeros(18)), np.column_stack([HIPS, np.zeros(4)]), HEIGHT)
@@ -57,7 +57,7 @@ class Stumbling(TouchedGround):
         super().observe(state, *feet)
 
 
-def highest_lift(ground: GroundBelief, gait: str | Gait) -> float:
+def highest_lift(ground: BeliefTerrain, gait: str | Gait) -> float:
     """Return how far off flat ground Go2 gets its feet from 0.5 s on [m]."""
     go2, flat = load_robot("go2"), FlatTerrain()
     walker = WalkingController(go2, VelocityCommand.constant(0.4), gait, ground)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.control.behaviours.behaviour import View, Walk
+from surefoot.control.behaviours.behaviour import WalkFacts, WalkView
 from surefoot.control.controller import RobotState
 from surefoot.control.whole_body_tasks import Kinematics
 from surefoot.stance.contact_schedule import ContactSchedule
@@ -20,10 +20,10 @@ FRAMES, ALL, NONE = np.tile(np.eye(3), (N, 1, 1)), np.ones(N, dtype=bool), np.ze
 
 def walk_of(
     terrain: Terrain | None = None, schedule: ContactSchedule | None = None, *, watch_friction: bool = False
-) -> Walk:
+) -> WalkFacts:
     """Return what a behaviour is made for."""
     ground, gait = terrain or FlatTerrain(), schedule or named_gait("trot", 4, HEIGHT)
-    return Walk(ground, gait, np.full(N, 0.022), HEIGHT, RADIUS, WEIGHT, MU, DT, watch_friction, 0.9)
+    return WalkFacts(ground, gait, np.full(N, 0.022), HEIGHT, RADIUS, WEIGHT, MU, DT, watch_friction, 0.9)
 
 
 def motion(speed: float = 0.0, com_velocity: Any = (0.0, 0.0, 0.0)) -> Kinematics:
@@ -34,11 +34,11 @@ def motion(speed: float = 0.0, com_velocity: Any = (0.0, 0.0, 0.0)) -> Kinematic
     return Kinematics(z, np.array(com_velocity), np.eye(3), z, np.zeros((N, 3)), twists, drifts)
 
 
-def view_of(command: Any = (0.0, 0.0, 0.0), **more: Any) -> View:
+def view_of(command: Any = (0.0, 0.0, 0.0), **more: Any) -> WalkView:
     """Return a view of a robot that stands level, `more` in place of its own fields."""
     q = np.zeros(19)
     q[2], q[6] = 0.3, 1.0
-    usual = View(
+    usual = WalkView(
         time=1.0, clock=0.7, state=RobotState(q, np.zeros(18), 1.0), now=motion(),
         command=np.array(command, dtype=np.float64), velocity=np.zeros(3), position=np.zeros(3), carrying=ALL,
         ground=np.column_stack([HIPS, np.zeros(N)]), frames=FRAMES, fits=True, waiting=False,

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.control.behaviours.behaviour import NOTHING, Behaviour, Request, View
+from surefoot.control.behaviours.behaviour import NOTHING, Behaviour, Request, WalkView
 
 
 def _first(new: Any, held: Any) -> bool:
@@ -67,7 +67,7 @@ class Arbiter:
 
     def __init__(self, behaviours: Sequence[Behaviour], radius: float, notes: list[str]) -> None:
         self.behaviours, self.notes = tuple(behaviours), notes
-        self._radius, self._said = radius, set[str]()
+        self.radius, self._said = radius, set[str]()
         self.reset()
 
     def reset(self) -> None:
@@ -80,7 +80,7 @@ class Arbiter:
         self.asked, self.velocity = np.zeros(3), np.zeros(3)
         self.asked_by: IntArray = np.full(len(LOGGED), -1)
 
-    def merge(self, view: View) -> Request:
+    def merge(self, view: WalkView) -> Request:
         """Return what all behaviours together ask for."""
         merged, asked_by = NOTHING, np.full(len(LOGGED), -1)
         for rank, behaviour in enumerate(self.behaviours):
@@ -109,7 +109,7 @@ class Arbiter:
     def _within_caps(self, command: FloatArray, request: Request) -> FloatArray:
         """Return the (3,) velocity that is asked for within the caps."""
         asked = command if request.velocity is None else request.velocity
-        size = math.hypot(asked[0], asked[1]) + abs(asked[2]) * self._radius
+        size = math.hypot(asked[0], asked[1]) + abs(asked[2]) * self.radius
         return np.asarray(asked * (request.speed_cap / size)) if size > request.speed_cap else asked
 
     @staticmethod

@@ -17,7 +17,7 @@ FootGoals: TypeAlias = Callable[[FloatArray, FloatArray, float], FloatArray]
 the (2,) place where it should land [m]."""
 
 
-class Search(NamedTuple):
+class FootSearch(NamedTuple):
     """How feet go on down that have not found the ground where they should.
 
     Attributes
@@ -35,7 +35,7 @@ class Search(NamedTuple):
     careful: bool = False
 
 
-class Walk(NamedTuple):
+class WalkFacts(NamedTuple):
     """What a behaviour is made for; the numbers do not change in a walk.
 
     Attributes
@@ -68,7 +68,7 @@ class Walk(NamedTuple):
     friction_share: float = 1.0
 
 
-class View(NamedTuple):
+class WalkView(NamedTuple):
     """What may be read in a step.
 
     Attributes
@@ -147,7 +147,7 @@ class Request(NamedTuple):
     leading: int | None = None
     clearance: float = 0.0
     foot_goals: FootGoals | None = None
-    search: Search | None = None
+    search: FootSearch | None = None
     mu: float = math.inf
     acceleration: float = math.inf
     height: float = math.inf
@@ -169,7 +169,7 @@ class Behaviour(Protocol):
 
     name: str
 
-    def propose(self, view: View) -> Request:
+    def propose(self, view: WalkView) -> Request:
         """Return what is asked for in a step; called in each, in order."""
         ...
 
@@ -178,5 +178,5 @@ class Behaviour(Protocol):
         ...
 
 
-MakeBehaviour: TypeAlias = Callable[[Walk], Behaviour | None]
+MakeBehaviour: TypeAlias = Callable[[WalkFacts], Behaviour | None]
 """Makes a behaviour for a walk, or None for a walk that it has nothing to say to."""

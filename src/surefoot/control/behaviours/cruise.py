@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from surefoot.control.behaviours.behaviour import NOTHING, Request, View, Walk
+from surefoot.arrays import FloatArray
+from surefoot.control.behaviours.behaviour import NOTHING, Request, WalkFacts, WalkView
 from surefoot.control.command_limits import slope_speed, step_speed
 from surefoot.control.stair_gait import speed_in_step
-from surefoot.estimation.ground_belief import GroundBelief, believed
+from surefoot.estimation.ground_belief import BeliefTerrain, believed
 from surefoot.stance.gait_library import named_gait
 
 SLACK = 1.08
@@ -34,40 +33,41 @@ class Cruise:
 
     name = "cruise"
 
-    def __init__(self, walk: Walk) -> None:
+    def __init__(self, walk: WalkFacts) -> None:
         self._belief = believed(walk.terrain)
-        self._mu, self._height, self._radius = walk.friction_share * walk.mu, walk.height, walk.radius
+        self.mu, self.height, self.radius = walk.friction_share * walk.mu, walk.height, walk.radius
         in_step = walk.schedule.adapts and walk.schedule.name == "trot" and walk.schedule.feet == 4
-        self._period = named_gait("trot", 4, walk.height).period if in_step else 0.0
-        self._share = 1.0 - math.exp(-walk.dt / FOLLOW)
+        self.period = named_gait("trot", 4, walk.height).period if in_step else 0.0
+        self.dt = walk.dt
         self.reset()
 
     def reset(self) -> None:
         """Forget what has been learned of the slope."""
-        self._slope, self._begun = np.zeros(2), False
+        self._slope: FloatArray | None = None
 
-    def propose(self, view: View) -> Request:
+    def propose(self, view: WalkView) -> Request:
         """Ask for no more speed than the ground allows, and the gait is fit for."""
         at_most = None if view.fits else view.velocity
         if self._belief is not None:
             return Request(speed_cap=self._allowed(self._belief, view), at_most=at_most)
         return NOTHING if at_most is None else Request(at_most=at_most)
 
-    def _allowed(self, belief: GroundBelief, view: View) -> float:
+    def _allowed(self, belief: BeliefTerrain, view: WalkView) -> float:
         """Return how fast the ground can be walked on by what is believed of it now [m/s]."""
         # from the slope of the stance at the start the one that feet find is followed
-        self._slope += (self._share if self._begun else 1.0) * (belief.slope - self._slope)
-        self._begun = True
+        if self._slope is None:
+            self._slope = belief.slope.copy()
+        self._slope += (1.0 - math.exp(-self.dt / FOLLOW)) * (belief.slope - self._slope)
         if belief.highest_step == 0.0:
             steepness = math.hypot(self._slope[0], self._slope[1])
-            return SLACK * slope_speed(steepness, self._mu, self._height)
-        fastest = SLACK * step_speed(belief, self._height)
+            return SLACK * slope_speed(steepness, self.mu, self.height)
+        fastest = SLACK * step_speed(belief, self.height)
         x, y, turn = (float(part) for part in view.command)
-        size = math.hypot(x, y) + abs(turn) * self._radius
+        size = math.hypot(x, y) + abs(turn) * self.radius
         slowed = min(1.0, fastest / size) if size > 0.0 else 1.0
         forward = slowed * abs(x)
-        if self._period > 0.0 and forward > 0.0:
-            most = speed_in_step(belief, forward, self._height, self._period)
+        if self.period > 0.0 and forward > 0.0:
+            most = speed_in_step(belief, forward, self.height, self.period)
             if most < forward * (1.0 - 1e-6):
                 return slowed * size * most / forward
         return fastest

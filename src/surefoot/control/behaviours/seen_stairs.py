@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from surefoot.control.behaviours.behaviour import NOTHING, Request, Search, View, Walk
+from surefoot.control.behaviours.behaviour import NOTHING, FootSearch, Request, WalkFacts, WalkView
 from surefoot.estimation.ground_belief import believed
 
 APPROACH = 0.1
@@ -22,22 +22,22 @@ class SeenStairs:
 
     name = "seen stairs"
 
-    def __init__(self, walk: Walk) -> None:
+    def __init__(self, walk: WalkFacts) -> None:
         self._schedule = walk.schedule
         self._belief = believed(walk.terrain)
         seen = self._belief is not None and self._belief.seen
-        self._usual = Request(search=Search(SEEN_SPEED)) if seen else NOTHING
+        self._usual = Request(search=FootSearch(SEEN_SPEED)) if seen else NOTHING
         self._slowly = self._usual._replace(pace=APPROACH)
 
     @classmethod
-    def of(cls, walk: Walk) -> SeenStairs | None:
+    def of(cls, walk: WalkFacts) -> SeenStairs | None:
         """Return the behaviour for gaits that get in step with the ground."""
         return cls(walk) if walk.schedule.adapts or walk.terrain.learns else None
 
     def reset(self) -> None:
         """Forget nothing: it knows the present alone."""
 
-    def propose(self, view: View) -> Request:
+    def propose(self, view: WalkView) -> Request:
         """Ask for little speed while the gait turns into step or waits for its phase."""
         if self._belief is not None and self._belief.unsure:
             return self._usual

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.behaviours.behaviour import Request, View, Walk
+from surefoot.control.behaviours.behaviour import Request, WalkFacts, WalkView
 from surefoot.estimation.friction import FrictionTracker
 from surefoot.spatial import GRAVITY
 
@@ -57,7 +57,7 @@ class Slip:
 
     name = "slip"
 
-    def __init__(self, walk: Walk) -> None:
+    def __init__(self, walk: WalkFacts) -> None:
         self.assumed, self.dt, self._radii, self._share = walk.mu, walk.dt, walk.radii, walk.friction_share
         self._froude = math.sqrt(GRAVITY * walk.height)
         self._tracker = FrictionTracker(
@@ -67,7 +67,7 @@ class Slip:
         self.reset()
 
     @classmethod
-    def of(cls, walk: Walk) -> Slip | None:
+    def of(cls, walk: WalkFacts) -> Slip | None:
         """Return the behaviour where friction is watched."""
         return cls(walk) if walk.watch_friction else None
 
@@ -79,13 +79,13 @@ class Slip:
         self._speeds = np.zeros((len(self._radii), 3))
         self._slid, self._quick, self._quick_age = np.zeros(len(self._radii)), math.inf, math.inf
 
-    def propose(self, view: View) -> Request:
+    def propose(self, view: WalkView) -> Request:
         """Ask for the friction that the feet have found, and for speeds that suit it."""
         mu = self._follow(view)
         cap = SPEED * mu * self._froude if mu < self.assumed else math.inf
         return Request(speed_cap=cap, mu=self._share * mu, acceleration=ACCELERATION * mu * GRAVITY)
 
-    def _follow(self, view: View) -> float:
+    def _follow(self, view: WalkView) -> float:
         """Return the friction to plan with [-] after one more step; feet in the air show nothing."""
         forces, now, frames, carrying = view.state.forces, view.now, view.frames, view.carrying
         if forces is None:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from surefoot.control.behaviours.behaviour import NOTHING, Request, View, Walk
+from surefoot.control.behaviours.behaviour import NOTHING, Request, WalkFacts, WalkView
 from surefoot.spatial import GRAVITY
 
 UNREST = 0.1
@@ -25,17 +25,17 @@ class StandStill:
 
     name = "stand still"
 
-    def __init__(self, walk: Walk) -> None:
-        self._unrest = UNREST * math.sqrt(GRAVITY * walk.height)
+    def __init__(self, walk: WalkFacts) -> None:
+        self.height = walk.height
 
     def reset(self) -> None:
         """Forget nothing: it knows the present alone."""
 
-    def propose(self, view: View) -> Request:
+    def propose(self, view: WalkView) -> Request:
         """Ask for no speed before the gait begins, and for steps of a body that moves."""
         x, y = view.now.com_velocity[0], view.now.com_velocity[1]
         drift = None
-        if math.hypot(x, y) > self._unrest and not view.velocity.any():
+        if math.hypot(x, y) > UNREST * math.sqrt(GRAVITY * self.height) and not view.velocity.any():
             drift = np.array([x, y, 0.0])
         if view.clock < 0.0:
             return STANDING._replace(step_times=drift)

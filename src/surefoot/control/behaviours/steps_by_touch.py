@@ -17,7 +17,7 @@ from typing import cast
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.behaviours.behaviour import NOTHING, Request, Search, View, Walk
+from surefoot.control.behaviours.behaviour import NOTHING, FootSearch, Request, WalkFacts, WalkView
 from surefoot.control.behaviours.seen_stairs import SEEN_SPEED
 from surefoot.control.swing import DOWN_LAST, LIFT_FIRST, minimum_jerk
 from surefoot.estimation.ground_belief import believed
@@ -40,7 +40,7 @@ FARTHEST = 0.1
 RETREAT = 0.3
 """Share of its speed with which the body leaves a drop."""
 FALLING = 1.8
-"""Lead of a foot over the body that falls into a drop (`Search.lead`)."""
+"""Lead of a foot over the body that falls into a drop (`FootSearch.lead`)."""
 GENTLE_SPEED = 0.03
 """How fast late feet go down at a drop, as a share of sqrt(g h)."""
 LITTLE = 0.5
@@ -60,7 +60,7 @@ MOVING = DOWN_LAST - LIFT_FIRST
 GONE, SPEEDS = np.array([minimum_jerk(share)[:2] for share in np.linspace(0.0, 1.0, 101)]).T
 FASTEST = np.maximum.accumulate(SPEEDS[::-1])[::-1]
 """Share of its way that a swing has gone, its speed there, and the highest speed from there on."""
-GENTLY = Request(search=Search(SEEN_SPEED))
+GENTLY = Request(search=FootSearch(SEEN_SPEED))
 
 
 def soft_way(known: float, most: float) -> float:
@@ -96,13 +96,13 @@ class StepsByTouch:
 
     name = "steps by touch"
 
-    def __init__(self, walk: Walk, ground: TouchedSteps) -> None:
+    def __init__(self, walk: WalkFacts, ground: TouchedSteps) -> None:
         self._ground, self._height = ground, walk.height
         self._radius = float(walk.radii.mean())
         self.reset()
 
     @classmethod
-    def of(cls, walk: Walk) -> StepsByTouch | None:
+    def of(cls, walk: WalkFacts) -> StepsByTouch | None:
         """Return the behaviour for walks by touch alone."""
         belief = believed(walk.terrain)
         found = belief is not None and belief.finds_steps
@@ -110,10 +110,10 @@ class StepsByTouch:
 
     def reset(self) -> None:
         """Forget the last drop."""
-        self._stop: Stop | None = None
+        self._stop: StopAtDrop | None = None
         self._note = ""
 
-    def propose(self, view: View) -> Request:
+    def propose(self, view: WalkView) -> Request:
         """Ask for little speed and short swings where steps are not known, and for none before a drop."""
         drop, flight = self._ground.drop, self._ground.flight
         if drop is not None:
@@ -142,10 +142,10 @@ class StepsByTouch:
             aim = min(aim, s + REACH * self._height)
         return np.asarray(place + (aim - s) * flight.along)
 
-    def _stop_at(self, drop: Ledge, view: View) -> Request:
+    def _stop_at(self, drop: Ledge, view: WalkView) -> Request:
         """Return what is asked for at a drop."""
         if self._stop is None or self._stop.drop is not drop:
-            self._stop = Stop(drop, self._height)
+            self._stop = StopAtDrop(drop, self._height)
         stop, state = self._stop, view.state
         stop.rest(state.q[:2], base_velocity(state.q, state.v)[:2], view.ground, view.carrying)
         if drop.certain and not self._note:
@@ -157,11 +157,11 @@ class StepsByTouch:
         return Request(
             velocity=stop.velocity(view.command, self._ground.axes), pace=RETREAT, hold=stop.standing,
             leading=stop.leading, foot_goals=stop.goal, note=self._note,
-            search=Search(GENTLE_SPEED, 0.0 if drop.found else FALLING, careful=True),
+            search=FootSearch(GENTLE_SPEED, 0.0 if drop.found else FALLING, careful=True),
         )  # fmt: skip
 
 
-class Stop:
+class StopAtDrop:
     """How a robot on four feet comes to rest at a drop, and leaves it.
 
     Parameters

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from surefoot.control.behaviours.behaviour import NOTHING, Request, View, Walk
-from surefoot.estimation.ground_belief import GroundBelief, believed
+from surefoot.control.behaviours.behaviour import NOTHING, Request, WalkFacts, WalkView
+from surefoot.estimation.ground_belief import BeliefTerrain, believed
 
 MEMORY = 4.0
 """How long a stumble is remembered [s]: for half of it feet are lifted as high as right after it."""
@@ -27,11 +27,11 @@ class Stumble:
 
     name = "stumble"
 
-    def __init__(self, walk: Walk, belief: GroundBelief) -> None:
+    def __init__(self, walk: WalkFacts, belief: BeliefTerrain) -> None:
         self._belief, self._height = belief, walk.height
 
     @classmethod
-    def of(cls, walk: Walk) -> Stumble | None:
+    def of(cls, walk: WalkFacts) -> Stumble | None:
         """Return the behaviour on ground that is only believed."""
         belief = believed(walk.terrain)
         return None if belief is None else cls(walk, belief)
@@ -39,7 +39,7 @@ class Stumble:
     def reset(self) -> None:
         """Forget nothing: what was struck is the belief's to know."""
 
-    def propose(self, view: View) -> Request:
+    def propose(self, view: WalkView) -> Request:
         """Ask for a higher swing."""
         if self._belief.edges_known:  # feet are lifted over these already
             return NOTHING

@@ -92,7 +92,7 @@ class BipedController(Walker):
         self.terrain = FlatTerrain() if terrain is None else terrain
         self._measure()
         if isinstance(gait, str):
-            gait = named_gait(gait, 2, period=PERIOD * math.sqrt(self._height / GRAVITY))
+            gait = named_gait(gait, 2, period=PERIOD * math.sqrt(self.height / GRAVITY))
         if gait.feet != 2:
             raise ProblemError(f"the gait is for {gait.feet} feet, {robot.name} has 2")
         self.schedule = gait
@@ -106,8 +106,8 @@ class BipedController(Walker):
 
     def _slowed(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
         """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
-        reach, radius = 0.25 * self._height, 0.5 * self._geometry.width
-        return limit_command(command, reach, self.steps.step_time, self._height, radius)
+        reach, radius = 0.25 * self.height, 0.5 * self._geometry.width
+        return limit_command(command, reach, self.steps.step_time, self.height, radius)
 
     def _measure(self) -> None:
         """Read mass, inertia, height and foot places off the robot's nominal pose."""
@@ -117,32 +117,31 @@ class BipedController(Walker):
         com, centres = robot.com(q), robot.foot_positions(q)
         radii = robot.contact_points.foot_radii
         self._rise = stretching(robot, self.settings.stretch)
-        self._height = float(com[2] - (centres[:, 2] - radii).mean()) + self._rise
-        self._omega = math.sqrt(GRAVITY / self._height)
+        self.height = float(com[2] - (centres[:, 2] - radii).mean()) + self._rise
         width = float(abs(centres[0, 1] - centres[1, 1]))
         sole = max(foot.size[1] for foot in robot.feet)
         self._geometry = StepGeometry(
-            width, min(1.5 * sole, 0.9 * width), width + 0.45 * self._height, 0.65 * self._height
+            width, min(1.5 * sole, 0.9 * width), width + 0.45 * self.height, 0.65 * self.height
         )
-        self._start = self.settings.start / self._omega
+        self.start = self.settings.start / self._pendulum
 
     def _set_parts(self) -> None:
         """Make what gives the forces, and what looks ahead and keeps the posture."""
-        s, rates = self.settings, (self._omega**2, 2.0 * self._omega)
-        damping = sole_damping(s.sole_damping, self._omega, self.dt)
-        self._set_controllers(self._inertia, self._mpc_dt, self._omega, rates, damping)
+        s, rates = self.settings, (self._pendulum**2, 2.0 * self._pendulum)
+        damping = sole_damping(s.sole_damping, self._pendulum, self.dt)
+        self._set_controllers(self._inertia, self._mpc_dt, rates, damping)
         fine = self._mpc_dt / 2
         self._preview = PendulumPreview(
-            self._omega, fine, max(2 * round(0.5 * s.preview / fine), 2 * s.horizon + 2)
+            self._pendulum, fine, max(2 * round(0.5 * s.preview / fine), 2 * s.horizon + 2)
         )
         self._middles = fine * (np.arange(self._preview.steps, dtype=np.float64) + 0.5)
-        most = s.arm_swing / self._height
+        most = s.arm_swing / self.height
         share = LegMomentum(self.robot, Posture(self.robot, 1.0, most).swing).balancing()
-        self._posture = Posture(self.robot, s.joint_stiffness * self._omega, min(share, 1.0) * most)
+        self._posture = Posture(self.robot, s.joint_stiffness * self._pendulum, min(share, 1.0) * most)
         self._legs = LegMomentum(self.robot, self._posture.swing)
         self._unit_spin = np.linalg.inv(self._inertia)
         self._point_foot = self.whole_body.point_foot
-        self._pressed = np.full(2, s.sole_press * self._height)
+        self._pressed = np.full(2, s.sole_press * self.height)
         self._set_behaviours(self.robot.contact_points.foot_radii, 0.5 * self._geometry.width, False)
         self.load = None
         self.reset()
@@ -157,15 +156,15 @@ class BipedController(Walker):
 
     def _begin(self, now: Kinematics, state: RobotState) -> Feet:
         """Start from where the robot stands."""
-        clearance = self.settings.clearance * self._height
-        descent = DESCENT * math.sqrt(GRAVITY * self._height)
+        clearance = self.settings.clearance * self.height
+        descent = DESCENT * math.sqrt(GRAVITY * self.height)
         turned = self.whole_body.foot_rotations.copy()
         self.soles = Soles(
             self.robot, self.schedule, self.terrain, clearance, descent, now.centres.copy(), turned
         )
         self.feet = self.soles.feet
         ahead = now.rotation @ self._upright.T[:, 0]
-        self.body = BodyPlan(self._height - self._rise, now.com.copy(), math.atan2(ahead[1], ahead[0]))
+        self.body = BodyPlan(self.height - self._rise, now.com.copy(), math.atan2(ahead[1], ahead[0]))
         self.body.position[:2] = now.centres[:, :2].mean(axis=0)
         self.body.fit_ground(self.soles.corners, math.inf)
         return self.feet
@@ -177,7 +176,7 @@ class BipedController(Walker):
     def _move_body(self, request: Request, now: Kinematics) -> None:
         """Move the wanted body by one step, which rises before it walks."""
         body = self.body
-        body.height = min(body.height + self._rise * self.dt / self._start, self._height)
+        body.height = min(body.height + self._rise * self.dt / self.start, self.height)
         body.ceiling = request.height
         body.advance(self.arbiter.velocity, now.com, self.dt)
 
@@ -210,7 +209,7 @@ class BipedController(Walker):
         share = at - i
         place = (1.0 - share) * plan.position[i] + share * plan.position[i + 1]
         speed = (1.0 - share) * plan.linear_velocity[i] + share * plan.linear_velocity[i + 1]
-        return np.asarray((place + speed / self._omega)[:2])
+        return np.asarray((place + speed / self._pendulum)[:2])
 
     def _replan(self, now: Kinematics, clock: float, time: float) -> None:
         """Run the MPC for the footsteps from now on."""
@@ -241,7 +240,7 @@ class BipedController(Walker):
         flow = self._preview.motion(now.com[:2], pressure)[1][::2]
         times = dt * np.arange(len(flow), dtype=np.float64)
         yaw = body.yaw + body.velocity[2] * times
-        speeds = foot_speeds(self.soles, steps, clock + times, self.settings.clearance * self._height)
+        speeds = foot_speeds(self.soles, steps, clock + times, self.settings.clearance * self.height)
         momentum = self._legs.momentum(speeds, np.column_stack([flow, flow @ body.slope]), yaw)
         gained = np.repeat(np.diff(momentum, axis=0), 2, axis=0)[:, :2] / (dt * self.robot.mass * GRAVITY)
         pressure += np.column_stack([gained[:, 1], -gained[:, 0]])
@@ -278,15 +277,16 @@ class BipedController(Walker):
         acceleration = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
         turning = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
         turning -= (self._leg_spin[1] - self._leg_spin[0]) / dt
-        kp, kd = self._body_gain
+        kp, kd = self._gain(self.settings.body_stiffness)
         miss = begin.com + t * begin.com_velocity + 0.5 * t * t * acceleration - now.com
         com = acceleration + kp * miss + kd * (begin.com_velocity + t * acceleration - now.com_velocity)
         turned = rotation_log(now.rotation @ begin.rotation.T) if t > 0.0 else np.zeros(3)
         spin = begin.angular_velocity
         turn = turning + kp * (t * spin + 0.5 * t * t * turning - turned)
         turn += kd * (spin + t * turning - now.angular_velocity)
-        wanted = feet.accelerations(clock, now.centres, now.twists, self._swing_gain)
-        ks, ds = self._swing_gain
+        swing = self._gain(self.settings.swing_stiffness)
+        wanted = feet.accelerations(clock, now.centres, now.twists, swing)
+        ks, ds = swing
         for k in np.flatnonzero(~feet.carrying):
             goal, spin, change = soles.turning(int(k))
             off = rotation_log(goal @ self.whole_body.foot_rotations[k].T)
