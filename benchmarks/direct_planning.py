@@ -32,6 +32,8 @@ from surefoot.planning.direct import (
 from surefoot.planning.direct.planner import SMOOTHINGS
 from surefoot.planning.trajectory import Trajectory
 from surefoot.planning.transcription.contact_rows import ContactLaw
+from surefoot.planning.transcription.follow import follow
+from surefoot.planning.transcription.judge import departure
 from surefoot.robot import load_robot
 from surefoot.simulation.rigid import RigidWorld
 
@@ -81,6 +83,7 @@ def replayed(problem: DirectProblem, motion: Trajectory, dt: float, order: int) 
 def row_of(name: str, problem: DirectProblem, found: DirectPlan, spent: float) -> list[str]:
     """Return the cells of one plan."""
     plan, motion = found.plan, found.trajectory
+    alone = follow(problem, found.motion, feedback=False)
     report = audit_log(plan, problem.robot)
     worst = ", ".join(dict.fromkeys(f"{v.law} {v.value:.2g} {v.unit}" for v in report.violations[:2]))
     feet = "; ".join(
@@ -90,7 +93,7 @@ def row_of(name: str, problem: DirectProblem, found: DirectPlan, spent: float) -
     return [
         name, f"{problem.knots} x {1e3 * problem.dt:.0f} ms", plan.status.value, f"{spent:.1f}",
         str(plan.iterations), f"{plan.cost:.4g}", f"{plan.law_residual:.1e}", f"{found.products:.1e}",
-        f"{found.departure:.1e}", f"{found.open_departure:.1e}",
+        f"{found.departure:.1e}", f"{departure(problem.robot, found.motion, alone):.1e}",
         f"{replayed(problem, motion, problem.dt, 1):.1e}", f"{replayed(problem, motion, 1e-3, 2):.2g}",
         f"{report.verdict} {worst}".strip(), feet,
     ]  # fmt: skip

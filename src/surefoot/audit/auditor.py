@@ -11,12 +11,13 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.audit.checks import CHECKS, Check
 from surefoot.audit.command import judge_command, judge_task
+from surefoot.audit.cones import grip
 from surefoot.audit.diagnosis import diagnose
 from surefoot.audit.friction import FrictionCount
 from surefoot.audit.intervals import JOIN, Interval, Track
 from surefoot.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
 from surefoot.audit.rows import Rows, lacking, pieces
-from surefoot.audit.setting import Setting, setting_of
+from surefoot.audit.setting import Setting, arranged, setting_of
 from surefoot.audit.slides import WORST, slide_on, start_slides
 from surefoot.log import Log
 from surefoot.log.formats import read_log
@@ -57,20 +58,22 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
     """
     if not isinstance(log, Log):
         log = read_log(log)
+    log = arranged(log, robot)
     setting = setting_of(log, robot)
     coverage = _coverage(log, setting)
     used = [check for check in CHECKS if not coverage.get(check.name, "")]
-    used = [check for check in used if check.law or not lacking(log, check.needs)]
+    used = [check for check in used if check.law or not (lacking(log, check.needs) or not setting.names)]
     join = max(1, round(JOIN / setting.dt)) if setting.dt > 0.0 else 1
     tracks = {name: Track(name, join) for name in (*_FAULTS, *(check.name for check in used))}
     friction, slides = FrictionCount(setting), start_slides(len(setting.names))
     last = -np.inf
     for rows in pieces(log, setting):
         last = _faults(rows, tracks, last)
-        if setting.names:
+        if setting.names or used:
             with np.errstate(over="ignore", invalid="ignore"):
                 _measure(rows, used, tracks)
-                friction.add(rows)
+                if setting.names:
+                    friction.add(rows)
                 if "dissipation" in tracks:
                     _slide(rows, slides)
     if "dissipation" in tracks:
@@ -107,8 +110,9 @@ def _coverage(log: Log, setting: Setting) -> dict[str, str]:
     for check in (c for c in CHECKS if c.law):
         missing = lacking(log, check.needs)
         why = f"the log has no {', '.join(missing)}" if missing else ""
-        if not setting.names:
-            why = "the log has no contacts"
+        if not setting.names:  # what never touches anything is judged by its momentum
+            free = "momentum_rate" in log and not missing
+            why = "" if check.name == "balance" and free else "the log has no contacts"
         out[check.name] = why or check.doubt(log, setting)
     return out
 
@@ -145,11 +149,8 @@ def _slide(rows: Rows, state: FloatArray) -> None:
     """Add up the ways without friction in a piece, however slow; what is lost is left out."""
     core = rows.core
     keep = ~rows.lost[core].any(axis=1)
-    mu = np.ascontiguousarray(np.broadcast_to(rows.mu, rows.normal.shape)[core][keep])
-    f, v = (np.ascontiguousarray(x[core][keep]) for x in (rows.forces, rows.velocities))
-    if rows.setting.creep > 0.0:  # what is declared is no way
-        speed = np.hypot(v[..., 0], v[..., 1])
-        v = v * np.maximum(1.0 - rows.setting.creep / np.maximum(speed, 1e-300), 0.0)[..., None]
+    mu = np.ascontiguousarray(np.broadcast_to(grip(rows), rows.normal.shape)[core][keep])
+    f, v = (np.ascontiguousarray(x[core][keep]) for x in (rows.forces, rows.slip))
     v = np.where(rows.swinging[core][keep][..., None], 0.0, v)
     slide_on(state, f, v, mu, rows.dt[core][keep], rows.setting.threshold, rows.setting.weight)
 
@@ -210,14 +211,19 @@ def _reason(log: Log, setting: Setting, coverage: dict[str, str], violations: tu
     """Return why a log in which no law is broken cannot be called lawful; empty if it can."""
     if violations:
         return str(violations[0])
-    lacking = {why for name, why in coverage.items() if why and name in NEEDED}
+    alone = not setting.names and not coverage["balance"]
+    lacking = {why for name, why in coverage.items() if why and name in NEEDED and not alone}
     if lacking:
         return ", ".join(sorted(lacking))
     if setting.doubts:
         return setting.doubts[0]
     if len(log) < LEAST:
         return f"{len(log)} rows are too few, {LEAST} are the least"
-    if coverage["motion"] and not any(_loaded(piece, setting) for piece in log.chunks()):
+    if (
+        coverage["motion"]
+        and coverage["balance"]
+        and not any(_loaded(piece, setting) for piece in log.chunks())
+    ):
         return "no contact ever carries anything, and the motion is not known"
     return ""
 

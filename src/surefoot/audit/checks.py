@@ -12,6 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.audit.balance import ARM as MOMENT_ARM
+from surefoot.audit.balance import LIMIT as MOTION_LIMIT
+from surefoot.audit.balance import RINGING_LIMIT, RINGING_TIME, SMOOTH, balance
+from surefoot.audit.cones import grip, needed
 from surefoot.audit.continuity import contact_velocity, gap_rate, no_plane, state
 from surefoot.audit.laws import CONE_LIMIT, LEAST_FRICTION, PENETRATION_LIMIT, PULL_LIMIT, SLIDE_LIMIT
 from surefoot.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
@@ -19,15 +23,6 @@ from surefoot.audit.setting import DEEP, Setting
 from surefoot.audit.touches import rebound, sparse
 from surefoot.log import Log
 
-SMOOTH = 0.01
-"""Forces are compared with the motion over this time [s]."""
-MOTION_LIMIT = 0.05
-"""Force on a foot, or on the body, that the motion may leave unexplained, as a share of m g."""
-RINGING_TIME, RINGING_LIMIT = 0.05, 0.1
-"""Root mean square over this time [s] of what single rows leave unexplained, as a share of m g: a
-force that rings about the true one has the right mean."""
-MOMENT_ARM = 0.02
-"""The moment on the body that may be left unexplained is m g on this arm [m]."""
 SWING_DEPTH = 1.6
 """A contact on a body that tumbles sinks deeper than on its own, by less than this factor (1.5 was seen)."""
 SLIDE_WINDOW = 0.05
@@ -97,8 +92,7 @@ def _pull(rows: Rows) -> Measured:
 
 def _friction(rows: Rows) -> Measured:
     """Friction that a force needs; one of hardly any normal force may have the noise of it."""
-    needed = rows.tangential / np.maximum(rows.normal, rows.setting.threshold)
-    return over(needed, CONE_LIMIT * np.maximum(rows.mu, LEAST_FRICTION))
+    return over(needed(rows), CONE_LIMIT * np.maximum(rows.mu, LEAST_FRICTION))
 
 
 def _distance(rows: Rows) -> Measured:
@@ -114,22 +108,24 @@ def _settled(rows: Rows, value: FloatArray) -> FloatArray:
     return np.where(hit > 0.0, 0.0, value)
 
 
-def _work(rows: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _work(rows: Rows, friction: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return way [m], friction's work [J] and the most that it could take [J], over windows: (T, p) each."""
+    own = "contact_creep" in rows.log  # else the limit knows the creep
     w = rows.window(SLIDE_WINDOW)
     on = rows.loaded.copy()
     on[1:] &= rows.loaded[:-1]  # not the row of a touchdown: its force is the blow that stops the foot
-    v = np.where(on[..., None], rows.velocities[..., :2], 0.0) * rows.dt[:, None, None]
+    slip = rows.slip if own else rows.velocities
+    v = np.where(on[..., None], slip[..., :2], 0.0) * rows.dt[:, None, None]
     f = rows.forces[..., :2]
     way = np.hypot(*np.moveaxis(sliding_sum(v, w), -1, 0))
     work = sliding_sum((f * v).sum(axis=-1), w)
-    most = sliding_sum(rows.mu * rows.normal * np.hypot(v[..., 0], v[..., 1]), w)
+    most = sliding_sum(friction * rows.normal * np.hypot(v[..., 0], v[..., 1]), w)
     return way, work, most
 
 
 def _driving(rows: Rows) -> Measured:
     """Work that friction gave [J]: never positive, but regularised friction turns late."""
-    _, work, most = _work(rows)
+    _, work, most = _work(rows, grip(rows))
     late = SLIDE_LIMIT + 2.0 * rows.setting.stopping
     limit = np.maximum(0.05 * late * rows.setting.weight, 0.05 * most)
     return over(_settled(rows, work), limit)
@@ -137,10 +133,18 @@ def _driving(rows: Rows) -> Measured:
 
 def _sliding(rows: Rows) -> Measured:
     """Way of a contact as if without friction [m]."""
-    way, work, most = _work(rows)
+    way, work, most = _work(rows, grip(rows))
     share = np.clip((0.9 * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
-    return over(_settled(rows, value), rows.setting.slide_limit + rows.setting.creep * SLIDE_WINDOW)
+    creep = 0.0 if "contact_creep" in rows.log else rows.setting.creep
+    return over(_settled(rows, value), rows.setting.slide_limit + creep * SLIDE_WINDOW)
+
+
+def _bias(rows: Rows) -> Measured:
+    """Way on which a pyramid brakes less than the round cone, times the share that it lacks [m]."""
+    lacks = 1.0 - grip(rows) / np.maximum(rows.mu, LEAST_FRICTION)
+    way = np.hypot(rows.slip[..., 0], rows.slip[..., 1]) * rows.dt[:, None]
+    return over(sliding_sum(np.where(rows.loaded, way * lacks, 0.0), rows.window(SLIDE_WINDOW)), SLIDE_LIMIT)
 
 
 def _motion(rows: Rows) -> Measured:
@@ -207,6 +211,13 @@ def _blow(rows: Rows) -> Measured:
     return over(value, SPIKE)
 
 
+def _unconverged(rows: Rows) -> Measured:
+    """Error of a contact force as the world's solver left it [N], a mean of some time."""
+    value = np.zeros((rows.count, rows.points + 1))
+    value[:, -1] = sliding_mean(rows.numbers("solver_error"), rows.window(SMOOTH))
+    return over(value, MOTION_LIMIT * rows.setting.weight)
+
+
 def _idle(rows: Rows) -> Measured:
     """Time during which nothing carries the robot though a foot touches the ground, or it does not fall."""
     w = rows.window(IDLE_TIME)
@@ -264,6 +275,10 @@ CHECKS = (
         lambda _, setting: setting.why_no_motion,
     ),
     Check(
+        "balance", "contacts carry all of the robot", "N", True,
+        ("forces", "momentum_rate", "com", "contact_positions", "normals"), balance,
+    ),
+    Check(
         "restitution", "a touch returns no more than it took", "J", True, ("forces", "contact_velocities"),
         rebound, sparse,
     ),
@@ -276,9 +291,14 @@ CHECKS = (
         "contact velocity", "contacts move with the joints", "m/s", True, ("contact_velocities", "q", "v"),
         contact_velocity, lambda _, setting: setting.why_no_motion,
     ),
+    Check(
+        "bias", "a pyramid brakes less than the round cone", "m", False,
+        ("forces", "contact_velocities", "mu", "pyramid_turn"), _bias,
+    ),
     Check("depth", "a soft contact", "m", False, ("gaps",), _depth),
     Check("chatter", "switches of contact in 0.1 s", "1", False, FORCES, _chatter),
     Check("blow", "force of one row", "m g", False, FORCES, _blow),
+    Check("unconverged", "the solver stopped early", "N", False, ("forces", "solver_error"), _unconverged),
     Check("idle", "nothing carries the robot", "share", False, FORCES, _idle),
     Check("frozen", "a force that does not change", "share", False, FORCES, _frozen),
     Check("lean", "one diagonal of feet carries more", "m g", False, FORCES, _lean),

@@ -116,7 +116,7 @@ def levers(q: FloatArray, v: FloatArray) -> FloatArray:
     return scale
 
 
-def gap_slips(gaps: FloatArray, velocity: FloatArray, dt: FloatArray, after: bool) -> FloatArray:
+def gap_slips(gaps: FloatArray, velocity: FloatArray, dt: FloatArray, after: bool | None) -> FloatArray:
     """Return how far each step of the gaps is from what the contacts' velocities say: (T, p) [m].
 
     On a plane, where the contact is the lowest point of a round foot, or a corner. The last row is zero.
@@ -128,10 +128,10 @@ def gap_slips(gaps: FloatArray, velocity: FloatArray, dt: FloatArray, after: boo
     dt
         (T,) time to the next row [s].
     after
-        Whether a row's velocity is that after its force has acted.
+        Whether a row's velocity is that after its force has acted; None for a mean while it acts.
     """
     out = np.zeros(gaps.shape)
-    out[:-1] = np.diff(gaps, axis=0) - dt[:-1, None] * (velocity[:-1] if after else velocity[1:])
+    out[:-1] = np.diff(gaps, axis=0) - dt[:-1, None] * (velocity[1:] if after is False else velocity[:-1])
     return out
 
 

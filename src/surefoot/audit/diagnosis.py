@@ -11,6 +11,7 @@ from surefoot.audit.report import Finding
 from surefoot.audit.rows import Rows
 from surefoot.audit.setting import BODY, Setting
 from surefoot.audit.symptoms import SYMPTOMS, Symptom
+from surefoot.audit.symptoms.symptom import CERTAIN
 from surefoot.log import Log
 
 NEAR = 0.05
@@ -88,7 +89,7 @@ def _not_shadowed(found: list[Finding], setting: Setting) -> list[Finding]:
     for one in found:
         others = feet if one.contact == BODY else whole
         shadowed = any(o.start - NEAR <= one.end and one.start <= o.end + NEAR for o in others)
-        if not shadowed or one in whole:
+        if not shadowed or one in whole or one.strength >= CERTAIN:
             out.append(one)
     return out
 
@@ -118,8 +119,8 @@ def _ranked(found: list[Finding]) -> list[Finding]:
     """
     begun = min((f.start for f in found), default=0.0)
 
-    def key(f: Finding) -> tuple[bool, float, float]:
+    def key(f: Finding) -> tuple[bool, bool, float, float]:
         follows = f.name == "joint stop" and f.start > begun + NEAR
-        return follows, -f.strength - 0.02 * (f.contact == "all"), f.start
+        return follows, f.strength < CERTAIN, -f.strength - 0.02 * (f.contact == "all"), f.start
 
     return sorted(found, key=key)

@@ -98,7 +98,8 @@ def unexplained(
         rest -= np.asarray(log["other_forces"])[:-1]
     if "torques" in log:
         rest[:, base:] -= np.asarray(log["torques"])[:-1]
-        rest[:, base:] += _lost(log, v[:, base:], acceleration[:, base:], rest[:, base:])
+        known = np.asarray(robot.model.armature)[base:]  # is in M already
+        rest[:, base:] += _lost(log, v[:, base:], acceleration[:, base:], rest[:, base:], known)
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
     return Unexplained(force_left, moment_left, feet, velocities)
@@ -122,14 +123,19 @@ def balanced_forces(robot: Robot, log: Log) -> FloatArray:
     return _at_feet(robot, torque, jacobian, np.asarray(log["contact_positions"]))
 
 
-def _lost(log: Log, speeds: FloatArray, acceleration: FloatArray, rest: FloatArray) -> FloatArray:
+def _lost(
+    log: Log, speeds: FloatArray, acceleration: FloatArray, rest: FloatArray, known: FloatArray
+) -> FloatArray:
     """Return what rotors and friction take of the motors' torques (T, joints), where the log tells them.
+
+    Rotors that the robot's model has, (joints,) `known`, take it there.
 
     The dry friction of a joint that sticks, or turns back, in the step of a row is what holds it, up to its
     size: it takes what (T, joints) `rest` leaves over. `speeds` are (T + 1, joints).
     """
     rotor, viscous, dry = (log.fact(name) if name in log.facts else 0.0 for name in MOTOR_FACTS)
     before, after = speeds[:-1], speeds[1:]
+    rotor = rotor - known if "armature" in log.facts else 0.0
     lost = np.asarray(rotor * acceleration + viscous * before)
     holding = np.clip(-(rest + lost), -np.asarray(dry), dry)
     sticks = (np.minimum(np.abs(before), np.abs(after)) < STICKING) | (before * after < 0.0)

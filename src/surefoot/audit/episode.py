@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.audit.checks import CHECKS
 from surefoot.audit.intervals import Interval
 from surefoot.audit.rows import Rows
 from surefoot.spatial import GRAVITY
@@ -44,6 +45,11 @@ class Episode:
     def has(self, *checks: str) -> bool:
         """Return whether all of these failed."""
         return all(name in self.failed for name in checks)
+
+    @property
+    def breaks(self) -> bool:
+        """Whether a law is broken here."""
+        return any(check.law and check.name in self.failed for check in CHECKS)
 
     @property
     def weight(self) -> float:

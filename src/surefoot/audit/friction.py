@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from surefoot.arrays import BoolArray, IntArray
+from surefoot.audit.cones import used as friction_used
 from surefoot.audit.laws import SLIDING_SPEED
 from surefoot.audit.report import FrictionInterval
 from surefoot.audit.rows import Rows
@@ -118,10 +119,12 @@ class FrictionCount:
         normal = rows.normal[part]
         carries = (normal > ENOUGH * self._setting.weight) & ~rows.lost[part, :-1]
         before = np.concatenate([np.zeros((1, rows.points), dtype=bool), carries[:-1]])
-        used = rows.tangential[part] / np.maximum(normal, 1e-12)
+        used = friction_used(rows)[part]
         bins = np.minimum((used * (BINS / TOP)).astype(np.int64), BINS - 1)
         speed = np.hypot(rows.velocities[part, :, 0], rows.velocities[part, :, 1])
-        sliding = carries & before & (speed > SLIDING_SPEED + self._setting.creep)
+        sliding = (
+            carries & before & (speed > SLIDING_SPEED + np.broadcast_to(rows.creep, rows.normal.shape)[part])
+        )
         steady, time, told = _steady(sliding, self._rows), rows.time[part], carries & before
         for start in range(0, len(bins), self._window):
             at = slice(start, start + self._window)

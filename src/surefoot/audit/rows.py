@@ -23,7 +23,7 @@ HARD_TOUCHDOWN = 0.7
 """Speed into the ground from which a landing sets a soft contact swinging [m/s]: a fall from 25 mm."""
 PIECE = 1 << 15
 """Rows of a piece."""
-FINITE = (*PER_POINT, "q", "v", "torques", "mu", "push", "other_forces")
+FINITE = (*PER_POINT, "q", "v", "torques", "mu", "push", "other_forces", "momentum_rate", "com")
 
 
 def lacking(log: Log, names: Iterable[str]) -> list[str]:
@@ -123,6 +123,32 @@ class Rows:
         """Friction of the ground [-]: (T, p) where each contact has its own, else (T, 1)."""
         own = "contact_friction" in self.log
         return np.maximum(self.numbers("contact_friction") if own else self.numbers("mu")[:, None], 0.0)
+
+    @cached_property
+    def creep(self) -> FloatArray:
+        """Speed at which the world's soft friction lets contacts move: (T, p) or (1, 1) [m/s].
+
+        By its own law a_t + b v_t + R f_t = 0, where the log has R f_t / b and b: no more than that and what
+        the contact is braked by.
+        """
+        if "contact_creep" not in self.log:
+            return np.full((1, 1), self.setting.creep)
+        v = self.velocities[..., :2]
+        along = v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
+        change = np.diff(v, axis=0, append=v[-1:])
+        braked = np.maximum(-(change * along).sum(axis=-1), 0.0) / self.dt[:, None]
+        rate = np.asarray(self.log.facts.get("contact_damping", np.full(self.points, np.inf)))
+        creep = np.maximum(self.numbers("contact_creep"), 0.0)
+        return np.asarray(creep + braked / np.maximum(rate, 1e-300))
+
+    @cached_property
+    def slip(self) -> FloatArray:
+        """(T, p, 3) velocities, the tangential ones less what the world creeps [m/s]."""
+        if not self.creep.any():
+            return self.velocities
+        speed = np.hypot(self.velocities[..., 0], self.velocities[..., 1])
+        left = np.maximum(1.0 - self.creep / np.maximum(speed, 1e-300), 0.0)
+        return np.asarray(self.velocities * left[..., None])
 
     @cached_property
     def frames(self) -> FloatArray:

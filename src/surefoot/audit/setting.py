@@ -23,12 +23,23 @@ SOFTEST = {
     "sinking": (0.05, "m"), "creep": (0.1, "m/s"), "stopping": (0.1, "m"), "settling": (0.1, "s"),
 }  # fmt: skip
 """A world that declares more than this may hide anything: nothing is lawful there."""
+REMEDIES = {
+    "sinking": "a stiffer contact (solref with a shorter time constant, solimp nearer to one)",
+    "creep": "an elliptic cone with impratio of 10 or more, or a stiffer solref",
+    "stopping": "solref with a shorter time constant, an elliptic cone with impratio of 10 or more",
+    "settling": "solref with a shorter time constant",
+}
+"""What makes such a world tell more, in MuJoCo's words."""
 PLANES = ("flat", "slope")
 """Kinds of ground that are one plane."""
+SAME_MASS = 1e-3
+"""A recording's model whose mass differs by more from the robot of its name is another one."""
 FASTEST = 5.0
 """Gaps that change faster are those of a foot that passes an edge [m/s]."""
 PER_POINT = ("forces", "gaps", "contact_velocities", "contact_positions", "normals", "contact_friction")
 """Channels with a row for each contact point."""
+OF_POINTS = ("contact_with", "moment_friction", "contact_margin", "contact_damping", "critically_damped")
+"""Facts with a row for each contact point."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +63,8 @@ class Setting:
     robot
         For the equations of motion; None where they cannot be judged, for the reason `why_no_motion`.
     after
-        Whether a row's contact velocities are those after its force has acted; else those before.
+        Whether a row's contact velocities are those after its force has acted; else those before; None for
+        means while it acts.
     plane
         Whether the ground is known to be one plane, on which a gap changes as its contact moves.
     notes
@@ -74,7 +86,7 @@ class Setting:
     payload_position: FloatArray
     robot: Robot | None
     why_no_motion: str
-    after: bool = False
+    after: bool | None = False
     plane: bool = False
     notes: tuple[str, ...] = field(default=())
     doubts: tuple[str, ...] = field(default=())
@@ -99,6 +111,31 @@ class Setting:
         return int((self.owner == self.owner[contact]).sum()) == 1
 
 
+def arranged(log: Log, robot: Robot | None) -> Log:
+    """Return a recording with its contact points in the order of a robot's feet, matched by name.
+
+    As it is where it is no recording, or not every contact point is a foot's of its own.
+    """
+    if robot is None or log.facts.get("kind") != "recording":
+        return log
+    names = [str(name) for name in log.facts.get("feet", ())]
+    owner = np.asarray(log.facts.get("contact_foot", ()))
+    try:
+        places = [robot.foot_names.index(robot.foot(name).name) for name in names]
+    except SurefootError:
+        return log
+    if sorted(places) != list(range(len(robot.foot_names))) or owner.shape != (len(robot.contact_points),):
+        return log
+    order = np.argsort(np.array(places)[owner], kind="stable")
+    arrays = {
+        name: array[:, order] if "p" in log.channels[name].shape else array
+        for name, array in log.arrays.items()
+    }
+    facts = {name: np.asarray(f)[order] if name in OF_POINTS else f for name, f in log.facts.items()}
+    facts |= {"feet": list(robot.foot_names), "contact_foot": np.array(places)[owner][order]}
+    return Log(arrays, facts, channels=log.channels)
+
+
 def setting_of(log: Log, robot: Robot | None) -> Setting:
     """Return what a log tells once; `robot` None for the one that it names.
 
@@ -121,17 +158,22 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     if told and good.size and abs(told - dt) > 0.02 * dt:
         doubts.append(f"the log says dt = {told:g} s, its time stamps {dt:g} s")
     soft = [_not_negative(log, name) for name in SOFTEST]
+    if _by_row(log):  # friction is judged by its own law, row by row: what is left to allow is bounded
+        soft[1], soft[2] = _mean_creep(log), min(soft[2], SOFTEST["stopping"][0])
     sinking, creep, stopping, settling = soft
     payload = _not_negative(log, "payload")
     place = finite_array("the fact payload_position", log.facts.get("payload_position", np.zeros(3)), (3,))
     for (name, (most, unit)), value in zip(SOFTEST.items(), soft, strict=True):
-        if value > most:
+        if value > most and (name != "sinking" or not _by_row(log) or _deepest(log) > most):
             doubts.append(
-                f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything"
+                f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything; "
+                f"what helps is {REMEDIES[name]}"
             )
     if any(soft):
         deep = "; that is soft: a stiffer contact would show more" if sinking > DEEP else ""
         held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"
+        if _by_row(log):
+            held = f"{held}, by its own law"
         swing = ""
         if settling > 0.0:
             swing = f"; for {1e3 * settling:.2g} ms after a hard touchdown friction's work is not judged"
@@ -150,11 +192,33 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     )  # fmt: skip
 
 
-def _velocities_after(log: Log, dt: float) -> bool:
+def _by_row(log: Log) -> bool:
+    """Return whether a log has row by row what its soft friction creeps, and how fast it brakes."""
+    return "contact_creep" in log and "contact_damping" in log.facts
+
+
+def _mean_creep(log: Log) -> float:
+    """Return the speed at which the loads of a log creep by the world's own law, on average [m/s]."""
+    load = way = 0.0
+    for piece in log.chunks():
+        normal = np.nan_to_num(np.maximum(np.asarray(piece["forces"])[..., 2], 0.0))
+        load += float(normal.sum())
+        way += float((normal * np.nan_to_num(np.asarray(piece["contact_creep"]))).sum())
+    return way / load if load > 0.0 else 0.0
+
+
+def _deepest(log: Log) -> float:
+    """Return how deep any contact of a log went [m]."""
+    return max((-float(np.nanmin(p["gaps"], initial=0.0)) for p in log.chunks()), default=0.0)
+
+
+def _velocities_after(log: Log, dt: float) -> bool | None:
     """Return whether a row's contact velocities carry its gap to the next row's: those after its force.
 
     MuJoCo reports the velocities before the forces act, a time-stepping scheme those after.
     """
+    if log.facts.get("velocities") == "mean":
+        return None
     if not {"gaps", "contact_velocities"} <= set(log.arrays) or dt <= 0.0:
         return False
     gaps, up = (np.asarray(log[name][: 1 << 16]) for name in ("gaps", "contact_velocities"))
@@ -222,6 +286,7 @@ def _robot(log: Log, robot: Robot | None, doubts: list[str]) -> tuple[Robot | No
     lacking = [name for name in needed if name not in log]
     if lacking:
         return None, f"the log has no {', '.join(lacking)}"
+    recorded = log.facts.get("kind") == "recording"
     if robot is None:
         if "robot" not in log.facts:
             return None, "the log does not name its robot: give one"
@@ -230,11 +295,12 @@ def _robot(log: Log, robot: Robot | None, doubts: list[str]) -> tuple[Robot | No
             robot = load_robot(name)
         except SurefootError as error:
             return None, str(error)
+        if recorded and abs(robot.mass - float(log.fact("mass"))) > SAME_MASS * robot.mass:
+            return None, f"the recording's {name} has another mass than ours: give the robot itself"
     if not robot.floating:
         return None, "the robot is bolted to the world"
-    recorded = log.facts.get("kind") == "recording"  # its contact points are geoms in the order of touching
     if recorded and not _same_feet(robot, tuple(map(str, log.facts.get("feet", ())))):
-        return None, f"the recording's feet are not {', '.join(robot.foot_names)} in this order"
+        return None, f"the recording's feet are not {', '.join(robot.foot_names)}"
     have = (log["q"].shape[1], log["v"].shape[1], log["forces"].shape[1])
     want = (int(robot.model.nq), int(robot.model.nv), len(robot.contact_points))
     if have != want:

@@ -32,16 +32,17 @@ def rebound(rows: Rows) -> Measured:
 
     A body on several contacts hands energy from one to another, and from friction to the normal: at fault is
     what all contacts together have given, too, since none was loaded; where that is not among the rows, what
-    those have that are loaded now. And what the force has given along the gap, where it is known: the contact
-    point of a foot that rolls is known to a share of its way only.
+    those have that are loaded now, too. And what the force has given along the gap, where it is known: the
+    contact point of a foot that rolls is known to a share of its way only.
     """
     loaded, dt, after = rows.loaded, rows.dt, rows.setting.after
     value, taken = returned_work(rows.normal, rows.velocities[..., 2], dt, loaded, after)
-    limit = np.maximum(REBOUND * rows.setting.weight, REBOUND_SHARE * taken)
+    limit = np.maximum(REBOUND * rows.setting.weight, REBOUND_SHARE * taken) + _unloading(rows)
     any_loaded = np.asarray(loaded.any(axis=1, keepdims=True))
     chain = _since_touchdown(_work(rows).sum(axis=1, keepdims=True), any_loaded)
     begun = np.logical_or.accumulate(~any_loaded, axis=0)
-    together = np.where(begun, chain, value.sum(axis=1, keepdims=True))
+    normals = value.sum(axis=1, keepdims=True)
+    together = np.where(begun, chain, np.minimum(chain, normals))
     if rows.has("gaps"):
         rise = np.diff(rows.gaps, axis=0, append=rows.gaps[-1:])
         along = _since_touchdown(np.where(loaded, rows.normal * rise, 0.0), loaded)
@@ -49,6 +50,30 @@ def rebound(rows: Rows) -> Measured:
     before = np.concatenate([value[:1].repeat(rows.window(RETURN_TIME), 0), value])[: len(value)]
     returns = value - before > 0.5 * limit  # the rows that give it back, not the rest of the touch
     return value, limit, (value > limit) & (together > limit) & returns
+
+
+def _unloading(rows: Rows) -> FloatArray:
+    """Return what soft contacts give back when their load changes: (T, p) [J].
+
+    A contact that is critically damped by its own law throws nothing; but MuJoCo's law sets how it comes out
+    of the ground, not the force meanwhile: sunk under little load and left under much it gives up to force
+    times depth, and a body on several contacts hands that from one to another.
+    """
+    damped = np.asarray(rows.log.facts.get("critically_damped", np.zeros(rows.points)), dtype=bool)
+    if not damped.any() or not rows.has("gaps"):
+        return np.zeros(rows.normal.shape)
+    margin = np.asarray(rows.log.facts.get("contact_margin", np.zeros(rows.points)))
+    depth = np.maximum(margin - rows.gaps, 0.0)
+    size = _peak_since_touchdown(rows.normal, rows.loaded) * _peak_since_touchdown(depth, rows.loaded)
+    return np.broadcast_to((size * damped).sum(axis=1, keepdims=True), size.shape)
+
+
+def _peak_since_touchdown(values: FloatArray, loaded: BoolArray) -> FloatArray:
+    """Return the highest of (T, p) values since each contact was last without load."""
+    out, peak = np.zeros_like(values), np.zeros(values.shape[1])
+    for t in range(len(values)):
+        peak = out[t] = np.where(loaded[t], np.maximum(peak, values[t]), 0.0)
+    return out
 
 
 def _work(rows: Rows) -> FloatArray:
@@ -65,7 +90,7 @@ def sparse(log: Log, setting: Setting) -> str:
 
 
 def returned_work(
-    normal: FloatArray, velocity: FloatArray, dt: FloatArray, loaded: BoolArray, after: bool
+    normal: FloatArray, velocity: FloatArray, dt: FloatArray, loaded: BoolArray, after: bool | None
 ) -> tuple[FloatArray, FloatArray]:
     """Return the energy given less taken since touchdown, and the energy taken: (T, p) each [J].
 
@@ -80,13 +105,13 @@ def returned_work(
     loaded
         (T, p) where a contact is loaded.
     after
-        Whether a row's velocity is that after its force has acted.
+        Whether a row's velocity is that after its force has acted; None for a mean while it acts.
     """
     first, last = _both_ends(velocity, after)
     half = 0.5 * normal * dt[:, None]
     given = np.where(loaded, half * (np.maximum(first, 0.0) + np.maximum(last, 0.0)), 0.0)
     taken = np.where(loaded, -half * (np.minimum(first, 0.0) + np.minimum(last, 0.0)), 0.0)
-    if not after:  # the velocity after the last row is not known
+    if after is False:  # the velocity after the last row is not known
         given[-1:] = taken[-1:] = 0.0
     begun = np.logical_or.accumulate(~loaded, axis=0)
     known = loaded & begun
@@ -96,8 +121,10 @@ def returned_work(
     )
 
 
-def _both_ends(velocity: FloatArray, after: bool) -> tuple[FloatArray, FloatArray]:
+def _both_ends(velocity: FloatArray, after: bool | None) -> tuple[FloatArray, FloatArray]:
     """Return the velocities (T, ...) before and after the force of each row, see `returned_work` [m/s]."""
+    if after is None:
+        return velocity, velocity
     ends = np.concatenate([velocity[:1], velocity, velocity[-1:]])
     return (ends[:-2], ends[1:-1]) if after else (ends[1:-1], ends[2:])
 

@@ -107,6 +107,15 @@ _TABLE = (
     Channel("attained", (), flag=True, meaning="whether the command was possible within the cones"),
     Channel("saturated", (), flag=True, meaning="whether a torque was at its limit"),
     Channel("other_forces", ("nv",), "N, N m", "base", meaning="generalised, of contacts that are no feet's"),
+    Channel("momentum_rate", (6,), "N, N m", "world", meaning="of all; the angular about the centre of mass"),
+    Channel("com", (3,), "m", "world", meaning="centre of mass"),
+    Channel(
+        "wrench_applied", (6,), "N, N m", "world", meaning="pushes, thrust, drag, about the centre of mass"
+    ),
+    Channel("contact_moments", ("p", 3), "N m", "contact", meaning="torsional and rolling friction's"),
+    Channel("contact_creep", ("p",), "m/s", meaning="at which the world's soft friction lets it move"),
+    Channel("pyramid_turn", ("p",), "rad", meaning="of a friction pyramid's first edge in contact axes"),
+    Channel("solver_error", (), "N", meaning="of a contact force, as the world's solver left it"),
     Channel("push", (3,), "N", "world", meaning="external force on the base"),
     Channel("mu", (), "1", meaning="friction of the ground"),
     Channel("planned", ("n",), flag=True, meaning="whether the gait wants a foot on the ground"),

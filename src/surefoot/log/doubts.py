@@ -90,7 +90,7 @@ def _angles(log: Log) -> Iterator[str]:
 def _quaternion(log: Log) -> Iterator[str]:
     if "base_orientation" in log:
         quaternion = np.asarray(log["base_orientation"])
-    elif "q" in log and log.sizes.get("nq", 0) >= 7:
+    elif "q" in log and log.sizes.get("nq", 0) >= 7 and log.sizes.get("nv") != log.sizes["nq"]:
         quaternion = np.asarray(log["q"])[:, 3:7]
     else:
         return

@@ -184,7 +184,7 @@ def real_actuators(robot: Robot) -> Actuators:
     Torque and speed limits are the file's; the torque falls with the speed as for the Go2's motors, unless
     `SHAPES` says otherwise.
     """
-    told, table = joint_figures(robot), FIGURES.get(robot.name, {})
+    file, table = joint_figures(robot), FIGURES.get(robot.name, {})
     height = max(float(robot.nominal[2]), 0.05) if robot.floating else 1.0
     torque = np.minimum(robot.effort_limits, LEG_SHARE * robot.mass * GRAVITY * height)
     rows = np.outer(torque, RULE)
@@ -192,7 +192,7 @@ def real_actuators(robot: Robot) -> Actuators:
         known = next((figures for part, figures in table.items() if part in joint), None)
         if known is not None:
             row[:] = known
-    armature, damping, friction = (np.where(own > 0.0, own, rows[:, k]) for k, own in enumerate(told))
+    armature, damping, friction = (np.where(own > 0.0, own, rows[:, k]) for k, own in enumerate(file))
     shape = SHAPES.get(robot.name, (KNEE_SHARE, DRIVING_SHARE))
     limits = MotorLimits(robot.effort_limits, robot.speed_limits, *shape)
     return Actuators(armature, damping, friction, limits, "real")

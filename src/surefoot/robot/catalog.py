@@ -77,18 +77,18 @@ class CatalogEntry:
     unlimited: tuple[str, ...] = ()
 
 
-def _entry(told: dict[str, Any]) -> CatalogEntry:
+def _entry(table: dict[str, Any]) -> CatalogEntry:
     """Return the entry of one table of robots.toml; `soles` and `ball` there are shapes here."""
-    soles, radius = told.pop("soles", ()), told.pop("ball", None)
+    soles, radius = table.pop("soles", ()), table.pop("ball", None)
     for key in ("feet", "upright", "unlimited"):
-        if key in told:
-            told[key] = tuple(told[key])
-    shapes = [sole(*ends) for ends in soles] if radius is None else [ball(radius)] * len(told["feet"])
-    return CatalogEntry(**told, shapes=tuple(shapes))
+        if key in table:
+            table[key] = tuple(table[key])
+    shapes = [sole(*ends) for ends in soles] if radius is None else [ball(radius)] * len(table["feet"])
+    return CatalogEntry(**table, shapes=tuple(shapes))
 
 
 _TABLES = tomllib.loads(files("surefoot.robot").joinpath("robots.toml").read_text(encoding="utf-8"))
-CATALOG: dict[str, CatalogEntry] = {name: _entry(told) for name, told in _TABLES.items()}
+CATALOG: dict[str, CatalogEntry] = {name: _entry(table) for name, table in _TABLES.items()}
 ALIASES = {"anymal": "anymal_b", "solo": "solo12"}
 UNREADABLE = {
     "cassie": "example-robot-data has it only as an SDF file with closed linkages, which no URDF can hold; "

@@ -6,7 +6,7 @@ ways, all linear in the robot's velocity, u = J(q) v:
 ==================== ======================== =========================== ============================
 reference            velocity of              along the axes of           drift J̇ v
 ==================== ======================== =========================== ============================
-local                the contact point        the carrying frame          spatial acceleration
+local                the contact point        the body                  spatial acceleration
 world                the body's point that    the world                   spatial acceleration
                      is at the world's origin
 local_world_aligned  the contact point        the world                   classical acceleration
@@ -54,13 +54,13 @@ class Attachment:
     name
         Name of the contact.
     frame
-        Pinocchio's index of the carrying frame.
+        Pinocchio's index of the frame that it is fixed to.
     offset
         (3,) the point in that frame [m].
     dim
         3 for a point, 6 for a patch.
     position, rotation_world_frame
-        (3,) [m] and (3, 3): the point and the carrying frame's axes when attached, the anchor of
+        (3,) [m] and (3, 3): the point and that frame's axes when attached, the anchor of
         `contact_error`.
     rotation_world_contact
         (3, 3) axes of the surface.
@@ -107,7 +107,7 @@ def attach(robot: Robot, q: ArrayLike, stance: Stance) -> tuple[Attachment, ...]
 
 
 def _attach(robot: Robot, contact: Contact) -> Attachment:
-    frame = _carrying_frame(robot, contact.name)
+    frame = _frame_of(robot, contact.name)
     pose = robot.data.oMf[frame]
     radius = next((f.radius for f in robot.feet if f.frame == frame and not f.flat), 0.0)
     return Attachment(
@@ -122,7 +122,7 @@ def _attach(robot: Robot, contact: Contact) -> Attachment:
     )
 
 
-def _carrying_frame(robot: Robot, name: str) -> int:
+def _frame_of(robot: Robot, name: str) -> int:
     """Return the index of the frame that a contact's name stands for."""
     for candidate in (name, name.rpartition(".")[0]):
         if candidate and robot.model.existFrame(candidate):

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra, ModelError
+from surefoot.errors import ModelError, needs
 from surefoot.robot.libraries import import_pinocchio
 from surefoot.robot.mjcf_beyond import beyond_a_tree
 from surefoot.robot.parser_output import parser_output
@@ -79,16 +79,14 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
         For a file that MuJoCo cannot read, or a robot that is not one tree of hinges and slides: closed
         chains, joints with springs, tendons that pull.
     """
-    try:
+    with needs("mujoco", "sim"):
         import mujoco
-    except ImportError as error:
-        raise MissingExtra("mujoco", "sim") from error
     pinocchio = import_pinocchio()
     with parser_output():
         try:
             compiled = mujoco.MjModel.from_xml_path(str(path))
         except (ValueError, OSError) as error:
-            raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {told(error)}") from error
+            raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {one_line(error)}") from error
     beyond = beyond_a_tree(mujoco, compiled)
     if beyond:
         raise ModelError(
@@ -104,7 +102,7 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
     return _Builder(mujoco, pinocchio, compiled, root, floating, path).build()
 
 
-def told(error: Exception) -> str:
+def one_line(error: Exception) -> str:
     """Return what an error of MuJoCo says, in one line."""
     return " ".join(str(error).split()).removeprefix("Error: ")
 
@@ -161,8 +159,8 @@ class _Builder:
 
     def _tell(self) -> None:
         """Note rotor inertia, damping and dry friction where ideal joints leave them out."""
-        told = (("rotorInertia", "dof_armature"), ("damping", "dof_damping"))
-        figures = (*told, ("upperDryFrictionLimit", "dof_frictionloss"))
+        ideal = (("rotorInertia", "dof_armature"), ("damping", "dof_damping"))
+        figures = (*ideal, ("upperDryFrictionLimit", "dof_frictionloss"))
         for ours, theirs in figures:
             values = np.array(getattr(self.model, ours))
             for index, joint in self.joints:

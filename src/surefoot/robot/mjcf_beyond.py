@@ -1,4 +1,4 @@
-"""What MJCF can say that a tree of hinges and slides with motors cannot: found, so that it is told."""
+"""What MJCF can say that a tree of hinges and slides with motors cannot: found, so that it is named."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ def _equality(mujoco: Any, compiled: Any, k: int) -> str:
     objects = {"joint": mujoco.mjtObj.mjOBJ_JOINT, "tendon": mujoco.mjtObj.mjOBJ_TENDON}
     of = int(objects.get(kind, int(compiled.eq_objtype[k])))
     ids = [int(i) for i in (compiled.eq_obj1id[k], compiled.eq_obj2id[k]) if i >= 0]
-    told = [mujoco.mj_id2name(compiled, of, i) or str(i) for i in ids]
-    return f"{kind} of {' and '.join(told)}"
+    names = [mujoco.mj_id2name(compiled, of, i) or str(i) for i in ids]
+    return f"{kind} of {' and '.join(names)}"
 
 
 def _named(item: Any, k: int) -> str:

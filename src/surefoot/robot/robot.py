@@ -209,11 +209,11 @@ class Robot:
             place = pose.act(foot.centre)
             normal = ground.normal(place[:2])
             point = place - foot.radius * normal
-            told = (normal, float(friction), foot.name, normal_min, normal_max)
+            shared = (normal, float(friction), foot.name, normal_min, normal_max)
             if foot.flat:  # its toes say where the patch's x axis points
-                contacts.append(PatchContact(point, foot.size[0], foot.size[1], *told, pose.rotation[:, 0]))
+                contacts.append(PatchContact(point, foot.size[0], foot.size[1], *shared, pose.rotation[:, 0]))
             else:
-                contacts.append(PointContact(point, *told))
+                contacts.append(PointContact(point, *shared))
         return Stance(contacts)
 
     def _forward(self, q: FloatArray) -> None:

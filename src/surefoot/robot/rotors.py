@@ -38,12 +38,12 @@ def joint_figures(robot: Robot) -> JointFigures:
     """
     model, first = robot.model, robot.base_dof
     rotors = np.array(model.rotorInertia) * np.array(model.rotorGearRatio) ** 2
-    told = (
+    figures = (
         np.array(model.armature) + rotors,
         np.array(model.damping),
         np.array(model.upperDryFrictionLimit),
     )
-    return JointFigures(*(np.asarray(row[first:], dtype=np.float64) for row in told))
+    return JointFigures(*(np.asarray(row[first:], dtype=np.float64) for row in figures))
 
 
 def with_rotors(robot: Robot, armature: ArrayLike) -> Robot:

@@ -18,6 +18,7 @@ from surefoot.log.doubts import find_doubts
 from surefoot.log.recorder import Recorder
 from surefoot.simulation.mujoco import import_mujoco
 from surefoot.simulation.record_contacts import Slots
+from surefoot.simulation.record_forces import Stages, TreeForces
 from surefoot.simulation.record_tree import BodyTree
 
 MOST_STEPS = 10**9
@@ -37,6 +38,8 @@ class Recording(Log):
         self._model, self._data = model, data
         self._tree = BodyTree(self._mujoco, model, robot)
         self._slots = Slots(self._mujoco, model, self._tree.bodies)
+        self._stages = Stages(self._mujoco, model)
+        self._forces = TreeForces(self._mujoco, model, self._tree)
         self._rows = Recorder(MOST_STEPS, _STATE, nq=model.nq, nv=model.nv, joints=self._tree.joints)
         self._original: Any = None
         self._before: tuple[Any, Any, float] | None = None
@@ -74,6 +77,7 @@ class Recording(Log):
 
     def _remember(self) -> None:
         self._before = self._data.qpos.copy(), self._data.qvel.copy(), self._data.time
+        self._stages.remember(self._data)
 
     def step(self) -> None:
         """Record the step that was just made by other means than ``mujoco.mj_step``.
@@ -84,29 +88,34 @@ class Recording(Log):
         if self._before is None:
             raise ProblemError("log.step() belongs inside the with")
         qpos, qvel, time = self._before
-        self._remember()
-        if (
-            not abs(self._data.time - time - self._model.opt.timestep)
-            < 1e-6 * self._model.opt.timestep + 1e-12
-        ):
-            self._left_out += 1
-            return
         rows, tree, data = self._rows, self._tree, self._data
+        step = float(self._model.opt.timestep)
+        if not abs(data.time - time - step) < 1e-6 * step + 1e-12:
+            self._left_out += 1
+            self._remember()
+            return
         at = rows.slot()
         row = rows.arrays
         row["time"][at], row["q"][at], row["v"][at] = time, qpos, qvel
         row["torques"][at] = tree.torques(data)
-        row["push"][at] = data.xfrc_applied[tree.bodies, :3].sum(axis=0)
-        self._slots.read(rows.count, data)
+        change = data.qvel - qvel
+        for k, (weight, instant) in enumerate(self._stages.of(data)):
+            if k == 0:
+                self._forces.begin(instant)
+            rate = change / step if instant is data else instant.qacc
+            self._forces.add(instant, weight, change, rate, self._slots.read(instant, weight))
+        self._slots.close(rows.count)
         rows.count += 1
+        self._remember()
 
     def _finish(self, ending: Ending, error: BaseException | None) -> None:
         """Become the log of the rows so far."""
         state, tree = self._rows.finish({}), self._tree
+        self._slots.arrange()
         points = self._slots.arrays(len(state))
         q, v = np.array(state["q"]), np.array(state["v"])
         self._slots.fill_open(q, v, points)
-        arrays = {name: state[name] for name in ("time", "torques", "push")} | points
+        arrays = {name: state[name] for name in ("time", "torques")} | points | self._forces.rows()
         arrays["q"], arrays["v"] = tree.pinocchio(q, v)
         if not tree.joints:
             del arrays["torques"]
@@ -119,13 +128,18 @@ class Recording(Log):
             "outcome": str(ending),
             "mass": tree.mass,
             "dt": float(self._model.opt.timestep),
-            "feet": self._slots.feet(),
-            "contact_foot": self._slots.foot_of(),
-            "contact_with": self._slots.others(),
             "joints": tree.joint_names,
+            "armature": self._model.dof_armature[tree.joint_dofs],
+            "gravity": np.array(self._model.opt.gravity),
+            "robot": self._tree.title,
+            **self._slots.facts(),
         }
-        if tree.name:
-            facts["robot"] = tree.name
+        if tree.free is not None and len(tree.free) < 6:
+            facts["free_wrenches"] = tree.free
+        if self._stages.four:
+            facts["velocities"] = "mean"
+        if self._forces.outside:
+            facts["outside"] = [f"{name}: up to {size:.3g} N" for name, size in self._forces.outside.items()]
         if error is not None:
             facts["error"] = f"{type(error).__name__}: {error}"
         facts |= self._slots.softness(q, points, tree.mass * float(np.linalg.norm(self._model.opt.gravity)))
@@ -134,24 +148,22 @@ class Recording(Log):
 
     def _own_doubts(self) -> list[str]:
         """Return what a recording cannot tell about this model."""
-        mujoco, out = self._mujoco, []
+        out = []
         if self._left_out:
             out.append(
                 f"{self._left_out} steps are left out: the state had been set by hand, or time stood still"
             )
-        if self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
-            out.append("the integrator is RK4: forces are those of its last stage, not of the whole step")
+        if self._stages.missed:
+            out.append(f"{self._stages.missed} steps of Runge and Kutta came out otherwise when made again")
         if self._slots.inner:
             out.append(f"{self._slots.inner} contacts of the robot with itself are not in the log")
-        if self._slots.moments:
-            out.append("contacts with torsional or rolling friction: their moments are not in the log")
         if self._tree.others:
             named = ", ".join(self._tree.others[:3])
             out.append(f"more bodies move ({named}): the robot is taken to be {self._tree.name}")
         return out
 
 
-_STATE = [CHANNELS[name] for name in ("time", "q", "v", "torques", "push")]
+_STATE = [CHANNELS[name] for name in ("time", "q", "v", "torques")]
 
 
 def record(model: Any, data: Any, robot: str | None = None) -> Recording:

@@ -13,9 +13,11 @@ from surefoot.terrain.frames import surface_frames
 
 FAR = 1.0
 """Gaps are measured up to here; what is farther apart is as far as that [m]."""
-_FIELDS = 14
-_GAP, _MU = 12, 13
-"""A contact as a row: force, velocity, position, normal (three each), gap, friction."""
+_FIELDS = 19
+_WHERE = slice(3, 12)
+_GAP, _MU, _MOMENTS, _TURN, _CREEP = 12, 13, slice(14, 17), 17, 18
+"""A contact as a row: force, velocity, position, normal (three each), gap, friction, moments (three), turn of
+its friction pyramid, creep."""
 
 
 @dataclass
@@ -30,6 +32,10 @@ class Slot:
         Where the last contact was, in the axes of the robot's geom (3,) [m].
     friction
         Of the first contact.
+    margin
+        Its gap from which it pushes [m].
+    rolling
+        (3,) friction of its moments about the contact axes: rolling, rolling, torsional [m].
     soft
         What the model declares of its softness; None as long as nothing is known.
     """
@@ -37,6 +43,8 @@ class Slot:
     pair: tuple[int, int]
     place: FloatArray
     friction: float
+    margin: float
+    rolling: FloatArray
     soft: SoftContact | None = None
 
 
@@ -49,8 +57,6 @@ class Slots:
     ----------
     inner
         Contacts of the robot with itself so far.
-    moments
-        Whether a contact had torsional or rolling friction.
     """
 
     def __init__(self, mujoco: Any, model: Any, bodies: IntArray) -> None:
@@ -60,17 +66,24 @@ class Slots:
         self._of: dict[tuple[int, int], list[int]] = {}
         self._found: list[tuple[int, int]] = []  # step and contact point of each row
         self._rows: list[FloatArray] = []
-        self.inner, self.moments = 0, False
+        self._now: dict[int, list[tuple[float, FloatArray]]] = {}  # weights and rows of this step's instants
+        self._begun: set[int] = set()  # which of them touch at the step's start
+        self._pyramids = model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
+        self.inner = 0
 
     @property
     def count(self) -> int:
         """Number of contact points so far."""
         return len(self._slots)
 
-    def read(self, step: int, data: Any) -> None:
-        """Take every contact between the robot and anything else at a step."""
+    def read(self, data: Any, weight: float) -> FloatArray:
+        """Take every contact between the robot and anything else at an instant of a step, with its weight.
+
+        Returns what their forces put on the joints (nv,).
+        """
         taken: set[int] = set()
-        force = np.zeros(6)
+        begins = not self._now
+        force, joints = np.zeros(6), np.zeros(self._model.nv)
         for c in range(data.ncon):
             contact = data.contact[c]
             first, second = int(contact.geom[0]), int(contact.geom[1])
@@ -80,15 +93,37 @@ class Slots:
                 self.inner += 1
             elif self._robot[first] or self._robot[second]:
                 self._mujoco.mj_contactForce(self._model, data, c, force)
-                self.moments |= bool(force[3:].any())
                 pair = (second, first) if self._robot[second] else (first, second)
                 row = self._row(data, contact, force, pair)
-                k = self._slot(data, pair, row, taken)
-                slot = self._slots[k]
-                if slot.soft is None:
-                    slot.soft = soft_contact(self._mujoco, self._model, self._bodies_of(slot), contact)
-                self._found.append((step, k))
-                self._rows.append(row)
+                k = self._slot(data, contact, pair, row, taken)
+                if begins:
+                    self._begun.add(k)
+                self._now.setdefault(k, []).append((weight, self._with_creep(data, contact, row, k)))
+                self._pull(data, contact, force, pair, joints)
+        return joints
+
+    def close(self, step: int) -> None:
+        """Write what the instants of a step were: mean forces, gaps at its start."""
+        for k, instants in self._now.items():
+            weights, rows = (np.array(part) for part in zip(*instants, strict=True))
+            mean, loads = rows[0].copy(), weights * np.linalg.norm(rows[:, :3], axis=1)
+            if loads.any():  # where, and how fast, while it pushed: work and moments are those of the step
+                mean[_WHERE] = loads @ rows[:, _WHERE] / loads.sum()
+                mean[9:12] /= np.linalg.norm(mean[9:12])
+            for part in (slice(0, 3), _MOMENTS, _CREEP):
+                mean[part] = weights @ rows[:, part]
+            if k not in self._begun:
+                mean[_GAP] = np.nan  # it touched within the step: its gap at the start is found afterwards
+            self._found.append((step, k))
+            self._rows.append(mean)
+        self._now, self._begun = {}, set()
+
+    def arrange(self) -> None:
+        """Put the contact points in the order of the model's geoms, once nothing more is read."""
+        order = sorted(range(self.count), key=lambda k: (self._slots[k].pair, k))
+        place = {k: at for at, k in enumerate(order)}
+        self._slots = [self._slots[k] for k in order]
+        self._found = [(step, place[k]) for step, k in self._found]
 
     def arrays(self, steps: int) -> dict[str, Any]:
         """Return the channels of the contacts, NaN where a contact was open but for its force of zero."""
@@ -103,7 +138,31 @@ class Slots:
             "normals": table[..., 9:12].copy(),
             "gaps": table[..., _GAP].copy(),
             "contact_friction": table[..., _MU].copy(),
-        }
+        } | {name: np.nan_to_num(part) for name, part in self._more(table).items()}
+
+    def _more(self, table: FloatArray) -> dict[str, Any]:
+        """Return the channels that some models have, of a (steps, count, fields) table."""
+        out = {"contact_creep": table[..., _CREEP]}
+        if any(slot.rolling.any() for slot in self._slots):
+            out["contact_moments"] = table[..., _MOMENTS]
+        if self._pyramids:
+            out["pyramid_turn"] = table[..., _TURN]
+        return out
+
+    def facts(self) -> dict[str, Any]:
+        """Return what the model says of the contacts, point by point."""
+        out: dict[str, Any] = {
+            "feet": self.feet(), "contact_foot": self.foot_of(), "contact_with": self.others(),
+            "cone": "pyramidal" if self._pyramids else "elliptic",
+        }  # fmt: skip
+        if any(slot.rolling.any() for slot in self._slots):
+            out["moment_friction"] = np.array([slot.rolling for slot in self._slots])
+        if any(slot.margin for slot in self._slots):
+            out["contact_margin"] = np.array([slot.margin for slot in self._slots])
+        soft = [slot.soft for slot in self._slots]
+        out["contact_damping"] = np.array([0.0 if one is None else one.friction_damping for one in soft])
+        out["critically_damped"] = np.array([float(one is not None and not one.rebounds) for one in soft])
+        return out
 
     def _row(self, data: Any, contact: Any, force: FloatArray, pair: tuple[int, int]) -> FloatArray:
         """Return a contact as a row; MuJoCo's force acts on its second geom, along its normal first."""
@@ -112,15 +171,37 @@ class Slots:
         normal = sign * axes[0]
         velocity = relative_velocity(self._model, data, pair, contact.pos)
         frame = frames_of(normal[None])[0]
-        row = np.empty(_FIELDS)
+        row = np.zeros(_FIELDS)
         row[:3] = frame.T @ (sign * (axes.T @ force[:3]))
         row[3:6] = frame.T @ velocity
         row[6:9], row[9:12] = contact.pos, normal
         row[_GAP] = contact.dist
         row[_MU] = contact.friction[0] if contact.dim > 1 else 0.0
+        row[_MOMENTS] = frame.T @ (sign * (axes.T @ force[3:]))
+        along = frame.T @ axes[1]
+        row[_TURN] = np.arctan2(along[1], along[0])
         return row
 
-    def _slot(self, data: Any, pair: tuple[int, int], row: FloatArray, taken: set[int]) -> int:
+    def _with_creep(self, data: Any, contact: Any, row: FloatArray, k: int) -> FloatArray:
+        """Return a row with R f_t / b, the speed of a contact that MuJoCo's friction holds."""
+        slot, at = self._slots[k], int(contact.efc_address)
+        if slot.soft is None:
+            slot.soft = soft_contact(self._mujoco, self._model, self._bodies_of(slot), contact)
+        if slot.soft is not None and at >= 0 and contact.dim > 1 and slot.soft.friction_damping > 0.0:
+            R = float(data.efc_R[at] / (2.0 * row[_MU] ** 2) if self._pyramids else data.efc_R[at + 1])
+            row[_CREEP] = R * np.hypot(row[0], row[1]) / slot.soft.friction_damping
+        return row
+
+    def _pull(
+        self, data: Any, contact: Any, force: FloatArray, pair: tuple[int, int], joints: FloatArray
+    ) -> None:
+        """Add what a contact's force puts on the joints."""
+        sign = 1.0 if pair[0] == int(contact.geom[1]) else -1.0
+        world = sign * (contact.frame.reshape(3, 3).T @ force[:3])
+        body = int(self._model.geom_bodyid[pair[0]])
+        self._mujoco.mj_applyFT(self._model, data, world, np.zeros(3), contact.pos, body, joints)
+
+    def _slot(self, data: Any, contact: Any, pair: tuple[int, int], row: FloatArray, taken: set[int]) -> int:
         """Return the free contact point of two geoms that was last nearest on the robot's, or a new one."""
         R = data.geom_xmat[pair[0]].reshape(3, 3)
         place = R.T @ (row[6:9] - data.geom_xpos[pair[0]])
@@ -132,7 +213,9 @@ class Slots:
         else:
             slot = len(self._slots)
             known.append(slot)
-            self._slots.append(Slot(pair, place, float(row[_MU])))
+            friction, dim = contact.friction, int(contact.dim)
+            rolling = np.array([friction[3], friction[4], friction[2]]) * [dim > 4, dim > 4, dim > 3]
+            self._slots.append(Slot(pair, place, float(row[_MU]), float(contact.includemargin), rolling))
         taken.add(slot)
         return slot
 
@@ -172,7 +255,10 @@ class Slots:
                 place, normal, gap = self._apart(data, slot)
             else:
                 place, normal, gap = self._beside(data, slot, partner, row)
-            row["contact_positions"][k], row["normals"][k], row["gaps"][k] = place, normal, gap
+            row["gaps"][k] = gap
+            if np.isfinite(row["contact_positions"][k]).all():
+                continue  # it pushed later in this step
+            row["contact_positions"][k], row["normals"][k] = place, normal
             velocity = relative_velocity(self._model, data, slot.pair, place)
             row["contact_velocities"][k] = frames_of(normal[None])[0].T @ velocity
 

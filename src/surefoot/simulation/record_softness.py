@@ -82,6 +82,12 @@ class SoftContact:
     mu: float
     step: float
 
+    @property
+    def rebounds(self) -> bool:
+        """Whether the contact swings: its damping is less than critical, b² < 4 k d(0)."""
+        stiff, damp = self.law.stiffness_and_damping
+        return damp**2 < 4.0 * stiff * float(self.law.impedance(np.array(0.0))[0])
+
     def _regularisation(self, depth: float) -> tuple[float, float]:
         """Return d(r) and (1 - d) / d Â."""
         d = float(self.law.impedance(np.array(depth))[0])

@@ -37,12 +37,8 @@ def ahead(robot, distance: float, **settings) -> DirectProblem:
     n = robot.model.nv
     there = robot.nominal.copy()
     there[0] += distance
-    given = {
-        "knots": 24,
-        "dt": 0.03,
-        "reference": there,
-        "end": StateWindow.at(there, np.zeros(n), 1e-3, 1e-2),
-    }
+    end = StateWindow.at(there, np.zeros(n), 1e-3, 1e-2)
+    given = {"knots": 24, "dt": 0.03, "reference": there, "end": end}
     return DirectProblem(robot, robot.nominal, np.zeros(n), **{**given, **settings})
 
 

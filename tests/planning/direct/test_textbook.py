@@ -90,15 +90,9 @@ def test_exact_steps_with_touches_obey_the_rows() -> None:
 
 def test_touches_are_of_planar_robots() -> None:
     robot = load_robot("go2")
+    touch = BodyTouch("a", lambda q: (q[0], q[1]), 0.3)
     with pytest.raises(ProblemError, match="touches are of planar robots"):
-        DirectProblem(
-            robot,
-            robot.nominal,
-            np.zeros(18),
-            4,
-            0.03,
-            touches=(BodyTouch("a", lambda q: (q[0], q[1]), 0.3),),
-        )
+        DirectProblem(robot, robot.nominal, np.zeros(18), 4, 0.03, touches=(touch,))
 
 
 def test_random_starts_are_seeded_and_begin_where_the_problem_does() -> None:

@@ -16,8 +16,8 @@ SYMPTOMS: tuple[Symptom, ...] = (
     contact.chatter, contact.skating, contact.one_step_impulse, contact.solver_asymmetry, measured.joint_stop,
     measured.dropout, measured.frozen, measured.clipped, measured.wrong_scale, measured.bias,
     measured.delayed, measured.swapped_feet, contact.friction_drives, contact.frictionless_slide,
-    body.outside_force, body.wrong_mass, measured.wrong_torques, measured.unexplained_motion,
-    contact.odd_pressure,
+    body.outside_force, body.unconverged_solver, body.wrong_mass, contact.pyramid_bias,
+    measured.wrong_torques, measured.unexplained_motion, contact.odd_pressure,
 )  # fmt: skip
 """In the order of the table on the page; what explains an episode best is named, whatever its place.
 

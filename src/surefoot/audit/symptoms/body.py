@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.audit.balance import left_over
 from surefoot.audit.continuity import levers, state_slips
 from surefoot.audit.episode import Episode
-from surefoot.audit.symptoms.symptom import Evidence, symptom
+from surefoot.audit.symptoms.symptom import CERTAIN, Evidence, symptom
 from surefoot.spatial import GRAVITY
 
 HELD = 0.3
@@ -50,19 +51,41 @@ def infeasible(e: Episode) -> Evidence | None:
 
 @symptom(
     "outside force",
-    "motion",
-    cause="a push, a cable or a hand; or a contact of another part of the robot",
-    confirm="look at the robot at that time: what touches it?",
-    cure="log pushes; give every geom that may touch",
+    cause="a push, a cable or a hand; compensated gravity; or a contact of another part of the robot",
+    confirm="look at the robot at that time: what touches it? what does the simulator put on its root?",
+    cure="log pushes; give every geom that may touch; leave gravity as it is",
     body=True,
 )
 def outside_force(e: Episode) -> Evidence | None:
     """Tell whether something pushes the body that the log does not know."""
-    rest = e.rows.unexplained
-    if rest is None:
+    if e.has("balance"):
+        rest = np.nanmedian(left_over(e.rows)[e.rows.core], axis=0).round(6)
+        told = "".join(f"; in the model {line}" for line in e.rows.log.facts.get("outside", ()))
+        turns = f" and {_triple(rest[3:])} N m" if rest[3:].any() else ""
+        return Evidence(CERTAIN, f"{_triple(rest[:3])} N{turns} on the body that no contact gives{told}")
+    missing = e.rows.unexplained
+    if missing is None or not e.has("motion"):
         return None
-    force = np.nanmedian(rest.force[e.rows.core], axis=0)
-    return Evidence(0.8, f"about ({force[0]:.3g}, {force[1]:.3g}, {force[2]:.3g}) N on the body, world axes")
+    force = np.nanmedian(missing.force[e.rows.core], axis=0)
+    return Evidence(0.8, f"about {_triple(force)} N on the body, world axes")
+
+
+def _triple(force: FloatArray) -> str:
+    return "({:.3g}, {:.3g}, {:.3g})".format(*(force + 0.0))
+
+
+@symptom(
+    "unconverged solver",
+    "unconverged",
+    cause="the contact solver stops before its law holds: too few iterations, or PGS on a hard problem",
+    confirm="double the iterations: the forces change",
+    cure="Newton's method with 50 iterations or more, a smaller tolerance",
+    body=True,
+)
+def unconverged_solver(e: Episode) -> Evidence | None:
+    """Tell whether the world's solver left forces that are not its own law's."""
+    size = e.failed["unconverged"].value
+    return Evidence(1.0, f"forces up to {size:.3g} N off its law")
 
 
 @symptom(
@@ -78,6 +101,8 @@ def wrong_mass(e: Episode) -> Evidence | None:
     rest = e.rows.unexplained
     if rest is None or e.failed["motion"].rows * e.rows.setting.dt < 0.2:
         return None
+    if "momentum_rate" in e.rows.log:
+        return None  # the log's mass is that of its momentum
     force = rest.force[e.rows.core]
     force = force[np.isfinite(force).all(axis=1)]
     mean, spread = force.mean(axis=0), force.std(axis=0)

@@ -8,7 +8,9 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, real_number, whole_number
 from surefoot.errors import ProblemError
-from surefoot.planning.direct.problem import DirectProblem, StateWindow, Weights
+from surefoot.planning.direct.problem import DirectProblem, Weights
+from surefoot.planning.transcription.planar import is_planar
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot, place
 from surefoot.terrain import FlatTerrain, Terrain
 
@@ -64,7 +66,7 @@ def rest_to_rest(
     whole_number("knots", knots, low=2)
     ground = FlatTerrain() if terrain is None else terrain
     height = 2 if robot.floating else 1
-    if not robot.floating and robot.joint_names[:2] != ("base_x", "base_z"):
+    if not (robot.floating or is_planar(robot)):
         raise ProblemError(f"{robot.name} is bolted to the world: it cannot go anywhere")
     if q is None:
         q = place(robot, ground) if robot.floating else robot.nominal
@@ -78,19 +80,8 @@ def rest_to_rest(
         windows[round(TOP * knots)] = StateWindow(q_low=low)
     chosen = (WEIGHTS if robot.floating else Weights()) if weights is None else weights
     rest = np.zeros(int(robot.model.nv))
-    return DirectProblem(
-        robot,
-        q,
-        rest,
-        knots,
-        dt,
-        there,
-        StateWindow.at(there, rest, WITHIN, SPEED),
-        windows,
-        chosen,
-        mu,
-        ground,
-    )
+    end = StateWindow.at(there, rest, WITHIN, SPEED)
+    return DirectProblem(robot, q, rest, knots, dt, there, end, windows, chosen, mu, ground)
 
 
 def finer(problem: DirectProblem, factor: int) -> DirectProblem:

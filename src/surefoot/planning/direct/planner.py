@@ -87,8 +87,6 @@ class DirectPlan:
         Ipopt's runs.
     departure
         Largest distance of a position or angle of the exact motion from the optimiser's [m, rad].
-    open_departure
-        That of its torques alone, without feedback: how far errors grow.
     products
         Largest |min(φ dt, λ_n)| of the optimiser's motion [m or N s]: how far from complementary it is.
     miss
@@ -100,7 +98,6 @@ class DirectPlan:
     trajectory: Trajectory
     stages: tuple[IpoptRun, ...]
     departure: float
-    open_departure: float
     products: float
     miss: float
 
@@ -220,7 +217,7 @@ def plan_with_modes(
 
 
 class _Runs(list[IpoptRun]):
-    """Ipopt's runs, told as they come."""
+    """Ipopt's runs, reported as they come."""
 
     def __init__(self, tell: Tell | None, total: int | None = None) -> None:
         super().__init__()
@@ -312,7 +309,7 @@ def _made_exact(
     miss, motion, trajectory = best
     closing, _ = contact_speeds(motion)
     products = np.minimum(closing * problem.dt, motion.impulses[..., 2])
-    alone, off = follow(problem, motion, feedback=False), departure(problem.robot, motion, trajectory)
+    off = departure(problem.robot, motion, trajectory)
     cost, reached = exact_cost(problem, trajectory), miss <= REACH and off <= within
     goal = f"ends {miss:.2g} outside its windows (allowed {REACH:g}), {off:.1e} from the optimiser's motion"
     spent = time.perf_counter() - began
@@ -325,6 +322,5 @@ def _made_exact(
         facts["touch_impulses"] = trajectory.touch_impulses
     return DirectPlan(
         plan_from(trajectory, problem.robot, search, problem.terrain, **facts), motion, trajectory,
-        tuple(stages), off, departure(problem.robot, motion, alone),
-        float(np.abs(products).max(initial=0.0)), miss,
+        tuple(stages), off, float(np.abs(products).max(initial=0.0)), miss,
     )  # fmt: skip

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.direct.problem import DirectProblem, StateWindow, Weights
+from surefoot.planning.direct.problem import DirectProblem, Weights
 from surefoot.planning.transcription import planar
 from surefoot.planning.transcription.guess import Guess
 from surefoot.planning.transcription.touches import BodyTouch
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
@@ -71,9 +72,8 @@ def falling_ball(height: float = 1.0, mu: float = 0.0, knots: int = 50, dt: floa
     robot = planar.point("ball", 0.1)
     start, end = robot.nominal + np.array([0.0, height]), robot.nominal
     problem = DirectProblem(robot, start, np.zeros(2), knots, dt, end, weights=FREE, mu=mu)
-    return SmallProblem(
-        problem, end, np.full(2, 0.3), StateWindow.at([np.nan, end[1]], np.zeros(2), 1e-6, 1e-6)
-    )
+    done = StateWindow.at([np.nan, end[1]], np.zeros(2), 1e-6, 1e-6)
+    return SmallProblem(problem, end, np.full(2, 0.3), done)
 
 
 def sliding_point(speed: float = 2.0, mu: float = 0.5, knots: int = 40, dt: float = 0.02) -> SmallProblem:

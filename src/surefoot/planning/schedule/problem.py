@@ -9,8 +9,8 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
 from surefoot.errors import ProblemError
-from surefoot.planning.direct.problem import StateWindow
 from surefoot.planning.transcription.touches import BodyTouch
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot
 from surefoot.robot.motor_limits import MotorLimits
 from surefoot.spatial import GRAVITY
@@ -135,8 +135,8 @@ class ScheduleProblem:
                 f"a scheduled motion needs a floating base and feet, {robot.name} has not both"
             )
         if self.schedule.feet != len(robot.feet):
-            told = f"the schedule has {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
-            raise ProblemError(told)
+            sizes = f"the schedule has {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
+            raise ProblemError(sizes)
         if not self.terrain.planar:
             raise ProblemError(f"a scheduled motion takes a plane for ground, got {self.terrain!r}")
         real_number("dt", self.dt, low=1e-4, high=0.2)

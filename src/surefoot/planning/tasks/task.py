@@ -33,7 +33,7 @@ class Iteration:
 
 
 Tell = Callable[[Iteration], None]
-"""Who is told of every iteration."""
+"""Who hears of every iteration."""
 
 
 @dataclass(frozen=True)

@@ -73,7 +73,7 @@ class Touchdown:
     landing
         (n,) the feet that stand then.
     soft
-        Whether the plan's own legs give way before they land: they are followed, not told to.
+        Whether the plan's own legs give way before they land: they are followed as they are.
     attitude
         Planned attitude (3, 3) at a time of the flight.
     """

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 from surefoot.planning.trajectory import Trajectory
 
@@ -35,16 +35,15 @@ class Guess:
     impulses: FloatArray
 
     @classmethod
-    def between(cls, problem: DirectProblem, q: FloatArray | None = None) -> Guess:
-        """Return the straight way from a problem's start to (nq,) q, None for the reference of the last knot.
+    def between(cls, problem: DirectProblem) -> Guess:
+        """Return the straight way from a problem's start to the reference of the last knot.
 
         The robot's weight rests on all contact points alike.
         """
         import pinocchio
 
         model, n = problem.robot.model, problem.knots
-        goal = problem.references[-1] if q is None else finite_array("q", q, (model.nq,))
-        way = pinocchio.difference(model, problem.q, goal)
+        way = pinocchio.difference(model, problem.q, problem.references[-1])
         states = np.array(
             [pinocchio.integrate(model, problem.q, s * way) for s in np.linspace(0.0, 1.0, n + 1)]
         )

@@ -88,6 +88,11 @@ def planar_biped() -> Robot:
     return _legged("planar-biped", 10.0, ("left", "right"), (0.15, -0.15))
 
 
+def is_planar(robot: Robot) -> bool:
+    """Return whether a robot is one of these: its base hangs on slides along x and z."""
+    return not robot.floating and robot.joint_names[:2] == UNDRIVEN[:2]
+
+
 def passive_joints(robot: Robot) -> BoolArray:
     """Return (joints,) which joints have no motor: the base of a planar robot, none of others."""
     return np.array([name in UNDRIVEN for name in robot.joint_names], dtype=np.bool_)
