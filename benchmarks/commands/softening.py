@@ -40,7 +40,7 @@ def softening(
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
-    """Compare relaxation, log-barrier, Fischer-Burmeister, penalty on a ball, a point, a hopper, a push."""
+    """Compare relaxation, barrier, Fischer-Burmeister and others on a ball, a point, a hopper, a push."""
     from benchmarks.softening import race
     from surefoot.planning.direct.textbook import PROBLEMS
 

@@ -15,7 +15,7 @@ from scipy.optimize import linprog
 
 from benchmarks.problems.stances import StanceCase
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra
+from surefoot.errors import needs
 from surefoot.solvers.backends import ConeProgram, Options, backend
 from surefoot.spatial import GRAVITY, skew
 from surefoot.stance import Stance
@@ -150,10 +150,8 @@ def highs_region(
 
 def cddlib_rows(rays: FloatArray) -> Callable[[], FloatArray]:
     """Return a call that turns rays into half-spaces by cddlib's double description."""
-    try:
+    with needs("pycddlib", "cdd"):
         import cdd
-    except ImportError as error:
-        raise MissingExtra("pycddlib", "cdd") from error
     rows = np.hstack([np.zeros((len(rays), 1)), rays]).tolist()
 
     def solve() -> FloatArray:

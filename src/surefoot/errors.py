@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 
@@ -52,6 +53,21 @@ class MissingExtra(SurefootError, ImportError):
 def _unique(names: str | Iterable[str]) -> tuple[str, ...]:
     """Return the names without repetition, in their order."""
     return tuple(dict.fromkeys([names] if isinstance(names, str) else names))
+
+
+@contextmanager
+def needs(package: str, extra: str) -> Iterator[None]:
+    """Name the extra of Surefoot that brings a package where an import in this context fails.
+
+    Raises
+    ------
+    MissingExtra
+        Where something cannot be imported.
+    """
+    try:
+        yield
+    except ImportError as error:
+        raise MissingExtra(package, extra) from error
 
 
 class WriteError(SurefootError, OSError):

@@ -14,7 +14,7 @@ from benchmarks.contact.comparison import (
     copies_of,
 )
 from benchmarks.contact.ours import CONTACT_SOLVER
-from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix, settings
+from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix
 from benchmarks.contact.siconos_rival import siconos_best, siconos_installed
 from benchmarks.problems.contacts import NamedProblem, families, problem_set
 from benchmarks.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
@@ -71,11 +71,6 @@ def test_the_coarsest_sufficient_tolerance_is_found() -> None:
     assert coarsest(lambda step: step if step < 1.0 else None, lambda: False) is None
 
 
-def test_forces_that_are_no_numbers_are_never_accurate() -> None:
-    problem = problem_set("robot", copies=0.01)[0].problem
-    assert judge(problem, np.full((problem.contacts, 3), np.nan)) == float("inf")
-
-
 @pytest.mark.parametrize("name", [*DENSE, *SPARSE])
 def test_rivals_really_solve_ready_and_with_a_new_matrix(name: str) -> None:
     pytest.importorskip("pinocchio")
@@ -89,14 +84,6 @@ def test_rivals_really_solve_ready_and_with_a_new_matrix(name: str) -> None:
     tight = PinocchioCall(problem, setting, call.tol / 100.0, 20_000)
     assert judge(other, tight.fresh((matrix(other, setting), other.g))) <= 1e-8
     assert judge(problem, tight.ready()) <= 1e-8  # the operator has kept nothing of the other problem
-
-
-def test_sparse_problems_get_sparse_rivals() -> None:
-    large = {p.family: p.problem for p in large_problems()}
-    few, full, sparse = (settings(large[name]) for name in ("stack-40", "platform-225", "wall-100"))
-    assert few == full == DENSE
-    assert {name for name, s in sparse.items() if s.method == "admm"} == set(SPARSE)
-    assert sum(s.method == "pgs" for s in sparse.values()) == 3
 
 
 @pytest.mark.skipif(not siconos_installed(), reason="Siconos is not installed for the system's Python")

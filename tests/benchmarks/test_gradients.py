@@ -30,18 +30,6 @@ def test_the_landing_of_the_robot_has_its_slope() -> None:
     assert task.exact(0.3) == pytest.approx(difference, rel=1e-4)
 
 
-def test_stiff_springs_come_near_the_exact_loss() -> None:
-    task = of_system(Hopper())
-    soft, stiff = (abs(task.penalty(40.0, k) - task.loss(40.0)) for k in (1e3, 1e5))
-    assert stiff < 0.5 * soft
-
-
-def test_a_block_out_of_reach_has_a_slope_only_when_smoothed() -> None:
-    task = of_system(Block())
-    assert task.exact(-0.12) == 0.0
-    assert task.smooth(-0.12, 1e-2) < -0.1
-
-
 def _step_task(jump: float) -> Task:
     """Return a task whose loss is x² with a jump at zero, its slope blind to it."""
 

@@ -85,18 +85,6 @@ def test_torques_are_held_between_the_times_when_the_peer_is_due(peer: Peer) -> 
         controller.close()
 
 
-def test_forces_are_told_in_the_frames_of_the_ground(peer: Peer) -> None:
-    task = job(20.0)
-    controller = peer.controller(task)
-    try:
-        found = controller.step(RobotState(task.robot.nominal, np.zeros(18))).forces[0]
-    finally:
-        controller.close()
-    frame = task.terrain.frame([0.0, 0.0])
-    assert frame @ found == pytest.approx([1.0, 2.0, 10.0])
-    assert found[2] == pytest.approx(np.array([1.0, 2.0, 10.0]) @ task.terrain.normal([0.0, 0.0]))
-
-
 def test_a_trial_with_a_peer(peer: Peer) -> None:
     found = carry_out(peer, TASKS["speed-0.2"], 0, IDEAL)
     assert found.outcome == "done"

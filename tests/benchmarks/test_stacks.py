@@ -6,7 +6,6 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,18 +16,15 @@ from benchmarks.stacks.bench import TRIALS, Bench, measure
 from benchmarks.stacks.judging import Trial
 from benchmarks.stacks.measures import Measures, outside_cones, stance_slides
 from benchmarks.stacks.setting import HARD, IDEAL, Setting, true_robot
-from benchmarks.stacks.stack import START, Surefoot, ramp_time, ramped
-from benchmarks.stacks.stacks import choose_stacks
+from benchmarks.stacks.stack import START, ramp_time, ramped
 from benchmarks.stacks.table import rows
 from benchmarks.stacks.tasks import TASKS, Bound, choose_tasks
-from benchmarks.stacks.trial import PHASES, Variation, push_time, start
 from surefoot.cli.main import main
 from surefoot.control.walking_body import BodyPlan
 from surefoot.errors import ProblemError
 from surefoot.log import CHANNELS, Log
 from surefoot.robot import load_robot
 from surefoot.spatial import GRAVITY
-from surefoot.terrain import SlopeTerrain
 
 GOOD = Measures(
     0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004
@@ -60,32 +56,6 @@ def test_a_heavier_robot_with_a_load() -> None:
     assert robot.mass == pytest.approx(16.085), "the documented one stays as it is"
     inertia = np.asarray(heavy.model.inertias[2].inertia)
     assert inertia == pytest.approx(1.05 * np.asarray(robot.model.inertias[2].inertia))
-
-
-def test_a_start_moves_the_base_and_leaves_the_feet() -> None:
-    robot, ground = load_robot("go2"), SlopeTerrain(15.0)
-    still = replace(Variation.drawn(3), place=(0.0, 0.0), lean=(0.0, 0.0))
-    q0, q1 = start(robot, ground, None, still), start(robot, ground, None, Variation.drawn(3))
-    assert robot.foot_positions(q1) == pytest.approx(robot.foot_positions(q0), abs=2e-5)
-    assert q1[:2] - q0[:2] == pytest.approx(Variation.drawn(3).place)
-    assert np.abs(q1[3:7] - q0[3:7]).max() > 1e-3
-    posture = robot.nominal.copy()
-    posture[7:] = np.tile([0.0, 0.9, -1.8], 4)
-    assert start(robot, ground, posture, still)[2] < q0[2] - 0.03
-
-
-def test_pushes_come_in_the_phase_of_the_seed() -> None:
-    seeds = [Variation.drawn(seed) for seed in range(2 * PHASES)]
-    assert [vary.phase for vary in seeds] == [0.0, 0.25, 0.5, 0.75] * 2
-    controller: Any = SimpleNamespace(gait_start=0.3, gait_period=0.42)
-    for vary in seeds:
-        time = push_time(controller, vary.phase)
-        assert 2.5 - 1e-9 <= time < 2.5 + 0.42
-        assert ((time - 0.3) / 0.42 - vary.phase) % 1.0 == pytest.approx(0.0, abs=2e-3) or (
-            (time - 0.3) / 0.42 - vary.phase
-        ) % 1.0 == pytest.approx(1.0, abs=2e-3)
-    assert max(abs(vary.mass - 1.0) for vary in seeds) <= 0.05
-    assert len({vary.mass for vary in seeds}) == len(seeds)
 
 
 def synthetic(**arrays: Any) -> Log:
@@ -219,15 +189,6 @@ def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch
     (tmp_path / TRIALS).write_text("nonsense\n")
     with pytest.raises(ProblemError, match="is no file of trials"):
         measure(small(1), tmp_path)
-
-
-def test_absent_peers_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("SUREFOOT_GO2_CONVEX_MPC", "SUREFOOT_QUADRUPED_PYMPC"):
-        monkeypatch.delenv(name, raising=False)
-    chosen = choose_stacks(None, {})
-    assert [stack.name for stack in chosen.stacks] == ["surefoot"]
-    assert isinstance(chosen.stacks[0], Surefoot)
-    assert "checkout of https://github.com/iit-DLSLab/Quadruped-PyMPC" in chosen.absent["quadruped-pympc"]
 
 
 def test_a_real_trial_from_the_command_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ from surefoot.cones.nearest import nearest_in_cone
 from surefoot.cones.polyhedral import PolyhedralCone
 from surefoot.cones.representation import (
     convert,
-    lineality,
     representation_gap,
 )
 
@@ -139,24 +138,11 @@ def test_scale_of_rays_and_units_do_not_matter():
             assert nearest.max() < 1e-7
 
 
-def test_duality_of_conversions():
-    rng = np.random.default_rng(4)
-    for _ in range(50):
-        V = rng.normal(size=(8, 4)) + np.array([0, 0, 0, 3.0])
-        H = convert(V)[0]
-        assert len(convert(H)[0]) == len(PolyhedralCone.from_rays(V).rays)
-
-
 def test_self_check_sees_wrong_representations():
     good = PolyhedralCone.from_rays([[1, 0, 1], [0, 1, 1], [-1, 0, 1], [0, -1, 1]])
     assert representation_gap(good.halfspaces[:3], good.rays) > 0.1  # a facet is missing
     assert representation_gap(good.halfspaces, good.rays[:3]) > 0.1  # a ray is missing
     assert representation_gap(-good.halfspaces, good.rays) > 0.1
-
-
-def test_lineality_names_the_rays_that_come_both_ways():
-    X = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, 1, 1]])
-    assert lineality(X).tolist() == [True, True, False, False]
 
 
 def test_unknown_method_and_bad_rays_are_named():

@@ -6,50 +6,9 @@ import numpy as np
 import pytest
 
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc
-from surefoot.control.walking import WalkingController
-from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
-from surefoot.robot import load_robot
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import run
-from surefoot.simulation.scenario import Scenario
 
 FEET = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
-
-
-def test_no_step_sets_up_a_horizon_and_solves_it_but_the_first() -> None:
-    robot = load_robot("go2")
-    walker = WalkingController(robot, VelocityCommand.constant(0.5))
-    planner, steps = walker.planner, []
-    set_up, solve, step = planner.set_up, planner.solve, walker.step
-
-    def told(name, call):  # type: ignore[no-untyped-def]
-        def inner(*args):  # type: ignore[no-untyped-def]
-            steps[-1].append(name)
-            return call(*args)
-
-        return inner
-
-    planner.set_up = told("set up", set_up)  # type: ignore[method-assign]
-    planner.solve = told("solve", solve)  # type: ignore[method-assign]
-
-    def counted(state):  # type: ignore[no-untyped-def]
-        steps.append([])
-        return step(state)
-
-    walker.step = counted  # type: ignore[method-assign]
-    run(MujocoWorld(robot), walker, Scenario(1.0, 0.6, start=robot.nominal))
-    begun = [i for i, done in enumerate(steps) if done == ["set up", "solve"]]
-    for i in begun:  # a walk begins with both: the one that warms up, and the real one
-        assert i <= 3
-    for i, done in enumerate(steps):
-        if done == ["solve"]:
-            assert steps[i - 1] == ["set up"]
-        if done == ["set up"] and i + 1 < len(
-            steps
-        ):  # solved at once, or set up again for a foot that changed
-            assert steps[i + 1] in (["solve"], ["set up"])
-    assert sum(done == ["solve"] for done in steps) > 40
 
 
 def test_another_step_length_is_that_of_a_fresh_controller() -> None:

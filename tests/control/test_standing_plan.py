@@ -4,24 +4,13 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.control.standing_plan import Lift, StandingPlan, minimum_jerk
+from surefoot.control.standing_plan import Lift, StandingPlan
 from surefoot.errors import ModelError, ProblemError
 
 
 def plan(*lifts: Lift, degrees: float = 0.0) -> StandingPlan:
     robot, terrain = sf.load_robot("go2"), sf.SlopeTerrain(degrees)
     return StandingPlan(robot, terrain, sf.place(robot, terrain), lifts)
-
-
-def test_minimum_jerk_is_smooth_and_its_derivatives_are_right() -> None:
-    assert minimum_jerk(-1.0) == (0.0, 0.0, 0.0)
-    assert minimum_jerk(2.0) == (1.0, 0.0, 0.0)
-    h = 1e-6
-    for s in np.linspace(0.05, 0.95, 13):
-        _, slope, curve = minimum_jerk(s)
-        ahead, behind = minimum_jerk(s + h), minimum_jerk(s - h)
-        assert slope == pytest.approx((ahead[0] - behind[0]) / (2 * h), rel=1e-6, abs=1e-8)
-        assert curve == pytest.approx((ahead[1] - behind[1]) / (2 * h), rel=1e-5, abs=1e-6)
 
 
 def test_without_lifts_everything_stands_still() -> None:

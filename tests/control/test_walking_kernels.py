@@ -21,19 +21,6 @@ def turned(vectors: np.ndarray, yaw: float) -> np.ndarray:
     return vectors @ np.array([[c, s], [-s, c]])
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_a_body_is_led_back_to_its_motion(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    motion, now, t = rng.normal(size=(5, 3)), rng.normal(size=(3, 3)), 0.02
-    start, end = Rotation.random(2, rng=rng)
-    com, turn = kernels.follow(motion, start.as_matrix(), t, now, end.as_matrix(), 7.0, 3.0)
-    place, v, spin, a, b = motion
-    miss = place + t * v + 0.5 * t**2 * a - now[0]
-    assert com == pytest.approx(a + 7.0 * miss + 3.0 * (v + t * a - now[1]), abs=1e-12)
-    miss = t * spin + 0.5 * t**2 * b - (end * start.inv()).as_rotvec()
-    assert turn == pytest.approx(b + 7.0 * miss + 3.0 * (spin + t * b - now[2]), abs=1e-9)
-
-
 @pytest.mark.parametrize("fastest", [math.inf, 0.06])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_feet_in_the_air_follow_their_paths(seed: int, fastest: float) -> None:
@@ -62,7 +49,7 @@ def test_feet_in_the_air_follow_their_paths(seed: int, fastest: float) -> None:
 def test_feet_stand_where_they_are_until_they_have_flown(seed: int) -> None:
     rng = np.random.default_rng(seed)
     contacts = np.array([[1, 1, 0], [0, 1, 1], [1, 1, 0], [1, 1, 1]], dtype=bool)
-    carrying = contacts[0]
+    stance = contacts[0]
     stands, target, com = rng.normal(size=(3, 3)), rng.normal(size=(3, 3)), rng.normal(size=(5, 3))
     frames, radii = Rotation.random(3, rng=rng).as_matrix(), np.array([0.02, 0.03, 0.04])
     yaw, offsets = rng.normal(size=5), rng.normal(size=(3, 3))
@@ -70,7 +57,7 @@ def test_feet_stand_where_they_are_until_they_have_flown(seed: int) -> None:
     assert arms == pytest.approx(np.array([turned(offsets[:, :2], a) for a in yaw]))
     ground, middle, slope = 0.3, rng.normal(size=3), rng.normal(size=2)
     out = kernels.stance_places(
-        contacts, carrying, stands, target, frames, radii, com, arms, 1, ground, middle, slope
+        contacts, stance, stands, target, frames, radii, com, arms, 1, ground, middle, slope
     )
 
     def coming(i: int, k: int) -> np.ndarray:

@@ -62,18 +62,6 @@ def test_measured_again_a_table_is_the_same(tmp_path: Path, monkeypatch: pytest.
     assert tables.filled(page.replace("|", "| wrong |", 1)) == page
 
 
-def test_long_tables_are_measured_by_name_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
-    monkeypatch.setattr(tables, "measure", lambda names, told: asked.extend(names))
-    monkeypatch.setattr("sys.argv", ["tables"])
-    tables.main()
-    assert "rigid" in asked
-    assert not any(tables.TABLES[name].long for name in asked)
-    monkeypatch.setattr("sys.argv", ["tables", "--told", "x.json"])
-    with pytest.raises(SystemExit):
-        tables.main()
-
-
 def test_several_commands_are_told_by_several_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tables, "FOLDER", tmp_path / "tables")
     told = []
@@ -84,11 +72,3 @@ def test_several_commands_are_told_by_several_files(tmp_path: Path, monkeypatch:
     shown = tables.markdown("plans")
     assert "| `jump-up 0.2` | solved | 0.233 m | 9.9e-09 |" in shown
     assert "(`surefoot plan jump 0.4 --no-video --no-report`; `surefoot plan jump-up 0.2" in shown
-
-
-def test_a_table_without_a_file_keeps_what_stands_in_its_place(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(tables, "FOLDER", tmp_path)
-    page = "<!-- table race -->\nas before\n<!-- end of table -->"
-    assert tables.filled(page) == page

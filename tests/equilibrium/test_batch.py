@@ -7,7 +7,6 @@ import pytest
 
 import surefoot as sf
 from benchmarks.problems.stances import KINDS, random_case
-from surefoot.equilibrium.batch import stand_each
 from surefoot.equilibrium.verdict import Verdict
 
 FEET = np.array([[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])
@@ -146,17 +145,3 @@ def test_regions_of_objects_at_a_height_and_with_patches() -> None:
         single = sf.com_region(stance, 15.0, height=0.5)
         assert region.area == pytest.approx(single.area, abs=1e-6)
         assert region.height == single.height == 0.5
-
-
-def test_kernel_equals_its_python() -> None:
-    rng = np.random.default_rng(3)
-    batch = sf.StanceBatch(FEET + 0.05 * rng.normal(size=(3, 4, 3)))
-    load = np.tile([0.0, 0.0, 150.0, 0.0, 0.0, 0.0], (3, 1))
-    given = batch.positions, batch.rotations, batch.mu, np.tile([0.0, 0.0, 0.3], (3, 1)), load
-    found = []
-    for call in (stand_each, stand_each.py_func):
-        out = np.zeros(3, dtype=np.int64), np.zeros(3), np.zeros((3, 12)), np.zeros((3, 6)), np.zeros(3)
-        call(*given, *out)
-        found.append(out)
-    for a, b in zip(*found, strict=True):
-        assert a == pytest.approx(b)

@@ -8,13 +8,11 @@ import pytest
 
 from surefoot.errors import ModelError
 from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
-from surefoot.estimation.credible import credible, known
 from surefoot.estimation.detection_kernels import DAMPING, foot_forces
 from surefoot.estimation.foot_kinematics import (
     FLOOR,
     FootKinematics,
     base_state,
-    follow_stances,
     over_ground,
     roll,
     state_ahead,
@@ -149,20 +147,6 @@ def test_only_what_lies_in_place_is_read_in_place() -> None:
         live_parts([np.zeros(3)[:2]])
 
 
-def test_stances_have_an_age() -> None:
-    random, dt, n = np.random.default_rng(8), 0.01, 4
-    age, touching, landed = np.full(n, -dt), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
-    since = np.zeros(n, dtype=int)  # steps that each foot has stood
-    for _ in range(200):
-        contact, pace = random.random(n) < 0.9, random.uniform(0.0, 0.6, n)
-        new = follow_stances(contact, pace, 0.55, 0.025, dt, age, touching, landed)
-        stands = contact & (pace <= 0.55)
-        since = np.where(stands, since + 1, 0)
-        np.testing.assert_array_equal(touching, stands)
-        np.testing.assert_array_equal(landed, since <= 3)  # 0.025 s after the first
-        assert new == (since == 1).any()
-
-
 def test_the_state_ahead_is_that_of_its_parts() -> None:
     random, dt = np.random.default_rng(10), 2e-3
     X, bias, arm = exponential(0.5 * random.normal(size=15)), 0.1 * random.normal(size=6), np.full(3, 0.05)
@@ -190,21 +174,3 @@ def test_the_state_ahead_is_that_of_its_parts() -> None:
     rate = (late - early) / 0.02
     np.testing.assert_allclose(v[6:], speeds + 0.004 * rate)
     np.testing.assert_allclose(q[7:], joints + 0.004 * speeds + 0.5 * 0.004**2 * rate)
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300])
-def test_what_no_robot_has_is_not_credible(value: float) -> None:
-    largest = np.array([1.0, 2.0])
-    for k in range(13):
-        q, v = np.ones(7), np.ones(6)
-        (q if k < 7 else v)[k if k < 7 else k - 7] = value
-        assert known(q, v) == bool(np.isfinite(value))
-    for k in range(6):
-        bias = np.zeros(6)
-        bias[k] = value
-        assert not credible(np.zeros((3, 9)), bias, 10.0, largest)
-        bias[k] = 1.5
-        assert credible(np.zeros((3, 9)), bias, 10.0, largest) == (k >= 3)
-    X = np.zeros((3, 9))
-    X[1, 3] = value
-    assert not credible(X, np.zeros(6), 10.0, largest)

@@ -102,20 +102,6 @@ def test_it_plays_by_the_clock_and_stops_at_the_end(log: sf.Log) -> None:
     assert page.values["time"] == float(log["time"][0])
 
 
-def test_rows_are_stepped(log: sf.Log) -> None:
-    page = RecordingPage(RecordedMotion(log), "a log")
-    page.press("back")
-    assert page.row == 0
-    for _ in range(3):
-        page.press("on")
-    assert page.row == 3
-    page.press("back")
-    assert page.row == 2
-    for name in ("next", "previous", "nothing"):
-        with pytest.raises(ProblemError):
-            page.press(name)
-
-
 def test_rows_that_are_not_finite_are_drawn_without(log: sf.Log) -> None:
     arrays = {name: np.array(log[name]) for name in ("time", "q", "forces", "contact_positions", "mu")}
     for name in ("q", "forces", "contact_positions", "mu"):

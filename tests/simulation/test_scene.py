@@ -125,19 +125,6 @@ def test_newtons_law_for_all_contacts_at_once_is_no_cradle(n):
     assert abs(change) < 1e-6
 
 
-def test_a_lossy_cradle_is_a_wave_of_collisions_of_two():
-    """e = 0.6 of three balls: pair after pair, until none closes faster than what counts as rest."""
-    speeds, _ = row(3, restitution=0.6)
-    v = np.array([1.0, 0.0, 0.0])
-    for _ in range(100):
-        for a in (0, 1):
-            if v[a] - v[a + 1] > 2.0 * GRAVITY * 1e-3:
-                mean, off = 0.5 * (v[a] + v[a + 1]), 0.3 * (v[a] - v[a + 1])
-                v[a], v[a + 1] = mean - off, mean + off
-    np.testing.assert_allclose(speeds, v, atol=2.0 * GRAVITY * 1e-3)
-    assert abs(sum(speeds) - 1.0) < 1e-9
-
-
 @pytest.mark.parametrize("on_table", [False, True])
 def test_a_sliding_ball_rolls_at_five_sevenths_of_its_speed(on_table):
     lift = 0.3 if on_table else 0.0
@@ -177,46 +164,6 @@ def test_a_log_lies_between_two_others():
     assert abs(world.pose("top").position[1]) < 1e-9
     for side in ("left", "right"):
         assert abs(np.linalg.norm(forces(world)["top", side]) - GRAVITY / math.sqrt(3.0)) < 1e-6
-
-
-def test_momentum_of_bodies_in_the_air_is_kept():
-    rng = np.random.default_rng(4)
-    shapes, places = (CUBE, Capsule(0.05, 0.3), BALL), np.vstack([np.eye(3), -np.eye(3)]) * 0.4
-    bodies = [
-        Body(
-            f"b{k}",
-            shapes[k % 3],
-            1.0 + k,
-            tuple(places[k] + [0, 0, 5.0]),
-            velocity=tuple(-4.0 * places[k] + 0.2 * rng.normal(size=3)),
-            spin=tuple(rng.normal(size=3)),
-            restitution=0.5,
-        )
-        for k in range(6)
-    ]
-    world = SceneWorld(Scene(bodies), mu=0.4)
-
-    def momentum():
-        p, L = np.zeros(3), np.zeros(3)
-        for body in bodies:
-            pose, (v, w) = world.pose(body.name), world.twist(body.name)
-            inertia = pose.rotation @ np.diag(body.shape.moments(body.mass)) @ pose.rotation.T
-            p += body.mass * v
-            L += inertia @ w + body.mass * np.cross(pose.position, v)
-        return p, L
-
-    met, (p, L), mass = 0, momentum(), sum(b.mass for b in bodies)
-    for _ in range(300):
-        world.step()
-        met += bool(world.touches())
-    assert met > 3
-    fall = np.array([0, 0, -GRAVITY * world.time])
-    after, angular = momentum()
-    np.testing.assert_allclose(after, p + mass * fall, atol=1e-9)
-    centre = sum(b.mass * np.array(b.position) for b in bodies) / mass
-    # the moment of the weight about the origin, along the way of the common centre of mass
-    moment = np.cross(centre, fall) + 0.5 * world.time * np.cross(p / mass, fall)
-    np.testing.assert_allclose(angular, L + mass * moment, atol=1e-6)
 
 
 def test_go2_stands_on_a_box_with_its_front_feet():

@@ -30,14 +30,6 @@ def standing_forces(stance: sf.Stance, rows: HalfSpaces, mass: float, world: boo
     return solve_program(program, "daqp", tol=1e-9).solution()
 
 
-def test_symmetric_standing_shares_the_weight() -> None:
-    pytest.importorskip("daqp")
-    stance = quadruped()
-    f = standing_forces(stance, stance.halfspaces(4), 15.0).reshape(4, 3)
-    assert f[:, 2] == pytest.approx(np.full(4, 15.0 * 9.81 / 4.0), rel=1e-5)
-    assert np.abs(f[:, :2]).max() < 1e-6
-
-
 def test_swing_feet_carry_nothing_and_stance_feet_their_least() -> None:
     pytest.importorskip("daqp")
     stance = quadruped()

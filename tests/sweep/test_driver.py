@@ -108,20 +108,6 @@ def test_a_sample_that_kills_its_worker_thrice_is_recorded_as_crashed(backend: s
     assert run_sweep(config, tmp_path / "a", backend="serial").resumed == 24  # and is not tried again
 
 
-@pytest.mark.parametrize(
-    ("settings", "told"),
-    [
-        ({"backend": "slurm"}, "unknown backend 'slurm'; valid names: dask, loky, ray, serial"),
-        ({"backend": "loky", "address": "x:1"}, "--address is of --backend ray or dask"),
-        ({"backend": "serial", "workers": 3}, "--backend serial has one worker"),
-        ({"backend": "loky", "workers": 0}, "workers must be a whole number >= 1, got 0"),
-    ],
-)
-def test_wrong_pools(settings: dict[str, Any], told: str, tmp_path: Path) -> None:
-    with pytest.raises(ProblemError, match=told):
-        run_sweep(deadly(), tmp_path / "a", **settings)
-
-
 @pytest.mark.parametrize("backend", ["ray", "dask"])
 def test_a_cluster_that_is_not_there_is_told(backend: str) -> None:
     pytest.importorskip(

@@ -138,14 +138,6 @@ def test_a_full_disk_is_told_and_what_was_written_kept(tmp_path: Path) -> None:
     assert run_sweep(deadly(20), tmp_path / "a", backend="serial").resumed == 5
 
 
-def test_rows_are_brought_to_the_disk(tmp_path: Path) -> None:
-    """After a power cut a commit is there: SQLite's strictest setting, and no transaction is left open."""
-    with Store(tmp_path / "a", deadly()) as store:
-        assert store._rows.execute("PRAGMA synchronous").fetchone() == (3,)
-        store.add(run_chunk(SweepTask(deadly().experiment, deadly().space), range(3)))
-        assert not store._rows.in_transaction
-
-
 def test_the_table_says_what_it_is_of(tmp_path: Path) -> None:
     config = deadly(3)
     path = run_sweep(config, tmp_path / "a", backend="serial").path

@@ -8,8 +8,7 @@ import pytest
 import surefoot as sf
 from surefoot.errors import SurefootError
 from surefoot.viz.film import SLIP_COLOUR, FilmScene
-from surefoot.viz.overlay import Entry, Overlay
-from surefoot.viz.video import BONE_COLOUR, CONE_COLOUR, PUSH_COLOUR, Renderer, edge_lines
+from surefoot.viz.video import BONE_COLOUR, CONE_COLOUR, Renderer, edge_lines
 
 STEPS = 30
 
@@ -82,14 +81,3 @@ def test_a_place_in_the_world_has_its_pixel() -> None:
     x, y = renderer.pixels(place)
     renderer.close()
     assert seen.mean(axis=0) == pytest.approx([y, x], abs=2.0)
-
-
-def test_an_arrow_over_a_picture_hides_nothing_else() -> None:
-    overlay = Overlay(320, 180, "title", [Entry("arrow", PUSH_COLOUR, "push")])
-    blank = np.full((180, 320, 3), 128, dtype=np.uint8)
-    bare = overlay.over(blank, 1.0, [], PUSH_COLOUR)
-    drawn = overlay.over(blank, 1.0, [(np.array([100.0, 90.0]), np.array([200.0, 90.0]))], PUSH_COLOUR)
-    changed = np.argwhere((bare != drawn).any(axis=2))
-    assert changed.min(axis=0) == pytest.approx([90, 100], abs=8)
-    assert changed.max(axis=0) == pytest.approx([90, 200], abs=8)
-    assert (bare[60:150, 30:290] == 128).all()

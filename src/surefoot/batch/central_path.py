@@ -1,10 +1,10 @@
 """The smoothed law of a contact problem, compiled: a point on the central path, and its derivative.
 
-The path and its derivative are those of `contact.derivative_path`, its NumPy twin, for exact cones without
-normal bounds. The twin comes down from far inside; here Newton's method starts at the solution of the law
-itself and ends in a few steps. In the scaled unknowns y = (λ_t / mu, λ_n) / d and slacks s = d (mu u_t,
-u_n + mu ||u_t||) of every contact the path is y ∘ s = κ e in the cones' Jordan algebra, or with their
-smoothed projection::
+The path and its derivative are those of `contact.derivative_path`, on the same `contact.path_kernels`, for
+exact cones without normal bounds. That one comes down from far inside; here Newton's method starts at the
+solution of the law itself and ends in a few steps. In the scaled unknowns y = (λ_t / mu, λ_n) / d and slacks
+s = d (mu u_t, u_n + mu ||u_t||) of every contact the path is y ∘ s = κ e in the cones' Jordan algebra, or
+with their smoothed projection::
 
     F(y) = y - p_κ(y - s(y)) = 0,    p_κ(z) = (z + sqrt(z ∘ z + 4 κ e)) / 2
 
@@ -22,9 +22,11 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.contact.path_kernels import fill_epsilon, fill_slacks, path_system
 from surefoot.contact.scales import scales_dense
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.elimination import lu_solve, lu_solve_many
+from surefoot.solvers.nsgs import refresh_dense
 
 STEPS, HALVINGS = 60, 12
 """Newton steps to the path, and how often one is halved."""
@@ -39,21 +41,18 @@ def _rounding(G: FloatArray, g: FloatArray, kappa: float, convex: bool, out: Flo
     n = out.shape[1]
     scales, low, high = np.empty((4, n)), np.zeros(n), np.full(n, np.inf)
     scales_dense(G, g, low, high, scales)
+    fill_epsilon(scales, kappa, convex, out[0])
     for k in range(n):
-        w, s = scales[0, k], scales[1, k]
-        out[0, k] = 0.0 if convex else math.sqrt(kappa * w)
-        if s > 0.0 and not convex:
-            out[0, k] = min(out[0, k], kappa * w / s)
         out[1, k] = math.sqrt(3.0 / scales[2, k]) if scales[2, k] > 0.0 else 1.0
 
 
 @inline_kernel
-def _velocity(G: FloatArray, g: FloatArray, forces: FloatArray, u: FloatArray) -> None:
-    for i in range(g.size):
-        total = g[i]
-        for j in range(g.size):
-            total += G[i, j] * forces[j]
-        u[i] = total
+def _without_bounds(mu: FloatArray) -> FloatArray:
+    """Return the laws (3, n) of unilateral contacts, as `contact.path_kernels` takes them."""
+    laws = np.zeros((3, mu.size))
+    for k in range(mu.size):
+        laws[0, k], laws[2, k] = mu[k], np.inf
+    return laws
 
 
 @inline_kernel
@@ -130,62 +129,6 @@ def _slope(
                 A[h + a, h + b] += (1.0 if a == b else 0.0) - J[h + a, b]
 
 
-@inline_kernel
-def _path_system(
-    G: FloatArray, mu: FloatArray, scale: FloatArray, kappa: float, convex: bool, forces: FloatArray,
-    u: FloatArray, A: FloatArray, right: FloatArray, wide: bool,
-) -> None:  # fmt: skip
-    """Fill A with P + Q U G, and right with κ e - λ ∘ y (one column), or `wide` with -Q U and -E_mu.
-
-    Rows are divided by their largest entry; see `contact.derivative_path`.
-    """
-    n, m = mu.size, u.size
-    part = np.empty((3, 3))
-    for k in range(n):
-        h, square = 3 * k, mu[k] * mu[k]
-        speed, lean = 0.0, 0.0
-        if not convex:
-            speed = math.sqrt(u[h] * u[h] + u[h + 1] * u[h + 1] + scale[0, k] * scale[0, k])
-            lean = mu[k] / speed if speed > 0.0 else 0.0
-        x, y, z = u[h], u[h + 1], u[h + 2] + mu[k] * speed
-        fx, fy, fz = forces[h], forces[h + 1], forces[h + 2]
-        # Q U by rows
-        part[0, 0], part[0, 1], part[0, 2] = square * fz + fx * lean * u[h], fx * lean * u[h + 1], fx
-        part[1, 0], part[1, 1], part[1, 2] = fy * lean * u[h], square * fz + fy * lean * u[h + 1], fy
-        part[2, 0], part[2, 1], part[2, 2] = fx + fz * lean * u[h], fy + fz * lean * u[h + 1], fz
-        for a in range(3):
-            for j in range(m):
-                A[h + a, j] = part[a, 0] * G[h, j] + part[a, 1] * G[h + 1, j] + part[a, 2] * G[h + 2, j]
-        # + P, the derivative of λ ∘ y by λ with y held
-        A[h, h] += z
-        A[h, h + 2] += square * x
-        A[h + 1, h + 1] += z
-        A[h + 1, h + 2] += square * y
-        A[h + 2, h] += x
-        A[h + 2, h + 1] += y
-        A[h + 2, h + 2] += z
-        for a in range(3):
-            # rows over their largest entry: contacts of any stiffness count alike
-            size = 0.0
-            for j in range(m):
-                size = max(size, abs(A[h + a, j]))
-            size = 1.0 / size if size > 0.0 else 1.0
-            for j in range(m):
-                A[h + a, j] *= size
-            if wide:
-                for j in range(m + n):
-                    right[h + a, j] = 0.0
-                for b in range(3):
-                    right[h + a, h + b] = -size * part[a, b]
-                # ∂(λ ∘ y)/∂mu: through the shift, and through the cone's own metric
-                e = (fx * speed, fy * speed, fz * speed)[a]
-                e += 2.0 * mu[k] * fz * (x, y, 0.0)[a]
-                right[h + a, m + k] = -size * e
-            else:
-                c = (square * fz * x + z * fx, square * fz * y + z * fy, fx * x + fy * y + fz * z - kappa)[a]
-                right[h + a, 0] = -size * c
-
-
 @kernel
 def follow_path(
     G: FloatArray, g: FloatArray, mu: FloatArray, convex: bool, kappa: float, forces: FloatArray
@@ -213,18 +156,20 @@ def follow_path(
     _rounding(G, g, kappa, convex, scale)
     f, tried, u, F, J = forces.reshape(-1), np.empty(m), np.empty(m), np.empty(m), np.empty((m, 3))
     A, b, column = np.empty((m, m)), np.empty(m), np.empty((m, 1))
+    laws, slacks = _without_bounds(mu), np.empty(m)
     for k in range(n):
         # a frictionless contact has no tangential force to start with
         if mu[k] == 0.0:
             f[3 * k] = f[3 * k + 1] = 0.0
-    _velocity(G, g, f, u)
+    refresh_dense(G, g, f, u)
     square = _misses(mu, scale, kappa, convex, f, u, J, F)
     moved, last, share = np.inf, np.inf, 0.0
     for _ in range(STEPS):
         # far away Newton's method on the smooth projection, near the point on the equations themselves
         own = moved <= CLOSE and _inside(mu, scale, convex, f, u)
         if own:
-            _path_system(G, mu, scale, kappa, convex, f, u, A, column, False)
+            fill_slacks(laws, scale[0], kappa, convex, f, u, slacks)
+            path_system(G, laws, scale[0], kappa, convex, f, u, slacks, A, column)
             for i in range(m):
                 b[i] = column[i, 0]
         else:
@@ -241,7 +186,7 @@ def follow_path(
         for _ in range(HALVINGS):
             for i in range(m):
                 tried[i] = f[i] + share * b[i] if mu[i // 3] > 0.0 or i % 3 == 2 else 0.0
-            _velocity(G, g, tried, u)
+            refresh_dense(G, g, tried, u)
             now = _misses(mu, scale, kappa, convex, tried, u, J, F)
             if own or now <= (1.0 - 1e-4 * share) * square:
                 break
@@ -286,6 +231,8 @@ def path_blocks(
     scale, u, A = np.empty((2, n)), np.empty(m), np.empty((m, m))
     _rounding(G, g, kappa, convex, scale)
     f = forces.reshape(-1)
-    _velocity(G, g, f, u)
-    _path_system(G, mu, scale, kappa, convex, f, u, A, out, True)
+    refresh_dense(G, g, f, u)
+    laws, slacks = _without_bounds(mu), np.empty(m)
+    fill_slacks(laws, scale[0], kappa, convex, f, u, slacks)
+    path_system(G, laws, scale[0], kappa, convex, f, u, slacks, A, out)
     return bool(lu_solve_many(A, out, m))

@@ -20,13 +20,11 @@ from surefoot.batch.answers import Forces, check_dtype, check_shapes
 from surefoot.batch.array_form import BatchRequest, answer, pull_back, request
 from surefoot.batch.frameworks import Framework
 from surefoot.batch.host import solve_on_host as host_forces
-from surefoot.errors import MissingExtra
+from surefoot.errors import needs
 
-try:
+with needs("jax", "jax"):
     import jax
     import jax.numpy as jnp
-except ImportError as error:
-    raise MissingExtra("jax", "jax") from error
 
 
 def solve(

@@ -17,13 +17,11 @@ from surefoot.batch.answers import Forces, check_dtype, check_shapes
 from surefoot.batch.array_form import BatchRequest, answer, pull_back, request
 from surefoot.batch.frameworks import Framework
 from surefoot.batch.host import solve_on_host
-from surefoot.errors import MissingExtra, ProblemError
+from surefoot.errors import ProblemError, needs
 
-try:
+with needs("torch", "torch"):
     import torch
     from torch.autograd.function import once_differentiable
-except ImportError as error:
-    raise MissingExtra("torch", "torch") from error
 
 
 def solve(

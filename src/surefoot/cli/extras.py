@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from surefoot.cli.output import new_run_folder
+from surefoot.cli.robots import is_file
 from surefoot.errors import MissingExtra
 from surefoot.simulation import drake_python
 
@@ -52,9 +53,7 @@ def require(packages: Iterable[str], wanted: Iterable[str] = ()) -> None:
 
 def robot_packages(name: str | None) -> tuple[str, ...]:
     """Return what loading a robot needs: a known name (or None, the default one), or a file's path."""
-    text = name or ""
-    is_file = text.lower().endswith((".urdf", ".xml")) or "/" in text
-    return ("pin",) if is_file else ("pin", "example-robot-data")
+    return ("pin",) if is_file(name) or "/" in (name or "") else ("pin", "example-robot-data")
 
 
 def drawn(wanted: bool, parent: Path, name: str, draw: Callable[[Path], object]) -> tuple[str | None, str]:

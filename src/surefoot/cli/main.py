@@ -33,8 +33,7 @@ from surefoot.cli import (
 )
 from surefoot.cli.closed_pipes import heard
 from surefoot.cli.compiling import announce_compilation
-from surefoot.cli.literal_help import LiteralHelpCommand
-from surefoot.cli.option_groups import ungrouped
+from surefoot.cli.typer_command import LiteralHelpCommand, ungrouped
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2

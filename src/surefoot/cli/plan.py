@@ -10,7 +10,7 @@ import typer
 from surefoot.cli import options
 from surefoot.cli.console import Table, plain_console, progress_bar
 from surefoot.cli.output import new_run_folder, to_json
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:
     from surefoot.planning.plan import Plan
@@ -56,8 +56,8 @@ def plan(
     console = plain_console(quiet=leaving.as_json)
     parsing.friction("--mu", mu)
     found = find_task(task)
-    if execute is not None and execute not in EXECUTORS:
-        raise ProblemError(unknown_name("world of --execute", execute, EXECUTORS))
+    if execute is not None:
+        check_name("world of --execute", execute, EXECUTORS)
     options.require(robot, ("pin", *(["mujoco"] if execute else [])), leaving)
     who = _robot(robot, feet, found)
     numbers = {

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import MissingExtra, ProblemError
+from surefoot.errors import ProblemError, needs
 
 
 class Shape(ABC):
@@ -161,8 +161,6 @@ def positive(name: str, value: float) -> float:
 
 def coal() -> Any:
     """Return coal, which comes with Pinocchio."""
-    try:
+    with needs("pin", "robot"):
         import coal as library
-    except ImportError as error:
-        raise MissingExtra("pin", "robot") from error
     return library

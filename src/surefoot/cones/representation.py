@@ -19,7 +19,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.cones.double_description import polar_rays
 from surefoot.cones.nearest import nearest_in_cone
-from surefoot.errors import MissingExtra, check_name
+from surefoot.errors import check_name, needs
 
 Method = Literal["qhull", "dd", "cdd"]
 METHODS = ("qhull", "dd", "cdd")
@@ -231,10 +231,8 @@ def _described(X: FloatArray) -> tuple[FloatArray, IntArray] | None:
 
 def _cddlib(V: FloatArray) -> FloatArray:
     """Return the half-spaces of cone(V) by cddlib's double description method."""
-    try:
+    with needs("pycddlib", "cdd"):
         import cdd
-    except ImportError as error:
-        raise MissingExtra("pycddlib", "cdd") from error
     rows = [[0.0, *ray] for ray in V.tolist()]
     generators = cdd.matrix_from_array(rows, rep_type=cdd.RepType.GENERATOR)
     found = cdd.copy_inequalities(cdd.polyhedron_from_matrix(generators))

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.contact.path_kernels import fill_epsilon, fill_slack_rates, fill_slacks, path_system
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import NoSolution, ProblemError
 
@@ -33,17 +34,18 @@ SHRINK, REACH = 0.3, 0.9
 EXACT, NEAR = 1e-13, 1e-8
 """Newton steps, relative to the largest force, after which the point is exact, and good enough where rounding
 keeps them from shrinking."""
+Point = tuple[FloatArray, FloatArray, float, bool, FloatArray, FloatArray]
+"""laws, epsilon, κ, whether the law is convex, forces and velocities, as `path_kernels` take them first."""
 
 
 @dataclass
 class _Path:
-    """The equations of the path at a point: forces λ and slacks y (n, 3)."""
+    """The path of a problem to κ, as `path_kernels` takes it: laws (3, n), epsilon (n,)."""
 
     problem: ContactProblem
     kappa: float
+    laws: FloatArray
     epsilon: FloatArray
-    held: BoolArray
-    off: BoolArray
 
     @classmethod
     def of(cls, problem: ContactProblem, kappa: float) -> _Path:
@@ -55,61 +57,19 @@ class _Path:
         if fixed.any():
             k = int(np.argmax(fixed))
             raise ProblemError(f"smoothing needs normal_min < normal_max, got equal ones at contact {k}")
-        w, s = problem.scales[:2]
-        ratio = np.divide(kappa * w, s, out=np.full_like(w, np.inf), where=s > 0.0)
-        epsilon = np.minimum(np.sqrt(kappa * w), ratio) if problem.law == "coulomb" else np.zeros_like(w)
-        return cls(problem, kappa, epsilon, problem.normal_min == -np.inf, problem.normal_max == 0.0)
+        epsilon = np.empty(problem.contacts)
+        fill_epsilon(problem.scales, kappa, problem.law == "convex", epsilon)
+        return cls(problem, kappa, problem.vectors[1].reshape(3, -1), epsilon)
 
     @property
     def kept(self) -> BoolArray:
         """Contacts that obey a cone: neither bilateral nor off."""
-        return ~(self.held | self.off)
+        return np.asarray((self.laws[1] > -np.inf) & (self.laws[2] > 0.0))
 
-    def shifted(self, forces: FloatArray, velocities: FloatArray, kappa: float) -> FloatArray:
-        """Return u + Γ(u) and the bounds' terms: what y is to be."""
-        p, out = self.problem, velocities.copy()
-        if p.law == "coulomb":
-            out[:, 2] += p.mu * self._speed(velocities)
-        low, high = self._barriers(forces)
-        out[:, 2] += kappa * (high - low)
-        return out
-
-    def _speed(self, velocities: FloatArray) -> FloatArray:
-        return np.asarray(np.sqrt((velocities[:, :2] ** 2).sum(axis=1) + self.epsilon**2))
-
-    def _barriers(self, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return 1 / (λ_n - low) and 1 / (high - λ_n), zero where there is no such bound."""
-        p, n = self.problem, forces[:, 2]
-        low = np.divide(1.0, n - p.normal_min, out=np.zeros_like(n), where=self.kept & (p.normal_min > 0.0))
-        bounded = self.kept & np.isfinite(p.normal_max)
-        return low, np.divide(1.0, p.normal_max - n, out=np.zeros_like(n), where=bounded)
-
-    def parts(
-        self, forces: FloatArray, velocities: FloatArray, slacks: FloatArray, kappa: float
-    ) -> tuple[FloatArray, ...]:
-        """Return, per contact, ∂c/∂λ and ∂c/∂y (c: the path's left sides), ∂y/∂u, ∂y/∂λ, and c - κ e."""
-        p, n = self.problem, len(forces)
-        P, Q, U, B = (np.zeros((n, 3, 3)) for _ in range(4))
-        square = p.mu**2
-        c = np.zeros((n, 3))
-        P[:, 2], Q[:, 2] = slacks, forces
-        c[:, 2] = (forces * slacks).sum(axis=1) - kappa
-        for a in range(2):
-            P[:, a, a], P[:, a, 2] = slacks[:, 2], square * slacks[:, a]
-            Q[:, a, a], Q[:, a, 2] = square * forces[:, 2], forces[:, a]
-            c[:, a] = square * forces[:, 2] * slacks[:, a] + slacks[:, 2] * forces[:, a]
-        U[:] = np.eye(3)
-        if p.law == "coulomb":
-            speed = self._speed(velocities)
-            share = np.divide(p.mu, speed, out=np.zeros(n), where=speed > 0.0)
-            U[:, 2, :2] = share[:, None] * velocities[:, :2]
-        low, high = self._barriers(forces)
-        B[:, 2, 2] = kappa * (low**2 + high**2)
-        # bilateral: the velocity vanishes; off: the force does
-        P[self.held], Q[self.held], c[self.held] = 0.0, np.eye(3), slacks[self.held]
-        U[self.held], B[self.held] = np.eye(3), 0.0
-        P[self.off], Q[self.off], c[self.off] = np.eye(3), 0.0, forces[self.off]
-        return P, Q, U, B, c
+    def at(self, forces: FloatArray, velocities: FloatArray, kappa: float) -> Point:
+        """Return what the kernels take first, at (n, 3) forces and velocities."""
+        convex = self.problem.law == "convex"
+        return self.laws, self.epsilon, kappa, convex, forces.reshape(-1), velocities.reshape(-1)
 
 
 class SmoothSystem:
@@ -119,31 +79,17 @@ class SmoothSystem:
     """
 
     def __init__(self, path: _Path, forces: FloatArray, slacks: FloatArray) -> None:
-        p, kappa = path.problem, path.kappa
+        p, m = path.problem, forces.size
         n = p.contacts
         self.forces, self.velocities = forces, p.velocity(forces)
-        P, Q, U, B, _ = path.parts(forces, self.velocities, slacks, kappa)
-        QU = _block_diagonal(Q @ U)
-        M = _block_diagonal(P + Q @ B) + QU @ p.G
-        up = np.zeros((3, n, 3))
-        low, high = path._barriers(forces)
-        if p.law == "coulomb":
-            up[0, :, 2] = path._speed(self.velocities)
-        up[1, :, 2], up[2, :, 2] = -kappa * low**2, -kappa * high**2
-        own = np.einsum("kab,mkb->mka", Q, up)
-        own[0, :, :2] += 2.0 * (p.mu * forces[:, 2])[:, None] * slacks[:, :2]
-        own[:, path.held | path.off] = 0.0
-        E = np.zeros((3, n, 3, n))
-        E[:, np.arange(n), :, np.arange(n)] = own.transpose(1, 0, 2)
-        # rows in their own units, so that the condition is that of the equations
-        size = np.abs(M).max(axis=1, initial=0.0)
-        rows = 1.0 / np.where(size > 0.0, size, 1.0)[:, None]
-        right = np.hstack([QU, *E.reshape(3, 3 * n, n)])
-        forces_after = -np.linalg.solve(rows * M, rows * right)
+        M, right = np.empty((m, m)), np.empty((m, m + 3 * n))
+        at = path.at(forces, self.velocities, path.kappa)
+        path_system(p.G, *at, np.ascontiguousarray(slacks).reshape(-1), M, right)
+        forces_after = np.linalg.solve(M, right)
         velocities_after = p.G @ forces_after
         velocities_after[:, : 3 * n] += np.eye(3 * n)
         self.after = forces_after, velocities_after
-        self.condition = float(np.linalg.cond(rows * M)) if n else 1.0
+        self.condition = float(np.linalg.cond(M)) if n else 1.0
         self.rank = self.size = 3 * n
         self.loose = 0.0
 
@@ -196,24 +142,21 @@ def _follow(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray, bo
     f, y = _start(path, forces)
     kept = path.kept
     count = max(int(kept.sum()), 1)
+    matrix, right = np.empty((f.size, f.size)), np.empty((f.size, 1))
     moved, last, on_path = 0.0, np.inf, problem.contacts == 0
     for _ in range(STEPS if problem.contacts else 0):
         gap = float((f * y)[kept].sum()) / count
         target = max(kappa, SHRINK * gap)
-        u = problem.velocity(f)
-        want = path.shifted(f, u, target)
-        want[path.held] = u[path.held]
-        P, Q, U, B, c = path.parts(f, u, y, target)
-        lag = want - y
-        matrix = _block_diagonal(P + Q @ B) + _block_diagonal(Q @ U) @ problem.G
-        right = -(c + np.einsum("kab,kb->ka", Q, lag)).ravel()
-        size = np.abs(matrix).max(axis=1, initial=0.0)
-        rows = 1.0 / np.where(size > 0.0, size, 1.0)
-        if not (np.isfinite(rows).all() and np.isfinite(matrix).all() and np.isfinite(right).all()):
+        at = path.at(f, problem.velocity(f), target)
+        want = np.empty_like(f)
+        fill_slacks(*at, want.reshape(-1))
+        path_system(problem.G, *at, y.reshape(-1), matrix, right)
+        if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
             return f, y, False
-        step = np.linalg.lstsq(rows[:, None] * matrix, rows * right, rcond=1e-15)[0].reshape(-1, 3)
-        du = (problem.G @ step.ravel()).reshape(-1, 3)
-        dy = lag + np.einsum("kab,kb->ka", U, du) + np.einsum("kab,kb->ka", B, step)
+        flat = np.asarray(np.linalg.lstsq(matrix, right[:, 0], rcond=1e-15)[0], dtype=np.float64)
+        du, dy, step = np.asarray(problem.G @ flat), np.empty_like(f), flat.reshape(-1, 3)
+        fill_slack_rates(*at, flat, du, dy.reshape(-1))
+        dy += want - y
         share = _share(path, f, step, y, dy)
         f, y = f + share * step, y + share * dy
         moved = float(np.abs(step).max(initial=0.0)) / max(float(np.abs(f).max(initial=0.0)), 1e-300)
@@ -236,7 +179,8 @@ def _start(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
     room = np.isfinite(p.normal_max)
     height[room] = np.minimum(height[room], 0.5 * (low + p.normal_max)[room])
     f[:, 2], y[:, 2] = height, speed
-    f[path.held], y[path.held], f[path.off] = forces[path.held], 0.0, 0.0
+    held, off = p.normal_min == -np.inf, p.normal_max == 0.0
+    f[held], y[held], f[off] = forces[held], 0.0, 0.0
     return f, y
 
 
@@ -269,11 +213,3 @@ def _to_cone(x: FloatArray, t: FloatArray, dx: FloatArray, dt: FloatArray) -> fl
         found = np.where(half < 0.0, C / (root - half), np.where(A < 0.0, (-half - root) / A, np.inf))
         found = np.where((half < 0.0) & (A > 0.0) & (half**2 < A * C), np.inf, found)
     return float(np.where(np.isnan(found), np.inf, found).min(initial=np.inf))
-
-
-def _block_diagonal(blocks: FloatArray) -> FloatArray:
-    """Return (n, 3, 3) blocks as a (3n, 3n) matrix."""
-    n = len(blocks)
-    out = np.zeros((n, 3, n, 3))
-    out[np.arange(n), :, np.arange(n), :] = blocks
-    return out.reshape(3 * n, 3 * n)

@@ -17,14 +17,12 @@ import scipy.sparse as sp
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.foreign import SHRINKS, SMALL, condensed, from_foreign, turned
 from surefoot.contact.problem import ContactProblem
-from surefoot.errors import MissingExtra, ProblemError
+from surefoot.errors import ProblemError, needs
 
 
 def _h5py() -> Any:
-    try:
+    with needs("h5py", "files"):
         import h5py
-    except ImportError as error:
-        raise MissingExtra("h5py", "files") from error
     return h5py
 
 

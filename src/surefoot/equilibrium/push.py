@@ -8,11 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
-from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
-from surefoot.equilibrium.limits import Question, equations
+from surefoot.equilibrium.cone_program import OPTIMAL, STALLED, UNBOUNDED, minimise
+from surefoot.equilibrium.limits import Equations, Question, equations
 from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, GAP, most_margin
 from surefoot.errors import ProblemError
 from surefoot.numerics.orthogonal import coordinates, orthonormal_rows, turn_first_row
+
+_MOST = 1e6
+"""Disturbances of more loads than this count as any."""
 
 
 def farthest(
@@ -22,8 +25,9 @@ def farthest(
 
     A is (p, m), w and d are (p,).
 
-    Returns the solver's status and s; s is 0 where d lies outside the rows' range. (Plain Python around
-    the compiled steps: compiling them once more would take longer than it saves.)
+    Returns a status and s; s is 0 where d lies outside the rows' range. STALLED stands for an x that does not
+    meet the equations: rounding ended the search, s means nothing. (Plain Python around the compiled steps:
+    compiling them once more would take longer than it saves.)
     """
     p, m = A.shape
     Q, T, pivots = np.empty((p, m)), np.empty((p, p)), np.empty(p, dtype=np.int64)
@@ -35,7 +39,27 @@ def farthest(
     alpha = turn_first_row(Q, rank, a, h, b)
     x, y, z = start.copy(), np.empty(rank - 1), np.empty(m)
     status, _ = minimise(Q[1:rank], b[1:rank], -Q[0], lorentz, x, y, z, GAP, -1e6, -b[0])
-    return status, float(Q[0] @ x - b[0]) / alpha
+    s = float(Q[0] @ x - b[0]) / alpha
+    if status == UNBOUNDED:
+        return UNBOUNDED, s
+    return (OPTIMAL if float(np.abs(A @ x - w - s * d).max()) <= BAND else STALLED), s
+
+
+def _by_verdicts(eq: Equations, d: FloatArray) -> float:
+    """Return the largest s with forces that give w + s d, between verdicts that it can and cannot."""
+
+    def held(s: float) -> bool:
+        return most_margin(eq.A, eq.e, eq.w + s * d, eq.lorentz, eq.blocks)[0] in (FEASIBLE, ENDLESS)
+
+    low, high = 0.0, 1.0
+    while held(high):
+        if high > _MOST:
+            return math.inf
+        low, high = high, 2.0 * high
+    while high - low > BAND * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if held(middle) else (low, middle)
+    return low
 
 
 def largest_disturbance(question: Question, direction: ArrayLike) -> float:
@@ -62,6 +86,8 @@ def largest_disturbance(question: Question, direction: ArrayLike) -> float:
     d[:3], d[3:6] = -push[:3], -push[3:] / eq.length
     size = float(np.linalg.norm(d))
     status, reach = farthest(eq.A, eq.w, d / size, eq.lorentz, x)
+    if status == STALLED:
+        reach = _by_verdicts(eq, d / size)
     return math.inf if status == UNBOUNDED else max(0.0, reach) * eq.scale / size
 
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name, unknown_name
 
 
 @dataclass(frozen=True)
@@ -56,11 +56,8 @@ class Choice:
 
     def checked(self, raw: object) -> str:
         """Return what was sent if it is one of the words, or raise `ProblemError`."""
-        if not isinstance(raw, str) or raw not in self.options:
-            raise ProblemError(
-                unknown_name(self.label, raw if isinstance(raw, str) else repr(raw)[:40], self.options)
-            )
-        return raw
+        check_name(self.label, raw if isinstance(raw, str) else repr(raw)[:40], self.options)
+        return str(raw)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
-from surefoot.errors import MissingExtra, ProblemError
+from surefoot.errors import ProblemError, needs
 from surefoot.lab.page import Page
 from surefoot.lab.session import RATE, Session
 
@@ -37,10 +37,8 @@ def import_viser() -> Any:
     MissingExtra
         If it is not installed.
     """
-    try:
+    with needs("viser", "lab"):
         import viser
-    except ImportError as error:
-        raise MissingExtra("viser", "lab") from error
     return viser
 
 

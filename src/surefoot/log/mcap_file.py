@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.errors import MissingExtra, ProblemError
+from surefoot.errors import ProblemError, needs
 from surefoot.log.channels import CHANNELS
 from surefoot.log.log import Log
 from surefoot.log.mapping import LogMapping, Take
@@ -28,10 +28,8 @@ Decode = Callable[[bytes], Any]
 
 def import_mcap() -> Any:
     """Return the module `mcap.reader`, with its exceptions, or raise `MissingExtra`."""
-    try:
+    with needs("mcap", "files"):
         import mcap.reader
-    except ModuleNotFoundError as error:
-        raise MissingExtra("mcap", "files") from error
     return mcap.reader
 
 
@@ -86,18 +84,14 @@ def _json(schema: Any) -> Decode:
 
 
 def _protobuf(schema: Any) -> Decode:
-    try:
+    with needs("mcap-protobuf-support", "files"):
         from mcap_protobuf.decoder import DecoderFactory
-    except ModuleNotFoundError as error:
-        raise MissingExtra("mcap-protobuf-support", "files") from error
     return _made(DecoderFactory().decoder_for("protobuf", schema), schema)
 
 
 def _cdr(schema: Any) -> Decode:
-    try:
+    with needs("mcap-ros2-support", "files"):
         from mcap_ros2.decoder import DecoderFactory
-    except ModuleNotFoundError as error:
-        raise MissingExtra("mcap-ros2-support", "files") from error
     return _made(DecoderFactory().decoder_for("cdr", schema), schema)
 
 

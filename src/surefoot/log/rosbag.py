@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from surefoot.errors import MissingExtra, ProblemError
+from surefoot.errors import ProblemError, needs
 from surefoot.log.source import Messages, Source, check_size
 
 MARKER = "metadata.yaml"
@@ -24,11 +24,9 @@ def source(path: Path) -> Source:
     MissingExtra
         If rosbags is not installed.
     """
-    try:
+    with needs("rosbags", "files"):
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
-    except ModuleNotFoundError as error:
-        raise MissingExtra("rosbags", "files") from error
     if path.suffix == ".db3":
         if not (path.parent / MARKER).exists():
             raise ProblemError(f"{path}: a .db3 is read with the {MARKER} of its bag, which is not beside it")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from surefoot.errors import MissingExtra
+from surefoot.errors import needs
 
 
 def import_pinocchio() -> Any:
@@ -15,10 +15,8 @@ def import_pinocchio() -> Any:
     MissingExtra
         If it is not installed.
     """
-    try:
+    with needs("pin", "robot"):
         import pinocchio
-    except ImportError as error:
-        raise MissingExtra("pin", "robot") from error
     return pinocchio
 
 
@@ -30,8 +28,6 @@ def import_casadi() -> Any:
     MissingExtra
         If it is not installed.
     """
-    try:
+    with needs("casadi", "plan"):
         import casadi
-    except ImportError as error:
-        raise MissingExtra("casadi", "plan") from error
     return casadi

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra, ModelError
+from surefoot.errors import ModelError, needs
 from surefoot.robot.libraries import import_pinocchio
 from surefoot.robot.mjcf_beyond import beyond_a_tree
 from surefoot.robot.parser_output import parser_output
@@ -79,10 +79,8 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
         For a file that MuJoCo cannot read, or a robot that is not one tree of hinges and slides: closed
         chains, joints with springs, tendons that pull.
     """
-    try:
+    with needs("mujoco", "sim"):
         import mujoco
-    except ImportError as error:
-        raise MissingExtra("mujoco", "sim") from error
     pinocchio = import_pinocchio()
     with parser_output():
         try:

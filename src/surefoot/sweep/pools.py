@@ -15,7 +15,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from surefoot.arrays import whole_number
-from surefoot.errors import MissingExtra, ProblemError, check_name
+from surefoot.errors import ProblemError, check_name, needs
 from surefoot.sweep.worker import Row, SweepTask, run_chunk, start_local_worker
 
 Chunk = tuple[int, ...]
@@ -49,10 +49,8 @@ class Workers(NamedTuple):
 
 def loky(task: SweepTask, workers: int | None, address: str | None) -> Workers:
     """Start processes of this machine, through joblib's executor. When one is killed it gives up all."""
-    try:
+    with needs("joblib", "sweep"):
         from joblib.externals.loky import ProcessPoolExecutor
-    except ImportError as error:
-        raise MissingExtra("joblib", "sweep") from error
     if address is not None:
         raise ProblemError("--address is of --backend ray or dask: loky runs on this machine")
     count = workers or cores()
@@ -67,10 +65,8 @@ def loky(task: SweepTask, workers: int | None, address: str | None) -> Workers:
 
 def ray(task: SweepTask, workers: int | None, address: str | None) -> Workers:
     """Join a Ray cluster or start one. Ray itself would run a lost task again; here the driver does."""
-    try:
+    with needs("ray", "scale"):
         import ray
-    except ImportError as error:
-        raise MissingExtra("ray", "scale") from error
     settings: dict[str, Any] = {
         "log_to_driver": False, "logging_level": logging.ERROR, "runtime_env": {"env_vars": ONE_THREAD},
     }  # fmt: skip
@@ -93,11 +89,9 @@ def ray(task: SweepTask, workers: int | None, address: str | None) -> Workers:
 
 def dask(task: SweepTask, workers: int | None, address: str | None) -> Workers:
     """Join a Dask cluster or start one, whose scheduler reports every lost worker (others may retry)."""
-    try:
+    with needs("distributed", "scale"):
         import dask
         import distributed
-    except ImportError as error:
-        raise MissingExtra("distributed", "scale") from error
     cluster = None
     if address is None:
         # spawned workers take their environment from here; no nanny's retries hide a lost one

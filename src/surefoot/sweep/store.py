@@ -13,7 +13,7 @@ import sqlite3
 from pathlib import Path
 from typing import Any
 
-from surefoot.errors import MissingExtra, ProblemError, WriteError
+from surefoot.errors import ProblemError, WriteError, needs
 from surefoot.sweep.config import SweepConfig
 from surefoot.sweep.ranges import TextRange
 from surefoot.sweep.worker import Row
@@ -149,11 +149,9 @@ class Store:
 
 
 def _import_pyarrow() -> Any:
-    try:
+    with needs("pyarrow", "sweep"):
         import pyarrow
         import pyarrow.parquet
-    except ImportError as error:
-        raise MissingExtra("pyarrow", "sweep") from error
     return pyarrow
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.errors import MissingExtra
+from surefoot.errors import needs
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -158,11 +158,9 @@ def write_video(
     MissingExtra
         If imageio with its ffmpeg is not installed.
     """
-    try:
+    with needs("imageio-ffmpeg", "sim"):
         import imageio.v2 as imageio
         import imageio_ffmpeg  # noqa: F401
-    except ImportError as error:
-        raise MissingExtra("imageio-ffmpeg", "sim") from error
     total = max(1, int(len(log) * float(log.facts["dt"]) * rate))
     writer = None
     try:

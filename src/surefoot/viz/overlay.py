@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra
+from surefoot.errors import needs
 
 INK, PAPER = (34, 48, 60), (255, 255, 255)
 TEXT_SHARE = 0.026
@@ -43,10 +43,8 @@ class Overlay:
     """
 
     def __init__(self, width: int, height: int, title: str, legend: Sequence[Entry]) -> None:
-        try:
+        with needs("imageio", "sim"):
             from PIL import Image, ImageDraw, ImageFont
-        except ImportError as error:
-            raise MissingExtra("imageio", "sim") from error
         self._image, self._draw = Image, ImageDraw
         self._size, self._title = (width, height), title
         self._text = max(round(TEXT_SHARE * height), 9)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from surefoot.errors import MissingExtra
+from surefoot.errors import needs
 
 FOOT_COLOURS = ("#1b6ca8", "#d1495b", "#2e933c", "#e08e0b", "#6f4e9b", "#00798c", "#8d5524", "#5c5c5c")
 INK, MUTED, GROUND, FORCE, BAD = "#22303c", "#8a99a6", "#e8e4da", "#d1495b", "#b3001b"
@@ -106,21 +106,17 @@ def house_style() -> Iterator[None]:
     MissingExtra
         If matplotlib is not installed.
     """
-    try:
+    with needs("matplotlib", "viz"):
         import matplotlib
-    except ImportError as error:
-        raise MissingExtra("matplotlib", "viz") from error
     with matplotlib.rc_context(_STYLE):
         yield
 
 
 def blank_figure(size: tuple[float, float] = (8.0, 4.5)) -> Any:
     """Return a matplotlib figure without axes, its size in inches."""
-    try:
+    with needs("matplotlib", "viz"):
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtra("matplotlib", "viz") from error
     figure = Figure(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
     return figure

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra, ProblemError
+from surefoot.errors import ProblemError, needs
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import import_mujoco
 from surefoot.spatial import quaternion_wxyz
@@ -38,10 +38,8 @@ def check_display(environment: Mapping[str, str] = os.environ, system: str = sys
         raise ProblemError(
             f"--view needs a screen: neither {' nor '.join(_SCREENS)} is set (on a remote machine: ssh -X)"
         )
-    try:
+    with needs("mujoco", "sim"):
         import glfw
-    except ImportError as error:
-        raise MissingExtra("mujoco", "sim") from error
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         opened = bool(glfw.init())

@@ -10,6 +10,7 @@ import pytest
 from surefoot.errors import ProblemError
 from surefoot.planning.transcription.forms import (
     FORMS,
+    barrier,
     fischer_burmeister,
     form_named,
     schedule,
@@ -56,8 +57,18 @@ def test_without_signs_the_function_has_no_other_zeros() -> None:
     assert (fischer_burmeister(a, 0.03 / a, 0.03) < 0.0).all()
 
 
+@pytest.mark.parametrize("power", [0, 1, 2])
+def test_the_barrier_in_the_cost_is_least_at_the_root_of_both_weights(power: int) -> None:
+    """The chapter's method B leaves sqrt(kappa rho): kappa for rho = kappa, kappa^1.5 for kappa²."""
+    kappa = 1e-3
+    products = np.geomspace(1e-7, 1.0, 20001)
+    cost = barrier(2.0, products / 2.0, kappa, kappa**power)
+    assert products[np.argmin(cost)] == pytest.approx(np.sqrt(kappa ** (1 + power)), rel=1e-3)
+    assert FORMS["barrier"].row is None
+
+
 def test_what_is_refused() -> None:
-    with pytest.raises(ProblemError, match="valid names: equal, fischer-burmeister"):
+    with pytest.raises(ProblemError, match="valid names: barrier, equal, fischer-burmeister"):
         form_named("smooth")
     with pytest.raises(ProblemError, match="one length"):
         FORMS["equal"].soften(casadi.SX.sym("a", 2), casadi.SX.sym("b", 3), 0.1)

@@ -8,8 +8,9 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, real_number, whole_number
 from surefoot.errors import ProblemError
-from surefoot.planning.direct.problem import DirectProblem, StateWindow, Weights
+from surefoot.planning.direct.problem import DirectProblem, Weights
 from surefoot.planning.transcription.planar import is_planar
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot, place
 from surefoot.terrain import FlatTerrain, Terrain
 

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.direct.problem import DirectProblem, StateWindow, Weights
+from surefoot.planning.direct.problem import DirectProblem, Weights
 from surefoot.planning.transcription import planar
 from surefoot.planning.transcription.guess import Guess
 from surefoot.planning.transcription.touches import BodyTouch
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 

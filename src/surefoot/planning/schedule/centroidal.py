@@ -28,12 +28,12 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.planning.direct.problem import StateWindow
 from surefoot.planning.schedule.limbs import soles
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.search import ACCEPTED, solve_scheduled
 from surefoot.planning.transcription.knot import stacked
 from surefoot.planning.transcription.nlp import Block, Iterate, OnIteration, Sides, pack, unpack
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot.libraries import import_casadi
 from surefoot.robot.symbolic_body import turn_matrix
 from surefoot.spatial import GRAVITY, rotation_from_quaternion

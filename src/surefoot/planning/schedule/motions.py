@@ -11,9 +11,9 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.direct.problem import StateWindow
 from surefoot.planning.schedule.problem import ScheduleProblem, ScheduleWeights
 from surefoot.planning.schedule.symmetry import quadruped_order
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot, place
 from surefoot.robot.motor_limits import motor_limits
 from surefoot.spatial import GRAVITY

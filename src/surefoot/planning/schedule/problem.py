@@ -9,8 +9,8 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
 from surefoot.errors import ProblemError
-from surefoot.planning.direct.problem import StateWindow
 from surefoot.planning.transcription.touches import BodyTouch
+from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot
 from surefoot.robot.motor_limits import MotorLimits
 from surefoot.spatial import GRAVITY

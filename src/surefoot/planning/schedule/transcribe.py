@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.planning.direct.problem import limit_joints
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
 from surefoot.planning.transcription.knot import Row, SymbolicKnot, stacked
 from surefoot.planning.transcription.nlp import Block, Sides, pack
+from surefoot.planning.transcription.window import limit_joints
 from surefoot.robot import Robot
 from surefoot.robot.libraries import import_casadi
 from surefoot.robot.motor_limits import MotorLimits

@@ -12,7 +12,8 @@ eps_book² = 2 eps, see `fischer_burmeister_eps`.
 
 References: Scholtes, SIAM J. Optim. 11 (2001), for a b <= eps; Fischer, Optimization 24 (1992), and Kanzow,
 SIAM J. Matrix Anal. 17 (1996); Anitescu, SIAM J. Optim. 15 (2005), and Leyffer, López-Calva and Nocedal,
-SIAM J. Optim. 17 (2006), for the penalty.
+SIAM J. Optim. 17 (2006), for the penalty. Three forms go by "log barrier" in books: the equality a b = eps
+(`equal`), the same in logarithms (`log-equal`), and a barrier with a penalty in the cost (`barrier`).
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class SoftForm:
     signs
         Whether a >= 0 and b >= 0 are asked for as well. They must be bounds of *variables*: give a and b
         variables of their own, with rows a = its expression, so that an interior-point method keeps them
-        inside (`log-barrier` cannot be evaluated otherwise).
+        inside (`barrier` and `log-equal` cannot be evaluated otherwise).
     row
         The function whose sign or zero is asked for; None for a form that lives in the cost.
     equality
@@ -107,7 +108,7 @@ def _product(a: Any, b: Any, eps: Any) -> Any:
 
 
 def _logarithms(a: Any, b: Any, eps: Any) -> Any:
-    """Return log a + log b - log eps: b is the force -eps d(-log a)/da of a log-barrier."""
+    """Return log a + log b - log eps: the equality in logarithms, b = eps / a."""
     casadi = import_casadi()
     return casadi.log(a) + casadi.log(b) - casadi.log(eps)
 
@@ -122,6 +123,20 @@ def fischer_burmeister(a: Any, b: Any, eps: Any) -> Any:
     return a + b - root(a * a + b * b + 2.0 * eps)
 
 
+def barrier(a: Any, b: Any, kappa: Any, rho: Any) -> Any:
+    """Return -kappa (log a + log b) + (a b)² / (2 rho), of CasADi expressions, arrays or numbers.
+
+    Alone it is least where a b = sqrt(kappa rho): kappa for rho = kappa, kappa^1.5 for rho = kappa². Beside
+    another cost the product goes where both weigh the same, as with any penalty.
+
+    >>> products = np.array([0.9e-2, 1e-2, 1.1e-2])
+    >>> int(np.argmin(barrier(1.0, products, 1e-2, 1e-2)))
+    1
+    """
+    log = np.log if isinstance(b, np.ndarray | float) else import_casadi().log
+    return -kappa * (log(a) + log(b)) + (a * b) ** 2 / (2.0 * rho)
+
+
 def _price(a: Any, b: Any, eps: Any) -> Any:
     return a * b / import_casadi().sqrt(eps)
 
@@ -130,8 +145,12 @@ _FB = "a + b - sqrt(a² + b² + 2 eps)"
 _LISTED = (
     SoftForm("relaxed", "a b <= eps, a >= 0, b >= 0", True, _product, equality=False),
     SoftForm("equal", "a b = eps, a >= 0, b >= 0", True, _product),
+    SoftForm("log-equal", "log a + log b = log eps, a >= 0, b >= 0", True, _logarithms),
     SoftForm(
-        "log-barrier", "log a + log b = log eps: b = eps / a, the force of -eps log a", True, _logarithms
+        "barrier",
+        "cost - eps (log a + log b) + (a b)² / (2 eps), a >= 0, b >= 0",
+        True,
+        price=lambda a, b, eps: barrier(a, b, eps, eps),
     ),
     SoftForm("fischer-burmeister", f"{_FB} = 0, signs implied", False, fischer_burmeister),
     SoftForm("fischer-burmeister-signs", f"{_FB} = 0, a >= 0, b >= 0", True, fischer_burmeister),

@@ -1,4 +1,4 @@
-"""Options that go together: a command takes a group of them as one parameter, a dataclass of options."""
+"""What Typer is given: commands whose help is literal, and whose parameters may be groups of options."""
 
 from __future__ import annotations
 
@@ -7,6 +7,20 @@ from collections.abc import Callable
 from dataclasses import is_dataclass
 from functools import wraps
 from typing import Any
+
+from rich.markup import escape
+from typer.core import TyperCommand
+
+
+class LiteralHelpCommand(TyperCommand):
+    """A command whose help is no markup: Rich would take `[deg]` for a style and leave it out."""
+
+    def __init__(self, name: str | None, **settings: Any) -> None:
+        if settings.get("rich_markup_mode") == "rich":
+            for part in (settings, *(vars(p) for p in settings.get("params") or ())):
+                if part.get("help"):
+                    part["help"] = escape(part["help"])
+        super().__init__(name, **settings)
 
 
 def ungrouped(command: Callable[..., int]) -> Callable[..., int]:
