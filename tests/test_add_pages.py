@@ -19,7 +19,7 @@ from surefoot.robot import load_robot
 from surefoot.robot.catalog import CATALOG
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.terrain import TERRAINS, read_terrain
-from tests import pages
+from tests.pages import run_page as run_blocks
 
 
 @pytest.fixture(autouse=True)
@@ -36,7 +36,7 @@ def tables(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
 
 def run_page(name: str) -> dict[str, Any]:
     """Run a page and return its names, with the exit codes of its commands."""
-    return pages.run_page(
+    return run_blocks(
         name,
         {"codes": []},
         edit=lambda block: re.sub(r"^main\((.*)\)$", r"codes.append(main(\1))", block, flags=re.MULTILINE),

@@ -71,11 +71,6 @@ def test_the_coarsest_sufficient_tolerance_is_found() -> None:
     assert coarsest(lambda step: step if step < 1.0 else None, lambda: False) is None
 
 
-def test_forces_that_are_no_numbers_are_never_accurate() -> None:
-    problem = problem_set("robot", copies=0.01)[0].problem
-    assert judge(problem, np.full((problem.contacts, 3), np.nan)) == float("inf")
-
-
 @pytest.mark.parametrize("name", [*DENSE, *SPARSE])
 def test_rivals_really_solve_ready_and_with_a_new_matrix(name: str) -> None:
     pytest.importorskip("pinocchio")

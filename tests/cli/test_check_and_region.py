@@ -106,19 +106,6 @@ def test_region_draws_and_says_where_the_weight_is(capsys, slides, tmp_path):
     assert "beyond the support polygon" in " ".join(capsys.readouterr().out.split())
 
 
-@pytest.mark.parametrize("lift", ["FL,FR,RL,RR", "FL,FR,RL", "FL,RR", "FL"])
-def test_few_contacts_are_drawn_too(capsys, tmp_path, lift):
-    """None, one, two and three feet left, all of them beside the weight."""
-    slope = str(EXAMPLES / "slope.yaml")
-    code, found = facts(capsys, "check", slope, "--lift", lift, "--out", str(tmp_path))
-    assert code == 1
-    assert Path(found["picture"]).stat().st_size > 10_000
-    if lift.count(",") == 3:
-        assert found["verdict"] == "impossible: nothing touches the ground"
-    else:
-        assert facts(capsys, "region", slope, "--lift", lift, "--out", str(tmp_path))[0] == 0
-
-
 def test_bench_statics_prints_a_table_against_rivals(capsys):
     pytest.importorskip("clarabel")
     pytest.importorskip("cdd")

@@ -5,7 +5,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from benchmarks.problems.walking import INERTIA, MASS, choose_scenes, controller, record
-from surefoot.control import mpc_model
 from surefoot.control.mpc import BodyReference
 
 NAMES = ("trot", "walk", "slope", "rough")
@@ -125,21 +124,6 @@ def test_the_prediction_is_near_the_true_rigid_body(inputs, name, passes, near, 
     for k, most in ((3, near), (10, far)):
         turned = Rotation.from_matrix(R[k - 1] @ given.reference.rotation[k].T).as_rotvec()
         assert np.linalg.norm(turned - plan.orientation_error[k]) < most
-
-
-def test_remembered_points_move_with_time():
-    rng = np.random.default_rng(4)
-    points = rng.normal(size=(5, 3, 3))
-    points[2, 0] = points[4, 1] = np.nan
-    points[:, 2] = np.nan
-    assert np.array_equal(mpc_model.advance(points, 0.0), points, equal_nan=True)
-    assert np.array_equal(mpc_model.advance(points, 1.0)[:4], points[1:], equal_nan=True)
-    half = mpc_model.advance(points, 0.25)
-    assert np.allclose(half[0, 0], 0.75 * points[0, 0] + 0.25 * points[1, 0])
-    assert np.allclose(half[1, 0], points[1, 0])  # nothing is known of the next step
-    assert np.allclose(half[2, 0], points[3, 0])
-    assert np.isnan(half[:, 2]).all()
-    assert np.allclose(mpc_model.advance(points, 99.0)[:, 0], points[4, 0])
 
 
 def test_cruise_moves_along_the_surface_and_turns_about_its_normal():

@@ -159,7 +159,7 @@ def test_the_names_of_knowledge() -> None:
 def test_an_edge_is_told_from_the_ground_by_the_force() -> None:
     centres = np.column_stack([HIPS, np.full(4, 0.02)])
     feet = Feet(named_gait("trot", 4, period=0.4), FlatTerrain(), np.full(4, 0.02), 0.07, 0.1, centres)
-    feet.carrying[:] = False
+    feet.stance[:] = False
     feet.share[:] = [0.4, 0.8, 0.8, 0.4]
     ahead = np.tile([1.0, 0.0, 0.0], (4, 1))
     forces = np.array([[-40.0, 0.0, 5.0], [-10.0, 0.0, 40.0], [0.0, 0.0, 1.0], [40.0, 0.0, 5.0]])

@@ -22,11 +22,11 @@ def feet() -> Feet:
 
 def test_feet_lift_and_land_by_plan(feet: Feet) -> None:
     assert feet.update(0.0, DOWN, CENTRES)
-    assert feet.carrying.tolist() == UP.tolist()
+    assert feet.stance.tolist() == UP.tolist()
     assert not feet.update(0.05, UP, CENTRES)
     assert feet.share[1] == pytest.approx(0.25)
     assert feet.update(0.2, DOWN, CENTRES)  # the others lift as these land
-    assert feet.carrying.tolist() == (~UP).tolist()
+    assert feet.stance.tolist() == (~UP).tolist()
 
 
 def test_a_copy_swings_to_its_own_targets(feet: Feet) -> None:
@@ -44,12 +44,12 @@ def test_a_foot_that_touches_early_carries_until_its_next_swing(feet: Feet) -> N
     feet.update(0.0, DOWN, CENTRES)
     assert not feet.update(0.2 * EARLY - 0.01, DOWN, CENTRES)  # still brushing the ground: ignored
     assert feet.update(0.2 * EARLY + 0.01, DOWN, CENTRES)
-    assert feet.carrying.all()
+    assert feet.stance.all()
     assert not feet.planned[1]
     feet.update(0.19, DOWN, CENTRES)
-    assert feet.carrying[1]
+    assert feet.stance[1]
     feet.update(0.41, DOWN, CENTRES)
-    assert not feet.carrying[1]
+    assert not feet.stance[1]
 
 
 def test_a_late_foot_goes_on_down_until_it_feels_the_ground(feet: Feet) -> None:
@@ -57,7 +57,7 @@ def test_a_late_foot_goes_on_down_until_it_feels_the_ground(feet: Feet) -> None:
     feet.aim(1, CENTRES[1, :2])
     feet.update(0.21, UP, CENTRES)
     assert feet.late[1]
-    assert not feet.carrying[1]
+    assert not feet.stance[1]
     heights = []
     for time in (0.22, 0.26, 0.30):
         feet.update(time, UP, CENTRES)
@@ -67,7 +67,7 @@ def test_a_late_foot_goes_on_down_until_it_feels_the_ground(feet: Feet) -> None:
     low = CENTRES.copy()
     low[1, 2] -= 0.03
     assert feet.update(0.31, DOWN, low)
-    assert feet.carrying[1]
+    assert feet.stance[1]
     assert feet.ground[1] == pytest.approx([0.2, -0.15, -0.03])
 
 
@@ -78,7 +78,7 @@ def test_a_foot_that_loses_the_ground_looks_for_it_below(feet: Feet) -> None:
     assert not feet.update(0.05 + 0.9 * LOST_TIME, gone, CENTRES)
     assert feet.update(0.051 + LOST_TIME, gone, CENTRES)
     assert feet.late[0]
-    assert not feet.carrying[0]
+    assert not feet.stance[0]
     feet.update(0.12, gone, CENTRES)
     assert feet.motions(0.12)[0][0] == pytest.approx(CENTRES[0], abs=0.02)
     assert feet.motions(0.12)[0][1, 2] < 0.0
@@ -107,7 +107,7 @@ def test_a_swing_over_a_plane_is_as_high_above_it_whatever_its_slope(degrees: fl
     centres = np.column_stack([places, ground.height(places) + radius / np.cos(np.radians(degrees))])
     feet = Feet(gait, ground, np.full(4, radius), clearance, 0.0, centres)
     feet.update(0.201, np.ones(4, dtype=bool), centres)
-    k = int(np.flatnonzero(~feet.carrying)[0])
+    k = int(np.flatnonzero(~feet.stance)[0])
     feet.aim(k, centres[k, :2] + [0.2, 0.0])
     path = []
     for time in np.linspace(0.201, 0.399, 100):
@@ -126,12 +126,12 @@ def test_a_landing_that_is_taken_back_goes_on_or_down(feet: Feet) -> None:
     assert feet.update(0.2 * EARLY + 0.01, DOWN, high)
     assert feet.target[1] == pytest.approx(high[1])
     feet.take_back(1, high[1])  # in its swing: goes on to where it was to stand
-    assert not feet.carrying[1]
+    assert not feet.stance[1]
     assert feet.target[1] == pytest.approx(goal)
     feet.update(0.17, UP, high)
     assert feet.motions(0.17)[1, 0, 0] == pytest.approx(goal[0], abs=0.03)
     assert feet.update(0.21, DOWN, high)
-    assert feet.carrying[1]
+    assert feet.stance[1]
     feet.take_back(1, high[1])  # in its stance: looked for below
     feet.update(0.211, ~np.array([False, True, False, False]), high)
     assert feet.late[1]

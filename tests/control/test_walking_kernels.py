@@ -49,7 +49,7 @@ def test_feet_in_the_air_follow_their_paths(seed: int, fastest: float) -> None:
 def test_feet_stand_where_they_are_until_they_have_flown(seed: int) -> None:
     rng = np.random.default_rng(seed)
     contacts = np.array([[1, 1, 0], [0, 1, 1], [1, 1, 0], [1, 1, 1]], dtype=bool)
-    carrying = contacts[0]
+    stance = contacts[0]
     stands, target, com = rng.normal(size=(3, 3)), rng.normal(size=(3, 3)), rng.normal(size=(5, 3))
     frames, radii = Rotation.random(3, rng=rng).as_matrix(), np.array([0.02, 0.03, 0.04])
     yaw, offsets = rng.normal(size=5), rng.normal(size=(3, 3))
@@ -57,7 +57,7 @@ def test_feet_stand_where_they_are_until_they_have_flown(seed: int) -> None:
     assert arms == pytest.approx(np.array([turned(offsets[:, :2], a) for a in yaw]))
     ground, middle, slope = 0.3, rng.normal(size=3), rng.normal(size=2)
     out = kernels.stance_places(
-        contacts, carrying, stands, target, frames, radii, com, arms, 1, ground, middle, slope
+        contacts, stance, stands, target, frames, radii, com, arms, 1, ground, middle, slope
     )
 
     def coming(i: int, k: int) -> np.ndarray:

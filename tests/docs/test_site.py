@@ -57,13 +57,6 @@ def test_every_page_is_below_one_landing_page() -> None:
     assert pages_there == {*below, *(f"/docs/{shelf}" for shelf in LANDINGS[2:])} - OTHERS
 
 
-def test_a_landing_page_is_a_screen_and_says_for_whom() -> None:
-    for name in ("learn", "do", "look-up", "understand", "extend"):
-        text = (ROOT / "docs" / f"{name}.md").read_text()
-        assert "For who" in text.split("\n\n")[1]
-        assert len(text.splitlines()) <= 40
-
-
 def test_every_course_page_belongs_to_a_section() -> None:
     for page in pages():
         assert page.order // 100 in SECTIONS, page.name

@@ -33,17 +33,6 @@ def test_the_curve_against_its_own_points() -> None:
         np.testing.assert_allclose(braked, -curve.effort)
 
 
-def test_the_curve_is_odd_and_within_the_box() -> None:
-    rng = np.random.default_rng(3)
-    box, curve = motor_limits(ROBOT), motor_limits(ROBOT, "curve")
-    for _ in range(50):
-        torques, speeds = rng.normal(size=12) * 40.0, rng.normal(size=12) * 12.0
-        given = curve.clip(torques, speeds)
-        np.testing.assert_array_equal(given, -curve.clip(-torques, -speeds))
-        assert (np.abs(given) <= np.abs(box.clip(torques, speeds)) + 1e-12).all()
-        assert (given * torques >= 0.0).all()
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -74,13 +74,6 @@ def test_motors_cannot_give_what_a_weaker_robot_has_not(jump: Reference) -> None
     assert done.torque_use_max == pytest.approx(0.2, abs=1e-9)
 
 
-def test_a_trunk_on_the_ground_is_no_landing(jump: Reference) -> None:
-    """Legs that fold at touchdown: the links that touched are named."""
-    done = execute(jump, "mujoco", surprise=Surprise(mass=3.0), dt=1e-3)
-    assert not done.landed
-    assert done.why
-
-
 def test_what_is_refused(jump: Reference) -> None:
     with pytest.raises(sf.ProblemError, match=r"mujoco and rigid"):
         execute(jump, "drake")

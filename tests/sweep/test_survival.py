@@ -23,10 +23,6 @@ def test_wilson_is_scipys(hits: int, count: int) -> None:
     assert share.value == hits / count
 
 
-def test_no_samples_have_no_share() -> None:
-    assert np.isnan([wilson(0, 0).value, wilson(0, 0).low]).all()
-
-
 def test_a_margin_counts_every_sample_that_is_done_once(tmp_path: Path) -> None:
     config = deadly(256, failing=(3, 4), broken=(9,))
     table = run_sweep(config, tmp_path / "a", backend="serial").table
@@ -62,15 +58,6 @@ def test_a_grid_has_every_sample_once(tmp_path: Path) -> None:
     texts = margins(config, table)[-1]
     assert texts.labels == ("flat", "slope:10")
     assert texts.counts.sum() == 40
-
-
-def test_without_results_there_is_no_share(tmp_path: Path) -> None:
-    config = deadly(8, broken=tuple(range(8)))
-    table = run_sweep(config, tmp_path / "a", backend="serial").table
-    (margin,) = margins(config, table)
-    assert margin.counts.sum() == 0
-    assert margin.effect() == 0.0
-    assert np.isnan([share.value for share in margin.shares()]).all()
 
 
 def test_a_sweep_of_nothing_but_its_seed(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from surefoot.log.channels import Channel
 
 
 class JointTargets(NamedTuple):
-    """What the joints' own controllers are told; they give τ = τ_ff + kp (q_des - q) + kd (v_des - v).
+    """What the joints' own controllers get; they give τ = τ_ff + kp (q_des - q) + kd (v_des - v).
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class HeightScan(NamedTuple):
     variances
         (k,) of their heights [m²].
     origin
-        (3,) where its rays begin, likewise; None where that is not told [m].
+        (3,) where its rays begin, likewise; None where that is not known [m].
     """
 
     time: float
@@ -63,7 +63,7 @@ class HeightScan(NamedTuple):
 
 
 class RobotState(NamedTuple):
-    """What a controller is told at one step.
+    """What a controller knows at one step.
 
     Attributes
     ----------

@@ -9,7 +9,7 @@ from surefoot.kernels import kernel
 @kernel
 def follow_phases(
     phases: FloatArray, time: float, wait: float, sensed: BoolArray, early: float, lost_time: float,
-    carrying: BoolArray, planned: BoolArray, late: BoolArray, share: FloatArray, sensed_at: FloatArray,
+    stance: BoolArray, planned: BoolArray, late: BoolArray, share: FloatArray, sensed_at: FloatArray,
     retry: FloatArray, lifted: FloatArray,
 ) -> int:  # fmt: skip
     """Bring the feet up to a time, but for those that something happens to; return these as a sum of 2^k.
@@ -24,10 +24,10 @@ def follow_phases(
         (n,) which feet feel the ground.
     early, lost_time
         Share of the swing from which touch is touchdown; time without touch in stance that is borne [s].
-    carrying, planned, late, share
+    stance, planned, late, share
         (n,) each: see `Feet`.
     sensed_at, retry, lifted
-        (n,) when each foot last felt the ground; (n, 2) when its interrupted swing began anew and ends;
+        (n,) when each foot last touched the ground; (n, 2) when its interrupted swing began anew and ends;
         (n,) when its last swing began [s].
     """
     events = 0
@@ -36,15 +36,15 @@ def follow_phases(
         planned[k] = on
         if sensed[k]:
             sensed_at[k] = time
-        if not carrying[k] and time + wait < retry[k, 1]:
+        if not stance[k] and time + wait < retry[k, 1]:
             events |= 1 << k
         elif on:
-            if not (carrying[k] and time - sensed_at[k] <= lost_time):
+            if not (stance[k] and time - sensed_at[k] <= lost_time):
                 events |= 1 << k
         else:
             late[k] = False
             share[k] = (time - begin) / (end - begin)
-            if carrying[k]:
+            if stance[k]:
                 if begin > lifted[k]:
                     events |= 1 << k
             elif sensed[k] and share[k] > early:

@@ -88,7 +88,7 @@ class ForcePlanner:
         """Whether what is set up has still to be solved."""
         return self._horizon is not None
 
-    def shares(self, time: float, carrying: BoolArray, felt: BoolArray | None = None) -> FloatArray:
+    def shares(self, time: float, stance: BoolArray, touching: BoolArray | None = None) -> FloatArray:
         """Return the shares at a time of the schedule [s] for (n,) feet that carry: (n,), 0 to 1.
 
         To be called at every step: a foot's ramp begins when it first carries, and goes on while the foot
@@ -98,8 +98,8 @@ class ForcePlanner:
         elapsed = max(time - self._time, 0.0)
         self._time = time
         early = ramp_shares(
-            schedule.phases(time), carrying, carrying if felt is None else felt, self._stood, self._landed,
-            time, elapsed, LANDED, self.ramp, shares,
+            schedule.phases(time), stance, stance if touching is None else touching, self._stood,
+            self._landed, time, elapsed, LANDED, self.ramp, shares,
         )  # fmt: skip
         for k in range(len(shares)) if early else ():
             if early >> k & 1:
@@ -158,14 +158,14 @@ class ForcePlanner:
         contacts = self.schedule.horizon(start, dt, N)
         if start < 0.0:
             contacts[start + dt * (np.arange(N) + 0.5) < 0.0] = True
-        contacts[0] = feet.carrying
-        for k in np.flatnonzero(feet.carrying & ~feet.planned):  # landed early: carries on
+        contacts[0] = feet.stance
+        for k in np.flatnonzero(feet.stance & ~feet.planned):  # landed early: carries on
             later = np.flatnonzero(contacts[1:, k])
             contacts[: 1 + (later[0] if len(later) else 0), k] = True
         reference = body.reference(N, dt, ahead)
         arms = turned_arms(self.offsets, body.yaw + body.velocity[2] * dt * np.arange(N + 1))
         places = stance_places(
-            contacts, feet.carrying, feet.ground, feet.target, feet.frames, self.radii, reference.position,
+            contacts, feet.stance, feet.ground, feet.target, feet.frames, self.radii, reference.position,
             arms, round(0.5 * stance / dt), body.ground, body.position, body.slope,
         )  # fmt: skip
         if self.forces is not None and not self.pending:
@@ -203,7 +203,7 @@ class ForcePlanner:
 
 @kernel
 def ramp_shares(
-    phases: FloatArray, carrying: BoolArray, felt: BoolArray, carried: BoolArray, landed: FloatArray,
+    phases: FloatArray, stance: BoolArray, touching: BoolArray, carried: BoolArray, landed: FloatArray,
     time: float, elapsed: float, step: float, length: float, shares: FloatArray,
 ) -> int:  # fmt: skip
     """Fill (n,) shares of the largest normal force; return as a sum of 2^k the feet that landed early.
@@ -212,7 +212,7 @@ def ramp_shares(
     ----------
     phases
         (n, 3) see `ContactSchedule.phases`.
-    carrying, felt
+    stance, touching
         (n,) which feet carry now, and which feel the ground.
     carried, landed
         (n,) which feet carried at the last step, and (n,) when they began to [s]: brought up.
@@ -223,13 +223,13 @@ def ramp_shares(
     """
     early = 0
     for k in range(shares.shape[0]):
-        if carrying[k] and not carried[k]:
+        if stance[k] and not carried[k]:
             landed[k] = time
-        elif carrying[k] and not felt[k] and time - landed[k] + step < length:
+        elif stance[k] and not touching[k] and time - landed[k] + step < length:
             landed[k] += elapsed  # it may hang in the air still: more force would throw it at the ground
-        carried[k] = carrying[k]
+        carried[k] = stance[k]
         shares[k] = 1.0
-        if carrying[k]:
+        if stance[k]:
             used = time - landed[k] + step
             if phases[k, 0] > 0.0:
                 used = min(used, phases[k, 2] - time)

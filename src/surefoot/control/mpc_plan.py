@@ -1,4 +1,4 @@
-"""What model-predictive control is told, hands on and returns: weights, program and plan."""
+"""What model-predictive control is given, hands on and returns: weights, program and plan."""
 
 from __future__ import annotations
 

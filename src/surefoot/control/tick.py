@@ -75,14 +75,14 @@ class Tick(Controller):
         # torques
         body = self.whole_body.solve(self._tasks(state, now, clock))
         if self.load is not None:
-            self.load.acted(state.time, body.torques, feet.carrying)
+            self.load.acted(state.time, body.torques, feet.stance)
         return self._commanded(body, feet)
 
     def _view(self, state: RobotState, now: Kinematics, feet: Feet, clock: float) -> WalkView:
         """Return what behaviours may read."""
         return WalkView(
             state.time, clock, state, now, self.command.at(max(clock, 0.0)), self.body.velocity,
-            self.body.position, feet.carrying, feet.ground, feet.frames, self._fits, self._waiting,
+            self.body.position, feet.stance, feet.ground, feet.frames, self._fits, self._waiting,
         )  # fmt: skip
 
     _fits, _waiting = True, False  # of gaits that do not follow the speed

@@ -3,8 +3,8 @@
 Feet that strike an edge swing anew, late ones are sent down faster, and the gait waits for a foot
 that has not found the ground while all others stand: a trot that lifted two more would have one foot left.
 
-Edges are told from landings by the direction of the force. Ground pushes up, within its friction; an edge
-pushes back: a foot in the air that is pushed sideways more than upwards, and does not get on, has struck
+Edges are distinguished from landings by the direction of the force. Ground pushes up, within its friction; an
+edge pushes back: a foot in the air that is pushed sideways more than upwards, and does not get on, has struck
 something, and is lifted over it [1]_. A leg that brakes, or a jolt of the body, looks like a push, but its
 foot goes on.
 
@@ -12,7 +12,7 @@ Some landings are none. What is measured of the ground is a force at the foot by
 edge that touches the shin gives such a force as well, and so does a leg whose mass is not quite what is
 believed. A foot that is taken to stand then is loaded in the air, and strikes the ground within some
 hundredths of a second. So a touch well above ground that is known counts only once it has lasted, and a foot
-that feels nothing more right after its landing has not landed: contact is told by height and force together
+that feels nothing more right after its landing has not landed: contact is judged by height and force together
 [2]_.
 
 References
@@ -60,11 +60,11 @@ STOPPED = 0.5
 SOONEST, LATEST = 0.15, 1.0
 """Shares of its swing between which a foot can strike something: lift-off drags."""
 LASTING, LASTING_FAR = 0.02, 0.1
-"""How long a force must last that is felt above the ground, and far above it [s]."""
+"""How long a force must last that is measured above the ground, and far above it [s]."""
 FAR = 3.0
 """How far above the ground is far, over what may be noise."""
 YOUNG, SILENT = 0.04, 0.008
-"""So long after a landing it may be taken back [s], if the foot has felt nothing for this long [s]."""
+"""So long after a landing it may be taken back [s], if nothing has touched the foot for this long [s]."""
 
 
 class TouchSense:
@@ -120,7 +120,7 @@ class TouchSense:
             return sensed
         soles = now.centres - feet.radii[:, None] * feet.frames[:, :, 2]
         ground = sensed
-        if not feet.carrying.all():
+        if not feet.stance.all():
             speeds = feet.motions(clock)[:, 1]
             moving = now.twists[:, :3]
             ground, struck = sort_touches(feet, sensed, state.forces, speeds, moving, self._weight)
@@ -128,9 +128,9 @@ class TouchSense:
                 if self.belief.may_strike(soles[k], speeds[k]):
                     self.belief.stumbled(state.time)
                     feet.interrupt(k, clock, now.centres[k])
-        above = self.belief.above(soles, ground & ~feet.carrying)
-        ground = self._landings.believe(ground, feet.carrying, above)
-        for k in np.flatnonzero(self._landings.taken_back(feet.carrying)).tolist():
+        above = self.belief.above(soles, ground & ~feet.stance)
+        ground = self._landings.believe(ground, feet.stance, above)
+        for k in np.flatnonzero(self._landings.taken_back(feet.stance)).tolist():
             feet.take_back(k, now.centres[k])
         return ground
 
@@ -156,15 +156,15 @@ class TouchSense:
             As for `sort`.
         """
         soles = now.centres - feet.radii[:, None] * feet.frames[:, :, 2]
-        sought = feet.late & ~feet.carrying
-        self.belief.observe(state, feet.ground, feet.carrying, sought, soles)
+        sought = feet.late & ~feet.stance
+        self.belief.observe(state, feet.ground, feet.stance, sought, soles)
         if feet.careful:  # the body comes down with its feet
             feet.ground[sought] = soles[sought]
         overdue = feet.overdue()
         if not overdue.any():
             self._waited = 0.0
         elif self._waited < self._fall * (WAIT_CAREFUL if feet.careful else LONGEST_WAIT) and (
-            (feet.carrying | overdue).all() or self._lifts_next(feet, clock)
+            (feet.stance | overdue).all() or self._lifts_next(feet, clock)
         ):
             self._waited += self.dt
             feet.wait += self.dt
@@ -175,7 +175,7 @@ class TouchSense:
             return False
         phases = feet.schedule.phases(clock)
         lifting = (phases[:, 0] > 0.0) & (phases[:, 2] <= clock + AT_ONCE * self.dt)
-        return bool((feet.carrying & lifting).any())
+        return bool((feet.stance & lifting).any())
 
 
 def touch_sense(terrain: Terrain, weight: float, height: float, dt: float) -> TouchSense | None:
@@ -208,11 +208,11 @@ def sort_touches(
     along = (forces * normals).sum(axis=1)
     sideways = forces - along[:, None] * normals
     size = np.linalg.norm(sideways, axis=1)
-    struck = ~feet.carrying & (size > STRUCK * weight) & (size > STEEP * along)
+    struck = ~feet.stance & (size > STRUCK * weight) & (size > STEEP * along)
     against = (sideways[:, :2] * speeds[:, :2]).sum(axis=1) < 0.0
     stopped = (moving[:, :2] * speeds[:, :2]).sum(axis=1) < STOPPED * (speeds[:, :2] ** 2).sum(axis=1)
     swinging = ~feet.late & ~feet.again & (feet.share > SOONEST) & (feet.share < LATEST)
-    light = ~feet.carrying & (along < SENSED * weight)
+    light = ~feet.stance & (along < SENSED * weight)
     return sensed & ~struck & ~light, struck & against & stopped & swinging
 
 
@@ -232,12 +232,12 @@ class LandingWatch:
         self._felt, self._silent = np.zeros((2, feet))
         self._stood = np.full(feet, np.inf)
 
-    def believe(self, sensed: BoolArray, carrying: BoolArray, above: FloatArray) -> BoolArray:
+    def believe(self, sensed: BoolArray, stance: BoolArray, above: FloatArray) -> BoolArray:
         """Return which feet have landed of those that feel the ground: (n,).
 
         Parameters
         ----------
-        sensed, carrying
+        sensed, stance
             (n,) which feet feel it, and which are taken to stand on it.
         above
             (n,) how far above the ground they are by what is known of it, over what may be noise [-].
@@ -245,9 +245,9 @@ class LandingWatch:
         self._felt = np.where(sensed, self._felt + self.dt, 0.0)
         self._silent = np.where(sensed, 0.0, self._silent + self.dt)
         lasting = np.where(above > FAR, LASTING_FAR, np.where(above > 1.0, LASTING, 0.0))
-        return sensed & (carrying | (self._felt >= lasting))
+        return sensed & (stance | (self._felt >= lasting))
 
-    def taken_back(self, carrying: BoolArray) -> BoolArray:
+    def taken_back(self, stance: BoolArray) -> BoolArray:
         """Return which feet that carry have not landed after all: (n,); to be called at each step."""
-        self._stood = np.where(carrying, self._stood + self.dt, 0.0)
-        return carrying & (self._stood < YOUNG) & (self._silent >= SILENT)
+        self._stood = np.where(stance, self._stood + self.dt, 0.0)
+        return stance & (self._stood < YOUNG) & (self._silent >= SILENT)

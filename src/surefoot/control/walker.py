@@ -141,7 +141,7 @@ class Walker(Tick):
     def _commanded(self, body: WholeBodyCommand, feet: Feet) -> WalkCommand:
         """Return the command that says what the parts have decided."""
         return WalkCommand(
-            body.torques, body.forces, feet.carrying[self.whole_body.point_foot], body.feasible, body.status,
+            body.torques, body.forces, feet.stance[self.whole_body.point_foot], body.feasible, body.status,
             feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(),
             accelerations=body.accelerations, load=self._load_rows, asked_by=self.arbiter.asked_by,
         )  # fmt: skip

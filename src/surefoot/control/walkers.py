@@ -12,7 +12,7 @@ from surefoot.terrain import Terrain
 
 
 def default_gait(robot: Robot) -> str:
-    """Return the name of the gait that a robot walks with unless told otherwise: trot, on two feet walk."""
+    """Return the name of the gait that a robot walks with unless another is given: trot, on two feet walk."""
     return "walk" if len(robot.feet) == 2 else "trot"
 
 

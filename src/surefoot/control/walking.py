@@ -217,7 +217,7 @@ class WalkingController(Walker):
         if self.load is not None:
             self.load.pull(now, state.q[:3])
         low, high = self._normals
-        top = high * self.planner.shares(clock, feet.carrying, standing)
+        top = high * self.planner.shares(clock, feet.stance, standing)
         self.whole_body.bound_normals(np.minimum(low, top), top)
         if changed or self._due(time):
             self.planner.set_up(time, clock, feet, self.body, self._stance_time)
@@ -258,7 +258,7 @@ class WalkingController(Walker):
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self.terrain.unsure)
             feet.stride = self._steps.stride
-        for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
+        for k in np.flatnonzero(~(feet.stance | feet.planned)).tolist():
             _, _, end = schedule.phase(k, clock)
             place = step_place(
                 now.com, now.com_velocity, self.planner.offsets[k], self.body.yaw, self.body.velocity,
@@ -295,6 +295,6 @@ class WalkingController(Walker):
         com, turn = follow(planner.motion, planner.rotation, since, motion, now.rotation, *gain)
         wanted = feet.accelerations(clock, now.centres, now.twists, self._gain(self.settings.swing_stiffness))
         return Tasks(
-            feet.carrying, com, turn, wanted, np.zeros(self.robot.joints), planner.forces, feet.frames,
+            feet.stance, com, turn, wanted, np.zeros(self.robot.joints), planner.forces, feet.frames,
             np.zeros(len(feet.radii)),
         )  # fmt: skip

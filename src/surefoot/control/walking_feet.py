@@ -52,7 +52,7 @@ class Feet(Bound):
 
     Attributes
     ----------
-    carrying
+    stance
         (n,) which feet push now.
     planned
         (n,) which feet the gait wants on the ground now.
@@ -94,7 +94,7 @@ class Feet(Bound):
 
     def __post_init__(self) -> None:
         n = len(self.radii)
-        self.carrying: BoolArray = np.ones(n, dtype=bool)
+        self.stance: BoolArray = np.ones(n, dtype=bool)
         self.planned: BoolArray = np.ones(n, dtype=bool)
         self.late: BoolArray = np.zeros(n, dtype=bool)
         self.share = np.zeros(n)
@@ -135,12 +135,12 @@ class Feet(Bound):
             (n, 3) where the feet are.
         """
         phases = self.schedule.phases(time)
-        for k in np.flatnonzero(self.late & ~self.carrying).tolist() if self.careful else ():
+        for k in np.flatnonzero(self.late & ~self.stance).tolist() if self.careful else ():
             on, begin, end = phases[k].tolist()
             if not on and begin > self._lifted[k]:
                 self._lift(k, begin, end - begin, centres[k])
         events = follow_phases(
-            phases, time, self.wait, sensed, EARLY, LOST_TIME, self.carrying, self.planned, self.late,
+            phases, time, self.wait, sensed, EARLY, LOST_TIME, self.stance, self.planned, self.late,
             self.share, self._sensed, self._retry, self._lifted,
         )  # fmt: skip
         changed = False
@@ -154,10 +154,10 @@ class Feet(Bound):
     ) -> bool:
         """Let a foot lift, land, look for the ground or go on; return whether it has lifted or landed."""
         if self._again(k, time, sensed, centre):
-            return bool(self.carrying[k])
+            return bool(self.stance[k])
         if self.planned[k]:
             return self._on_ground(k, time, sensed, centre)
-        if self.carrying[k]:
+        if self.stance[k]:
             self._lift(k, begin, end - begin, centre)
         else:
             self._land(k, centre)
@@ -177,7 +177,7 @@ class Feet(Bound):
         if self.planned[k]:
             self._sensed[k] = -np.inf
         else:
-            self.carrying[k], self.target[k] = False, self._aimed[k]
+            self.stance[k], self.target[k] = False, self._aimed[k]
 
     def slow_search(self, time: float, fastest: float, ahead: FloatArray) -> None:
         """Let late feet go down at another speed from now on, without a jump.
@@ -192,7 +192,7 @@ class Feet(Bound):
             (2,) how much farther along x and y of the world they come down than before [m].
         """
         search, before = self._search_down()
-        for k in np.flatnonzero(self.late & ~self.carrying).tolist():
+        for k in np.flatnonzero(self.late & ~self.stance).tolist():
             late = time + self.wait - float(self._late_from[k])
             rush, was = (min(late, speed / search) for speed in (fastest, before))
             self.target[k, 2] += search * (rush * (late - 0.5 * rush) - was * (late - 0.5 * was))
@@ -203,7 +203,7 @@ class Feet(Bound):
         """Go on with a swing that has begun anew; return whether there is one."""
         begin, end = self._retry[k]
         now = time + self.wait
-        if self.carrying[k] or now >= end:
+        if self.stance[k] or now >= end:
             return False
         self.late[k], self.share[k] = False, (now - begin) / (end - begin)
         if sensed and self.share[k] > EARLY:
@@ -212,14 +212,14 @@ class Feet(Bound):
 
     def overdue(self) -> BoolArray:
         """Return which feet should stand by now and do not: (n,)."""
-        return self.planned & ~self.carrying
+        return self.planned & ~self.stance
 
     def _on_ground(self, k: int, time: float, sensed: bool, centre: FloatArray) -> bool:
         """Handle a foot that the gait wants on the ground."""
-        if self.carrying[k]:
+        if self.stance[k]:
             if time - self._sensed[k] <= LOST_TIME:
                 return False
-            self.carrying[k], self.late[k] = False, True
+            self.stance[k], self.late[k] = False, True
             self.start[k], self.target[k] = centre, centre
             self.apex[k], self.share[k], self.duration[k] = centre[2], 1.0, LOST_TIME
             self._sensed[k] = time
@@ -236,13 +236,13 @@ class Feet(Bound):
         return False
 
     def _lift(self, k: int, begin: float, duration: float, centre: FloatArray) -> None:
-        self.carrying[k] = self.again[k] = False
+        self.stance[k] = self.again[k] = False
         self._lifted[k], self.duration[k] = begin, duration
         self._lift_first[k] = swing.EVEN if self.terrain.planar else LIFT_FIRST
         self.start[k] = centre
 
     def _land(self, k: int, centre: FloatArray) -> None:
-        self.carrying[k], self.late[k] = True, False
+        self.stance[k], self.late[k] = True, False
         self._aimed[k], self.target[k] = self.target[k], centre
         if not self.terrain.planar:
             self.frames[k] = self.terrain.frame(centre[:2])
@@ -317,12 +317,12 @@ class Feet(Bound):
             Stiffness [1/s²] and damping [1/s] of the feedback.
         """
         return swing_accelerations(
-            ~self.carrying, *self._paths(time), centres, twists, self.descent, *self._search_down(), *gain
+            ~self.stance, *self._paths(time), centres, twists, self.descent, *self._search_down(), *gain
         )
 
     def motions(self, time: float) -> FloatArray:
         """Return wanted place [m], velocity and acceleration of feet in the air, else zero: (n, 3, 3)."""
-        return swing_paths(~self.carrying, *self._paths(time), self.descent, *self._search_down())
+        return swing_paths(~self.stance, *self._paths(time), self.descent, *self._search_down())
 
     def _search_down(self) -> tuple[float, float]:
         """Return acceleration [m/s²] and largest speed [m/s] with which late feet are sent down."""

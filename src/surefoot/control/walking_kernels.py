@@ -261,7 +261,7 @@ def swing_accelerations(
 
 @kernel
 def stance_places(
-    contacts: BoolArray, carrying: BoolArray, stands: FloatArray, target: FloatArray, frames: FloatArray,
+    contacts: BoolArray, stance: BoolArray, stands: FloatArray, target: FloatArray, frames: FloatArray,
     radii: FloatArray, com: FloatArray, arms: FloatArray, half_stance: int, ground: float, middle: FloatArray,
     slope: FloatArray,
 ) -> FloatArray:  # fmt: skip
@@ -272,7 +272,7 @@ def stance_places(
 
     Parameters
     ----------
-    contacts, carrying
+    contacts, stance
         (N, n) who carries in each step; (n,) who carries now.
     stands, target
         (n, 3) where feet that carry stand; (n, 3) where the centres of the others will land.
@@ -289,13 +289,13 @@ def stance_places(
     out = np.empty((N, n, 3))
     for k in range(n):
         x, y, z = stands[k, 0], stands[k, 1], stands[k, 2]
-        if not carrying[k]:
+        if not stance[k]:
             x, y = target[k, 0] - radii[k] * frames[k, 0, 2], target[k, 1] - radii[k] * frames[k, 1, 2]
             z = target[k, 2] - radii[k] * frames[k, 2, 2]
         flown = False
         for i in range(N):
             if i > 0 and contacts[i, k] and not contacts[i - 1, k]:
-                if carrying[k] or flown:
+                if stance[k] or flown:
                     m = min(i + half_stance, N)
                     x, y = com[m, 0] + arms[m, k, 0], com[m, 1] + arms[m, k, 1]
                     z = ground + (x - middle[0]) * slope[0] + (y - middle[1]) * slope[1]

@@ -240,7 +240,7 @@ def torques_of(
 ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]:  # fmt: skip
     """Return torques (joints,) and accelerations (nv,) of forces, the command, and what is exceeded.
 
-    The command is what motors are told (joints,): the torques inside their range, and what friction takes.
+    The command is that of the motors (joints,): the torques inside their range, and what friction takes.
 
     Parameters
     ----------

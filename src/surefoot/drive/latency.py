@@ -7,7 +7,7 @@ commands of the last δ act, whose accelerations are known to whoever commanded 
 
 with s_k the middle of the step in which a_k acts: a Smith predictor [1]_ whose model is the plan.
 
-The delay is told, or measured: the torques that the motors report are those that were commanded δ ago. A
+The delay is given, or measured: the torques that the motors report are those that were commanded δ ago. A
 state that is older than it should be, by its own time, is carried on by its age as well.
 
 References
@@ -134,7 +134,9 @@ class LatencyCompensation(Wrapper):
     def __init__(self, controller: Controller, robot: Robot, dt: float, delay: float | None = None) -> None:
         super().__init__(controller)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
-        self._told = None if delay is None else round(real_number("delay", delay, low=0.0, high=LONGEST) / dt)
+        self._given = (
+            None if delay is None else round(real_number("delay", delay, low=0.0, high=LONGEST) / dt)
+        )
         self.meter = DelayMeter(robot.joints, dt)
         self._past: deque[FloatArray] = deque(maxlen=round(LONGEST / dt) + 1)
         self._now: float | None = None
@@ -147,16 +149,16 @@ class LatencyCompensation(Wrapper):
     @property
     def steps(self) -> int:
         """The delay that it allows for, in steps."""
-        return self.meter.steps if self._told is None else self._told
+        return self.meter.steps if self._given is None else self._given
 
     def step(self, state: RobotState) -> Command:
         """Return the command for the state when it will act."""
         self._now = state.time if self._now is None else self._now + self.dt
-        if self._told is None and state.torques is not None:
+        if self._given is None and state.torques is not None:
             self.meter.reported(state.torques)
         command = self.controller.step(self.ahead(state))
-        told = command.accelerations
-        self._past.appendleft(np.zeros(self.robot.model.nv) if told is None else told)
+        aimed = command.accelerations
+        self._past.appendleft(np.zeros(self.robot.model.nv) if aimed is None else aimed)
         self.meter.commanded(command.torques)
         return command
 

@@ -1,4 +1,4 @@
-"""What happens when no fresh state comes: after a while the joints are damped, and that is told."""
+"""What happens when no fresh state comes: after a while the joints are damped, and the log says so."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ class WatchedCommand(Command):
     ----------
     stale
         Whether the joints are damped because no fresh state came.
-    told
+    inner
         The values of the controller's own channels.
     """
 
     stale: bool
-    told: Mapping[str, Any]
+    inner: Mapping[str, Any]
 
     def rows(self) -> dict[str, Any]:
         """Return the controller's rows, and `stale`."""
-        return {**self.told, "stale": self.stale}
+        return {**self.inner, "stale": self.stale}
 
 
 class Watchdog(Wrapper):

@@ -117,7 +117,7 @@ class BeliefTerrain(Terrain):
         self._fit()
 
     def observe(
-        self, state: Sensed, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
+        self, state: Sensed, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """Learn from a step.
 
@@ -127,13 +127,13 @@ class BeliefTerrain(Terrain):
             What is sensed.
         ground
             (n, 3) where feet stand or last stood [m].
-        carrying, sought
+        stance, sought
             (n,) which feet carry, and which look for the ground below them.
         soles
             (n, 3) lowest points of the feet [m].
         """
-        landed = carrying & ~self._stood
-        self._stood = carrying.copy()
+        landed = stance & ~self._stood
+        self._stood = stance.copy()
         for k in np.flatnonzero(landed).tolist():
             self._landings[k].append(ground[k].copy())
             self._touched(ground[k])

@@ -65,13 +65,13 @@ class MappedGround(BeliefTerrain):
         self.map.refresh()
 
     def observe(
-        self, state: Sensed, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
+        self, state: Sensed, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """See `BeliefTerrain.observe`; a scan goes where the base was believed to be when it was taken."""
         self._poses.append((state.time, state.q[:7].copy()))
         while self._poses[0][0] < state.time - REMEMBERED:
             self._poses.popleft()
-        super().observe(state, ground, carrying, sought, soles)
+        super().observe(state, ground, stance, sought, soles)
         scan = state.scan
         if scan is None or scan.time < self._poses[0][0] - 1e-9:
             return

@@ -122,15 +122,15 @@ class TouchedSteps(TouchedGround):
             self.flight.strike(float(sole[:2] @ self.flight.along) + self.radius)
 
     def observe(
-        self, state: Sensed, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
+        self, state: Sensed, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """See `BeliefTerrain.observe`."""
         self._heading = heading_of(state.q[3:7])
         if self.flight is None and (self._expected or sought.any()):
-            self._look_down(base_velocity(state.q, state.v), ground, carrying, sought, soles)
-        super().observe(state, ground, carrying, sought, soles)
+            self._look_down(base_velocity(state.q, state.v), ground, stance, sought, soles)
+        super().observe(state, ground, stance, sought, soles)
         drop, flight = self.drop, self.flight
-        if drop is not None and (drop.left(ground) or (carrying.all() and not drop.found)):
+        if drop is not None and (drop.left(ground) or (stance.all() and not drop.found)):
             self._forget()
         if flight is not None:
             flight.pass_time(state.time - self._time)
@@ -140,7 +140,7 @@ class TouchedSteps(TouchedGround):
         self._time = state.time
 
     def _look_down(
-        self, flow: FloatArray, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
+        self, flow: FloatArray, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """Learn from feet that go on down where the ground should be.
 
@@ -156,7 +156,7 @@ class TouchedSteps(TouchedGround):
             elif Ledge.begins(level - sole[2], self._height):
                 moved = flow[:2] if math.hypot(flow[0], flow[1]) > UNMOVED else sole[:2] - ground[k, :2]
                 along = self._way(moved)
-                before = float((ground[carrying, :2] @ along).max(initial=-math.inf))
+                before = float((ground[stance, :2] @ along).max(initial=-math.inf))
                 last, beyond = float(ground[k, :2] @ along), float(sole[:2] @ along)
                 if k in self._slid:  # off the edge: it stood on it
                     last, beyond = last - self.radius, last

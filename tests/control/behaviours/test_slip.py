@@ -28,10 +28,10 @@ def slip() -> Slip:
     return one
 
 
-def step(one: Slip, found: np.ndarray | None, speed: float, carrying: BoolArray = ALL) -> Request:
+def step(one: Slip, found: np.ndarray | None, speed: float, stance: BoolArray = ALL) -> Request:
     """Return what is asked for in a step in which the first foot moves at a speed [m/s]."""
     state = RobotState(np.zeros(19), np.zeros(18), 0.0, forces=found)
-    return one.propose(view_of(state=state, now=motion(speed), carrying=carrying))
+    return one.propose(view_of(state=state, now=motion(speed), stance=stance))
 
 
 def test_friction_that_is_not_watched_is_nobodys_business() -> None:

@@ -64,7 +64,7 @@ def test_a_foot_that_finds_no_ground_stops_the_body_and_the_walk_says_why() -> N
     assert one.propose(view_of(command)) is NOTHING
     stands = reach_down(ground, [0.0, 0.03, 0.06, 0.08, 0.11])
     assert ground.drop is not None
-    asked = one.propose(view_of(command, ground=stands, carrying=ONE_UP))
+    asked = one.propose(view_of(command, ground=stands, stance=ONE_UP))
     assert asked.velocity is not None
     assert asked.velocity.tolist() == [0.0, 0.0, 0.0]
     assert asked.search is not None

@@ -40,7 +40,7 @@ def view_of(command: Any = (0.0, 0.0, 0.0), **more: Any) -> WalkView:
     q[2], q[6] = 0.3, 1.0
     usual = WalkView(
         time=1.0, clock=0.7, state=RobotState(q, np.zeros(18), 1.0), now=motion(),
-        command=np.array(command, dtype=np.float64), velocity=np.zeros(3), position=np.zeros(3), carrying=ALL,
+        command=np.array(command, dtype=np.float64), velocity=np.zeros(3), position=np.zeros(3), stance=ALL,
         ground=np.column_stack([HIPS, np.zeros(N)]), frames=FRAMES, fits=True, waiting=False,
     )  # fmt: skip
     return usual._replace(**more)

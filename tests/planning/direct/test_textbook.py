@@ -10,7 +10,7 @@ import pytest
 from surefoot.errors import ProblemError
 from surefoot.planning import rollout
 from surefoot.planning.direct import BodyTouch, DirectProblem, Facets, plan_direct
-from surefoot.planning.direct.textbook import PROBLEMS, pushed_block, sliding_point
+from surefoot.planning.direct.textbook import pushed_block, sliding_point
 from surefoot.planning.direct.transcribe import DirectNlp
 from surefoot.planning.planner import plan
 from surefoot.planning.transcription.follow import follow
@@ -93,14 +93,3 @@ def test_touches_are_of_planar_robots() -> None:
     touch = BodyTouch("a", lambda q: (q[0], q[1]), 0.3)
     with pytest.raises(ProblemError, match="touches are of planar robots"):
         DirectProblem(robot, robot.nominal, np.zeros(18), 4, 0.03, touches=(touch,))
-
-
-def test_random_starts_are_seeded_and_begin_where_the_problem_does() -> None:
-    for name, make in PROBLEMS.items():
-        small = make()
-        one, same, other = small.guess(0), small.guess(0), small.guess(1)
-        assert np.array_equal(one.q, same.q), name
-        assert not np.array_equal(one.q, other.q), name
-        assert np.array_equal(one.q[0], small.problem.q), name
-        assert (one.impulses[..., 2] >= 0.0).all(), name
-        one.checked(small.problem)

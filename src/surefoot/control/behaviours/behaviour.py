@@ -81,7 +81,7 @@ class WalkView(NamedTuple):
         (3,) velocity that is commanded, and the body's wanted one now: forward, left [m/s], turn [rad/s].
     position
         (3,) wanted centre of mass [m].
-    carrying
+    stance
         (n,) which feet stand.
     ground, frames
         (n, 3) where they stand or last stood [m], (n, 3, 3) rotation_world_contact there.
@@ -98,7 +98,7 @@ class WalkView(NamedTuple):
     command: FloatArray
     velocity: FloatArray
     position: FloatArray
-    carrying: BoolArray
+    stance: BoolArray
     ground: FloatArray
     frames: FloatArray
     fits: bool

@@ -87,19 +87,19 @@ class Slip:
 
     def _follow(self, view: WalkView) -> float:
         """Return the friction to plan with [-] after one more step; feet in the air show nothing."""
-        forces, now, frames, carrying = view.state.forces, view.now, view.frames, view.carrying
+        forces, now, frames, stance = view.state.forces, view.now, view.frames, view.stance
         if forces is None:
             return self.mu
         normals = frames[:, :, 2]
         arms = -self._radii[:, None] * normals
         velocities = now.twists[:, :3] + np.cross(now.twists[:, 3:], arms)
         self._speeds += min(self.dt / FILTER, 1.0) * (velocities - self._speeds)
-        own = np.where(carrying[:, None], forces, 0.0)
+        own = np.where(stance[:, None], forces, 0.0)
         local = np.einsum("nji,nj->ni", frames, own)
         slow = np.einsum("nji,nj->ni", frames, self._speeds)
         if not (np.isfinite(local).all() and np.isfinite(slow).all()):
             return self.mu
-        self.sliding = self._tracker.update(local, slow).sliding & carrying
+        self.sliding = self._tracker.update(local, slow).sliding & stance
         wanted = max(float(self._tracker.believed(self.assumed, MARGIN).min()), LEAST)
         wanted = min(wanted, self.assumed, self._at_once(local))
         time = FALLING if wanted < self.mu else RISING

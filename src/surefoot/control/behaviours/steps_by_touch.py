@@ -147,7 +147,7 @@ class StepsByTouch:
         if self._stop is None or self._stop.drop is not drop:
             self._stop = StopAtDrop(drop, self._height)
         stop, state = self._stop, view.state
-        stop.rest(state.q[:2], base_velocity(state.q, state.v)[:2], view.ground, view.carrying)
+        stop.rest(state.q[:2], base_velocity(state.q, state.v)[:2], view.ground, view.stance)
         if drop.certain and not self._note:
             self._note = (
                 f"stopped from {view.time:.2f} s on: a foot found the ground {1e3 * drop.depth:.0f} mm "
@@ -186,7 +186,7 @@ class StopAtDrop:
         self._excess, self._shift = np.zeros(2), np.zeros(2)
         self._stepped: BoolArray = np.zeros(4, dtype=bool)
 
-    def rest(self, place: FloatArray, flow: FloatArray, feet: FloatArray, carrying: BoolArray) -> None:
+    def rest(self, place: FloatArray, flow: FloatArray, feet: FloatArray, stance: BoolArray) -> None:
         """Decide whether to stand still: once the body can come to rest over the feet as they stand.
 
         Parameters
@@ -195,7 +195,7 @@ class StopAtDrop:
             (2,) of the body [m], and its velocity [m/s], world axes.
         feet
             (n, 3) where feet stand [m].
-        carrying
+        stance
             (n,) which of them do.
         """
         if len(feet) != len(self._stepped):
@@ -206,18 +206,18 @@ class StopAtDrop:
         self.leading = int(last and (beyond[1] or beyond[2]))
         skew = self._lines(place, feet)
         speed, ahead = math.hypot(*flow), s - float(stands.mean())
-        self._stepped |= ~carrying
+        self._stepped |= ~stance
         self._halted &= last
         if self.standing:
             ready = math.hypot(*self._excess) < NEAR * self._height and speed < QUIET
-            self.standing = not (carrying.all() and ready and (self._onward or skew > SKEW * self._height))
+            self.standing = not (stance.all() and ready and (self._onward or skew > SKEW * self._height))
             self._stepped &= self.standing
         elif self._stood:
             off = bool(self._stepped.all()) and ahead > AHEAD * self._height
-            square = bool(carrying.all()) and skew < 0.5 * SKEW * self._height and speed < 2.0 * QUIET
+            square = bool(stance.all()) and skew < 0.5 * SKEW * self._height and speed < 2.0 * QUIET
             self.standing = off or (last and not self._halted) or (square and not self._onward)
             self._halted = last
-        elif carrying.all():
+        elif stance.all():
             rest = s + float(flow @ self.drop.along) * math.sqrt(self._height / GRAVITY)
             self._stood = self.standing = rest < float(np.sort(stands)[-2:].mean())
 

@@ -23,7 +23,7 @@ from surefoot.arrays import FloatArray
 
 
 class PendulumPreview:
-    """The motion of the pendulum whose centre of pressure goes where it is told and that never diverges.
+    """The motion of the pendulum whose centre of pressure goes where it is to go and that never diverges.
 
     Parameters
     ----------

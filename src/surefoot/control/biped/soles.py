@@ -73,10 +73,10 @@ class Soles:
 
         `sensed` (n,) says which feet feel the ground; centres (n, 3) [m], rotations (n, 3, 3) are theirs.
         """
-        before = self.feet.carrying.copy()
+        before = self.feet.stance.copy()
         changed = self.feet.update(time, sensed, centres)
-        for k in np.flatnonzero(self.feet.carrying != before):
-            if self.feet.carrying[k]:
+        for k in np.flatnonzero(self.feet.stance != before):
+            if self.feet.stance[k]:
                 self._rest(int(k), centres, rotations)
             else:
                 self._start[k] = self._goal[k] = rotations[k]

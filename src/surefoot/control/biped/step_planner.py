@@ -79,13 +79,13 @@ class StepPlanner:
         feet, later, steps = soles.feet, [], []
         for k in range(2):
             spans = stances(self.gait, k, clock, time)
-            if feet.carrying[k]:
+            if feet.stance[k]:
                 if not spans or spans[0][0] > clock:  # landed early
                     spans = [(clock, spans[0][1] if spans else math.inf), *spans[1:]]
                 steps.append(Footstep(k, *spans[0], feet.ground[k, :2].copy(), toes[k]))
                 spans = spans[1:]
             later += [(begin, end, k) for begin, end in spans]
-        flying = {k for k in range(2) if not feet.carrying[k]}
+        flying = {k for k in range(2) if not feet.stance[k]}
         last = max(steps, key=lambda one: one.begin, default=None)
         stride, rate = body.velocity[:2] * self.step_time, float(body.velocity[2])
         for begin, end, k in sorted(later):
@@ -108,8 +108,8 @@ class StepPlanner:
         """
         feet, foot = soles.feet, soles.point_foot
         on, which = touching(steps, times, 2)
-        on[0] = feet.carrying
-        standing = int(feet.carrying.sum())  # so many of the steps are those of now
+        on[0] = feet.stance
+        standing = int(feet.stance.sum())  # so many of the steps are those of now
         spots = [
             soles.corners[foot == one.foot] if i < standing else soles.spread(one.foot, one.place, one.yaw)
             for i, one in enumerate(steps)
@@ -132,7 +132,7 @@ def foot_speeds(soles: Soles, steps: list[Footstep], times: FloatArray, clearanc
     for k in range(2):
         own = [one for one in steps if one.foot == k]
         lifted, start = times[0], feet.start[k]
-        if not feet.carrying[k]:
+        if not feet.stance[k]:
             lifted = times[0] - float(feet.share[k] * feet.duration[k])
         for one in own:
             flight = one.begin - lifted

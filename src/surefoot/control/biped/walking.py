@@ -194,7 +194,7 @@ class BipedController(Walker):
     def _aim(self, clock: float, time: float) -> None:
         """Choose where feet in the air land."""
         feet = self.soles.feet
-        for k in np.flatnonzero(~feet.carrying & ~feet.planned):
+        for k in np.flatnonzero(~feet.stance & ~feet.planned):
             left = max(self.schedule.phase(int(k), clock)[2] - clock, 0.0)
             divergent = self._divergence(time + left - self._planned_at)
             place, support = divergent - self._offsets[k], feet.ground[1 - k, :2]
@@ -287,7 +287,7 @@ class BipedController(Walker):
         swing = self._gain(self.settings.swing_stiffness)
         wanted = feet.accelerations(clock, now.centres, now.twists, swing)
         ks, ds = swing
-        for k in np.flatnonzero(~feet.carrying):
+        for k in np.flatnonzero(~feet.stance):
             goal, spin, change = soles.turning(int(k))
             off = rotation_log(goal @ self.whole_body.foot_rotations[k].T)
             wanted[k, 3:] = change + ks * off + ds * (spin - now.twists[k, 3:])
@@ -296,7 +296,7 @@ class BipedController(Walker):
         lead, rate_of_lead = (c * float(a[0]) + s * float(a[1]) for a in apart)
         joints = self._posture.accelerations(state.q, state.v, lead, rate_of_lead)
         return Tasks(
-            feet.carrying, com, turn, wanted, joints, plan.first, feet.frames, self._pressed
+            feet.stance, com, turn, wanted, joints, plan.first, feet.frames, self._pressed
         )  # fmt: skip
 
 
