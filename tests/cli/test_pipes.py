@@ -29,7 +29,8 @@ def shell(line: str, **variables: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize("output", [">&-", "2>&-", "| true", "--json | true"])
 def test_closed_outputs_change_no_exit_code(output: str) -> None:
     done = shell(f"surefoot {POSSIBLE} {output}")
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode == 0
+    assert "rror" not in done.stderr  # what is compiled is told there
 
 
 def test_a_full_disk_is_one_line() -> None:

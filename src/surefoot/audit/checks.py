@@ -142,7 +142,7 @@ def _sliding(rows: Rows) -> Measured:
 
 def _bias(rows: Rows) -> Measured:
     """Way on which a pyramid brakes less than the round cone, times the share that it lacks [m]."""
-    lacks = 1.0 - grip(rows) / np.maximum(rows.mu, LEAST_FRICTION)
+    lacks = np.where(rows.mu > LEAST_FRICTION, 1.0 - grip(rows) / np.maximum(rows.mu, LEAST_FRICTION), 0.0)
     way = np.hypot(rows.slip[..., 0], rows.slip[..., 1]) * rows.dt[:, None]
     return over(sliding_sum(np.where(rows.loaded, way * lacks, 0.0), rows.window(SLIDE_WINDOW)), SLIDE_LIMIT)
 

@@ -21,6 +21,8 @@ PAD = 0.15
 """Time before and after a piece that its windows may look at [s]."""
 HARD_TOUCHDOWN = 0.7
 """Speed into the ground from which a landing sets a soft contact swinging [m/s]: a fall from 25 mm."""
+CREEP = 0.1
+"""Most that is allowed of a declared creep, whatever a row's own is [m/s]."""
 PIECE = 1 << 15
 """Rows of a piece."""
 FINITE = (*PER_POINT, "q", "v", "torques", "mu", "push", "other_forces", "momentum_rate", "com")
@@ -128,8 +130,8 @@ class Rows:
     def creep(self) -> FloatArray:
         """Speed at which the world's soft friction lets contacts move: (T, p) or (1, 1) [m/s].
 
-        By its own law a_t + b v_t + R f_t = 0, where the log has R f_t / b and b: no more than that and what
-        the contact is braked by.
+        By its own law a_t + b v_t + R f_t = 0, where the log has R f_t / b and b: that and what the contact
+        is braked by, at least what holds the weight, since a_t is told to a step and a contact point's turn.
         """
         if "contact_creep" not in self.log:
             return np.full((1, 1), self.setting.creep)
@@ -138,8 +140,8 @@ class Rows:
         change = np.diff(v, axis=0, append=v[-1:])
         braked = np.maximum(-(change * along).sum(axis=-1), 0.0) / self.dt[:, None]
         rate = np.asarray(self.log.facts.get("contact_damping", np.full(self.points, np.inf)))
-        creep = np.maximum(self.numbers("contact_creep"), 0.0)
-        return np.asarray(creep + braked / np.maximum(rate, 1e-300))
+        creep = np.maximum(self.numbers("contact_creep"), 0.0) + braked / np.maximum(rate, 1e-300)
+        return np.asarray(np.maximum(creep, min(float(self.log.facts.get("creep", 0.0)), CREEP)))
 
     @cached_property
     def slip(self) -> FloatArray:

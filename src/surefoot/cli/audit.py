@@ -47,6 +47,10 @@ def audit(
     mu: Annotated[
         float | None, typer.Option(help="Friction: of the replay, where the log tells none, or under tosses.")
     ] = None,
+    columns: Annotated[
+        str | None,
+        typer.Option(help="Names of a table's columns, with commas, where its first line has none."),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for report.html and audit.json; None for no files.")
     ] = None,
@@ -69,7 +73,8 @@ def audit(
     from surefoot.robot import load_robot
 
     check_out(out)
-    read, whose = read_log(log), None if robot is None else load_robot(robot)
+    names = None if columns is None else [name.strip() for name in columns.split(",")]
+    read, whose = read_log(log, columns=names), None if robot is None else load_robot(robot)
     again = None if replay is None else _replay(read, replay, whose, terrain, mu)
     report = audit_log(read, whose)
     verdicts, facts = [(report.sentence, report.passed)], report.as_dict()

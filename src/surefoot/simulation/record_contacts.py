@@ -67,7 +67,6 @@ class Slots:
         self._found: list[tuple[int, int]] = []  # step and contact point of each row
         self._rows: list[FloatArray] = []
         self._now: dict[int, list[tuple[float, FloatArray]]] = {}  # weights and rows of this step's instants
-        self._begun: set[int] = set()  # which of them touch at the step's start
         self._pyramids = model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
         self.inner = 0
 
@@ -82,7 +81,6 @@ class Slots:
         Returns what their forces put on the joints (nv,).
         """
         taken: set[int] = set()
-        begins = not self._now
         force, joints = np.zeros(6), np.zeros(self._model.nv)
         for c in range(data.ncon):
             contact = data.contact[c]
@@ -96,14 +94,12 @@ class Slots:
                 pair = (second, first) if self._robot[second] else (first, second)
                 row = self._row(data, contact, force, pair)
                 k = self._slot(data, contact, pair, row, taken)
-                if begins:
-                    self._begun.add(k)
                 self._now.setdefault(k, []).append((weight, self._with_creep(data, contact, row, k)))
                 self._pull(data, contact, force, pair, joints)
         return joints
 
     def close(self, step: int) -> None:
-        """Write what the instants of a step were: mean forces, gaps at its start."""
+        """Write what the instants of a step were: mean forces, gaps at its first touch."""
         for k, instants in self._now.items():
             weights, rows = (np.array(part) for part in zip(*instants, strict=True))
             mean, loads = rows[0].copy(), weights * np.linalg.norm(rows[:, :3], axis=1)
@@ -112,11 +108,9 @@ class Slots:
                 mean[9:12] /= np.linalg.norm(mean[9:12])
             for part in (slice(0, 3), _MOMENTS, _CREEP):
                 mean[part] = weights @ rows[:, part]
-            if k not in self._begun:
-                mean[_GAP] = np.nan  # it touched within the step: its gap at the start is found afterwards
             self._found.append((step, k))
             self._rows.append(mean)
-        self._now, self._begun = {}, set()
+        self._now = {}
 
     def arrange(self) -> None:
         """Put the contact points in the order of the model's geoms, once nothing more is read."""
@@ -255,10 +249,7 @@ class Slots:
                 place, normal, gap = self._apart(data, slot)
             else:
                 place, normal, gap = self._beside(data, slot, partner, row)
-            row["gaps"][k] = gap
-            if np.isfinite(row["contact_positions"][k]).all():
-                continue  # it pushed later in this step
-            row["contact_positions"][k], row["normals"][k] = place, normal
+            row["contact_positions"][k], row["normals"][k], row["gaps"][k] = place, normal, gap
             velocity = relative_velocity(self._model, data, slot.pair, place)
             row["contact_velocities"][k] = frames_of(normal[None])[0].T @ velocity
 

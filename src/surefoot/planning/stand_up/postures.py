@@ -66,7 +66,17 @@ class Postures:
     def of(
         cls, robot: Robot, times: FloatArray, targets: FloatArray, stiffness: float, damping: float
     ) -> Postures:
-        """Return postures within the limits of a robot's model, of its speeds to `SLOW` of them."""
+        """Return postures within the limits of a robot's model, of its speeds to `SLOW` of them.
+
+        Parameters
+        ----------
+        robot
+            Whose joints.
+        times, targets
+            (K,) [s] and (K, joints) [rad].
+        stiffness, damping
+            Of every joint [N m/rad, N m s/rad].
+        """
         first = int(robot.model.nq) - robot.joints
         low, high = robot.model.lowerPositionLimit[first:], robot.model.upperPositionLimit[first:]
         effort, speed = robot.effort_limits, SLOW * robot.speed_limits

@@ -1,0 +1,31 @@
+"""The benchmark of other people's models, on our own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.strangers import main, measure, models_under, own_models
+
+pytest.importorskip("mujoco")
+
+
+def test_our_own_models_are_told_as_a_table(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["--quick"])
+    out = capsys.readouterr().out
+    assert "| crate | pyramid | 3 | lawful |" in out
+    assert "| hopper | pyramid | 3 |" in out
+    assert "0 cannot tell of 2" in out
+    rows = list(measure((m for m in own_models() if m[0] == "crate"), 0.1, cones=True))
+    assert len(rows) == 9
+    assert {row.verdict for row in rows} == {"lawful"}
+
+
+def test_models_are_found_without_their_meshes(tmp_path: Path) -> None:
+    (tmp_path / "a.xml").write_text(
+        "<mujoco><asset><mesh name='m' file='none.stl'/></asset><worldbody><body><freejoint/>"
+        "<geom type='mesh' mesh='m'/><geom size='.1'/></body></worldbody></mujoco>"
+    )
+    (tmp_path / "part.xml").write_text("<mujocoinclude/>")
+    assert [name for name, _ in models_under([tmp_path])] == ["a"]
