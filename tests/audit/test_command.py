@@ -36,9 +36,13 @@ def test_the_controller_that_is_broken_on_purpose_stands_when_it_is_not() -> Non
     assert report.command == ()
 
 
+FROZEN = 0xC601670
+"""The commit that the detectors were last changed by: whoever drew the runs cannot have chosen among them."""
+
+
 @pytest.mark.long
 def test_thirty_six_broken_runs_drawn_by_a_seed() -> None:
-    runs = broken_runs(36, seed=31)
+    runs = broken_runs(36, seed=FROZEN)
     missed = [run for run in runs if not run.named(sf.audit_log(run.log()))]
     assert len(missed) <= 3, missed
 
