@@ -125,7 +125,7 @@ class MujocoWorld:
         geometry = chosen_geometry(robot, collision)
         if geometry is not None:
             add_links(mujoco, spec, robot, geometry, surface_of(mu, solref, solimp))
-            spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+        spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # 4.0.0: the sparse Hessian is wrong
         spec.option.timestep = self.dt
         self._mujoco = mujoco
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is an error
