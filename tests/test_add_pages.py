@@ -12,12 +12,12 @@ import pytest
 
 import surefoot as sf
 from surefoot.audit import log_laws
-from surefoot.control import gait_library
 from surefoot.control.controller import RobotState
 from surefoot.log import CHANNELS, formats
 from surefoot.robot import load_robot
 from surefoot.robot.catalog import CATALOG
 from surefoot.simulation.worlds import WORLDS, make_world
+from surefoot.stance import gait_library
 from surefoot.terrain import TERRAINS, read_terrain
 from tests.pages import run_page as run_blocks
 
