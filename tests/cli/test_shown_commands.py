@@ -53,7 +53,7 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
         return words if "--quick" in words else (*words, "--quick")
     if words[0] == "lab":
         return (*words, "--port", "0", "--seconds", "0.2") if len(words) > 1 else words
-    if words[0] == "worlds":  # all of them in all worlds are tests/simulation/test_experiments.py's
+    if words[0] == "worlds":  # all of them in all worlds are tests/experiments/test_experiments.py's
         names = words if len(words) > 1 and not words[1].startswith("-") else (words[0], "slide", *words[1:])
         return (*names, "--no-pictures")
     if words[0] == "plan":  # coarse: the knots of 10 ms are tests/planning's

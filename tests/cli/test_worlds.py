@@ -11,9 +11,9 @@ import pytest
 
 from surefoot.cli import worlds
 from surefoot.cli.main import main
+from surefoot.experiments import EXPERIMENTS
+from surefoot.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
 from surefoot.simulation.drake_python import VARIABLE
-from surefoot.simulation.experiments import EXPERIMENTS
-from surefoot.simulation.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
 
 
 def asked(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[str, Any]]:

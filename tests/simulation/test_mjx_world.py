@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from surefoot.errors import MissingExtra, ProblemError, SimulationError
+from surefoot.experiments import EXPERIMENTS
+from surefoot.experiments.experiment import compare
 from surefoot.simulation.bodies import ball
-from surefoot.simulation.experiments import EXPERIMENTS
-from surefoot.simulation.experiments.experiment import compare
 from surefoot.simulation.mjx import MjxWorld, import_mjx
 from surefoot.simulation.mujoco import MujocoWorld
 

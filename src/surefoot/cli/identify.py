@@ -79,7 +79,7 @@ def identify(
 
 def _rivals(names: str, testing: bool) -> list[Any]:
     """Return the model of each rival."""
-    from surefoot.simulation.tosses.rivals import make_rival, present_rivals
+    from surefoot.experiments.tosses.rivals import make_rival, present_rivals
 
     if names == NAMED:
         wanted = present_rivals() if testing else []

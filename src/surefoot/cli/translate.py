@@ -56,7 +56,7 @@ def translate(
     )  # fmt: skip
     measured = None
     if prove:
-        from surefoot.simulation.drops import measure
+        from surefoot.experiments.drops import measure
 
         measured = measure(to, found.parameters, found.translated, mass, speed=speed, gravity=gravity, dt=dt)
     families = (_family(source), _family(to))

@@ -15,7 +15,7 @@ from surefoot.errors import MissingExtra, ProblemError, check_name
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from surefoot.simulation.experiments.experiment import WorldsOutcome
+    from surefoot.experiments.experiment import WorldsOutcome
 
 NAMES = "drop, bounce, slide, stick, tip, spin, roll, stand, trot, friction"
 
@@ -36,7 +36,7 @@ def worlds(
     input.
     """
     from surefoot.cli import extras
-    from surefoot.simulation.experiments import EXPERIMENTS, carry_out
+    from surefoot.experiments import EXPERIMENTS, carry_out
     from surefoot.simulation.worlds import WORLDS
 
     if not 1e-5 <= dt <= 0.02:

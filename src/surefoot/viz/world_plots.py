@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.simulation.experiments.experiment import WorldsOutcome
+from surefoot.experiments.experiment import WorldsOutcome
 from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, new_figure, save
 
 LEAST = 1e-16

@@ -10,10 +10,10 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.laws.soft import SpringDamper
 from surefoot.contact.laws.soft.behaviour import behaviour
+from surefoot.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
+from surefoot.experiments.ground import bouncing, slid_down
+from surefoot.experiments.track import BodyRun, BodyTrack, fall
 from surefoot.simulation.bodies import ball, box
-from surefoot.simulation.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
-from surefoot.simulation.experiments.ground import bouncing, slid_down
-from surefoot.simulation.experiments.track import BodyRun, BodyTrack, fall
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.terrain import SlopeTerrain, Terrain
 

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 
 from surefoot.errors import check_name
 from surefoot.estimation.toss_model import TossModel
-from surefoot.simulation.tosses.mujoco_cube import MujocoCube
+from surefoot.experiments.tosses.mujoco_cube import MujocoCube
 
 RIVALS: dict[str, Callable[[], TossModel]] = {"mujoco": MujocoCube}
 """Name, which is that of the simulator's package as well, to what makes it."""

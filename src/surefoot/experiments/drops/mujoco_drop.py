@@ -6,7 +6,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import SurefootError
-from surefoot.simulation.drops.drop import SlideDrop
+from surefoot.experiments.drops.drop import SlideDrop
 
 PACKAGE, EXTRA = "mujoco", "sim"
 RADIUS = 1.0

@@ -9,7 +9,7 @@ from surefoot.contact.engines import translate
 from surefoot.contact.engines.mujoco import MujocoContact
 from surefoot.contact.laws.soft import Hertz, HuntCrossley, MujocoLaw, SoftLaw, SpringDamper, behaviour
 from surefoot.errors import ProblemError, SurefootError
-from surefoot.simulation.drops import available_engines, measure
+from surefoot.experiments.drops import available_engines, measure
 
 LAWS = {
     "bouncy": (SpringDamper(2e4, 40.0), 4.0),

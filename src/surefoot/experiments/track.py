@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.experiments.ground import hard
 from surefoot.robot import Robot
-from surefoot.simulation.experiments.ground import hard
 from surefoot.simulation.world import World
 from surefoot.simulation.worlds import make_world
 from surefoot.terrain import Terrain

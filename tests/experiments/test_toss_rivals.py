@@ -11,7 +11,7 @@ from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.ground_plane import GroundPlane
 from surefoot.estimation.toss_model import TossModel, TossScene
 from surefoot.estimation.tosses import Cube
-from surefoot.simulation.tosses.rivals import RIVALS, make_rival, present_rivals
+from surefoot.experiments.tosses.rivals import RIVALS, make_rival, present_rivals
 
 STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99]}
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.experiments.drops.drop import SlideDrop
 from surefoot.simulation.drake.world import WORKER, contact_words
 from surefoot.simulation.drake_python import EXTRA as EXTRA
 from surefoot.simulation.drake_python import PACKAGE as PACKAGE
 from surefoot.simulation.drake_python import Worker
 from surefoot.simulation.drake_python import present as present
-from surefoot.simulation.drops.drop import SlideDrop
 
 RADIUS, MU = 1.0, 0.5
 """Of the sphere [m], which only slides up and down, and its friction, which therefore does nothing."""

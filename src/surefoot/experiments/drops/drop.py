@@ -15,11 +15,11 @@ from surefoot.errors import MissingExtra, SimulationError, check_name
 from surefoot.spatial import GRAVITY
 
 RUNNERS: dict[str, str] = {
-    "mujoco": "surefoot.simulation.drops.mujoco_drop",
-    "drake": "surefoot.simulation.drops.drake_drop",
-    "drake-hunt-crossley": "surefoot.simulation.drops.drake_drop",
+    "mujoco": "surefoot.experiments.drops.mujoco_drop",
+    "drake": "surefoot.experiments.drops.drake_drop",
+    "drake-hunt-crossley": "surefoot.experiments.drops.drake_drop",
 }
-"""Engine -> module with `run` (see `surefoot.simulation.drops.mujoco_drop`), `present`, PACKAGE, EXTRA."""
+"""Engine -> module with `run` (see `surefoot.experiments.drops.mujoco_drop`), `present`, PACKAGE, EXTRA."""
 NUDGE = 0.02
 """Share of the rest depth by which the mass is pressed down to see how it settles."""
 

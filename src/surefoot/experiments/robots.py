@@ -13,10 +13,10 @@ from surefoot.control.standing_plan import StandingPlan
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import SimulationError
+from surefoot.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
+from surefoot.experiments.ground import hard, slid_down
 from surefoot.log import Ending, Log
 from surefoot.robot import Robot, load_robot, place
-from surefoot.simulation.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
-from surefoot.simulation.experiments.ground import hard, slid_down
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import START_DEPTH, Scenario
 from surefoot.simulation.worlds import make_world

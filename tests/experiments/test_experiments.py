@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from surefoot.errors import ProblemError, SurefootError
-from surefoot.simulation import drake_python
-from surefoot.simulation.experiments import EXPERIMENTS, bodies, carry_out
-from surefoot.simulation.experiments.experiment import (
+from surefoot.experiments import EXPERIMENTS, bodies, carry_out
+from surefoot.experiments.experiment import (
     ComparedQuantity,
     Curve,
     Measurement,
     WorldExperiment,
     compare,
 )
+from surefoot.simulation import drake_python
 from surefoot.spatial import GRAVITY
 
 HERE = {

@@ -1,0 +1,11 @@
+"""The same experiment in every world, held against a closed form."""
+
+from __future__ import annotations
+
+from surefoot.experiments.bodies import BODIES
+from surefoot.experiments.experiment import WorldExperiment
+from surefoot.experiments.experiment import carry_out as carry_out
+from surefoot.experiments.robots import ROBOTS
+
+EXPERIMENTS: dict[str, WorldExperiment] = {e.name: e for e in (*BODIES, *ROBOTS)}
+"""Name to experiment, in the order in which they are shown."""
