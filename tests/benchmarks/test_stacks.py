@@ -15,7 +15,7 @@ from benchmarks.stacks import bench as benches
 from benchmarks.stacks.bench import TRIALS, Bench, measure
 from benchmarks.stacks.judging import Trial
 from benchmarks.stacks.measures import Measures, outside_cones, stance_slides
-from benchmarks.stacks.setting import HARD, IDEAL, Setting, true_robot
+from benchmarks.stacks.setting import HARD, IDEAL, Setting
 from benchmarks.stacks.stack import START, ramp_time, ramped
 from benchmarks.stacks.table import rows
 from benchmarks.stacks.tasks import TASKS, Bound, choose_tasks
@@ -23,7 +23,6 @@ from surefoot.cli.main import main
 from surefoot.control.walking_body import BodyPlan
 from surefoot.errors import ProblemError
 from surefoot.log import CHANNELS, Log
-from surefoot.robot import load_robot
 from surefoot.spatial import GRAVITY
 
 GOOD = Measures(
@@ -44,18 +43,6 @@ def test_the_ramp_is_that_of_the_controllers() -> None:
         assert ramped(asked, (k + 1) * dt, height) == pytest.approx(body.velocity, abs=2.5e-3)
     assert ramped(asked, ramp_time(asked, height), height) == pytest.approx(asked)
     assert np.abs(ramped(asked, ramp_time(asked, height) - 0.01, height) - asked).max() > 1e-3
-
-
-def test_a_heavier_robot_with_a_load() -> None:
-    robot = load_robot("go2")
-    heavy = true_robot(robot, 1.05, 5.0, (0.1, 0.08, 0.08))
-    assert heavy.mass == pytest.approx(1.05 * robot.mass + 5.0)
-    base = robot.nominal[:3] + np.array([0.1, 0.08, 0.08])  # level, so its axes are the world's
-    com = (1.05 * robot.mass * robot.com() + 5.0 * base) / heavy.mass
-    assert heavy.com() == pytest.approx(com, abs=1e-9)
-    assert robot.mass == pytest.approx(16.085), "the documented one stays as it is"
-    inertia = np.asarray(heavy.model.inertias[2].inertia)
-    assert inertia == pytest.approx(1.05 * np.asarray(robot.model.inertias[2].inertia))
 
 
 def synthetic(**arrays: Any) -> Log:

@@ -11,7 +11,6 @@ import pytest
 
 from surefoot.cli import extras
 from surefoot.cli.main import main
-from surefoot.errors import MissingExtra
 
 STANCE = str(Path(__file__).parents[2] / "examples" / "stances" / "slope.yaml")
 
@@ -80,10 +79,3 @@ def test_benchmarks_ask_before_they_work(
     hide(monkeypatch, "pinocchio")
     assert main(["bench", name]) == 2
     assert "pin is not installed; run: pip install 'surefoot[robot]'" in capfd.readouterr().err
-
-
-def test_errors_that_are_joined_name_each_once() -> None:
-    joined = MissingExtra.of(
-        [MissingExtra("mujoco", "sim"), MissingExtra(["imageio", "mujoco"], ["sim", "sim"])]
-    )
-    assert (joined.packages, joined.extras) == (("mujoco", "imageio"), ("sim",))

@@ -60,15 +60,3 @@ def test_measured_again_a_table_is_the_same(tmp_path: Path, monkeypatch: pytest.
     page = f"a\n{tables.markdown('against_mujoco')}\nb"
     assert tables.filled(page) == page
     assert tables.filled(page.replace("|", "| wrong |", 1)) == page
-
-
-def test_several_commands_are_told_by_several_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tables, "FOLDER", tmp_path / "tables")
-    told = []
-    for k, goal in enumerate(("0.410 m", "0.233 m", "-357 deg")):
-        told.append(tmp_path / f"{k}.json")
-        told[-1].write_text(json.dumps({"status": "solved", "goal": goal, "law_residual": 9.9e-9}))
-    tables.measure(["plans"], told)
-    shown = tables.markdown("plans")
-    assert "| `jump-up 0.2` | solved | 0.233 m | 9.9e-09 |" in shown
-    assert "(`surefoot plan jump 0.4 --no-video --no-report`; `surefoot plan jump-up 0.2" in shown

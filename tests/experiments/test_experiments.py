@@ -85,12 +85,6 @@ def test_a_world_that_fails_is_told_not_raised() -> None:
     assert not outcome.agrees
 
 
-def test_every_run_is_told_before_it_is_made() -> None:
-    told: list[str] = []
-    carry_out(made_up(lambda dt: 3.0 * dt), ["rigid"], 1e-3, told.append)
-    assert told == [f"made in rigid, step {h} s" for h in ("0.002", "0.001", "0.0005")]
-
-
 @pytest.mark.parametrize("dt", [0.0, -1e-3, math.nan, 1.0])
 def test_a_step_that_is_no_step(dt: float) -> None:
     with pytest.raises(ProblemError, match="dt must be"):

@@ -7,7 +7,7 @@ import pinocchio
 from scipy.spatial import cKDTree
 
 import surefoot as sf
-from surefoot.lab.body import CELL, RobotBody, coarse, links_of
+from surefoot.lab.body import CELL, RobotBody, links_of
 from surefoot.lab.drawing import Lines, Mesh
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.viz.meshes import triangles
@@ -29,16 +29,6 @@ def test_links_stand_where_the_geometry_model_puts_them(robot: sf.Robot) -> None
     for item, pose in zip(visual.geometryObjects, placed.oMg, strict=True):
         vertices = triangles(item)[0] @ pose.rotation.T + pose.translation
         assert cloud.query(vertices)[0].max() < np.sqrt(3.0) * CELL
-
-
-def test_coarse_surfaces_have_fewer_triangles_and_no_empty_ones(robot: sf.Robot) -> None:
-    vertices, faces = triangles(robot.visual.geometryObjects[0])
-    fewer, kept = coarse(vertices, faces, 0.02)
-    assert len(fewer) < 0.2 * len(vertices)
-    assert len(kept) < 0.5 * len(faces)
-    assert kept.max() < len(fewer)
-    assert (np.diff(np.sort(kept, axis=1), axis=1) > 0).all()
-    assert len({tuple(sorted(face)) for face in kept.tolist()}) == len(kept)
 
 
 def test_two_bodies_share_their_links_and_nothing_else(robot: sf.Robot) -> None:

@@ -7,7 +7,6 @@ from surefoot.errors import ProblemError
 from surefoot.planning import rollout
 from surefoot.robot import place
 from surefoot.simulation.rigid import RigidWorld
-from surefoot.terrain import SlopeTerrain
 
 
 def holding(robot, q):
@@ -31,22 +30,6 @@ def test_a_rollout_is_what_the_rigid_world_does(go2):
         assert np.abs(world.contacts().forces - motion.impulses[k] / 0.01).max() < 1e-5
     assert motion.lawful
     assert motion.law_residual < 1e-8
-
-
-def test_torques_of_a_policy_are_those_of_the_trajectory(go2):
-    q = place(go2)
-    first = rollout(go2, q, np.zeros(18), holding(go2, q), dt=0.02, steps=10)
-    again = rollout(go2, q, np.zeros(18), first.torques, dt=0.02)
-    assert np.array_equal(first.q, again.q)
-    assert np.array_equal(first.impulses, again.impulses)
-
-
-def test_a_slope_is_a_slope(go2):
-    terrain = SlopeTerrain(15.0)
-    q = place(go2, terrain)
-    motion = rollout(go2, q, np.zeros(18), holding(go2, q), dt=0.01, mu=0.8, terrain=terrain, steps=20)
-    assert motion.lawful
-    assert np.abs(motion.gaps[:, 0]).max() < 5e-3
 
 
 def test_a_lost_motion_is_not_lawful(go2):

@@ -90,12 +90,6 @@ def test_keys(keys: list[int], velocity: tuple[float, float, float]) -> None:
     assert steered.velocity == pytest.approx(velocity)
 
 
-def test_other_keys_mean_nothing() -> None:
-    steered = steering()
-    assert not steered.press(ord("X"))
-    assert not steered.velocity.any()
-
-
 def test_keys_go_on_from_what_was_granted() -> None:
     steered = steering(0.25)
     for _ in range(9):

@@ -67,19 +67,6 @@ def test_a_sweep_of_nothing_but_its_seed(tmp_path: Path) -> None:
     assert run_sweep(bare, tmp_path / "b", backend="serial").table["twice"].to_pylist() == [0.0] * 4
 
 
-def test_medians_are_those_of_the_samples_of_a_bin_that_are_done(tmp_path: Path) -> None:
-    config = deadly(61, failing=(3, 4), broken=(9,))
-    table = run_sweep(config, tmp_path / "a", backend="serial").table
-    (margin,) = margins(config, table)
-    rows = [row for row in table.to_pylist() if row["status"] == "done"]
-    for k, middle in enumerate(margin.medians):
-        low, high = margin.edges[k : k + 2]
-        inside = sorted(row["twice"] for row in rows if low <= row["mu"] < high)
-        n = len(inside)
-        assert n == margin.counts[k]
-        assert middle == {"twice": pytest.approx(0.5 * (inside[(n - 1) // 2] + inside[n // 2]))}
-
-
 def test_a_bin_without_samples_has_no_median(tmp_path: Path) -> None:
     config = deadly(3)
     table = run_sweep(config, tmp_path / "a", backend="serial").table

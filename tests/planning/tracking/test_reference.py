@@ -50,13 +50,6 @@ def test_laid_elsewhere_is_the_same_motion(jump: Reference) -> None:
     np.testing.assert_allclose(moved.q[:, 2], jump.q[:, 2])
 
 
-def test_after_the_end_it_holds_still(jump: Reference) -> None:
-    late = jump.at(jump.duration + 1.0)
-    np.testing.assert_allclose(late.q, jump.q[-1], atol=1e-12)
-    assert not late.v.any()
-    assert not late.com_velocity.any()
-
-
 def test_of_a_plan() -> None:
     motion = rollout(ROBOT, sf.place(ROBOT), np.zeros(18), np.zeros((6, 12)), dt=0.01)
     plan = plan_from(motion, ROBOT, PlanSearch("fall", "none", 0.0, True, 0, 0.0))
