@@ -124,7 +124,7 @@ def read_rates(
 
 
 def fitting(name: str, array: FloatArray, lead: tuple[int, ...], *widths: int) -> FloatArray:
-    """Return an array that is a number or has one of the widths, the last also with leading axes."""
+    """Return an array that is a number or (width,) of one of the widths, the last also (..., width)."""
     shapes = dict.fromkeys((*((width,) for width in widths), (*lead, widths[-1])))
     if array.shape and array.shape not in shapes:
         words = " or ".join(map(str, shapes))

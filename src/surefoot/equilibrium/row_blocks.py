@@ -187,7 +187,7 @@ def _border(
 
 @inline_kernel
 def local_rows(spans: IntArray) -> int:
-    """Return how many rows are in blocks: those with slacks of their own, before the border."""
+    """Return how many rows of (rows, 5) spans are in blocks: those with their own slacks."""
     count = 0
     while count < spans.shape[0] and spans[count, 3] < spans[count, 4]:
         count += 1

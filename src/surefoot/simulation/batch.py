@@ -193,7 +193,7 @@ class RobotCrew:
     def step(
         self, torques: FloatArray, push: FloatArray | None, mu: FloatArray, repeat: int
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray, BoolArray]:
-        """Return the fields of a `BatchStep`."""
+        """Return the fields of a `BatchStep` under (n, joints) torques [N m] and (n, 3) pushes [N]."""
         unsolved: IntArray = np.zeros(len(mu), dtype=np.int64)
         for k in np.flatnonzero(~self._lost).tolist():
             pushed, friction = None if push is None else push[k].copy(), float(mu[k])
