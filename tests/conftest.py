@@ -28,7 +28,7 @@ import os
 import signal
 import sys
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +63,17 @@ from hypothesis import settings
 
 from surefoot.errors import SurefootError
 from surefoot.simulation.mujoco import import_mujoco
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, Any]:
+    """A file of tests that cannot be imported is an error: the reader of doctests only skips it."""
+    report = yield
+    skipped = report.outcome == "skipped" and "unable to import module" in str(report.longrepr)
+    if skipped and collector.path.is_relative_to(Path(__file__).parent):
+        report.outcome, report.longrepr = "failed", f"{collector.path} cannot be imported"
+    return report
+
 
 settings.register_profile("fixed", derandomize=True, deadline=None, database=None)
 settings.load_profile("fixed")
