@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from docs import speed_tables
-from docs.measured import Rows, Table, words
+from docs.measured import Rows, Table
 
 
 def _rigid(told: Any) -> Rows:
@@ -191,19 +191,6 @@ def readme(told: Any) -> Rows:
     ]  # fmt: skip
 
 
-def _momentum_in_plans(told: str) -> Rows:
-    """Return what benchmarks/walk/plan_momentum.py prints."""
-    names = {
-        "free": "momentum free", "weight 30": "weight 30", "bound 0.08": "bound 0.08",
-        "weight 1e5": "weight 1e5: all but forbidden",
-    }  # fmt: skip
-    titles = [line.removesuffix(":") for line in told.splitlines() if line.endswith(":")]
-    rows = []
-    for k, (plans, *cells) in enumerate(words(told, *names)):
-        rows.append([titles[k // len(names)] if k % len(names) == 0 else "", names[plans], *cells])
-    return rows
-
-
 STATICS, FORCES = "surefoot bench statics", "surefoot bench forces"
 CONTACT, WALK = "surefoot bench contact", "surefoot bench walk"
 STAND = "surefoot stand go2 --no-video --no-report"
@@ -242,11 +229,6 @@ TABLES = {
     "batches": Table(
         "surefoot bench batch", "batches.md",
         ("four contacts of Go2, µs a problem", "solve", "solve and vjp"), _batches,
-    ),
-    "momentum_in_plans": Table(
-        "python -m benchmarks.walk.plan_momentum", "mpc.md",
-        ("walk", "plans", "peak of \\|h\\|", "its mean", "largest tilt", "mean distance from the path"),
-        _momentum_in_plans, reads=str,
     ),
     "allocation": Table(
         FORCES, "force-distribution.md", ("", "easy", "near the boundary", "wrench out of reach"),

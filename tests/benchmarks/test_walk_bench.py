@@ -1,12 +1,9 @@
 """The MPC benchmark: its scenes ask for what they say, and every rival really solves."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from benchmarks.problems.walking import SCENES, choose_scenes, controller, record
-from benchmarks.walk import plan_momentum
 from benchmarks.walk import race as walk
 from benchmarks.walk.race import ACCURACY, measure
 from benchmarks.walk.rivals import Variant, matrices, rivals, solve_exact
@@ -70,13 +67,3 @@ def test_rows_add_up(monkeypatch):
     assert 0.0 < step.timing.median < 0.1
     four, eight = (np.mean([r.lost for r in bench.rows if f"{k} facets" in r.method]) for k in (4, 8))
     assert four > eight
-
-
-def test_momentum_is_weighed_and_not_forbidden(tmp_path: Path) -> None:
-    facts = plan_momentum.main(tmp_path)
-    for name in ("weight 30", "bound 0.08"):
-        assert facts[f"limit, {name}, peak"] < 0.9 * facts["limit, free, peak"]
-        assert facts[f"limit, {name}, tilt"] < 0.9 * facts["limit, free, tilt"]
-    assert facts["limit, weight 1e5, peak"] > facts["limit, free, peak"]
-    assert facts["trot, weight 1e5, tilt"] > 5.0 * facts["trot, free, tilt"]
-    assert (tmp_path / "plan_momentum" / "tilt.png").stat().st_size > 10_000

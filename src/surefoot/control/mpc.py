@@ -18,7 +18,6 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact, re
 from surefoot.contact.solution import Status
 from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
-from surefoot.control.mpc_momentum import PATIENCE, MpcMomentum, minimise_with_momentum
 from surefoot.control.mpc_plan import HorizonProgram, MpcPlan, MpcWeights
 from surefoot.errors import ProblemError
 from surefoot.solvers.dual_newton.horizon import newton
@@ -29,13 +28,15 @@ __all__ = [
     "BodyState",
     "ConvexMpc",
     "HorizonProgram",
-    "MpcMomentum",
     "MpcPlan",
     "MpcWeights",
 ]
 
 ALMOST_FACTOR = 1e3
 """Forces whose error bound is within this factor of the tolerance are ALMOST solved [-]: 10 N by default."""
+
+PATIENCE = 16
+"""Newton steps before the force weight is lowered in stages [-], see `solvers.dual_newton.horizon`."""
 
 
 @dataclass
@@ -200,7 +201,10 @@ class ConvexMpc:
             if program is None:
                 return self._share_weight(given)
             force = np.empty((program.step.size, 3))
-            count, error = self._minimise(program, given, point, force)
+            count, error = newton(
+                self._inverse, program.P, program.q, program.step, program.M, program.bounds, program.centre,
+                program.rho, self.tol, PATIENCE, self.max_iterations, point, force,
+            )  # fmt: skip
             if not math.isfinite(error):
                 return self._share_weight(given)
             total += count
@@ -227,33 +231,13 @@ class ConvexMpc:
         *,
         mu: ArrayLike | None = None,
     ) -> HorizonProgram:
-        """Return the program of the first pass, for another solver; parameters and errors as for `solve`.
-
-        A cost of angular momentum is not part of it.
-        """
+        """Return the program of the first pass, for another solver; parameters and errors as for `solve`."""
         given = self._read(state, reference, foot_positions, contacts, frames, mu)
         sway = mpc_model.expected_sway(given.motion, given.ref_motion, self.dt)
         program = self._build(given, sway)
         if program is None:
             raise ProblemError("state, reference, foot positions and frames must be finite")
         return program
-
-    def _minimise(
-        self, program: HorizonProgram, given: _Given, point: FloatArray, force: FloatArray
-    ) -> tuple[int, float]:
-        """Fill the forces of a program from guessed points; return Newton steps and error bound [N]."""
-        term = self.weights.momentum
-        if term is not None and not term.idle:
-            axes = program.heading.T @ given.ref_rotation[1:]
-            inertia = axes @ np.asarray(self.inertia) @ axes.transpose(0, 2, 1)
-            return minimise_with_momentum(
-                term, inertia, given.ref_motion[1:, 2] @ program.heading, program, self._inverse, self.dt,
-                self.tol, self.max_iterations, point, force,
-            )  # fmt: skip
-        return newton(
-            self._inverse, program.P, program.q, program.step, program.M, program.bounds, program.centre,
-            program.rho, self.tol, PATIENCE, self.max_iterations, point, force,
-        )  # fmt: skip
 
     def _build(self, given: _Given, sway: FloatArray) -> HorizonProgram | None:
         """Return the program, or None where the input is not finite; see `solve` for the errors."""

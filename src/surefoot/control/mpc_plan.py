@@ -8,7 +8,6 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.contact.solution import Status
-from surefoot.control.mpc_momentum import MpcMomentum
 from surefoot.errors import ProblemError
 
 
@@ -17,8 +16,7 @@ class MpcWeights:
     """What deviations cost, per step; the axes are the heading's (forward, left, up).
 
     The body's errors are in m, rad, m/s, rad/s; `force` is the weight on the squared deviation of every
-    force [N²] from its share of the body's weight. Velocity weights must be positive. `momentum` adds a cost
-    of angular momentum or a soft bound on it.
+    force [N²] from its share of the body's weight. Velocity weights must be positive.
     """
 
     position: tuple[float, float, float] = (10.0, 10.0, 100.0)
@@ -27,7 +25,6 @@ class MpcWeights:
     angular_velocity: tuple[float, float, float] = (0.3, 0.3, 0.3)
     force: float = 1e-5
     terminal: float = 1.0
-    momentum: MpcMomentum | None = None
 
     def matrix(self) -> FloatArray:
         """Return the (2, 6) weights on [position; orientation] and on their rates, in one unit of cost.
@@ -97,8 +94,6 @@ class MpcPlan:
 @dataclass(frozen=True)
 class HorizonProgram:
     """The condensed program of a horizon; see `surefoot.solvers.dual_newton.horizon` for the symbols.
-
-    A cost of angular momentum (`MpcWeights.momentum`) is not part of it.
 
     Attributes
     ----------
