@@ -39,14 +39,14 @@ OWN = {
 
 
 @dataclass(frozen=True)
-class Told:
+class StrangerVerdict:
     """What came of one model.
 
     Attributes
     ----------
     name, cone, condim
         Of the model; its cone; largest dimension of its contacts.
-    verdict, told
+    verdict, reason
         Of the audit, and its first symptom or the reason why it cannot tell.
     """
 
@@ -54,7 +54,7 @@ class Told:
     cone: str
     condim: int
     verdict: str
-    told: str
+    reason: str
 
 
 def own_models() -> Iterator[tuple[str, Any]]:
@@ -90,13 +90,6 @@ def models_under(paths: Sequence[Path]) -> Iterator[tuple[str, Any]]:
             continue  # no model of its own: a part of others, or without its meshes
 
 
-def with_iterations(models: Iterator[tuple[str, Any]], count: int) -> Iterator[tuple[str, Any]]:
-    """Yield the models with so many iterations of their solver and its line search, at least 50."""
-    for name, model in models:
-        model.opt.iterations, model.opt.ls_iterations = count, max(count, 50)
-        yield name, model
-
-
 def recorded(model: Any, seconds: float, seed: int = 0) -> sf.Log:
     """Return the log of a model that marches about its keyframe, or flails."""
     mujoco, rng = import_mujoco(), np.random.default_rng(seed)
@@ -123,18 +116,22 @@ def recorded(model: Any, seconds: float, seed: int = 0) -> sf.Log:
     return log
 
 
-def judged(name: str, model: Any, seconds: float) -> Told:
+def judged(name: str, model: Any, seconds: float) -> StrangerVerdict:
     """Run a model and audit its log."""
     mujoco = import_mujoco()
     cone = "pyramid" if model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL else "round"
     report = sf.audit_log(recorded(model, seconds))
-    told = report.reason or (str(report.symptoms[0]) if report.symptoms else "")
-    return Told(name, cone, int(model.geom_condim.max()), report.verdict, told)
+    reason = report.reason or (str(report.symptoms[0]) if report.symptoms else "")
+    return StrangerVerdict(name, cone, int(model.geom_condim.max()), report.verdict, reason)
 
 
-def measure(models: Iterator[tuple[str, Any]], seconds: float, cones: bool) -> Iterator[Told]:
+def measure(
+    models: Iterator[tuple[str, Any]], seconds: float, cones: bool, iterations: int | None = None
+) -> Iterator[StrangerVerdict]:
     """Yield what came of every model, as shipped or with each cone and condim."""
     for name, model in models:
+        if iterations is not None:
+            model.opt.iterations, model.opt.ls_iterations = iterations, max(iterations, 50)
         yield judged(name, model, seconds)
         if not cones:
             continue
@@ -156,13 +153,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--iterations", type=int, default=None, help="of the solver, where a model has few")
     given = parser.parse_args(arguments)
     models = own_models() if given.quick else models_under(given.models)
-    if given.iterations is not None:
-        models = with_iterations(models, given.iterations)
-    rows = []
-    print("| model | cone | condim | verdict | told |\n|---|---|---|---|---|")
-    for one in measure(models, 0.5 if given.quick else given.seconds, given.cones):
+    seconds, rows = 0.5 if given.quick else given.seconds, []
+    print("| model | cone | condim | verdict | first symptom, or reason |\n|---|---|---|---|---|")
+    for one in measure(models, seconds, given.cones, given.iterations):
         rows.append(one)
-        print(f"| {one.name} | {one.cone} | {one.condim} | {one.verdict} | {one.told[:110]} |", flush=True)
+        print(f"| {one.name} | {one.cone} | {one.condim} | {one.verdict} | {one.reason[:110]} |", flush=True)
     counts = {v: sum(r.verdict == v for r in rows) for v in ("lawful", "broken", "cannot tell")}
     print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()), f"of {len(rows)}")
 

@@ -33,9 +33,12 @@ def rebound(rows: Rows) -> Measured:
     A body on several contacts hands energy from one to another, and from friction to the normal: at fault is
     what all contacts together have given, too, since none was loaded; where that is not among the rows, what
     those have that are loaded now, too. And what the force has given along the gap, where it is known: the
-    contact point of a foot that rolls is known to a share of its way only.
+    contact point of a foot that rolls is known to a share of its way only. A foot still in soft ground that
+    pushes again has not been away: its touch goes on.
     """
     loaded, dt, after = rows.loaded, rows.dt, rows.setting.after
+    if rows.has("gaps"):
+        loaded = loaded | (rows.gaps < 0.0)
     value, taken = returned_work(rows.normal, rows.velocities[..., 2], dt, loaded, after)
     limit = np.maximum(REBOUND * rows.setting.weight, REBOUND_SHARE * taken) + _unloading(rows)
     any_loaded = np.asarray(loaded.any(axis=1, keepdims=True))
