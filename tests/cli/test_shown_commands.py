@@ -139,6 +139,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "example-robot-data").symlink_to(robots_folder().parent)
     CleanRun(duration=0.3).make().save(place / "log.npz")
     CleanRun(duration=0.3).make().save(place / "crate.npz")
+    (place / "raw.csv").write_text("".join(f"{0.01 * k},36.8,36.8\n" for k in range(50)))
     steps = (ROOT / "docs" / "first-steps.md").read_text(encoding="utf-8")
     (place / "mine.yaml").write_text(steps.split("```yaml\n")[1].split("```")[0])
     log = CleanRun(duration=0.3).make()

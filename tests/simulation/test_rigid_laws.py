@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pinocchio
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import surefoot as sf
+from surefoot.audit.laws import log_laws
 from surefoot.errors import SimulationError
 from surefoot.simulation.bodies import ball, box
 from surefoot.simulation.rigid import RigidWorld
@@ -142,3 +144,23 @@ def test_bad_input():
         ball(0.0)
     with pytest.raises(sf.ProblemError, match="size must be above twice the rounding"):
         box(1.0, (0.1, 0.1, 0.02), rounding=0.02)
+
+
+@pytest.mark.parametrize("world", ["rigid", "mujoco"])
+def test_what_soft_ground_declares_counts_in_summary_and_audit_alike(world: str) -> None:
+    """Two millimetres deep in either world: the ground's own softness, and no broken law."""
+    robot, flat = sf.load_robot("go2"), sf.FlatTerrain()
+    q = sf.place(robot, flat)
+    law = sf.laws.SpringDamper(2e4, 400.0)
+    made = {
+        "rigid": lambda: RigidWorld(robot, flat, 0.6, law=law),
+        "mujoco": lambda: sf.MujocoWorld(robot, flat, 0.6, solref=(0.02, 1.0), solimp=(0.9, 0.95)),
+    }[world]()
+    controller = sf.StandingController(robot, sf.StandingPlan(robot, flat, q), flat, q, mu=0.6)
+    log = sf.run(made, controller, sf.Scenario(0.4, mu=0.6, start=q))
+    laws = log_laws(log)
+    assert laws.penetration_max > 1.5e-3
+    assert laws.broken(robot.mass * GRAVITY) == []
+    assert sf.audit_log(log).verdict == "lawful"
+    hard = replace(laws, sinking=0.0)
+    assert "penetration" in hard.broken(robot.mass * GRAVITY)[0]

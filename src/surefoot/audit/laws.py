@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,10 @@ LEAST_FRICTION = 1e-4
 """Friction below this counts as this much: simulators know no exact zero."""
 SLIDING_SPEED = 1e-2
 """Speed from which a contact counts as sliding at an instant [m/s]."""
+SOFTEST = {
+    "sinking": (0.05, "m"), "creep": (0.1, "m/s"), "stopping": (0.1, "m"), "settling": (0.1, "s"),
+}  # fmt: skip
+"""A world that declares more than this may hide anything: nothing is lawful there."""
 _MEASURED = ("forces", "gaps", "velocities", "friction")
 LAWS = ("unilateral", "Coulomb", "dissipation")
 """The names of the three laws."""
@@ -62,6 +66,9 @@ class Laws:
         Which of `LAWS` were judged: none for a motion without contacts, two without a time step.
     not_finite
         What was not finite, one line for each measurement.
+    sinking, stopping
+        What the log's world declares of its softness [m]: how deep its contacts give way, and the way on
+        which they hold a sliding foot. They count as lawful, here as in an audit.
     """
 
     penetration_max: float
@@ -73,6 +80,8 @@ class Laws:
     free_slide_max: float = math.nan
     judged: tuple[str, ...] = LAWS[:2]
     not_finite: tuple[str, ...] = ()
+    sinking: float = 0.0
+    stopping: float = 0.0
 
     def broken(self, weight: float) -> list[str]:
         """Return one line per broken law, for a robot of the given weight m g [N].
@@ -81,22 +90,21 @@ class Laws:
         """
         weight = _weight(weight)
         out = list(self.not_finite)
-        if self.penetration_max > PENETRATION_LIMIT:
-            out.append(
-                f"penetration of {1e3 * self.penetration_max:.2f} mm (limit {1e3 * PENETRATION_LIMIT:g})"
-            )
+        depth, way = max(PENETRATION_LIMIT, self.sinking), SLIDE_LIMIT + self.stopping
+        if self.penetration_max > depth:
+            out.append(f"penetration of {1e3 * self.penetration_max:.2f} mm (limit {1e3 * depth:.3g})")
         if self.unilateral_min < -PULL_LIMIT * weight:
             out.append(f"a pull of {-self.unilateral_min:.3g} N")
         if self.cone_use_max > CONE_LIMIT:
             out.append(f"{self.cone_use_max:.3f} times the friction that the cone allows")
-        if self.complementarity_max > PENETRATION_LIMIT * weight:
+        if self.complementarity_max > depth * weight:
             out.append(f"force across a gap: {self.complementarity_max:.3g} N m")
-        if self.separation_max > PENETRATION_LIMIT:
-            limit = f"limit {1e3 * PENETRATION_LIMIT:g}"
-            out.append(f"a force {1e3 * self.separation_max:.2f} mm off the ground ({limit})")
-        if "dissipation" in self.judged and self.free_slide_max > SLIDE_LIMIT:
-            limit = f"limit {1e3 * SLIDE_LIMIT:g}"
-            out.append(f"a slide of {1e3 * self.free_slide_max:.2f} mm without friction ({limit})")
+        if self.separation_max > depth:
+            out.append(f"a force {1e3 * self.separation_max:.2f} mm off the ground (limit {1e3 * depth:.3g})")
+        if "dissipation" in self.judged and self.free_slide_max > way:
+            out.append(
+                f"a slide of {1e3 * self.free_slide_max:.2f} mm without friction (limit {1e3 * way:.3g})"
+            )
         return out
 
 
@@ -166,7 +174,11 @@ def log_laws(log: Log) -> Laws:
     check = _Check(log.fact("mass") * GRAVITY, True)
     for piece in log.chunks():
         check.add(piece["forces"], piece["gaps"], piece["contact_velocities"], friction_of(piece), dt)
-    return check.laws()
+    sinking, stopping = (
+        min(real_number(name, log.facts.get(name, 0.0), low=0.0), SOFTEST[name][0])
+        for name in ("sinking", "stopping")
+    )
+    return replace(check.laws(), sinking=sinking, stopping=stopping)
 
 
 def friction_of(rows: Any) -> FloatArray:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray, finite_array
-from surefoot.audit.laws import LOADED_SHARE, SLIDE_LIMIT
+from surefoot.audit.laws import LOADED_SHARE, SLIDE_LIMIT, SOFTEST
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
@@ -19,10 +19,6 @@ BODY = "body"
 """Stands in a report where the whole robot is meant and no single contact."""
 DEEP = 5e-3
 """A world that lets feet sink deeper is soft and hides what the audit should find [m]."""
-SOFTEST = {
-    "sinking": (0.05, "m"), "creep": (0.1, "m/s"), "stopping": (0.1, "m"), "settling": (0.1, "s"),
-}  # fmt: skip
-"""A world that declares more than this may hide anything: nothing is lawful there."""
 REMEDIES = {
     "sinking": "a stiffer contact (solref with a shorter time constant, solimp nearer to one)",
     "creep": "an elliptic cone with impratio of 10 or more, or a stiffer solref",

@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.collision import Geometry, robot_geometry
 from surefoot.contact import ContactSolution
+from surefoot.contact.laws.soft.behaviour import stopping_depth
 from surefoot.errors import ProblemError, StiffContactWarning, check_name
+from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators
 from surefoot.simulation.actuated import JointFriction, equipped
@@ -192,6 +194,22 @@ class RigidWorld:
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         return self._state.q.copy(), self._state.v.copy()
+
+    def softness(self, log: Log) -> dict[str, float]:
+        """Return how deep a soft law lets feet sink in a run [m], as `sinking`; nothing on rigid ground.
+
+        As deep as the law alone, undamped, stops the whole mass on one contact at the speed of the hardest
+        touchdown, under its weight.
+        """
+        law = self.stepper.options.soft
+        if law is None:
+            return {}
+        mass = self.robot.mass + self.payload
+        loaded = np.asarray(log["forces"])[..., 2] > 0.0
+        landing = loaded & ~np.concatenate([loaded[:1], loaded[:-1]])
+        before = np.concatenate([np.asarray(log["contact_velocities"])[:1], log["contact_velocities"][:-1]])
+        speed = float(np.max(-before[..., 2], where=landing, initial=0.0))
+        return {"sinking": stopping_depth(law, mass, speed)}
 
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground [-] everywhere, from the next step on."""

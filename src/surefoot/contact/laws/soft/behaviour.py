@@ -85,6 +85,29 @@ def settling_time(frequency: float, ratio: float, share: float = SETTLED) -> flo
     return math.inf if slow <= 0.0 else -math.log(share) / (slow * frequency)
 
 
+def stopping_depth(law: SoftLaw, mass: float, speed: float, gravity: float = GRAVITY) -> float:
+    """Return how deep a mass [kg] of a speed [m/s] goes where the law's damping does nothing [m].
+
+    There the law's work is the mass's energy, the work of its weight included (gravity [m/s²]): for a spring
+    and no speed twice the depth at rest.
+
+    >>> from surefoot.contact.laws.soft.spring_damper import SpringDamper
+    >>> round(stopping_depth(SpringDamper(1e4, 20.0), 1.0, 1.0), 5)
+    0.01103
+    """
+    from scipy.integrate import quad
+    from scipy.optimize import brentq
+
+    def missing(depth: float) -> float:
+        work = quad(lambda x: float(law.pressed(np.array(x), np.array(0.0))[0]), 0.0, depth)[0]
+        return float(work) - mass * (0.5 * speed**2 + gravity * depth)
+
+    high = law.rest_depth(mass * gravity)
+    while missing(high) < 0.0:
+        high *= 2.0
+    return float(brentq(missing, 0.5 * high, high, xtol=1e-9))
+
+
 def rebound(law: SoftLaw, mass: float, speed: float, gravity: float = GRAVITY) -> float:
     """Return the speed at which a mass leaves the contact over the speed at which it came; 0 if it stays.
 
