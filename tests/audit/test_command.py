@@ -47,6 +47,12 @@ def test_thirty_six_broken_runs_drawn_by_a_seed() -> None:
     assert len(missed) <= 3, missed
 
 
+def test_a_controller_that_knows_no_forces_is_not_asked_for_them() -> None:
+    log = log_of(RUNS[1])
+    silent = changed(log, forces_commanded=np.full(log["forces"].shape, np.nan))
+    assert "no forces" not in {found.name for found in sf.audit_log(silent).command}
+
+
 def test_a_stand_that_ends_on_its_hind_legs_says_so_first_and_fails() -> None:
     log = CleanRun(push=(12.0, 0.0, 0.0), duration=1.2).make()
     report = sf.audit_log(log)

@@ -63,7 +63,7 @@ def judge_command(log: Log, setting: Setting) -> Iterator[Finding]:
 
     What the log has no channels for is not asked.
     """
-    asked = [q for q in _QUESTIONS if setting.names and all(name in log for name in q.needs)]
+    asked = [q for q in _QUESTIONS if setting.names and all(_known(log, name) for name in q.needs)]
     join = max(1, round(WINDOW / setting.dt)) if setting.dt > 0.0 else 1
     tracks = [Track(q.name, join) for q in asked]
     for rows in pieces(log, setting):
@@ -111,6 +111,11 @@ def _commanded_cone(rows: Rows) -> tuple[FloatArray, float]:
     f = rows.numbers("forces_commanded")
     needed = np.hypot(f[..., 0], f[..., 1]) / np.maximum(f[..., 2], rows.setting.threshold)
     return needed / np.maximum(rows.mu, 1e-4), CONE_LIMIT
+
+
+def _known(log: Log, name: str) -> bool:
+    """Return whether a channel says anything: a learned policy commands torques, its forces are NaN."""
+    return name in log and bool(np.isfinite(np.asarray(log[name][: 1 << 16], dtype=np.float64)).any())
 
 
 def _may_not_push(rows: Rows) -> tuple[FloatArray, float]:
