@@ -89,7 +89,11 @@ def test_the_convex_law_is_the_cone_program(name: str) -> None:
             found.raise_if_failed()
         elif not found.solved:
             continue
-        assert np.allclose(found.forces, expected.forces, atol=1e-6)
+        ours, theirs = (
+            0.5 * f @ problem.G @ f + problem.g @ f for f in (found.forces.ravel(), expected.forces.ravel())
+        )
+        assert ours <= theirs + 1e-9
+        assert np.allclose(found.forces, expected.forces, atol=1e-6 if expected.solved else 1e-4)
 
 
 def test_vanishing_friction_tends_to_none_and_huge_friction_sticks() -> None:
