@@ -97,8 +97,8 @@ def test_walks_in_the_rigid_world_and_stands_on_mujocos_own_ground(
     assert (code, found["walked"]) == (0, True)
     soft = ROOT / "examples" / "scenarios" / "mujoco_default.yaml"
     code, found = summary(capsys, tmp_path, soft, "stand", "--duration", "2")
-    assert (code, found["stood"]) == (1, True)
-    assert any("penetration" in line for line in found["laws_broken"])
+    assert (code, found["stood"], found["laws_broken"]) == (0, True, [])
+    assert found["laws"]["sinking"] > found["laws"]["penetration_max"] > 1e-3  # as its ground declares
 
 
 def test_the_true_state_and_other_solvers_are_chosen(
