@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.errors import MissingExtra, ModelError, check_name
+from surefoot.errors import ModelError, check_name, needs
 from surefoot.robot import Robot
 from surefoot.simulation.engine_world import HIGHEST, LARGEST, EngineWorld
 from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion
@@ -52,10 +52,8 @@ def import_bullet() -> Any:
     MissingExtra
         If it is not installed.
     """
-    try:
+    with needs("PyBullet", "bullet"):
         return importlib.import_module("pybullet")
-    except ImportError as error:
-        raise MissingExtra("PyBullet", "bullet") from error
 
 
 class BulletWorld(EngineWorld):
@@ -105,8 +103,9 @@ class BulletWorld(EngineWorld):
         if not robot.floating:
             raise ModelError("the bullet world takes robots with a floating base")
         super().__init__(robot, terrain, dt, payload, payload_position)
-        self._client = self._bullet.connect(self._bullet.DIRECT)
-        self._end = weakref.finalize(self, self._bullet.disconnect, self._client)
+        client = self._bullet.connect(self._bullet.DIRECT)
+        self._end = weakref.finalize(self, self._bullet.disconnect, client)
+        self._here = {"physicsClientId": client}
         self._setup(self._scene, contact or {}, engine or {})
         self.set_friction(mu)
         self.reset(robot.nominal)
@@ -116,7 +115,7 @@ class BulletWorld(EngineWorld):
     ) -> None:
         """Build the ground and the robot."""
         values = contact_numbers(contact)
-        bullet, client = self._bullet, {"physicsClientId": self._client}
+        bullet, client = self._bullet, self._here
         slop = {"contactSlop": 0.0} if values else {}  # a depth at which its springs do not yet push
         steps = {"fixedTimeStep": self.dt, "numSubSteps": 0}
         bullet.setPhysicsEngineParameter(**{**steps, **slop, **engine}, **client)
@@ -144,12 +143,11 @@ class BulletWorld(EngineWorld):
     def _command(self, mode: int, forces: list[float]) -> None:
         """Give the joints' motors their forces [N m] in one of Bullet's modes."""
         if self._links:
-            client = {"physicsClientId": self._client}
-            self._bullet.setJointMotorControlArray(self._body, self._links, mode, forces=forces, **client)
+            self._bullet.setJointMotorControlArray(self._body, self._links, mode, forces=forces, **self._here)
 
     def _add_ground(self, shape: dict[str, Any]) -> int:
         """Return a body of the ground that never moves."""
-        bullet, client = self._bullet, {"physicsClientId": self._client}
+        bullet, client = self._bullet, self._here
         if "size" in shape:
             half = [0.5 * length for length in shape["size"]]
             made = bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=half, **client)
@@ -164,7 +162,7 @@ class BulletWorld(EngineWorld):
 
     def _place(self) -> None:
         """See `EngineWorld`."""
-        bullet, client = self._bullet, {"physicsClientId": self._client}
+        bullet, client = self._bullet, self._here
         R = rotation_from_quaternion(self._q[3:7])
         turn = quaternion_from_rotation(R @ self._principal).tolist()
         place = (self._q[:3] + R @ self._centre).tolist()
@@ -176,7 +174,7 @@ class BulletWorld(EngineWorld):
 
     def _read_state(self) -> tuple[FloatArray, FloatArray]:
         """Return q and v out of Bullet."""
-        bullet, client = self._bullet, {"physicsClientId": self._client}
+        bullet, client = self._bullet, self._here
         place, turn = bullet.getBasePositionAndOrientation(self._body, **client)
         speed, spin = (np.array(x) for x in bullet.getBaseVelocity(self._body, **client))
         states = bullet.getJointStates(self._body, self._links, **client) if self._links else ()
@@ -196,7 +194,7 @@ class BulletWorld(EngineWorld):
         SimulationError
             Where the state is lost. The world stays in the state before the step.
         """
-        bullet, client = self._bullet, {"physicsClientId": self._client}
+        bullet, client = self._bullet, self._here
         given = finite_vector("torques", torques, self.robot.joints).tolist()
         if push is not None:
             force = finite_vector("push", push, 3).tolist()
@@ -217,7 +215,7 @@ class BulletWorld(EngineWorld):
         """Return forces (p, 3) in the terrain's frames, each at the sphere that is nearest on its link."""
         seen, forces = self._seen, np.zeros((len(self.contact_foot), 3))
         joints = self.robot.contact_points.joints
-        for found in self._bullet.getContactPoints(bodyA=self._body, physicsClientId=self._client):
+        for found in self._bullet.getContactPoints(bodyA=self._body, **self._here):
             link, place, normal = found[3], np.array(found[5]), np.array(found[7])
             force = found[9] * normal + found[10] * np.array(found[11]) + found[12] * np.array(found[13])
             rows = np.flatnonzero(joints == link + 2)
@@ -229,7 +227,7 @@ class BulletWorld(EngineWorld):
         """Change the friction of the ground [-] everywhere, from the next step on."""
         self.mu = real_number("mu", mu, low=0.0, high=HIGHEST)
         for ground in self._ground:  # Bullet takes the product; the feet have 1
-            self._bullet.changeDynamics(ground, -1, lateralFriction=self.mu, physicsClientId=self._client)
+            self._bullet.changeDynamics(ground, -1, lateralFriction=self.mu, **self._here)
 
 
 def contact_numbers(contact: Mapping[str, Any]) -> dict[str, float]:

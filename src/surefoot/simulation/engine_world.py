@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import SimulationError
 from surefoot.robot import Robot
-from surefoot.simulation.drake.scene import scene_of
+from surefoot.simulation.engine_scene import scene_of
 from surefoot.simulation.world import ContactReading, ground_of
 from surefoot.stepping import Stepper
 from surefoot.terrain import Terrain

@@ -1,4 +1,4 @@
-"""A robot and its terrain as plain data for Drake's process: joints, contact spheres, the ground."""
+"""A robot and its terrain as plain data for an engine to build anew: joints, contact spheres, ground."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def scene_of(
     Raises
     ------
     ModelError
-        For a joint or a shape of ground that Drake's point contact does not take here.
+        For a joint or a shape of ground that these worlds do not build.
     """
     model, points = loaded_model(robot, payload, payload_position), robot.contact_points
     joints = [_joint(model, index, robot.floating) for index in range(1, model.njoints)]
@@ -35,7 +35,7 @@ def scene_of(
     for shape in terrain.shapes():
         if type(shape) not in _GROUND:
             raise ModelError(
-                f"the drake world takes planes and boxes, a {type(terrain).__name__} is made of a "
+                f"this world takes planes and boxes, a {type(terrain).__name__} is made of a "
                 f"{type(shape).__name__}"
             )
         ground.append(_GROUND[type(shape)](shape))
@@ -72,7 +72,7 @@ def _kind(joint: Any, name: str) -> tuple[str, list[float]]:
         return words[kind[0]], np.array(joint.extract().axis).tolist()
     if len(kind) == 2 and kind[0] in words and kind[1] in "XYZ":
         return words[kind[0]], axes["XYZ".index(kind[1])].tolist()
-    raise ModelError(f"joint {name} is a {kind}; the drake world takes revolute and prismatic joints")
+    raise ModelError(f"joint {name} is a {kind}; this world takes revolute and prismatic joints")
 
 
 def _plane(plane: Plane) -> dict[str, Any]:
