@@ -9,7 +9,7 @@ import re
 import sys
 import time
 import zlib
-from typing import IO, Any
+from typing import Any
 
 import numba
 from numba.core.caching import FunctionCache, IndexDataCacheFile
@@ -24,6 +24,8 @@ if sys.platform != "win32":
 PATIENCE = 300.0
 """How long a process waits for one that compiles the same kernel [s]; that one may have been stopped."""
 _caches: list[Cache] = []
+_locks: dict[str, int] = {}
+"""Folder to its open lock file, kept open: to close a file ends all locks that the process has on it."""
 _HOME = os.path.dirname(os.path.dirname(__file__)) + os.sep
 
 
@@ -41,7 +43,7 @@ class Cache(FunctionCache):  # type: ignore[misc]
     def __init__(self, py_func: Any, tree: KernelTree) -> None:
         super().__init__(py_func)
         self._tree = tree
-        self._turn: IO[bytes] | None = None
+        self._turn: tuple[int, int] | None = None
         # no line number in the name, or every change of a file would leave old code behind
         name = self._impl.get_filename_base(f"{py_func.__module__}.{py_func.__qualname__}", "")
         name = name.replace(f"-{self._impl.locator.get_disambiguator()}.", ".")
@@ -68,10 +70,13 @@ class Cache(FunctionCache):  # type: ignore[misc]
         byte, until = zlib.crc32(self._cache_file._index_name.encode()), time.monotonic() + PATIENCE
         with contextlib.suppress(OSError):  # nowhere to write: every process compiles for itself
             self._impl.locator.ensure_cache_path()
-            self._turn = open(os.path.join(self._cache_path, "kernels.lock"), "ab")  # noqa: SIM115
+            if (lock := _locks.get(self._cache_path)) is None:
+                path = os.path.join(self._cache_path, "kernels.lock")
+                lock = _locks[self._cache_path] = os.open(path, os.O_RDWR | os.O_CREAT)
             while time.monotonic() < until:
                 with contextlib.suppress(BlockingIOError, PermissionError):
-                    fcntl.lockf(self._turn, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, byte)
+                    fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, byte)
+                    self._turn = lock, byte
                     return
                 time.sleep(0.02)
             LOG.info("another process has been compiling %s for %g s", self._tree.name, PATIENCE)
@@ -79,7 +84,8 @@ class Cache(FunctionCache):  # type: ignore[misc]
     def end_turn(self) -> None:
         """Let the next process have this kernel: it is compiled and kept, or it failed to compile."""
         if self._turn is not None:
-            self._turn.close()
+            lock, byte = self._turn
+            fcntl.lockf(lock, fcntl.LOCK_UN, 1, byte)
             self._turn = None
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
