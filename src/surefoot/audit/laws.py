@@ -174,11 +174,22 @@ def log_laws(log: Log) -> Laws:
     check = _Check(log.fact("mass") * GRAVITY, True)
     for piece in log.chunks():
         check.add(piece["forces"], piece["gaps"], piece["contact_velocities"], friction_of(piece), dt)
-    sinking, stopping = (
-        min(real_number(name, log.facts.get(name, 0.0), low=0.0), SOFTEST[name][0])
-        for name in ("sinking", "stopping")
-    )
+    sinking, stopping = (min(stated(log, name), SOFTEST[name][0]) for name in ("sinking", "stopping"))
     return replace(check.laws(), sinking=sinking, stopping=stopping)
+
+
+def stated(log: Log, name: str) -> float:
+    """Return a fact of a log that is a number >= 0 and finite, in the fact's unit; 0 where the log has none.
+
+    Raises
+    ------
+    ProblemError
+        For a fact that is no such number.
+    """
+    value = float(log.fact(name)) if name in log.facts else 0.0
+    if not (math.isfinite(value) and value >= 0.0):
+        raise ProblemError(f"the fact {name} must be >= 0 and finite, got {value}")
+    return value
 
 
 def friction_of(rows: Any) -> FloatArray:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray, finite_array
-from surefoot.audit.laws import LOADED_SHARE, SLIDE_LIMIT, SOFTEST
+from surefoot.audit.laws import LOADED_SHARE, SLIDE_LIMIT, SOFTEST, stated
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
@@ -153,11 +153,11 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     dt = float(np.median(good)) if good.size else told
     if told and good.size and abs(told - dt) > 0.02 * dt:
         doubts.append(f"the log says dt = {told:g} s, its time stamps {dt:g} s")
-    soft = [_not_negative(log, name) for name in SOFTEST]
+    soft = [stated(log, name) for name in SOFTEST]
     if _by_row(log):  # friction is judged by its own law, row by row: what is left to allow is bounded
         soft[1], soft[2] = _mean_creep(log), min(soft[2], SOFTEST["stopping"][0])
     sinking, creep, stopping, settling = soft
-    payload = _not_negative(log, "payload")
+    payload = stated(log, "payload")
     place = finite_array("the fact payload_position", log.facts.get("payload_position", np.zeros(3)), (3,))
     for (name, (most, unit)), value in zip(SOFTEST.items(), soft, strict=True):
         if value > most and (name != "sinking" or not _by_row(log) or _deepest(log) > most):
@@ -257,13 +257,6 @@ def _weight(log: Log, model: Robot | None, payload: float, notes: list[str], dou
     taken = f"{mean / GRAVITY:.3g} kg from its forces" if known else "1 kg is taken"
     doubts.append(f"the log does not tell the robot's mass: {taken}")
     return mean if known else GRAVITY
-
-
-def _not_negative(log: Log, name: str) -> float:
-    value = float(log.fact(name)) if name in log.facts else 0.0
-    if not (math.isfinite(value) and value >= 0.0):
-        raise ProblemError(f"the fact {name} must be >= 0 and finite, got {value}")
-    return value
 
 
 def _same_feet(robot: Robot, feet: tuple[str, ...]) -> bool:
