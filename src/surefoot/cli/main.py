@@ -75,9 +75,8 @@ def surefoot(
 def run(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; bad input is one line on stderr and exit code 2."""
     sys.stdout, sys.stderr = heard(sys.stdout), heard(sys.stderr)
-    if not sys.stdout.isatty():
-        os.environ.setdefault("COLUMNS", PIPE_WIDTH)
-    if not os.environ.get("COLUMNS", PIPE_WIDTH).isdecimal() or int(os.environ.get("COLUMNS", "1")) == 0:
+    said = os.environ.get("COLUMNS", "1" if sys.stdout.isatty() else "")
+    if not said.isdecimal() or int(said) == 0:  # neither the terminal nor its user says a width
         os.environ["COLUMNS"] = PIPE_WIDTH
     announce_compilation()
     code = main(arguments)

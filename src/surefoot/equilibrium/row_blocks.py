@@ -79,12 +79,19 @@ def advance_span(u: FloatArray, t: float, v: FloatArray, span: IntArray) -> None
         u[i] += t * v[i]
 
 
+@inline_kernel
+def _touch_all(spans: IntArray, m: int, low: int) -> None:
+    """Set spans (p, 5) from `low` on to those of rows that touch all m columns and all rows."""
+    for j in range(low, spans.shape[0]):
+        spans[j, 0] = spans[j, 1] = 0
+        spans[j, 2] = spans[j, 3] = spans[j, 4] = m
+
+
 @kernel
 def whole_spans(p: int, m: int) -> IntArray:
     """Return the spans (p, 5) of rows that touch all m columns and all rows."""
-    spans = np.zeros((p, 5), dtype=np.int64)
-    for j in range(p):
-        spans[j, 2] = spans[j, 3] = spans[j, 4] = m
+    spans = np.empty((p, 5), dtype=np.int64)
+    _touch_all(spans, m, 0)
     return spans
 
 
@@ -143,9 +150,7 @@ def orthonormal_blocks(
 @inline_kernel
 def _in_one(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArray, spans: IntArray) -> int:
     """Factor A in one piece; return the rank."""
-    for j in range(A.shape[0]):
-        spans[j, 0] = spans[j, 1] = 0
-        spans[j, 2] = spans[j, 3] = spans[j, 4] = A.shape[1]
+    _touch_all(spans, A.shape[1], 0)
     return orthonormal_rows(A, Q, T, pivots)
 
 
@@ -180,8 +185,7 @@ def _border(
         for j in range(head):
             T[j, row] = t[j, n]
         pivots[row] = at[n]
-        spans[row, 0], spans[row, 1] = 0, 0
-        spans[row, 2] = spans[row, 3] = spans[row, 4] = m
+    _touch_all(spans[: local + more], m, local)
     return more
 
 
