@@ -1,1 +1,1 @@
-"""Controllers: force distribution, standing, walking."""
+"""Controllers: standing, walking, on four feet and two."""

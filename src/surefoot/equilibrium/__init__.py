@@ -1,1 +1,1 @@
-"""Questions to a stance: can it stand, how much friction does it need, where may its weight be."""
+"""Questions to a stance: can it stand, what friction does it need, where may its weight be, who bears it."""
