@@ -44,14 +44,16 @@ SECTIONS = {
 """Hundreds of a page's order, and what stands above them."""
 TITLE = {"en": "The course", "zh": "课程"}
 ABOUT = {
-    "en": "Contact mechanics of legged robots by measurement: the theory of a textbook chapter derived and run, "
-    "its exercises, its tables measured anew, its traps shown happening, its errors put right, and a "
-    "troubleshooting manual that breaks things. The chapter is chapter 52 of *Robotics Tutorial* by Pengfei Guo, "
-    "licensed CC BY 4.0; the course follows its order in words and measurements of its own. "
+    "en": "Contact mechanics of legged robots by measurement: the theory of a textbook chapter derived "
+    "and run, its exercises, its tables measured anew, its traps shown happening, its errors put right, and "
+    "a troubleshooting manual that breaks things. The chapter is chapter 52 of *Robotics Tutorial* by Pengfei "
+    "Guo, licensed CC BY 4.0; the course follows its order in words and measurements of its own. "
     "All code uses public names and runs when this site is built; all numbers in the texts come out "
     "of it, and what they claim is asserted.",
-    "zh": "用测量来学习足式机器人的接触力学：推导并运行一章教材的理论，做完全部习题，重新测量其表格，演示其陷阱，订正其错误，"
-    "并附一份故意制造故障的排查手册。教材是Pengfei Guo 的《Robotics Tutorial》第 52 章（CC BY 4.0）；本课程参照其次序，文字与测量均为我们自己的。"
+    "zh": "用测量来学习足式机器人的接触力学：推导并运行一章教材的理论，做完全部习题，重新测量其表格，"
+    "演示其陷阱，订正其错误，并附一份故意制造故障的排查手册。"
+    "教材是 Pengfei Guo 的《Robotics Tutorial》第 52 章（CC BY 4.0）；"
+    "本课程参照其次序，文字与测量均为我们自己的。"
     "全部代码只用公开接口，在构建本站时执行；文中数字都来自这些代码，结论由断言检验。",
 }
 

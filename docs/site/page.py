@@ -115,9 +115,7 @@ def read_page(path: Path) -> Page:
     _check(path, parts)
     section = facts["order"] // 100
     after = facts.get("after", f"52.{section}" if 1 <= section <= 9 else "52")
-    return Page(
-        path.stem, facts["order"], facts["title"], after, facts.get("site_only", False), tuple(parts)
-    )
+    return Page(path.stem, facts["order"], facts["title"], after, facts.get("site_only", False), tuple(parts))
 
 
 def _nothing_between(path: Path, text: str) -> None:

@@ -20,7 +20,8 @@ _DOC_LINK = re.compile(r"\[([^\]]+)\]\(\.\./([\w/-]+)\.md(#[\w-]+)?\)")
 AFTER = {
     "en": "After section {} of *Robotics Tutorial*, chapter 52, by Pengfei Guo (CC BY 4.0). "
     "The words and the measurements are our own.",
-    "zh": "本页参照Pengfei Guo 的《Robotics Tutorial》第 52 章 {} 节（CC BY 4.0）；文字与测量均为我们自己的。",
+    "zh": "本页参照 Pengfei Guo 的《Robotics Tutorial》第 52 章 {} 节（CC BY 4.0）；"
+    "文字与测量均为我们自己的。",
 }
 """Whose order a page follows."""
 NOTEBOOK = {"en": "This page as a notebook", "zh": "本页的 Jupyter 笔记本"}
