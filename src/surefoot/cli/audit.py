@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from surefoot.arrays import real_number
 from surefoot.cli import options
 from surefoot.cli.console import Cell, Table, plain_console, print_tables, say, say_verdict
 from surefoot.cli.output import check_out, new_run_folder, to_json
@@ -18,7 +19,9 @@ from surefoot.simulation.worlds import WORLDS
 if TYPE_CHECKING:
     from surefoot.audit import AuditReport
     from surefoot.log import Log
+    from surefoot.robot import Robot
     from surefoot.simulation.replay import ReplayReport
+    from surefoot.terrain import Terrain
 
 MOST = 40
 """Rows of a table on the screen and on the page; the JSON has all."""
@@ -38,14 +41,22 @@ def audit(
             help=f"Replay the motion in another world ({', '.join(WORLDS)}): does it survive there?"
         ),
     ] = None,
+    mapping: Annotated[
+        Path | None, typer.Option(help="YAML file that says which of its fields is which channel.")
+    ] = None,
     terrain: Annotated[
         str | None,
-        typer.Option(
-            help="Ground of the replay where the log tells none: flat, slope:DEG, stairs:HEIGHT,DEPTH, ..."
-        ),
+        typer.Option(help="Ground, of the log or of its replay: flat, slope:DEG, stairs:HEIGHT,DEPTH, ..."),
     ] = None,
     mu: Annotated[
-        float | None, typer.Option(help="Friction: of the replay, where the log tells none, or under tosses.")
+        float | None, typer.Option(help="Friction where the log tells none, of the replay, or under tosses.")
+    ] = None,
+    mass: Annotated[
+        float | None, typer.Option(help="Of all that moves, where the log does not tell it [kg].")
+    ] = None,
+    template: Annotated[
+        Path | None,
+        typer.Option(help="Judge nothing: write the mapping that is guessed to this new file (- prints it)."),
     ] = None,
     columns: Annotated[
         str | None,
@@ -64,24 +75,29 @@ def audit(
     from surefoot.estimation.tosses import holds_tosses
 
     if holds_tosses(log):
-        for name, value in (("--robot", robot), ("--replay", replay), ("--terrain", terrain)):
+        given = {"robot": robot, "replay": replay, "terrain": terrain, "mapping": mapping, "mass": mass}
+        for name, value in (given | {"template": template, "columns": columns}).items():
             if value is not None:
-                raise ProblemError(f"{log} holds tosses of a cube, for which {name} means nothing")
+                raise ProblemError(f"{log} holds tosses of a cube, for which --{name} means nothing")
         return _audit_tosses(log, mu, out, as_json)
     from surefoot.audit import audit_log
     from surefoot.log.formats import read_log
-    from surefoot.robot import load_robot
 
     check_out(out)
     names = None if columns is None else [name.strip() for name in columns.split(",")]
-    read, whose = read_log(log, columns=names), None if robot is None else load_robot(robot)
-    again = None if replay is None else _replay(read, replay, whose, terrain, mu)
+    if template is not None:
+        return _write_template(log, names, template)
+    ground = _ground(terrain, mu, mass)
+    read = read_log(log, mapping, names)
+    whose = _robot(read, robot)
+    again = None if replay is None else _replay(read, replay, whose, ground, mu)
+    read = _completed(read, whose, ground, mu, mass, replayed=again is not None)
     report = audit_log(read, whose)
     verdicts, facts = [(report.sentence, report.passed)], report.as_dict()
     if again is not None:
         verdicts.append((again.sentence, again.survives))
         facts["replay"] = again.as_dict()
-    finding = verdicts, _tables(report, again), _lines(report)
+    finding = verdicts, _tables(report, again), _lines(read, report)
     _publish(log, facts, *finding, out, as_json, lambda folder: _pictures(read, report, folder))
     return report.exit_code or (0 if again is None or again.survives else 1)
 
@@ -131,13 +147,71 @@ def _publish(
     say(console, f"report: {page}")
 
 
-def _replay(log: Log, world: str, robot: Any, terrain: str | None, mu: float | None) -> ReplayReport:
+def _replay(
+    log: Log, world: str, robot: Robot | None, ground: Terrain | None, mu: float | None
+) -> ReplayReport:
     """Replay a log in another world, on its own ground or a given one."""
     from surefoot.simulation.replay import replay_log
+
+    return replay_log(log, world, robot, ground, mu)
+
+
+def _ground(terrain: str | None, mu: float | None, mass: float | None) -> Terrain | None:
+    """Return the ground that is given; checks the numbers beside it."""
+    from surefoot.cli import parsing
     from surefoot.terrain import read_terrain
 
-    ground = None if terrain is None else read_terrain(terrain, "--terrain")
-    return replay_log(log, world, robot, ground, mu)
+    if mu is not None:
+        parsing.friction("--mu", mu)
+    if mass is not None:
+        real_number("--mass", mass, low=1e-6, high=1e9)
+    return None if terrain is None else read_terrain(terrain, "--terrain")
+
+
+def _robot(log: Log, robot: str | None) -> Robot | None:
+    """Return the robot that is given; the feet of one from a file are those that the log names."""
+    from surefoot.cli.robots import is_file
+    from surefoot.robot import load_robot
+
+    if robot is None:
+        return None
+    return load_robot(robot, list(log.facts.get("feet", ())) or None if is_file(robot) else None)
+
+
+def _completed(
+    log: Log,
+    robot: Robot | None,
+    ground: Terrain | None,
+    mu: float | None,
+    mass: float | None,
+    replayed: bool,
+) -> Log:
+    """Return a log with what follows from the options; those of a replay are no contradiction to its own."""
+    from surefoot.log.completed import complete
+
+    if replayed:
+        ground = None if "gaps" in log or "terrain" in log.facts else ground
+        mu = None if "mu" in log or "contact_friction" in log else mu
+    if "mapping" not in log.facts and ground is None and mu is None and mass is None:
+        return log
+    return complete(log, robot, ground, mu, mass)
+
+
+def _write_template(log: Path, columns: Sequence[str] | None, path: Path) -> int:
+    """Write the mapping that is guessed for a log to a new file."""
+    from surefoot.cli.mapping_template import template
+
+    text = template(log, columns)
+    if str(path) == "-":
+        print(text, end="")
+        return 0
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError as error:
+        raise ProblemError(f"{path} exists already") from error
+    print(f"mapping: {path}; complete it, then: surefoot audit {log} --mapping {path}")
+    return 0
 
 
 def _tables(report: AuditReport, again: ReplayReport | None) -> list[Table]:
@@ -190,10 +264,11 @@ def _tables(report: AuditReport, again: ReplayReport | None) -> list[Table]:
     return [table for table in found if table.rows]
 
 
-def _lines(report: AuditReport) -> list[str]:
-    """Return notes, and how many violations are not shown."""
+def _lines(log: Log, report: AuditReport) -> list[str]:
+    """Return what was computed, notes, and how many violations are not shown."""
+    made = [f"computed: {line}" for line in log.facts.get("computed", ())]
     hidden = len(report.violations) - MOST + sum(report.more.values())
-    return [*report.notes, *([f"and {hidden} violations more"] if hidden > 0 else [])]
+    return [*made, *report.notes, *([f"and {hidden} violations more"] if hidden > 0 else [])]
 
 
 def _pictures(log: Log, report: AuditReport, folder: Path) -> list[tuple[str, str]]:
