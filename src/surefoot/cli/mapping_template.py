@@ -34,11 +34,13 @@ def template(path: Path, columns: Sequence[str] | None) -> str:
         If the file cannot be read, or needs no mapping.
     """
     source = read_source(path, columns)
+    mapping, failed, there = LogMapping({}), "", {"time"}
     try:
-        mapping, failed = guess_mapping(source), ""
+        mapping = guess_mapping(source)
         there = {*log_from_source(source, mapping)}
     except ProblemError as error:
-        mapping, there, failed = LogMapping({}), {"time"}, f"# Nothing could be guessed: {error}\n"
+        failed = f"# It does not suffice: {error}\n"
+        there |= set(mapping.channels)
     used = {field for take in mapping.channels.values() for field in take.fields}
     lines = [f"# A mapping for {path.name}; docs/logs.md has the keys. Check units, axes and orders."]
     text = mapping.as_yaml()
