@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.arrays import real_number
 from surefoot.cli import options
 from surefoot.cli.console import Cell, Table, plain_console, print_tables, say, say_verdict
+from surefoot.cli.log_options import LogOptions
 from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.errors import MissingExtra, ProblemError, SurefootError
 from surefoot.simulation.worlds import WORLDS
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from surefoot.log import Log
     from surefoot.robot import Robot
     from surefoot.simulation.replay import ReplayReport
-    from surefoot.terrain import Terrain
 
 MOST = 40
 """Rows of a table on the screen and on the page; the JSON has all."""
@@ -34,33 +33,17 @@ def audit(
         Path,
         typer.Argument(help="A log: .npz or any other format that sf.read_log reads; or tosses of a cube."),
     ],
-    robot: options.LogRobot = None,
+    *,
+    given: LogOptions,
     replay: Annotated[
         str | None,
         typer.Option(
             help=f"Replay the motion in another world ({', '.join(WORLDS)}): does it survive there?"
         ),
     ] = None,
-    mapping: Annotated[
-        Path | None, typer.Option(help="YAML file that says which of its fields is which channel.")
-    ] = None,
-    terrain: Annotated[
-        str | None,
-        typer.Option(help="Ground, of the log or of its replay: flat, slope:DEG, stairs:HEIGHT,DEPTH, ..."),
-    ] = None,
-    mu: Annotated[
-        float | None, typer.Option(help="Friction where the log tells none, of the replay, or under tosses.")
-    ] = None,
-    mass: Annotated[
-        float | None, typer.Option(help="Of all that moves, where the log does not tell it [kg].")
-    ] = None,
     template: Annotated[
         Path | None,
         typer.Option(help="Judge nothing: write the mapping that is guessed to this new file (- prints it)."),
-    ] = None,
-    columns: Annotated[
-        str | None,
-        typer.Option(help="Names of a table's columns, with commas, where its first line has none."),
     ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for report.html and audit.json; None for no files.")
@@ -75,23 +58,19 @@ def audit(
     from surefoot.estimation.tosses import holds_tosses
 
     if holds_tosses(log):
-        given = {"robot": robot, "replay": replay, "terrain": terrain, "mapping": mapping, "mass": mass}
-        for name, value in (given | {"template": template, "columns": columns}).items():
-            if value is not None:
+        others = {"replay": replay, "template": template}
+        for name in [name for name, value in {**vars(given), **others}.items() if value is not None]:
+            if name != "mu":
                 raise ProblemError(f"{log} holds tosses of a cube, for which --{name} means nothing")
-        return _audit_tosses(log, mu, out, as_json)
+        return _audit_tosses(log, given.mu, out, as_json)
     from surefoot.audit import audit_log
-    from surefoot.log.formats import read_log
 
     check_out(out)
-    names = None if columns is None else [name.strip() for name in columns.split(",")]
     if template is not None:
-        return _write_template(log, names, template)
-    ground = _ground(terrain, mu, mass)
-    read = read_log(log, mapping, names)
-    whose = _robot(read, robot)
-    again = None if replay is None else _replay(read, replay, whose, ground, mu)
-    read = _completed(read, whose, ground, mu, mass, replayed=again is not None)
+        return _write_template(log, given.names(), template)
+    read, whose = given.read(log)
+    again = None if replay is None else _replay(read, replay, whose, given)
+    read = given.completed(read, whose, replayed=again is not None)
     report = audit_log(read, whose)
     verdicts, facts = [(report.sentence, report.passed)], report.as_dict()
     if again is not None:
@@ -147,54 +126,11 @@ def _publish(
     say(console, f"report: {page}")
 
 
-def _replay(
-    log: Log, world: str, robot: Robot | None, ground: Terrain | None, mu: float | None
-) -> ReplayReport:
+def _replay(log: Log, world: str, robot: Robot | None, given: LogOptions) -> ReplayReport:
     """Replay a log in another world, on its own ground or a given one."""
     from surefoot.simulation.replay import replay_log
 
-    return replay_log(log, world, robot, ground, mu)
-
-
-def _ground(terrain: str | None, mu: float | None, mass: float | None) -> Terrain | None:
-    """Return the ground that is given; checks the numbers beside it."""
-    from surefoot.cli import parsing
-    from surefoot.terrain import read_terrain
-
-    if mu is not None:
-        parsing.friction("--mu", mu)
-    if mass is not None:
-        real_number("--mass", mass, low=1e-6, high=1e9)
-    return None if terrain is None else read_terrain(terrain, "--terrain")
-
-
-def _robot(log: Log, robot: str | None) -> Robot | None:
-    """Return the robot that is given; the feet of one from a file are those that the log names."""
-    from surefoot.cli.robots import is_file
-    from surefoot.robot import load_robot
-
-    if robot is None:
-        return None
-    return load_robot(robot, list(log.facts.get("feet", ())) or None if is_file(robot) else None)
-
-
-def _completed(
-    log: Log,
-    robot: Robot | None,
-    ground: Terrain | None,
-    mu: float | None,
-    mass: float | None,
-    replayed: bool,
-) -> Log:
-    """Return a log with what follows from the options; those of a replay are no contradiction to its own."""
-    from surefoot.log.completed import complete
-
-    if replayed:
-        ground = None if "gaps" in log or "terrain" in log.facts else ground
-        mu = None if "mu" in log or "contact_friction" in log else mu
-    if "mapping" not in log.facts and ground is None and mu is None and mass is None:
-        return log
-    return complete(log, robot, ground, mu, mass)
+    return replay_log(log, world, robot, given.ground(), given.mu)
 
 
 def _write_template(log: Path, columns: Sequence[str] | None, path: Path) -> int:
