@@ -48,6 +48,7 @@ class Tick(Controller):
     arbiter: Arbiter
     whole_body: WholeBodyController
     start: float
+    _posture: FloatArray
 
     def step(self, state: RobotState) -> WalkCommand:
         """Return the command for a state; where no foot senses, the gait's plan is taken for the contacts.
@@ -69,6 +70,7 @@ class Tick(Controller):
         self._learn(state, now, clock)
         # behaviours propose, the arbiter merges
         request = self.arbiter.merge(self._view(state, now, feet, clock))
+        self._posture = self.command.posture_at(max(clock, 0.0))
         # plan: body, and footholds, swing and forces as they fall due
         self._move_body(request, now)
         self._plan(state, now, request, clock, standing, changed)
