@@ -144,8 +144,9 @@ class Walker(Tick):
         """Return the command that says what the parts have decided."""
         return WalkCommand(
             body.torques, body.forces, feet.stance[self.whole_body.point_foot], body.feasible, body.status,
-            feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(),
-            accelerations=body.accelerations, load=self._load_rows, asked_by=self.arbiter.asked_by,
+            body.accelerations, planned=feet.planned.copy(), frames=feet.frames.copy(),
+            wanted=self.body.velocity.copy(), targets=feet.target.copy(), load=self._load_rows,
+            asked_by=self.arbiter.asked_by,
         )  # fmt: skip
 
     def _damped(self, v: FloatArray) -> WalkCommand:
@@ -156,6 +157,7 @@ class Walker(Tick):
         n = len(self.robot.feet)
         return WalkCommand(
             body.torques, body.forces, np.ones(len(body.forces), dtype=bool), False, body.status,
-            np.ones(n, dtype=bool), np.tile(np.eye(3), (n, 1, 1)), np.zeros(3), np.zeros((n, 3)),
+            planned=np.ones(n, dtype=bool), frames=np.tile(np.eye(3), (n, 1, 1)), wanted=np.zeros(3),
+            targets=np.zeros((n, 3)),
             load=self._load_rows,
         )  # fmt: skip

@@ -22,7 +22,7 @@ LARGEST_DAMPING = 0.2
 """Share of a joint's speed that damping may take away in a step: more would shake light legs."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class WatchedCommand(Command):
     """A controller's command, and whether the state was too old for one.
 
@@ -102,8 +102,8 @@ class Watchdog(Wrapper):
     def _watched(self, command: Command, stale: bool) -> WatchedCommand:
         """Return a command with what the watchdog says."""
         own = WatchedCommand(
-            command.torques, command.forces, command.active, command.attained, command.status, stale,
-            command.rows(), accelerations=command.accelerations, joint_targets=command.joint_targets,
+            command.torques, command.forces, command.active, command.attained, command.status,
+            command.accelerations, command.joint_targets, stale=stale, inner=command.rows(),
         )  # fmt: skip
         if not stale:
             return own
