@@ -79,17 +79,14 @@ def _frozen(stretch: Stretch, at: int, rng: np.random.Generator) -> int | None:
 
 
 def _swapped(stretch: Stretch, at: int, rng: np.random.Generator) -> int | None:
-    """Two joints tell each other's numbers."""
+    """Two joints tell each other's numbers; while they are alike nothing in the readings says so."""
     a, b = rng.choice(12, 2, replace=False)
-    wrong = None
     order = np.arange(12)
     order[[a, b]] = b, a
+    alike = abs(stretch[at].positions[a] - stretch[at].positions[b]) < OFF
     for k in range(at, len(stretch)):
-        r = stretch[k]
-        if wrong is None and abs(r.positions[a] - r.positions[b]) > OFF:
-            wrong = k
-        stretch[k] = r.ordered(order)
-    return wrong
+        stretch[k] = stretch[k].ordered(order)
+    return None if alike else at
 
 
 def _late(stretch: Stretch, at: int, rng: np.random.Generator) -> int | None:

@@ -9,7 +9,8 @@ import pytest
 
 import surefoot as sf
 from surefoot.control.controller import JointTargets
-from surefoot.drive.robot_loop import FOLLOWS, Mode, RobotLoop
+from surefoot.drive.modes import FOLLOWS, Mode
+from surefoot.drive.robot_loop import RobotLoop
 from surefoot.drive.target_limits import TargetLimits
 from surefoot.errors import ProblemError
 from surefoot.simulation.motor_robot import MotorRobot
@@ -36,7 +37,7 @@ def drive(loop: RobotLoop, robot: MotorRobot, seconds: float, goal: str = "", lo
 
 @pytest.mark.long
 def test_an_outing_with_noise_and_4_ms_of_delay() -> None:
-    """From its belly up, 0.5 m/s with three in ten readings lost, lower and nose up, to a stop, sit, and lie."""
+    """From its belly up, at 0.5 m/s with three in ten readings lost, lower and nose up, a stop, sit, lie."""
     loop, robot = RobotLoop(GO2, DT), MotorRobot(GO2, DT)
     robot.lie_down()
     worst = [drive(loop, robot, 0.3), drive(loop, robot, 3.2, "stand")]

@@ -39,7 +39,6 @@ class Walker(Tick):
     """
 
     robot: Robot
-    dt: float
     settings: WalkSettings | BipedSettings
     schedule: ContactSchedule
     terrain: Terrain

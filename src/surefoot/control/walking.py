@@ -205,7 +205,6 @@ class WalkingController(Walker):
         if request.mu < math.inf:
             self.whole_body.set_friction(request.mu)
         body.acceleration, body.ceiling = min(body.change, request.acceleration), request.height
-        body.pose(self._posture, self.dt)
         body.advance(velocity, now.com, self.dt)
 
     def _plan(
@@ -256,7 +255,8 @@ class WalkingController(Walker):
             self._time_steps(request, max(clock, 0.0))
         own = schedule.clearance
         usual = self.settings.clearance * self.height if own is None else own
-        feet.clearance = max(usual + float(self._posture[2]), LEAST_CLEARANCE * usual) + request.clearance
+        lifted = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
+        feet.clearance = lifted + request.clearance
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self.terrain.unsure)
             feet.stride = self._steps.stride

@@ -115,7 +115,7 @@ class VelocityCommand:
                 continue  # a header
             if len(rows[-1]) not in (4, 7):
                 raise ProblemError(
-                    f"{path} line {number}: expected time vx vy yaw_rate and height pitch clearance or nothing, "
+                    f"{path} line {number}: expected time vx vy yaw_rate [height pitch clearance], "
                     f"got {line!r}"
                 )
             rows[-1] += [0.0] * (7 - len(rows[-1]))
@@ -126,17 +126,18 @@ class VelocityCommand:
 
     def at(self, time: float) -> FloatArray:
         """Return (3,) forward, left [m/s] and yaw rate [rad/s] at a time [s]."""
-        return np.asarray(self.values[self._row(time)])
+        return np.asarray(self.values[_row(self.times, time)])
 
     def posture_at(self, time: float) -> FloatArray:
         """Return (3,) height over the usual [m], pitch [rad], clearance over the usual [m] at a time [s]."""
-        return np.asarray(self.postures[self._row(time)])
+        return np.asarray(self.postures[_row(self.times, time)])
 
-    def _row(self, time: float) -> int:
-        """Return which row holds at a time [s]."""
-        if len(self.times) == 1:
-            return 0
-        return max(int(np.searchsorted(self.times, time + 1e-9, side="right")) - 1, 0)
+
+def _row(times: FloatArray, time: float) -> int:
+    """Return which of (k,) rows holds at a time [s]."""
+    if len(times) == 1:
+        return 0
+    return max(int(np.searchsorted(times, time + 1e-9, side="right")) - 1, 0)
 
 
 def first_stance(schedule: ContactSchedule) -> float:
@@ -180,7 +181,8 @@ class BodyPlan:
     ceiling
         The highest that the centre of mass may be now, as `height` [m].
     posture
-        (2,) how much higher than usual the body is wanted now [m], and its pitch over the ground's [rad].
+        (3,) how much higher than usual the body is wanted now [m], its pitch over the ground's [rad], and
+        how much higher feet are lifted [m].
     """
 
     height: float
@@ -193,7 +195,7 @@ class BodyPlan:
     dip: float = 0.0
     stance: InitVar[float] = 0.0
     ceiling: float = math.inf
-    posture: FloatArray = field(default_factory=lambda: np.zeros(2))
+    posture: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self, stance: float) -> None:
         self.change = ACCELERATION * GRAVITY
@@ -208,11 +210,7 @@ class BodyPlan:
         most = CROUCH_RATE * self.height * dt, PITCH_RATE * dt
         for k in range(2):
             self.posture[k] += min(max(wanted[k] - self.posture[k], -most[k]), most[k])
-
-    @property
-    def _height(self) -> float:
-        """The wanted height now [m]."""
-        return min(self.height + float(self.posture[0]), self.ceiling)
+        self.posture[2] = posture[2]
 
     def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:
         """Move the wanted pose by one step.
@@ -226,8 +224,9 @@ class BodyPlan:
         dt
             Step [s].
         """
+        height = min(self.height + float(self.posture[0]), self.ceiling)
         self.yaw, self.ground, self.lowered = advance_body(
-            self.position, self.velocity, self.slope, command, com, dt, self._height,
+            self.position, self.velocity, self.slope, command, com, dt, height,
             self.yaw, self.ground, self.lowered, self.acceleration, self.dip, LEAD, LOWERING,
         )  # fmt: skip
 
@@ -245,7 +244,8 @@ class BodyPlan:
 
     def _rise(self) -> float:
         """Return the wanted height over the ground along the vertical, see `body_rise`."""
-        return body_rise(self.slope, self.yaw, self._height, self.dip, self.lowered)
+        height = min(self.height + float(self.posture[0]), self.ceiling)
+        return body_rise(self.slope, self.yaw, height, self.dip, self.lowered)
 
     def flow(self) -> FloatArray:
         """Return the (2,) wanted velocity along x and y of the world [m/s]."""

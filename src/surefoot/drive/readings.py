@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray, real_number
+from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
 from surefoot.spatial import rotation_exp, rotation_from_quaternion, rotation_log
 
 REPEATS, MOVING = 8, 0.3
 """Readings in a row in which a sensor says the same to the last digit while a joint elsewhere moves faster
-than this [rad/s]: it is frozen. White noise and steps of quantisation repeat themselves twice or three times."""
+than this [rad/s]: it is frozen. White noise in steps repeats itself twice or three times."""
 FORGET = 0.9
 """What is kept of the mismatch between angles and speeds from one reading to the next."""
 CONTRADICTIONS = 3
@@ -29,7 +31,7 @@ class RobotReadings(NamedTuple):
     time
         By the robot's own clock [s].
     quaternion
-        (4,) attitude (x, y, z, w) by the IMU; its heading is never used.
+        (4,) attitude (x, y, z, w) by the IMU [-]; its heading is never used.
     gyro, accelerometer
         (3,) turn rate [rad/s] and specific force [m/s²], base axes.
     positions, speeds, torques
@@ -48,9 +50,22 @@ class RobotReadings(NamedTuple):
     forces: FloatArray | None = None
 
     def ordered(self, order: IntArray) -> RobotReadings:
-        """Return the readings with joints in another order."""
-        joints = (values[order] for values in (self.positions, self.speeds, self.torques))
-        return RobotReadings(*self[:4], *joints, self.forces)
+        """Return the readings with joints in another order, (joints,) numbers of them."""
+        q, v, torques = self.positions[order], self.speeds[order], self.torques[order]
+        return self._replace(positions=q, speeds=v, torques=torques)
+
+
+def motor_order(robot: Robot, motors: Sequence[str] | None) -> tuple[IntArray, IntArray]:
+    """Return where each of the robot's joints stands among the motors, and the other way round."""
+    names = robot.joint_names if motors is None else tuple(motors)
+    if sorted(names) != sorted(robot.joint_names):
+        wrong = next((n for n in names if n not in robot.joint_names), None)
+        missing = ", ".join(n for n in robot.joint_names if n not in names)
+        if wrong is not None:
+            raise ProblemError(unknown_name(f"joint of {robot.name}", wrong, robot.joint_names))
+        raise ProblemError(f"the motors must name each joint of {robot.name} once; missing: {missing}")
+    order = np.array([names.index(name) for name in robot.joint_names], dtype=np.int64)
+    return order, np.argsort(order)
 
 
 @dataclass(frozen=True)

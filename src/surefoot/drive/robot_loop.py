@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-import gc
 import math
 from collections.abc import Sequence
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.control.controller import Command, JointTargets, RobotState
 from surefoot.control.walker import Walker
 from surefoot.control.walkers import default_gait, walking_controller
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.drive.joint_targets import JointTargetController
 from surefoot.drive.latency import LatencyCompensation
+from surefoot.drive.modes import CONTROLLED, FOLLOWS, POWERLESS, Mode
 from surefoot.drive.postures import BodyPostures, PostureMotion
-from surefoot.drive.readings import ReadingLimits, ReadingWatch, RobotReadings
+from surefoot.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, motor_order
 from surefoot.drive.state_tracker import StateTracker
 from surefoot.drive.target_limits import TargetLimits
 from surefoot.drive.watchdog import damping_targets
 from surefoot.errors import ProblemError, unknown_name
-from surefoot.estimation.inekf import FilterNoise
 from surefoot.estimation.state_estimator import Reading
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators, actuators_of
@@ -43,47 +41,12 @@ FELT = 0.05
 """Share of m g from which a foot's own sensor says that it touches."""
 
 
-class Mode(StrEnum):
-    """What the loop does."""
-
-    PASSIVE = "passive"
-    """Motors are off."""
-    DAMP = "damp"
-    """Joints are damped: the emergency stop."""
-    STAND_UP = "stand up"
-    """On the way from wherever the joints are to standing."""
-    STAND = "stand"
-    """Balances on its feet."""
-    WALK = "walk"
-    """Follows the velocity."""
-    SIT = "sit"
-    """Sits, or is on the way to."""
-    LIE = "lie"
-    """Lies folded, or is on the way to."""
-
-
-FOLLOWS: dict[Mode, tuple[str, ...]] = {
-    Mode.PASSIVE: ("damp", "stand"),
-    Mode.DAMP: ("damp", "passive", "stand"),
-    Mode.STAND_UP: ("damp", "lie"),
-    Mode.STAND: ("damp", "walk", "sit", "lie"),
-    Mode.WALK: ("damp", "stand"),
-    Mode.SIT: ("damp", "stand", "lie"),
-    Mode.LIE: ("damp", "passive", "stand"),
-}
-"""What may follow each mode; the way to `stand` leads through `stand up`."""
-CONTROLLED = (Mode.STAND, Mode.WALK)
-"""Modes that need to know the state of the body."""
-POWERLESS = (Mode.PASSIVE, Mode.DAMP)
-"""Modes that need to know nothing."""
-
-
 class RobotLoop:
-    """Turns a robot's readings into targets for its joints; call `step` at a fixed rate, and `go` at any time.
+    """Turns a robot's readings into its joints' targets; call `step` at a fixed rate, and `go` at any time.
 
     Limits of joints, speeds and torques are enforced last. Readings that are late, repeated, not finite, out
-    of range or contradictory are not used; without usable ones for `ReadingLimits.patience` joints are damped,
-    and stay so after `outage`, or if control was lost for another reason: see `fault`.
+    of range or contradictory are not used; without usable ones for `ReadingLimits.patience` joints are
+    damped, and stay so after `outage`, or if control was lost for another reason: see `fault`.
 
     Parameters
     ----------
@@ -105,13 +68,8 @@ class RobotLoop:
         From a reading to the torques that answer it [s]; None to measure it.
     limits
         Of readings; None for the defaults.
-    noise
-        What the estimator believes of the sensors; None for the defaults.
     imu_position
         (3,) from the base's origin, base axes [m].
-    freeze
-        Whether objects that live by now are taken out of the garbage collector, which would stop a step
-        for milliseconds to look at them.
 
     Attributes
     ----------
@@ -156,20 +114,16 @@ class RobotLoop:
         actuators: str | Actuators = "real",
         latency: float | None = None,
         limits: ReadingLimits | None = None,
-        noise: FilterNoise | None = None,
         imu_position: ArrayLike = (0.0, 0.0, 0.0),
-        freeze: bool = False,
     ) -> None:
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-4, high=0.02)
-        self._order, self._back = _motor_order(robot, motors)
+        self._order, self._back = motor_order(robot, motors)
         self.limits = limits or ReadingLimits()
         self.watch = ReadingWatch(robot, self.dt, self.limits)
         self.terrain = FlatTerrain() if terrain is None else terrain
         self._motors = actuators_of(robot, actuators)
         geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
-        self.tracker = StateTracker(
-            geared, self.dt, noise, self.terrain, imu_position, actuators=self._motors
-        )
+        self.tracker = StateTracker(geared, self.dt, None, self.terrain, imu_position, actuators=self._motors)
         self.postures, self.target_limits = BodyPostures(robot), TargetLimits(robot)
         self._damp = damping_targets(robot, self.dt)
         self._passive = JointTargets(*np.zeros((5, robot.joints)))
@@ -181,9 +135,6 @@ class RobotLoop:
         self.reset()
         for walker, controller in made.values():
             self._warm_up(walker, controller)
-        if freeze:
-            gc.collect()
-            gc.freeze()
 
     def _balance(self, gait: str, mu: float, latency: float | None) -> tuple[Walker, LatencyCompensation]:
         """Return a controller that balances and what makes joint targets of its commands."""
@@ -191,7 +142,6 @@ class RobotLoop:
         walker = walking_controller(
             robot, VelocityCommand.constant(0.0), gait, self.terrain, mu, self._motors, dt
         )
-        assert isinstance(walker, Walker)
         return walker, LatencyCompensation(JointTargetController(walker, robot, dt), robot, dt, latency)
 
     def _warm_up(self, walker: Walker, controller: LatencyCompensation) -> None:
@@ -324,7 +274,8 @@ class RobotLoop:
         rows = [np.asarray(row, dtype=np.float64) for row in readings[1:7]]
         if [row.shape for row in rows] != [(4,), (3,), (3,), joints, joints, joints]:
             return None
-        return RobotReadings(float(readings.time), *rows, readings.forces).ordered(self._order)
+        named = dict(zip(RobotReadings._fields[1:7], rows, strict=True))
+        return readings._replace(time=float(readings.time), **named).ordered(self._order)
 
     def _judge(self) -> None:
         """Damp for good where control has been impossible for too long, or the robot has fallen."""
@@ -442,16 +393,3 @@ class RobotLoop:
         if last is None:
             return math.inf
         return math.acos(min(max(float(rotation_from_quaternion(last.quaternion)[2, 2]), -1.0), 1.0))
-
-
-def _motor_order(robot: Robot, motors: Sequence[str] | None) -> tuple[IntArray, IntArray]:
-    """Return where each of the robot's joints stands among the motors, and the other way round."""
-    names = robot.joint_names if motors is None else tuple(motors)
-    if sorted(names) != sorted(robot.joint_names):
-        wrong = next((n for n in names if n not in robot.joint_names), None)
-        missing = ", ".join(n for n in robot.joint_names if n not in names)
-        if wrong is not None:
-            raise ProblemError(unknown_name(f"joint of {robot.name}", wrong, robot.joint_names))
-        raise ProblemError(f"the motors must name each joint of {robot.name} once; missing: {missing}")
-    order = np.array([names.index(name) for name in robot.joint_names], dtype=np.int64)
-    return order, np.argsort(order)

@@ -1,4 +1,4 @@
-"""From readings to the state that a controller is given: the estimator and what it must be told at each step."""
+"""From readings to the state that a controller is given: the estimator and what it is told at each step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A robot in MuJoCo as a loop of joint targets meets it: motors with drives, sensors with noise, and a delay."""
+"""A robot in MuJoCo as a loop of joint targets meets it: motors with drives, noisy sensors, and a delay."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from surefoot.drive.watchdog import damping_targets
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.sensors import SensorModel, Sensors
-from surefoot.spatial import quaternion_from_rotation, rotation_exp, rotation_from_quaternion
+from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion
 from surefoot.terrain import Terrain
 
 DROP = 0.01

@@ -178,7 +178,6 @@ class BipedController(Walker):
         body = self.body
         body.height = min(body.height + self._rise * self.dt / self.start, self.height)
         body.ceiling = request.height
-        body.pose(self._posture, self.dt)
         body.advance(self.arbiter.velocity, now.com, self.dt)
 
     def _plan(
@@ -195,7 +194,7 @@ class BipedController(Walker):
     def _aim(self, clock: float, time: float) -> None:
         """Choose where feet in the air land."""
         feet, usual = self.soles.feet, self.settings.clearance * self.height
-        feet.clearance = max(usual + float(self._posture[2]), LEAST_CLEARANCE * usual)
+        feet.clearance = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
         for k in np.flatnonzero(~feet.stance & ~feet.planned):
             left = max(self.schedule.phase(int(k), clock)[2] - clock, 0.0)
             divergent = self._divergence(time + left - self._planned_at)
