@@ -22,7 +22,7 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.spatial import GRAVITY
 from surefoot.stepping.impacts import Tally
 from surefoot.stepping.motion import Ahead, moved
-from surefoot.stepping.state import Impact, Piece, State, Step, StepRemainder
+from surefoot.stepping.state import Impact, Piece, State, Step, StepRemainder, grown
 
 if TYPE_CHECKING:
     from surefoot.stepping.stepper import Stepper
@@ -55,7 +55,8 @@ def touching_step(stepper: Stepper, state: State, effort: FloatArray, mu: float)
             seen = stepper.contacts(State(q, v))
             last = struck(stepper, q, v, touching, mu, tally)
             pieces.append(Piece(state, seconds, last, int(np.flatnonzero(touching)[0])))
-            total, velocities = total + last.impulses, last.leaving
+            total = grown(total, len(last.impulses)) + last.impulses
+            velocities = last.leaving
             left, v = left - seconds, last.after
         state = State(q, v, state.steps, StepRemainder(nothing, velocities, True))
     if last is None:
@@ -65,7 +66,8 @@ def touching_step(stepper: Stepper, state: State, effort: FloatArray, mu: float)
     elif left > 0.0:
         rest = stepper.meet_ground(state, effort, None, mu, left)
         pieces.append(Piece(state, left, rest=rest))
-        total, state = total + rest.impulses, rest.state._replace(steps=state.steps)
+        total = grown(total, len(rest.impulses)) + rest.impulses
+        state = rest.state._replace(steps=state.steps)
         tally.unsolved, tally.worst = tally.unsolved + rest.unsolved, max(tally.worst, rest.worst_residual)
     return Step(
         state._replace(steps=state.steps + 1), stepper.options.dt, total, velocities, seen.gaps,

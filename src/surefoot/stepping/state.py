@@ -58,6 +58,11 @@ class State(NamedTuple):
         m = self.memory
         return m.rate if m is not None and m.q is self.q and m.v is self.v else None
 
+    @property
+    def airborne(self) -> bool:
+        """Whether the step may go through the air: nothing was near the ground so far."""
+        return self.memory is None or self.memory.airborne
+
 
 class Impact(NamedTuple):
     """The exchange of impulses in the middle of a step: what its problem was made of, and the outcome.
@@ -191,3 +196,9 @@ class Step(NamedTuple):
             parts = [p.impact.work(p.impact.impulses, p.impact.velocities) for p in self.pieces if p.impact]
             return sum(parts) + sum(p.rest.contact_work for p in self.pieces if p.rest)
         return 0.0 if self.impact is None else self.impact.work(self.impulses, self.velocities)
+
+
+def grown(values: FloatArray, count: int) -> FloatArray:
+    """Return (p, 3) values of contacts with rows of zeros for those up to `count` that have come since."""
+    more = count - len(values)
+    return values if more == 0 else np.vstack([values, np.zeros((more, 3))])
