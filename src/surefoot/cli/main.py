@@ -22,6 +22,7 @@ from surefoot.cli import (
     lab,
     model,
     plan,
+    policy,
     region,
     solve,
     stand,
@@ -50,7 +51,7 @@ app = typer.Typer(
 for _command in (
     stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve,
     translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds, plan.plan, export.export,
-    warmup.warmup, doctor.doctor, lab.lab,
+    warmup.warmup, doctor.doctor, lab.lab, policy.policy,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(ungrouped(_command))
 app.add_typer(bench.app, name="bench")
