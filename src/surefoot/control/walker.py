@@ -39,7 +39,6 @@ class Walker(Tick):
     """
 
     robot: Robot
-    dt: float
     settings: WalkSettings | BipedSettings
     schedule: ContactSchedule
     terrain: Terrain
@@ -47,13 +46,15 @@ class Walker(Tick):
     _limit: Callable[[VelocityCommand], VelocityCommand]
     height: float
 
-    def steer(self, velocity: ArrayLike) -> FloatArray:
+    def steer(self, velocity: ArrayLike, posture: ArrayLike = (0.0, 0.0, 0.0)) -> FloatArray:
         """Take another velocity from now on, limited and ramped as any, and return what is left of it.
 
         Parameters
         ----------
         velocity
             (3,) forward, left [m/s], yaw rate [rad/s].
+        posture
+            (3,) height and clearance over the usual [m], and pitch [rad], see `VelocityCommand`.
 
         Returns
         -------
@@ -63,10 +64,10 @@ class Walker(Tick):
         Raises
         ------
         ProblemError
-            For what is no three finite numbers.
+            For what is not three finite numbers each, or too steep a pitch.
         """
-        wanted = finite_array("velocity", velocity, (3,))
-        self.command = self._limit(VelocityCommand.constant(*wanted.tolist()))
+        wanted, pose = finite_array("velocity", velocity, (3,)), finite_array("posture", posture, (3,))
+        self.command = self._limit(VelocityCommand(np.zeros(1), wanted[None], pose[None]))
         return self.command.at(0.0)
 
     def _set_controllers(
@@ -142,8 +143,9 @@ class Walker(Tick):
         """Return the command that says what the parts have decided."""
         return WalkCommand(
             body.torques, body.forces, feet.stance[self.whole_body.point_foot], body.feasible, body.status,
-            feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(),
-            accelerations=body.accelerations, load=self._load_rows, asked_by=self.arbiter.asked_by,
+            body.accelerations, planned=feet.planned.copy(), frames=feet.frames.copy(),
+            wanted=self.body.velocity.copy(), targets=feet.target.copy(), load=self._load_rows,
+            asked_by=self.arbiter.asked_by,
         )  # fmt: skip
 
     def _damped(self, v: FloatArray) -> WalkCommand:
@@ -154,6 +156,7 @@ class Walker(Tick):
         n = len(self.robot.feet)
         return WalkCommand(
             body.torques, body.forces, np.ones(len(body.forces), dtype=bool), False, body.status,
-            np.ones(n, dtype=bool), np.tile(np.eye(3), (n, 1, 1)), np.zeros(3), np.zeros((n, 3)),
+            planned=np.ones(n, dtype=bool), frames=np.tile(np.eye(3), (n, 1, 1)), wanted=np.zeros(3),
+            targets=np.zeros((n, 3)),
             load=self._load_rows,
         )  # fmt: skip

@@ -282,8 +282,10 @@ class RigidWorld:
             return None
         if step is None or step.impact is None or not step.impulses[p:].any():
             return np.zeros(self.model.nv)
-        J = self.stepper.contacts(State(step.impact.q, step.impact.after)).J[3 * p :]
-        return np.asarray(J.T @ step.forces[p:].ravel())
+        contacts = self.stepper.contacts(State(step.impact.q, step.impact.after))
+        forces = np.zeros((len(contacts.gaps), 3))
+        forces[p : len(step.forces)] = step.forces[p:]
+        return contacts.effort(forces)
 
     def touches(self) -> list[BodyTouch]:
         """Return every contact that carried a force in the last step: feet, other links, bodies."""

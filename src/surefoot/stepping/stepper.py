@@ -35,7 +35,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.collision import Geometry
 from surefoot.contact import ContactProblem, ContactSolution
 from surefoot.contact.laws.soft import stable_step_together
@@ -44,9 +44,10 @@ from surefoot.robot import Robot
 from surefoot.solvers.solver import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
-from surefoot.stepping.bodies import Bodies, finite_vector
+from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.detection import Contacts, Surfaces
 from surefoot.stepping.explicit import ExplicitMeeting
+from surefoot.stepping.free_bodies import bodies_of
 from surefoot.stepping.impacts import FASTEST, LostMotion, Meeting, Tally, finite_problem
 from surefoot.stepping.motion import Ahead, FreeMotion
 from surefoot.stepping.options import StepOptions
@@ -114,9 +115,8 @@ class Stepper:
         if geometry is not None and self.options.order == 1:
             raise ProblemError("order=1 is of feet on the ground, not of a geometry")
         load = real_number("payload", payload, low=0.0)
-        self.bodies = Bodies(robot, self.terrain, load, geometry, self.options.dt, payload_position)
+        self.bodies = bodies_of(robot, self.terrain, load, geometry, self.options.dt, payload_position)
         self.geometry = geometry
-        self._foot = self.bodies.contacts.group
         soft = {"implicit": SoftMeeting, "explicit": ExplicitMeeting}
         rigid = Meeting if geometry is None else PairMeeting
         self._meeting = rigid if self.options.soft is None else soft[self.options.integration]
@@ -124,6 +124,11 @@ class Stepper:
         self._seen: tuple[FloatArray, Contacts] | None = None
         self.kept: dict[type, Any] = {}
         """Work arrays of its derivatives, by whose they are."""
+
+    @property
+    def _foot(self) -> IntArray:
+        """(p,) what each contact belongs to; pairs of many bodies join in when they come near."""
+        return self.bodies.contacts.group
 
     def start(self, q: FloatArray | None = None, v: FloatArray | None = None) -> State:
         """Return the state at q (nq,) (None: nominal) and v (nv,) [m/s, rad/s] (None: rest), no history."""
@@ -143,7 +148,7 @@ class Stepper:
             seen = self._detect(state.q)
         except LostMotion as lost:
             raise self._told(lost, state) from None
-        return Contacts(seen.gaps.copy(), seen.positions.copy(), seen.frames.copy(), seen.J.copy())
+        return seen.kept()
 
     def energy(self, state: State) -> float:
         """Return kinetic plus potential energy [J], zero potential at z = 0; see also `stored`."""
@@ -209,12 +214,12 @@ class Stepper:
         """Return the step through the air; None if a foot may touch the ground."""
         dt, v, still = self.options.dt, state.v, self._still
         start = self._detect(state.q)
-        if arithmetic.near_ground(start.J, v, v, start.gaps, 2.0 * dt, REACH).size:
+        if start.near(v, v, 2.0 * dt, REACH).size:
             return None
         velocities = start.velocities(v)
         q, v, _ = _moved(self.bodies.flight, state.q, v, dt, effort)
         end = self._detect(q)
-        if arithmetic.near_ground(end.J, v, still, end.gaps, 0.5 * dt, 0.0).size:
+        if end.near(v, still, 0.5 * dt, 0.0).size:
             return None
         nothing = np.zeros(velocities.shape)
         after = State(q, v, state.steps + 1, StepRemainder(nothing, velocities, True))
@@ -230,7 +235,7 @@ class Stepper:
         contacts = self._detect(q)
         bodies.weigh(q)
         free = self._free(v, effort, push, bodies.bias(q, v))
-        near = arithmetic.near_ground(contacts.J, v, free, contacts.gaps, dt, REACH)
+        near = contacts.near(v, free, dt, REACH)
         meeting = Meeting(q, v, free, contacts, self._foot, bodies.L, dt, mu, self.options, tally)
         nothing = np.zeros(contacts.positions.shape)
         impact = meeting.collide(near, nothing, nothing)
@@ -267,12 +272,15 @@ class Stepper:
         # all forces but the ground's
         free = self._free(before, effort, push, bodies.gravity(q))
         # the ground's
-        near = arithmetic.near_ground(contacts.J, before, free, contacts.gaps, dt, REACH)
+        last, leaving = grown(last, len(contacts.gaps)), grown(leaving, len(contacts.gaps))
+        near = contacts.near(before, free, dt, REACH)
         meeting = self._meeting(
             q, before, free, contacts, self._foot, bodies.L, dt, mu, self.options, tally, self._surfaces(mu)
         )
         impact = meeting.collide(near, last, leaving)
-        impulses = impact.impulses if arrival is None else impact.impulses + arrival
+        impulses = impact.impulses
+        if arrival is not None:
+            impulses = impulses + grown(arrival, len(impulses))
         # free motion to the end
         q, v, rate = _moved(bodies.coasting, q, impact.after, 0.5 * dt)
         memory = StepRemainder(impulses, impact.leaving, not near.size, rate, q, v)
@@ -299,9 +307,9 @@ class Stepper:
         """Return what stops a start that would hit the ground before the first impulses, if it would."""
         if state.memory is not None or self.options.soft is not None:  # soft ground takes what arrives
             return None
-        nothing, soon = np.zeros((len(self._foot), 3)), 0.5 * self.options.dt
-        contacts = self._detect(state.q)
-        near = arithmetic.near_ground(contacts.J, state.v, self._still, contacts.gaps, soon, 0.0)
+        contacts, soon = self._detect(state.q), 0.5 * self.options.dt
+        nothing = np.zeros((len(self._foot), 3))
+        near = contacts.near(state.v, self._still, soon, 0.0)
         if not near.size:
             return None
         self.bodies.weigh(state.q)
@@ -337,13 +345,11 @@ class Stepper:
         if contacts.gaps.min(initial=0.0) >= -SLOP:
             return None
         L, still, near = self.bodies.L, self._still, np.flatnonzero(contacts.gaps < REACH)
-        rows, G, g = arithmetic.assemble(
-            contacts.J, L, still, still, contacts.gaps, near, 1.0, 0.0, np.inf, 1.0
-        )
+        rows, G, g = contacts.assemble(L, still, still, contacts.gaps, near, 1.0, 1.0)
         solution = solve(finite_problem(G, g, 0.0), self.options.solver, 1e-6)
         pushes = np.zeros(contacts.positions.shape)
         pushes[near] = solution.forces
-        way = arithmetic.apply_impulses(L, rows, solution.forces.ravel(), still)
+        way = contacts.apply(L, rows, solution.forces, still)
         velocities = contacts.velocities(way)
         return Impact(q, still, still, way, near, rows, pushes, velocities, velocities, solution)
 
@@ -371,6 +377,12 @@ class Stepper:
 def _airborne(state: State) -> bool:
     """Return whether the step may go through the air: nothing was near the ground so far."""
     return state.memory is None or state.memory.airborne
+
+
+def grown(values: FloatArray, count: int) -> FloatArray:
+    """Return (p, 3) values of contacts with rows of zeros for those up to `count` that have come since."""
+    more = count - len(values)
+    return values if more == 0 else np.vstack([values, np.zeros((more, 3))])
 
 
 def _moved(
