@@ -31,7 +31,7 @@ BEARABLE = 0.7
 TermFunction = Callable[[RobotState], FloatArray]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PolicyCommand(Command):
     """A policy's command.
 
@@ -153,7 +153,6 @@ class Policy(Controller):
         over = np.flatnonzero(self._damping > most)
         lowered = [f"{robot.joint_names[k]} {self._damping[k]:g} to {most[k]:.2g}" for k in over]
         self._damping = np.minimum(self._damping, most)
-        self._points = len(robot.contact_points)
         self._limits = robot.effort_limits
         self._action, self._asked = np.zeros(len(spec.joints)), np.zeros(3)
         return [f"damping lowered to what a step bears: {', '.join(lowered)}"] if lowered else []
@@ -194,11 +193,9 @@ class Policy(Controller):
 
     def step(self, state: RobotState) -> PolicyCommand:
         """Return joint targets, new ones at the policy's rate; see `Controller.step`."""
-        nothing = np.full((self._points, 3), np.nan)
-        everyone = np.ones(self._points, dtype=bool)
         if not computable(state.q, state.v):
             torques = damping_torques(self.robot, state.v, self._limits)
-            return PolicyCommand(torques, nothing, everyone, False, Status.INVALID, self._asked)
+            return PolicyCommand(torques, attained=False, status=Status.INVALID, wanted=self._asked)
         if self._targets is None or state.time >= self._next - 1e-9:
             start = state.time if self._targets is None else self._next
             self._next = max(start + 1.0 / self.spec.rate, state.time)
@@ -207,7 +204,7 @@ class Policy(Controller):
         torques = np.clip(self._targets.torques(q, v), -self._limits, self._limits)
         status = Status.SOLVED if self._healthy else Status.INVALID
         return PolicyCommand(
-            torques, nothing, everyone, self._healthy, status, self._asked, joint_targets=self._targets
+            torques, attained=self._healthy, status=status, wanted=self._asked, joint_targets=self._targets
         )
 
     def _answer(self, state: RobotState) -> JointTargets:
