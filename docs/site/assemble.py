@@ -46,8 +46,8 @@ TITLE = {"en": "The course", "zh": "课程"}
 ABOUT = {
     "en": "Contact mechanics of legged robots by measurement: the theory of a textbook chapter derived "
     "and run, its exercises, its tables measured anew, its traps shown happening, its errors put right, and "
-    "a troubleshooting manual that breaks things. The chapter is chapter 52 of *Robotics Tutorial* by Pengfei "
-    "Guo, licensed CC BY 4.0; the course follows its order in words and measurements of its own. "
+    "a troubleshooting manual that breaks things. The chapter is chapter 52 of *Robotics Tutorial* by "
+    "Pengfei Guo, licensed CC BY 4.0; the course follows its order in words and measurements of its own. "
     "All code uses public names and runs when this site is built; all numbers in the texts come out "
     "of it, and what they claim is asserted.",
     "zh": "用测量来学习足式机器人的接触力学：推导并运行一章教材的理论，做完全部习题，重新测量其表格，"
