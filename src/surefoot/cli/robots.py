@@ -36,7 +36,7 @@ def load(
 
     source = DEFAULT if name is None else Path(name).absolute() if is_file(name) else name
     robot = load_robot(source, parsing.names("--feet", feet), fixed_base=fixed_base)
-    if feet_needed and not robot.feet:
+    if feet_needed and robot.floating and not robot.feet:
         ends = ", ".join(limb_ends(robot)[:MOST_ENDS])
         raise ProblemError(f"{name} needs --feet, the frames that touch the ground; its limbs end in {ends}")
     return robot
