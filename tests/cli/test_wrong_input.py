@@ -236,7 +236,7 @@ OTHERS = [
 NEEDS = {"plan": "casadi", "lab": "viser"}
 PLAN = [
     ("plan fly", "valid names: " + ", ".join(sorted(task_names()))),
-    ("plan jump far", "amount"),
+    ("plan jump far", "AMOUNT"),
     ("plan jump 99", "distance [m]"),
     ("plan g1 jump", "four feet"),
     ("plan robodog jump", "robodog"),

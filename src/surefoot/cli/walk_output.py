@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from surefoot.audit import WalkSummary
 from surefoot.cli.console import Cell, Table
 from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines, torque_line
@@ -54,7 +56,9 @@ def figure_lines(summary: WalkSummary) -> list[str]:
     excess = summary.commanded_cone_excess
     return [
         *summary.notes,
-        "no commanded force left its friction cone"
+        "the controller counts on no forces"
+        if math.isnan(excess)
+        else "no commanded force left its friction cone"
         if excess <= 1e-9
         else f"commanded forces left their cones by up to {excess:.3g} N",
         f"base climbed {summary.climb:.2f} m and leant at most {summary.tilt_max_deg:.1f} deg",

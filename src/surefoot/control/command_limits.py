@@ -10,7 +10,7 @@ On a slope, and on stairs, the ground takes a part of the friction: what is left
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -180,7 +180,7 @@ class Limits:
             ends = np.append(0.0, FRACTIONS * self.size_of(row)), np.append(0.0, more)
             hurry = np.maximum(np.interp(grid, sizes, hurry), np.interp(grid, *ends))
             sizes = grid
-        slowed = VelocityCommand(command.times, values)
+        slowed = replace(command, values=values)
         limited = Limited(slowed, notes, sizes, np.maximum.accumulate(hurry))
         self._last = [limited, *self._last[: COMMANDS_KEPT - 1]]
         return limited

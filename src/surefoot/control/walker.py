@@ -39,7 +39,6 @@ class Walker(Tick):
     """
 
     robot: Robot
-    dt: float
     settings: WalkSettings | BipedSettings
     schedule: ContactSchedule
     terrain: Terrain
@@ -47,13 +46,15 @@ class Walker(Tick):
     _limit: Callable[[VelocityCommand], VelocityCommand]
     height: float
 
-    def steer(self, velocity: ArrayLike) -> FloatArray:
+    def steer(self, velocity: ArrayLike, posture: ArrayLike = (0.0, 0.0, 0.0)) -> FloatArray:
         """Take another velocity from now on, limited and ramped as any, and return what is left of it.
 
         Parameters
         ----------
         velocity
             (3,) forward, left [m/s], yaw rate [rad/s].
+        posture
+            (3,) height and clearance over the usual [m], and pitch [rad], see `VelocityCommand`.
 
         Returns
         -------
@@ -63,10 +64,10 @@ class Walker(Tick):
         Raises
         ------
         ProblemError
-            For what is no three finite numbers.
+            For what is not three finite numbers each, or too steep a pitch.
         """
-        wanted = finite_array("velocity", velocity, (3,))
-        self.command = self._limit(VelocityCommand.constant(*wanted.tolist()))
+        wanted, pose = finite_array("velocity", velocity, (3,)), finite_array("posture", posture, (3,))
+        self.command = self._limit(VelocityCommand(np.zeros(1), wanted[None], pose[None]))
         return self.command.at(0.0)
 
     def _set_controllers(

@@ -63,10 +63,10 @@ class Robot:
         shapes: Sequence[catalog.FootShape] = (),
     ) -> None:
         self.name, self.model, self.collision, self._load_visual = name, model, collision, visual
-        self.data = model.createData()
         self.floating = floating
         self.nominal = nominal
-        self._forward(nominal)
+        if feet:
+            self._forward(nominal)
         if shapes:
             self.feet = tuple(
                 shaped_foot(model, f, s.centres, s.radius) for f, s in zip(feet, shapes, strict=True)
@@ -81,6 +81,11 @@ class Robot:
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, mass={self.mass:.3f}, joints={self.joints}, feet={self.foot_names})"
+
+    @cached_property
+    def data(self) -> Any:
+        """Pinocchio's Data of our own; of many joints it is large, so it is made when asked for."""
+        return self.model.createData()
 
     @cached_property
     def visual(self) -> Any:
