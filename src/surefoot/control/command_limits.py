@@ -268,7 +268,9 @@ def use_of(wanted: FloatArray, limits: FloatArray) -> FloatArray:
     >>> use_of(np.array([2.0, 2.0, np.inf]), np.array([4.0, np.inf, np.inf]))
     array([0.5, 0. , inf])
     """
-    return np.divide(wanted, limits, out=np.full(wanted.shape, np.inf), where=np.isfinite(wanted))
+    shares = np.full(wanted.shape, np.inf)
+    np.divide(wanted, limits, out=shares, where=np.isfinite(wanted))
+    return shares
 
 
 @lru_cache(TABLES_KEPT)
