@@ -67,6 +67,7 @@ def cost_line(summary: RunSummary) -> str:
     """Return one line about time."""
     step = summary.controller_step_us
     return (
-        f"controller step {step.median:.0f} us median, {step.p99:.0f} us at the 99th percentile; "
+        f"controller step {step.median:.0f} us median, {step.p99:.0f} us at the 99th percentile, "
+        f"{step.largest:.0f} us at most; "
         f"the run {summary.real_time_factor:.1f} times faster than real time"
     )
