@@ -29,19 +29,35 @@ QUESTIONS = (
     ChecklistQuestion(
         "Do forces, frames, signs and torques agree with the motion?",
         ("motion", "balance"),
-        ("wrong frame", "reversed", "mirrored", "swapped feet", "wrong torques", "torques not applied", "dead torque",
-         "outside force"),
+        (
+            "wrong frame",
+            "reversed",
+            "mirrored",
+            "swapped feet",
+            "wrong torques",
+            "torques not applied",
+            "dead torque",
+            "outside force",
+        ),
     ),
     ChecklistQuestion("Does the ground only push?", ("pull",), ("pull",)),
-    ChecklistQuestion("Does friction stay in the cone?", ("friction",), ("too much friction", "pyramid bias")),
-    ChecklistQuestion("Is there force only in contact?", ("distance",), ("phantom force", "friction in the air")),
+    ChecklistQuestion(
+        "Does friction stay in the cone?", ("friction",), ("too much friction", "pyramid bias")
+    ),
+    ChecklistQuestion(
+        "Is there force only in contact?", ("distance",), ("phantom force", "friction in the air")
+    ),
     ChecklistQuestion("Do feet stay out of the ground?", ("penetration",), ("sinking", "deep contact")),
     ChecklistQuestion(
         "Do feet that stand stay where they are?", ("dissipation", "work"), ("skating", "frictionless slide")
     ),
-    ChecklistQuestion("Do touches return no energy?", ("restitution",), ("energy gain", "push off penetration")),
-    ChecklistQuestion("Is the contact force calm?", (), ("chatter", "one step impulse", "unconverged solver")),
-)  # fmt: skip
+    ChecklistQuestion(
+        "Do touches return no energy?", ("restitution",), ("energy gain", "push off penetration")
+    ),
+    ChecklistQuestion(
+        "Is the contact force calm?", (), ("chatter", "one step impulse", "unconverged solver")
+    ),
+)
 
 ANSWER = ("question", "answer", "why")
 """Columns of the answers."""
@@ -53,7 +69,7 @@ def answers(report: AuditReport, log: Log) -> list[list[str]]:
 
 
 def _answer(question: ChecklistQuestion, report: AuditReport, log: Log) -> tuple[str, str]:
-    """Return the answer to a question and its evidence: the first thing against it, or what was not judged."""
+    """Return the answer to a question, and what speaks against it or could not be judged."""
     broken = [str(v) for v in report.violations if v.law in question.laws]
     found = [str(f) for f in (*report.command, *report.symptoms) if f.name in question.signs]
     if broken or found:
