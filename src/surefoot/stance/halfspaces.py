@@ -92,7 +92,7 @@ class HalfSpaces:
             )
         A[row : row + count, column : column + wide] = block
         b[row : row + count] = right
-        return count
+        return int(count)
 
 
 def row_counts(
