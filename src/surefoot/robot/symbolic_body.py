@@ -171,6 +171,37 @@ class SymbolicBody:
             columns.append(self._ca.mtimes(poses[j - 1].rotation_world, own))
         return self._ca.horzcat(*columns)
 
+    def momentum(self, q: Expression, v: Expression) -> tuple[Expression, Expression, Expression]:
+        """Return the centre of mass [m], and linear and angular momentum about it [N s, N m s]: (3, 1) each.
+
+        World axes; `at_origin` those of the base.
+        """
+        ca, poses = self._ca, self._poses(q)
+        own = list[tuple[float, Expression, Expression, Expression]]()
+        for joint, pose, spin, speed in zip(self._joints, poses, *self._twists(poses, v), strict=True):
+            lever, turn = self._constant(joint.lever), pose.rotation_world
+            place = pose.translation_world + ca.mtimes(turn, lever)
+            push = joint.mass * ca.mtimes(turn, speed + ca.cross(spin, lever))
+            whirl = ca.mtimes(turn, ca.mtimes(self._constant(joint.inertia), spin))
+            own.append((joint.mass, place, push, whirl))
+        com = sum(mass * place for mass, place, _, _ in own) / sum(mass for mass, *_ in own)
+        angular = sum(whirl + ca.cross(place - com, push) for _, place, push, whirl in own)
+        return com, sum(push for _, _, push, _ in own), angular
+
+    def at_origin(self, q: Expression) -> Expression:
+        """Return (nq,) q with the base at the world's origin, that of a free flyer upright."""
+        ca, first = self._ca, self._joints[0]
+        fixed = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0] if first.kind == FREE else []
+        while (
+            len(fixed) < len(self._joints) and self._joints[len(fixed)].kind in SLIDES[:3] and not fixed[6:]
+        ):
+            fixed.append(0.0)
+        return ca.vertcat(ca.DM(fixed), q[len(fixed) :])
+
+    def base_turn(self, q: Expression) -> Expression:
+        """Return rotation_world_base (3, 3) of a free flyer; the world's axes for others."""
+        return turn_matrix(q[3:7]) if self._joints[0].kind == FREE else self._ca.DM.eye(3)
+
     def integrate(self, q: Expression, step: Expression) -> Expression:
         """Return the configuration (nq,) that lies a (nv,) step from q, as `pinocchio.integrate`.
 
@@ -344,6 +375,13 @@ def turn_matrix(quaternion: Expression) -> Expression:
         (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
     )
     return ca.vertcat(*(ca.horzcat(*row) for row in rows))
+
+
+def turned(vector: Expression, rotation: Expression) -> Expression:
+    """Return a vector (3, 1) after a turn by a rotation vector (3, 1), in symbols."""
+    ca = import_casadi()
+    square, once = ca.dot(rotation, rotation), ca.cross(rotation, vector)
+    return vector + _series(square, 1) * once + _series(square, 2) * ca.cross(rotation, once)
 
 
 def _cross_matrix(axis: FloatArray) -> FloatArray:

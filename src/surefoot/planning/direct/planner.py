@@ -321,6 +321,6 @@ def _made_exact(
     if trajectory.touch_impulses is not None:
         facts["touch_impulses"] = trajectory.touch_impulses
     return DirectPlan(
-        plan_from(trajectory, problem.robot, search, problem.terrain, **facts), motion, trajectory,
+        plan_from(trajectory, problem.robot, search, problem.terrain, problem, **facts), motion, trajectory,
         tuple(stages), off, float(np.abs(products).max(initial=0.0)), miss,
     )  # fmt: skip
