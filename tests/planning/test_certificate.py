@@ -1,4 +1,4 @@
-"""What SOLVED means beside the goal: momentum that forces gave, and a finer run that ends at the same place."""
+"""What SOLVED means beside the goal: momentum that forces gave, and a finer run that ends there as well."""
 
 from __future__ import annotations
 
