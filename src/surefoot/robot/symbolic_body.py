@@ -17,11 +17,10 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import ModelError
 from surefoot.robot.contact_points import ContactPoints
 from surefoot.robot.libraries import import_casadi
+from surefoot.robot.symbolic_rotations import cross_matrix, even_series, turn_matrix
 
 Expression = Any
 """A CasADi SX matrix."""
-TERMS = 14
-"""Terms of the power series of rotations: exact to round-off up to half a turn per step."""
 TINY = 1e-15
 """Entries of placements below this are zero: they would only make expressions longer."""
 HINGES = ("JointModelRX", "JointModelRY", "JointModelRZ", "JointModelRevoluteUnaligned")
@@ -223,12 +222,12 @@ class SymbolicBody:
         """Return a free flyer's pose after a twist: the exponential of SE(3), then that of quaternions."""
         ca, (linear, angular) = self._ca, (way[:3], way[3:])
         square = ca.dot(angular, angular)
-        arc, swing = _series(square, 2), _series(square, 3)  # (1 - cos t) / t², (t - sin t) / t³
+        arc, swing = even_series(square, 2), even_series(square, 3)  # (1 - cos t) / t², (t - sin t) / t³
         once = ca.cross(angular, linear)
         shift = linear + arc * once + swing * ca.cross(angular, once)
         place = q[:3] + ca.mtimes(turn_matrix(q[3:]), shift)
         half = 0.5 * angular
-        sine, cosine = _series(0.25 * square, 1), _series(0.25 * square, 0)
+        sine, cosine = even_series(0.25 * square, 1), even_series(0.25 * square, 0)
         x, w = q[3:6], q[6]
         turned = w * sine * half + cosine * x + sine * ca.cross(x, half)
         return ca.vertcat(place, turned, w * cosine - sine * ca.dot(x, half))
@@ -253,7 +252,7 @@ class SymbolicBody:
         # Rodrigues' formula, by its three constant parts
         flat = self._constant(np.eye(3) - across)
         return self._constant(across) + cosine * flat + sine * self._constant(
-            _cross_matrix(axis)
+            cross_matrix(axis)
         ), ca.DM.zeros(3)
 
     def _poses(self, q: Expression) -> list[_Pose]:
@@ -363,42 +362,3 @@ def _read_joint(model: Any, data: Any, index: int) -> _Joint:
         np.array(body.lever),
         np.array(body.inertia),
     )
-
-
-def turn_matrix(quaternion: Expression) -> Expression:
-    """Return the rotation matrix of a unit quaternion (x, y, z, w) in symbols."""
-    ca = import_casadi()
-    x, y, z, w = (quaternion[k] for k in range(4))
-    rows = (
-        (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
-        (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
-        (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
-    )
-    return ca.vertcat(*(ca.horzcat(*row) for row in rows))
-
-
-def turned(vector: Expression, rotation: Expression) -> Expression:
-    """Return a vector (3, 1) after a turn by a rotation vector (3, 1), in symbols."""
-    ca = import_casadi()
-    square, once = ca.dot(rotation, rotation), ca.cross(rotation, vector)
-    return vector + _series(square, 1) * once + _series(square, 2) * ca.cross(rotation, once)
-
-
-def _cross_matrix(axis: FloatArray) -> FloatArray:
-    """Return S with S @ b = axis x b."""
-    x, y, z = axis
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
-def _series(square: Expression, order: int) -> Expression:
-    """Return Σ (-1)^k t^2k / (2k + order)!: cos t, sin t / t, (1 - cos t) / t², (t - sin t) / t³."""
-    total, size = 0.0, 1.0
-    for n in range(2, order + 1):
-        size /= n
-    terms = [size]
-    for k in range(1, TERMS + order % 2):
-        size /= -(2 * k + order - 1) * (2 * k + order)
-        terms.append(size)
-    for term in reversed(terms):
-        total = term + square * total
-    return total

@@ -20,7 +20,8 @@ from surefoot.planning.transcription.nlp import Expression, Sides
 from surefoot.robot import Robot
 from surefoot.robot.centroidal import carried_momentum
 from surefoot.robot.libraries import import_casadi
-from surefoot.robot.symbolic_body import SymbolicBody, turned
+from surefoot.robot.symbolic_body import SymbolicBody
+from surefoot.robot.symbolic_rotations import turned
 from surefoot.terrain import Terrain
 
 Row: TypeAlias = tuple[Expression, ArrayLike, ArrayLike]
