@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
+from surefoot.errors import ProblemError
 from surefoot.kernels import kernel
 from surefoot.robot.centroidal import carried_momentum
 from surefoot.spatial import GRAVITY
@@ -45,7 +46,7 @@ class MomentumKnot(Knot):
     """Takes first-order steps that keep the momentum of the whole robot; else as `Knot`.
 
     For robots that nothing carries: with a free flyer, or on slides along the world's axes. Others have no
-    momentum of their own, and take the plain step.
+    momentum of their own, and take the plain step. Rates by inertial parameters are of `Knot` alone.
     """
 
     def __init__(self, stepper: Stepper) -> None:
@@ -105,6 +106,16 @@ class MomentumKnot(Knot):
             X = _rigid_motion(other, n)
             out[:n] = np.linalg.solve(X.T @ A[:, :n], X.T @ (self._A @ self.v - A[:, n:] @ out[n:]))
         return out
+
+    def inertia(self) -> FloatArray:
+        """Not known here: the momentum of a way has rates of its own by inertial parameters.
+
+        Raises
+        ------
+        ProblemError
+            Always.
+        """
+        raise ProblemError("derivatives by inertial parameters are of plain first-order steps, see Knot")
 
     def _correct_rates(self, after: FloatArray) -> None:
         """Write the base's rows: those of momentum, divided by dt, in the base's axes."""
