@@ -29,8 +29,8 @@ MEANINGS = (
     "be, in 19 of 20). m/s, error: mean velocity forward, worst distance from the asked one. slip: "
     "longest sliding of one stance, worst. force: largest of a foot in m g. CoT: positive mechanical "
     "work over m g times the way. torque, speed: highest use of a joint's limit. hits: share of steps "
-    "with other links touching. cones: share of steps with a commanded force outside the true cone. CPU: of a controller's step, mean and 99th "
-    "percentile. x real: simulated over CPU time of the whole loop."
+    "with other links touching. cones: share of steps with a commanded force outside the true cone. "
+    "CPU: of a step, mean and 99th percentile. x real: simulated over CPU time of the whole loop."
 )
 Checkout = Annotated[
     Path | None, typer.Option(help="Checkout of it; else the environment variable, see docs/stacks.md.")

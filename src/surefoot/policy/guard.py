@@ -123,8 +123,8 @@ class Guard(Wrapper):
         frames = self._frames(now.centres)
         on, forces, accelerations = implied_forces(
             views.mass_matrix, views.bias, views.twists, points.foot_support, points.foot,
-            body.foot_rotations, views.frame_places[self._frame_of], points.centres, points.foot_radii, frames,
-            now.drifts, state.v, torques, np.asarray(state.contact),
+            body.foot_rotations, views.frame_places[self._frame_of], points.centres, points.foot_radii,
+            frames, now.drifts, state.v, torques, np.asarray(state.contact),
         )  # fmt: skip
         sideways = np.hypot(forces[:, 0], forces[:, 1])
         if not on.any() or (not always and (sideways <= self.mu * forces[:, 2]).all()):
