@@ -6,7 +6,7 @@ import math
 
 from surefoot.audit import WalkSummary
 from surefoot.cli.console import Cell, Table
-from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines
+from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines, torque_line
 
 WALK_OUTCOMES = OUTCOMES | {"walked": "walked", "did not follow": "did not follow its command: it moved"}
 AXES = (("forward", "m/s"), ("left", "m/s"), ("turn", "rad/s"))
@@ -62,8 +62,7 @@ def figure_lines(summary: WalkSummary) -> list[str]:
         if excess <= 1e-9
         else f"commanded forces left their cones by up to {excess:.3g} N",
         f"base climbed {summary.climb:.2f} m and leant at most {summary.tilt_max_deg:.1f} deg",
-        f"hardest worked joint {summary.torque_use_joint} at {100 * summary.torque_use_max:.0f} % of its "
-        "limit",
+        torque_line(summary),
         f"whole-body step possible within all limits in {100 * summary.feasible_share:.2f} % of the steps",
         *motor_lines(summary),
         *estimate_lines(summary),
