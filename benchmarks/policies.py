@@ -2,8 +2,8 @@
 
     python -m benchmarks.policies NETWORK ... [--spec YAML ...] [--seeds 5] [--guard]
 
-Each policy walks at 0.5 m/s for 10 s in physics like those of its training (MuJoCo's default softness, steps
-of 4 ms, one iteration) and in ours; its score is the number of an audit's symptoms in ours. Then it walks on
+Each policy walks at 0.5 m/s for 10 s in the physics of its training, where an .xml of its stem beside it says
+which, else on MuJoCo's default softness with steps of 4 ms; and in ours; its score is the number of an audit's symptoms in ours. Then it walks on
 ice, a slope, stiff ground and with a delay. ``--guard`` holds each beside itself with `surefoot.Guard` on ice
 and where soft ground becomes hard.
 """
@@ -19,6 +19,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 import surefoot as sf
+from benchmarks import strangers
 from surefoot.audit.motion import foot_forces, heading_velocity
 from surefoot.log import Ending
 from surefoot.simulation.faults import Faults
@@ -26,7 +27,7 @@ from surefoot.simulation.observers import Moment, Observer
 
 SPEED, SECONDS, CHANGE = 0.5, 6.0, 2.5
 """Commanded [m/s], how long where it may fall, and when soft ground becomes hard [s]."""
-TRAINED: dict[str, Any] = {"dt": 4e-3, "solref": (0.02, 1.0), "solimp": (0.9, 0.95, 0.001, 0.5, 2.0)}
+DEFAULT: dict[str, Any] = {"dt": 4e-3, "solref": (0.02, 1.0), "solimp": (0.9, 0.95, 0.001, 0.5, 2.0)}
 STIFF, SOFT = (0.002, 1.0), (0.08, 1.0)
 """solref of stiff and soft ground."""
 ELSEWHERE: dict[str, dict[str, Any]] = {
@@ -59,8 +60,6 @@ def walked(
     ground = sf.FlatTerrain() if terrain is None else terrain
     place = sf.place(policy.robot, ground, policy.posture)
     there = sf.MujocoWorld(policy.robot, ground, mu, **world)
-    if world.get("dt") == TRAINED["dt"]:
-        there.model.opt.iterations = 1
     pushes = [sf.Push(CHANGE + 0.05 * (seed % 8), (0.0, push, 0.0), 0.1)] if push else []
     faults = Faults(noise=0.5, delay=delay)
     scenario = sf.Scenario(seconds, mu, pushes, (), seed, faults, place)
@@ -83,15 +82,23 @@ def gained(log: sf.Log) -> dict[str, float]:
     }
 
 
-def exploits(policies: Sequence[tuple[str, sf.Policy, sf.Policy]], seeds: int) -> Iterator[str]:
+def _trained(policy: sf.Policy, file: Path) -> tuple[str, sf.Log]:
+    """Return the name and the log of a walk in the physics of training."""
+    own = file.with_suffix(".xml")
+    if own.is_file():
+        return "training", strangers.walked(next(strangers.models_under([own]))[1], 10.0, policy)
+    return "default", walked(policy, 10.0, **DEFAULT)
+
+
+def exploits(policies: Sequence[tuple[Path, sf.Policy, sf.Policy]], seeds: int) -> Iterator[str]:
     """Yield the rows of the first table: in training's physics, in ours, and how many survive elsewhere."""
     scores, survived = [], []
-    for name, slow, fast in policies:
-        for where, policy, world in (("training", slow, TRAINED), ("ours", fast, {})):
-            log = walked(policy, 10.0, **world)
+    for file, slow, fast in policies:
+        name = file.stem
+        for where, log in (_trained(slow, file), ("ours", walked(fast, 10.0))):
             row = gained(log)
             cells = " | ".join(f"{value:.3g}" for value in row.values())
-            yield f"| {name} | {where} | {log.fact('outcome')} | {cells} |"
+            yield f"| {name} | {where} | {len(log) * log.fact('dt'):.0f} s | {cells} |"
         stood = {
             label: sum(walked(fast, SECONDS, k, **how).fact("outcome") == Ending.DONE for k in range(seeds))
             for label, how in ELSEWHERE.items()
@@ -104,9 +111,10 @@ def exploits(policies: Sequence[tuple[str, sf.Policy, sf.Policy]], seeds: int) -
         yield f"rank correlation of score and survival: {rank:.2f} of {len(policies)} policies"
 
 
-def guarded(policies: Sequence[tuple[str, sf.Policy, sf.Policy]], seeds: int) -> Iterator[str]:
+def guarded(policies: Sequence[tuple[Path, sf.Policy, sf.Policy]], seeds: int) -> Iterator[str]:
     """Yield the rows of the second table: with and without a guard."""
-    for name, _, policy in policies:
+    for file, _, policy in policies:
+        name = file.stem
         for label, how in GUARDED.items():
             for guard in (False, True):
                 logs = [walked(policy, SECONDS, k, guard, **how) for k in range(seeds)]
@@ -134,9 +142,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for n in given.networks:
         slow, fast = (
             sf.Policy(n, specs.get(n.stem), command=(SPEED, 0.0, 0.0), dt=dt, trust=True)
-            for dt in (TRAINED["dt"], 1e-3)
+            for dt in (DEFAULT["dt"], 1e-3)
         )
-        policies.append((n.stem, slow, fast))
+        policies.append((n, slow, fast))
     table = guarded if given.guard else exploits
     for line in table(policies, given.seeds):
         print(line, flush=True)

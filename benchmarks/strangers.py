@@ -4,9 +4,9 @@
 
 A model with a keyframe is held there by joint control and marches on the spot; one without gets seeded
 random controls within their range, as an untrained policy gives them; ``--policy NETWORK --spec YAML`` lets a
-learned policy walk it. Meshes are left out (their files may be missing), a plane is put under a model that has
-no ground. ``--cones`` runs each with both cones and every condim of its contacts; ``--quick`` runs models of
-our own. Nothing of a model is kept.
+learned policy walk it. Meshes are left out (their files may be missing), a plane is put under a model that
+has no ground. ``--cones`` runs each with both cones and every condim of its contacts; ``--quick`` runs models
+of our own. Nothing of a model is kept.
 """
 
 from __future__ import annotations
