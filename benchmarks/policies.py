@@ -2,10 +2,10 @@
 
     python -m benchmarks.policies NETWORK ... [--spec YAML ...] [--seeds 5] [--guard]
 
-Each policy walks at 0.5 m/s for 10 s in the physics of its training, where an .xml of its stem beside it says
-which, else on MuJoCo's default softness with steps of 4 ms; and in ours. Its score is the number of an audit's
-symptoms in ours. Then it walks on ice, a slope, stiff ground and with a delay. ``--guard`` holds each beside
-itself with `surefoot.Guard` on ice and where soft ground becomes hard.
+Each policy walks at 0.5 m/s for 10 s in the physics of its training, where an .xml of its stem beside it
+says which, else on MuJoCo's default softness with steps of 4 ms; and in ours. Its score is the number of an
+audit's symptoms in ours. Then it walks on ice, a slope, stiff ground and with a delay. ``--guard`` holds each
+beside itself with `surefoot.Guard` on ice and where soft ground becomes hard.
 """
 
 from __future__ import annotations
