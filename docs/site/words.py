@@ -22,6 +22,11 @@ CHINESE = {
 _WORDS = re.compile(rf"\b({'|'.join(sorted(map(re.escape, CHINESE), key=len, reverse=True))})\b")
 
 
-def translated(text: str, language: str) -> str:
-    """Return a table's cell, or a value that is one word, in a language."""
+def cell(text: str, language: str) -> str:
+    """Return a table's cell in a language, word by word."""
     return _WORDS.sub(lambda found: CHINESE[found[1]], text) if language == "zh" else text
+
+
+def value(text: str, language: str) -> str:
+    """Return a value inside of a sentence in a language: as it is unless all of it is in the list."""
+    return CHINESE.get(text, text) if language == "zh" else text
