@@ -23,6 +23,9 @@ BESIDES = {
     "look-up": ["/api/index", "/docs/README", "/CHANGELOG", "/CONTRIBUTING", "/README"],
 }
 """What stands in the menus of shelves and is no page of the docs."""
+ZH = Path(__file__).with_name("zh")
+ZH_ORDER = ("learn", "first-steps", "do", "look-up", "understand")
+"""Pages of the docs that are there in Chinese, too, in the order of their menu."""
 COPIED = ("docs/*.md", "docs/cookbook/*.md", "docs/images/*", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 SECTIONS = {
     0: {"en": "Start here", "zh": "从这里开始"},
@@ -82,6 +85,7 @@ def assemble(build: Path, only: Iterable[str] | None = None, jobs: int = 2) -> d
     for language, tree in trees.items():
         (tree / "course" / "index.md").write_text(contents(chosen, language), encoding="utf-8")
     (trees["zh"] / "index.md").write_text(_zh_front(), encoding="utf-8")
+    _zh_docs(trees["zh"] / "docs")
     _copy(trees["en"])
     _cookbook(trees["en"] / "docs" / "cookbook")
     reference.write(trees["en"] / "api")
@@ -109,10 +113,33 @@ def contents(chosen: list[Page], language: str) -> str:
 
 
 def _zh_front() -> str:
+    shelves = [f"docs/{path.stem}" for path in sorted(ZH.glob("*.md"), key=lambda p: ZH_ORDER.index(p.stem))]
     return "\n".join([
-        "# Surefoot 课程", "", ABOUT["zh"], "", '<a href="../index.html">English documentation</a>', "",
-        "```{toctree}", ":maxdepth: 2", "", "course/index", "```", "",
+        "# Surefoot 中文", "", ABOUT["zh"], "", '<a href="../index.html">English documentation</a>', "",
+        "```{toctree}", ":maxdepth: 2", "", *shelves, "course/index", "```", "",
     ])  # fmt: skip
+
+
+def _zh_docs(folder: Path) -> None:
+    """Write the Chinese shelves: code is the English page's, links to other pages lead to its tree."""
+    folder.mkdir(parents=True, exist_ok=True)
+    here = {path.name for path in ZH.glob("*.md")}
+
+    def linked(found: re.Match[str]) -> str:
+        if found[2] in here or found[2].startswith("../course/"):
+            return found[0]
+        return f'<a href="../../docs/{found[2].removesuffix(".md")}.html">{found[1]}</a>'
+
+    for path in ZH.glob("*.md"):
+        text = path.read_text(encoding="utf-8")
+        for number, block in enumerate(code_blocks(ROOT / "docs" / path.name), 1):
+            text = text.replace(f"{{{{{number}}}}}", block)
+        (folder / path.name).write_text(_LINK.sub(linked, text), encoding="utf-8")
+
+
+def code_blocks(path: Path) -> list[str]:
+    """Return the fenced blocks of a page, fences included."""
+    return re.findall(r"^```\w+\n.*?^```$", path.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
 
 
 def _copy(tree: Path) -> None:
