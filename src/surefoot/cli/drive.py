@@ -75,6 +75,8 @@ def drive(
             f"--interface {interface} may lead to a real robot: hang it up, see docs/wire.md, then add "
             "--yes-real-robot"
         )
+    if out is not None and out.exists():
+        raise ProblemError(f"--out {out} exists already")
     check_name("--end", end, ("sit", "lie"))
     real_number("--duration", duration, low=0.0)
     wanted, console = parsing.velocity(velocity), plain_console()

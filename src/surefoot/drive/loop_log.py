@@ -34,16 +34,20 @@ class LoopLog:
         """See a step of the loop."""
         state, last = loop.state, loop.watch.last
         if loop.mode in CONTROLLED and state is not None and state.forces is not None and last is not None:
+            touching = np.array(state.contact)
+            pushing = touching & (
+                state.forces[:, 2] > 0.0
+            )  # estimates are noisy where a foot has just landed
             self.rows.append({
                 "time": loop.time, "q": state.q, "v": state.v, "torques": last.torques,
-                "forces": state.forces.copy(), "contact_estimated": np.array(state.contact),
+                "forces": state.forces * pushing[:, None], "contact_estimated": touching,
             })  # fmt: skip
 
     def log(self) -> Log:
-        """Return the log: forces are the estimator's, in world axes."""
+        """Return the log: forces are the estimator's, in world axes, on feet that touch and push by it."""
         arrays = {name: np.array([row[name] for row in self.rows]) for name in self.rows[0]}
         robot = self.loop.robot
-        facts = {"mass": robot.mass, "robot": robot.name, "effort_limits": robot.effort_limits}
+        facts = {"mass": robot.mass, "robot": robot.name, "effort_limits": robot.effort_limits.tolist()}
         return log_from_arrays(
             arrays, quaternion="xyzw", frames={"forces": "world"}, feet=robot.foot_names,
             joints=robot.joint_names, facts=facts,
