@@ -66,7 +66,8 @@ def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> Flo
 def build(
     rotation: FloatArray, motion: FloatArray, ref_rotation: FloatArray, reference: FloatArray,
     feet: FloatArray, contacts: BoolArray, frames: FloatArray, bounds: FloatArray, mass: float,
-    inverse: FloatArray, weights: FloatArray, terminal: float, dt: float, sway: FloatArray,
+    inverse: FloatArray, weights: FloatArray, terminal: float, dt: float, outside: FloatArray, fading: float,
+    sway: FloatArray,
 ) -> tuple[
     int, IntArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray
 ]:  # fmt: skip
@@ -86,6 +87,9 @@ def build(
         Mass [kg]; (3, 3) inverse of the inertia in body axes.
     weights, terminal, dt
         See `hessians`.
+    outside, fading
+        (6,) force and moment about the centre of mass from outside, world axes, now [N, N m], and the time
+        constant with which they fade [s], infinite for no such thing.
     sway
         (N, 3) centre of mass minus its reference, mean over each step, for the levers.
 
@@ -106,6 +110,8 @@ def build(
     M, limits, centre = np.empty((count, 3, 6)), np.empty((count, 3)), np.empty((count, 3))
     heading = _heading_frame(ref_rotation[N // 2])
     drift = _free_motion(rotation, motion, ref_rotation, reference, heading, dt)
+    if fading < math.inf:
+        _add_wrench(outside, fading, mass, inverse, ref_rotation, heading, dt, drift)
     q = _gradient(drift, weights, terminal, dt)
     lever = np.empty(3)
     verdict = GOOD
@@ -280,17 +286,12 @@ def _gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float
 
 
 @kernel
-def add_wrench(
+def _add_wrench(
     wrench: FloatArray, fading: float, mass: float, inverse: FloatArray, rotations: FloatArray,
-    heading: FloatArray, weights: FloatArray, terminal: float, dt: float, drift: FloatArray, q: FloatArray,
+    heading: FloatArray, dt: float, drift: FloatArray,
 ) -> None:  # fmt: skip
-    """Add an external wrench to a program of `build`: its `drift`, and the gradient `q` that follows.
-
-    `wrench` (6,) is force and moment about the centre of mass, world axes [N, N m], and fades with the time
-    constant `fading` [s]; `rotations` (N + 1, 3, 3) are the reference's.
-    """
-    N = drift.shape[0] - 1
-    for k in range(N):
+    """Add what a wrench from outside does to the drift, see `build`; `rotations` are the reference's."""
+    for k in range(drift.shape[0] - 1):
         share = math.exp(-(k + 0.5) * dt / fading)
         R = rotations[k]
         f = wrench[0], wrench[1], wrench[2]
@@ -300,7 +301,6 @@ def add_wrench(
             for axis, a in ((j, f[j] / mass), (3 + j, turn[j])):
                 drift[k + 1, 0, axis] += 0.5 * dt * dt * share * a
                 drift[k + 1, 1, axis] += dt * share * a
-    q[:] = _gradient(drift, weights, terminal, dt)
 
 
 @kernel
