@@ -185,12 +185,15 @@ def test_the_search_finds_the_lowest_point_of_a_step(program):
 
 def solve(program, tol=1e-8, patience=30, limit=100, guess=None):
     weights, _, q, step, M, bounds, centre, _ = program
-    point = np.full((CONTACTS, 3), np.nan) if guess is None else guess.copy()
+    foot, points = np.arange(CONTACTS), np.full((N, CONTACTS, 3), np.nan)
     force = np.empty((CONTACTS, 3))
+    if guess is not None:
+        points[step, foot] = guess
     count, error = horizon.newton(
-        weights, TERMINAL, DT, q, step, M, bounds, centre, RHO, tol, patience, limit, point, force
-    )
-    return count, error, point, force
+        weights, TERMINAL, DT, q.reshape(N, 6), step, foot, M, bounds, centre, RHO, tol, patience, limit,
+        points, force,
+    )  # fmt: skip
+    return count, error, points[step, foot], force
 
 
 @pytest.mark.parametrize("patience", [0, 30])

@@ -47,21 +47,14 @@ def plan_forces(
         )  # fmt: skip
         if verdict != mpc_model.GOOD:
             break
-        point, force = np.empty((step.size, 3)), np.empty((step.size, 3))
-        for i in range(step.size):
-            for a in range(3):
-                point[i, a] = points[step[i], foot[i], a]
+        force = np.empty((step.size, 3))
         count, error = newton(
-            weights, terminal, dt, q, step, M, limits, centre, rho, tol, patience, limit, point, force
+            weights, terminal, dt, q, step, foot, M, limits, centre, rho, tol, patience, limit, points, force
         )
         if not math.isfinite(error):
             verdict = mpc_model.NOT_FINITE
             break
         total += count
-        points[:] = np.nan
-        for i in range(step.size):
-            for a in range(3):
-                points[step[i], foot[i], a] = point[i, a]
         forces, world, planned, turn = mpc_model.finish(
             step, foot, M, force, drift, frames, heading, reference, dt
         )

@@ -28,6 +28,7 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.rotations import log_between
 from surefoot.numerics.vectors import Three, cross
+from surefoot.solvers.dual_newton.riccati import costates
 from surefoot.spatial import GRAVITY
 
 GOOD, NOT_FINITE, NOT_ROTATION = 0, 1, 2
@@ -36,7 +37,6 @@ CALM = 0.1
 """Time within which an error of velocity is expected to die out [s]."""
 
 
-@kernel
 def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> FloatArray:
     """Return the (6, N, N) Hessians of the tracking cost in the accelerations of every axis.
 
@@ -49,17 +49,13 @@ def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> Flo
     steps, dt
         Length of the horizon, and of a step [s].
     """
-    P = np.zeros((6, steps, steps))
-    for j in range(6):
-        for k in range(1, steps + 1):
-            share = terminal if k == steps else 1.0
-            for a in range(k):
-                # an acceleration in step a moves the place at k by dt² (k - a - 1/2), the rate by dt
-                place = weights[0, j] * share * dt * dt * (k - a - 0.5)
-                rate = weights[1, j] * share * dt
-                for b in range(k):
-                    P[j, a, b] += place * dt * dt * (k - b - 0.5) + rate * dt
-    return P
+    out, nothing = np.empty((steps, steps, 6)), np.zeros((steps, 6))
+    for k in range(steps):
+        push = np.zeros((steps, 6))
+        push[k] = 1.0
+        path = predict(np.zeros((steps + 1, 2, 6)), push, dt)[1:]
+        costates(weights, terminal, dt, path, nothing, out[k])
+    return out.T.copy()
 
 
 @kernel
@@ -97,7 +93,7 @@ def build(
     -------
     tuple
         Verdict on the input, step and foot of every contact, M, bounds and wanted forces as
-        `dual_newton.horizon.newton` wants them, q (6 N,), the drift (N + 1, 2, 6) whose first row is the
+        `dual_newton.horizon.newton` wants them, q (N, 6), the drift (N + 1, 2, 6) whose first row is the
         error now and whose row k + 1 is what step k adds by itself, and the (3, 3) heading frame.
     """
     N, n = contacts.shape
@@ -112,7 +108,8 @@ def build(
     drift = _free_motion(rotation, motion, ref_rotation, reference, heading, dt)
     if fading < math.inf:
         _add_wrench(outside, fading, mass, inverse, ref_rotation, heading, dt, drift)
-    q = _gradient(drift, weights, terminal, dt)
+    q, nothing = np.empty((N, 6)), np.zeros((N, 6))
+    costates(weights, terminal, dt, predict(drift, nothing, dt)[1:], nothing, q)
     lever = np.empty(3)
     verdict = GOOD
     at = 0
@@ -133,7 +130,7 @@ def build(
                 lever[a] = feet[k, i, a] - 0.5 * (reference[k, 0, a] + reference[k + 1, 0, a]) - sway[k, a]
             _fill_columns(lever, frames[k, i], ref_rotation[k], heading, mass, inverse, M[at])
             at += 1
-    if not (_all_finite(q) and _all_finite(M.ravel()) and _all_finite(drift.ravel())):
+    if not (_all_finite(q.ravel()) and _all_finite(M.ravel()) and _all_finite(drift.ravel())):
         verdict = NOT_FINITE
     return verdict, step, foot, M, limits, centre, q, drift, heading
 
@@ -267,22 +264,6 @@ def predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatArr
             out[k + 1, 0, j] = out[k, 0, j] + dt * out[k, 1, j] + 0.5 * dt * dt * a + drift[k + 1, 0, j]
             out[k + 1, 1, j] = out[k, 1, j] + dt * a + drift[k + 1, 1, j]
     return out
-
-
-@kernel
-def _gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float) -> FloatArray:
-    """Return the (6 N,) gradient of the tracking cost at no acceleration; costates run backwards."""
-    N = drift.shape[0] - 1
-    free = predict(drift, np.zeros((N, 6)), dt)
-    q = np.empty(6 * N)
-    for j in range(6):
-        place = rate = 0.0  # costates of x' = x + dt v + dt² a / 2, v' = v + dt a
-        for k in range(N, 0, -1):
-            share = terminal if k == N else 1.0
-            rate += share * weights[1, j] * free[k, 1, j] + dt * place
-            place += share * weights[0, j] * free[k, 0, j]
-            q[6 * (k - 1) + j] = 0.5 * dt * dt * place + dt * rate
-    return q
 
 
 @kernel

@@ -277,9 +277,9 @@ def _solve(memory: Memory, rho: float, goal: float, patience: int, limit: int) -
 
 @kernel
 def newton(
-    weights: FloatArray, terminal: float, dt: float, q: FloatArray, step: IntArray, M: FloatArray,
-    bounds: FloatArray, centre: FloatArray, rho: float, tol: float, patience: int, limit: int,
-    point: FloatArray, force: FloatArray,
+    weights: FloatArray, terminal: float, dt: float, q: FloatArray, step: IntArray, foot: IntArray,
+    M: FloatArray, bounds: FloatArray, centre: FloatArray, rho: float, tol: float, patience: int, limit: int,
+    points: FloatArray, force: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Solve the horizon's program; return the Newton steps and the bound on the forces' error [N].
 
@@ -292,9 +292,9 @@ def newton(
     weights, terminal, dt
         P: (2, 6) weights on places and rates, the factor on those of the last step, length of a step [s].
     q
-        (6 N,) gradient, step by step.
-    step
-        (contacts,) the step that each contact belongs to.
+        (N, 6) gradient.
+    step, foot
+        (contacts,) the step and the foot that each contact belongs to.
     M
         (contacts, 3, 6) columns of the map from a contact's force to the accelerations of its step.
     bounds
@@ -308,26 +308,28 @@ def newton(
     patience, limit
         Full steps of the first attempt that may go too far (at most `HASTY` without any guess), and the
         bound on all steps.
-    point
-        (contacts, 3) a guess of the points whose projections are the forces, NaN where there is none;
-        those of the answer on return.
+    points
+        (N, n, 3) a guess of the points whose projections are the forces, NaN where there is none; those of
+        the answer on return, NaN in swing.
     force
         (contacts, 3) result.
     """
-    N, contacts = q.size // 6, step.size
+    N, contacts = q.shape[0], step.size
     places, motions = np.empty((6, contacts, 3)), np.zeros((6, N, 6))
     vectors, cost = motions.reshape((6, 6 * N)), riccati.tracking(weights, terminal, dt, N)
     memory = Memory(cost, M, step, places, vectors, motions, np.empty((N, 6, 6)))
-    vectors[SLOPE] = q
+    motions[SLOPE] = q
     warm = False
     for i in range(contacts):
-        known = not math.isnan(point[i, 0] + point[i, 1] + point[i, 2])
+        point = points[step[i], foot[i]]
+        known = not math.isnan(point[0] + point[1] + point[2])
         warm = warm or known
         for j in range(3):
             places[CENTRE, i, j], places[BOUNDS, i, j] = centre[i, j], bounds[i, j]
-            places[POINT, i, j] = point[i, j] if known else centre[i, j]
+            places[POINT, i, j] = point[j] if known else centre[i, j]
     total, error = _solve(memory, rho, tol * tol, patience if warm else min(patience, HASTY), limit)
+    points[:] = np.nan
     for i in range(contacts):
         for j in range(3):
-            point[i, j], force[i, j] = places[POINT, i, j], places[FORCE, i, j]
+            points[step[i], foot[i], j], force[i, j] = places[POINT, i, j], places[FORCE, i, j]
     return total, math.sqrt(error)

@@ -50,7 +50,7 @@ class Tracking(NamedTuple):
     dt
         Length of a step [s].
     path
-        (N, 12) places and rates after every step.
+        (N, 2, 6) places and rates after every step.
     value
         (12, 12) Π.
     small
@@ -75,7 +75,7 @@ class Tracking(NamedTuple):
 def tracking(weights: FloatArray, terminal: float, dt: float, steps: int) -> Tracking:
     """Return a cost with new room."""
     return Tracking(
-        weights, terminal, dt, np.empty((steps, 12)), np.empty((12, 12)), np.empty((4, 6, 6)),
+        weights, terminal, dt, np.empty((steps, 2, 6)), np.empty((12, 12)), np.empty((4, 6, 6)),
         np.empty((6, 12)), np.empty((steps, 6, 18)),
     )  # fmt: skip
 
@@ -101,37 +101,39 @@ def _down(A: FloatArray, j: int) -> Six:
     return A[0, j], A[1, j], A[2, j], A[3, j], A[4, j], A[5, j]
 
 
+@inline_kernel
+def _march(place: Six, rate: Six, h: float, x: Six) -> tuple[Six, Six]:
+    """Return place and rate a step later."""
+    return mix(mix(place, h, rate), 0.5 * h * h, x), mix(rate, h, x)
+
+
 @kernel
 def energy(t: Tracking, x: FloatArray) -> float:
     """Return x · P x for accelerations (N, 6)."""
-    total, place, rate, h = 0.0, NOTHING, NOTHING, t.dt
+    total, place, rate = 0.0, NOTHING, NOTHING
     by_place, by_rate = column(t.weights, 0, 0), column(t.weights, 1, 0)
     for k in range(x.shape[0]):
-        push = column(x, k, 0)
-        place = mix(mix(place, h, rate), 0.5 * h * h, push)
-        rate = mix(rate, h, push)
+        place, rate = _march(place, rate, t.dt, column(x, k, 0))
         share = t.terminal if k == x.shape[0] - 1 else 1.0
         total += share * (dot(_times(by_place, place), place) + dot(_times(by_rate, rate), rate))
     return total
 
 
 @kernel
-def respond(t: Tracking, x: FloatArray, out: FloatArray) -> None:
-    """Fill out (N, 6) with P x."""
-    place, rate, h = NOTHING, NOTHING, t.dt
-    for k in range(x.shape[0]):
-        push = column(x, k, 0)
-        place = mix(mix(place, h, rate), 0.5 * h * h, push)
-        rate = mix(rate, h, push)
-        store(t.path, k, PLACE, place)
-        store(t.path, k, RATE, rate)
-    by_place, by_rate = column(t.weights, 0, 0), column(t.weights, 1, 0)
-    place, rate = NOTHING, NOTHING  # of the costates
-    for k in range(x.shape[0] - 1, -1, -1):
-        share = t.terminal if k == x.shape[0] - 1 else 1.0
-        rate = mix(mix(rate, h, place), share, _times(by_rate, column(t.path, k, RATE)))
-        place = mix(place, share, _times(by_place, column(t.path, k, PLACE)))
-        store(out, k, 0, mix(scale(h, rate), 0.5 * h * h, place))
+def costates(
+    weights: FloatArray, terminal: float, dt: float, path: FloatArray, q: FloatArray, out: FloatArray
+) -> None:
+    """Fill out (N, 6) with q (N, 6) plus the slope of a motion's cost in the accelerations of its steps.
+
+    `path` (N, 2, 6) holds place and rate after every step.
+    """
+    place, rate, last = NOTHING, NOTHING, out.shape[0] - 1
+    by_place, by_rate = column(weights, 0, 0), column(weights, 1, 0)
+    for k in range(last, -1, -1):
+        share = terminal if k == last else 1.0
+        rate = mix(mix(rate, dt, place), share, _times(by_rate, column(path[k], 1, 0)))
+        place = mix(place, share, _times(by_place, column(path[k], 0, 0)))
+        store(out, k, 0, mix(mix(column(q, k, 0), dt, rate), 0.5 * dt * dt, place))
 
 
 @inline_kernel
@@ -251,8 +253,7 @@ def solve(t: Tracking, blocks: FloatArray, q: FloatArray, z: FloatArray, out: Fl
             y = column(gain, i, PLACE), column(gain, i, RATE)
             x = mix(x, -dot(y[0], place) - dot(y[1], rate), column(gain, i, GAIN))
         store(z, k, 0, x)
-        place = mix(mix(place, h, rate), half, x)
-        rate = mix(rate, h, x)
-    respond(t, z, out)
-    for k in range(N):
-        store(out, k, 0, mix(column(out, k, 0), 1.0, column(q, k, 0)))
+        place, rate = _march(place, rate, h, x)
+        store(t.path[k], 0, 0, place)
+        store(t.path[k], 1, 0, rate)
+    costates(t.weights, t.terminal, h, t.path, q, out)
