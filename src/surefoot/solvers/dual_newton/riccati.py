@@ -28,6 +28,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.cholesky import cholesky
 from surefoot.numerics.six import Six, dot, mix, scale
 from surefoot.solvers.dual_newton.work import column, store
 
@@ -161,22 +162,6 @@ def _root(left: FloatArray, V: FloatArray) -> None:
             store(left, i, 0, mix(column(left, i, 0), -V[k, i], row))
 
 
-@inline_kernel
-def _factor(A: FloatArray) -> None:
-    """Replace the lower triangle of a definite A (6, 6) by Cholesky's factor."""
-    for j in range(6):
-        pivot = A[j, j]
-        for m in range(j):
-            pivot -= A[j, m] * A[j, m]
-        A[j, j] = math.sqrt(pivot)
-        inverse = 1.0 / A[j, j]
-        for i in range(j + 1, 6):
-            total = A[i, j]
-            for m in range(j):
-                total -= A[i, m] * A[j, m]
-            A[i, j] = total * inverse
-
-
 @kernel
 def _gain(t: Tracking, G: FloatArray, gain: FloatArray) -> None:
     """Fill the gain (6, 18) of a step with the block G (6, 6), which is lost; `push` and S on the way."""
@@ -194,7 +179,7 @@ def _gain(t: Tracking, G: FloatArray, gain: FloatArray) -> None:
         for j in range(i + 1):
             C[i, j] = dot(column(VS, i, 0), column(V, j, 0))
         C[i, i] += 1.0
-    _factor(C)
+    cholesky(C)
     for i in range(6):
         x = column(V, i, 0)
         for m in range(i):
