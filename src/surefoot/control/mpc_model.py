@@ -37,6 +37,7 @@ CALM = 0.1
 """Time within which an error of velocity is expected to die out [s]."""
 
 
+@kernel
 def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> FloatArray:
     """Return the (6, N, N) Hessians of the tracking cost in the accelerations of every axis.
 
@@ -49,13 +50,17 @@ def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> Flo
     steps, dt
         Length of the horizon, and of a step [s].
     """
-    out, nothing = np.empty((steps, steps, 6)), np.zeros((steps, 6))
-    for k in range(steps):
-        push = np.zeros((steps, 6))
-        push[k] = 1.0
-        path = predict(np.zeros((steps + 1, 2, 6)), push, dt)[1:]
-        costates(weights, terminal, dt, path, nothing, out[k])
-    return out.T.copy()
+    P = np.zeros((6, steps, steps))
+    for j in range(6):
+        for k in range(1, steps + 1):
+            share = terminal if k == steps else 1.0
+            for a in range(k):
+                # an acceleration in step a moves the place at k by dt² (k - a - 1/2), the rate by dt
+                place = weights[0, j] * share * dt * dt * (k - a - 0.5)
+                rate = weights[1, j] * share * dt
+                for b in range(k):
+                    P[j, a, b] += place * dt * dt * (k - b - 0.5) + rate * dt
+    return P
 
 
 @kernel
