@@ -1,6 +1,6 @@
 """What the audit says of other people's MuJoCo models: every model under the folders that are given.
 
-    python -m benchmarks.strangers FOLDER_OR_XML ... [--seconds 4] [--cones] [--iterations 100] [--quick]
+    python -m benchmarks.strangers PATH ... [--seconds 4] [--cones] [--iterations 100] [--step 5e-4] [--quick]
 
 A model with a keyframe is held there by joint control and marches on the spot; one without gets seeded random
 controls within their range, as an untrained policy gives them. Meshes are left out (their files may be
@@ -126,12 +126,17 @@ def judged(name: str, model: Any, seconds: float) -> StrangerVerdict:
 
 
 def measure(
-    models: Iterator[tuple[str, Any]], seconds: float, cones: bool, iterations: int | None = None
+    models: Iterator[tuple[str, Any]],
+    seconds: float,
+    cones: bool,
+    iterations: int | None = None,
+    step: float | None = None,
 ) -> Iterator[StrangerVerdict]:
     """Yield what came of every model, as shipped or with each cone and condim."""
     for name, model in models:
         if iterations is not None:
             model.opt.iterations, model.opt.ls_iterations = iterations, max(iterations, 50)
+        model.opt.timestep = step or model.opt.timestep
         yield judged(name, model, seconds)
         if not cones:
             continue
@@ -151,11 +156,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--cones", action="store_true")
     parser.add_argument("--quick", action="store_true", help="models of our own, half a second each")
     parser.add_argument("--iterations", type=int, default=None, help="of the solver, where a model has few")
+    parser.add_argument("--step", type=float, default=None, help="in place of the model's own [s]")
     given = parser.parse_args(arguments)
     models = own_models() if given.quick else models_under(given.models)
     seconds, rows = 0.5 if given.quick else given.seconds, []
     print("| model | cone | condim | verdict | first symptom, or reason |\n|---|---|---|---|---|")
-    for one in measure(models, seconds, given.cones, given.iterations):
+    for one in measure(models, seconds, given.cones, given.iterations, given.step):
         rows.append(one)
         print(f"| {one.name} | {one.cone} | {one.condim} | {one.verdict} | {one.reason[:110]} |", flush=True)
     counts = {v: sum(r.verdict == v for r in rows) for v in ("lawful", "broken", "cannot tell")}

@@ -22,7 +22,6 @@ import numpy as np
 from benchmarks.stacks.pins import PINS, commit_of
 from benchmarks.stacks.stack import START, Job, TimedController, ramped
 from surefoot.arrays import FloatArray
-from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.errors import SurefootError
 from surefoot.log.channels import CHANNELS, Channel
@@ -171,7 +170,7 @@ class PeerController(Controller):
         self._number += 1
         self.cpu.append(spent)
         return _PeerCommand(
-            self._torques, self._forces, self._stance, True, Status.SOLVED, wanted
+            self._torques, self._forces, self._stance, wanted=wanted
         )  # fmt: skip
 
     def _in_contact_frames(self, forces: FloatArray, state: RobotState) -> FloatArray:
@@ -224,7 +223,7 @@ class PeerController(Controller):
         self._process = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _PeerCommand(Command):
     """A command with the velocity that was asked for."""
 

@@ -35,6 +35,8 @@ from .control.walking_body import VelocityCommand as VelocityCommand
 from .control.walking_settings import WalkSettings as WalkSettings
 from .control.whole_body import Tasks as Tasks
 from .control.whole_body import WholeBodyController as WholeBodyController
+from .drive.readings import RobotReadings as RobotReadings
+from .drive.robot_loop import RobotLoop as RobotLoop
 from .equilibrium.batch import can_stand_batch as can_stand_batch
 from .equilibrium.batch import com_region_batch as com_region_batch
 from .equilibrium.force_distribution import ForceDistributor as ForceDistributor
@@ -62,11 +64,13 @@ from .log.formats import read_log as read_log
 from .planning import Plan as Plan
 from .planning import rollout as rollout
 from .planning.planner import plan as plan
+from .policy.policy import Policy as Policy
 from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place
 from .robot import robot_names as robot_names
 from .simulation.batch import RigidBatch as RigidBatch
+from .simulation.contacts_from_mujoco import contacts_from_mujoco as contacts_from_mujoco
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.record import record as record
 from .simulation.replay import replay_log as replay_log

@@ -45,3 +45,22 @@ def test_verdicts_of_many_bounded_contacts_prove_themselves(family: str) -> None
         possible = {"possible": True, "impossible": False}.get(verdict.status)
         if possible is not None and abs(whole[1]) > 1e-7:
             assert (whole[1] > 0.0) == possible
+
+
+@pytest.mark.parametrize("facets", [None, 4])
+def test_bounded_margins_on_ice_have_no_unit_of_length(facets):
+    """Cones a millionth wide beside bounds: cone and bound move by lengths a million times apart."""
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        places, normals = rng.normal(size=(4, 3)) * [0.3, 0.3, 0.1], rng.normal(size=(4, 3)) * 0.3 + [0, 0, 1]
+        mu, most = 10.0 ** rng.uniform(-9, -6), rng.uniform(50, 400)
+        margins = []
+        for length in (1e-3, 1.0, 1e3):
+            contacts = [
+                sf.PointContact(length * p, n / np.linalg.norm(n), mu, normal_max=most)
+                for p, n in zip(places, normals, strict=True)
+            ]
+            margins.append(
+                sf.can_stand(sf.Stance(contacts), [0, 0, 0.3 * length], 15.0, facets=facets).margin
+            )
+        assert np.ptp(margins) < 1e-6 * (15.0 * 9.81 + abs(margins[1]))

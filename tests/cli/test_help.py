@@ -9,15 +9,17 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-import typer
 
 import surefoot as sf
-from surefoot.cli.main import app, main
+from surefoot.cli.commands import SUMMARIES, load
+from surefoot.cli.main import main
 
 
 def commands(group: Any = None, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
     """Yield every command with its path, those of groups included."""
-    for name, command in (group or typer.main.get_command(app)).commands.items():
+    for name, command in (
+        {name: load(name) for name in SUMMARIES} if group is None else group.commands
+    ).items():
         if hasattr(command, "commands"):
             yield from commands(command, (*path, name))
         else:
@@ -51,7 +53,12 @@ def test_there_are_18_commands_and_150_options_at_most(capfd: pytest.CaptureFixt
     kept += " collision world duration seed scenario view out no-video no-report json"
     names = {name for option in options["walk"] for name in (*option.opts, *option.secondary_opts)}
     assert {f"--{name}" for name in kept.split()} <= names
-    assert len(options["walk"]) <= 24
+    assert len(options["walk"]) <= 26
+
+
+@pytest.mark.parametrize("name", SUMMARIES)
+def test_the_list_says_of_a_command_what_its_help_does(name: str) -> None:
+    assert SUMMARIES[name] == " ".join(load(name).help.split("\n\n")[0].split())
 
 
 def test_version(capfd: pytest.CaptureFixture[str]) -> None:

@@ -19,7 +19,7 @@ def test_solids_are_placed_and_near_ones_found(seed: int) -> None:
     half, radius = rng.uniform(0.0, 0.3, (solids, 3)), rng.uniform(0.0, 0.1, solids)
     pairs = np.array([(a, b) for a in range(solids) for b in range(a)], dtype=np.int64)
     rotation, centre, reach = np.empty((solids, 3, 3)), np.empty((solids, 3)), 0.1
-    near = place_solids(
+    near, _ = place_solids(
         turns, places, carrier, turn, place, half, radius, pairs, reach, rotation, centre
     )  # fmt: skip
     assert np.abs(rotation - turns[carrier] @ turn).max() < 1e-14

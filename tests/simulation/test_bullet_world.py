@@ -121,5 +121,7 @@ def test_broken_controllers_and_detuned_ground_are_named() -> None:
 def test_wrong_input_is_one_line() -> None:
     with pytest.raises(ProblemError, match="valid names: contactDamping"):
         BulletWorld(ball(1.0, 0.1), contact={"stiffness": 1.0})
+    with pytest.raises(ProblemError, match="turbo"):
+        BulletWorld(ball(1.0, 0.1), engine={"turbo": 1.0})
     with pytest.raises(ModelError, match="planes and boxes"):
         BulletWorld(ball(1.0, 0.1), rough_ground(1, 0.02))

@@ -233,3 +233,22 @@ def test_what_hides_anything_names_the_remedy() -> None:
     report = sf.audit_log(log)
     assert report.verdict == "cannot tell"
     assert "solref" in report.reason
+
+
+def test_momentum_and_energy_are_those_of_the_model() -> None:
+    """By MuJoCo's own energy, and the rate of momentum that the same log has from the accelerations."""
+    model = legged()
+    model.dof_armature[:] = 0.0
+    log = marked(model, 0.3)
+    model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
+    data = mujoco.MjData(model)
+    for row in (0, 150, 299):
+        data.qpos[:], data.qvel[:] = log["q"][row], log["v"][row]
+        data.qpos[3:7] = log["q"][row][[6, 3, 4, 5]]
+        turn = sf.spatial.rotation_from_quaternion(log["q"][row][3:7])
+        data.qvel[:3] = turn @ log["v"][row][:3]
+        mujoco.mj_forward(model, data)
+        assert log["energy"][row] == pytest.approx(data.energy.sum(), rel=1e-9)
+        mujoco.mj_subtreeVel(model, data)
+        momentum = [*(log.facts["mass"] * data.subtree_linvel[0]), *data.subtree_angmom[0]]
+        np.testing.assert_allclose(log["momentum"][row], momentum, atol=1e-9)

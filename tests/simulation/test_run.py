@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.control.controller import Command, RobotState
+from surefoot.control.controller import Command, JointTargets, RobotState
 from surefoot.control.standing_plan import Lift
 from surefoot.log import Ending
 from surefoot.log.formats import read_log
@@ -177,3 +177,50 @@ def test_it_starts_where_the_scenario_says_and_as_deep(robot: sf.Robot) -> None:
     np.testing.assert_array_equal(q, start)
     assert v is not None
     assert 0.0 < np.abs(v[:3]).max() < 0.05
+
+
+def test_any_function_of_the_state_is_a_controller(go2: sf.Robot) -> None:
+    """Torques, joint targets or a command; what the command says nothing of is unknown in the log."""
+    q = sf.place(go2)
+    gains = np.full(12, 100.0), np.full(12, 3.0)
+
+    def torques(state: RobotState) -> Any:
+        return gains[0] * (q[7:] - state.q[7:]) - gains[1] * state.v[6:]
+
+    ways = (
+        torques,
+        lambda state: sf.Command(torques(state)),
+        lambda state: JointTargets(q[7:], np.zeros(12), *gains, np.zeros(12)),
+    )
+    world = sf.MujocoWorld(go2, mu=0.4)
+    logs = [sf.run(world, way, sf.Scenario(0.2)) for way in ways]
+    for log in logs:
+        assert log["q"] == pytest.approx(logs[0]["q"], abs=1e-9)
+        assert np.isnan(log["forces_commanded"]).all()
+        assert log["active"].all()
+        assert (log["mu"] == 0.4).all()  # the world's own
+        assert sf.audit_log(log).verdict == "lawful"
+    assert logs[0].facts["kind"] == "torques"
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        (("world", None), "controller must be an sf.Controller .* got None"),
+        (("world", 3.0), "int|float, which lacks step, reset, warm_up, channels, facts"),
+        (("world", sf.StandingController), "is a class, not an object"),
+        (("world", lambda state: np.zeros(3)), r"returns \(joints,\) = \(12,\) torques"),
+        (("world", lambda state: None), "returns .* got None"),
+        (("world", lambda state: np.zeros(12), 5.0), r"scenario must be a Scenario, as sf.Scenario\(5.0\)"),
+        ((None, lambda state: np.zeros(12)), "world must be one as .* NoneType lacks robot, terrain"),
+    ],
+)
+def test_what_is_missing_for_a_run_is_named(go2: sf.Robot, parts: tuple[Any, ...], said: str) -> None:
+    with pytest.raises(sf.ProblemError, match=said):
+        sf.run(*(sf.MujocoWorld(go2) if part == "world" else part for part in parts))
+
+
+@pytest.mark.parametrize("bad", [-1.0, 0.0, np.nan, np.inf, "x", None])
+def test_a_scenario_that_is_none_is_refused(bad: Any) -> None:
+    with pytest.raises(sf.ProblemError, match="duration of a scenario must be"):
+        sf.Scenario(bad)

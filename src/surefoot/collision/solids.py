@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -88,17 +87,22 @@ class Geometry:
         """Return the geometry with pieces of ground behind its own solids."""
         return replace(self, solids=self.solids + solids)
 
-    def pairs(self) -> IntArray:
-        """Return the pairs (m, 2) of solids that may touch; what does not move comes first in each."""
-        out = []
-        for a, b in combinations(range(len(self.solids)), 2):
-            one, two = self.solids[a], self.solids[b]
-            if one.joint == two.joint or (a, b) in self.apart:
-                continue
-            if not (_stands(one) or two.on_ground) or not (_stands(two) or one.on_ground):
-                continue  # feet have their own contacts with the ground
-            out.append((b, a) if two.joint == 0 else (a, b))
-        return np.array(out, dtype=np.int64).reshape(-1, 2)
+    def pairs(self, among: IntArray | None = None) -> IntArray:
+        """Return the pairs (m, 2) of solids that may touch, of `among` (k, 2) with the smaller index first.
+
+        None for all; what does not move comes first in each.
+        """
+        n = len(self.solids)
+        a, b = np.triu_indices(n, 1) if among is None else among.T
+        joint = np.array([s.joint for s in self.solids], dtype=np.int64)
+        ground = np.array([s.on_ground for s in self.solids], dtype=np.bool_)
+        stands = (joint > 0) | ground  # no piece of ground
+        # feet have their own contacts with the ground
+        keep = (joint[a] != joint[b]) & (stands[a] | ground[b]) & (stands[b] | ground[a])
+        keep &= ~np.isin(a * n + b, [one * n + two for one, two in self.apart])
+        a, b = a[keep].astype(np.int64), b[keep].astype(np.int64)
+        turned = (joint[b] == 0)[:, None]
+        return np.where(turned, np.stack([b, a], axis=1), np.stack([a, b], axis=1))
 
     def mixed(self, first: float | None, second: float | None, ground: float) -> float:
         """Return the coefficient of a contact of two surfaces, None for the `ground`'s own."""
@@ -106,11 +110,6 @@ class Geometry:
             return ground
         own = [ground if c is None else c for c in (first, second)]
         return combine_friction(self.combine, *own)
-
-
-def _stands(solid: Solid) -> bool:
-    """Return whether a solid is no piece of ground."""
-    return solid.joint > 0 or solid.on_ground
 
 
 def ground_solids(terrain: Terrain) -> tuple[Solid, ...] | None:

@@ -5,14 +5,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.contact import Status
+from surefoot.errors import ProblemError
 from surefoot.log.channels import Channel
 
 
@@ -92,16 +93,16 @@ class RobotState(NamedTuple):
 
 @dataclass(frozen=True)
 class Command:
-    """What a controller asks for at one step; a controller may return a subclass that tells more.
+    """What a controller asks for at one step; a subclass may tell more, by fields of keywords alone.
 
     Attributes
     ----------
     torques
         (joints,) within the effort limits [N m].
     forces
-        (p, 3) the ground forces that it counts on, contact frames [N].
+        (p, 3) the ground forces that it counts on, contact frames [N]; a single NaN for one that says none.
     active
-        (p,) whether each contact point may push.
+        (p,) whether each contact point may push; a single flag for all.
     attained
         Whether what it wants is possible within the cones, bounds and limits.
     status
@@ -113,16 +114,23 @@ class Command:
     """
 
     torques: FloatArray
-    forces: FloatArray
-    active: BoolArray
-    attained: bool
-    status: Status
-    accelerations: FloatArray | None = field(default=None, kw_only=True)
-    joint_targets: JointTargets | None = field(default=None, kw_only=True)
+    forces: FloatArray = field(default_factory=lambda: np.array(np.nan))
+    active: BoolArray = field(default_factory=lambda: np.array(True))
+    attained: bool = True
+    status: Status = Status.SOLVED
+    accelerations: FloatArray | None = None
+    joint_targets: JointTargets | None = None
 
     def rows(self) -> dict[str, Any]:
         """Return the values of the controller's own channels at this step, by name."""
         return {}
+
+    def for_points(self, count: int) -> Command:
+        """Return the command with forces and flags for each of `count` contact points."""
+        if self.forces.ndim and self.active.ndim:
+            return self
+        forces, active = np.broadcast_to(self.forces, (count, 3)), np.broadcast_to(self.active, (count,))
+        return replace(self, forces=forces, active=active)
 
 
 class Controller(Protocol):
@@ -155,6 +163,75 @@ class Controller(Protocol):
         """Compile or load all that `step` may call, and forget it again, so that no step of a run waits."""
         self.step(state)
         self.reset()
+
+
+class FunctionController(Controller):
+    """A function of the state that gives torques, as a controller.
+
+    Parameters
+    ----------
+    function
+        From a `RobotState` to (joints,) torques [N m], to `JointTargets`, or to a `Command`.
+    joints
+        How many the robot has.
+    """
+
+    def __init__(self, function: Callable[[RobotState], Any], joints: int) -> None:
+        self._function, self._joints = function, joints
+        self.facts = {"kind": getattr(function, "__name__", type(function).__name__)}
+
+    def warm_up(self, state: RobotState) -> None:
+        """Do nothing: a function that keeps something would keep what never was."""
+
+    def step(self, state: RobotState) -> Command:
+        """Return the function's command; torques that are not finite are none, and flagged.
+
+        Raises
+        ------
+        ProblemError
+            For what are not torques of the joints.
+        """
+        given = self._function(state)
+        if isinstance(given, Command):
+            return given
+        joints = self._joints
+        if isinstance(given, JointTargets):
+            torques = given.torques(state.q[len(state.q) - joints :], state.v[len(state.v) - joints :])
+            return Command(torques, joint_targets=given)
+        torques = np.asarray(given)
+        if torques.shape != (joints,) or torques.dtype.kind not in "fiu":
+            raise ProblemError(
+                f"a controller's function returns (joints,) = ({joints},) torques, JointTargets or a "
+                f"Command, got {given!r:.60}"
+            )
+        if not np.isfinite(torques).all():
+            return Command(np.zeros(joints), attained=False, status=Status.INVALID)
+        return Command(torques.astype(np.float64, copy=False))
+
+
+CONTROLS = ("step", "reset", "warm_up", "channels", "facts")
+"""What a controller has."""
+
+
+def as_controller(controller: Controller | Callable[[RobotState], Any] | None, joints: int) -> Controller:
+    """Return a controller, made of a function of the state where that is given.
+
+    Raises
+    ------
+    ProblemError
+        For what is neither, naming what it lacks.
+    """
+    lacks = [name for name in CONTROLS if not hasattr(controller, name)]
+    if not lacks and not isinstance(controller, type):
+        return controller  # type: ignore[return-value]  # what it has was just looked at
+    if callable(controller) and not isinstance(controller, type) and "step" in lacks:
+        return FunctionController(controller, joints)
+    kind = controller.__name__ if isinstance(controller, type) else type(controller).__name__
+    why = "is a class, not an object of it" if isinstance(controller, type) else f"lacks {', '.join(lacks)}"
+    raise ProblemError(
+        "controller must be an sf.Controller (a subclass has all but step) or a function of the state that "
+        f"returns torques, got {'None' if controller is None else f'{kind}, which {why}'}"
+    )
 
 
 class Wrapper(Controller):

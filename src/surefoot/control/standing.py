@@ -51,7 +51,7 @@ WRENCH_TOLERANCE = 0.02
 """A wrench is attained when its error is below this share of m g (moments over the base's height)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StandCommand(Command):
     """What the standing controller asks for at one step.
 
@@ -202,7 +202,10 @@ class StandingController(Controller):
         if not finite:
             return self._blind(v)
         self._integrate(attained)
-        return StandCommand(torques, forces, high > 0.0, attained, status, wrench, error, self._grasp)
+        return StandCommand(
+            torques, forces, high > 0.0, attained, status,
+            wrench_desired=wrench, wrench_error=error, grasp_map=self._grasp,
+        )  # fmt: skip
 
     def _blind(self, v: FloatArray) -> StandCommand:
         """Return the command when nothing can be computed: the weight is wanted, and no force given."""
@@ -211,15 +214,9 @@ class StandingController(Controller):
         torques = damping_torques(self.robot, v, self._limits)
         off = np.zeros(count, dtype=bool)
         return StandCommand(
-            torques,
-            np.zeros((count, 3)),
-            off,
-            False,
-            Status.INVALID,
-            weight,
-            -weight,
-            np.zeros_like(self._grasp),
-        )
+            torques, np.zeros((count, 3)), off, False, Status.INVALID,
+            wrench_desired=weight, wrench_error=-weight, grasp_map=np.zeros_like(self._grasp),
+        )  # fmt: skip
 
     def _kinematics(self, q: FloatArray, v: FloatArray) -> None:
         """Update Pinocchio's terms, the contact points and the grasp map about the centre of mass."""

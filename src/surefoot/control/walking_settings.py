@@ -74,7 +74,7 @@ class WalkSettings:
     behaviours: tuple[MakeBehaviour, ...] = BEHAVIOURS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class WalkCommand(Command):
     """What the walking controller asks for at one step.
 

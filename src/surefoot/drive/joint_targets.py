@@ -170,7 +170,7 @@ class JointTargetController(Held):
         velocities = self._velocities + 0.5 * dt * rate
         self._positions = self._positions + dt * self._velocities + 0.5 * dt * dt * rate
         self._velocities = self._velocities + dt * rate
-        carries = self._support[command.active].any(axis=0)
+        carries = self._support[command.for_points(len(self._support)).active].any(axis=0)
         gain = np.where(carries, self.settings.carrying, 1.0)
         return JointTargets(
             positions, velocities, gain * self.stiffness, gain * self.damping, command.torques

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array
 from surefoot.equilibrium.limits import Question
-from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, LEAST_MU, UNDECIDED, most_margin, stand
+from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, LEAST_MU, UNDECIDED, most_margin
+from surefoot.equilibrium.point_contacts import stand
 from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import checked_gap, com_region
 from surefoot.equilibrium.row_blocks import IN_ONE

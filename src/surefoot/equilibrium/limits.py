@@ -14,7 +14,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.cones import FrictionPyramid
 from surefoot.cones.cone import Fit
-from surefoot.equilibrium.margin import axis_scale, load_scale, spread
+from surefoot.equilibrium.point_contacts import axis_scale, load_scale, spread
 from surefoot.equilibrium.row_blocks import IN_ONE, find_blocks
 from surefoot.stance import Stance
 

@@ -23,18 +23,8 @@ from surefoot.equilibrium.limits import (
     normal_limits,
     squeeze_limit,
 )
-from surefoot.equilibrium.margin import (
-    ENDLESS,
-    FEASIBLE,
-    REACH,
-    UNDECIDED,
-    axis_scale,
-    load_scale,
-    most_margin,
-    proof_reach,
-    spread,
-    stand,
-)
+from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, REACH, UNDECIDED, most_margin, proof_reach
+from surefoot.equilibrium.point_contacts import axis_scale, load_scale, spread, stand
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY

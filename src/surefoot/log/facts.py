@@ -105,6 +105,7 @@ FACTS: dict[str, Fact] = {
     "start": Fact("stamp of its first row in the clock of its source [s]"),
     "mapping": Fact("how its channels were made from the source, YAML", text=True),
     "doubts": Fact("what is not plausible in it, see Log.doubts", ("doubts",), text=True),
+    "computed": Fact("channels that its source did not have, and from what", ("lines",), text=True),
     "task": Fact("what a plan does", text=True),
     "method": Fact("which road found it", text=True),
     "status": Fact("whether it is solved, see `surefoot.Status`", text=True),

@@ -63,10 +63,10 @@ class Robot:
         shapes: Sequence[catalog.FootShape] = (),
     ) -> None:
         self.name, self.model, self.collision, self._load_visual = name, model, collision, visual
-        self.data = model.createData()
         self.floating = floating
         self.nominal = nominal
-        self._forward(nominal)
+        if feet:
+            self._forward(nominal)
         if shapes:
             self.feet = tuple(
                 shaped_foot(model, f, s.centres, s.radius) for f, s in zip(feet, shapes, strict=True)
@@ -81,6 +81,11 @@ class Robot:
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, mass={self.mass:.3f}, joints={self.joints}, feet={self.foot_names})"
+
+    @cached_property
+    def data(self) -> Any:
+        """Pinocchio's Data of our own; of many joints it is large, so it is made when asked for."""
+        return self.model.createData()
 
     @cached_property
     def visual(self) -> Any:
@@ -237,7 +242,7 @@ class Robot:
 
 
 def load_robot(
-    robot: str | Path, feet: Sequence[str] | None = None, *, fixed_base: bool | None = None
+    robot: str | Path, feet: str | Sequence[str] | None = None, *, fixed_base: bool | None = None
 ) -> Robot:
     """Load a robot by name, or from a URDF or MJCF file.
 
@@ -247,8 +252,8 @@ def load_robot(
         A name from `robot_names`, the path of a URDF or MJCF file, or a name of the package
         robot_descriptions, "go2_mj_description".
     feet
-        Frames that can touch the ground; None for the catalogue's choice (none for a file). Of an MJCF file
-        bodies, sites and named shapes are frames.
+        Frames that can touch the ground, in one text separated by commas or one by one; None for the
+        catalogue's choice (none for a file). Of an MJCF file bodies, sites and named shapes are frames.
     fixed_base
         Whether the base is bolted to the world; None for the catalogue's choice (free for a URDF file; as its
         free joint says for an MJCF file).
@@ -266,6 +271,8 @@ def load_robot(
     >>> round(robot.mass, 3), robot.foot_names
     (16.085, ('FL_foot', 'FR_foot', 'RL_foot', 'RR_foot'))
     """
+    if isinstance(feet, str):
+        feet = [name.strip() for name in feet.split(",")]
     text = str(described(str(robot)) if is_described(str(robot)) else robot)
     if text.lower().endswith((".urdf", ".xml")) or "/" in text:
         path, entry = Path(text).expanduser(), catalog.CatalogEntry(text, fixed_base=bool(fixed_base))

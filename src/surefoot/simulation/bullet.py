@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.errors import ModelError, check_name, needs
+from surefoot.errors import ModelError, ProblemError, check_name, needs
 from surefoot.robot import Robot
 from surefoot.simulation.engine_world import HIGHEST, LARGEST, EngineWorld
 from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion
@@ -118,7 +118,10 @@ class BulletWorld(EngineWorld):
         bullet, client = self._bullet, self._here
         slop = {"contactSlop": 0.0} if values else {}  # a depth at which its springs do not yet push
         steps = {"fixedTimeStep": self.dt, "numSubSteps": 0}
-        bullet.setPhysicsEngineParameter(**{**steps, **slop, **engine}, **client)
+        try:
+            bullet.setPhysicsEngineParameter(**{**steps, **slop, **engine}, **client)
+        except TypeError as error:
+            raise ProblemError(f"engine = {dict(engine)} does not suit Bullet: {error}") from error
         bullet.setGravity(*scene["gravity"], **client)
         self._ground = [self._add_ground(shape) for shape in scene["ground"]]
         with tempfile.TemporaryDirectory() as folder:

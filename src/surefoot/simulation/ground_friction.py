@@ -50,7 +50,10 @@ class GroundFriction:
             raise ProblemError(
                 f"a {type(world).__name__} has one friction everywhere: patches of ice take the world mujoco"
             )
-        self.world, self.mu = world, scenario.mu
+        mu = getattr(world, "mu", None) if scenario.mu is None else scenario.mu
+        if mu is None:
+            raise ProblemError(f"a {type(world).__name__} does not tell its friction: give the scenario mu")
+        self.world, self.mu = world, float(mu)
         self._patches = tuple(scenario.patches)
         self._changes = sorted(scenario.ice, key=lambda change: change.start)
         self.channels: tuple[Channel, ...] = (CHANNELS["contact_friction"],) if self._patches else ()

@@ -289,6 +289,11 @@ class MujocoWorld:
         joint = self.model.joint(int(self.model.dof_jntid[fastest])).name.split(":", 1)[-1]
         return SimulationError("motion", time, self.dt, joint, float(abs(qvel[fastest])))
 
+    @property
+    def mu(self) -> float:
+        """Friction of the ground [-]."""
+        return float(self.model.geom_friction[self.ground_geoms[0], 0])
+
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground [-], from the next step on."""
         self.model.geom_friction[self.ground_geoms, 0] = max(real_number("mu", mu, low=0.0), 1e-5)

@@ -101,7 +101,7 @@ class Recording(Log):
         change = data.qvel - qvel
         for k, (weight, instant) in enumerate(self._stages.of(data)):
             if k == 0:
-                self._forces.begin(instant)
+                self._forces.begin(instant, qvel)
             rate = change / step if instant is data else instant.qacc
             self._forces.add(instant, weight, change, rate, self._slots.read(instant, weight))
         self._slots.close(rows.count)

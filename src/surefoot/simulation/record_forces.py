@@ -102,15 +102,22 @@ class TreeForces:
         self._applied: list[FloatArray] = []
         self._rates: list[FloatArray] = []
         self._centres: list[FloatArray] = []
+        self._momenta: list[FloatArray] = []
+        self._energies: list[float] = []
         self.outside: dict[str, float] = {}
         self.solver_error: list[float] = []
         self._sure = _sure_model(mujoco, model)
         self._check = None if self._sure is None else mujoco.MjData(self._sure)
 
-    def begin(self, data: Any) -> None:
-        """Open the row of a step, at its start."""
-        tree = self._tree
-        self._centres.append(data.subtree_com[tree.root].copy())
+    def begin(self, data: Any, v: FloatArray) -> None:
+        """Open the row of a step, at its start, where the velocities were v (nv,)."""
+        tree, own = self._tree, np.zeros_like(v)
+        own[tree.dofs] = v[tree.dofs]
+        momentum = self._times_mass(data, own)
+        weight, centre = tree.mass * self._model.opt.gravity, data.subtree_com[tree.root].copy()
+        self._energies.append(float(0.5 * own @ momentum - weight @ centre))
+        self._momenta.append(tree.wrench(data, momentum))
+        self._centres.append(centre)
         self._rates.append(np.zeros(6))
         self._other.append(np.zeros(len(tree.dofs)))
         self._applied.append(np.zeros(6))
@@ -166,8 +173,8 @@ class TreeForces:
         """Return the channels."""
         out: dict[str, Any] = {"other_forces": np.array(self._other)}
         if self._tree.free is not None:
-            parts = self._rates, self._centres, self._applied
-            names = ("momentum_rate", "com", "wrench_applied")
+            parts = self._momenta, self._energies, self._rates, self._centres, self._applied
+            names = ("momentum", "energy", "momentum_rate", "com", "wrench_applied")
             out |= {name: np.array(part) for name, part in zip(names, parts, strict=True)}
         if any(self.solver_error):
             out["solver_error"] = np.array(self.solver_error)
@@ -176,15 +183,18 @@ class TreeForces:
     def _momentum_rate(self, data: Any, rate: FloatArray) -> FloatArray:
         """Return the rate (6,) of momentum: M v̇ + h less the weight; rotors move nothing."""
         model, tree = self._model, self._tree
-        joints = np.zeros(model.nv)
-        self._mujoco.mj_mulM(model, data, joints, rate)
-        joints += data.qfrc_bias - model.dof_armature * rate
-        out = tree.wrench(data, joints)
+        out = tree.wrench(data, self._times_mass(data, rate) + data.qfrc_bias)
         weight = np.zeros(6)
         if tree.free is not None:
             weight[:3] = tree.mass * model.opt.gravity
             out += tree.free.T @ (tree.free @ weight)
         return out
+
+    def _times_mass(self, data: Any, v: FloatArray) -> FloatArray:
+        """Return M v (nv,) without the rotors, which move nothing."""
+        joints = np.zeros(self._model.nv)
+        self._mujoco.mj_mulM(self._model, data, joints, v)
+        return np.asarray(joints - self._model.dof_armature * v)
 
     def _pushed(self, data: Any) -> tuple[FloatArray, FloatArray]:
         """Return what `xfrc_applied` is on the joints (nv,), and about the centre of mass (6,)."""

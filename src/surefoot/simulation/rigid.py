@@ -282,8 +282,10 @@ class RigidWorld:
             return None
         if step is None or step.impact is None or not step.impulses[p:].any():
             return np.zeros(self.model.nv)
-        J = self.stepper.contacts(State(step.impact.q, step.impact.after)).J[3 * p :]
-        return np.asarray(J.T @ step.forces[p:].ravel())
+        contacts = self.stepper.contacts(State(step.impact.q, step.impact.after))
+        forces = np.zeros((len(contacts.gaps), 3))
+        forces[p : len(step.forces)] = step.forces[p:]
+        return contacts.effort(forces)
 
     def touches(self) -> list[BodyTouch]:
         """Return every contact that carried a force in the last step: feet, other links, bodies."""
@@ -320,7 +322,7 @@ class RigidWorld:
             raise ProblemError(
                 'steps are differentiated with actuators="ideal", not with motors and friction'
             )
-        return step_derivative(self.stepper, *self._given, smoothing)
+        return step_derivative(self.stepper, *self._given, smoothing, step=self.last)
 
     def energy(self) -> float:
         """Return kinetic plus potential energy [J], zero potential at z = 0, and what soft contacts store.

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import time as clock
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.controller import Command, Controller, RobotState, as_controller
 from surefoot.drive.standstill import Standstill
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log
@@ -33,6 +34,8 @@ from surefoot.simulation.world import World
 from surefoot.simulation.world_facts import facts_before, softness_of
 from surefoot.spatial import GRAVITY
 
+PLAIN = 5.0
+"""Length of a run without a scenario [s]."""
 LOOK_EVERY = 20
 """Steps between looks at whether the robot has fallen."""
 TOUCH = 0.02
@@ -48,8 +51,8 @@ _SHARED = (
 
 def run(
     world: World,
-    controller: Controller,
-    scenario: Scenario,
+    controller: Controller | Callable[[RobotState], Any],
+    scenario: Scenario | None = None,
     observers: Sequence[Observer] = (),
     folder: Path | None = None,
 ) -> Log:
@@ -58,7 +61,9 @@ def run(
     Parameters
     ----------
     world, controller, scenario
-        Where, who decides, and what happens.
+        Where, who decides, and what happens. Any function of the state that returns (joints,) torques [N m],
+        `JointTargets` or a `Command` can decide; commands that say nothing of forces leave NaN in the log.
+        Without a scenario nothing disturbs the robot for `PLAIN` seconds.
     observers
         Who watches; each is called after every step, and with the log at the end.
     folder
@@ -74,17 +79,31 @@ def run(
     Raises
     ------
     ProblemError
-        For faults that do not fit the robot, or channels of the controller that are no channels.
+        For what is no world, controller or scenario, naming what it lacks; faults that do not fit the robot,
+        or channels of the controller that are no channels.
     SimulationError, WriteError
         If not even the first step could be made and logged.
     """
+    lacks = [name for name in ("robot", "terrain", "step", "contacts") if not hasattr(world, name)]
+    if lacks:
+        kind = type(world).__name__
+        raise ProblemError(f"world must be one as sf.MujocoWorld(robot) is, {kind} lacks {', '.join(lacks)}")
+    controller = as_controller(controller, world.robot.joints)
+    scenario = Scenario(PLAIN) if scenario is None else scenario
+    if not isinstance(scenario, Scenario):
+        raise ProblemError(f"scenario must be a Scenario, as sf.Scenario(5.0) is one, got {scenario!r:.60}")
     q, v = scenario.begin(world)
     world.reset(q)
     controller.warm_up(RobotState(*world.state(), 0.0, np.ones(len(world.robot.feet), dtype=bool)))
     world.step(np.zeros(world.robot.joints))  # so that no step of the run waits for a compiler
     world.reset(q, v)
     height = float(q[2] - world.terrain.height(q[:2]))
-    log = _Run(world, controller, scenario, folder).carry_out(observers, height)
+    out = _Run(world, controller, scenario, folder)
+    gc.freeze()  # so that no step waits while the collector looks at what was there before
+    try:
+        log = out.carry_out(observers, height)
+    finally:
+        gc.unfreeze()
     log.facts.update(softness_of(world, log))
     for observer in observers:
         observer.end(log)
@@ -219,7 +238,7 @@ class _Run:
         """Return the controller's command, or that of a robot which has lost its state."""
         if self.sensing.lost and last is not None:
             return self.stop.command(state, last)
-        return self.controller.step(state)
+        return self.controller.step(state).for_points(len(self.world.contact_foot))
 
     def _record(self, moment: Moment) -> None:
         """Write the row of a step."""

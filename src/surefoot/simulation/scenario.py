@@ -21,6 +21,8 @@ from surefoot.terrain import Terrain
 
 START_SPEED = 0.01
 """Standard deviation of the seeded disturbance of the base's velocity at the start [m/s]."""
+LONGEST = 1e6
+"""Longest run [s]: eleven days."""
 START_DEPTH = 1e-5
 """A robot that starts this deep in the ground has no foot in the air by rounding [m]."""
 
@@ -117,7 +119,7 @@ class Scenario:
     duration
         Length of the run [s].
     mu
-        Friction of the ground [-] at the start; takes the place of the world's own.
+        Friction of the ground [-] at the start; None for the world's own.
     pushes, ice
         What disturbs it.
     patches
@@ -139,7 +141,7 @@ class Scenario:
     """
 
     duration: float
-    mu: float
+    mu: float | None = None
     pushes: Sequence[Push] = ()
     ice: Sequence[Ice] = ()
     seed: int | None = None
@@ -150,6 +152,15 @@ class Scenario:
     sensors: SensorModel | None = None
     scanner: RangeSensor | None = None
     patches: Sequence[IcePatch] = ()
+
+    def __post_init__(self) -> None:
+        real_number("duration of a scenario", self.duration, low=1e-9, high=LONGEST)
+        if self.mu is not None:
+            real_number("mu of a scenario", self.mu, low=0.0)
+        for name, kind in (("pushes", Push), ("ice", Ice), ("patches", IcePatch)):
+            for one in getattr(self, name):
+                if not isinstance(one, kind):
+                    raise ProblemError(f"{name} of a scenario are {kind.__name__}, got {one!r:.60}")
 
     def steps(self, dt: float) -> int:
         """Return the number of steps of length `dt` [s], at least one."""

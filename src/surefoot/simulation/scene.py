@@ -163,6 +163,8 @@ class Scene(Robot):
         collision, visual = (
             (empty, lambda: empty) if robot is None else (robot.collision, lambda: robot.visual)
         )
+        free = [model.joints[joint].idx_q for joint in self._joint.values() if joint]
+        self._quaternions = np.array(free, dtype=np.int64).reshape(-1, 1) + np.arange(3, 7)
         floating = True if robot is None else robot.floating
         super().__init__("scene", model, collision, visual, (), np.concatenate(start), floating)
         if robot is not None:
@@ -187,15 +189,13 @@ class Scene(Robot):
     def configuration(self, q: ArrayLike | None = None) -> FloatArray:
         """Return q checked (nominal for None), its quaternions normalised: (nq,) [m, -, rad]."""
         out = super().configuration(q)
-        for name, joint in self._joint.items():
-            if joint:
-                turn = slice(self.model.joints[joint].idx_q + 3, self.model.joints[joint].idx_q + 7)
-                length = float(np.linalg.norm(out[turn]))
-                if abs(length - 1.0) > 1e-3:
-                    raise ProblemError(
-                        f"the quaternion (x, y, z, w) of {name} must have length 1, its length is {length:g}"
-                    )
-                out[turn] /= length
+        turns = out[self._quaternions]
+        lengths = np.linalg.norm(turns, axis=1)
+        if (wrong := np.flatnonzero(np.abs(lengths - 1.0) > 1e-3)).size:
+            name = [body.name for body in self.bodies if not body.fixed][int(wrong[0])]
+            told = f"the quaternion (x, y, z, w) of {name} must have length 1"
+            raise ProblemError(f"{told}, its length is {lengths[wrong[0]]:g}")
+        out[self._quaternions] = turns / lengths[:, None]
         return out
 
     def start(self) -> tuple[FloatArray, FloatArray]:
@@ -220,9 +220,9 @@ class Scene(Robot):
         if joint == 0:
             body = next(b for b in self.bodies if b.name == name)
             return Pose(np.array(body.position, dtype=np.float64), body.rotation)
-        self._forward(self.configuration(q))
-        place = self.data.oMi[joint]
-        return Pose(np.array(place.translation), np.array(place.rotation))
+        first, at = self.model.joints[joint].idx_q, self.nominal if q is None else q
+        turn = import_pinocchio().Quaternion(np.array(at[first + 3 : first + 7]))
+        return Pose(np.array(at[first : first + 3]), np.array(turn.normalized().matrix()))
 
     def twist(self, name: str, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return velocity of a body's centre [m/s] and angular velocity [rad/s], (3,) each, world axes."""

@@ -65,6 +65,32 @@ def near_ground(
 
 
 @kernel
+def turned(
+    arriving: FloatArray, leaving: FloatArray, impulses: FloatArray, foot: IntArray, frames: FloatArray,
+    least: float,
+) -> tuple[FloatArray, FloatArray] | None:  # fmt: skip
+    """Return what `swerves` does, for contact velocities (p, 3) before impulses."""
+    out, largest = np.zeros(leaving.shape), 0.0
+    groups = 1 + foot.max() if foot.size else 0
+    means, count = np.zeros((groups, 3)), np.zeros(groups)
+    for d in range(leaving.shape[0]):
+        # a contact that was not pressed had nothing to swerve from
+        if impulses[d, 2] > 0.0:
+            count[foot[d]] += 1.0
+            for a in range(3):
+                change = 0.5 * (arriving[d, a] - leaving[d, a])
+                for i in range(3):
+                    means[foot[d], i] += frames[d, i, a] * change
+    for c in range(leaving.shape[0]):
+        if impulses[c, 2] > 0.0:
+            for a in range(3):
+                for i in range(3):
+                    out[c, a] += frames[c, i, a] * means[foot[c], i] / count[foot[c]]
+                largest = max(largest, abs(out[c, a]))
+    return (arriving, out) if largest > least else None
+
+
+@kernel
 def swerves(
     J: FloatArray, v: FloatArray, leaving: FloatArray, impulses: FloatArray, foot: IntArray,
     frames: FloatArray, least: float,
@@ -75,33 +101,14 @@ def swerves(
     contacts without swerve nothing. Those of one foot (p,) share their mean in world axes: single ones would
     pull corners of a rigid sole apart. `frames` (p, 3, 3) are the contact frames. None below `least` [m/s].
     """
-    arriving, out = np.empty(leaving.shape), np.zeros(leaving.shape)
-    largest = 0.0
+    arriving = np.empty(leaving.shape)
     for c in range(leaving.shape[0]):
         for a in range(3):
             total = 0.0
             for j in range(v.size):
                 total += J[3 * c + a, j] * v[j]
             arriving[c, a] = total
-    mean = np.empty(3)
-    for c in range(leaving.shape[0]):
-        # a contact that was not pressed had nothing to swerve from
-        if not impulses[c, 2] > 0.0:
-            continue
-        mean[:] = 0.0
-        count = 0
-        for d in range(leaving.shape[0]):
-            if foot[d] == foot[c] and impulses[d, 2] > 0.0:
-                count += 1
-                for a in range(3):
-                    change = 0.5 * (arriving[d, a] - leaving[d, a])
-                    for i in range(3):
-                        mean[i] += frames[d, i, a] * change
-        for a in range(3):
-            for i in range(3):
-                out[c, a] += frames[c, i, a] * mean[i] / count
-            largest = max(largest, abs(out[c, a]))
-    return (arriving, out) if largest > least else None
+    return turned(arriving, leaving, impulses, foot, frames, least)
 
 
 @kernel

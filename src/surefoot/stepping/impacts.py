@@ -7,7 +7,7 @@ that obeys the laws, to second order.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -102,8 +102,7 @@ class Meeting(NamedTuple):
         last, leaving
             (p, 3) impulses of the step before [N s], and contact velocities right after them [m/s].
         """
-        J, feet = self.contacts.J, (self.foot, self.contacts.frames)
-        guess = arithmetic.swerves(J, self.before, leaving, last, *feet, SWERVE)
+        guess = self.contacts.swerves(self.before, leaving, last, self.foot, SWERVE)
         if guess is None:
             return self._with_missed(near, last, None)
         arriving, swerve = guess
@@ -112,7 +111,7 @@ class Meeting(NamedTuple):
         if work <= GAIN * push * GRAVITY * self.options.dt:
             return impact
         # the guess would make energy: the mean velocity over the impulses themselves takes its place
-        guess = arithmetic.swerves(J, self.before, -arriving, last, *feet, 0.0)
+        guess = self.contacts.swerves(self.before, -arriving, last, self.foot, 0.0)
         return self._with_missed(near, last, None if guess is None else guess[1])
 
     def _with_missed(self, near: IntArray, warm: FloatArray, swerve: FloatArray | None) -> Impact:
@@ -136,26 +135,23 @@ class Meeting(NamedTuple):
             impulses[near] = solution.forces
         return self._outcome(near, rows, impulses, swerve, solution)
 
-    def unshifted(self, chosen: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def unshifted(self, chosen: IntArray) -> tuple[Any, Any, FloatArray]:
         """Return rows, G and g of contacts to whose velocities no law adds; see `arithmetic.assemble`."""
         contacts = self.contacts
-        rows, G, g = arithmetic.assemble(
-            contacts.J, self.L, self.before, self.free, np.zeros(contacts.gaps.size), chosen, self.horizon,
-            0.0, np.inf, 0.0,
-        )  # fmt: skip
-        if not max(arithmetic.largest(g), arithmetic.largest(G.ravel())) < np.inf:
-            raise LostMotion("contact problem")
+        closed = np.zeros(contacts.gaps.size)
+        rows, G, g = contacts.assemble(self.L, self.before, self.free, closed, chosen, self.horizon, 0.0)
+        checked(G, g)
         return rows, G, g
 
-    def _matrices(self, near: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _matrices(self, near: IntArray) -> tuple[Any, Any, FloatArray]:
         """Return rows, G and g of the near contacts; see `arithmetic.assemble`."""
         options = self.options
-        return arithmetic.assemble(
-            self.contacts.J, self.L, self.before, self.free, self.contacts.gaps, near, self.horizon,
-            options.restitution, 2.0 * options.dt * GRAVITY, options.pull,
+        return self.contacts.assemble(
+            self.L, self.before, self.free, self.contacts.gaps, near, self.horizon, options.pull,
+            options.restitution, 2.0 * options.dt * GRAVITY,
         )  # fmt: skip
 
-    def _solution(self, G: FloatArray, g: FloatArray, near: IntArray, warm: FloatArray) -> ContactSolution:
+    def _solution(self, G: Any, g: FloatArray, near: IntArray, warm: FloatArray) -> ContactSolution:
         """Return the counted solution of a contact problem of the near contacts."""
         options, mu = self.options, self.mu if self.surfaces is None else self.surfaces.friction[near]
         problem = finite_problem(G, g, mu, options.problem_law)
@@ -164,13 +160,13 @@ class Meeting(NamedTuple):
         return solution
 
     def _outcome(
-        self, near: IntArray, rows: FloatArray | None, impulses: FloatArray, swerve: FloatArray | None,
+        self, near: IntArray, rows: Any, impulses: FloatArray, swerve: FloatArray | None,
         solution: ContactSolution | None,
     ) -> Impact:  # fmt: skip
         """Return what the (p, 3) impulses of the near contacts, with their rows, lead to."""
         after = self.free
         if rows is not None:
-            after = arithmetic.apply_impulses(self.L, rows, impulses[near].ravel(), self.free)
+            after = self.contacts.apply(self.L, rows, impulses[near], self.free)
             if not arithmetic.largest(after) < FASTEST:
                 raise LostMotion("velocity under the impulses of contacts")
         leaving = self.contacts.velocities(after)
@@ -178,10 +174,14 @@ class Meeting(NamedTuple):
         return Impact(self.q, self.before, self.free, after, near, rows, impulses, leaving, means, solution)
 
 
-def finite_problem(
-    G: FloatArray, g: FloatArray, mu: float | FloatArray, law: str = "coulomb"
-) -> ContactProblem:
-    """Return the contact problem G (3n, 3n) [1/kg], g (3n,) [m/s], of finite numbers."""
-    if not max(arithmetic.largest(g), arithmetic.largest(G.ravel())) < np.inf:
+def checked(G: Any, g: FloatArray) -> None:
+    """Refuse a contact problem G (3n, 3n) [1/kg], dense or sparse, g (3n,) [m/s] that is not finite."""
+    entries = G if isinstance(G, np.ndarray) else G.data
+    if not max(arithmetic.largest(g), arithmetic.largest(entries.ravel())) < np.inf:
         raise LostMotion("contact problem")
+
+
+def finite_problem(G: Any, g: FloatArray, mu: float | FloatArray, law: str = "coulomb") -> ContactProblem:
+    """Return the contact problem G (3n, 3n) [1/kg], g (3n,) [m/s], of finite numbers."""
+    checked(G, g)
     return ContactProblem(G, g, mu, law=law)

@@ -23,6 +23,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.stepping import arithmetic
+from surefoot.stepping.impacts import LostMotion
 
 STAGES = np.array(
     [
@@ -64,17 +66,20 @@ class FreeMotion:
     model
         Pinocchio's, with the gravity that is meant.
     floating
-        Whether the first joint is a free flyer.
+        Whether the first joint is a free flyer, or how many of them there are before all others.
+    data
+        Pinocchio's; None where `acceleration` needs none.
     """
 
-    def __init__(self, model: Any, floating: bool) -> None:
+    def __init__(self, model: Any, floating: int, data: Any = ...) -> None:
         import pinocchio
 
-        self.model, self.data, self._floating = model, model.createData(), floating
+        self.model, self.data = model, model.createData() if data is ... else data
+        self._floating = int(floating)
         self._curved = [
             slice(joint.idx_v, joint.idx_v + joint.nv)
             for k, joint in enumerate(model.joints)
-            if k > int(floating) and joint.nq != joint.nv > 1
+            if k > self._floating and joint.nq != joint.nv > 1
         ]
         """Velocities of other joints whose positions are rotations, as of ball joints."""
         self._aba, self._integrate = pinocchio.aba, pinocchio.integrate
@@ -159,6 +164,21 @@ class FreeMotion:
             self._moves[i, part] = np.linalg.solve(D[part, part], self._speed[part])
 
 
+def moved(
+    motion: FreeMotion,
+    q: FloatArray,
+    v: FloatArray,
+    seconds: float,
+    effort: FloatArray | None = None,
+    rate: FloatArray | None = None,
+) -> Ahead:
+    """Return where a motion without contacts leads, see `FreeMotion.advance`; `LostMotion` where nowhere."""
+    ahead = motion.advance(q, v, seconds, effort, rate)
+    if ahead is None or not arithmetic.largest(ahead.q) < np.inf:
+        raise LostMotion("motion")
+    return ahead
+
+
 @inline_kernel
 def bracket(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
     """Write the Lie bracket [a, b] of two base twists [linear; angular], in any unit, into out (6,)."""
@@ -170,13 +190,13 @@ def bracket(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
 
 @kernel
 def stage(
-    i: int, h: float, v: FloatArray, moves: FloatArray, slopes: FloatArray, floating: bool,
+    i: int, h: float, v: FloatArray, moves: FloatArray, slopes: FloatArray, flyers: int,
     xi: FloatArray, speed: FloatArray,
 ) -> None:  # fmt: skip
     """Write ξ, v and ξ̇ of stage `i` of a piece of h [s] that starts with v (nv,).
 
-    `moves` and `slopes` (7, nv) hold ξ̇ and v̇ of the stages. ξ̇ = v + [ξ, v]/2 + [ξ, [ξ, v]]/12 - ad⁴/720,
-    exact to the order of the method, for a velocity in body axes.
+    `moves` and `slopes` (7, nv) hold ξ̇ and v̇ of the stages; the first `flyers` joints are free flyers.
+    ξ̇ = v + [ξ, v]/2 + [ξ, [ξ, v]]/12 - ad⁴/720, exact to the order of the method, in body axes.
     """
     for k in range(v.size):
         a = b = 0.0
@@ -186,14 +206,15 @@ def stage(
         xi[k] = h * a
         speed[k] = v[k] + h * b
         moves[i, k] = speed[k]
-    if floating:
-        one, two, three, four = np.empty(6), np.empty(6), np.empty(6), np.empty(6)
-        bracket(xi, speed, one)
-        bracket(xi, one, two)
-        bracket(xi, two, three)
-        bracket(xi, three, four)
+    one, two, three, four = np.empty(6), np.empty(6), np.empty(6), np.empty(6)
+    for b in range(flyers):
+        turn = xi[6 * b : 6 * b + 6]
+        bracket(turn, speed[6 * b : 6 * b + 6], one)
+        bracket(turn, one, two)
+        bracket(turn, two, three)
+        bracket(turn, three, four)
         for k in range(6):
-            moves[i, k] += 0.5 * one[k] + two[k] / 12.0 - four[k] / 720.0
+            moves[i, 6 * b + k] += 0.5 * one[k] + two[k] / 12.0 - four[k] / 720.0
 
 
 @kernel
@@ -223,7 +244,7 @@ def halfway(h: float, rate: FloatArray, v: FloatArray, xi: FloatArray, speed: Fl
 
 @kernel
 def bent(
-    h: float, rate: FloatArray, middle: FloatArray, v: FloatArray, floating: bool,
+    h: float, rate: FloatArray, middle: FloatArray, v: FloatArray, flyers: int,
     xi: FloatArray, speed: FloatArray,
 ) -> float:  # fmt: skip
     """Write ξ and v after h [s] of a v̇ that changes evenly; return the error of v over the largest one.
@@ -240,11 +261,11 @@ def bent(
         speed[k] = v[k] + h * b
         xi[k] = h * v[k] + h * h * (a + 2.0 * b) / 6.0
         middle[k] = 2.0 * b - a
-    if floating:
-        swerve = np.empty(6)
-        bracket(v, rate, swerve)
+    swerve = np.empty(6)
+    for b in range(flyers):
+        bracket(v[6 * b : 6 * b + 6], rate[6 * b : 6 * b + 6], swerve)
         for k in range(6):
-            xi[k] += h * h * h / 12.0 * swerve[k]
+            xi[6 * b + k] += h * h * h / 12.0 * swerve[k]
     return h * h * change
 
 

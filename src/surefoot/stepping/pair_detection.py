@@ -64,39 +64,55 @@ class PairDetection:
             feet.append(Foot(solid.name, int(frame), knots, solid.shape.radius))
             self.names.append((solid.name, "ground"))
             surfaces.append((solid.friction, solid.restitution, None, None))
-        points = contact_points(model, feet)
-        self._ground = TerrainDetection(model, points, terrain)
-        self.data = self._ground.data
+        self._knots = contact_points(model, feet)
+        self._points = len(self._knots)
         self._pairs = PairSearch(self._geometry, MARGIN + 2.0 * FASTEST_APPROACH * dt)
-        solids = self._geometry.solids
-        self.names += [(solids[b].name, solids[a].name) for a, b in self._pairs.pairs.tolist()]
-        surfaces += [
-            (solids[b].friction, solids[b].restitution, solids[a].friction, solids[a].restitution)
-            for a, b in self._pairs.pairs.tolist()
-        ]
-        self.group = np.concatenate([points.foot, len(feet) + self._pairs.pair])
-        self._surfaces = surfaces
-        self._coefficients: tuple[float, float, FloatArray, FloatArray] | None = None
-        self._support = joint_support(model)
-        n = len(self.group)
-        self._points = len(points)
-        self._frames, self._J = np.zeros((n, 3, 3)), np.zeros((3 * n, model.nv))
+        self._surfaces, self._known = surfaces, (np.nan, np.nan)
+        self._mixed = np.zeros((2, 0))
+        self._grow()
+        self._look(model, terrain)
+
+    def _look(self, model: Any, terrain: Terrain) -> None:
+        """Make what finds the ground, and work arrays."""
+        self._ground = TerrainDetection(model, self._knots, terrain)
+        self.data, self._support = self._ground.data, joint_support(model)
+        self._J = np.zeros((0, model.nv))
+
+    def _grow(self) -> None:
+        """Name the sides of pairs that came near, and their surfaces; other contacts stay where they are."""
+        solids, points = self._geometry.solids, self._knots
+        for a, b in self._pairs.pairs[len(self.names) - len(points.frames) :].tolist():
+            one, two = solids[b], solids[a]
+            self.names.append((one.name, two.name))
+            self._surfaces.append((one.friction, one.restitution, two.friction, two.restitution))
+        self.group = np.concatenate([points.foot, len(points.frames) + self._pairs.pair])
+        self._frames = np.zeros((len(self.group), 3, 3))
 
     def at(self, q: FloatArray) -> Contacts:
         """Return the contacts at (nq,) q [m, -, rad], as `TerrainDetection.at` does."""
         ground, p = self._ground.at(q), self._points
-        gaps, positions = np.empty(len(self.group)), np.empty((len(self.group), 3))
-        gaps[:p], positions[:p], self._frames[:p] = ground.gaps, ground.positions, ground.frames
-        self._J[: 3 * p] = ground.J
         pairs = self._pairs
         pairs.update(self.data.oMi)
-        gaps[p:], positions[p:] = pairs.gaps, pairs.points
-        surface_frames(pairs.normals, self._frames[p:])
+        gaps, positions, frames = self._together(ground.gaps, ground.positions, ground.frames)
+        if len(self._J) != 3 * len(gaps):
+            self._J = np.zeros((3 * len(gaps), self._J.shape[1]))
+        self._J[: 3 * p] = ground.J
         relative_jacobian(
-            self.data.J, self._support, pairs.first, pairs.second, pairs.points, self._frames[p:], pairs.on,
+            self.data.J, self._support, pairs.first, pairs.second, pairs.points, frames[p:], pairs.on,
             self._J[3 * p :],
         )  # fmt: skip
-        return Contacts(gaps, positions, self._frames, self._J)
+        return Contacts(gaps, positions, frames, self._J)
+
+    def _together(
+        self, gaps: FloatArray, positions: FloatArray, frames: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return gaps, positions and frames of contacts with the ground, and of pairs behind them."""
+        pairs = self._pairs
+        if len(self.group) != self._points + len(pairs.gaps):
+            self._grow()
+        self._frames[: self._points] = frames
+        surface_frames(pairs.normals, self._frames[self._points :])
+        return np.concatenate([gaps, pairs.gaps]), np.concatenate([positions, pairs.points]), self._frames
 
     def twists(self, q: FloatArray) -> FloatArray:
         """Return the spatial Jacobian (6, nv) at q, see `TerrainDetection.twists`."""
@@ -104,18 +120,17 @@ class PairDetection:
 
     def surfaces(self, mu: float, restitution: float) -> Surfaces:
         """Return the coefficients of all contacts on ground of friction `mu` and `restitution`."""
-        known = self._coefficients
-        if known is None or known[:2] != (mu, restitution):
-            mixed = self._geometry.mixed
-            feet = len(self._surfaces)
-            friction, bounce = np.empty(feet), np.empty(feet)
-            for k, (mu_a, e_a, mu_b, e_b) in enumerate(self._surfaces):
-                friction[k] = mixed(mu_a, mu_b, mu)
-                bounce[k] = min(mixed(e_a, e_b, restitution), 1.0)
-            self._coefficients = known = mu, restitution, friction[self.group], bounce[self.group]
+        if self._known != (mu, restitution):
+            self._known, self._mixed = (mu, restitution), np.zeros((2, 0))
+        mixed, fresh = self._geometry.mixed, self._surfaces[self._mixed.shape[1] :]
+        if fresh:
+            friction = [mixed(mu_a, mu_b, mu) for mu_a, _, mu_b, _ in fresh]
+            bounce = [min(mixed(e_a, e_b, restitution), 1.0) for _, e_a, _, e_b in fresh]
+            self._mixed = np.hstack([self._mixed, [friction, bounce]])
         on = np.ones(len(self.group), dtype=np.bool_)
         on[self._points :] = self._pairs.on
-        return Surfaces(known[2], known[3], on, self._geometry.propagation)
+        friction, bounce = self._mixed[:, self.group]
+        return Surfaces(friction, bounce, on, self._geometry.propagation)
 
 
 def _frame(name: str, joint: int) -> Any:

@@ -13,6 +13,8 @@ References
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
@@ -78,15 +80,13 @@ class PairMeeting(Meeting):
             g[2::3] += surfaces.restitution[chosen] * speeds[closing]
             solution = self._solution(G, g, chosen, np.zeros((chosen.size, 3)))
             total[chosen] += solution.forces
-            v = v + arithmetic.apply_impulses(self.L, rows, solution.forces.ravel(), still)
+            v = v + contacts.apply(self.L, rows, solution.forces, still)
         return total, v - self.before
 
-    def _matrices(self, near: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _matrices(self, near: IntArray) -> tuple[Any, Any, FloatArray]:
         """See `Meeting`; each contact has a restitution of its own."""
         pull, gaps = self.options.pull, self.contacts.gaps
-        rows, G, g = arithmetic.assemble(
-            self.contacts.J, self.L, self.before, self.free, gaps, near, self.horizon, 0.0, np.inf, pull
-        )
+        rows, G, g = self.contacts.assemble(self.L, self.before, self.free, gaps, near, self.horizon, pull)
         self._bounce(near, g, pull)
         return rows, G, g
 

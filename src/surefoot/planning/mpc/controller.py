@@ -103,7 +103,7 @@ class MpcSettings:
         real_number("mu", self.mu, low=0.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MpcCommand(Command):
     """What the controller asks for at one step.
 
@@ -240,8 +240,8 @@ class ContactImplicitMpc(Controller):
         active = forces[:, 2] > 0.0
         status = Status.SOLVED if self._well else Status.STALLED
         return MpcCommand(
-            self._torques.copy(), forces, active, self._well, status, self._feet(active),
-            self._velocity.copy(), tick,
+            self._torques.copy(), forces, active, self._well, status,
+            planned=self._feet(active), wanted=self._velocity.copy(), tick=tick,
         )  # fmt: skip
 
     def _feet(self, active: BoolArray) -> BoolArray:
@@ -255,8 +255,8 @@ class ContactImplicitMpc(Controller):
         torques = damping_torques(self.robot, v, self.robot.effort_limits)
         p, n = len(self.robot.contact_points), len(self.robot.feet)
         return MpcCommand(
-            torques, np.zeros((p, 3)), np.ones(p, dtype=bool), False, Status.INVALID, np.ones(n, dtype=bool),
-            self._velocity.copy(), 0.0,
+            torques, np.zeros((p, 3)), np.ones(p, dtype=bool), False, Status.INVALID,
+            planned=np.ones(n, dtype=bool), wanted=self._velocity.copy(), tick=0.0,
         )  # fmt: skip
 
     def _plan_again(self, state: RobotState) -> bool:

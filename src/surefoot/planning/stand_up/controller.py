@@ -12,7 +12,6 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.contact import Status
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.whole_body import TaskWeights, WholeBodyController
@@ -83,7 +82,9 @@ class StandUpController(Controller):
             now = self.whole_body.update(state.q, state.v)
             body = self.whole_body.solve(self.landing.tasks(now, sensed))
             active = sensed[self.whole_body.point_foot]
-            return TrackCommand(body.torques, body.forces, active, body.feasible, body.status, self.phase)
+            return TrackCommand(
+                body.torques, body.forces, active, body.feasible, body.status, phase=self.phase
+            )
         target = self._target(state.time - self._since)
         return self._told(self.law.torques(target, state.q[7:], state.v[6:]), off)
 
@@ -124,7 +125,7 @@ class StandUpController(Controller):
     def _told(self, torques: FloatArray, stance: BoolArray) -> TrackCommand:
         point_foot = self.whole_body.point_foot
         forces = np.zeros((len(point_foot), 3))
-        return TrackCommand(torques, forces, stance[point_foot], True, Status.SOLVED, self.phase)
+        return TrackCommand(torques, forces, stance[point_foot], phase=self.phase)
 
 
 def controller_of(

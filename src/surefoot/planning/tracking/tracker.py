@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
-from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.whole_body import Kinematics, Tasks, TaskWeights, WholeBodyController
@@ -93,7 +92,7 @@ class TrackSettings:
             raise ProblemError(f"force_share must be positive, got {self.force_share:g}")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TrackCommand(Command):
     """What the tracking controller asks for at one step; `phase` is GROUND, FLYING or LANDED."""
 
@@ -283,7 +282,7 @@ class TrackingController(Controller):
         torques = self.motors.clip(self._not_too_fast(np.clip(torques, -limits, limits), v[6:]), v[6:])
         return TrackCommand(
             torques, np.zeros((len(self.whole_body.point_foot), 3)),
-            self._off[self.whole_body.point_foot], True, Status.SOLVED, self.phase,
+            self._off[self.whole_body.point_foot], phase=self.phase,
         )  # fmt: skip
 
     def _not_too_fast(self, torques: FloatArray, speeds: FloatArray) -> FloatArray:
@@ -302,4 +301,4 @@ class TrackingController(Controller):
 
     def _told(self, body: Any, stance: BoolArray) -> TrackCommand:
         active = stance[self.whole_body.point_foot]
-        return TrackCommand(body.torques, body.forces, active, body.feasible, body.status, self.phase)
+        return TrackCommand(body.torques, body.forces, active, body.feasible, body.status, phase=self.phase)
