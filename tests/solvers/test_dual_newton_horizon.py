@@ -190,8 +190,8 @@ def solve(program, tol=1e-8, patience=30, limit=100, guess=None):
     if guess is not None:
         points[step, foot] = guess
     count, error = horizon.newton(
-        weights, TERMINAL, DT, q.reshape(N, 6), step, foot, M, bounds, centre, RHO, tol, patience, limit,
-        points, force,
+        riccati.tracking(weights, TERMINAL, DT, N), q.reshape(N, 6), step, foot, M, bounds, centre, RHO, tol,
+        patience, limit, points, force,
     )  # fmt: skip
     return count, error, points[step, foot], force
 

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import InitVar, dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact, real_number
+from surefoot.arrays import FloatArray, finite_array, per_contact, real_number
 from surefoot.contact.solution import Status
 from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
@@ -195,10 +194,8 @@ class ConvexMpc:
                 raise ProblemError(f"normal_share must have shape {given.contacts.shape}, got {share.shape}")
             given = given._replace(bounds=_lowered(given.bounds, share))
         verdict, total, error, forces, world, motion, turn = plan_forces(
-            *given, self._points, self.mass, self._mobility, self._weights, self.weights.terminal,
-            self.weights.force, self.dt, self.outside, self.fading, self.passes, self.tol, PATIENCE,
-            self.max_iterations,
-        )  # fmt: skip
+            given, self._body(), self._points, self.passes, self.tol, PATIENCE, self.max_iterations
+        )
         if verdict == mpc_model.NOT_ROTATION:
             raise ProblemError(NO_ROTATION)
         if verdict == mpc_model.NOT_FINITE:
@@ -220,18 +217,23 @@ class ConvexMpc:
     ) -> HorizonProgram:
         """Return the program of the first pass, for another solver; parameters and errors as for `solve`."""
         given = self._read(state, reference, foot_positions, contacts, frames, mu)
-        verdict, step, foot, M, limits, centre, q, drift, heading = mpc_model.build(
-            given.rotation, given.motion, given.ref_rotation, given.ref_motion, given.feet, given.contacts,
-            given.frames, given.bounds, self.mass, self._mobility, self._weights, self.weights.terminal,
-            self.dt, self.outside, self.fading,
-            mpc_model.expected_sway(given.motion, given.ref_motion, self.dt),
-        )  # fmt: skip
+        sway = mpc_model.expected_sway(given.motion, given.reference, self.dt)
+        built = mpc_model.build(given, self._body(), sway)
+        verdict, step, foot, M, limits, centre, q, drift, heading = built
         if verdict == mpc_model.NOT_ROTATION:
             raise ProblemError(NO_ROTATION)
         if verdict == mpc_model.NOT_FINITE:
             raise ProblemError("state, reference, foot positions and frames must be finite")
         P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
         return HorizonProgram(step, foot, M, limits, centre, P, q, self.weights.force, drift, heading)
+
+    def _body(self) -> mpc_model.Body:
+        """Return what is moved, as of now."""
+        weights = self.weights
+        return mpc_model.Body(
+            float(self.mass), self._mobility, self._weights, float(weights.terminal), float(self.dt),
+            float(weights.force), self.outside, float(self.fading),
+        )  # fmt: skip
 
     def _read(
         self,
@@ -241,7 +243,7 @@ class ConvexMpc:
         contacts: ArrayLike,
         frames: ArrayLike | None,
         mu: ArrayLike | None,
-    ) -> _Given:
+    ) -> mpc_model.Given:
         """Return the input as full, contiguous arrays."""
         N, n = self.horizon, self.feet
         schedule = np.ascontiguousarray(contacts, dtype=np.bool_)
@@ -262,7 +264,7 @@ class ConvexMpc:
             ref_motion[:, 2] = reference.angular_velocity
         except (ValueError, TypeError) as error:
             raise ProblemError(f"state or reference does not fit a horizon of {N} steps: {error}") from error
-        return _Given(schedule, feet, turned, bounds, rotation, motion, ref_rotation, ref_motion)
+        return mpc_model.Given(schedule, feet, turned, bounds, rotation, motion, ref_rotation, ref_motion)
 
     def _with_friction(self, mu: ArrayLike) -> FloatArray:
         """Return the (N, n, 3) bounds with another friction."""
@@ -274,7 +276,7 @@ class ConvexMpc:
         bounds[:, :, 0] = friction
         return bounds
 
-    def _share_weight(self, given: _Given) -> MpcPlan:
+    def _share_weight(self, given: mpc_model.Given) -> MpcPlan:
         """Return the plan of last resort: the weight shared by the feet in contact, flagged INVALID."""
         N, n = given.contacts.shape
         self.reset()
@@ -284,19 +286,6 @@ class ConvexMpc:
         forces[:, :, 2] = given.contacts * normal
         a, b, c, d = np.zeros((4, N + 1, 3))
         return MpcPlan(forces, forces.copy(), a, b, c, d, Status.INVALID, math.inf, 0)
-
-
-class _Given(NamedTuple):
-    """The input of a solve as arrays; motions are rows position, linear and angular velocity."""
-
-    contacts: BoolArray
-    feet: FloatArray
-    frames: FloatArray
-    bounds: FloatArray
-    rotation: FloatArray
-    motion: FloatArray
-    ref_rotation: FloatArray
-    ref_motion: FloatArray
 
 
 def _lowered(bounds: FloatArray, share: FloatArray) -> FloatArray:

@@ -21,6 +21,7 @@ References
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -63,12 +64,60 @@ def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> Flo
     return P
 
 
+class Given(NamedTuple):
+    """The input of a plan; motions are rows position, linear and angular velocity, world axes.
+
+    Attributes
+    ----------
+    contacts, feet, frames
+        (N, n), (N, n, 3), (N, n, 3, 3).
+    bounds
+        (N, n, 3) friction, least and largest normal force.
+    rotation, motion
+        (3, 3) each, of the body.
+    ref_rotation, reference
+        (N + 1, 3, 3) each; the same of the reference.
+    """
+
+    contacts: BoolArray
+    feet: FloatArray
+    frames: FloatArray
+    bounds: FloatArray
+    rotation: FloatArray
+    motion: FloatArray
+    ref_rotation: FloatArray
+    reference: FloatArray
+
+
+class Body(NamedTuple):
+    """What is moved, and what its errors cost.
+
+    Attributes
+    ----------
+    mass, inverse
+        Mass [kg]; (3, 3) inverse of the inertia in body axes.
+    weights, terminal, dt
+        See `hessians`.
+    rho
+        Weight of the forces.
+    outside, fading
+        (6,) force and moment about the centre of mass from outside, world axes, now [N, N m], and the time
+        constant with which they fade [s], infinite for no such thing.
+    """
+
+    mass: float
+    inverse: FloatArray
+    weights: FloatArray
+    terminal: float
+    dt: float
+    rho: float
+    outside: FloatArray
+    fading: float
+
+
 @kernel
 def build(
-    rotation: FloatArray, motion: FloatArray, ref_rotation: FloatArray, reference: FloatArray,
-    feet: FloatArray, contacts: BoolArray, frames: FloatArray, bounds: FloatArray, mass: float,
-    inverse: FloatArray, weights: FloatArray, terminal: float, dt: float, outside: FloatArray, fading: float,
-    sway: FloatArray,
+    given: Given, body: Body, sway: FloatArray
 ) -> tuple[
     int, IntArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray
 ]:  # fmt: skip
@@ -76,21 +125,8 @@ def build(
 
     Parameters
     ----------
-    rotation, motion
-        (3, 3), and (3, 3) rows position, linear velocity, angular velocity of the body.
-    ref_rotation, reference
-        (N + 1, 3, 3) each; the same of the reference.
-    feet, contacts, frames
-        (N, n, 3), (N, n), (N, n, 3, 3).
-    bounds
-        (N, n, 3) friction, least and largest normal force.
-    mass, inverse
-        Mass [kg]; (3, 3) inverse of the inertia in body axes.
-    weights, terminal, dt
-        See `hessians`.
-    outside, fading
-        (6,) force and moment about the centre of mass from outside, world axes, now [N, N m], and the time
-        constant with which they fade [s], infinite for no such thing.
+    given, body
+        See there.
     sway
         (N, 3) centre of mass minus its reference, mean over each step, for the levers.
 
@@ -101,6 +137,8 @@ def build(
         `dual_newton.horizon.newton` wants them, q (N, 6), the drift (N + 1, 2, 6) whose first row is the
         error now and whose row k + 1 is what step k adds by itself, and the (3, 3) heading frame.
     """
+    contacts, feet, frames, bounds, rotation, motion, ref_rotation, reference = given
+    mass, inverse, weights, terminal, dt, _, outside, fading = body
     N, n = contacts.shape
     count = 0
     for k in range(N):

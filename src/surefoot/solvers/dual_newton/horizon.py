@@ -277,9 +277,9 @@ def _solve(memory: Memory, rho: float, goal: float, patience: int, limit: int) -
 
 @kernel
 def newton(
-    weights: FloatArray, terminal: float, dt: float, q: FloatArray, step: IntArray, foot: IntArray,
-    M: FloatArray, bounds: FloatArray, centre: FloatArray, rho: float, tol: float, patience: int, limit: int,
-    points: FloatArray, force: FloatArray,
+    cost: riccati.Tracking, q: FloatArray, step: IntArray, foot: IntArray, M: FloatArray, bounds: FloatArray,
+    centre: FloatArray, rho: float, tol: float, patience: int, limit: int, points: FloatArray,
+    force: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Solve the horizon's program; return the Newton steps and the bound on the forces' error [N].
 
@@ -289,8 +289,8 @@ def newton(
 
     Parameters
     ----------
-    weights, terminal, dt
-        P: (2, 6) weights on places and rates, the factor on those of the last step, length of a step [s].
+    cost
+        P.
     q
         (N, 6) gradient.
     step, foot
@@ -316,7 +316,7 @@ def newton(
     """
     N, contacts = q.shape[0], step.size
     places, motions = np.empty((6, contacts, 3)), np.zeros((6, N, 6))
-    vectors, cost = motions.reshape((6, 6 * N)), riccati.tracking(weights, terminal, dt, N)
+    vectors = motions.reshape((6, 6 * N))
     memory = Memory(cost, M, step, places, vectors, motions, np.empty((N, 6, 6)))
     motions[SLOPE] = q
     warm = False
