@@ -1,9 +1,11 @@
-"""What a plan has to stand beside its goal: forces moved it, and a finer run of it ends where it does.
+"""What SOLVED asks beside a goal: forces moved the robot, no link hits, a finer run ends at the same place.
 
-Two checks that share no arithmetic with the knots of a plan:
+Three checks that share no arithmetic with the knots of a plan:
 
 - **momentum**: Pinocchio's whole-body momentum at the knots, against that of the start plus gravity's, the
   ground's impulses and those of motors that push against the world;
+- **links**: nothing but feet on the ground touches at any knot, links being the boxes and capsules of
+  `robot_geometry`; for robots that have shapes;
 - **replay**: the plan's torques with feedback of its joints through steps of second order, ten to a knot::
 
       tau = tau_k + K (q_k + s (q_{k+1} - q_k) - q) + D ((q_{k+1} - q_k) / dt - v),
@@ -23,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.collision import robot_geometry
 from surefoot.errors import SimulationError
 from surefoot.planning.trajectory import TorquePolicy, Trajectory
 from surefoot.planning.transcription.planar import passive_joints
@@ -30,6 +33,7 @@ from surefoot.robot import Robot
 from surefoot.robot.centroidal import SLIDES
 from surefoot.spatial import GRAVITY
 from surefoot.stepping.options import StepOptions
+from surefoot.stepping.pair_detection import PairDetection
 from surefoot.stepping.stepper import Stepper
 from surefoot.terrain import Terrain
 
@@ -39,6 +43,8 @@ if TYPE_CHECKING:
 MOMENTUM, APART = 0.01, 0.02
 """Most that momentum may be off the impulses, as a share of the largest; and most that the replay may end off
 the plan [m]."""
+DEEP = 5e-3
+"""How far links may be in each other [m]: boxes and capsules stand for their shapes."""
 FINER = 10
 """Steps of the replay in a knot."""
 WHOLE_EFFORT, DAMPING = 0.2, 0.02
@@ -55,18 +61,21 @@ class Certificate:
         Largest disagreement of momentum and impulses, over the largest momentum [-].
     apart
         How far from the plan's the replay's centre of mass ends [m], infinite where the replay was lost.
+    hits
+        What touches beside feet on the ground, by name, and how deep [m].
     seconds
         CPU time that the checks took [s].
     """
 
     momentum: float
     apart: float
+    hits: dict[tuple[str, str], float]
     seconds: float
 
     @property
     def holds(self) -> bool:
-        """Whether both are within `MOMENTUM` and `APART`."""
-        return self.momentum <= MOMENTUM and self.apart <= APART
+        """Whether momentum and replay are within `MOMENTUM` and `APART`, and nothing hits."""
+        return self.momentum <= MOMENTUM and self.apart <= APART and not self.hits
 
     @property
     def facts(self) -> dict[str, float]:
@@ -75,7 +84,9 @@ class Certificate:
 
     def __str__(self) -> str:
         said = "" if self.momentum <= MOMENTUM else f"momentum is {self.momentum:.1%} off the impulses, "
-        return f"{said}a replay at a tenth of the step ends {100.0 * self.apart:.2g} cm off"
+        said += f"a replay at a tenth of the step ends {100.0 * self.apart:.2g} cm off"
+        hits = [f"{a} goes {1e3 * depth:.0f} mm into {b}" for (a, b), depth in self.hits.items()]
+        return ", ".join([f"forecast: {said}", *hits])
 
 
 def certify(
@@ -87,7 +98,23 @@ def certify(
         momentum_error(trajectory, robot, terrain),
         replayed(trajectory, robot, terrain, problem),
     )
-    return Certificate(momentum, apart, time.process_time() - begun)
+    hits = link_hits(trajectory, robot, terrain)
+    return Certificate(momentum, apart, hits, time.process_time() - begun)
+
+
+def link_hits(trajectory: Trajectory, robot: Robot, terrain: Terrain) -> dict[tuple[str, str], float]:
+    """Return what is deeper in another than `DEEP` at a knot, but feet in the ground: names to depth [m]."""
+    if not robot.collision.geometryObjects:
+        return {}
+    found, feet = dict[tuple[str, str], float](), set(robot.foot_names)
+    near = PairDetection(robot.model.copy(), robot, robot_geometry(robot), terrain, trajectory.dt)
+    for q in trajectory.q:
+        gaps = near.at(q).gaps
+        for contact in np.flatnonzero(gaps < -DEEP):
+            one, other = near.names[near.group[contact]]
+            if other != "ground" or one.split(":")[0] not in feet:
+                found[one, other] = max(found.get((one, other), 0.0), -float(gaps[contact]))
+    return found
 
 
 def momentum_error(trajectory: Trajectory, robot: Robot, terrain: Terrain) -> float:

@@ -30,9 +30,9 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.kernels import kernel
+from surefoot.errors import ProblemError
 from surefoot.robot.centroidal import carried_momentum
-from surefoot.spatial import GRAVITY
+from surefoot.spatial import GRAVITY, skew
 from surefoot.stepping import knot_kernels as kernels
 from surefoot.stepping.knot import Knot
 from surefoot.stepping.stepper import Stepper
@@ -45,7 +45,7 @@ class MomentumKnot(Knot):
     """Takes first-order steps that keep the momentum of the whole robot; else as `Knot`.
 
     For robots that nothing carries: with a free flyer, or on slides along the world's axes. Others have no
-    momentum of their own, and take the plain step.
+    momentum of their own, and take the plain step. Rates by inertial parameters are of `Knot` alone.
     """
 
     def __init__(self, stepper: Stepper) -> None:
@@ -106,6 +106,16 @@ class MomentumKnot(Knot):
             out[:n] = np.linalg.solve(X.T @ A[:, :n], X.T @ (self._A @ self.v - A[:, n:] @ out[n:]))
         return out
 
+    def inertia(self) -> FloatArray:
+        """Not known here: the momentum of a way has rates of its own by inertial parameters.
+
+        Raises
+        ------
+        ProblemError
+            Always.
+        """
+        raise ProblemError("derivatives by inertial parameters are of plain first-order steps, see Knot")
+
     def _correct_rates(self, after: FloatArray) -> None:
         """Write the base's rows: those of momentum, divided by dt, in the base's axes."""
         n, model, other, dt = len(self._rows), self._model, self._other, self._dt
@@ -120,8 +130,8 @@ class MomentumKnot(Knot):
         # world axes, about the centre of mass; what is left over is turned with the base's axes
         left = A @ after - self._arrived
         left[2] += dt * self._data.mass[0] * GRAVITY
-        turned = np.empty((n, model.nv))
-        _turned_wrench(self._twists, self._first, A[:3] / self._data.mass[0], self._data.com[0], left, turned)
+        mass, com = self._data.mass[0], self._data.com[0]
+        turned = _turned_wrench(self._twists, self._first, A[:3] / mass, com, left, n)
         self._by_q[:n] = (turned + X.T @ (self._by_place - by_back @ by_q)) / dt
         self._by_v[:n] = X.T @ (A - map_back + dt * by_back @ by_way) / dt
 
@@ -174,22 +184,19 @@ def _rigid_motion(data: Any, n: int) -> FloatArray:
     return np.vstack([np.array(data.Ag[:3, :n]) / data.mass[0], np.array(data.J[3:, :n])])
 
 
-@kernel
 def _turned_wrench(
-    twists: FloatArray, first: IntArray, J: FloatArray, com: FloatArray, wrench: FloatArray, out: FloatArray
-) -> None:
-    """Fill out (n, nv) with the derivative by q of the base's rows of a wrench about the centre of mass.
+    twists: FloatArray, first: IntArray, J: FloatArray, com: FloatArray, wrench: FloatArray, n: int
+) -> FloatArray:
+    """Return the derivative (n, nv) by q of the base's rows of a wrench (f, m) about the centre of mass c.
 
     Row j is f·(t_j + a_j x c) + m·a_j of the twist (t_j, a_j) at the world's origin; twists of the base's
     joints move with those before them, by the cross product of twists, and c by J (3, nv).
     """
-    f, m = wrench[:3], wrench[3:]
-    for j in range(out.shape[0]):
-        t, a = twists[j, :3], twists[j, 3:]
-        for i in range(out.shape[1]):
-            total = np.dot(f, np.cross(a, J[:, i]))
-            if i < out.shape[0] and first[i] <= first[j]:
-                u, w = twists[i, :3], twists[i, 3:]
-                spin = np.cross(w, a)
-                total += np.dot(f, np.cross(w, t) + np.cross(u, a) + np.cross(spin, com)) + np.dot(m, spin)
-            out[j, i] = total
+    F = skew(wrench[:3])
+    G = skew(wrench[3:] - F @ com)
+    t, a = twists[:n, :3], twists[:n, 3:]
+    turned = a @ F.T
+    out = turned @ J
+    moves = first[:n] <= first[:n, None]
+    out[:, :n] += moves * (t @ turned.T + a @ (t @ F.T + a @ G.T).T)
+    return np.asarray(out)
