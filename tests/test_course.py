@@ -13,7 +13,7 @@ PAGES = pages()
 EXERCISES = (3, 3, 3, 3, 3, 3, 2, 2, 2)
 """How many there are in each section of the chapter."""
 
-pytest.importorskip("matplotlib", reason="the pages draw: pip install 'surefoot[viz]'")
+pytest.importorskip("matplotlib", reason="the pages draw: pip install -e '.[viz]'")
 
 
 @pytest.mark.long

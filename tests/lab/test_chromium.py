@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("viser", reason="viser is not installed: pip install 'surefoot[lab]'")
+pytest.importorskip("viser", reason="viser is not installed: pip install -e '.[lab]'")
 
 import surefoot as sf
 from benchmarks.browser import Browser, Tab, find_chromium

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from surefoot.cli.console import Table, print_tables, say, say_verdict
 from surefoot.cli.output import to_json
+from surefoot.cli.run_output import busy_line
 from surefoot.errors import MissingExtra, SurefootError, WriteError
 from surefoot.log import Log
 from surefoot.robot import Robot
@@ -127,6 +128,7 @@ class RunFiles:
         opening
             Sections of the page before the tables.
         """
+        figures = figures[0], [*figures[1], *busy_line(self.log)]
         print_tables(console, *figures)
         page = self.folder / "report.html"
         if draw is not None:
@@ -137,7 +139,10 @@ class RunFiles:
         missing = [f"pictures left out: {MissingExtra.of(self._missing)}"] if self._missing else []
         say(console, *missing, *self._notes, *self.unwritten)
         say_verdict(console, *verdict)
-        say(console, f"report: {page if page.exists() else self.folder}")
+        if page.exists():
+            say(console, f"report: {page}")
+        elif any(self.folder.iterdir()):
+            say(console, f"files: {self.folder}")
 
     def _sections(self) -> list[tuple[str, str]]:
         """Return the report's sections for film and plots."""
