@@ -53,7 +53,7 @@ def test_there_are_18_commands_and_150_options_at_most(capfd: pytest.CaptureFixt
     kept += " collision world duration seed scenario view out no-video no-report json"
     names = {name for option in options["walk"] for name in (*option.opts, *option.secondary_opts)}
     assert {f"--{name}" for name in kept.split()} <= names
-    assert len(options["walk"]) <= 24
+    assert len(options["walk"]) <= 26
 
 
 @pytest.mark.parametrize("name", SUMMARIES)

@@ -34,6 +34,7 @@ SUMMARIES = {
     "audit": "Tell which law of contact a log broke, when, where, and what the likely cause is.",
     "worlds": "Run the same experiments in every world that is here and hold them against closed forms.",
     "plan": "Plan a motion through contact that obeys the laws, and carry it out if asked to.",
+    "policy": "Print what is understood of a learned policy, from where, and what is missing.",
     "export": "Write the contacts of a log, a plan or a sequence for other tools: data, "
     "and scripts that hold it.",
     "warmup": "Compile everything that the commands need, once per machine, and say where it is kept.",

@@ -53,6 +53,8 @@ def require(packages: Iterable[str], wanted: Iterable[str] = ()) -> None:
 
 def robot_packages(name: str | None) -> tuple[str, ...]:
     """Return what loading a robot needs: a known name (or None, the default one), or a file's path."""
+    if (name or "").lower().endswith(".xml"):
+        return "pin", "mujoco"
     return ("pin",) if is_file(name) or "/" in (name or "") else ("pin", "example-robot-data")
 
 

@@ -22,14 +22,14 @@ EXECUTORS = ("mujoco",)
 
 def plan(
     *,
-    task: Annotated[
-        str,
-        typer.Argument(help="ball, hopper, push, jump, jump-up, backflip or stand-up; see docs/planning.md."),
+    wanted: Annotated[
+        list[str],
+        typer.Argument(
+            help="ROBOT as for walk (default go2); ball, hopper, push, jump, jump-up, backflip or stand-up "
+            "(docs/planning.md); its number: a distance or height [m], a speed [m/s].",
+            metavar="[ROBOT] TASK [AMOUNT]",
+        ),
     ],
-    amount: Annotated[
-        float | None, typer.Argument(help="The task's number: a distance or height [m], a speed [m/s].")
-    ] = None,
-    robot: Annotated[str | None, typer.Option(help="A known robot (default go2), or a robot's file.")] = None,
     feet: options.FootFrames = None,
     road: Annotated[
         str | None, typer.Option(help="schedule (or direct, of jumps); each task has its own.")
@@ -55,6 +55,7 @@ def plan(
 
     console = plain_console(quiet=leaving.as_json)
     parsing.friction("--mu", mu)
+    robot, task, amount = _words(wanted)
     found = find_task(task)
     if execute is not None:
         check_name("world of --execute", execute, EXECUTORS)
@@ -74,13 +75,25 @@ def plan(
     return 0 if good else 1
 
 
+def _words(words: list[str]) -> tuple[str | None, str, float | None]:
+    """Return robot (None for the default), task and number (None for the task's own)."""
+    from surefoot.cli import parsing
+    from surefoot.planning.tasks.table import TASKS
+
+    first = bool(words[1:]) and words[0] not in TASKS and words[1][:1].isalpha()  # numbers follow a task
+    robot, rest = words[0] if first else None, words[first:]
+    if len(rest) > 2:
+        raise ProblemError(f"plan takes [ROBOT] TASK [AMOUNT], got {' '.join(words)}")
+    return robot, rest[0], parsing.number("AMOUNT", rest[1]) if rest[1:] else None
+
+
 def _robot(name: str | None, feet: str | None, task: Any) -> Any:
     """Return the robot that was asked for; None for the task's own."""
     from surefoot.cli.robots import load
 
     if not task.robots:
         if name is not None:
-            raise ProblemError(f"the task {task.name} has a robot of its own: it takes no --robot {name}")
+            raise ProblemError(f"the task {task.name} has a robot of its own: it takes no {name}")
         return None
     return load(name, feet, feet_needed=True)
 

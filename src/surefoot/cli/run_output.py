@@ -50,6 +50,14 @@ def error_and_laws(summary: RunSummary) -> str:
     return text
 
 
+def torque_line(summary: RunSummary) -> str:
+    """Return one line about the joints' torques."""
+    if summary.torque_use_max == 0.0:  # a torque over no limit
+        return "how hard joints worked is not known: the robot's file says nothing of their torque limits"
+    use = 100 * summary.torque_use_max
+    return f"hardest worked joint {summary.torque_use_joint}, at {use:.0f} % of its limit"
+
+
 def motor_lines(summary: RunSummary) -> list[str]:
     """Return what is said about the use of the motors: a line, or none."""
     use = summary.motors
@@ -78,6 +86,7 @@ def cost_line(summary: RunSummary) -> str:
     """Return one line about time."""
     step = summary.controller_step_us
     return (
-        f"controller step {step.median:.0f} us median, {step.p99:.0f} us at the 99th percentile; "
+        f"controller step {step.median:.0f} us median, {step.p99:.0f} us at the 99th percentile, "
+        f"{step.largest:.0f} us at most; "
         f"the run {summary.real_time_factor:.1f} times faster than real time"
     )

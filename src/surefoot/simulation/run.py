@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import time as clock
 from collections.abc import Callable, Iterable, Sequence
@@ -97,7 +98,12 @@ def run(
     world.step(np.zeros(world.robot.joints))  # so that no step of the run waits for a compiler
     world.reset(q, v)
     height = float(q[2] - world.terrain.height(q[:2]))
-    log = _Run(world, controller, scenario, folder).carry_out(observers, height)
+    out = _Run(world, controller, scenario, folder)
+    gc.freeze()  # so that no step waits while the collector looks at what was there before
+    try:
+        log = out.carry_out(observers, height)
+    finally:
+        gc.unfreeze()
     log.facts.update(softness_of(world, log))
     for observer in observers:
         observer.end(log)
