@@ -76,7 +76,7 @@ class Figure:
         """Return the picture."""
         head = (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width} {self.height}" '
-            'width="100%" font-family="sans-serif">'
+            'width="100%" style="max-height: 180px" font-family="sans-serif">'
         )
         return head + "".join(self.parts) + "</svg>"
 

@@ -93,9 +93,8 @@ class LabServer:
         _keep_local(server)
         server.get_event_loop().set_exception_handler(_one_line)
         logging.getLogger("websockets.server").setLevel(logging.CRITICAL)
-        server.gui.configure_theme(
-            control_layout="fixed", control_width="large", show_logo=False, show_share_button=False
-        )
+        server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
+        server.gui.main_panel.dock_right()  # beside the scene
         server.gui.set_panel_label("Surefoot lab")
         server.scene.world_axes.visible = False
         server.scene.configure_default_lights(cast_shadow=False)

@@ -101,7 +101,7 @@ class Session:
         folders: dict[str, Any] = {}
         for control in self.page.values.controls:
             if control.folder and control.folder not in folders:
-                folders[control.folder] = gui.add_folder(control.folder)
+                folders[control.folder] = gui.add_folder(control.folder, expand_by_default=not folders)
             with folders[control.folder] if control.folder else nullcontext():
                 self._handles[control.name] = self._add_control(gui, control)
 
