@@ -17,6 +17,7 @@ _EXTRA_OF = {
     "imageio-ffmpeg": "sim", "matplotlib": "viz", "clarabel": "qp", "qpsolvers": "qp",
     "viser": "lab", "drake": "drake", "pybullet": "bullet", "jax": "jax", "mujoco-mjx": "mjx",
     "pyarrow": "sweep", "joblib": "sweep", "ray": "scale", "distributed": "scale",
+    "cyclonedds": "wire",
 }  # fmt: skip
 _MODULE_OF = {"pin": "pinocchio", "imageio-ffmpeg": "imageio_ffmpeg"}
 FILM = ("mujoco", "imageio", "imageio-ffmpeg")
