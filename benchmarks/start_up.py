@@ -1,7 +1,8 @@
-"""What the first call of a kernel costs, three ways to compile it, and what later processes pay.
+"""What a command costs to start, and the first call of a kernel, three ways to compile it.
 
-Run: python -m benchmarks.start_up. Each figure is of a process of its own: CPU time of the first call, once
-with an empty cache and once with what that call left there.
+Run: python -m benchmarks.start_up. Each figure is of a process of its own: the least CPU time of a command
+that has run before, and of the libraries below it; the CPU time of a kernel's first call, once with an empty
+cache and once with what that call left there.
 """
 
 from __future__ import annotations
@@ -12,11 +13,57 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numba
 
+if TYPE_CHECKING:
+    import surefoot as sf
+
 WAYS = {"tree": "whole trees (ours)", "kernel": "kernel by kernel", "numba": "Numba's own cache"}
+ONE_THREAD = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 QUESTIONS = ("can_stand", "solve")
+
+
+LIBRARIES = "import numba, scipy.linalg, scipy.sparse, typer"
+STANCE = Path(__file__).parents[1] / "examples/stances/go2_three_legs.yaml"
+COMMANDS = ("--version", "--help", "check STANCE --no-picture", "solve PROBLEM")
+
+
+def least(words: list[str], repeats: int = 7) -> float:
+    """Return the least CPU time of a program [s]."""
+    times = []
+    for _ in range(repeats):
+        before = os.times()
+        subprocess.run([sys.executable, *words], env=ONE_THREAD, capture_output=True, check=True)
+        after = os.times()
+        times.append(sum(after[2:4]) - sum(before[2:4]))
+    return min(times)
+
+
+def print_commands() -> None:
+    """Print what commands cost, beside the libraries alone."""
+    import surefoot as sf
+
+    base = least(["-c", LIBRARIES])
+    print(f"{LIBRARIES}: {base:.2f} s")
+    with tempfile.TemporaryDirectory() as folder:
+        problem = sf.write_problem(four_contacts(), f"{folder}/problem.npz")
+        for command in COMMANDS:
+            words = command.replace("STANCE", str(STANCE)).replace("PROBLEM", str(problem)).split()
+            time = least(["-m", "surefoot", *words])
+            print(f"surefoot {command:30}{time:6.2f} s{time - base:7.2f} s above the libraries")
+
+
+def four_contacts() -> sf.ContactProblem:
+    """Return a problem of four contacts."""
+    import numpy as np
+
+    import surefoot as sf
+
+    random = np.random.default_rng(0)
+    jacobian, g = random.normal(size=(12, 18)), random.normal(size=12)
+    return sf.ContactProblem(jacobian @ jacobian.T, g, 0.6)
 
 
 def use(way: str) -> None:
@@ -33,8 +80,6 @@ def use(way: str) -> None:
 
 def ask(question: str) -> float:
     """Return the CPU time of the first answer [s]."""
-    import numpy as np
-
     import surefoot as sf
 
     if question == "can_stand":
@@ -43,20 +88,19 @@ def ask(question: str) -> float:
         begin = time.process_time()
         sf.can_stand(stance, [0.01, 0.0, 0.3], 16.0)
     else:
-        random = np.random.default_rng(0)
-        jacobian, g = random.normal(size=(12, 18)), random.normal(size=12)
-        problem = sf.ContactProblem(jacobian @ jacobian.T, g, 0.6)
+        problem = four_contacts()
         begin = time.process_time()
         sf.solve(problem)
     return time.process_time() - begin
 
 
 def main() -> None:
-    """Print the table; with two words, one measurement."""
+    """Print the tables; with two words, one measurement."""
     if len(sys.argv) == 3:
         use(sys.argv[1])
         print(ask(sys.argv[2]))
         return
+    print_commands()
     print(f"{'first call of':14}{'compiled':22}{'cold [s]':>10}{'warm [s]':>10}{'files':>8}{'MB':>6}")
     for question in QUESTIONS:
         for way, title in WAYS.items():

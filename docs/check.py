@@ -15,11 +15,10 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
-import typer
-
-from surefoot.cli.main import UsageError, app
+from surefoot.cli.commands import SUMMARIES, UsageError, load
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
@@ -92,14 +91,15 @@ def wrong_commands(page: Path) -> list[str]:
     """Return a line for every shown command that the command line would refuse to parse."""
     out = []
     for shown in shown_commands(page):
-        fault = parse(typer.main.get_command(app), list(shown.words))
+        fault = parse(list(shown.words))
         if fault:
             out.append(f"{shown}: {fault}")
     return out
 
 
-def parse(command: Any, words: list[str]) -> str | None:
+def parse(words: list[str]) -> str | None:
     """Return why a command line does not parse, or None."""
+    command: Any = SimpleNamespace(commands={name: load(name) for name in SUMMARIES if name in words[:1]})
     while hasattr(command, "commands"):
         if not words or words[0] not in command.commands:
             return None if words == ["--help"] else f"no such command {' '.join(words[:1])}"

@@ -79,6 +79,29 @@ print([name for name in ("numba", "scipy", "matplotlib") if name in sys.modules]
     assert run(code).strip().endswith("[]")
 
 
+def test_a_command_loads_what_it_needs() -> None:
+    """`python -m benchmarks.start_up` prints what is saved by it."""
+    code = """
+import sys
+from surefoot.cli.main import main, run
+try: run(["--version"])
+except SystemExit: print("typer" in sys.modules)
+main(["--help"])
+print([m for m in ("numpy", "surefoot.cli.check") if m in sys.modules])
+main(["check", "STANCE", "--no-picture"])
+ours = sum(m.startswith("surefoot.") for m in sys.modules)
+others = "scipy.sparse numba.np.linalg numba.cpython.unicode surefoot.cli.walk surefoot.equilibrium.regions"
+print(ours, [m for m in others.split() if m in sys.modules])
+"""
+    stance = Path(__file__).parents[1] / "examples" / "stances" / "go2_three_legs.yaml"
+    said = run(code.replace("STANCE", str(stance)))
+    lines = [line for line in said.splitlines() if line.startswith(("False", "True", "[", *"0123456789"))]
+    assert lines[:2] == ["False", "[]"]
+    count, others = lines[2].split(" ", 1)
+    assert others == "[]"
+    assert int(count) <= 55
+
+
 @pytest.mark.parametrize(
     ("name", "most"),
     [("solve", 60), ("can_stand", 45), ("StandingController", 125), ("WalkingController", 180)],

@@ -17,7 +17,7 @@ from benchmarks.walks import known_robot
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, SurefootError
 from surefoot.log import Ending, Log
-from surefoot.robot import Robot, place
+from surefoot.robot import Robot
 from surefoot.robot.legs import Legs
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.height_scan import RangeSensor
@@ -25,7 +25,7 @@ from surefoot.simulation.mujoco_substeps import substeps_of
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Push, Scenario
-from surefoot.simulation.walk_terrain import CLEARANCE, start_pose
+from surefoot.simulation.walk_terrain import start_pose
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about, rotation_from_quaternion
 from surefoot.terrain import Terrain, read_terrain
 
@@ -181,16 +181,13 @@ def start(robot: Robot, ground: Terrain, posture: FloatArray | None, vary: Varia
     Parameters
     ----------
     robot, ground
-        Who stands where: `CLEARANCE` before a first step.
+        Who stands where.
     posture
         (nq,) whose joints it has before that; None for the nominal ones.
     vary
         The offsets.
     """
-    if posture is None:
-        q = np.array(start_pose(robot, ground))
-    else:
-        q = place(robot, ground, posture, at=ground.approach(CLEARANCE * float(robot.nominal[2])))
+    q = np.array(start_pose(robot, ground, posture))
     if any(foot.flat for foot in robot.feet):
         return q  # a sole would tilt with its shank
     rotation = rotation_from_quaternion(q[3:7])

@@ -35,6 +35,8 @@ from .control.walking_body import VelocityCommand as VelocityCommand
 from .control.walking_settings import WalkSettings as WalkSettings
 from .control.whole_body import Tasks as Tasks
 from .control.whole_body import WholeBodyController as WholeBodyController
+from .drive.readings import RobotReadings as RobotReadings
+from .drive.robot_loop import RobotLoop as RobotLoop
 from .equilibrium.batch import can_stand_batch as can_stand_batch
 from .equilibrium.batch import com_region_batch as com_region_batch
 from .equilibrium.force_distribution import ForceDistributor as ForceDistributor
@@ -62,6 +64,8 @@ from .log.formats import read_log as read_log
 from .planning import Plan as Plan
 from .planning import rollout as rollout
 from .planning.planner import plan as plan
+from .policy.guard import Guard as Guard
+from .policy.policy import Policy as Policy
 from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place

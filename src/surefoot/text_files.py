@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -49,13 +49,19 @@ def read_yaml(path: Path | str, what: str = "") -> Any:
     return parse_yaml(read_text(path, what), path)
 
 
-def parse_yaml(text: str, name: object) -> Any:
-    """Return what a YAML text holds; `name` is what errors call it."""
+def parse_yaml(text: str, name: object, foreign_tags: bool = False) -> Any:
+    """Return what a YAML text holds; `name` is what errors call it.
+
+    With `foreign_tags`, values whose tag asks for a class of somebody's are read as what they look like.
+    """
     import yaml
 
     try:
-        loader = yaml.SafeLoader(text)
+        loader: Any = yaml.SafeLoader(text)
         root = loader.get_single_node()
+        for node in _nodes(root) if foreign_tags else ():
+            if node.tag not in loader.yaml_constructors:
+                node.tag = loader.resolve(type(node), getattr(node, "value", None), (True, False))
         content = None if root is None else loader.construct_document(root)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise ProblemError(f"{name} is not YAML: {' '.join(str(error).split())[:200]}") from error
@@ -63,21 +69,30 @@ def parse_yaml(text: str, name: object) -> Any:
     return content
 
 
-def _check_keys(root: Any, name: object) -> None:
-    """Refuse a key that stands twice in a mapping: YAML's readers keep the last in silence."""
+def _nodes(root: Any) -> Iterator[Any]:
+    """Yield the nodes of a document, each once though aliases come again."""
     import yaml
 
     nodes, seen = [root], set[int]()
     while nodes:
         node = nodes.pop()
-        if not isinstance(node, yaml.CollectionNode) or id(node) in seen:  # aliases come again
+        if node is None or id(node) in seen:
             continue
         seen.add(id(node))
+        yield node
         if isinstance(node, yaml.SequenceNode):
             nodes += node.value
-            continue
-        keys = Counter(key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode))
-        nodes += [part for pair in node.value for part in pair]
+        elif isinstance(node, yaml.MappingNode):
+            nodes += [part for pair in node.value for part in pair]
+
+
+def _check_keys(root: Any, name: object) -> None:
+    """Refuse a key that stands twice in a mapping: YAML's readers keep the last in silence."""
+    import yaml
+
+    for node in _nodes(root):
+        pairs = node.value if isinstance(node, yaml.MappingNode) else []
+        keys = Counter(key.value for key, _ in pairs if isinstance(key, yaml.ScalarNode))
         for key, count in keys.items():
             if count > 1:
                 line = node.start_mark.line + 1

@@ -32,6 +32,7 @@ from surefoot.planning import planner
 from surefoot.robot.catalog import find, robots_folder
 from surefoot.simulation.worlds import WORLDS
 from surefoot.solvers import solver as solvers
+from tests.log.test_completed import write as write_table
 
 ROOT = Path(__file__).resolve().parents[2]
 CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")
@@ -139,6 +140,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "example-robot-data").symlink_to(robots_folder().parent)
     CleanRun(duration=0.3).make().save(place / "log.npz")
     CleanRun(duration=0.3).make().save(place / "crate.npz")
+    write_table(CleanRun(duration=0.3), place)  # run.csv, run.yaml
     (place / "raw.csv").write_text("".join(f"{0.01 * k},36.8,36.8\n" for k in range(50)))
     steps = (ROOT / "docs" / "first-steps.md").read_text(encoding="utf-8")
     (place / "mine.yaml").write_text(steps.split("```yaml\n")[1].split("```")[0])

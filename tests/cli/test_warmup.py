@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from surefoot.cli import main as commands
-from surefoot.cli import warmup
+from surefoot.cli import commands, warmup
 from surefoot.cli.main import main
 
 
@@ -37,11 +36,9 @@ def test_what_lacks_a_package_is_left_out_and_said(
         raise MissingExtra("mujoco", "sim")
 
     monkeypatch.setattr(warmup, "COMMANDS", ("stand go2", "walk go2"))
-    app, real = commands.app, type(commands.app).__call__
+    real = commands.tree()
     monkeypatch.setattr(
-        type(app),
-        "__call__",
-        lambda self, *a, **k: lacking() if k["args"] != ["warmup"] else real(self, *a, **k),
+        commands, "tree", lambda: lambda args, **k: real(args=args, **k) if args == ["warmup"] else lacking()
     )
     assert main(["warmup"]) == 0
-    assert capfd.readouterr().out.count("mujoco is not installed; run: pip install 'surefoot[sim]'") == 1
+    assert capfd.readouterr().out.count("mujoco is not installed; run: pip install -e '.[sim]'") == 1

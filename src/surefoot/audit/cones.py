@@ -17,9 +17,10 @@ from surefoot.audit.rows import Rows
 def needed(rows: Rows) -> FloatArray:
     """Return the friction that forces and moments need in a round cone, or its ellipsoid: (T, p)."""
     normal = np.maximum(rows.normal, rows.setting.threshold)
-    if _turn(rows) is not None:
-        return np.asarray(rows.tangential / normal)  # pyramids lie inside the round cone
-    return np.hypot(rows.tangential / normal, rows.mu * _taken(rows, None))
+    moments = _taken(rows, None)
+    if _turn(rows) is not None or not moments.any():  # pyramids lie inside the round cone
+        return np.asarray(rows.tangential / normal)
+    return np.hypot(rows.tangential / normal, rows.mu * moments)
 
 
 def used(rows: Rows) -> FloatArray:

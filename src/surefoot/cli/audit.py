@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.cli import options
+from surefoot.cli.checklist import ANSWER, answers
 from surefoot.cli.console import Cell, Table, plain_console, print_tables, say, say_verdict
+from surefoot.cli.log_options import LogOptions
 from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.errors import MissingExtra, ProblemError, SurefootError
 from surefoot.simulation.worlds import WORLDS
@@ -18,6 +20,7 @@ from surefoot.simulation.worlds import WORLDS
 if TYPE_CHECKING:
     from surefoot.audit import AuditReport
     from surefoot.log import Log
+    from surefoot.robot import Robot
     from surefoot.simulation.replay import ReplayReport
 
 MOST = 40
@@ -31,26 +34,21 @@ def audit(
         Path,
         typer.Argument(help="A log: .npz or any other format that sf.read_log reads; or tosses of a cube."),
     ],
-    robot: options.LogRobot = None,
+    *,
+    given: LogOptions,
     replay: Annotated[
         str | None,
         typer.Option(
             help=f"Replay the motion in another world ({', '.join(WORLDS)}): does it survive there?"
         ),
     ] = None,
-    terrain: Annotated[
-        str | None,
-        typer.Option(
-            help="Ground of the replay where the log tells none: flat, slope:DEG, stairs:HEIGHT,DEPTH, ..."
-        ),
+    template: Annotated[
+        Path | None,
+        typer.Option(help="Judge nothing: write the mapping that is guessed to this new file (- prints it)."),
     ] = None,
-    mu: Annotated[
-        float | None, typer.Option(help="Friction: of the replay, where the log tells none, or under tosses.")
-    ] = None,
-    columns: Annotated[
-        str | None,
-        typer.Option(help="Names of a table's columns, with commas, where its first line has none."),
-    ] = None,
+    checklist: Annotated[
+        bool, typer.Option("--checklist", help="Answer ten questions on contact first, from the log.")
+    ] = False,
     out: Annotated[
         Path | None, typer.Option(help="Folder for report.html and audit.json; None for no files.")
     ] = None,
@@ -64,24 +62,30 @@ def audit(
     from surefoot.estimation.tosses import holds_tosses
 
     if holds_tosses(log):
-        for name, value in (("--robot", robot), ("--replay", replay), ("--terrain", terrain)):
-            if value is not None:
-                raise ProblemError(f"{log} holds tosses of a cube, for which {name} means nothing")
-        return _audit_tosses(log, mu, out, as_json)
+        others = {"replay": replay, "template": template}
+        for name in [name for name, value in {**vars(given), **others}.items() if value is not None]:
+            if name != "mu":
+                raise ProblemError(f"{log} holds tosses of a cube, for which --{name} means nothing")
+        return _audit_tosses(log, given.mu, out, as_json)
     from surefoot.audit import audit_log
-    from surefoot.log.formats import read_log
-    from surefoot.robot import load_robot
 
     check_out(out)
-    names = None if columns is None else [name.strip() for name in columns.split(",")]
-    read, whose = read_log(log, columns=names), None if robot is None else load_robot(robot)
-    again = None if replay is None else _replay(read, replay, whose, terrain, mu)
+    if template is not None:
+        return _write_template(log, given.names(), template)
+    read, whose = given.read(log)
+    again = None if replay is None else _replay(read, replay, whose, given)
+    read = given.completed(read, whose, replayed=again is not None)
     report = audit_log(read, whose)
     verdicts, facts = [(report.sentence, report.passed)], report.as_dict()
     if again is not None:
         verdicts.append((again.sentence, again.survives))
         facts["replay"] = again.as_dict()
-    finding = verdicts, _tables(report, again), _lines(report)
+    tables = _tables(report, again)
+    if checklist:
+        rows = answers(report, read)
+        facts["checklist"] = [dict(zip(ANSWER, row, strict=True)) for row in rows]
+        tables.insert(0, Table("Checklist", ANSWER, rows))
+    finding = verdicts, tables, _lines(read, report)
     _publish(log, facts, *finding, out, as_json, lambda folder: _pictures(read, report, folder))
     return report.exit_code or (0 if again is None or again.survives else 1)
 
@@ -131,13 +135,28 @@ def _publish(
     say(console, f"report: {page}")
 
 
-def _replay(log: Log, world: str, robot: Any, terrain: str | None, mu: float | None) -> ReplayReport:
+def _replay(log: Log, world: str, robot: Robot | None, given: LogOptions) -> ReplayReport:
     """Replay a log in another world, on its own ground or a given one."""
     from surefoot.simulation.replay import replay_log
-    from surefoot.terrain import read_terrain
 
-    ground = None if terrain is None else read_terrain(terrain, "--terrain")
-    return replay_log(log, world, robot, ground, mu)
+    return replay_log(log, world, robot, given.ground(), given.mu)
+
+
+def _write_template(log: Path, columns: Sequence[str] | None, path: Path) -> int:
+    """Write the mapping that is guessed for a log to a new file."""
+    from surefoot.cli.mapping_template import template
+
+    text = template(log, columns)
+    if str(path) == "-":
+        print(text, end="")
+        return 0
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError as error:
+        raise ProblemError(f"{path} exists already") from error
+    print(f"mapping: {path}; complete it, then: surefoot audit {log} --mapping {path}")
+    return 0
 
 
 def _tables(report: AuditReport, again: ReplayReport | None) -> list[Table]:
@@ -190,10 +209,11 @@ def _tables(report: AuditReport, again: ReplayReport | None) -> list[Table]:
     return [table for table in found if table.rows]
 
 
-def _lines(report: AuditReport) -> list[str]:
-    """Return notes, and how many violations are not shown."""
+def _lines(log: Log, report: AuditReport) -> list[str]:
+    """Return what was computed, notes, and how many violations are not shown."""
+    made = [f"computed: {line}" for line in log.facts.get("computed", ())]
     hidden = len(report.violations) - MOST + sum(report.more.values())
-    return [*report.notes, *([f"and {hidden} violations more"] if hidden > 0 else [])]
+    return [*made, *report.notes, *([f"and {hidden} violations more"] if hidden > 0 else [])]
 
 
 def _pictures(log: Log, report: AuditReport, folder: Path) -> list[tuple[str, str]]:

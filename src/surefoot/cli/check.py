@@ -51,6 +51,8 @@ def check(
         verdict = motor if ground.feasible and motor is not None else ground
         return draw_check(case.question, verdict, facts["verdict"], folder / "stance.png")
 
+    if as_json and len(case.question.stance):
+        facts["com_region"] = _region(case.question)
     facts["picture"], facts["note"] = drawn(picture, out, "check", draw)
     show(facts, as_json, _print)
     return 0 if facts["possible"] else 1
@@ -58,14 +60,14 @@ def check(
 
 def _facts(case: Any, facets: int | None, fit: Any, motors: bool) -> tuple[dict[str, Any], Any, Any]:
     """Return everything the command says, the ground's verdict and, for a robot, the motors'."""
-    from surefoot.equilibrium import actuation
-    from surefoot.equilibrium.regions import com_region
     from surefoot.equilibrium.statics import can_stand, friction_needed
 
     question = case.question
     ground = can_stand(question.stance, question.com, question.mass, question.external_wrench, facets, fit)
     motor = None
     if case.robot is not None and motors and len(question.stance):
+        from surefoot.equilibrium import actuation
+
         motor = actuation.can_stand(
             case.robot, question.stance, case.q, question.external_wrench, facets, fit
         )
@@ -94,11 +96,16 @@ def _facts(case: Any, facets: int | None, fit: Any, motors: bool) -> tuple[dict[
         else {"possible": motor.feasible, "margin": motor.margin, "limiting": list(motor.limiting)},
         "picture": None,
     }
-    if len(question.stance):
-        region = com_region(question.stance, question.mass, external_wrench=question.external_wrench)
-        facts["com_region"] = {"corners": region.inner, "area": region.area, "gap": region.gap}
-        facts["com_region"]["distance"] = region.distance(question.com)
     return facts, ground, motor
+
+
+def _region(question: Any) -> dict[str, Any]:
+    """Return where the centre of mass may be."""
+    from surefoot.equilibrium.regions import com_region
+
+    region = com_region(question.stance, question.mass, external_wrench=question.external_wrench)
+    sizes = {"corners": region.inner, "area": region.area, "gap": region.gap}
+    return {**sizes, "distance": region.distance(question.com)}
 
 
 def _sentence(question: Any, ground: Any, motor: Any, needed: float) -> str:

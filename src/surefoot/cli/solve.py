@@ -43,7 +43,6 @@ def solve(
     from surefoot.contact.files import holds_lcp, read_lcp, read_problem
     from surefoot.contact.lcp import LCP
     from surefoot.errors import ProblemError, SolverNotFound, unknown_name
-    from surefoot.solvers.lcp import lcp_solver_names
     from surefoot.solvers.solver import find_solver
 
     real_number("--tol", tol, low=0.0, high=1.0)
@@ -57,8 +56,11 @@ def solve(
     for _, problem in problems:  # bad names before long work
         if not isinstance(problem, LCP):
             find_solver(solver, problem)
-        elif pivoting not in lcp_solver_names():
-            raise SolverNotFound(unknown_name("LCP solver", solver, ("auto", *lcp_solver_names())))
+        else:
+            from surefoot.solvers.lcp import lcp_solver_names
+
+            if pivoting not in (known := lcp_solver_names()):
+                raise SolverNotFound(unknown_name("LCP solver", solver, ("auto", *known)))
     records = [
         _complementarity(path, problem, pivoting, tol, max_time)
         if isinstance(problem, LCP)

@@ -11,6 +11,7 @@ from surefoot.cli import command_options as wires
 from surefoot.cli import knowledge, live, options, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
+from surefoot.cli.policy import Learned
 from surefoot.cli.robots import load
 from surefoot.cli.scenario_file import WALK_KEYS, ScenarioFile
 from surefoot.errors import ProblemError, check_name
@@ -37,12 +38,7 @@ def walk(
     velocity: Annotated[
         str, typer.Option(help="VX,VY,WZ: forward, left [m/s], yaw rate [rad/s].")
     ] = "0.5,0,0",
-    terrain: Annotated[
-        str,
-        typer.Option(
-            help="flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT or pit:START,LENGTH,DEPTH [m]."
-        ),
-    ] = "flat",
+    on: options.Ground,
     terrain_knowledge: knowledge.TerrainKnowledge = "exact",
     mu: options.Friction = 0.6,
     push: options.Pushes = None,
@@ -54,6 +50,7 @@ def walk(
         str, typer.Option(help="torques, or targets: joint angles, speeds, gains and torques for the drives.")
     ] = "torques",
     obeyed: options.Physics,
+    learned: Learned,
     duration: options.Duration = 10.0,
     seed: options.Seed = None,
     scenario: options.ScenarioPath = None,
@@ -74,9 +71,9 @@ def walk(
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
-    from surefoot.terrain import read_terrain
 
     console = plain_console(quiet=leaving.as_json)
+    robot = learned.robot(robot)
     if view:
         live.check(planner)
     options.check_numbers(mu, duration, SHORTEST, seed)
@@ -85,7 +82,7 @@ def walk(
     belief = knowledge.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
     file = robot if physics.is_world(robot, obeyed.world) else None
     settings = physics.world_settings(obeyed, said, mu, file)
-    ground = read_terrain(terrain, "--terrain")
+    ground = on.read()
     if obeyed.world == "mujoco" and file is None:
         settings.setdefault("substeps", substeps_of(ground, terrain_knowledge))
     command = _command(velocity, said)
@@ -100,8 +97,8 @@ def walk(
     model = load(robot, feet, feet_needed=True)
     motors = obeyed.actuators if file is None else _file_motors(model)
     task = _WalkTask(model, belief.ground(ground), gait, said, command, belief, motors, wired)
-    controller = _controller(planner, task)
-    q = _start(model, ground, mu)
+    controller = _controller(planner, task) if learned.policy is None else _learned(planner, learned, task)
+    q = _start(model, ground, mu, getattr(controller, "posture", None))
     world = physics.build_world(obeyed.world, model, file, ground, mu, carried, settings, console)
     say(console, *controller.facts.get("notes", ()))
     folder = new_run_folder(leaving.out, f"walk-{model.name}")
@@ -160,6 +157,20 @@ def _contact_implicit(task: _WalkTask) -> Any:
     return ContactImplicitMpc(robot, task.command, task.ground, settings)
 
 
+def _learned(planner: str, learned: Learned, task: _WalkTask) -> Any:
+    """Return a policy; it has a gait of its own."""
+    from surefoot.simulation.actuated import equipped
+
+    if (
+        planner != "convex"
+        or task.gait is not None
+        or not {"gait_file", "period"}.isdisjoint(task.said.given)
+    ):
+        raise ProblemError("--policy takes no --planner, --gait, gait_file or period: it has its own gait")
+    robot = equipped(task.robot, task.actuators)[0]
+    return learned.controller(robot, task.command, task.ground, task.wired)
+
+
 def _file_motors(robot: Any) -> Any:
     """Return what an MJCF file says of its motors."""
     from surefoot.robot.actuators import told_actuators
@@ -202,11 +213,11 @@ def _command(velocity: str, said: ScenarioFile) -> Any:
     return VelocityCommand.constant(*parsing.velocity(velocity))
 
 
-def _start(robot: Any, ground: Any, mu: float) -> Any:
-    """Return the configuration to start from."""
+def _start(robot: Any, ground: Any, mu: float, posture: Any) -> Any:
+    """Return the configuration to start from, in the nominal pose or a controller's own."""
     from surefoot.simulation.walk_terrain import check_ground, start_pose
 
-    q = start_pose(robot, ground)
+    q = start_pose(robot, ground, posture)
     check_ground(robot, ground, q, mu)
     return q
 

@@ -76,7 +76,7 @@ def warmup(as_json: options.AsJson = False) -> int:
 
 def _timed(words: list[str]) -> dict[str, Any]:
     """Run a command; return what it compiled, how long it took, and which package it lacks."""
-    from surefoot.cli.main import app
+    from surefoot.cli.commands import tree
     from surefoot.compilation import compiled_so_far
 
     before, start, missing = compiled_so_far(), time.perf_counter(), None
@@ -85,7 +85,7 @@ def _timed(words: list[str]) -> dict[str, Any]:
             if words == ["identify"]:
                 _throw_a_cube()
             else:
-                app(args=words, prog_name="surefoot", standalone_mode=False)
+                tree()(args=words, prog_name="surefoot", standalone_mode=False)
     except MissingExtra as error:
         missing = str(error)
     name = " ".join(word for word in words if not word.endswith(".npz")).partition(" --no")[0]

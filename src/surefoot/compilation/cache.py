@@ -11,9 +11,12 @@ import time
 import zlib
 from typing import Any
 
+import llvmlite.binding as llvm
 import numba
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.environment import Environment, lookup_environment
 from numba.core.registry import CPUDispatcher
+from numba.core.runtime import rtsys
 
 from surefoot.compilation.progress import LOG, progress
 from surefoot.compilation.tree import PACKAGE, KernelTree
@@ -27,6 +30,42 @@ _caches: list[Cache] = []
 _locks: dict[str, int] = {}
 """Folder to its open lock file, kept open: to close a file ends all locks that the process has on it."""
 _HOME = os.path.dirname(os.path.dirname(__file__)) + os.sep
+
+
+def _environment(module: str, constants: list[Any], name: str) -> Environment:
+    """Return what compiled code of a module knows of it: only constants, as nopython code asks for no more.
+
+    Numba would import the module: 0.2 s for those of its own that kernels have had a function of.
+    """
+    found = lookup_environment(name)
+    if found is None:
+        known = sys.modules.get(module)
+        found = Environment({"__name__": module} if known is None else vars(known))
+        found.consts[:] = constants
+        found.env_name = name
+        Environment._memo[name] = found
+    return found
+
+
+class _Unpickler(pickle.Unpickler):
+    def find_class(self, module: str, name: str) -> Any:
+        return _environment if name == "_rebuild_env" else super().find_class(module, name)
+
+
+class _KernelFiles(IndexDataCacheFile):  # type: ignore[misc]
+    """Numba's files, of which machine code is read.
+
+    What LLVM made it from is kept beside it, for functions that are compiled into their callers. It takes
+    most of the time to load, and no kernel asks for it: a caller compiles its whole tree.
+    """
+
+    def _load_data(self, name: str) -> Any:
+        with open(self._data_path(name), "rb") as file:
+            library, described, *more = _Unpickler(file).load()
+        if library[1] == "object":
+            defined = f'define void @"{described.llvm_cpython_wrapper_name}"() {{ ret void }}'
+            library = (*library[:2], (library[2][0], llvm.parse_assembly(defined).as_bitcode()))
+        return (library, described, *more)
 
 
 class Cache(FunctionCache):  # type: ignore[misc]
@@ -48,14 +87,19 @@ class Cache(FunctionCache):  # type: ignore[misc]
         name = self._impl.get_filename_base(f"{py_func.__module__}.{py_func.__qualname__}", "")
         name = name.replace(f"-{self._impl.locator.get_disambiguator()}.", ".")
         beside = os.path.join(os.path.dirname(py_func.__code__.co_filename), "__pycache__")
-        self._cache_file = IndexDataCacheFile(self._cache_path, name, tree.key)
+        self._cache_file = _KernelFiles(self._cache_path, name, tree.key)
         _caches.append(self)
         elsewhere = beside != self._cache_path and not numba.config.CACHE_DIR
-        self._beside = IndexDataCacheFile(beside, name, tree.key) if elsewhere else None
+        self._beside = _KernelFiles(beside, name, tree.key) if elsewhere else None
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return what was compiled for argument types, or None."""
-        found = super().load_overload(sig, target_context)
+        """Return what was compiled for argument types, or None.
+
+        Code on disk runs without Numba's implementations of Python and NumPy, which take 0.3 s to load: only
+        its runtime must be there. They come with a kernel that has to be compiled.
+        """
+        rtsys.initialize(target_context)
+        found = self._load_overload(sig, target_context)
         if found is None:
             self._await_turn()
             found = super().load_overload(sig, target_context)

@@ -134,7 +134,7 @@ def _in_step(body: LeggedBody, command: VelocityCommand, period: float) -> tuple
     note = (
         f"slowed from {speed:.3g} to {most:.3g} m/s: in step with the stairs' treads that is the next speed"
     )
-    return VelocityCommand(command.times, command.values * (most / speed)), [note]
+    return replace(command, values=command.values * (most / speed)), [note]
 
 
 def _fixed(body: LeggedBody, command: VelocityCommand, schedule: ContactSchedule) -> GaitChoice:

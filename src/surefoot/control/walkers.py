@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from surefoot.control.controller import Controller
+from surefoot.control.walker import Walker
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
@@ -26,7 +26,7 @@ def walking_controller(
     dt: float = 1e-3,
     *,
     watch_friction: bool = False,
-) -> Controller:
+) -> Walker:
     """Return the controller that walks a robot with its default settings.
 
     Two flat feet are walked by `BipedController`, point feet by `WalkingController`.

@@ -24,7 +24,7 @@ from surefoot.control.step_phase import StepPhase
 from surefoot.control.touch_sense import touch_sense
 from surefoot.control.walker import Walker
 from surefoot.control.walking_body import DIP, BodyPlan, VelocityCommand, first_stance
-from surefoot.control.walking_feet import DESCENT, Feet
+from surefoot.control.walking_feet import DESCENT, LEAST_CLEARANCE, Feet
 from surefoot.control.walking_kernels import follow
 from surefoot.control.walking_settings import WalkCommand as WalkCommand
 from surefoot.control.walking_settings import WalkSettings as WalkSettings
@@ -254,7 +254,9 @@ class WalkingController(Walker):
         if schedule.adapts:
             self._time_steps(request, max(clock, 0.0))
         own = schedule.clearance
-        feet.clearance = (self.settings.clearance * self.height if own is None else own) + request.clearance
+        usual = self.settings.clearance * self.height if own is None else own
+        lifted = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
+        feet.clearance = lifted + request.clearance
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self.terrain.unsure)
             feet.stride = self._steps.stride

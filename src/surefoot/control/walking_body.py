@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from surefoot.control.body_motion import BodyReference
 from surefoot.control.foothold import fit_plane
 from surefoot.control.walking_kernels import advance_body, body_rise, cruise, slope_frames
 from surefoot.errors import ProblemError
-from surefoot.spatial import GRAVITY
+from surefoot.spatial import GRAVITY, rotation_about
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.text_files import read_text
 
@@ -28,6 +28,12 @@ LOWERING = 0.3
 """Time constant with which the body comes down to the height that suits a slope [s]."""
 ACCELERATION = 0.12
 """Largest change of the wanted velocity, as a share of g."""
+STEEPEST_PITCH = 0.4
+"""Largest pitch that may be commanded [rad]."""
+LOWEST, HIGHEST = 0.4, 0.08
+"""How much lower and higher than usual a body may go, as shares of its height: legs fold and reach so far."""
+CROUCH_RATE, PITCH_RATE = 0.4, 0.5
+"""How fast a commanded height is taken, in heights of the body a second, and a pitch [rad/s]."""
 LONG_STANCE = 2.5
 """Feet that stand for longer than this many sqrt(h / g) stay behind a body that changes its speed as fast: it
 then changes as slowly as keeps what it gains in a stance."""
@@ -35,7 +41,7 @@ then changes as slowly as keeps what it gains in a stance."""
 
 @dataclass(frozen=True)
 class VelocityCommand:
-    """Wanted velocity over time: (vx, vy, yaw rate) in the body's heading frame, held from each time on.
+    """Wanted velocity and posture over time, held from each time on; the velocity is in the heading frame.
 
     Attributes
     ----------
@@ -43,35 +49,56 @@ class VelocityCommand:
         (k,) rising, the first at 0 [s].
     values
         (k, 3) forward, left [m/s], yaw rate [rad/s].
+    postures
+        (k, 3) how much higher than usual the body is [m], its pitch over the ground's, nose down [rad], and
+        how much more than usual feet are lifted [m]; None for zeros.
 
     Examples
     --------
-    >>> VelocityCommand.constant(0.5, 0.0, 0.2).at(3.0)
-    array([0.5, 0. , 0.2])
+    >>> command = VelocityCommand.constant(0.5, 0.0, 0.2, height=-0.05)
+    >>> command.at(3.0), command.posture_at(3.0)
+    (array([0.5, 0. , 0.2]), array([-0.05,  0.  ,  0.  ]))
     """
 
     times: FloatArray
     values: FloatArray
+    postures: FloatArray = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         times = finite_array("command times", self.times, (None,))
         finite_array("command values", self.values, (len(times), 3))
+        postures = np.zeros((len(times), 3)) if self.postures is None else self.postures
+        postures = finite_array("command postures", postures, (len(times), 3))
+        if (np.abs(postures[:, 1]) > STEEPEST_PITCH).any():
+            raise ProblemError(f"pitch must be within ±{STEEPEST_PITCH:g} rad, got {postures[:, 1]}")
+        object.__setattr__(self, "postures", postures)
         if len(times) == 0 or times[0] != 0.0 or (np.diff(times) <= 0.0).any():
             raise ProblemError(f"command times must rise from 0, got {times.tolist()}")
 
     @staticmethod
-    def constant(forward: float, left: float = 0.0, turn: float = 0.0) -> VelocityCommand:
-        """Return the command that never changes: forward and left [m/s], turn [rad/s]."""
-        return VelocityCommand(np.zeros(1), np.array([[forward, left, turn]], dtype=np.float64))
+    def constant(
+        forward: float,
+        left: float = 0.0,
+        turn: float = 0.0,
+        *,
+        height: float = 0.0,
+        pitch: float = 0.0,
+        clearance: float = 0.0,
+    ) -> VelocityCommand:
+        """Return the command that never changes: forward, left [m/s], turn [rad/s]; see `postures`."""
+        velocity, posture = np.array([[forward, left, turn]]), np.array([[height, pitch, clearance]])
+        return VelocityCommand(np.zeros(1), velocity.astype(np.float64), posture.astype(np.float64))
 
     @staticmethod
     def read(path: Path) -> VelocityCommand:
-        """Read lines of ``time vx vy yaw_rate``, separated by blanks or commas; # starts a comment.
+        """Read lines of ``time vx vy yaw_rate`` and ``height pitch clearance`` where they are wanted.
+
+        They are separated by blanks or commas; # starts a comment, a header is passed over.
 
         Raises
         ------
         ProblemError
-            If the file cannot be read or a line does not hold four numbers; the message names the line.
+            If the file cannot be read or a line does not hold four numbers or seven; the message names it.
         """
         rows = []
         for number, line in enumerate(read_text(path, "the velocity file").splitlines(), 1):
@@ -82,21 +109,35 @@ class VelocityCommand:
                 rows.append([float(w) for w in words])
             except ValueError:
                 if rows:
-                    raise ProblemError(f"{path} line {number}: expected four numbers, got {line!r}") from None
+                    raise ProblemError(
+                        f"{path} line {number}: expected four numbers or seven, got {line!r}"
+                    ) from None
                 continue  # a header
-            if len(rows[-1]) != 4:
-                raise ProblemError(f"{path} line {number}: expected time vx vy yaw_rate, got {line!r}")
+            if len(rows[-1]) not in (4, 7):
+                raise ProblemError(
+                    f"{path} line {number}: expected time vx vy yaw_rate [height pitch clearance], "
+                    f"got {line!r}"
+                )
+            rows[-1] += [0.0] * (7 - len(rows[-1]))
         if not rows:
             raise ProblemError(f"{path} holds no line of time vx vy yaw_rate")
         table = np.array(rows)
-        return VelocityCommand(table[:, 0], table[:, 1:])
+        return VelocityCommand(table[:, 0], table[:, 1:4], table[:, 4:])
 
     def at(self, time: float) -> FloatArray:
         """Return (3,) forward, left [m/s] and yaw rate [rad/s] at a time [s]."""
-        if len(self.times) == 1:
-            return np.asarray(self.values[0])
-        k = int(np.searchsorted(self.times, time + 1e-9, side="right")) - 1
-        return np.asarray(self.values[max(k, 0)])
+        return np.asarray(self.values[_row(self.times, time)])
+
+    def posture_at(self, time: float) -> FloatArray:
+        """Return (3,) height over the usual [m], pitch [rad], clearance over the usual [m] at a time [s]."""
+        return np.asarray(self.postures[_row(self.times, time)])
+
+
+def _row(times: FloatArray, time: float) -> int:
+    """Return which of (k,) rows holds at a time [s]."""
+    if len(times) == 1:
+        return 0
+    return max(int(np.searchsorted(times, time + 1e-9, side="right")) - 1, 0)
 
 
 def first_stance(schedule: ContactSchedule) -> float:
@@ -139,6 +180,9 @@ class BodyPlan:
         Longest time that a foot stands [s].
     ceiling
         The highest that the centre of mass may be now, as `height` [m].
+    posture
+        (3,) how much higher than usual the body is wanted now [m], its pitch over the ground's [rad], and
+        how much higher feet are lifted [m].
     """
 
     height: float
@@ -151,6 +195,7 @@ class BodyPlan:
     dip: float = 0.0
     stance: InitVar[float] = 0.0
     ceiling: float = math.inf
+    posture: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self, stance: float) -> None:
         self.change = ACCELERATION * GRAVITY
@@ -171,8 +216,9 @@ class BodyPlan:
         dt
             Step [s].
         """
+        height = min(self.height + float(self.posture[0]), self.ceiling)
         self.yaw, self.ground, self.lowered = advance_body(
-            self.position, self.velocity, self.slope, command, com, dt, min(self.height, self.ceiling),
+            self.position, self.velocity, self.slope, command, com, dt, height,
             self.yaw, self.ground, self.lowered, self.acceleration, self.dip, LEAD, LOWERING,
         )  # fmt: skip
 
@@ -190,7 +236,7 @@ class BodyPlan:
 
     def _rise(self) -> float:
         """Return the wanted height over the ground along the vertical, see `body_rise`."""
-        height = min(self.height, self.ceiling)
+        height = min(self.height + float(self.posture[0]), self.ceiling)
         return body_rise(self.slope, self.yaw, height, self.dip, self.lowered)
 
     def flow(self) -> FloatArray:
@@ -212,7 +258,19 @@ class BodyPlan:
         yaw, places, flow = self.places(ahead + dt * np.arange(steps + 1, dtype=np.float64))
         spin = np.zeros((steps + 1, 3))
         spin[:, 2] = self.velocity[2]
-        return BodyReference(slope_frames(yaw, self.slope), places, flow, spin)
+        frames = slope_frames(yaw, self.slope)
+        if self.posture[1] != 0.0:
+            frames = frames @ rotation_about([0.0, 1.0, 0.0], float(self.posture[1]))
+        return BodyReference(frames, places, flow, spin)
+
+
+def take_posture(body: BodyPlan, posture: FloatArray, dt: float) -> None:
+    """Bring a body nearer to a commanded (3,) posture in a step of dt [s], see `VelocityCommand`."""
+    wanted = min(max(posture[0], -LOWEST * body.height), HIGHEST * body.height), posture[1]
+    most = CROUCH_RATE * body.height * dt, PITCH_RATE * dt
+    for k in range(2):
+        body.posture[k] += min(max(wanted[k] - body.posture[k], -most[k]), most[k])
+    body.posture[2] = posture[2]
 
 
 def slowed_note(velocity: FloatArray, time: float, share: float) -> str:
@@ -253,4 +311,4 @@ def limit_command(
             share = fastest / speed
             notes.append(slowed_note(row, time, share))
             row *= share
-    return VelocityCommand(command.times, values), notes
+    return replace(command, values=values), notes

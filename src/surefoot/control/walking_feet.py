@@ -24,6 +24,8 @@ LOST_TIME = 0.03
 """A foot in stance without contact for this long is looked for below [s]."""
 FREEZE, FREEZE_ROUGH = 0.75, 0.4
 """After this share of the swing the target stays where it is; where the path must clear edges, earlier."""
+LEAST_CLEARANCE = 0.3
+"""Feet are lifted at least this share of the usual height, whatever is commanded."""
 DESCENT = 0.12
 """Speed towards the ground at touchdown, as a share of sqrt(g h)."""
 SEARCH = 0.3

@@ -42,6 +42,22 @@ class WatchedCommand(Command):
         return {**self.inner, "stale": self.stale}
 
 
+def damping_targets(robot: Robot, dt: float) -> JointTargets:
+    """Return targets that damp the joints and do nothing else, for drives that close their loop every dt [s].
+
+    Less on light legs than on heavy ones, so that none shakes.
+    """
+    import pinocchio
+
+    height = max(float(robot.nominal[2]), 0.05) if robot.floating else 1.0
+    inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))
+    none = np.zeros(robot.joints)
+    damping: FloatArray = np.minimum(
+        DAMPING_TIME * robot.mass * GRAVITY * height, LARGEST_DAMPING * inertia[robot.base_dof :] / dt
+    )
+    return JointTargets(none, none, none, damping, none)
+
+
 class Watchdog(Wrapper):
     """A controller that is not asked with a state which is too old; the outermost of several.
 
@@ -62,19 +78,11 @@ class Watchdog(Wrapper):
     """
 
     def __init__(self, controller: Controller, robot: Robot, dt: float, patience: float = PATIENCE) -> None:
-        import pinocchio
-
         super().__init__(controller)
         self.dt = real_number("dt", dt, low=1e-6)
         self.patience = real_number("patience", patience, low=0.0)
         self.channels = (*controller.channels, CHANNELS["stale"])
-        height = max(float(robot.nominal[2]), 0.05) if robot.floating else 1.0
-        inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))
-        none = np.zeros(robot.joints)
-        damping: FloatArray = np.minimum(
-            DAMPING_TIME * robot.mass * GRAVITY * height, LARGEST_DAMPING * inertia[robot.base_dof :] / dt
-        )
-        self._damp = JointTargets(none, none, none, damping, none)
+        self._damp = damping_targets(robot, self.dt)
         self._forget()
 
     def _forget(self) -> None:

@@ -61,7 +61,7 @@ def _checked_names(path: Path, line: str, cells: list[str]) -> list[str]:
     if sum(map(_is_number, names)) > len(names) / 2:
         raise ProblemError(
             f"{path}: the first line must name the columns, got numbers: {line.strip()[:80]!r}; give their "
-            f"{len(names)} names, columns=[...]"
+            f"{len(names)} names, columns=[...] or --columns"
         )
     return names
 

@@ -322,7 +322,7 @@ class RigidWorld:
             raise ProblemError(
                 'steps are differentiated with actuators="ideal", not with motors and friction'
             )
-        return step_derivative(self.stepper, *self._given, smoothing)
+        return step_derivative(self.stepper, *self._given, smoothing, step=self.last)
 
     def energy(self) -> float:
         """Return kinetic plus potential energy [J], zero potential at z = 0, and what soft contacts store.

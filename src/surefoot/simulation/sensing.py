@@ -6,20 +6,14 @@ import time as clock
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-import numpy as np
-
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import Command, RobotState
-from surefoot.estimation.inekf_robot import InvariantEkf
-from surefoot.estimation.state_estimator import Health, Reading, StateEstimator
+from surefoot.drive.state_tracker import StateTracker
 from surefoot.log import CHANNELS
 from surefoot.log.channels import Channel
-from surefoot.robot.actuators import Actuators
 from surefoot.simulation.faults import ActiveFaults
-from surefoot.simulation.sensor_kernels import with_points
 from surefoot.simulation.sensors import SensorModel, Sensors
 from surefoot.simulation.world import World
-from surefoot.spatial import GRAVITY
 
 STOP_TIME = 1.5
 """How long a robot that has lost its state estimate goes on standing before the run ends [s]."""
@@ -91,57 +85,33 @@ class EstimatedState(Sensing):
     def __init__(self, model: SensorModel, world: World, seed: int | None) -> None:
         robot = world.robot
         self.sensors = Sensors(model, robot, world.dt, seed)
-        ground = world.terrain if model.heights else None
-        ekf = InvariantEkf(robot, world.dt, model.filter_noise(), ground, model.imu.position)
-        late = model.imu.latency, model.encoders.latency
-        self.estimator = StateEstimator(ekf, latency=late)
-        self._actuators: Actuators | None = getattr(world, "actuators", None)
-        self._foot = np.asarray(world.contact_foot)
-        self._standing: BoolArray | None = None
-        self._warm_up(robot.nominal)
+        self.tracker = StateTracker(
+            robot, world.dt, model.filter_noise(), world.terrain if model.heights else None,
+            model.imu.position, (model.imu.latency, model.encoders.latency),
+            getattr(world, "actuators", None), world.contact_foot,
+        )  # fmt: skip
         self._started = False
-
-    def _warm_up(self, q: FloatArray) -> None:
-        """Compile or load all that a step calls, so that no step of the run waits."""
-        estimator, joints = self.estimator, np.zeros(self.sensors.robot.joints)
-        reading = Reading(np.zeros(3), np.array([0.0, 0.0, GRAVITY]), q[7:], joints)
-        for _ in range(3):
-            touching = estimator.decide(~estimator.predict(reading))
-            estimator.update(np.ones_like(touching))
-            estimator.applied(joints)
 
     def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
         """See `Sensing.state`."""
-        estimator = self.estimator
+        tracker = self.tracker
         if not self._started:
-            estimator.reset(self.sensors.attitude_at_start(q))
+            tracker.begin(self.sensors.attitude_at_start(q))
             self._started = True
         reading = self.sensors.read(q, v)
         start = clock.perf_counter()
-        sensed = estimator.predict(reading)
-        spent = clock.perf_counter() - start
-        sensed = self.sensors.touches(sensed)
-        start = clock.perf_counter()
-        touching = estimator.decide(sensed)
-        estimate = estimator.update(touching, self._standing)
-        self._spent = spent + clock.perf_counter() - start
-        self._reported = RobotState(*estimate, time, touching, forces=estimator.forces)
-        if estimator.health is not Health.GOOD and not self.lost:
-            self.lost = f"the state estimate was lost at {time:.3f} s: {estimator.health}"
+        self._reported = tracker.state(reading, time, self.sensors.touches)
+        self._spent = clock.perf_counter() - start
+        if tracker.lost and not self.lost:
+            self.lost = f"the state estimate was lost at {time:.3f} s: {tracker.lost}"
         return self._reported
 
     def acted(self, command: Command, torques: FloatArray) -> None:
         """See `Sensing.acted`."""
         start = clock.perf_counter()
-        pushing = np.empty(len(self.sensors.robot.feet), dtype=bool)
-        with_points(command.active, self._foot, pushing)
-        planned = command.rows().get("planned", pushing)
-        self._standing = pushing
-        self.estimator.expect(pushing, np.asarray(planned, dtype=bool))
-        self.heard = heard = self.sensors.torques(torques)
-        if self._actuators is not None:  # currents tell what the motors give, the gears' friction included
-            heard = heard - self._actuators.losses(self._reported.v[6:])
-        self.estimator.applied(heard)
+        self.tracker.plan(command)
+        self.heard = self.sensors.torques(torques)
+        self.tracker.acted(self.heard)
         self._spent += clock.perf_counter() - start
 
     def rows(self) -> Mapping[str, Any]:

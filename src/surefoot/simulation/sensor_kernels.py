@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import FloatArray
 from surefoot.kernels import inline_kernel, kernel, window
 from surefoot.spatial import GRAVITY
 
@@ -164,12 +164,3 @@ def heard(torques: FloatArray, factors: FloatArray, scale: float, noise: FloatAr
     """Fill (joints,) torques as currents tell them [N m]: off by factors, and noisy by `scale` [N m]."""
     for j in range(torques.shape[0]):
         out[j] = factors[j] * torques[j] + scale * noise[j]
-
-
-@kernel
-def with_points(active: BoolArray, foot: IntArray, out: BoolArray) -> None:
-    """Fill which feet (n,) have a contact point that is active, (p,) each; `foot` (p,) owns it."""
-    out[:] = False
-    for i in range(active.shape[0]):
-        if active[i]:
-            out[foot[i]] = True

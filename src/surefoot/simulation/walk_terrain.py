@@ -16,15 +16,17 @@ CLEARANCE = 3.0
 """A robot starts this far before a terrain's first step, in heights of its base."""
 
 
-def start_pose(robot: Robot, terrain: Terrain) -> FloatArray:
+def start_pose(robot: Robot, terrain: Terrain, posture: FloatArray | None = None) -> FloatArray:
     """Return a configuration (nq,) [m, -, rad] on the terrain, before its first step or about the origin.
+
+    Its joints are as in (nq,) `posture`, None for the nominal pose, before it is put on its feet.
 
     Raises
     ------
     ModelError
         If the legs do not reach the ground.
     """
-    return place(robot, terrain, at=terrain.approach(CLEARANCE * float(robot.nominal[2])))
+    return place(robot, terrain, posture, at=terrain.approach(CLEARANCE * float(robot.nominal[2])))
 
 
 def check_ground(robot: Robot, terrain: Terrain, q: FloatArray, mu: float) -> None:

@@ -136,7 +136,7 @@ _MODULES = (
     "lemke",
     "external",
 )
-_loaded = False
+"""Where the solvers are: in files of their names, and those of other packages in `external`."""
 GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)
 """What may have its cause in a problem without solution."""
 
@@ -188,11 +188,8 @@ def register(
 
 def registry() -> dict[str, SolverEntry]:
     """Return all solvers by name; imports their files on first use."""
-    global _loaded
-    if not _loaded:
-        for module in _MODULES:
-            importlib.import_module(f"surefoot.solvers.{module}")
-        _loaded = True
+    for module in _MODULES:
+        importlib.import_module(f"surefoot.solvers.{module}")
     return _REGISTRY
 
 
@@ -241,7 +238,7 @@ def solve(
         If the solver does not take this law or these cones, or a setting is out of range.
     """
     start = _clock()
-    entry = _REGISTRY.get(solver) if _loaded and type(solver) is str else None
+    entry = _REGISTRY.get(solver) if type(solver) is str else None
     if (
         type(tol) is not float
         or type(max_time) is not float
@@ -333,10 +330,11 @@ def nearest_to_zero(problem: ContactProblem) -> FloatArray:
 
 def find_solver(name: str, problem: ContactProblem) -> SolverEntry:
     """Return the entry of a solver that takes the problem; see `solve` for the errors."""
-    entries = registry()
-    if not isinstance(name, str) or name not in entries:
-        raise SolverNotFound(unknown_name("solver", name, entries))
-    entry = entries[name]
+    if isinstance(name, str) and name in _MODULES:  # the others are not needed
+        importlib.import_module(f"surefoot.solvers.{name}")
+    if not isinstance(name, str) or (name not in _REGISTRY and name not in registry()):
+        raise SolverNotFound(unknown_name("solver", name, registry()))
+    entry = _REGISTRY[name]
     reason = mismatch(entry, problem)
     if reason is not None:
         raise ProblemError(f"{name} {reason}; solvers that do: {', '.join(solver_names(problem)) or 'none'}")

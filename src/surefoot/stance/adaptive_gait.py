@@ -203,7 +203,9 @@ class AdaptiveGait(ContactSchedule):
         wanted = self._choose(velocity, self.wanted.name)
         if not wanted.moving or self._resting or self.wanted.in_step:
             return True
-        turned = float(np.abs(self.stride.offset - wanted.offset).max())
+        # a pattern for more speed, which is asked for, is fit for less as well: it begins from rest
+        suits = (wanted.offset, self.wanted.offset)
+        turned = min(float(np.abs(self.stride.offset - offset).max()) for offset in suits)
         return turned < OFFSET_STEP and self.stance_time < UNFIT * wanted.pace.stance_time
 
     def contacts(self, times: ArrayLike) -> BoolArray:

@@ -19,6 +19,7 @@ from surefoot.contact.laws import LAWS
 from surefoot.errors import ProblemError
 from surefoot.stepping.derivative_first_order import FirstOrderStages
 from surefoot.stepping.derivative_impact import TOUCHING
+from surefoot.stepping.derivative_located import LocatedStages
 from surefoot.stepping.derivative_stages import Stages, StepArguments
 from surefoot.stepping.knot import Knot, Outputs
 from surefoot.stepping.state import State, Step
@@ -85,7 +86,13 @@ class StepDerivative:
 
     @cached_property
     def _stages(self) -> Stages:
-        return Stages(self._stepper, self._request)
+        stages = LocatedStages if self._located else Stages
+        return stages(self._stepper, self._request)
+
+    @property
+    def _located(self) -> bool:
+        known = self._request.step
+        return known is not None and bool(known.pieces) and self.smoothing == 0.0
 
     @property
     def step(self) -> Step:
@@ -177,7 +184,8 @@ class StepDerivative:
         One that opens is put back on the ground by the step, one that is pressed in is not (up to the
         stabilisation): dense blocks belong to the gap's sign as it came out.
         """
-        if self.step.impact is None or self.smoothing > 0.0 or self._stepper.options.pull == 1.0:
+        none = self.step.impact is None or bool(self.step.pieces) or self.smoothing > 0.0
+        if self.step.impact is None or none or self._stepper.options.pull == 1.0:
             return np.zeros(0, dtype=np.int64)
         near = self.step.impact.near
         return near[np.abs(self.step.gaps[near]) <= TOUCHING]
@@ -283,7 +291,7 @@ class FirstOrderDerivative(StepDerivative):
         super().__init__(stepper, request)
 
     def _take(self) -> None:
-        stepper, (state, torques, push, mu, smoothing) = self._stepper, self._request
+        stepper, (state, torques, push, mu, smoothing) = self._stepper, self._request[:5]
         knot = stepper.kept.get(Knot)
         if knot is None:
             knot = stepper.kept[Knot] = Knot(stepper)
@@ -320,6 +328,7 @@ def step_derivative(
     mu: float = 0.6,
     smoothing: float = 0.0,
     out: Outputs | None = None,
+    step: Step | None = None,
 ) -> StepDerivative:
     """Take a step and return its derivative; the arguments are those of `Stepper.step`.
 
@@ -330,6 +339,8 @@ def step_derivative(
         impulses per step: N s · m/s. See `ContactDerivative`.
     out
         With `StepOptions(order=1)`: arrays for A (2nv, 2nv) and B (2nv, joints) to be filled.
+    step
+        Its outcome where that is known, so that it need not be taken once more.
 
     Raises
     ------
@@ -350,8 +361,12 @@ def step_derivative(
     """
     smoothing = real_number("smoothing", smoothing, low=0.0, high=1e300)
     mu = real_number("mu", mu, low=0.0)
-    request = StepArguments(state, torques, push, mu, smoothing)
-    if stepper.options.order == 1:
+    if smoothing > 0.0:
+        step = None
+    elif step is None and (stepper.options.order == 2 or stepper.locates(mu)):
+        step = stepper.step(state, torques, push, mu)
+    request = StepArguments(state, torques, push, mu, smoothing, step)
+    if stepper.options.order == 1 and (step is None or not (step.pieces or step.impact is None)):
         return FirstOrderDerivative(stepper, request, out)
     if out is not None:
         raise ProblemError("out goes with StepOptions(order=1)")

@@ -24,6 +24,7 @@ class FirstOrderStages(Stages):
     def _retrace(self, impact: Impact | None) -> None:
         assert impact is not None  # a first-order step through the air has one without contacts
         stepper, request = self.stepper, self.request
+        self.speed = request.state.v
         options, seen = stepper.options, self._seen(request.state.q)
         if request.smoothing > 0.0:
             impact = self._smoothed(impact, seen)
@@ -36,6 +37,7 @@ class FirstOrderStages(Stages):
         columns: Sequence[FloatArray],
         inertia: FloatArray | None = None,
         one_sided: bool = False,
+        seconds: FloatArray | None = None,
     ) -> FloatArray:
         """See `Stages.through`: (2nv + 6p, c)."""
         import pinocchio

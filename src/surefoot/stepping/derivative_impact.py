@@ -89,6 +89,8 @@ class Rates:
         (c,).
     leaving
         (3p, c) of the contact velocities after the last impulses.
+    horizon
+        (c,) of the time to the next impulses; None for none.
     """
 
     q: FloatArray
@@ -96,6 +98,7 @@ class Rates:
     effort: FloatArray
     mu: FloatArray
     leaving: FloatArray
+    horizon: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -209,6 +212,8 @@ class Bumps:
         out = share[:, None] * opening
         if one_sided and (touching := np.abs(gaps) <= TOUCHING).any():
             out[touching] = np.where(opening > 0.0, 1.0, pull)[touching] / horizon * opening[touching]
+        if rates.horizon is not None:
+            out -= np.outer(share * gaps / horizon, rates.horizon)
         if options.restitution > 0.0:
             normal = self.contacts.J[3 * near + 2]
             before, free = normal @ impact.before, normal @ impact.free

@@ -17,19 +17,24 @@ from surefoot.stepping.derivative_flow import FlowDerivative
 from surefoot.stepping.derivative_impact import Bumps, GroundTurn, Rates
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.impacts import Tally, finite_problem
+from surefoot.stepping.motion import moved
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.state import Impact, State, Step
 from surefoot.stepping.stepper import PROJECTIONS, Stepper
 
 
 class StepArguments(NamedTuple):
-    """A step to be differentiated: the arguments of `Stepper.step`, and the smoothing."""
+    """A step to be differentiated: the arguments of `Stepper.step`, and the smoothing.
+
+    `step` is its outcome, None where it is to be taken; it may be shorter than the others.
+    """
 
     state: State
     torques: FloatArray
     push: FloatArray | None
     mu: float
     smoothing: float
+    step: Step | None = None
 
 
 class Work:
@@ -73,6 +78,12 @@ class Exchange(NamedTuple):
             one_sided,
         )
 
+    @property
+    def force(self) -> FloatArray:
+        """All forces but the ground's (nv,) [N, N m]."""
+        L, change = self.bumps.L, self.impact.free - self.impact.before
+        return np.asarray(L @ (L.T @ change) / self.horizon)
+
     def takes(self, inertia: FloatArray | None) -> FloatArray | float:
         """Return the effort (nv, c) [N s, N m s] that rates (10 bodies, c) of inertial parameters mean."""
         if inertia is None:
@@ -88,6 +99,12 @@ class Coast(NamedTuple):
     v: FloatArray
     seconds: float
     effort: FloatArray | None
+
+    @property
+    def pace(self) -> FloatArray:
+        """How fast (q, v) goes on at the end of it: (2nv,) per second."""
+        end = moved(self.flow.motion, self.q, self.v, self.seconds, self.effort)
+        return np.concatenate([end.v, self.flow.motion.acceleration(end.q, end.v, self.effort)])
 
 
 class Stages:
@@ -114,15 +131,19 @@ class Stages:
             "torques", request.torques, stepper.robot.joints
         )
         state, push, mu = request.state, request.push, request.mu
-        self.step: Step = stepper.step(state, request.torques, push, mu)
-        if request.smoothing > 0.0 and self.step.impact is None:  # contacts at a distance take part
+        self.step: Step = request.step or stepper.step(state, request.torques, push, mu)
+        if request.smoothing > 0.0 and (self.step.pieces or self.step.impact is None):  # all take part
             self.step = stepper.meet_ground(state, self.effort, push, mu)
+        self.dt = self.step.dt
         self._retrace(self.step.impact)
+
+    speed: FloatArray | None = None
+    """Velocity (nv,) at which the bodies' own motion makes forces in its exchanges; None where none does."""
 
     def _retrace(self, impact: Impact | None) -> None:
         """Find where each stage of the step began."""
         stepper, request, work = self.stepper, self.request, self._work
-        state, mu, dt = request.state, request.mu, stepper.options.dt
+        state, mu, dt = request.state, request.mu, self.dt
         if impact is None:
             self.coasts = [Coast(work.flight, state.q, state.v, dt, self.effort)]
             return
@@ -179,7 +200,7 @@ class Stages:
         bumps = Bumps(
             *model, seen, ground, stepper.bodies.L.copy(), twists, work.first, points.support, points.radii,
             points.foot, span, stepper.bodies.data.oMi[1].rotation.copy(),
-            self.request.state.v if stepper.options.order == 1 else np.zeros_like(impact.before),
+            np.zeros_like(impact.before) if self.speed is None else self.speed,
         )  # fmt: skip
         nothing = np.zeros(impact.impulses.shape)
         response = None if impact.solution is None else Response(impact.solution, smoothing)
@@ -193,7 +214,7 @@ class Stages:
         options = stepper.options
         stepper.bodies.weigh(impact.q)
         rows, G, g = arithmetic.assemble(
-            seen.J, stepper.bodies.L, impact.before, impact.free, seen.gaps, every, options.dt,
+            seen.J, stepper.bodies.L, impact.before, impact.free, seen.gaps, every, self.dt,
             options.restitution, 2.0 * options.dt * GRAVITY, options.pull,
         )  # fmt: skip
         swerve = impact.velocities - impact.leaving
@@ -253,10 +274,11 @@ class Stages:
         columns: Sequence[FloatArray],
         inertia: FloatArray | None = None,
         one_sided: bool = False,
+        seconds: FloatArray | None = None,
     ) -> FloatArray:
         """Return the rates (2nv + 6p, c) of q, v, impulses and leaving for c columns of what goes in.
 
-        The columns are those of q, v, torques, mu, push and leaving.
+        The columns are those of q, v, torques, mu, push and leaving; `seconds` (c,) of the step's length.
         """
         q, v, torques, mu, push, leaving = columns
         n, points = len(v), len(leaving)
@@ -271,11 +293,18 @@ class Stages:
             after, _, given = self.arrival.through(rates, one_sided)
             T, impulses = np.vstack([T[:n], after]), impulses + given
         T = self._coasted(0, T, None, inertia)
+        if seconds is not None:
+            T += np.outer(self.coasts[0].pace, 0.5 * seconds)
         for out in self.projections:
             T = self._pushed(out, T, inertia, one_sided)
-        effort = self.stepper.options.dt * (effort + self._pushing(T[:n], push)) + self.main.takes(inertia)
-        after, left, given = self.main.through(Rates(T[:n], T[n:], effort, mu[0], leaving), one_sided)
+        effort = self.dt * (effort + self._pushing(T[:n], push)) + self.main.takes(inertia)
+        if seconds is not None:
+            effort += np.outer(self.main.force, seconds)
+        rates = Rates(T[:n], T[n:], effort, mu[0], leaving, seconds)
+        after, left, given = self.main.through(rates, one_sided)
         T = self._coasted(1, np.vstack([T[:n], after]), None, inertia)
+        if seconds is not None:
+            T += np.outer(self.coasts[1].pace, 0.5 * seconds)
         return np.vstack([T, impulses + given, left])
 
     def by_inertia(self) -> FloatArray:

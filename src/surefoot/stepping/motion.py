@@ -23,6 +23,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.stepping import arithmetic
+from surefoot.stepping.impacts import LostMotion
 
 STAGES = np.array(
     [
@@ -160,6 +162,21 @@ class FreeMotion:
         D = pinocchio.dIntegrate(self.model, q, self._xi, pinocchio.ArgumentPosition.ARG1)
         for part in self._curved:
             self._moves[i, part] = np.linalg.solve(D[part, part], self._speed[part])
+
+
+def moved(
+    motion: FreeMotion,
+    q: FloatArray,
+    v: FloatArray,
+    seconds: float,
+    effort: FloatArray | None = None,
+    rate: FloatArray | None = None,
+) -> Ahead:
+    """Return where a motion without contacts leads, see `FreeMotion.advance`; `LostMotion` where nowhere."""
+    ahead = motion.advance(q, v, seconds, effort, rate)
+    if ahead is None or not arithmetic.largest(ahead.q) < np.inf:
+        raise LostMotion("motion")
+    return ahead
 
 
 @inline_kernel

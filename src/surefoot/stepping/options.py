@@ -14,6 +14,8 @@ Stabilisation = Literal["projection", "baumgarte", "none"]
 STABILISATIONS: tuple[Stabilisation, ...] = get_args(Stabilisation)
 Integration = Literal["implicit", "explicit"]
 INTEGRATIONS: tuple[Integration, ...] = get_args(Integration)
+Impacts = Literal["auto", "located", "stepped"]
+IMPACTS: tuple[Impacts, ...] = get_args(Impacts)
 ORDERS = (1, 2)
 PULL = 0.2
 """Share of a penetration that Baumgarte's term takes back per step."""
@@ -29,6 +31,7 @@ class StepSettings(TypedDict, total=False):
     tol: float
     integration: Integration
     order: int
+    impacts: Impacts
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,10 @@ class StepOptions:
         tolerance. 1: semi-implicit Euler with all forces at the start, one contact problem for the gaps at
         the end: what planners take (`Knot`). "projection" then asks a penetration back within the step, by
         its velocity.
+    impacts
+        "located": where something in free flight touches within a step, impulse and bounce come at that time
+        (`stepping.located`); "stepped": in the middle of the step, as always while other contacts press,
+        under a push and in a `Knot`; "auto": located where there is restitution.
 
     Raises
     ------
@@ -74,10 +81,12 @@ class StepOptions:
     tol: float = 1e-8
     integration: Integration = "implicit"
     order: int = 2
+    impacts: Impacts = "auto"
 
     def __post_init__(self) -> None:
         check_name("stabilisation", self.stabilisation, STABILISATIONS)
         check_name("integration", self.integration, INTEGRATIONS)
+        check_name("impacts", self.impacts, IMPACTS)
         if self.soft is not None:
             self._fit_soft_law(self.soft)
         elif self.law not in LAWS:

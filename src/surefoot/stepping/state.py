@@ -58,6 +58,11 @@ class State(NamedTuple):
         m = self.memory
         return m.rate if m is not None and m.q is self.q and m.v is self.v else None
 
+    @property
+    def airborne(self) -> bool:
+        """Whether the step may go through the air: nothing was near the ground so far."""
+        return self.memory is None or self.memory.airborne
+
 
 class Impact(NamedTuple):
     """The exchange of impulses in the middle of a step: what its problem was made of, and the outcome.
@@ -92,6 +97,35 @@ class Impact(NamedTuple):
     velocities: FloatArray
     solution: ContactSolution | None
 
+    def work(self, impulses: FloatArray, velocities: FloatArray) -> float:
+        """Return λᵀ (u⁺ + u⁻) / 2 [J] for (p, 3) impulses and the velocities that the laws tie to them."""
+        if self.rows is None:
+            return 0.0
+        change = self.rows.T @ self.impulses[self.near].ravel()
+        return float(np.sum(impulses * velocities)) - 0.5 * float(change @ change)
+
+
+class Piece(NamedTuple):
+    """A part of a step whose impacts are located: flight under all forces, and what ended it.
+
+    Attributes
+    ----------
+    start, seconds
+        Where it began, and its length [s].
+    impact
+        The impulses at its end; None where the step ended first.
+    first
+        The contact whose touch ended it.
+    rest
+        Instead of a flight: an ordinary step of that length, where a contact presses.
+    """
+
+    start: State
+    seconds: float
+    impact: Impact | None = None
+    first: int = -1
+    rest: Step | None = None
+
 
 class Step(NamedTuple):
     """One step: the state behind it, and what the ground did.
@@ -119,6 +153,8 @@ class Step(NamedTuple):
         Under a soft law: largest distance of the normal impulses from it, as a share of the largest one.
     stable_step
         Longest step at which an explicit exchange would have been stable [s]; infinite where none was made.
+    pieces
+        Of a step with located impacts; impulses are the sum, `impact`, gaps and positions the last one's.
     """
 
     state: State
@@ -132,6 +168,7 @@ class Step(NamedTuple):
     worst_residual: float
     law_error: float = 0.0
     stable_step: float = np.inf
+    pieces: tuple[Piece, ...] = ()
 
     @property
     def forces(self) -> FloatArray:
@@ -155,8 +192,13 @@ class Step(NamedTuple):
         λᵀ (u⁺ + u⁻) / 2 with u⁻ the velocity without them; never positive without restitution and
         Baumgarte's term. Soft ground gives back what it stored.
         """
-        if self.impact is None or self.impact.rows is None:
-            return 0.0
-        power = float(np.sum(self.impulses * self.velocities))
-        change = self.impact.rows.T @ self.impact.impulses[self.impact.near].ravel()
-        return power - 0.5 * float(change @ change)
+        if self.pieces:
+            parts = [p.impact.work(p.impact.impulses, p.impact.velocities) for p in self.pieces if p.impact]
+            return sum(parts) + sum(p.rest.contact_work for p in self.pieces if p.rest)
+        return 0.0 if self.impact is None else self.impact.work(self.impulses, self.velocities)
+
+
+def grown(values: FloatArray, count: int) -> FloatArray:
+    """Return (p, 3) values of contacts with rows of zeros for those up to `count` that have come since."""
+    more = count - len(values)
+    return values if more == 0 else np.vstack([values, np.zeros((more, 3))])

@@ -49,11 +49,12 @@ from surefoot.stepping.detection import Contacts, Surfaces
 from surefoot.stepping.explicit import ExplicitMeeting
 from surefoot.stepping.free_bodies import bodies_of
 from surefoot.stepping.impacts import FASTEST, LostMotion, Meeting, Tally, finite_problem
-from surefoot.stepping.motion import Ahead, FreeMotion
+from surefoot.stepping.located import touching_step
+from surefoot.stepping.motion import moved
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.pair_impacts import PairMeeting
 from surefoot.stepping.soft_impacts import SoftMeeting
-from surefoot.stepping.state import Impact, State, Step, StepRemainder
+from surefoot.stepping.state import Impact, State, Step, StepRemainder, grown
 from surefoot.terrain import FlatTerrain, Terrain
 
 REACH = 1e-3
@@ -145,7 +146,7 @@ class Stepper:
             Where a gap is not finite.
         """
         try:
-            seen = self._detect(state.q)
+            seen = self.detect(state.q)
         except LostMotion as lost:
             raise self._told(lost, state) from None
         return seen.kept()
@@ -203,22 +204,33 @@ class Stepper:
         if push is not None:
             push = finite_vector("push", push, 3)
         try:
-            if self.options.order == 1:
-                return self.take_first_order(state, effort, push, mu)
-            flown = self._fly(state, effort) if push is None and _airborne(state) else None
-            return flown or self.meet_ground(state, effort, push, mu)
+            first_order, located, flown = self.options.order == 1, self.locates(mu), None
+            if push is None and state.airborne and (located or not first_order):
+                flown = self._fly(state, effort)
+                if located and flown is None:
+                    flown = touching_step(self, state, effort, mu)
+            take = self.take_first_order if first_order else self.meet_ground
+            return flown or take(state, effort, push, mu)
         except LostMotion as lost:
             raise self._told(lost, state) from None
+
+    def locates(self, mu: float) -> bool:
+        """Return whether impacts are located on ground of friction `mu`, see `StepOptions.impacts`."""
+        options = self.options
+        if options.impacts != "auto" or options.soft is not None:
+            return options.impacts == "located" and options.soft is None
+        surfaces = self._surfaces(mu)
+        return options.restitution > 0.0 if surfaces is None else bool(surfaces.restitution.any())
 
     def _fly(self, state: State, effort: FloatArray) -> Step | None:
         """Return the step through the air; None if a foot may touch the ground."""
         dt, v, still = self.options.dt, state.v, self._still
-        start = self._detect(state.q)
+        start = self.detect(state.q)
         if start.near(v, v, 2.0 * dt, REACH).size:
             return None
         velocities = start.velocities(v)
-        q, v, _ = _moved(self.bodies.flight, state.q, v, dt, effort)
-        end = self._detect(q)
+        q, v, _ = moved(self.bodies.flight, state.q, v, dt, effort)
+        end = self.detect(q)
         if end.near(v, still, 0.5 * dt, 0.0).size:
             return None
         nothing = np.zeros(velocities.shape)
@@ -232,9 +244,9 @@ class Stepper:
         far as these are linear: gap + dt u_n.
         """
         bodies, dt, tally, (q, v) = self.bodies, self.options.dt, Tally(), state[:2]
-        contacts = self._detect(q)
+        contacts = self.detect(q)
         bodies.weigh(q)
-        free = self._free(v, effort, push, bodies.bias(q, v))
+        free = self._free(v, effort, push, bodies.bias(q, v), dt)
         near = contacts.near(v, free, dt, REACH)
         meeting = Meeting(q, v, free, contacts, self._foot, bodies.L, dt, mu, self.options, tally)
         nothing = np.zeros(contacts.positions.shape)
@@ -247,42 +259,42 @@ class Stepper:
                     tally.unsolved, tally.worst)  # fmt: skip
 
     def _free(
-        self, v: FloatArray, effort: FloatArray, push: FloatArray | None, against: FloatArray
+        self, v: FloatArray, effort: FloatArray, push: FloatArray | None, against: FloatArray, dt: float
     ) -> FloatArray:
         """Return the velocity (nv,) after all forces but the ground's."""
-        free = self.bodies.free_velocity(v, effort, push, against, self.options.dt)
+        free = self.bodies.free_velocity(v, effort, push, against, dt)
         if not arithmetic.largest(free) < FASTEST:
             raise LostMotion("velocity under the given torques")
         return free
 
-    def meet_ground(self, state: State, effort: FloatArray, push: FloatArray | None, mu: float) -> Step:
+    def meet_ground(
+        self, state: State, effort: FloatArray, push: FloatArray | None, mu: float,
+        seconds: float | None = None,
+    ) -> Step:  # fmt: skip
         """Return the step with the forces of gravity, motors, push and ground in its middle.
 
-        `effort` are the motors' generalised forces (nv,).
+        `effort` are the motors' generalised forces (nv,); `seconds` its length [s], None for the options'.
         """
-        bodies, dt, tally = self.bodies, self.options.dt, Tally()
+        bodies, dt, tally = self.bodies, seconds or self.options.dt, Tally()
         v, last, leaving, arrival = self._arrived(state, mu, tally)
         # free motion up to the middle
         rate = state.rate if v is state.v else None
-        q, before, _ = _moved(bodies.coasting, state.q, v, 0.5 * dt, rate=rate)
-        contacts = self._detect(q)
+        q, before, _ = moved(bodies.coasting, state.q, v, 0.5 * dt, rate=rate)
+        contacts = self.detect(q)
         bodies.weigh(q)
         if self.options.stabilisation == "projection":
             q, contacts = self._projected(q, contacts)
         # all forces but the ground's
-        free = self._free(before, effort, push, bodies.gravity(q))
+        free = self._free(before, effort, push, bodies.gravity(q), dt)
         # the ground's
         last, leaving = grown(last, len(contacts.gaps)), grown(leaving, len(contacts.gaps))
         near = contacts.near(before, free, dt, REACH)
-        meeting = self._meeting(
-            q, before, free, contacts, self._foot, bodies.L, dt, mu, self.options, tally, self._surfaces(mu)
-        )
-        impact = meeting.collide(near, last, leaving)
+        impact = self.meeting(q, before, free, contacts, dt, mu, tally).collide(near, last, leaving)
         impulses = impact.impulses
         if arrival is not None:
             impulses = impulses + grown(arrival, len(impulses))
         # free motion to the end
-        q, v, rate = _moved(bodies.coasting, q, impact.after, 0.5 * dt)
+        q, v, rate = moved(bodies.coasting, q, impact.after, 0.5 * dt)
         memory = StepRemainder(impulses, impact.leaving, not near.size, rate, q, v)
         return Step(
             State(q, v, state.steps + 1, memory), dt, impulses, impact.velocities, contacts.gaps,
@@ -307,17 +319,23 @@ class Stepper:
         """Return what stops a start that would hit the ground before the first impulses, if it would."""
         if state.memory is not None or self.options.soft is not None:  # soft ground takes what arrives
             return None
-        contacts, soon = self._detect(state.q), 0.5 * self.options.dt
+        contacts, soon = self.detect(state.q), 0.5 * self.options.dt
         nothing = np.zeros((len(self._foot), 3))
         near = contacts.near(state.v, self._still, soon, 0.0)
         if not near.size:
             return None
         self.bodies.weigh(state.q)
-        meeting = self._meeting(
-            state.q, state.v, state.v, contacts, self._foot, self.bodies.L, soon, mu, self.options, tally,
-            self._surfaces(mu),
-        )  # fmt: skip
+        meeting = self.meeting(state.q, state.v, state.v, contacts, soon, mu, tally)
         return meeting.collide(near, nothing, nothing)
+
+    def meeting(
+        self, q: FloatArray, before: FloatArray, free: FloatArray, contacts: Contacts, horizon: float,
+        mu: float, tally: Tally,
+    ) -> Meeting:  # fmt: skip
+        """Return who is about to exchange impulses at (nq,) q, see `Meeting`; M is of the last `weigh`."""
+        options, foot, surfaces = self.options, self._foot, self._surfaces(mu)
+        L, kind = self.bodies.L, self._meeting
+        return kind(q, before, free, contacts, foot, L, horizon, mu, options, tally, surfaces)
 
     def _surfaces(self, mu: float) -> Surfaces | None:
         """Return the surfaces of the contacts seen last, on ground of friction `mu`."""
@@ -333,7 +351,7 @@ class Stepper:
             if out is None:
                 break
             q = self.bodies.moved(q, out.after)
-            contacts = self._detect(q)
+            contacts = self.detect(q)
             self.bodies.weigh(q)
         return q, contacts
 
@@ -357,8 +375,8 @@ class Stepper:
         """Return the solution of a contact problem as `options` ask for it, from (k, 3) impulses [N s]."""
         return solve(problem, self.options.solver, self.options.tol, warm_start=warm)
 
-    def _detect(self, q: FloatArray) -> Contacts:
-        """Return the contacts at q, in work arrays; those of the last call where it was the same q."""
+    def detect(self, q: FloatArray) -> Contacts:
+        """Return the contacts at (nq,) q [m, -, rad], in work arrays; the last call's where q is the same."""
         if self._seen is not None and self._seen[0] is q:
             return self._seen[1]
         self._seen = None
@@ -372,29 +390,3 @@ class Stepper:
         """Return the error for a state that cannot go on; it names the joint that moved fastest before."""
         joint, speed = self.bodies.fastest_joint(state.v)
         return SimulationError(str(lost), state.steps * self.options.dt, self.options.dt, joint, speed)
-
-
-def _airborne(state: State) -> bool:
-    """Return whether the step may go through the air: nothing was near the ground so far."""
-    return state.memory is None or state.memory.airborne
-
-
-def grown(values: FloatArray, count: int) -> FloatArray:
-    """Return (p, 3) values of contacts with rows of zeros for those up to `count` that have come since."""
-    more = count - len(values)
-    return values if more == 0 else np.vstack([values, np.zeros((more, 3))])
-
-
-def _moved(
-    motion: FreeMotion,
-    q: FloatArray,
-    v: FloatArray,
-    seconds: float,
-    effort: FloatArray | None = None,
-    rate: FloatArray | None = None,
-) -> Ahead:
-    """Return where a motion without contacts leads."""
-    ahead = motion.advance(q, v, seconds, effort, rate)
-    if ahead is None or not arithmetic.largest(ahead.q) < np.inf:
-        raise LostMotion("motion")
-    return ahead

@@ -61,14 +61,15 @@ def draw_velocity(log: Log, path: Path) -> Path:
 def draw_footfalls(log: Log, path: Path) -> Path:
     """Draw when each foot was on the ground (bars) and when the gait has it there (lines), at the end."""
     names = log.facts["feet"]
-    title = "Footfalls: bars measured, dark lines planned"
+    plans = "planned" in log
+    title = "Footfalls: bars measured" + ", dark lines planned" * plans
     figure, axis = new_axis((8.0, 0.45 * len(names) + 1.2), title, xlabel="time [s]")
     recent = _end(log)
-    time, down, planned = recent["time"], touching(recent), recent["planned"]
+    time, down = recent["time"], touching(recent)
     for k, name in enumerate(names):
         row = len(names) - 1 - k
         axis.broken_barh(_spans(time, down[:, k]), (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8], label=name)
-        for begin, length in _spans(time, planned[:, k]):
+        for begin, length in _spans(time, recent["planned"][:, k]) if plans else ():
             axis.plot([begin, begin + length], [row - 0.42] * 2, color=INK, lw=1.4, solid_capstyle="butt")
     axis.set_yticks(range(len(names)), names[::-1])
     axis.set(ylim=(-0.7, len(names) - 0.4), xlim=(time[0], time[-1]))

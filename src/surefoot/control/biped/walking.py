@@ -25,7 +25,7 @@ from surefoot.control.controller import RobotState
 from surefoot.control.mpc import BodyReference, BodyState, MpcPlan
 from surefoot.control.walker import Walker
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
-from surefoot.control.walking_feet import Feet
+from surefoot.control.walking_feet import LEAST_CLEARANCE, Feet
 from surefoot.control.walking_kernels import slope_frames
 from surefoot.control.whole_body import Kinematics, Tasks
 from surefoot.errors import ModelError, ProblemError
@@ -193,7 +193,8 @@ class BipedController(Walker):
 
     def _aim(self, clock: float, time: float) -> None:
         """Choose where feet in the air land."""
-        feet = self.soles.feet
+        feet, usual = self.soles.feet, self.settings.clearance * self.height
+        feet.clearance = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
         for k in np.flatnonzero(~feet.stance & ~feet.planned):
             left = max(self.schedule.phase(int(k), clock)[2] - clock, 0.0)
             divergent = self._divergence(time + left - self._planned_at)

@@ -1,0 +1,240 @@
+"""What a robot's sensors and motors say at one instant, and whether that can be used."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray, real_number
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.robot import Robot
+from surefoot.spatial import rotation_exp, rotation_from_quaternion, rotation_log
+
+REPEATS, MOVING = 8, 0.3
+"""Readings in a row in which a sensor says the same to the last digit while a joint elsewhere moves faster
+than this [rad/s]: it is frozen. White noise in steps repeats itself twice or three times."""
+FORGET = 0.9
+"""What is kept of the mismatch between angles and speeds from one reading to the next."""
+CONTRADICTIONS = 3
+"""Contradictory readings in a row that end the patience with them."""
+
+
+class RobotReadings(NamedTuple):
+    """What a robot's sensors and motors say at one instant; joints in the order of the loop's motors.
+
+    Attributes
+    ----------
+    time
+        By the robot's own clock [s].
+    quaternion
+        (4,) attitude (x, y, z, w) by the IMU [-]; its heading is never used.
+    gyro, accelerometer
+        (3,) turn rate [rad/s] and specific force [m/s²], base axes.
+    positions, speeds, torques
+        (joints,) of the encoders [rad], [rad/s], and of the motors [N m].
+    forces
+        (n,) normal forces of the feet's sensors [N], feet as the robot names them; None where it has none.
+    """
+
+    time: float
+    quaternion: FloatArray
+    gyro: FloatArray
+    accelerometer: FloatArray
+    positions: FloatArray
+    speeds: FloatArray
+    torques: FloatArray
+    forces: FloatArray | None = None
+
+    def ordered(self, order: IntArray) -> RobotReadings:
+        """Return the readings with joints in another order, (joints,) numbers of them."""
+        q, v, torques = self.positions[order], self.speeds[order], self.torques[order]
+        return self._replace(positions=q, speeds=v, torques=torques)
+
+
+def motor_order(robot: Robot, motors: Sequence[str] | None) -> tuple[IntArray, IntArray]:
+    """Return where each of the robot's joints stands among the motors, and the other way round."""
+    names = robot.joint_names if motors is None else tuple(motors)
+    if sorted(names) != sorted(robot.joint_names):
+        wrong = next((n for n in names if n not in robot.joint_names), None)
+        missing = ", ".join(n for n in robot.joint_names if n not in names)
+        if wrong is not None:
+            raise ProblemError(unknown_name(f"joint of {robot.name}", wrong, robot.joint_names))
+        raise ProblemError(f"the motors must name each joint of {robot.name} once; missing: {missing}")
+    order = np.array([names.index(name) for name in robot.joint_names], dtype=np.int64)
+    return order, np.argsort(order)
+
+
+@dataclass(frozen=True)
+class ReadingLimits:
+    """From where on readings are not believed.
+
+    Attributes
+    ----------
+    patience
+        Time without a reading that can be used after which joints are damped [s].
+    outage
+        The same after which they stay damped until somebody asks for more [s].
+    latest
+        How much older than usual a reading may be [s].
+    beyond
+        How far beyond its range a joint may be [rad].
+    faster
+        Speed of a joint over its limit.
+    turning, hardest
+        Largest turn rate [rad/s] and specific force [m/s²].
+    mismatch, turned
+        How far angles may be from what their speeds say, and the attitude from what the gyro says [rad].
+    tilt
+        Lean of the base at which the robot counts as fallen [rad].
+    """
+
+    patience: float = 0.014
+    outage: float = 0.1
+    latest: float = 0.01
+    beyond: float = 0.15
+    faster: float = 1.5
+    turning: float = 35.0
+    hardest: float = 200.0
+    mismatch: float = 0.04
+    turned: float = 0.1
+    tilt: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:
+            real_number(name, getattr(self, name), low=1e-6)
+
+
+class ReadingWatch:
+    """Says of each reading why it cannot be used.
+
+    Parameters
+    ----------
+    robot
+        Whose readings.
+    dt
+        Time between them [s].
+    limits
+        See there.
+
+    Attributes
+    ----------
+    last
+        The last reading that could be used; None before the first.
+    silent
+        How long ago that was [s].
+    reason
+        What was wrong since then; empty while all is well.
+    """
+
+    def __init__(self, robot: Robot, dt: float, limits: ReadingLimits) -> None:
+        self.dt, self.limits = dt, limits
+        model, first = robot.model, robot.base_dof + 1
+        self._low = np.array(model.lowerPositionLimit[first:]) - limits.beyond
+        self._high = np.array(model.upperPositionLimit[first:]) + limits.beyond
+        self._fastest = limits.faster * robot.speed_limits
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self.last: RobotReadings | None = None
+        self.silent, self.reason = 0.0, ""
+        self._clock, self._offset = -math.inf, math.inf
+        self._said = np.zeros(0)
+        self._repeated = np.zeros(0, dtype=np.int64)
+        self._drift, self._turn = np.zeros(len(self._low)), np.zeros(3)
+        self._contradictions = 0
+
+    @property
+    def blind(self) -> bool:
+        """Whether control is impossible."""
+        late = self.silent >= self.limits.patience - 0.5 * self.dt
+        return self.last is None or late or self._contradictions >= CONTRADICTIONS
+
+    def look(self, readings: RobotReadings | None, now: float) -> bool:
+        """Return whether a reading that came at a time [s] can be used; None for one that did not come."""
+        fault = self._fault(readings, now)
+        if fault:
+            self.silent += self.dt
+            self.reason = fault
+            return False
+        self.silent, self.reason, self._contradictions, self.last = 0.0, "", 0, readings
+        return True
+
+    def _fault(self, readings: RobotReadings | None, now: float) -> str:
+        """Return why a reading cannot be used, empty if it can."""
+        if readings is None:
+            return "no reading came"
+        time, *rows = readings[:7]
+        said = np.concatenate(rows)
+        if not math.isfinite(time) or not np.isfinite(said).all():
+            return "a reading is not finite"
+        return self._late(time, now) or self._beyond(readings) or self._contradictory(readings, said)
+
+    def _late(self, time: float, now: float) -> str:
+        """Return what is wrong with a reading's time."""
+        before, self._clock = self._clock, time
+        if time == before:
+            return "a reading came twice"
+        if time < before:  # out of order once, or a clock that was set back: the next one tells
+            self._offset = math.inf
+            return "a reading is older than the one before"
+        # the fastest reading so far is as old as usual; a clock that drifts is followed
+        self._offset = min(self._offset + 1e-4 * self.dt, now - time)
+        return "a reading is late" if now - time > self._offset + self.limits.latest else ""
+
+    def _beyond(self, readings: RobotReadings) -> str:
+        """Return what is out of range."""
+        limits, q = self.limits, readings.positions
+        if abs(float(np.linalg.norm(readings.quaternion)) - 1.0) > 0.02:
+            return "the attitude is no unit quaternion"
+        if float(np.abs(readings.gyro).max()) > limits.turning:
+            return "the turn rate is out of range"
+        if float(np.abs(readings.accelerometer).max()) > limits.hardest:
+            return "the acceleration is out of range"
+        if ((q < self._low) | (q > self._high) | (np.abs(readings.speeds) > self._fastest)).any():
+            return "a joint is out of range"
+        return ""
+
+    def _contradictory(self, now: RobotReadings, said: FloatArray) -> str:
+        """Return what contradicts itself, or the reading before."""
+        last, limits = self.last, self.limits
+        if last is None:
+            self._said = said
+            self._repeated = np.zeros(3 + len(self._low), dtype=np.int64)
+            return ""
+        if self._frozen(now, said):
+            self._contradictions = CONTRADICTIONS
+            return "a sensor is frozen"
+        elapsed = self.silent + self.dt
+        keep = FORGET ** (elapsed / self.dt)
+        # the trapezoid's error is within half the change of the speed
+        drift = keep * self._drift + now.positions - last.positions
+        drift -= 0.5 * elapsed * (now.speeds + last.speeds)
+        slack = limits.mismatch + 0.5 * elapsed * np.abs(now.speeds - last.speeds)
+        before, after = (rotation_from_quaternion(r.quaternion) for r in (last, now))
+        rate = 0.5 * (last.gyro + now.gyro)
+        turn = keep * self._turn + rotation_log(rotation_exp(-elapsed * rate) @ before.T @ after)
+        room = limits.turned + 0.5 * elapsed * float(np.abs(now.gyro - last.gyro).max())
+        if (np.abs(drift) > slack).any():
+            self._contradictions += 1
+            return "a joint's angles contradict its speeds"
+        if float(np.abs(turn).max()) > room:
+            self._contradictions += 1
+            return "the attitude contradicts the gyro"
+        self._drift, self._turn = drift, turn
+        return ""
+
+    def _frozen(self, now: RobotReadings, said: FloatArray) -> bool:
+        """Return whether a sensor goes on saying the same while others move."""
+        same, self._said = said == self._said, said
+        joints = len(self._low)
+        still = same[10 : 10 + joints] & same[10 + joints : 10 + 2 * joints]
+        groups = np.concatenate([[same[:4].all(), same[4:7].all(), same[7:10].all()], still])
+        moves = np.abs(now.speeds) > MOVING
+        others = moves.sum() - np.concatenate([np.zeros(3, dtype=np.int64), moves]) > 0
+        self._repeated = np.where(groups & others, self._repeated + 1, 0)
+        return bool((self._repeated >= REPEATS - 1).any())

@@ -1,0 +1,395 @@
+"""The loop of a real robot: readings in, joint targets out, and a state machine in between; no simulator."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
+from surefoot.control.controller import Command, JointTargets, RobotState
+from surefoot.control.walker import Walker
+from surefoot.control.walkers import default_gait, walking_controller
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.drive.joint_targets import JointTargetController
+from surefoot.drive.latency import LatencyCompensation
+from surefoot.drive.modes import CONTROLLED, FOLLOWS, POWERLESS, Mode
+from surefoot.drive.postures import BodyPostures, PostureMotion
+from surefoot.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, motor_order
+from surefoot.drive.state_tracker import StateTracker
+from surefoot.drive.target_limits import TargetLimits
+from surefoot.drive.watchdog import damping_targets
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.estimation.state_estimator import Reading
+from surefoot.robot import Robot
+from surefoot.robot.actuators import Actuators, actuators_of
+from surefoot.robot.rotors import with_rotors
+from surefoot.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.terrain import FlatTerrain, Terrain
+
+UPRIGHT = 0.5
+"""A robot that leans more than this does not begin to stand up [rad]."""
+SETTLE = 0.4
+"""Time in a posture before what follows begins [s]."""
+NEAR = 0.5
+"""Legs whose joints are all so near to those of the stance need not be folded before it [rad]."""
+SLOW = 0.05
+"""Speed of a body, as a share of sqrt(g h), at which one that was told to stop stands."""
+FELT = 0.05
+"""Share of m g from which a foot's own sensor says that it touches."""
+
+
+class RobotLoop:
+    """Turns a robot's readings into its joints' targets; call `step` at a fixed rate, and `go` at any time.
+
+    Limits of joints, speeds and torques are enforced last. Readings that are late, repeated, not finite, out
+    of range or contradictory are not used; without usable ones for `ReadingLimits.patience` joints are
+    damped, and stay so after `outage`, or if control was lost for another reason: see `fault`.
+
+    Parameters
+    ----------
+    robot
+        With a floating base and feet.
+    dt
+        Time between steps [s].
+    motors
+        Names of the joints in the order of readings and targets; None for the robot's own order.
+    gait
+        To walk with; None for one that suits the robot: on four feet `auto`, which stands, walks and trots.
+    mu
+        Friction that is believed in [-].
+    terrain
+        The ground that is believed in, where the robot stands up at the origin; None for flat.
+    actuators
+        What is believed of the motors, see `surefoot.robot.actuators`: "real", "ideal" or a value.
+    latency
+        From a reading to the torques that answer it [s]; None to measure it.
+    limits
+        Of readings; None for the defaults.
+    imu_position
+        (3,) from the base's origin, base axes [m].
+
+    Attributes
+    ----------
+    mode
+        `Mode`.
+    fault
+        Why control was lost last; empty after the next `go`.
+    time
+        Steps made times `dt` [s].
+    command, state
+        What the balance controller asked for in the last step, and for which state; None in modes without.
+    walker
+        The balance controller, for what it notes.
+
+    Raises
+    ------
+    ProblemError
+        For motors that are not the robot's joints, or numbers out of range.
+
+    Examples
+    --------
+    >>> from surefoot.robot import load_robot
+    >>> robot = load_robot("go2")
+    >>> loop = RobotLoop(robot, dt=0.002)
+    >>> still, level = np.zeros(12), np.array([0.0, 0.0, 0.0, 1.0])
+    >>> readings = RobotReadings(
+    ...     0.0, level, np.zeros(3), np.array([0, 0, 9.81]), robot.nominal[7:], still, still
+    ... )
+    >>> loop.step(readings).stiffness.max(), loop.mode.value
+    (0.0, 'damp')
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        dt: float = 0.002,
+        *,
+        motors: Sequence[str] | None = None,
+        gait: str | None = None,
+        mu: float = 0.6,
+        terrain: Terrain | None = None,
+        actuators: str | Actuators = "real",
+        latency: float | None = None,
+        limits: ReadingLimits | None = None,
+        imu_position: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> None:
+        self.robot, self.dt = robot, real_number("dt", dt, low=1e-4, high=0.02)
+        self._order, self._back = motor_order(robot, motors)
+        self.limits = limits or ReadingLimits()
+        self.watch = ReadingWatch(robot, self.dt, self.limits)
+        self.terrain = FlatTerrain() if terrain is None else terrain
+        self._motors = actuators_of(robot, actuators)
+        geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
+        self.tracker = StateTracker(geared, self.dt, None, self.terrain, imu_position, actuators=self._motors)
+        self.postures, self.target_limits = BodyPostures(robot), TargetLimits(robot)
+        self._damp = damping_targets(robot, self.dt)
+        self._passive = JointTargets(*np.zeros((5, robot.joints)))
+        on_four = len(robot.feet) == 4
+        chosen = gait or ("auto" if on_four else default_gait(robot))
+        names = {Mode.WALK: chosen, Mode.STAND: chosen if chosen == "auto" else "stand"}
+        made = {name: self._balance(name, mu, latency) for name in dict.fromkeys(names.values())}
+        self._balances = {mode: made[name] for mode, name in names.items()}
+        self.reset()
+        for walker, controller in made.values():
+            self._warm_up(walker, controller)
+
+    def _balance(self, gait: str, mu: float, latency: float | None) -> tuple[Walker, LatencyCompensation]:
+        """Return a controller that balances and what makes joint targets of its commands."""
+        robot, dt = self.robot, self.dt
+        walker = walking_controller(
+            robot, VelocityCommand.constant(0.0), gait, self.terrain, mu, self._motors, dt
+        )
+        return walker, LatencyCompensation(JointTargetController(walker, robot, dt), robot, dt, latency)
+
+    def _warm_up(self, walker: Walker, controller: LatencyCompensation) -> None:
+        """Compile or load all that a step may call."""
+        q, v = self.robot.nominal, np.zeros(self.robot.model.nv)
+        controller.warm_up(RobotState(q, v, 0.0, np.ones(len(self.robot.feet), dtype=bool), v[6:]))
+
+    def reset(self) -> None:
+        """Damp, and forget the past."""
+        self.mode, self.fault, self.time = Mode.DAMP, "", -self.dt
+        self.watch.reset()
+        self._velocity, self._posture = np.zeros(3), np.zeros(3)
+        self._forget()
+
+    def _forget(self) -> None:
+        """Forget what the last mode was doing."""
+        self._motions: list[PostureMotion] = []
+        self._since = 0.0
+        self._posed = BodyPostures.stand
+        self.command: Command | None = None
+        self.state: RobotState | None = None
+        self._reading: Reading | None = None
+        self._steered: tuple[bytes, ...] = ()
+        self.walker, self._controller = self._balances[Mode.STAND]
+
+    @property
+    def settled(self) -> bool:
+        """Whether what `go` asked for last is reached, and the next may follow."""
+        if self.mode in (Mode.SIT, Mode.LIE):
+            return not self._motions
+        return self.mode is not Mode.STAND_UP and (self.mode is not Mode.STAND or self._still())
+
+    def go(self, goal: str) -> None:
+        """Change the mode: "stand", "walk", "sit", "lie", "damp" or "passive"; `FOLLOWS` says when.
+
+        Raises
+        ------
+        ProblemError
+            For what may not follow, with what may; for a posture that is not reached yet, a robot that leans
+            too much to stand up, or one whose readings cannot be used.
+        """
+        names = ("stand", "walk", "sit", "lie", "damp", "passive")
+        if goal not in names:
+            raise ProblemError(unknown_name("mode", goal, names))
+        if goal not in FOLLOWS[self.mode] and goal != self.mode:
+            raise ProblemError(f"{self.mode} is followed by {' or '.join(FOLLOWS[self.mode])}, not by {goal}")
+        if goal not in POWERLESS:
+            self._check(goal)
+        self.fault = ""
+        if goal == self.mode:
+            return
+        if goal == Mode.WALK or (goal == Mode.STAND and self.mode is Mode.WALK):
+            self.mode = Mode(goal)
+            return
+        posed = self._posed
+        begin = {Mode.SIT: self.postures.sit, Mode.LIE: self.postures.lie}.get(self.mode)
+        self._forget()
+        self._since = self.time
+        if goal in POWERLESS:
+            self.mode = Mode(goal)
+            return
+        self._take_posture(goal, posed if begin is None else begin, begin is None and self.mode in POWERLESS)
+
+    def _take_posture(self, goal: str, begin: tuple[float, float], anywhere: bool) -> None:
+        """Set off to a posture, from one that is taken or, folding first, from anywhere."""
+        postures = self.postures
+        end = {"stand": postures.stand, "sit": postures.sit, "lie": postures.lie}[goal]
+        angles = self.watch.last.positions if self.watch.last is not None else self.robot.nominal[7:]
+        if anywhere:  # folding first, unless the legs are nearly where they should be
+            near = float(np.abs(angles - self.robot.nominal[7:]).max()) < NEAR
+            begin = postures.stand if near else postures.lie
+        self._motions = [postures.approach(angles, begin), postures.way(begin, end)]
+        self._posed = end
+        self.mode = Mode.STAND_UP if goal == "stand" else Mode(goal)
+
+    def _check(self, goal: str) -> None:
+        """Refuse what cannot be begun now."""
+        if self.watch.blind:
+            raise ProblemError(f"cannot {goal}: {self.watch.reason or 'there is no reading yet'}")
+        if goal in ("sit", "lie") and self.postures.lie == self.postures.stand:
+            raise ProblemError(f"{self.robot.name} stands on two feet: it does not {goal}")
+        if goal in ("sit", "lie", "stand") and self.mode is not Mode.STAND_UP and not self.settled:
+            raise ProblemError(f"cannot {goal} yet: the robot is still on its way to {self.mode}")
+        if goal == "stand" and self.mode in POWERLESS and self._lean() > UPRIGHT:
+            raise ProblemError("cannot stand up: the base leans too much; lay the robot on its belly")
+
+    def steer(self, velocity: ArrayLike, posture: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        """Take another velocity and posture for `walk`; standing, the posture alone.
+
+        Parameters
+        ----------
+        velocity
+            (3,) forward, left [m/s], yaw rate [rad/s].
+        posture
+            (3,) body height over the usual [m], pitch, nose down [rad], foot clearance over the usual [m].
+
+        Raises
+        ------
+        ProblemError
+            For what is not three finite numbers each, or too steep a pitch.
+        """
+        velocity, posture = finite_array("velocity", velocity, (3,)), finite_array("posture", posture, (3,))
+        VelocityCommand(np.zeros(1), velocity[None], posture[None])  # or raise
+        self._velocity, self._posture = velocity, posture
+
+    def step(self, readings: RobotReadings | None, now: float | None = None) -> JointTargets:
+        """Return the joints' targets, in the order of the motors; never raises on what is read.
+
+        Parameters
+        ----------
+        readings
+            New ones; None if none came in time.
+        now
+            By the clock of this side [s]; None where every step is exactly `dt` after the last.
+        """
+        self.time += self.dt
+        came = None if readings is None else self._ordered(readings)
+        usable = self.watch.look(came, self.time if now is None else now)
+        if self.mode not in POWERLESS:
+            self._judge()
+        targets = self._targets(usable)
+        last = self.watch.last
+        if last is not None:
+            targets = self.target_limits.hold(targets, last.positions, last.speeds)
+        return JointTargets(*(values[self._back] for values in targets))
+
+    def _ordered(self, readings: RobotReadings) -> RobotReadings | None:
+        """Return readings in the order of the robot's joints; None for wrong shapes."""
+        joints = (self.robot.joints,)
+        rows = [np.asarray(row, dtype=np.float64) for row in readings[1:7]]
+        if [row.shape for row in rows] != [(4,), (3,), (3,), joints, joints, joints]:
+            return None
+        named = dict(zip(RobotReadings._fields[1:7], rows, strict=True))
+        return readings._replace(time=float(readings.time), **named).ordered(self._order)
+
+    def _judge(self) -> None:
+        """Damp for good where control has been impossible for too long, or the robot has fallen."""
+        watch = self.watch
+        if watch.silent >= self.limits.outage or (watch.blind and watch.silent < self.limits.patience):
+            self._stop(watch.reason)
+        elif self._lean() > self.limits.tilt:
+            self._stop("the robot has fallen")
+        elif self.mode in CONTROLLED and self.tracker.lost:
+            self._stop(f"the state estimate was lost: {self.tracker.lost}")
+
+    def _stop(self, fault: str) -> None:
+        """Damp, because of a fault."""
+        self._forget()
+        self.mode, self.fault = Mode.DAMP, fault
+
+    def _targets(self, usable: bool) -> JointTargets:
+        """Return what the mode wants of the joints, in the robot's order."""
+        if self.mode is Mode.PASSIVE:
+            return self._passive
+        if self.mode is Mode.DAMP or self.watch.blind:
+            if self.mode in CONTROLLED:
+                self._follow(usable)  # so that it can go on when readings come again
+            return self._damp
+        if self.mode not in CONTROLLED:
+            targets = self._pose()
+            if self.mode is not Mode.STAND_UP or self._motions or self.time - self._since < SETTLE:
+                return targets
+            self._begin()
+        return self._follow(usable)
+
+    def _pose(self) -> JointTargets:
+        """Return targets on the way to a posture, or in it."""
+        clock = self.time - self._since
+        if self._motions and clock >= self._motions[0].duration:
+            self._end = self._motions.pop(0).points[-1]
+            self._since, clock = self.time, 0.0
+        still, stiffness = np.zeros(self.robot.joints), self.postures.stiffness
+        angles, speeds = self._end if not self._motions else self._motions[0].at(clock), still
+        if self._motions:
+            speeds = self._motions[0].speeds(clock, self.dt)
+        gains = np.full_like(still, stiffness), np.maximum(still, self.postures.damping)
+        return JointTargets(angles, speeds, *gains, still)
+
+    def _begin(self) -> None:
+        """Begin to balance where the robot stands."""
+        last = self.watch.last
+        assert last is not None
+        q = np.concatenate([np.zeros(3), last.quaternion / np.linalg.norm(last.quaternion), last.positions])
+        q[2] = -self.robot.foot_positions(q)[:, 2].mean() + self.robot.contact_points.foot_radii.mean()
+        self.tracker.begin(q)
+        for walker, controller in self._balances.values():
+            controller.reset()
+            walker.steer(np.zeros(3))
+        self.walker, self._controller = self._balances[Mode.STAND]
+        self._began, self.mode, self._steered = self.time, Mode.STAND, ()
+
+    def _follow(self, usable: bool) -> JointTargets:
+        """Return the balance controller's targets."""
+        self._choose()
+        state = self._sense(usable)
+        self.state, self.command = state, self._controller.step(state)
+        self.tracker.plan(self.command)
+        targets = self.command.joint_targets
+        if targets is None:
+            return self._damp._replace(feedforward=self.command.torques)
+        return targets
+
+    def _choose(self) -> None:
+        """Tell the walker where to go, and change to another where the mode asks for it."""
+        walker, controller = self._balances[self.mode]
+        if walker is not self.walker and (self.mode is Mode.WALK or self._still()):
+            self.walker, self._controller = walker, controller
+            controller.reset()
+            self._began, self._steered = self.time, ()
+        velocity = self._velocity if self.mode is Mode.WALK else np.zeros(3)
+        asked = velocity.tobytes(), self._posture.tobytes()
+        if asked != self._steered:
+            self.walker.steer(velocity, self._posture)
+            self._steered = asked
+
+    def _sense(self, usable: bool) -> RobotState:
+        """Return the state after a reading, or what the one before says where it cannot be used."""
+        last = self.watch.last
+        assert last is not None
+        if usable or self._reading is None:
+            self._reading = Reading(last.gyro, last.accelerometer, last.positions, last.speeds)
+        else:
+            before = self._reading
+            self._reading = before._replace(positions=before.positions + self.dt * before.speeds)
+        self.tracker.acted(last.torques)
+        felt = self._felt(last.forces)
+        state = self.tracker.state(
+            self._reading, self.time - self._began, felt=None if felt is None else lambda _: felt
+        )
+        return state._replace(torques=last.torques if usable else None)
+
+    def _felt(self, forces: FloatArray | None) -> BoolArray | None:
+        """Return which feet touch by their own sensors; None without any."""
+        if forces is None or not np.isfinite(forces).all():
+            return None
+        return np.asarray(forces > FELT * self.robot.mass * GRAVITY)
+
+    def _still(self) -> bool:
+        """Whether a robot that balances stands on all feet and hardly moves."""
+        feet, state = self.walker.feet, self.state
+        if feet is None or state is None:
+            return False
+        slow = float(np.linalg.norm(state.v[:2])) < SLOW * math.sqrt(GRAVITY * self.walker.height)
+        return bool(feet.stance.all()) and slow
+
+    def _lean(self) -> float:
+        """Return how far the base leans [rad]."""
+        last = self.watch.last
+        if last is None:
+            return math.inf
+        return math.acos(min(max(float(rotation_from_quaternion(last.quaternion)[2, 2]), -1.0), 1.0))

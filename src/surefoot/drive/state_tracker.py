@@ -1,0 +1,131 @@
+"""From readings to the state that a controller is given: the estimator and what it is told at each step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.control.controller import Command, RobotState
+from surefoot.estimation.inekf import FilterNoise
+from surefoot.estimation.inekf_robot import InvariantEkf
+from surefoot.estimation.state_estimator import Health, Reading, StateEstimator
+from surefoot.kernels import kernel
+from surefoot.robot import Robot
+from surefoot.robot.actuators import Actuators
+from surefoot.spatial import GRAVITY
+from surefoot.terrain import Terrain
+
+
+class StateTracker:
+    """Turns readings into states: a contact-aided invariant filter, told of plan and torques step by step.
+
+    Parameters
+    ----------
+    robot
+        With a floating base and feet.
+    dt
+        Time between readings [s].
+    noise
+        What is believed of the sensors; None for the defaults.
+    ground
+        A map of the ground; None to know nothing of it.
+    imu_position
+        (3,) of the IMU from the base's origin, base axes [m].
+    latency
+        How late IMU and encoders tell [s].
+    actuators
+        The motors, whose gears' friction is in their torques; None for ideal ones.
+    point_foot
+        (p,) the foot of each contact point of the commands; None for the robot's own.
+
+    Attributes
+    ----------
+    estimator
+        `StateEstimator`.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        dt: float,
+        noise: FilterNoise | None = None,
+        ground: Terrain | None = None,
+        imu_position: ArrayLike = (0.0, 0.0, 0.0),
+        latency: tuple[float, float] = (0.0, 0.0),
+        actuators: Actuators | None = None,
+        point_foot: ArrayLike | None = None,
+    ) -> None:
+        self.robot = robot
+        self.estimator = StateEstimator(InvariantEkf(robot, dt, noise, ground, imu_position), latency=latency)
+        self._actuators = actuators
+        self._foot = np.asarray(robot.contact_points.foot if point_foot is None else point_foot)
+        self._standing: BoolArray | None = None
+        self._speeds = np.zeros(robot.joints)
+        self._warm_up()
+
+    def _warm_up(self) -> None:
+        """Compile or load all that a step calls, so that no step of the run waits."""
+        estimator, joints = self.estimator, np.zeros(self.robot.joints)
+        reading = Reading(np.zeros(3), np.array([0.0, 0.0, GRAVITY]), self.robot.nominal[7:], joints)
+        for _ in range(3):
+            touching = estimator.decide(~estimator.predict(reading))
+            estimator.update(np.ones_like(touching))
+            estimator.applied(joints)
+        self.begin(self.robot.nominal)
+
+    @property
+    def lost(self) -> str:
+        """Why the state is not known any longer; empty while it is."""
+        health = self.estimator.health
+        return "" if health is Health.GOOD else str(health)
+
+    def begin(self, q: FloatArray) -> None:
+        """Start from rest at (nq,) q [m, rad]: place and heading are taken as they are."""
+        self.estimator.reset(q)
+        self._standing = None
+
+    def state(
+        self, reading: Reading, time: float, felt: Callable[[BoolArray], BoolArray] | None = None
+    ) -> RobotState:
+        """Return the state after the next reading.
+
+        Parameters
+        ----------
+        reading
+            One step after the last.
+        time
+            Of the run [s].
+        felt
+            From (n,) which feet feel a force, as the joints tell, to what is taken for that: a sensor in
+            the feet knows better.
+        """
+        estimator = self.estimator
+        sensed = estimator.predict(reading)
+        touching = estimator.decide(sensed if felt is None else felt(sensed))
+        q, v = estimator.update(touching, self._standing)
+        self._speeds = v[6:]
+        return RobotState(q, v, time, touching, forces=estimator.forces)
+
+    def plan(self, command: Command) -> None:
+        """Tell what was commanded: which feet push until the next reading, and which should stand."""
+        pushing = np.empty(len(self.robot.feet), dtype=bool)
+        with_points(command.active, self._foot, pushing)
+        self._standing = pushing
+        self.estimator.expect(pushing, np.asarray(command.rows().get("planned", pushing), dtype=bool))
+
+    def acted(self, torques: FloatArray) -> None:
+        """Tell the (joints,) torques of the motors between the last reading and the next [N m]."""
+        losses = 0.0 if self._actuators is None else self._actuators.losses(self._speeds)
+        self.estimator.applied(torques - losses)  # currents tell what motors give, friction included
+
+
+@kernel
+def with_points(active: BoolArray, foot: IntArray, out: BoolArray) -> None:
+    """Fill which feet (n,) have a contact point that is active, (p,) each; `foot` (p,) owns it."""
+    out[:] = False
+    for i in range(active.shape[0]):
+        if active[i]:
+            out[foot[i]] = True

@@ -1,0 +1,120 @@
+"""A robot in MuJoCo as a loop of joint targets meets it: motors with drives, noisy sensors, and a delay."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, real_number
+from surefoot.control.controller import JointTargets
+from surefoot.drive.postures import BodyPostures
+from surefoot.drive.readings import RobotReadings
+from surefoot.drive.watchdog import damping_targets
+from surefoot.robot import Robot
+from surefoot.simulation.mujoco import MujocoWorld
+from surefoot.simulation.sensors import SensorModel, Sensors
+from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion
+from surefoot.terrain import Terrain
+
+DROP = 0.01
+"""How high above the ground a robot that lies is let go [m]."""
+
+
+class MotorRobot:
+    """Takes joint targets and tells readings; nothing else of the robot's motion is told.
+
+    The drives close their loop at every step of the world, see `JointTargets.torques`, within the motors'
+    limits; targets take effect `delay` after they were given.
+
+    Parameters
+    ----------
+    robot
+        With a floating base.
+    dt
+        Time between readings [s]; the world's steps are of 1 ms.
+    delay
+        From targets to motors [s].
+    sensors
+        None for ordinary ones.
+    terrain, mu
+        The ground.
+    actuators
+        See `MujocoWorld`.
+    seed
+        Of the sensors' random numbers.
+    world
+        Another world for the robot; None for a `MujocoWorld` in which all links may touch.
+
+    Attributes
+    ----------
+    world
+        Where it is in truth.
+    torques
+        (joints,) that the motors gave last [N m].
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        dt: float = 0.002,
+        delay: float = 0.004,
+        sensors: SensorModel | None = None,
+        terrain: Terrain | None = None,
+        mu: float = 0.6,
+        actuators: str = "real",
+        seed: int = 0,
+        world: MujocoWorld | None = None,
+    ) -> None:
+        self.robot, self.dt = robot, real_number("dt", dt, low=1e-3, high=0.1)
+        self.world = world or MujocoWorld(robot, terrain, mu, 1e-3, collision="full", actuators=actuators)
+        self._steps = round(dt / self.world.dt)
+        late = round(real_number("delay", delay, low=0.0, high=0.1) / self.world.dt)
+        self._model, self._seed = sensors or SensorModel(), seed
+        self._damp = damping_targets(robot, self.world.dt)
+        self._queue: deque[JointTargets] = deque(maxlen=late + 1)
+        self.reset(robot.nominal)
+
+    def reset(self, q: FloatArray) -> None:
+        """Put the robot at (nq,) q [m, -, rad], at rest, its joints damped."""
+        self.world.reset(q)
+        self.sensors = Sensors(self._model, self.robot, self.dt, self._seed)
+        tilted = rotation_from_quaternion(self.sensors.attitude_at_start(q)[3:7])
+        self._error = tilted @ rotation_from_quaternion(q[3:7]).T
+        self._queue.clear()
+        self.torques, self._count = np.zeros(self.robot.joints), 0
+        self.take(self._damp)
+
+    def lie_down(self) -> None:
+        """Put the robot on its belly, legs folded."""
+        postures, q = BodyPostures(self.robot), self.robot.nominal.copy()
+        q[7:] = postures.way(postures.lie, postures.lie).points[0]
+        q[2] = -min(self.robot.sphere_bottoms(q)) + q[2] + DROP
+        self.reset(q)
+
+    def take(self, targets: JointTargets | None) -> None:
+        """Take (joints,) targets for the drives; None damps the joints, as when nothing comes any more."""
+        self._given = self._damp if targets is None else targets
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the last reset [s]."""
+        return self._count * self.dt
+
+    def step(self, push: FloatArray | None = None) -> None:
+        """Go on to the next reading, under a (3,) force on the base [N], world axes."""
+        for _ in range(self._steps):
+            self._queue.append(self._given)
+            q, v = self.world.state()
+            self.world.step(self._queue[0].torques(q[7:], v[6:]), push)
+        self.torques = np.asarray(self.world.applied)
+        self._count += 1
+
+    def read(self) -> RobotReadings:
+        """Return what sensors and motors say now; once a step."""
+        q, v = self.world.state()
+        reading = self.sensors.read(q, v)
+        attitude = quaternion_from_rotation(self._error @ rotation_from_quaternion(q[3:7]))
+        return RobotReadings(
+            self.time, attitude, *reading, self.sensors.torques(self.torques)
+        )  # fmt: skip
