@@ -164,3 +164,9 @@ def test_joints_that_their_limits_lock_are_no_obstacle() -> None:
     robot = sf.load_robot(path, feet=["FL_contact", "FR_contact", "BL_contact", "BR_contact"])
     assert np.any(robot.model.lowerPositionLimit[7:] == robot.model.upperPositionLimit[7:])
     assert np.ptp(robot.foot_positions()[:, 2]) < 1e-2
+
+
+def test_a_text_of_feet_is_no_list_of_letters() -> None:
+    assert sf.load_robot("go2", feet="FL_foot, RR_foot").foot_names == ("FL_foot", "RR_foot")
+    with pytest.raises(ModelError, match=r"unknown foot frame of go2.urdf 'toe'"):
+        sf.load_robot("go2", feet="toe")

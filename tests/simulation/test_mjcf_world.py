@@ -20,6 +20,7 @@ from surefoot.simulation.run import Scenario, run
 from surefoot.simulation.sensors import SensorModel
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.terrain import FlatTerrain, SlopeTerrain
+from tests.legged import write_legged
 
 MODELS = Path(__file__).parents[2] / "examples" / "models"
 MOTORS, SERVOS = MODELS / "quadruped.xml", MODELS / "quadruped_servos.xml"
@@ -159,3 +160,43 @@ def test_another_robot_and_another_ground_are_refused() -> None:
         MjcfWorld(sf.load_robot("go2"), MOTORS)
     with pytest.raises(ProblemError, match="floor of its own"):
         MjcfWorld(load(MOTORS), MOTORS, SlopeTerrain(5.0))
+
+
+def test_feet_alone_touch_where_that_is_asked_for_and_without_a_margin(tmp_path: Path) -> None:
+    """Shapes that reach into each other and a margin of 10 mm: it stands on its feet, on the ground."""
+    path, feet = write_legged(tmp_path, 4, "xml")
+    path.write_text(
+        path.read_text().replace("<worldbody>", '<default><geom margin="0.01"/></default><worldbody>')
+    )
+    robot = sf.load_robot(path, feet=feet)
+    loads = {}
+    for collision in ("feet", "full"):
+        world = MjcfWorld(robot, path, collision=collision)
+        for _ in range(300):
+            q, v = world.state()
+            world.step(200.0 * (robot.nominal[7:] - q[7:]) - 4.0 * v[6:])
+        loads[collision] = world.contacts().forces[:, 2].sum() / (9.81 * robot.mass)
+        assert bool(world.touching()) == (collision == "full")
+        if collision == "feet":
+            assert np.abs(world.contacts().gaps).max() < 5e-4
+    assert loads["feet"] == pytest.approx(1.0, abs=0.02)
+    with pytest.raises(ProblemError, match="unknown collision 'all'; valid names: feet, full"):
+        MjcfWorld(robot, path, collision="all")
+
+
+def test_ground_that_is_ours_is_as_soft_as_the_files_feet(tmp_path: Path) -> None:
+    """Rest depth r of MuJoCo's law: (1 - d) g / (d k); where the file says nothing, close to rigid."""
+    path, feet = write_legged(tmp_path, 4, "xml")
+    plain, depths = path.read_text(), {}
+    for softness in ("", 'solref="0.04 1"', 'solimp="0.9 0.9 0.001"'):
+        path.write_text(plain.replace("<worldbody>", f"<default><geom {softness}/></default><worldbody>"))
+        robot = sf.load_robot(path, feet=feet)
+        world = MjcfWorld(robot, path, collision="feet")
+        for _ in range(500):
+            q, v = world.state()
+            world.step(400.0 * (robot.nominal[7:] - q[7:]) - 8.0 * v[6:])
+        depths[softness] = -world.contacts().gaps.mean()
+    assert depths[""] < 1e-4
+    d, tc = 0.9, 0.02
+    assert depths['solimp="0.9 0.9 0.001"'] == pytest.approx((1 - d) * 9.81 * (d * tc) ** 2 / d**2, rel=0.05)
+    assert depths['solref="0.04 1"'] > 1e-3

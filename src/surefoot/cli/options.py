@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
+from surefoot.arrays import real_number
+from surefoot.errors import ProblemError
 from surefoot.simulation.worlds import WORLDS
 
 if TYPE_CHECKING:
     from surefoot.cli.scenario_file import ScenarioFile
     from surefoot.simulation.scenario import Scenario
+    from surefoot.terrain import Terrain
 
 RobotName: TypeAlias = Annotated[
     str | None,
@@ -61,6 +64,37 @@ class Physics:
         str,
         typer.Option(help="ideal, or real: rotors, friction and torque-speed curves (mujoco, rigid)."),
     ] = "ideal"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground:
+    """The ground under a robot."""
+
+    terrain: Annotated[
+        str | None,
+        typer.Option(
+            help="flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT or pit:START,LENGTH,DEPTH [m]."
+        ),
+    ] = None
+    slope: Annotated[
+        float | None, typer.Option(help="A slope that rises along +x [deg]: --terrain slope:DEG.")
+    ] = None
+
+    @property
+    def unsaid(self) -> bool:
+        """Whether nothing was said of it."""
+        return self.terrain is None and self.slope is None
+
+    def read(self) -> Terrain:
+        """Return the terrain, flat where nothing was said."""
+        from surefoot.terrain import read_terrain
+
+        if self.slope is None or self.terrain is not None:
+            if self.slope is not None:
+                raise ProblemError("--slope and --terrain both say what the ground is; give one of them")
+            return read_terrain(self.terrain or "flat", "--terrain")
+        slope = real_number("--slope", self.slope, low=-80.0, high=80.0)
+        return read_terrain(f"slope:{slope!r}" if slope else "flat", "--slope")
 
 
 @dataclass(frozen=True)

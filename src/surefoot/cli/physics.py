@@ -6,6 +6,7 @@ import inspect
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from rich.console import Console
@@ -32,7 +33,7 @@ _OWNERS = {
     "collision": ("mujoco", "rigid"), "actuators": ("mujoco", "rigid"),
 }  # fmt: skip
 """What is said -> the worlds that take it."""
-_IN_A_FILE = ("solref", "solimp", "substeps")
+_IN_A_FILE = ("solref", "solimp", "substeps", "collision")
 """What the world of an MJCF file takes."""
 
 
@@ -89,7 +90,9 @@ def world_settings(
 
 def is_world(robot: str | None, world: str) -> bool:
     """Tell whether a robot's file is the world, too: MJCF, in MuJoCo."""
-    return is_file(robot) and str(robot).lower().endswith(".xml") and world == "mujoco"
+    from surefoot.robot.mjcf import is_mjcf
+
+    return robot is not None and is_file(robot) and world == "mujoco" and is_mjcf(Path(robot))
 
 
 def build_world(
@@ -118,7 +121,8 @@ def build_world(
         else:
             from surefoot.simulation.mjcf_world import MjcfWorld
 
-            world = MjcfWorld(robot, file, terrain, mu, payload=mass, payload_position=place, **settings)
+            settings = {"collision": "feet", "payload_position": place, **settings}
+            world = MjcfWorld(robot, file, terrain, mu, payload=mass, **settings)
     if parts != 1 or file is not None:  # only MuJoCo's is asked
         cast("MujocoWorld", world).divide(parts)
     say(console, *(str(warning.message) for warning in said))

@@ -22,14 +22,14 @@ EXECUTORS = ("mujoco",)
 
 def plan(
     *,
-    task: Annotated[
-        str,
-        typer.Argument(help="ball, hopper, push, jump, jump-up, backflip or stand-up; see docs/planning.md."),
+    wanted: Annotated[
+        list[str],
+        typer.Argument(
+            help="ROBOT as for walk (default go2); ball, hopper, push, jump, jump-up, backflip or stand-up "
+            "(docs/planning.md); its number: a distance or height [m], a speed [m/s].",
+            metavar="[ROBOT] TASK [AMOUNT]",
+        ),
     ],
-    amount: Annotated[
-        float | None, typer.Argument(help="The task's number: a distance or height [m], a speed [m/s].")
-    ] = None,
-    robot: Annotated[str | None, typer.Option(help="A known robot (default go2), or a robot's file.")] = None,
     feet: options.FootFrames = None,
     road: Annotated[
         str | None, typer.Option(help="schedule (or direct, of jumps); each task has its own.")
@@ -55,6 +55,7 @@ def plan(
 
     console = plain_console(quiet=leaving.as_json)
     parsing.friction("--mu", mu)
+    robot, task, amount = _words(wanted)
     found = find_task(task)
     if execute is not None:
         check_name("world of --execute", execute, EXECUTORS)
@@ -74,13 +75,25 @@ def plan(
     return 0 if good else 1
 
 
+def _words(words: list[str]) -> tuple[str | None, str, float | None]:
+    """Return robot (None for the default), task and number (None for the task's own)."""
+    from surefoot.cli import parsing
+    from surefoot.planning.tasks.table import TASKS
+
+    first = bool(words[1:]) and words[0] not in TASKS and words[1][:1].isalpha()  # numbers follow a task
+    robot, rest = words[0] if first else None, words[first:]
+    if len(rest) > 2:
+        raise ProblemError(f"plan takes [ROBOT] TASK [AMOUNT], got {' '.join(words)}")
+    return robot, rest[0], parsing.number("AMOUNT", rest[1]) if rest[1:] else None
+
+
 def _robot(name: str | None, feet: str | None, task: Any) -> Any:
     """Return the robot that was asked for; None for the task's own."""
     from surefoot.cli.robots import load
 
     if not task.robots:
         if name is not None:
-            raise ProblemError(f"the task {task.name} has a robot of its own: it takes no --robot {name}")
+            raise ProblemError(f"the task {task.name} has a robot of its own: it takes no {name}")
         return None
     return load(name, feet, feet_needed=True)
 
@@ -135,6 +148,9 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
         "goal": made.facts["goal"],
         "cost": made.cost,
         "law_residual": made.law_residual,
+        "momentum_error": made.facts.get("momentum_error"),
+        "replay_apart": made.facts.get("replay_apart"),
+        "replay_time": made.facts.get("replay_time"),
         "iterations": made.iterations,
         "time": made.time,
         "knots": len(made),
@@ -179,6 +195,17 @@ def _write(
     return good and not files.unwritten
 
 
+def _certificate(facts: dict[str, Any]) -> list[list[str]]:
+    """Return what the plan's certificate says, where the plan got so far as to have one."""
+    if facts["replay_apart"] is None:
+        return []
+    return [
+        ["momentum off the impulses, of the largest", f"{facts['momentum_error']:.1e}"],
+        ["replay at a tenth of the step ends off by [cm]", f"{100.0 * facts['replay_apart']:.2g}"],
+        ["CPU time of the replay [s]", f"{facts['replay_time']:.2f}"],
+    ]
+
+
 def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
     """Return the tables of a plan."""
     rows = [
@@ -186,6 +213,7 @@ def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
         ["road", facts["road"]],
         ["cost", f"{facts['cost']:.5g}"],
         ["law residual", f"{facts['law_residual']:.2e}"],
+        *_certificate(facts),
         ["iterations", str(facts["iterations"])],
         ["time of the search [s]", f"{facts['time']:.2f}"],
         ["knots", f"{facts['knots']} of {1e3 * facts['dt']:g} ms"],

@@ -10,6 +10,8 @@ from surefoot.errors import ProblemError
 DEFAULT = "go2"
 FILES = (".urdf", ".xml")
 """How files of robots end."""
+MOST_ENDS = 12
+"""How many ends of limbs are named."""
 
 
 def is_file(name: str | None) -> bool:
@@ -32,7 +34,20 @@ def load(
     from surefoot.cli import parsing
     from surefoot.robot import load_robot
 
-    if is_file(name) and feet is None and feet_needed:
-        raise ProblemError(f"{name} needs --feet, the frames that touch the ground, e.g. --feet FL,FR,RL,RR")
     source = DEFAULT if name is None else Path(name).absolute() if is_file(name) else name
-    return load_robot(source, parsing.names("--feet", feet), fixed_base=fixed_base)
+    robot = load_robot(source, parsing.names("--feet", feet), fixed_base=fixed_base)
+    if feet_needed and robot.floating and not robot.feet:
+        ends = ", ".join(limb_ends(robot)[:MOST_ENDS])
+        raise ProblemError(f"{name} needs --feet, the frames that touch the ground; its limbs end in {ends}")
+    return robot
+
+
+def limb_ends(robot: Any) -> list[str]:
+    """Return the names of the frames at the last joint of each limb; of its link's alone if there is none."""
+    model = robot.model
+    inner = {int(parent) for parent in model.parents}
+    ends: dict[int, list[str]] = {}
+    for frame in model.frames:
+        if frame.type.name in ("BODY", "OP_FRAME") and int(frame.parentJoint) not in inner:
+            ends.setdefault(int(frame.parentJoint), []).append(str(frame.name))
+    return [name for names in ends.values() for name in names[1:] or names]

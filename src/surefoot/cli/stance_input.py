@@ -26,8 +26,8 @@ class StanceCase(NamedTuple):
     q: Any = None
 
 
-@dataclass(frozen=True)
-class StanceOptions:
+@dataclass(frozen=True, kw_only=True)
+class StanceOptions(options.Ground):
     """Which stance it is: of a file, or of a robot on a terrain."""
 
     subject: Annotated[
@@ -39,7 +39,6 @@ class StanceOptions:
         ),
     ]
     feet: options.FootFrames = None
-    slope: Annotated[float, typer.Option(help="Slope under the robot that rises along +x [deg].")] = 0.0
     mu: Annotated[float | None, typer.Option(help="Friction of every contact (robot: 0.6).")] = None
     lift: Annotated[str | None, typer.Option(help="Contacts that are in the air, comma-separated.")] = None
 
@@ -47,7 +46,6 @@ class StanceOptions:
         """Return the stance of the file, or of the robot placed on the slope."""
         if self.mu is not None:
             parsing.friction("--mu", self.mu)
-        real_number("--slope", self.slope, low=-80.0, high=80.0)
         path = Path(self.subject)
         named = path.exists() or path.suffix or "/" in self.subject
         of_file = self.subject == "-" or (not is_file(self.subject) and named)
@@ -56,8 +54,8 @@ class StanceOptions:
     def _of_file(self, file: Path) -> StanceQuestion:
         from surefoot.stance import StanceQuestion, read_stance
 
-        if self.feet is not None or self.slope != 0.0:
-            raise ProblemError("--feet and --slope go with a robot, not with a stance file")
+        if self.feet is not None or not self.unsaid:
+            raise ProblemError("--feet, --slope and --terrain go with a robot, not with a stance file")
         said = read_stance(file)
         _check_sizes(said, file)
         stance = said.stance if self.mu is None else said.stance.with_friction(self.mu)
@@ -67,15 +65,15 @@ class StanceOptions:
     def _of_robot(self) -> StanceCase:
         from surefoot.robot import place
         from surefoot.stance import StanceQuestion
-        from surefoot.terrain import SlopeTerrain
 
         extras.require(extras.robot_packages(self.subject))
-        terrain = SlopeTerrain(self.slope)
-        robot = load(self.subject, self.feet)
+        terrain = self.read()
+        robot = load(self.subject, self.feet, feet_needed=True)
         q = place(robot, terrain)
         stance = robot.stance(q, mu=0.6 if self.mu is None else self.mu, terrain=terrain)
         lifted = [robot.foot(n).name for n in parsing.names("--lift", self.lift) or []]
-        title = f"{robot.name} on " + (f"a slope of {self.slope:g} deg" if self.slope else "flat ground")
+        ground = self.terrain or "flat ground" if not self.slope else f"a slope of {self.slope:g} deg"
+        title = f"{robot.name} on {ground}"
         title += f", {', '.join(lifted)} lifted" if lifted else ""
         stance = stance.without(*lifted)
         return StanceCase(StanceQuestion(title, stance, robot.mass, robot.com(q), np.zeros(6)), robot, q)

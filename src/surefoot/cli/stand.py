@@ -9,7 +9,6 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import typer
 
-from surefoot.arrays import real_number
 from surefoot.cli import options, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder, to_json
@@ -27,7 +26,7 @@ def stand(
     robot: options.RobotName = None,
     feet: options.FootFrames = None,
     mu: options.Friction = 0.6,
-    slope: Annotated[float, typer.Option(help="Slope that rises along +x [deg].")] = 0.0,
+    on: options.Ground,
     duration: options.Duration = 5.0,
     payload: options.Payload = "0",
     push: options.Pushes = None,
@@ -52,14 +51,15 @@ def stand(
     options.check_numbers(mu, duration, SHORTEST, seed)
     carried = parsing.payload(payload)
     said = ScenarioFile.read(scenario, STAND_KEYS)
-    settings = physics.world_settings(obeyed, said, mu)
+    file = robot if physics.is_world(robot, obeyed.world) else None
+    settings = physics.world_settings(obeyed, said, mu, file)
     faults = Faults(0.0, said.delay, said.weak_joint, said.torque_loss) if FAULTS & {*said.given} else None
     more: dict[str, Any] = {"depth": START_DEPTH, "fall": STANDING_FALL, "faults": faults}
     happens = options.scenario_of(duration, mu, push, seed, said, **more)
     lifts = [parsing.lift(text) for text in lift or ()]
     parsing.within_run("--lift", lift or (), (one.start for one in lifts), duration)
     options.require(robot, WORLDS[obeyed.world][1], leaving)
-    setup = model, terrain, q, plan = _set_up(robot, feet, slope, lifts)
+    setup = model, terrain, q, plan = _set_up(robot, feet, on.read(), lifts)
     allocation = _allocation(setup, mu, said)
     with plain_console(stderr=True, quiet=leaving.as_json).status(
         "asking whether it can stand (a first run compiles)"
@@ -72,7 +72,7 @@ def stand(
             print(to_json({**named, "stood": False, "outcome": "impossible", "statics": statics}))
         return 1
     controller = StandingController(model, plan, terrain, q, mu, allocation=allocation)
-    world = physics.build_world(obeyed.world, model, None, terrain, mu, carried, settings, console)
+    world = physics.build_world(obeyed.world, model, file, terrain, mu, carried, settings, console)
     folder = new_run_folder(leaving.out, f"stand-{model.name}")
     run = SimulatedRun(model, terrain, folder, leaving, console)
     return run.carry_out(world, controller, replace(happens, start=q), _account(statics))
@@ -87,18 +87,15 @@ class _Setup(NamedTuple):
     plan: Any
 
 
-def _set_up(name: str | None, feet: str | None, slope: float, lifts: list[Any]) -> _Setup:
+def _set_up(name: str | None, feet: str | None, terrain: Any, lifts: list[Any]) -> _Setup:
     """Return the robot in its stance, or raise for what cannot be."""
     from surefoot.control.standing_plan import StandingPlan
     from surefoot.robot import place
-    from surefoot.terrain import FlatTerrain, SlopeTerrain
 
     robot = load(name, feet, feet_needed=True)
     if robot.feet and sum(len(foot.centres) for foot in robot.feet) < 3:
         count = len(robot.feet)
         raise ProblemError(f"{robot.name} cannot stand still: {count} point feet span no area to stand on")
-    real_number("--slope", slope, low=-80.0, high=80.0)
-    terrain = SlopeTerrain(slope) if slope else FlatTerrain()
     q = place(robot, terrain)
     return _Setup(robot, terrain, q, StandingPlan(robot, terrain, q, lifts))
 

@@ -6,7 +6,7 @@ import math
 
 from surefoot.audit import StandSummary
 from surefoot.cli.console import Cell, Table
-from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines
+from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines, torque_line
 from surefoot.spatial import GRAVITY
 
 STAND_OUTCOMES = OUTCOMES | {
@@ -56,8 +56,7 @@ def figure_lines(summary: StandSummary) -> list[str]:
         f"mean total normal force {total:.2f} N, {100 * total / weight:.2f} % of m g = {weight:.1f} N",
         f"base moved at most {1e3 * base.position_max:.1f} mm and {base.tilt_max_deg:.2f} deg, "
         f"ended {1e3 * base.position_end:.2f} mm and {base.tilt_end_deg:.2f} deg from its place",
-        f"hardest worked joint {summary.torque_use_joint}, at {100 * summary.torque_use_max:.0f} % of its "
-        "limit",
+        torque_line(summary),
         *pressed,
         f"wanted wrench possible in {100 * summary.attained_share:.1f} % of the steps",
         *motor_lines(summary),

@@ -38,12 +38,7 @@ def walk(
     velocity: Annotated[
         str, typer.Option(help="VX,VY,WZ: forward, left [m/s], yaw rate [rad/s].")
     ] = "0.5,0,0",
-    terrain: Annotated[
-        str,
-        typer.Option(
-            help="flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT or pit:START,LENGTH,DEPTH [m]."
-        ),
-    ] = "flat",
+    on: options.Ground,
     terrain_knowledge: knowledge.TerrainKnowledge = "exact",
     mu: options.Friction = 0.6,
     push: options.Pushes = None,
@@ -76,7 +71,6 @@ def walk(
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
-    from surefoot.terrain import read_terrain
 
     console = plain_console(quiet=leaving.as_json)
     robot = learned.robot(robot)
@@ -88,7 +82,7 @@ def walk(
     belief = knowledge.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
     file = robot if physics.is_world(robot, obeyed.world) else None
     settings = physics.world_settings(obeyed, said, mu, file)
-    ground = read_terrain(terrain, "--terrain")
+    ground = on.read()
     if obeyed.world == "mujoco" and file is None:
         settings.setdefault("substeps", substeps_of(ground, terrain_knowledge))
     command = _command(velocity, said)

@@ -213,8 +213,9 @@ class Limits:
 
     def use(self, table: LegDemand, pace: Pace, times: float) -> tuple[float, float, int]:
         """Return the shares of joint speed and torque limits that a pace needs, and the joint in the way."""
-        speeds = table.speeds(pace, times) / self.robot.speed_limits
-        torques = table.torques(pace, times, self.ground.up, FORCE_FACTOR) / self.robot.effort_limits
+        speeds = use_of(table.speeds(pace, times), self.robot.speed_limits)
+        torques = table.torques(pace, times, self.ground.up, FORCE_FACTOR)
+        torques = use_of(torques, self.robot.effort_limits)
         worst = speeds if speeds.max() / SPEED_MOST >= torques.max() / TORQUE_SHARE else torques
         return float(speeds.max()), float(torques.max()), int(worst.argmax())
 
@@ -257,6 +258,19 @@ class Limits:
         if speed / SPEED_MOST >= torque / TORQUE_SHARE:
             return f"{name} would need {100.0 * speed:.0f} % of its speed ({100 * SPEED_MOST:.0f} % allowed)"
         return f"{name} would need {100.0 * torque:.0f} % of its torque ({100 * TORQUE_SHARE:.0f} % allowed)"
+
+
+def use_of(wanted: FloatArray, limits: FloatArray) -> FloatArray:
+    """Return shares of limits: none of one that is not known, infinite where no leg gets there.
+
+    Examples
+    --------
+    >>> use_of(np.array([2.0, 2.0, np.inf]), np.array([4.0, np.inf, np.inf]))
+    array([0.5, 0. , inf])
+    """
+    shares = np.full(wanted.shape, np.inf)
+    np.divide(wanted, limits, out=shares, where=np.isfinite(wanted))
+    return shares
 
 
 @lru_cache(TABLES_KEPT)

@@ -114,7 +114,7 @@ def find(name: str) -> CatalogEntry:
     if key in UNREADABLE:
         raise ModelError(f"{name} cannot be loaded by name: {UNREADABLE[key]}")
     if key not in CATALOG:
-        raise ModelError(unknown_name("robot", name, CATALOG) + " (or give a URDF file)")
+        raise ModelError(unknown_name("robot", name, CATALOG) + " (or give a .urdf or .xml file)")
     return CATALOG[key]
 
 

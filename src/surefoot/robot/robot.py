@@ -242,7 +242,7 @@ class Robot:
 
 
 def load_robot(
-    robot: str | Path, feet: Sequence[str] | None = None, *, fixed_base: bool | None = None
+    robot: str | Path, feet: str | Sequence[str] | None = None, *, fixed_base: bool | None = None
 ) -> Robot:
     """Load a robot by name, or from a URDF or MJCF file.
 
@@ -252,8 +252,8 @@ def load_robot(
         A name from `robot_names`, the path of a URDF or MJCF file, or a name of the package
         robot_descriptions, "go2_mj_description".
     feet
-        Frames that can touch the ground; None for the catalogue's choice (none for a file). Of an MJCF file
-        bodies, sites and named shapes are frames.
+        Frames that can touch the ground, in one text separated by commas or one by one; None for the
+        catalogue's choice (none for a file). Of an MJCF file bodies, sites and named shapes are frames.
     fixed_base
         Whether the base is bolted to the world; None for the catalogue's choice (free for a URDF file; as its
         free joint says for an MJCF file).
@@ -271,6 +271,8 @@ def load_robot(
     >>> round(robot.mass, 3), robot.foot_names
     (16.085, ('FL_foot', 'FR_foot', 'RL_foot', 'RR_foot'))
     """
+    if isinstance(feet, str):
+        feet = [name.strip() for name in feet.split(",")]
     text = str(described(str(robot)) if is_described(str(robot)) else robot)
     if text.lower().endswith((".urdf", ".xml")) or "/" in text:
         path, entry = Path(text).expanduser(), catalog.CatalogEntry(text, fixed_base=bool(fixed_base))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
-from surefoot.errors import ModelError, ProblemError
+from surefoot.errors import ModelError, ProblemError, check_name
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.robot.actuators import told_actuators
@@ -32,10 +32,11 @@ MATCH = 1e-6
 class MjcfWorld(MujocoWorld):
     """The world of an MJCF file; see `surefoot.simulation.world.World` for the methods.
 
-    Rotor inertia, damping and dry friction of joints, actuators with their limits, all collision shapes and
-    the softness of contacts are the file's. Ours are the step, elliptic friction cones (forces of pyramids
-    have no tangents to read) and the friction of feet and ground. A file without ground gets the terrain's;
-    one with a floor has that.
+    Rotor inertia, damping and dry friction of joints, actuators with their limits, collision shapes and the
+    softness of contacts are the file's. Ours are the step, elliptic friction cones (forces of pyramids have
+    no tangents to read), the friction of feet and ground, and that these push where they touch, not a margin
+    before. A file without ground gets the terrain's, as soft as its feet if it says how soft they are, else
+    close to rigid as for URDF files; one with a floor has that.
 
     Parameters
     ----------
@@ -51,6 +52,8 @@ class MjcfWorld(MujocoWorld):
         Length of a step, whatever the file says [s].
     payload, payload_position
         Point mass fixed to the base [kg], unknown to any controller, and its (3,) place there, base axes [m].
+    collision
+        What may touch: "full" for all shapes of the file, "feet" for them and the ground alone.
     solref, solimp
         MuJoCo's softness of feet and ground; None for the file's own.
 
@@ -72,6 +75,7 @@ class MjcfWorld(MujocoWorld):
         dt: float = 1e-3,
         payload: float = 0.0,
         *,
+        collision: str = "full",
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
@@ -95,11 +99,27 @@ class MjcfWorld(MujocoWorld):
         self.model = compiled(spec, path)
         joints = _joints(mujoco, self.model, self.robot, path)
         self._drives = Drives(mujoco, self.model, joints)
-        self._take(_feet(mujoco, self.model, self.robot, path), root, True, floors)
-        if floors and solref is not None:
-            self.model.geom_solref[[*self._geoms, *floors]] = solref
-        if floors and solimp is not None:
-            self.model.geom_solimp[[*self._geoms, *floors], : len(solimp)] = solimp
+        feet = _feet(mujoco, self.model, self.robot, path)
+        check_name("collision", collision, ("feet", "full"))
+        self._take(feet, root, collision == "full", floors)
+        both, model = [*feet, *self.ground_geoms], self.model
+        if collision == "feet":
+            model.geom_contype[:], model.geom_conaffinity[:] = 0, 0
+            model.geom_contype[self.ground_geoms], model.geom_conaffinity[feet] = 1, 1
+        model.geom_margin[both], model.geom_gap[both] = 0.0, 0.0
+        plain = mujoco.MjSpec().default.geom
+        own = [
+            (model.geom_solref[f] != plain.solref).any() or (model.geom_solimp[f] != plain.solimp).any()
+            for f in feet
+        ]
+        if not floors and any(
+            own
+        ):  # the ground is as soft as the file's feet, where it says how soft they are
+            model.geom_priority[self.ground_geoms], model.geom_solmix[self.ground_geoms] = 0, 0.0
+        if solref is not None:
+            model.geom_solref[both] = solref
+        if solimp is not None:
+            model.geom_solimp[both, : len(solimp)] = solimp
         self.set_friction(mu)
         self.reset(robot.nominal)
 
@@ -129,9 +149,9 @@ class MjcfWorld(MujocoWorld):
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the softness of feet and ground means in a run; see `MujocoWorld.softness`."""
         load = GRAVITY * (self.robot.mass + self.payload)
-        priority = self.model.geom_priority
         first, ground = int(self._geoms[0]), self.ground_geoms[0]
-        deciding = first if priority[first] > priority[ground] else ground
+        rank = [(self.model.geom_priority[g], self.model.geom_solmix[g]) for g in (first, ground)]
+        deciding = first if rank[0] > rank[1] else ground
         return world_softness(self._mujoco, self.model, deciding, self._bodies, log, load)
 
 

@@ -103,8 +103,11 @@ def draw_base(log: Log, path: Path) -> Path:
 def draw_torques(log: Log, path: Path) -> Path:
     """Draw the joint torques as shares of their limits: the hardest worked joint in the range of all."""
     limits = np.asarray(log.facts["effort_limits"], dtype=np.float64)
-    title = "Joint torques against the effort limits"
-    figure, axis = new_axis((8.0, 3.4), title, xlabel="time [s]", ylabel="torque [% of limit]")
+    known = np.isfinite(limits).any()
+    limits = limits if known else np.full(limits.shape, 100.0)  # per cent of 100 N m are newton metres
+    title = "Joint torques against the effort limits" if known else "Joint torques, no limits known"
+    unit = "% of limit" if known else "N m"
+    figure, axis = new_axis((8.0, 3.4), title, xlabel="time [s]", ylabel=f"torque [{unit}]")
     thin = thinned(len(log))
     share = 100.0 * log["torques"][thin] / limits
     row, worst = np.unravel_index(int(np.abs(log["torques"] / limits).argmax()), log["torques"].shape)
@@ -113,14 +116,14 @@ def draw_torques(log: Log, path: Path) -> Path:
     name = log.facts["joints"][worst]
     axis.plot(log["time"][thin], share[:, worst], lw=1.6, color=FOOT_COLOURS[1], label=name, zorder=3)
     top = max(25.0, 1.15 * float(np.abs(share).max(initial=0.0)))
-    if top > 80.0:
+    if known and top > 80.0:
         top = max(top, 110.0)
         for limit in (-100.0, 100.0):
             axis.axhline(limit, color=BAD, lw=0.9, ls="--")
     axis.set_ylim(-top, top)
     mark_events(axis, log)
     most = 100.0 * float(log["torques"][row, worst] / limits[worst])
-    mark_worst(axis, float(log["time"][row]), most, f"{abs(most):.0f} %")
+    mark_worst(axis, float(log["time"][row]), most, f"{abs(most):.0f} {unit}")
     axis.legend(fontsize=8, ncols=2, loc="upper left")
     return save(figure, path)
 
