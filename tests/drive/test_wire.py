@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 import sys
 
@@ -18,9 +17,6 @@ pytest.importorskip("cyclonedds", reason="the wire is of surefoot[wire]")
 
 from surefoot.drive.wire.checksum import checksum, flat, layout
 from surefoot.drive.wire.dialect import dialect_of
-from surefoot.drive.wire.link import WireEnd
-from surefoot.simulation.motor_robot import MotorRobot
-from surefoot.simulation.wired_robot import WiredRobot
 
 GO2_WEIGHT = 157.8
 """m g [N]."""
@@ -124,37 +120,3 @@ def test_two_processes_walk(tmp_path: os.PathLike[str]) -> None:
     kept = sf.read_log(log)
     assert kept.fact("robot") == "go2"
     assert float(np.mean(kept["forces"][..., 2].sum(axis=1))) == pytest.approx(GO2_WEIGHT, rel=0.1)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("stopped", ["robot", "controller"])
-def test_either_side_stops(stopped: str) -> None:
-    """A robot that falls silent while it rises is damped; one that hears nothing damps itself."""
-    domain = 160 + os.getpid() % 40
-    words = [sys.executable, "-m", "surefoot", "drive", "go2", "--slow-motion", "--domain", str(domain)]
-    robot = sf.load_robot("go2")
-    dialect, body = dialect_of(robot), MotorRobot(robot)
-    body.lie_down()
-    with WireEnd(dialect, True, "lo", domain) as end:
-        wired = WiredRobot(body, end, dialect, slow=True)
-        drive = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
-        try:
-            while body.world.state()[0][2] < 0.25:
-                wired.step()
-            asked = end.receive(0.0)
-            if stopped == "controller":
-                drive.send_signal(signal.SIGSTOP)
-                for _ in range(30):
-                    wired.step()
-                assert wired.damped >= 30 - 11
-                drive.send_signal(signal.SIGCONT)
-            for _ in range(400):  # nothing is said any more
-                asked = end.receive(0.02) or asked
-            told = drive.communicate(timeout=60)[0]
-        finally:
-            drive.kill()
-    assert drive.returncode == 1, told
-    assert "ended by a fault" in told
-    targets = None if asked is None else dialect.targets(asked)
-    assert targets is not None
-    assert not targets.stiffness.any()
