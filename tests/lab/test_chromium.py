@@ -132,7 +132,7 @@ def move(tab: Tab, session: Session, control: Control) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["cone", "plan", "audit"])
 def test_every_control_is_moved(name: str, pages: dict[str, Callable[[], Page]], folder: Path) -> None:
-    """In a window of 1300 x 850 pixels, whose fold nothing is below at first; stand and push have tests below."""
+    """In a window of 1300 x 850 pixels, below whose fold nothing is at first."""
     assert CHROMIUM is not None
     with Browser(CHROMIUM, 1300, 993) as browser, LabServer(pages[name], port=0) as server:
         tab = browser.open(server.url)
