@@ -17,7 +17,7 @@ EXERCISES = (3, 3, 3, 3, 3, 3, 2, 2, 2)
 """How many there are in each section of the chapter."""
 CHAPTER = Path(__file__).resolve().parents[2] / "shared" / "CHAPTER.md"
 
-pytest.importorskip("matplotlib", reason="the pages draw: pip install 'surefoot[viz]'")
+pytest.importorskip("matplotlib", reason="the pages draw: pip install -e '.[viz]'")
 
 
 @pytest.mark.long

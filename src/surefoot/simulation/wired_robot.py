@@ -13,7 +13,7 @@ from surefoot.simulation.motor_robot import MotorRobot
 
 SILENCE = 0.02
 """Time without a command that can be obeyed, after which the joints are damped [s]."""
-PATIENT = 0.5
+PATIENT = 1.0
 """Longest wait for an answer in slow motion [s]."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from types import TracebackType
 from typing import Any
 
@@ -18,6 +19,14 @@ CONFIG = (
 """CycloneDDS on one interface."""
 AT_ONCE = 16
 """Messages that are taken at once; the newest counts."""
+
+
+@cache
+def opened(domain: int, interface: str) -> Any:
+    """Return DDS's domain on an interface, opened once a process: it is not opened twice."""
+    from cyclonedds.domain import Domain
+
+    return Domain(domain, CONFIG.format(interface))
 
 
 class WireEnd:
@@ -53,14 +62,14 @@ class WireEnd:
                 ViewState,
                 WaitSet,
             )
-            from cyclonedds.domain import Domain, DomainParticipant
+            from cyclonedds.domain import DomainParticipant
             from cyclonedds.pub import DataWriter
             from cyclonedds.sub import DataReader
             from cyclonedds.topic import Topic
 
         domain = whole_number("domain", domain)
         try:
-            self._domain = Domain(domain, CONFIG.format(interface))
+            opened(domain, interface)
             party = DomainParticipant(domain)
         except DDSException as error:
             raise ProblemError(
@@ -87,7 +96,7 @@ class WireEnd:
 
     def close(self) -> None:
         """Leave the wire."""
-        del self._waiting, self._writer, self._reader, self._party, self._domain
+        del self._waiting, self._writer, self._reader, self._party
 
     def __enter__(self) -> WireEnd:
         return self

@@ -14,7 +14,7 @@ from surefoot.errors import SurefootError
 
 LATE = 1.5
 """A reading is missing after so many steps since the last."""
-PATIENT = 0.3
+PATIENT = 1.0
 """The same for a robot in slow motion, where nobody can tell [s]."""
 LONGEST, REST = 10.0, 0.5
 """Longest time to reach a posture, and time in it before the next [s]."""
@@ -56,7 +56,7 @@ class WiredLoop:
         message = self.end.receive(seconds)
         if message is None:
             raise SurefootError(f"no robot speaks on the wire: {seconds:g} s without a state")
-        self._due = clock.perf_counter()
+        self._due = clock.perf_counter() + PATIENT
 
     def step(self) -> None:
         """Wait for the next state, make a step and send what it asks for."""
@@ -85,6 +85,10 @@ class WiredLoop:
             If a posture is not reached in `LONGEST`.
         """
         loop = self.loop
+        for _ in range(round(REST / loop.dt)):  # a short silence is waited for
+            if not loop.watch.blind:
+                break
+            self.step()
         loop.go(goal)
         begin = rested = loop.time
         while not loop.fault:
