@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
@@ -118,6 +119,29 @@ def per_contact(name: str, value: ArrayLike, count: int, *, low: float = 0.0) ->
     if bad.any():
         raise ProblemError(f"{name}{_where(bad)} must be >= {low:g}, got {array[bad][0]:g}")
     return array
+
+
+LARGEST = 1e12
+"""Largest size of a mass, length, force or moment: beyond it products overflow, and nothing is told apart."""
+
+
+def of_kind(name: str, value: object, kind: type, like: str) -> None:
+    """Refuse a value that is not of a kind; `like` shows how one is made.
+
+    >>> of_kind("stance", None, list, "[1, 2]")
+    Traceback (most recent call last):
+    surefoot.errors.ProblemError: stance must be a list, as [1, 2] is one, got None
+    """
+    if not isinstance(value, kind):
+        given = " ".join(f"{value!r:.60}".split())
+        raise ProblemError(f"{name} must be a {kind.__name__}, as {like} is one, got {given}")
+
+
+def path_of(value: object) -> Path:
+    """Return the path that a text or path names, or raise for what is neither."""
+    if not isinstance(value, (str, Path)):
+        raise ProblemError(f"a file is named by a text or a Path, got {value!r:.60}")
+    return Path(value)
 
 
 def check_order(low: FloatArray, high: FloatArray) -> None:

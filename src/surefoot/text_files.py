@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from surefoot.arrays import path_of
 from surefoot.errors import ProblemError, check_name
 
 MOST = 64_000_000
@@ -27,7 +28,7 @@ def read_text(path: Path | str, what: str = "") -> str:
         if str(path) == "-":
             content = sys.stdin.buffer.read(MOST + 1)
         else:
-            with Path(path).open("rb") as file:
+            with path_of(path).open("rb") as file:
                 content = file.read(MOST + 1)
         if len(content) > MOST:
             raise ProblemError(f"{named}longer than {MOST // 1_000_000} MB")

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, path_of
 from surefoot.contact import fclib, siconos_text
 from surefoot.contact.foreign import SHRINKS, SMALL
 from surefoot.contact.lcp import LCP
@@ -39,7 +39,7 @@ def read_problem(path: str | Path) -> ContactProblem:
     MissingExtra
         If HDF5 is asked for without h5py.
     """
-    path = Path(path)
+    path = path_of(path)
     kind = _kind(path)
     if not path.is_file():
         raise ProblemError(f"no such file: {path}")
@@ -61,7 +61,7 @@ def write_problem(problem: ContactProblem, path: str | Path, forces: ArrayLike |
     ProblemError
         If the file exists, its ending is unknown, or the format cannot hold the problem.
     """
-    path = Path(path)
+    path = path_of(path)
     kind = _kind(path)
     if problem.general:
         raise ProblemError("no file format holds contacts of any kind, or laws of one's own")
@@ -91,7 +91,7 @@ def read_lcp(path: str | Path) -> LCP:
     ProblemError
         If there is no such file or it holds no LCP.
     """
-    path = Path(path)
+    path = path_of(path)
     if not path.is_file():
         raise ProblemError(f"no such file: {path}")
     return siconos_text.read_lcp(path)
@@ -99,7 +99,7 @@ def read_lcp(path: str | Path) -> LCP:
 
 def holds_lcp(path: str | Path) -> bool:
     """Tell whether a file is a Siconos text file of a linear complementarity problem."""
-    path = Path(path)
+    path = path_of(path)
     return path.suffix == ".dat" and path.is_file() and siconos_text.holds_lcp(path)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, path_of
 from surefoot.errors import ProblemError, WriteError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
@@ -89,7 +89,7 @@ def read_sequence(path: Path | str) -> ContactSequence:
     ProblemError
         If the file cannot be read, is no JSON, or says something that no sequence can be; naming the entry.
     """
-    source = Path(path)
+    source = path_of(path)
     try:
         content = json.loads(read_text(source))
     except (json.JSONDecodeError, RecursionError) as error:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from surefoot.arrays import path_of
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import csv_file, mcap_file, npz, parts, rosbag
 from surefoot.log.log import Log
@@ -106,7 +107,7 @@ def read_log(
     MissingExtra
         If the format needs a package that is not installed.
     """
-    path = Path(path)
+    path = path_of(path)
     entry = format_of(path)
     with _told(path, "is not a Surefoot log", entry):
         if entry.source is not None:
@@ -134,7 +135,7 @@ def read_source(path: Path | str, columns: Sequence[str] | None = None) -> Sourc
     ProblemError
         If the file cannot be read, or is of a format that needs no mapping.
     """
-    path = Path(path)
+    path = path_of(path)
     entry = format_of(path)
     if entry.source is None:
         raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping")

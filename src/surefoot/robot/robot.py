@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, of_kind, per_contact
 from surefoot.errors import ModelError, ProblemError, unknown_name
 from surefoot.robot import catalog
 from surefoot.robot.contact_points import ContactPoints, contact_points
@@ -206,7 +206,8 @@ class Robot:
         """
         ground = FlatTerrain() if terrain is None else terrain
         chosen = self.feet if feet is None else tuple(self.foot(f) for f in feet)
-        frictions = np.broadcast_to(np.asarray(mu, dtype=np.float64), (len(chosen),))
+        of_kind("terrain", ground, Terrain, "sf.SlopeTerrain(10.0)")
+        frictions = per_contact("mu", mu, len(chosen))
         self._forward(self.configuration(q))
         contacts: list[Contact] = []
         for foot, friction in zip(chosen, frictions, strict=True):
@@ -273,6 +274,8 @@ def load_robot(
     """
     if isinstance(feet, str):
         feet = [name.strip() for name in feet.split(",")]
+    if feet is not None and not (isinstance(feet, Sequence) and all(isinstance(f, str) for f in feet)):
+        raise ProblemError(f"feet must be names of frames, got {feet!r:.60}")
     text = str(described(str(robot)) if is_described(str(robot)) else robot)
     if text.lower().endswith((".urdf", ".xml")) or "/" in text:
         path, entry = Path(text).expanduser(), catalog.CatalogEntry(text, fixed_base=bool(fixed_base))

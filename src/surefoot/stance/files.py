@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, path_of, real_number
 from surefoot.errors import ProblemError
 from surefoot.spatial import rotation_from_normal
 from surefoot.stance.contact import Contact, PatchContact, PointContact
@@ -50,7 +50,7 @@ def read_stance(path: str | Path) -> StanceQuestion:
         Naming the file and the entry at fault: a key that is unknown or missing, a normal that is not of
         length one, a value that is not a number.
     """
-    source = Path(path)
+    source = path_of(path)
     content = read_yaml(source)
     try:
         return stance_from_dict(content, source.stem)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from surefoot import __version__
-from surefoot.arrays import whole_number
+from surefoot.arrays import path_of, whole_number
 from surefoot.errors import ProblemError, check_name
 from surefoot.sweep.experiment import SweepExperiment, make_experiment
 from surefoot.sweep.ranges import read_range
@@ -96,7 +96,7 @@ def read_sweep(path: str | Path) -> SweepConfig:
     ProblemError
         Naming the file and the entry at fault.
     """
-    source = Path(path)
+    source = path_of(path)
     content = read_yaml(source)
     try:
         return sweep_from_dict(content, source.parent)
