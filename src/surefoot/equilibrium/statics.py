@@ -299,7 +299,7 @@ def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> Floa
     if not (isinstance(mass, (int, float)) and 0.0 < mass <= LARGEST):
         number = mass if isinstance(mass, (int, float, np.number)) else float("nan")
         if not 0.0 < number <= LARGEST:
-            raise ProblemError(f"mass must be a number above 0 and up to {LARGEST:g} kg, got {mass!r:.60}")
+            raise ProblemError(f"mass must be positive and up to {LARGEST:g} kg, got {mass!r:.60}")
     load = np.zeros(6)
     load[2] = mass * GRAVITY
     if not (isinstance(external_wrench, (int, float)) and external_wrench == 0.0):
