@@ -31,8 +31,8 @@ NO_NUMBERS: list[Any] = ["x", None, np.nan]
 TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "stance": (sf.Stance, [sf.PointContact(FEET[0]), sf.PointContact, 3, None, [3], "a"], "contacts"),
     "stand stance": (lambda x: sf.can_stand(x, COM, 15.0), NO_STANCES, "stance must be a Stance"),
-    "stand mass": (lambda x: sf.can_stand(STANCE, COM, x), NO_MASSES, "mass must be positive"),
-    "bounded mass": (lambda x: sf.can_stand(BOUNDED, COM, x), NO_MASSES, "mass must be positive"),
+    "stand mass": (lambda x: sf.can_stand(STANCE, COM, x), NO_MASSES, "mass must be"),
+    "bounded mass": (lambda x: sf.can_stand(BOUNDED, COM, x), NO_MASSES, "mass must be"),
     "stand com": (lambda x: sf.can_stand(STANCE, x, 15.0), NO_POINTS, "com"),
     "stand wrench": (lambda x: sf.can_stand(STANCE, COM, 15.0, x), NO_WRENCHES, "external_wrench"),
     "stand facets": (lambda x: sf.can_stand(STANCE, COM, 15.0, facets=x), NO_FACETS, "facets"),

@@ -40,7 +40,7 @@ def sweep(tmp_path: Path) -> Path:
 def test_a_function_is_swept_in_this_process_and_in_others(sweep: Path, tmp_path: Path, backend: str) -> None:
     pytest.importorskip("pyarrow")
     config = sf.read_sweep(sweep, allow_code=True)
-    table = sf.run_sweep(config, tmp_path / backend, backend=backend, workers=2).table.to_pydict()
+    table = sf.run_sweep(config, tmp_path / backend, backend=backend).table.to_pydict()
     assert set(table["status"]) == {"done"}
     assert table["stood"] == [x < 0.2 for x in table["x"]]  # the support polygon
     assert {*table["said"]} == {"a", "b"}
