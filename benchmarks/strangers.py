@@ -2,10 +2,11 @@
 
     python -m benchmarks.strangers PATH ... [--seconds 4] [--cones] [--iterations 100] [--step 5e-4] [--quick]
 
-A model with a keyframe is held there by joint control and marches on the spot; one without gets seeded random
-controls within their range, as an untrained policy gives them. Meshes are left out (their files may be
-missing), a plane is put under a model that has no ground. ``--cones`` runs each with both cones and every
-condim of its contacts; ``--quick`` runs models of our own. Nothing of a model is kept.
+A model with a keyframe is held there by joint control and marches on the spot; one without gets seeded
+random controls within their range, as an untrained policy gives them; ``--policy NETWORK --spec YAML`` lets a
+learned policy walk it. Meshes are left out (their files may be missing), a plane is put under a model that
+has no ground. ``--cones`` runs each with both cones and every condim of its contacts; ``--quick`` runs models
+of our own. Nothing of a model is kept.
 """
 
 from __future__ import annotations
@@ -19,13 +20,17 @@ from typing import Any
 import numpy as np
 
 import surefoot as sf
+from surefoot.control.controller import RobotState
 from surefoot.errors import SurefootError
 from surefoot.simulation.mujoco import import_mujoco
+from surefoot.spatial import rotation_from_quaternion
 
 STIFF, DAMPED = 8.0, 0.25
 """Joint control: stiffness over m g [m/rad], damping over that [s]."""
 WAVE, RATE = 0.12, 2.0
 """Of the march on the spot [rad, Hz]."""
+ABOVE = 0.005
+"""Height over the ground from which a policy's robot is let go [m]: its feet may be larger than ours."""
 OWN = {
     "crate": "<body name='crate' pos='0 0 .1'><freejoint/><geom type='box' size='.2 .2 .1' mass='5'/></body>",
     "hopper": (
@@ -116,11 +121,35 @@ def recorded(model: Any, seconds: float, seed: int = 0) -> sf.Log:
     return log
 
 
-def judged(name: str, model: Any, seconds: float) -> StrangerVerdict:
+def walked(model: Any, seconds: float, policy: sf.Policy) -> sf.Log:
+    """Return the log of a model that a learned policy walks, in the model's own loop."""
+    mujoco, robot = import_mujoco(), policy.robot
+    data, q = mujoco.MjData(model), sf.place(robot, sf.FlatTerrain(), policy.posture)
+    joints = [model.joint(name) for name in robot.joint_names]
+    at, dof = (np.array([getattr(j, key)[0] for j in joints]) for key in ("qposadr", "dofadr"))
+    drives = [int(np.flatnonzero(model.actuator_trnid[:, 0] == j.id)[0]) for j in joints]
+    servo = model.actuator_biastype[drives] != mujoco.mjtBias.mjBIAS_NONE
+    data.qpos[:7], data.qpos[at] = [*q[:2], q[2] + ABOVE, q[6], *q[3:6]], q[7:]
+    policy.reset()
+    with sf.record(model, data) as log:
+        while data.time < seconds:
+            q[:7] = data.qpos[[0, 1, 2, 4, 5, 6, 3]]
+            q[7:] = data.qpos[at]
+            base = rotation_from_quaternion(q[3:7]).T @ data.qvel[:3]
+            v = np.concatenate([base, data.qvel[3:6], data.qvel[dof]])
+            command = policy.step(RobotState(q, v, data.time))
+            targets = q[7:] if command.joint_targets is None else command.joint_targets.positions
+            data.ctrl[drives] = np.where(servo, targets, command.torques / model.actuator_gear[drives, 0])
+            mujoco.mj_step(model, data)
+    return log
+
+
+def judged(name: str, model: Any, seconds: float, policy: sf.Policy | None = None) -> StrangerVerdict:
     """Run a model and audit its log."""
     mujoco = import_mujoco()
     cone = "pyramid" if model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL else "round"
-    report = sf.audit_log(recorded(model, seconds))
+    log = recorded(model, seconds) if policy is None else walked(model, seconds, policy)
+    report = sf.audit_log(log)
     reason = report.reason or (str(report.symptoms[0]) if report.symptoms else "")
     return StrangerVerdict(name, cone, int(model.geom_condim.max()), report.verdict, reason)
 
@@ -131,13 +160,14 @@ def measure(
     cones: bool,
     iterations: int | None = None,
     step: float | None = None,
+    policy: sf.Policy | None = None,
 ) -> Iterator[StrangerVerdict]:
     """Yield what came of every model, as shipped or with each cone and condim."""
     for name, model in models:
         if iterations is not None:
             model.opt.iterations, model.opt.ls_iterations = iterations, max(iterations, 50)
         model.opt.timestep = step or model.opt.timestep
-        yield judged(name, model, seconds)
+        yield judged(name, model, seconds, policy)
         if not cones:
             continue
         touching = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
@@ -145,7 +175,7 @@ def measure(
             for condim in (1, 3, 4, 6):
                 model.opt.cone = cone
                 model.geom_condim[touching] = condim
-                yield judged(name, model, seconds)
+                yield judged(name, model, seconds, policy)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -157,11 +187,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--quick", action="store_true", help="models of our own, half a second each")
     parser.add_argument("--iterations", type=int, default=None, help="of the solver, where a model has few")
     parser.add_argument("--step", type=float, default=None, help="in place of the model's own [s]")
+    parser.add_argument("--policy", type=Path, default=None, help="a network that walks the models")
+    parser.add_argument("--spec", type=Path, default=None, help="its description")
     given = parser.parse_args(arguments)
+    policy = None if given.policy is None else sf.Policy(given.policy, given.spec)
     models = own_models() if given.quick else models_under(given.models)
     seconds, rows = 0.5 if given.quick else given.seconds, []
     print("| model | cone | condim | verdict | first symptom, or reason |\n|---|---|---|---|---|")
-    for one in measure(models, seconds, given.cones, given.iterations, given.step):
+    for one in measure(models, seconds, given.cones, given.iterations, given.step, policy):
         rows.append(one)
         print(f"| {one.name} | {one.cone} | {one.condim} | {one.verdict} | {one.reason[:110]} |", flush=True)
     counts = {v: sum(r.verdict == v for r in rows) for v in ("lawful", "broken", "cannot tell")}

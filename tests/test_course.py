@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
+import yaml
 
 from docs.site.execute import filled, run_page
 from docs.site.page import COURSE, LANGUAGES, Page, pages, read_page
 
 PAGES = pages()
+CONTENTS = yaml.safe_load((COURSE / "contents.yaml").read_text(encoding="utf-8"))
 EXERCISES = (3, 3, 3, 3, 3, 3, 2, 2, 2)
 """How many there are in each section of the chapter."""
+CHAPTER = Path(__file__).resolve().parents[2] / "shared" / "CHAPTER.md"
 
-pytest.importorskip("matplotlib", reason="the pages draw: pip install 'surefoot[viz]'")
+pytest.importorskip("matplotlib", reason="the pages draw: pip install -e '.[viz]'")
 
 
 @pytest.mark.long
@@ -36,13 +40,50 @@ def test_the_form_of_a_page(page: Page) -> None:
     assert len(re.findall(r"[\u4e00-\u9fff]", chinese)) > 80
 
 
-def test_every_exercise_of_the_chapter_has_a_page() -> None:
-    wanted = {f"52.{s}.{n}" for s, count in enumerate(EXERCISES, 1) for n in range(1, count + 1)}
-    wanted |= {"capstone", "across-chapters"}
-    found = {
-        match[0] for page in PAGES if (match := re.match(r"52\.\d\.\d|capstone|across-chapters", page.name))
+def test_everything_in_the_chapter_has_its_pages() -> None:
+    """Sections, exercises, tables, symptoms, traps, errata: no item and no page without the other."""
+    exercises = {f"52.{s}.{n}" for s, count in enumerate(EXERCISES, 1) for n in range(1, count + 1)}
+    assert set(CONTENTS["exercises"]) == exercises
+    sizes = {
+        "sections": 12,
+        "capstone": 1,
+        "across chapters": 1,
+        "tables": 7,
+        "symptoms": 7,
+        "errata": 19,
+        "traps": 15,
     }
-    assert found == wanted
+    assert {name: len(CONTENTS[name]) for name in sizes} == sizes
+    named = [page for part in CONTENTS.values() for pages_of in part.values() for page in pages_of]
+    assert all(pages_of for part in CONTENTS.values() for pages_of in part.values())
+    assert {page.name for page in PAGES} == set(named)
+    for name, pages_of in CONTENTS["exercises"].items():
+        assert all(page.startswith(name) for page in pages_of)
+
+
+@pytest.mark.skipif(not CHAPTER.exists(), reason="the chapter's restatement is not beside the checkout")
+def test_the_contents_are_the_chapters() -> None:
+    text = CHAPTER.read_text(encoding="utf-8")
+    assert set(re.findall(r"^(52\.\d\.\d) ", text, re.MULTILINE)) == set(CONTENTS["exercises"])
+    tables = text.split("## Tables to measure anew")[1].split("##")[0]
+    assert [line.split(":")[0].split(" (")[0] for line in re.findall(r"^- (.*)", tables, re.MULTILINE)] == [
+        *CONTENTS["tables"]
+    ]
+    symptoms = text.split("## Troubleshooting")[1].split("##")[0]
+    assert [int(n) for n in re.findall(r"^(\d)\. ", symptoms, re.MULTILINE)] == [*CONTENTS["symptoms"]]
+    derived = text.split("what each derives")[1].split("##")[0]
+    shown = {name.split()[0] for name in CONTENTS["sections"]}
+    for section in re.findall(r"52\.\d(?:\.\d)?(?= )", derived):
+        assert section in shown or any(name.startswith(section) for name in shown) or section == "52.3.2", (
+            section
+        )
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p.name.startswith("theory-")], ids=lambda p: p.name)
+def test_a_theory_page_predicts_derives_runs_and_draws(page: Page) -> None:
+    headings = [part.text for part in page.parts if part.kind == "heading"]
+    assert headings == ["question", "prediction", "derivation", "measurement", "answer"]
+    assert any("plt.subplots" in part.text for part in page.code)
 
 
 @pytest.mark.parametrize(
@@ -66,7 +107,10 @@ def test_values_and_tables_in_texts() -> None:
     names = {"x": 0.5774, "rows": [(4, "41 %"), (8, "8 %")]}
     assert filled("mu {{x:.2f}}, {{2 * x:.1f}}", names) == "mu 0.58, 1.2"
     assert filled("| k | |\n{{rows}}", names) == "| k | |\n| 4 | 41 % |\n| 8 | 8 % |"
+    words = {"rows": [("inner, 4 facets", "done"), ("osqp", "innermost")], "end": "fell"}
+    assert filled("{{end}}\n{{rows}}", words, "zh") == "摔倒\n| 内接, 4 面 | 完成 |\n| osqp | innermost |"
+    assert filled("{{end}}", words) == "fell"
 
 
 def test_the_course_folder_holds_nothing_else() -> None:
-    assert {path.suffix for path in COURSE.iterdir()} == {".md"}
+    assert {path.name for path in COURSE.iterdir() if path.suffix != ".md"} == {"contents.yaml"}

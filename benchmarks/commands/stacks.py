@@ -27,10 +27,10 @@ WIDTH = 210
 MEANINGS = (
     "survived: up, on course, lawful. held: within the task's bounds as well (* where that has to "
     "be, in 19 of 20). m/s, error: mean velocity forward, worst distance from the asked one. slip: "
-    "longest sliding of one stance, worst. CoT: positive mechanical work over m g times the way. torque, "
-    "speed: highest use of a joint's limit. hits: share of steps with other links touching. cones: share "
-    "of steps with a commanded force outside the true cone. CPU: of a controller's step, mean and 99th "
-    "percentile. x real: simulated over CPU time of the whole loop."
+    "longest sliding of one stance, worst. force: largest of a foot in m g. CoT: positive mechanical "
+    "work over m g times the way. torque, speed: highest use of a joint's limit. hits: share of steps "
+    "with other links touching. cones: share of steps with a commanded force outside the true cone. "
+    "CPU: of a step, mean and 99th percentile. x real: simulated over CPU time of the whole loop."
 )
 Checkout = Annotated[
     Path | None, typer.Option(help="Checkout of it; else the environment variable, see docs/stacks.md.")
@@ -52,7 +52,9 @@ def stacks(
     actuators: Annotated[str | None, typer.Option(help="real or ideal.")] = None,
     collision: Annotated[str | None, typer.Option(help="full or feet.")] = None,
     go2_convex_mpc: Checkout = None,
-    quadruped_pympc: Checkout = None,
+    policy: Annotated[
+        list[Path] | None, typer.Option(help="A learned policy's network, a stack more; may be repeated.")
+    ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Two tasks, one seed, no longer than 5 s.")] = False,
     resume: Annotated[Path | None, typer.Option(help="Folder of an interrupted bench to go on with.")] = None,
     out: Annotated[Path | None, typer.Option(help="Keep every trial in a new folder below this one.")] = None,
@@ -75,7 +77,7 @@ def stacks(
     tasks = choose_tasks(task or (QUICK if quick else None))
     if quick:
         tasks, seeds = tuple(replace(t, duration=min(t.duration, QUICK_TIME)) for t in tasks[:2]), 1
-    chosen = choose_stacks(stack, {"go2-convex-mpc": go2_convex_mpc, "quadruped-pympc": quadruped_pympc})
+    chosen = choose_stacks(stack, {"go2-convex-mpc": go2_convex_mpc}, policy or ())
     bench = Bench(chosen.stacks, tasks, seeds, setting)
     folder = _folder(out, resume)
     quiet = not sys.stderr.isatty()
@@ -127,7 +129,8 @@ def _said(trial: Trial) -> str:
 def _print(console: Console, found: list[Row], record: dict[str, Any]) -> None:
     columns = (
         "task", "stack", "up", "course", "lawful", "survived", "interval", "held", "m/s", "error",
-        "slip [mm]", "CoT", "torque", "speed", "hits", "cones", "CPU [us]", "p99", "x real", "what was wrong",
+        "slip [mm]", "force", "CoT", "torque", "speed", "hits", "cones", "CPU [us]", "p99", "x real",
+        "what was wrong",
     )  # fmt: skip
     title = f"up to {record['seeds']} seeds each; intervals of 95 %"
     console.print(table(columns, map(_cells, found), title, 2, columns[-1:]))
@@ -152,7 +155,8 @@ def _cells(row: Row) -> list[str]:
         f"{row.task}{'*' if row.must else ''}", row.stack,
         str(row.upright), str(row.on_course), str(row.lawful), f"{row.survived}/{row.trials}",
         f"{100 * low:.0f} to {100 * high:.0f} %", f"{row.held}/{row.trials}", number(row.forward, ".3f"),
-        number(row.velocity_error, ".3f"), number(row.slip, ".1f", 1e3), number(row.cost_of_transport, ".2f"),
+        number(row.velocity_error, ".3f"), number(row.slip, ".1f", 1e3), number(row.load, ".1f"),
+        number(row.cost_of_transport, ".2f"),
         number(row.torque_use, ".2f"), number(row.speed_use, ".2f"), number(row.hits, ".1%"),
         number(row.cone_violations, ".0%"),
         number(row.step_us, ".0f"), number(row.step_p99_us, ".0f"), number(row.real_time, ".1f"),

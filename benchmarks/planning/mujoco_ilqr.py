@@ -95,7 +95,8 @@ class MujocoHorizon(Horizon):
             inverse = np.linalg.inv(after)
             self.A[k], self.B[k] = inverse @ self._FD[0] @ before, inverse @ self._FD[1]
             by_start, by_way = pinocchio.dIntegrate(self._robot, self.q[k], self.dt * self.v[k + 1])
-            self.moved[k, 0], self.moved[k, 1] = by_start[:b, :b], by_way[:b, :b]
+            wide = self.moved.shape[3]
+            self.moved[k, 0], self.moved[k, 1] = by_start[:b, :wide], by_way[:b, :wide]
         return True
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit.estimate import estimate_errors
 from surefoot.audit.laws import log_laws
-from surefoot.audit.motion import TOUCH, heading_velocity
+from surefoot.audit.motion import TOUCH, foot_forces, heading_velocity
 from surefoot.audit.motors import motor_use
 from surefoot.audit.slides import RELEASE
 from surefoot.log import Log
@@ -40,6 +40,8 @@ class Measures:
     slip
         Longest sliding of one stance: net way of a contact's material over the ground between touchdown and
         lift-off as the forces have them [m].
+    load
+        Largest force of a foot over the weight.
     tilt
         Largest lean of the base against the vertical [deg].
     torque_use, speed_use
@@ -78,6 +80,7 @@ class Measures:
     laws: tuple[str, ...] = ()
     estimate_velocity: float = math.nan
     estimate_drift: float = math.nan
+    load: float = math.nan
 
 
 def measured(log: Log, asked: FloatArray, settled: float) -> Measures:
@@ -118,6 +121,7 @@ def measured(log: Log, asked: FloatArray, settled: float) -> Measures:
         laws=tuple(log_laws(log).broken(weight)),
         estimate_velocity=math.nan if errors is None else errors.velocity_rms,
         estimate_drift=drift,
+        load=float(np.linalg.norm(foot_forces(log), axis=-1).max()) / weight,
     )
 
 

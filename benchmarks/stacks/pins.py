@@ -41,12 +41,6 @@ PINS = {
         "SUREFOOT_GO2_CONVEX_MPC",
         "'numpy<2' 'scipy<1.15' pin casadi",
     ),
-    "quadruped-pympc": Pin(
-        "https://github.com/iit-DLSLab/Quadruped-PyMPC",
-        "dd6f662ce54d8984b52bf069a8e853c69fb907cf",
-        "SUREFOOT_QUADRUPED_PYMPC",
-        "gym-quadruped casadi matplotlib jax (its sampling MPC) or acados (its gradient MPC)",
-    ),
 }
 
 

@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmarks.stacks.learned import LearnedStack
 from benchmarks.stacks.peer import Peer
 from benchmarks.stacks.stack import Stack, Surefoot
 from surefoot.errors import ProblemError, unknown_name
 
 PEERS = {
     "go2-convex-mpc": Peer("go2-convex-mpc", "go2_convex_mpc.py", ("go2",)),
-    "quadruped-pympc": Peer("quadruped-pympc", "quadruped_pympc.py", ("go2",)),
 }
 """Stacks that run from a user's checkout."""
 NAMES = ("surefoot", *PEERS)
@@ -26,7 +26,9 @@ class Chosen:
     absent: dict[str, str]
 
 
-def choose_stacks(names: Sequence[str] | None, checkouts: Mapping[str, Path | None]) -> Chosen:
+def choose_stacks(
+    names: Sequence[str] | None, checkouts: Mapping[str, Path | None], policies: Sequence[Path] = ()
+) -> Chosen:
     """Return the named stacks, or all that are here.
 
     Parameters
@@ -35,6 +37,8 @@ def choose_stacks(names: Sequence[str] | None, checkouts: Mapping[str, Path | No
         None for all.
     checkouts
         Folders of peers; None for what the environment says.
+    policies
+        Networks of learned policies, each a stack more.
 
     Raises
     ------
@@ -54,6 +58,10 @@ def choose_stacks(names: Sequence[str] | None, checkouts: Mapping[str, Path | No
             absent[name] = why
         else:
             present.append(stack)
+    for learned in map(LearnedStack, policies):
+        if learned.missing():
+            raise ProblemError(f"--policy {learned.missing()}")
+        present.append(learned)
     return Chosen(tuple(present), absent)
 
 

@@ -79,6 +79,7 @@ class Row:
     real_time: float
     estimate_velocity: float
     estimate_drift: float
+    load: float
     faults: dict[str, int]
 
     @property
@@ -136,7 +137,7 @@ def fastest_held(found: Sequence[Row]) -> dict[str, float]:
 
 _WORST = (
     "velocity_error", "slip", "tilt", "torque_use", "speed_use", "over_speed", "beyond_curve", "hits",
-    "cone_violations", "estimate_velocity", "estimate_drift",
+    "cone_violations", "estimate_velocity", "estimate_drift", "load",
 )  # fmt: skip
 _MEDIAN = ("cost_of_transport", "step_us", "step_p99_us", "real_time")
 _CLOCKS = ("step_us", "step_p99_us", "real_time")

@@ -16,6 +16,8 @@ from surefoot.errors import ProblemError, unknown_name
 NEWTONS, PUSH_TIME, PUSH_AT = 150.0, 0.1, 2.5
 """A push on Go2 [N], its length, and the time from which on its phase of the gait is waited for [s]."""
 BIPED_NEWTONS = 60.0
+SHOVES = (100, 200, 300, 400)
+"""Pushes on Go2 beyond what has to be held, 100 N included [N]."""
 DIRECTIONS = ("forward", "forward-left", "left", "back-left", "back", "back-right", "right", "forward-right")
 """Of a push, every 45 degrees."""
 LADDER = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7, 2.0)
@@ -123,14 +125,15 @@ def _ladder() -> Iterator[Task]:
     yield Task("turn-3", "turning on the spot, 3 rad/s", (0.0, 0.0, 3.0), bounds=turn, must=False)
 
 
-def _pushes(robot: str, newtons: float, every: int, speed: float) -> Iterator[Task]:
-    prefix = "push" if robot == "go2" else f"{robot}-push"
+def _pushes(
+    robot: str, newtons: float, every: int, speed: float, prefix: str, must: bool = True
+) -> Iterator[Task]:
     for k in range(0, len(DIRECTIONS), every):
         angle = 2.0 * math.pi * k / len(DIRECTIONS)
         yield Task(
             f"{prefix}-{DIRECTIONS[k]}", f"{newtons:g} N for {PUSH_TIME:g} s, {DIRECTIONS[k]}",
             (speed, 0.0, 0.0), robot, duration=6.0 if robot == "go2" else 10.0,
-            push=(newtons * math.cos(angle), newtons * math.sin(angle)), bounds=MOTORS,
+            push=(newtons * math.cos(angle), newtons * math.sin(angle)), bounds=MOTORS, must=must,
         )  # fmt: skip
 
 
@@ -184,7 +187,9 @@ def _others() -> Iterator[Task]:
         "g1-rough", "G1 on 3 cm of rough ground", (0.3, 0.0, 0.0), "g1", duration=10.0,
         terrain="rough:1,0.03",
     )  # fmt: skip
-    yield from _pushes("g1", BIPED_NEWTONS, 2, 0.3)
+    yield from _pushes("g1", BIPED_NEWTONS, 2, 0.3, "g1-push")
+    for newtons in SHOVES:
+        yield from _pushes("go2", newtons, 1, 0.5, f"shove-{newtons}", must=False)
 
 
 def _cost() -> Iterator[Task]:
@@ -195,7 +200,7 @@ def _cost() -> Iterator[Task]:
 
 TASKS: dict[str, Task] = {
     task.name: task
-    for task in (*_ladder(), *_pushes("go2", NEWTONS, 1, 0.5), *_faults(), *_others(), *_cost())
+    for task in (*_ladder(), *_pushes("go2", NEWTONS, 1, 0.5, "push"), *_faults(), *_others(), *_cost())
 }
 QUICK, QUICK_TIME = ("speed-0.5", "push-left"), 5.0
 

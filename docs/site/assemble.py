@@ -23,8 +23,12 @@ BESIDES = {
     "look-up": ["/api/index", "/docs/README", "/CHANGELOG", "/CONTRIBUTING", "/README"],
 }
 """What stands in the menus of shelves and is no page of the docs."""
+ZH = Path(__file__).with_name("zh")
+ZH_ORDER = ("learn", "first-steps", "do", "look-up", "understand")
+"""Pages of the docs that are there in Chinese, too, in the order of their menu."""
 COPIED = ("docs/*.md", "docs/cookbook/*.md", "docs/images/*", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 SECTIONS = {
+    0: {"en": "Start here", "zh": "从这里开始"},
     1: {"en": "Contact and friction laws", "zh": "接触与摩擦定律"},
     2: {"en": "Friction cones", "zh": "摩擦锥"},
     3: {"en": "Complementarity made smooth", "zh": "互补约束的光滑化"},
@@ -38,16 +42,21 @@ SECTIONS = {
     11: {"en": "Tables, measured anew", "zh": "重新测量的表格"},
     12: {"en": "Traps, shown happening", "zh": "陷阱演示"},
     13: {"en": "Troubleshooting", "zh": "故障排查手册"},
+    14: {"en": "Errata, self-test and references", "zh": "勘误、自测与参考"},
 }
 """Hundreds of a page's order, and what stands above them."""
 TITLE = {"en": "The course", "zh": "课程"}
 ABOUT = {
-    "en": "Contact mechanics of legged robots by measurement: every exercise of a textbook chapter, its "
-    "tables measured anew, its traps shown happening, and a troubleshooting manual that breaks things. "
+    "en": "Contact mechanics of legged robots by measurement: the theory of a textbook chapter derived "
+    "and run, its exercises, its tables measured anew, its traps shown happening, its errors put right, and "
+    "a troubleshooting manual that breaks things. The chapter is chapter 52 of *Robotics Tutorial* by "
+    "Pengfei Guo, licensed CC BY 4.0; the course follows its order in words and measurements of its own. "
     "All code uses public names and runs when this site is built; all numbers in the texts come out "
     "of it, and what they claim is asserted.",
-    "zh": "用测量来学习足式机器人的接触力学：一章教材的全部习题、重新测量的表格、演示出来的陷阱，"
-    "以及一份故意制造故障的排查手册。"
+    "zh": "用测量来学习足式机器人的接触力学：推导并运行一章教材的理论，做完全部习题，重新测量其表格，"
+    "演示其陷阱，订正其错误，并附一份故意制造故障的排查手册。"
+    "教材是 Pengfei Guo 的《Robotics Tutorial》第 52 章（CC BY 4.0）；"
+    "本课程参照其次序，文字与测量均为我们自己的。"
     "全部代码只用公开接口，在构建本站时执行；文中数字都来自这些代码，结论由断言检验。",
 }
 
@@ -76,6 +85,7 @@ def assemble(build: Path, only: Iterable[str] | None = None, jobs: int = 2) -> d
     for language, tree in trees.items():
         (tree / "course" / "index.md").write_text(contents(chosen, language), encoding="utf-8")
     (trees["zh"] / "index.md").write_text(_zh_front(), encoding="utf-8")
+    _zh_docs(trees["zh"] / "docs")
     _copy(trees["en"])
     _cookbook(trees["en"] / "docs" / "cookbook")
     reference.write(trees["en"] / "api")
@@ -97,16 +107,39 @@ def contents(chosen: list[Page], language: str) -> str:
     for hundred, title in SECTIONS.items():
         names = [page.name for page in chosen if page.order // 100 == hundred]
         if names:
-            caption = title[language] if hundred > 9 else f"52.{hundred} {title[language]}"
+            caption = title[language] if not 1 <= hundred <= 9 else f"52.{hundred} {title[language]}"
             lines += ["```{toctree}", ":maxdepth: 1", f":caption: {caption}", "", *names, "```", ""]
     return "\n".join(lines)
 
 
 def _zh_front() -> str:
+    shelves = [f"docs/{path.stem}" for path in sorted(ZH.glob("*.md"), key=lambda p: ZH_ORDER.index(p.stem))]
     return "\n".join([
-        "# Surefoot 课程", "", ABOUT["zh"], "", '<a href="../index.html">English documentation</a>', "",
-        "```{toctree}", ":maxdepth: 2", "", "course/index", "```", "",
+        "# Surefoot 中文", "", ABOUT["zh"], "", '<a href="../index.html">English documentation</a>', "",
+        "```{toctree}", ":maxdepth: 2", "", *shelves, "course/index", "```", "",
     ])  # fmt: skip
+
+
+def _zh_docs(folder: Path) -> None:
+    """Write the Chinese shelves: code is the English page's, links to other pages lead to its tree."""
+    folder.mkdir(parents=True, exist_ok=True)
+    here = {path.name for path in ZH.glob("*.md")}
+
+    def linked(found: re.Match[str]) -> str:
+        if found[2] in here or found[2].startswith("../course/"):
+            return found[0]
+        return f'<a href="../../docs/{found[2].removesuffix(".md")}.html">{found[1]}</a>'
+
+    for path in ZH.glob("*.md"):
+        text = path.read_text(encoding="utf-8")
+        for number, block in enumerate(code_blocks(ROOT / "docs" / path.name), 1):
+            text = text.replace(f"{{{{{number}}}}}", block)
+        (folder / path.name).write_text(_LINK.sub(linked, text), encoding="utf-8")
+
+
+def code_blocks(path: Path) -> list[str]:
+    """Return the fenced blocks of a page, fences included."""
+    return re.findall(r"^```\w+\n.*?^```$", path.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
 
 
 def _copy(tree: Path) -> None:

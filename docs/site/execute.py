@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from docs.site import words
 from docs.site.page import HEADINGS, LANGUAGES, Page
 
 _VALUE = re.compile(r"\{\{(.+?)\}\}")
@@ -67,7 +68,7 @@ def run_page(page: Page, figures: Path | None = None) -> Ran:
                 for language in LANGUAGES:
                     ran.pieces[language] += pieces
             else:
-                ran.pieces[part.kind].append(("markdown", filled(part.text.strip(), ran.names)))
+                ran.pieces[part.kind].append(("markdown", filled(part.text.strip(), ran.names, part.kind)))
     return ran
 
 
@@ -89,13 +90,14 @@ def _open_figures() -> list[Any]:
     return found
 
 
-def filled(text: str, names: dict[str, Any]) -> str:
-    """Return a text with every `{{expression:format}}` replaced by its value."""
-    return "\n".join(_line(line, names) for line in text.splitlines())
+def filled(text: str, names: dict[str, Any], language: str = "en") -> str:
+    """Return a text with every `{{expression:format}}` replaced by its value, its words translated."""
+    return "\n".join(_line(line, names, language) for line in text.splitlines())
 
 
-def _line(line: str, names: dict[str, Any]) -> str:
+def _line(line: str, names: dict[str, Any], language: str) -> str:
     whole = re.fullmatch(r"\{\{(\w+)\}\}", line)
     if whole and isinstance(names[whole[1]], list):
-        return "\n".join("| " + " | ".join(str(cell) for cell in row) + " |" for row in names[whole[1]])
-    return _VALUE.sub(lambda found: str(eval(f"f'''{{{found[1]}}}'''", names)), line)
+        rows = [[words.cell(str(cell), language) for cell in row] for row in names[whole[1]]]
+        return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+    return _VALUE.sub(lambda found: words.value(eval(f"f'''{{{found[1]}}}'''", names), language), line)

@@ -40,6 +40,7 @@ LANGUAGES = ("en", "zh")
 HEADINGS = {
     "question": {"en": "Question", "zh": "问题"},
     "prediction": {"en": "Prediction", "zh": "预测"},
+    "derivation": {"en": "Derivation", "zh": "推导"},
     "measurement": {"en": "Measurement", "zh": "测量"},
     "answer": {"en": "Answer", "zh": "回答"},
     "symptom": {"en": "Symptom", "zh": "症状"},
@@ -73,6 +74,8 @@ class Page:
         Place in the course: chapters count in hundreds.
     title
         By language.
+    after
+        Section of the textbook's chapter that the page follows, as "52.2"; "52" for all of it.
     site_only
         Too heavy for the tests: run when the site is built, and only then.
     parts
@@ -82,6 +85,7 @@ class Page:
     name: str
     order: int
     title: dict[str, str]
+    after: str
     site_only: bool
     parts: tuple[Part, ...] = field(repr=False)
 
@@ -109,7 +113,9 @@ def read_page(path: Path) -> Page:
         parts.append(Part(kind, found["code"] or found["text"] or found["heading"] or "", line))
     _nothing_between(path, body[end:])
     _check(path, parts)
-    return Page(path.stem, facts["order"], facts["title"], facts.get("site_only", False), tuple(parts))
+    section = facts["order"] // 100
+    after = facts.get("after", f"52.{section}" if 1 <= section <= 9 else "52")
+    return Page(path.stem, facts["order"], facts["title"], after, facts.get("site_only", False), tuple(parts))
 
 
 def _nothing_between(path: Path, text: str) -> None:

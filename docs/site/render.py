@@ -17,6 +17,13 @@ _WIDE = "\u3000-\u303f\u4e00-\u9fff\uff00-\uffef"
 _CHINESE_BREAK = re.compile(rf"(?<=[{_WIDE}])\n(?=[{_WIDE}])")
 """A line break between Chinese characters, which a browser would show as a space."""
 _DOC_LINK = re.compile(r"\[([^\]]+)\]\(\.\./([\w/-]+)\.md(#[\w-]+)?\)")
+AFTER = {
+    "en": "After section {} of *Robotics Tutorial*, chapter 52, by Pengfei Guo (CC BY 4.0). "
+    "The words and the measurements are our own.",
+    "zh": "本页参照 Pengfei Guo 的《Robotics Tutorial》第 52 章 {} 节（CC BY 4.0）；"
+    "文字与测量均为我们自己的。",
+}
+"""Whose order a page follows."""
 NOTEBOOK = {"en": "This page as a notebook", "zh": "本页的 Jupyter 笔记本"}
 
 
@@ -30,6 +37,7 @@ def markdown(ran: Ran, language: str) -> str:
     if language == "zh":  # the docs are in the English tree
         lines = [_DOC_LINK.sub(r'<a href="../../\2.html\3">\1</a>', line) for line in lines]
         lines = [_CHINESE_BREAK.sub("", line) for line in lines]
+    lines += [AFTER[language].format(page.after), ""]
     lines += [f"{{download}}`{NOTEBOOK[language]} <notebooks/{page.name}.ipynb>`", ""]
     return "\n".join(lines)
 
@@ -47,7 +55,8 @@ def _piece(title: str, kind: str, text: str) -> list[str]:
 def notebook(ran: Ran, language: str) -> str:
     """Return a page as a notebook, format 4.5, its code not run."""
     pieces = [piece for piece in ran.pieces[language] if piece[0] in ("markdown", "code")]
-    return _as_notebook([("markdown", f"# {ran.page.title[language]}"), *pieces])
+    about = ("markdown", f"# {ran.page.title[language]}\n\n{AFTER[language].format(ran.page.after)}")
+    return _as_notebook([about, *pieces])
 
 
 def recipe_notebook(recipe: Recipe) -> str:

@@ -64,6 +64,7 @@ from .log.formats import read_log as read_log
 from .planning import Plan as Plan
 from .planning import rollout as rollout
 from .planning.planner import plan as plan
+from .policy.guard import Guard as Guard
 from .policy.policy import Policy as Policy
 from .robot import Robot as Robot
 from .robot import load_robot as load_robot

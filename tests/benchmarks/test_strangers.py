@@ -6,9 +6,12 @@ from pathlib import Path
 
 import pytest
 
+import surefoot as sf
 from benchmarks.strangers import main, measure, models_under, own_models
 
 pytest.importorskip("mujoco")
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_our_own_models_are_told_as_a_table(capsys: pytest.CaptureFixture[str]) -> None:
@@ -29,3 +32,18 @@ def test_models_are_found_without_their_meshes(tmp_path: Path) -> None:
     )
     (tmp_path / "part.xml").write_text("<mujocoinclude/>")
     assert [name for name, _ in models_under([tmp_path])] == ["a"]
+
+
+@pytest.mark.shared
+def test_a_learned_policy_is_broken_by_its_solver_and_lawful_with_a_better_one() -> None:
+    folder, spec = ROOT.parent / "shared" / "policies", ROOT / "examples" / "policies" / "playground_go1.yaml"
+    if not folder.exists():
+        pytest.skip("needs the networks beside the checkout")
+    pytest.importorskip("onnxruntime")
+    policy, file = sf.Policy(folder / "playground_go1.onnx", spec), folder / "playground_go1.xml"
+    shipped, better = (
+        next(measure(models_under([file]), 2.0, False, iterations, policy=policy))
+        for iterations in (None, 100)
+    )
+    assert (shipped.verdict, better.verdict) == ("broken", "lawful")
+    assert "unconverged solver" in shipped.reason

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 import surefoot
 from docs.site import reference
-from docs.site.assemble import BESIDES, LANDINGS, SECTIONS, menus
+from docs.site.assemble import BESIDES, LANDINGS, SECTIONS, ZH, code_blocks, menus
 from docs.site.links import broken_links, loaded_from_outside, undocumented
 from docs.site.page import COURSE, pages, read_page
 
@@ -57,14 +58,30 @@ def test_every_page_is_below_one_landing_page() -> None:
     assert pages_there == {*below, *(f"/docs/{shelf}" for shelf in LANDINGS[2:])} - OTHERS
 
 
+@pytest.mark.parametrize("path", sorted(ZH.glob("*.md")), ids=lambda path: path.stem)
+def test_a_chinese_page_says_what_the_english_one_says(path: Path) -> None:
+    """The same links in the same order, and all of its code: what one page gains the other must gain, too."""
+    english = ROOT / "docs" / path.name
+
+    def links(page: Path) -> list[str]:
+        found = re.findall(r"\]\(([\w./-]+?\.md|\.\./course)", page.read_text(encoding="utf-8"))
+        return [Path(link).stem for link in found if "CHANGELOG" not in link]
+
+    assert [link.replace("index", "course") for link in links(path)] == links(english)
+    text = path.read_text(encoding="utf-8")
+    assert re.findall(r"^\{\{(\d+)\}\}$", text, re.MULTILINE) == [
+        str(n) for n in range(1, len(code_blocks(english)) + 1)
+    ]
+
+
 def test_every_course_page_belongs_to_a_section() -> None:
     for page in pages():
         assert page.order // 100 in SECTIONS, page.name
 
 
 def test_a_page_of_both_languages_builds(tmp_path: Path) -> None:
-    pytest.importorskip("sphinx", reason="the site needs Sphinx: pip install 'surefoot[docs]', or make docs")
-    pytest.importorskip("furo", reason="the site needs its theme: pip install 'surefoot[docs]', or make docs")
+    pytest.importorskip("sphinx", reason="the site needs Sphinx: pip install -e '.[docs]', or make docs")
+    pytest.importorskip("furo", reason="the site needs its theme: pip install -e '.[docs]', or make docs")
     from docs.site import render
     from docs.site.__main__ import sphinx
     from docs.site.assemble import contents

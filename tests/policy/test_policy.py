@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,9 @@ import pytest
 import yaml
 
 import surefoot as sf
+from benchmarks.stacks.learned import LearnedStack
+from benchmarks.stacks.tasks import TASKS
+from benchmarks.stacks.trial import carry_out
 from surefoot.cli.main import main
 from surefoot.control.controller import RobotState
 from surefoot.errors import ProblemError
@@ -287,3 +291,14 @@ def test_published_policies_walk_from_their_files(name: str, spec: str | None, t
     assert log.fact("outcome") == "done"
     assert log["q"][-1, 0] > 0.8
     assert sf.audit_log(log).verdict == "lawful"
+
+
+def test_a_policy_is_a_stack_among_others(tmp_path: Path) -> None:
+    network = net(tmp_path)
+    network.with_suffix(".yaml").write_text(yaml.safe_dump(PLAIN | {"action_scale": 0.0}))
+    stack = LearnedStack(network)
+    assert stack.walks("go2")
+    assert stack.missing() == ""
+    trial = carry_out(stack, replace(TASKS["speed-0.5"], duration=0.3), 0)
+    assert trial.upright
+    assert 0.25 < trial.measures.load < 1.0  # a foot of a standing robot carries a quarter at least

@@ -69,7 +69,7 @@ def estimate_errors(log: Log) -> EstimateErrors:
         drift_share=drift / way if way >= SHORTEST_WAY else None,
         tilt_rms_deg=float(np.degrees(np.sqrt(np.mean((turned[:, :2] ** 2).sum(axis=1))))),
         heading_deg=float(np.degrees(turned[-1, 2] - turned[0, 2])),
-        step_us=StepTimes(float(np.median(time)), float(np.percentile(time, 99))),
+        step_us=StepTimes.of(time),
     )
 
 

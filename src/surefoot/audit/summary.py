@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from surefoot.arrays import BoolArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit.laws import LOADED_SHARE, Laws, contact_use, friction_of, log_laws
 from surefoot.audit.motion import finite, foot_forces, slips, touching
 from surefoot.audit.motors import MotorUse, limits_broken, motor_use
@@ -54,6 +54,12 @@ class StepTimes:
 
     median: float
     p99: float
+    largest: float
+
+    @classmethod
+    def of(cls, times: FloatArray) -> StepTimes:
+        """Return those of (N,) times [us]."""
+        return cls(*(float(np.percentile(times, share)) for share in (50, 99, 100)))
 
 
 @dataclass(frozen=True)
@@ -165,7 +171,7 @@ def shared_fields(log: Log, judge: Callable[[float], tuple[str, bool]], steps: b
         "torque_use_max": float(use.max()),
         "torque_use_joint": log.fact("joints")[int(use.max(axis=0).argmax())],
         "saturated_share": float(np.mean(log["saturated"])),
-        "controller_step_us": StepTimes(float(np.median(time)), float(np.percentile(time, 99))),
+        "controller_step_us": StepTimes.of(time),
         "real_time_factor": duration / max(wall, 1e-9),
         "wall_time": wall,
     }

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.cli import options
+from surefoot.cli.checklist import ANSWER, answers
 from surefoot.cli.console import Cell, Table, plain_console, print_tables, say, say_verdict
 from surefoot.cli.log_options import LogOptions
 from surefoot.cli.output import check_out, new_run_folder, to_json
@@ -45,6 +46,9 @@ def audit(
         Path | None,
         typer.Option(help="Judge nothing: write the mapping that is guessed to this new file (- prints it)."),
     ] = None,
+    checklist: Annotated[
+        bool, typer.Option("--checklist", help="Answer ten questions on contact first, from the log.")
+    ] = False,
     out: Annotated[
         Path | None, typer.Option(help="Folder for report.html and audit.json; None for no files.")
     ] = None,
@@ -76,7 +80,12 @@ def audit(
     if again is not None:
         verdicts.append((again.sentence, again.survives))
         facts["replay"] = again.as_dict()
-    finding = verdicts, _tables(report, again), _lines(read, report)
+    tables = _tables(report, again)
+    if checklist:
+        rows = answers(report, read)
+        facts["checklist"] = [dict(zip(ANSWER, row, strict=True)) for row in rows]
+        tables.insert(0, Table("Checklist", ANSWER, rows))
+    finding = verdicts, tables, _lines(read, report)
     _publish(log, facts, *finding, out, as_json, lambda folder: _pictures(read, report, folder))
     return report.exit_code or (0 if again is None or again.survives else 1)
 

@@ -148,6 +148,9 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
         "goal": made.facts["goal"],
         "cost": made.cost,
         "law_residual": made.law_residual,
+        "momentum_error": made.facts.get("momentum_error"),
+        "replay_apart": made.facts.get("replay_apart"),
+        "replay_time": made.facts.get("replay_time"),
         "iterations": made.iterations,
         "time": made.time,
         "knots": len(made),
@@ -192,6 +195,17 @@ def _write(
     return good and not files.unwritten
 
 
+def _certificate(facts: dict[str, Any]) -> list[list[str]]:
+    """Return what the plan's certificate says, where the plan got so far as to have one."""
+    if facts["replay_apart"] is None:
+        return []
+    return [
+        ["momentum off the impulses, of the largest", f"{facts['momentum_error']:.1e}"],
+        ["replay at a tenth of the step ends off by [cm]", f"{100.0 * facts['replay_apart']:.2g}"],
+        ["CPU time of the replay [s]", f"{facts['replay_time']:.2f}"],
+    ]
+
+
 def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
     """Return the tables of a plan."""
     rows = [
@@ -199,6 +213,7 @@ def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
         ["road", facts["road"]],
         ["cost", f"{facts['cost']:.5g}"],
         ["law residual", f"{facts['law_residual']:.2e}"],
+        *_certificate(facts),
         ["iterations", str(facts["iterations"])],
         ["time of the search [s]", f"{facts['time']:.2f}"],
         ["knots", f"{facts['knots']} of {1e3 * facts['dt']:g} ms"],

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from typing import TYPE_CHECKING
+
 from surefoot.audit import RunSummary
 from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
 from surefoot.cli.console import Table
 from surefoot.spatial import GRAVITY
 
+if TYPE_CHECKING:
+    from surefoot.log import Log
+
+IDLE = 0.9
+"""CPU over real time of a run below which its longest times are not its own."""
 OUTCOMES = {
     "fell": "fell",
     "interrupted": "was interrupted",
@@ -63,10 +71,22 @@ def motor_lines(summary: RunSummary) -> list[str]:
     ]
 
 
+def busy_line(log: Log) -> list[str]:
+    """Return what is said about times where the machine was busy: a line, or none."""
+    share = float(log.facts.get("cpu_time", math.inf)) / max(float(log.facts.get("wall_time", 0.0)), 1e-9)
+    if not share < IDLE:
+        return []
+    return [
+        f"the run had {100 * share:.0f} % of a core: the machine was busy, or another process worked, "
+        "and longest times are not the controller's own"
+    ]
+
+
 def cost_line(summary: RunSummary) -> str:
     """Return one line about time."""
     step = summary.controller_step_us
     return (
-        f"controller step {step.median:.0f} us median, {step.p99:.0f} us at the 99th percentile; "
+        f"controller step {step.median:.0f} us median, {step.p99:.0f} us at the 99th percentile, "
+        f"{step.largest:.0f} us at most; "
         f"the run {summary.real_time_factor:.1f} times faster than real time"
     )

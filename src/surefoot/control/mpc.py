@@ -9,18 +9,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import InitVar, dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact, real_number
+from surefoot.arrays import FloatArray, finite_array, per_contact, real_number
 from surefoot.contact.solution import Status
 from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
+from surefoot.control.mpc_kernels import plan_forces
 from surefoot.control.mpc_plan import HorizonProgram, MpcPlan, MpcWeights
 from surefoot.errors import ProblemError
-from surefoot.solvers.dual_newton.horizon import newton
 from surefoot.spatial import GRAVITY
 
 __all__ = [
@@ -32,11 +31,13 @@ __all__ = [
     "MpcWeights",
 ]
 
+NO_ROTATION = "frames of contacts must be right-handed rotations (3, 3)"
 ALMOST_FACTOR = 1e3
 """Forces whose error bound is within this factor of the tolerance are ALMOST solved [-]: 10 N by default."""
 
 PATIENCE = 16
-"""Newton steps before the force weight is lowered in stages [-], see `solvers.dual_newton.horizon`."""
+"""Full Newton steps that may go too far before the force weight is lowered in stages [-], see
+`solvers.dual_newton.horizon`."""
 
 
 @dataclass
@@ -133,8 +134,6 @@ class ConvexMpc:
     def pace(self, dt: float) -> None:
         """Take another length of a step [s]; the previous plan is forgotten."""
         self.dt = real_number("dt", dt, low=1e-6, high=10.0)
-        self._P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
-        self._inverse = np.ascontiguousarray(np.linalg.inv(self._P))
         self._points = np.full((self.horizon, self.feet, 3), np.nan)
 
     def carry(self, mass: float, inertia: FloatArray) -> None:
@@ -194,28 +193,13 @@ class ConvexMpc:
             if share.shape != given.contacts.shape:
                 raise ProblemError(f"normal_share must have shape {given.contacts.shape}, got {share.shape}")
             given = given._replace(bounds=_lowered(given.bounds, share))
-        sway = mpc_model.expected_sway(given.motion, given.ref_motion, self.dt)
-        point, total = self._points[given.contacts], 0
-        for _ in range(self.passes):
-            program = self._build(given, sway)
-            if program is None:
-                return self._share_weight(given)
-            force = np.empty((program.step.size, 3))
-            count, error = newton(
-                self._inverse, program.P, program.q, program.step, program.M, program.bounds, program.centre,
-                program.rho, self.tol, PATIENCE, self.max_iterations, point, force,
-            )  # fmt: skip
-            if not math.isfinite(error):
-                return self._share_weight(given)
-            total += count
-            forces, world, motion, turn = mpc_model.finish(
-                program.step, program.foot, program.M, force, program.drift, given.frames, program.heading,
-                given.ref_motion, self.dt,
-            )  # fmt: skip
-            off = motion[:, 0] - given.ref_motion[:, 0]
-            sway = 0.5 * (off[:-1] + off[1:])  # as planned, over each step
-        self._points[:] = np.nan
-        self._points[given.contacts] = point
+        verdict, total, error, forces, world, motion, turn = plan_forces(
+            given, self._body(), self._points, self.passes, self.tol, PATIENCE, self.max_iterations
+        )
+        if verdict == mpc_model.NOT_ROTATION:
+            raise ProblemError(NO_ROTATION)
+        if verdict == mpc_model.NOT_FINITE:
+            return self._share_weight(given)
         status = Status.SOLVED if error <= self.tol else Status.MAX_ITERATIONS
         if self.tol < error <= ALMOST_FACTOR * self.tol:
             status = Status.ALMOST
@@ -233,29 +217,23 @@ class ConvexMpc:
     ) -> HorizonProgram:
         """Return the program of the first pass, for another solver; parameters and errors as for `solve`."""
         given = self._read(state, reference, foot_positions, contacts, frames, mu)
-        sway = mpc_model.expected_sway(given.motion, given.ref_motion, self.dt)
-        program = self._build(given, sway)
-        if program is None:
-            raise ProblemError("state, reference, foot positions and frames must be finite")
-        return program
-
-    def _build(self, given: _Given, sway: FloatArray) -> HorizonProgram | None:
-        """Return the program, or None where the input is not finite; see `solve` for the errors."""
-        verdict, step, foot, M, limits, centre, q, drift, heading = mpc_model.build(
-            given.rotation, given.motion, given.ref_rotation, given.ref_motion, given.feet, given.contacts,
-            given.frames, given.bounds, self.mass, self._mobility, self._weights, self.weights.terminal,
-            self.dt, sway,
-        )  # fmt: skip
+        sway = mpc_model.expected_sway(given.motion, given.reference, self.dt)
+        built = mpc_model.build(given, self._body(), sway)
+        verdict, step, foot, M, limits, centre, q, drift, heading = built
         if verdict == mpc_model.NOT_ROTATION:
-            raise ProblemError("frames of contacts must be right-handed rotations (3, 3)")
-        if self.fading < math.inf:
-            mpc_model.add_wrench(
-                self.outside, self.fading, self.mass, self._mobility, given.ref_rotation, heading,
-                self._weights, self.weights.terminal, self.dt, drift, q,
-            )  # fmt: skip
+            raise ProblemError(NO_ROTATION)
         if verdict == mpc_model.NOT_FINITE:
-            return None
-        return HorizonProgram(step, foot, M, limits, centre, self._P, q, self.weights.force, drift, heading)
+            raise ProblemError("state, reference, foot positions and frames must be finite")
+        P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
+        return HorizonProgram(step, foot, M, limits, centre, P, q, self.weights.force, drift, heading)
+
+    def _body(self) -> mpc_model.Body:
+        """Return what is moved, as of now."""
+        weights = self.weights
+        return mpc_model.Body(
+            float(self.mass), self._mobility, self._weights, float(weights.terminal), float(self.dt),
+            float(weights.force), self.outside, float(self.fading),
+        )  # fmt: skip
 
     def _read(
         self,
@@ -265,7 +243,7 @@ class ConvexMpc:
         contacts: ArrayLike,
         frames: ArrayLike | None,
         mu: ArrayLike | None,
-    ) -> _Given:
+    ) -> mpc_model.Given:
         """Return the input as full, contiguous arrays."""
         N, n = self.horizon, self.feet
         schedule = np.ascontiguousarray(contacts, dtype=np.bool_)
@@ -286,7 +264,7 @@ class ConvexMpc:
             ref_motion[:, 2] = reference.angular_velocity
         except (ValueError, TypeError) as error:
             raise ProblemError(f"state or reference does not fit a horizon of {N} steps: {error}") from error
-        return _Given(schedule, feet, turned, bounds, rotation, motion, ref_rotation, ref_motion)
+        return mpc_model.Given(schedule, feet, turned, bounds, rotation, motion, ref_rotation, ref_motion)
 
     def _with_friction(self, mu: ArrayLike) -> FloatArray:
         """Return the (N, n, 3) bounds with another friction."""
@@ -298,7 +276,7 @@ class ConvexMpc:
         bounds[:, :, 0] = friction
         return bounds
 
-    def _share_weight(self, given: _Given) -> MpcPlan:
+    def _share_weight(self, given: mpc_model.Given) -> MpcPlan:
         """Return the plan of last resort: the weight shared by the feet in contact, flagged INVALID."""
         N, n = given.contacts.shape
         self.reset()
@@ -308,19 +286,6 @@ class ConvexMpc:
         forces[:, :, 2] = given.contacts * normal
         a, b, c, d = np.zeros((4, N + 1, 3))
         return MpcPlan(forces, forces.copy(), a, b, c, d, Status.INVALID, math.inf, 0)
-
-
-class _Given(NamedTuple):
-    """The input of a solve as arrays; motions are rows position, linear and angular velocity."""
-
-    contacts: BoolArray
-    feet: FloatArray
-    frames: FloatArray
-    bounds: FloatArray
-    rotation: FloatArray
-    motion: FloatArray
-    ref_rotation: FloatArray
-    ref_motion: FloatArray
 
 
 def _lowered(bounds: FloatArray, share: FloatArray) -> FloatArray:

@@ -21,6 +21,7 @@ References
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.rotations import log_between
 from surefoot.numerics.vectors import Three, cross
+from surefoot.solvers.dual_newton.riccati import costates
 from surefoot.spatial import GRAVITY
 
 GOOD, NOT_FINITE, NOT_ROTATION = 0, 1, 2
@@ -62,11 +64,60 @@ def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> Flo
     return P
 
 
+class Given(NamedTuple):
+    """The input of a plan; motions are rows position, linear and angular velocity, world axes.
+
+    Attributes
+    ----------
+    contacts, feet, frames
+        (N, n), (N, n, 3), (N, n, 3, 3).
+    bounds
+        (N, n, 3) friction, least and largest normal force.
+    rotation, motion
+        (3, 3) each, of the body.
+    ref_rotation, reference
+        (N + 1, 3, 3) each; the same of the reference.
+    """
+
+    contacts: BoolArray
+    feet: FloatArray
+    frames: FloatArray
+    bounds: FloatArray
+    rotation: FloatArray
+    motion: FloatArray
+    ref_rotation: FloatArray
+    reference: FloatArray
+
+
+class Body(NamedTuple):
+    """What is moved, and what its errors cost.
+
+    Attributes
+    ----------
+    mass, inverse
+        Mass [kg]; (3, 3) inverse of the inertia in body axes.
+    weights, terminal, dt
+        See `hessians`.
+    rho
+        Weight of the forces.
+    outside, fading
+        (6,) force and moment about the centre of mass from outside, world axes, now [N, N m], and the time
+        constant with which they fade [s], infinite for no such thing.
+    """
+
+    mass: float
+    inverse: FloatArray
+    weights: FloatArray
+    terminal: float
+    dt: float
+    rho: float
+    outside: FloatArray
+    fading: float
+
+
 @kernel
 def build(
-    rotation: FloatArray, motion: FloatArray, ref_rotation: FloatArray, reference: FloatArray,
-    feet: FloatArray, contacts: BoolArray, frames: FloatArray, bounds: FloatArray, mass: float,
-    inverse: FloatArray, weights: FloatArray, terminal: float, dt: float, sway: FloatArray,
+    given: Given, body: Body, sway: FloatArray
 ) -> tuple[
     int, IntArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray
 ]:  # fmt: skip
@@ -74,18 +125,8 @@ def build(
 
     Parameters
     ----------
-    rotation, motion
-        (3, 3), and (3, 3) rows position, linear velocity, angular velocity of the body.
-    ref_rotation, reference
-        (N + 1, 3, 3) each; the same of the reference.
-    feet, contacts, frames
-        (N, n, 3), (N, n), (N, n, 3, 3).
-    bounds
-        (N, n, 3) friction, least and largest normal force.
-    mass, inverse
-        Mass [kg]; (3, 3) inverse of the inertia in body axes.
-    weights, terminal, dt
-        See `hessians`.
+    given, body
+        See there.
     sway
         (N, 3) centre of mass minus its reference, mean over each step, for the levers.
 
@@ -93,9 +134,11 @@ def build(
     -------
     tuple
         Verdict on the input, step and foot of every contact, M, bounds and wanted forces as
-        `dual_newton.horizon.newton` wants them, q (6 N,), the drift (N + 1, 2, 6) whose first row is the
+        `dual_newton.horizon.newton` wants them, q (N, 6), the drift (N + 1, 2, 6) whose first row is the
         error now and whose row k + 1 is what step k adds by itself, and the (3, 3) heading frame.
     """
+    contacts, feet, frames, bounds, rotation, motion, ref_rotation, reference = given
+    mass, inverse, weights, terminal, dt, _, outside, fading = body
     N, n = contacts.shape
     count = 0
     for k in range(N):
@@ -106,7 +149,10 @@ def build(
     M, limits, centre = np.empty((count, 3, 6)), np.empty((count, 3)), np.empty((count, 3))
     heading = _heading_frame(ref_rotation[N // 2])
     drift = _free_motion(rotation, motion, ref_rotation, reference, heading, dt)
-    q = _gradient(drift, weights, terminal, dt)
+    if fading < math.inf:
+        _add_wrench(outside, fading, mass, inverse, ref_rotation, heading, dt, drift)
+    q, nothing = np.empty((N, 6)), np.zeros((N, 6))
+    costates(weights, terminal, dt, predict(drift, nothing, dt)[1:], nothing, q)
     lever = np.empty(3)
     verdict = GOOD
     at = 0
@@ -127,7 +173,7 @@ def build(
                 lever[a] = feet[k, i, a] - 0.5 * (reference[k, 0, a] + reference[k + 1, 0, a]) - sway[k, a]
             _fill_columns(lever, frames[k, i], ref_rotation[k], heading, mass, inverse, M[at])
             at += 1
-    if not (_all_finite(q) and _all_finite(M.ravel()) and _all_finite(drift.ravel())):
+    if not (_all_finite(q.ravel()) and _all_finite(M.ravel()) and _all_finite(drift.ravel())):
         verdict = NOT_FINITE
     return verdict, step, foot, M, limits, centre, q, drift, heading
 
@@ -192,16 +238,6 @@ def _times(A: FloatArray, v: Three) -> Three:
 
 
 @inline_kernel
-def _times_transposed(A: FloatArray, v: Three) -> Three:
-    """Return Aᵀ v."""
-    return (
-        A[0, 0] * v[0] + A[1, 0] * v[1] + A[2, 0] * v[2],
-        A[0, 1] * v[0] + A[1, 1] * v[1] + A[2, 1] * v[2],
-        A[0, 2] * v[0] + A[1, 2] * v[1] + A[2, 2] * v[2],
-    )
-
-
-@inline_kernel
 def _fill_columns(
     lever: FloatArray, frame: FloatArray, R: FloatArray, heading: FloatArray, mass: float,
     inverse: FloatArray, out: FloatArray,
@@ -210,8 +246,8 @@ def _fill_columns(
     arm = lever[0], lever[1], lever[2]
     for a in range(3):
         f = frame[0, a], frame[1, a], frame[2, a]
-        turn = _times(R, _times(inverse, _times_transposed(R, cross(arm, f))))
-        f, turn = _times_transposed(heading, f), _times_transposed(heading, turn)
+        turn = _times(R, _times(inverse, _times(R.T, cross(arm, f))))
+        f, turn = _times(heading.T, f), _times(heading.T, turn)
         for j in range(3):
             out[a, j], out[a, 3 + j] = f[j] / mass, turn[j]
 
@@ -264,43 +300,21 @@ def predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatArr
 
 
 @kernel
-def _gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float) -> FloatArray:
-    """Return the (6 N,) gradient of the tracking cost at no acceleration; costates run backwards."""
-    N = drift.shape[0] - 1
-    free = predict(drift, np.zeros((N, 6)), dt)
-    q = np.empty(6 * N)
-    for j in range(6):
-        place = rate = 0.0  # costates of x' = x + dt v + dt² a / 2, v' = v + dt a
-        for k in range(N, 0, -1):
-            share = terminal if k == N else 1.0
-            rate += share * weights[1, j] * free[k, 1, j] + dt * place
-            place += share * weights[0, j] * free[k, 0, j]
-            q[6 * (k - 1) + j] = 0.5 * dt * dt * place + dt * rate
-    return q
-
-
-@kernel
-def add_wrench(
+def _add_wrench(
     wrench: FloatArray, fading: float, mass: float, inverse: FloatArray, rotations: FloatArray,
-    heading: FloatArray, weights: FloatArray, terminal: float, dt: float, drift: FloatArray, q: FloatArray,
+    heading: FloatArray, dt: float, drift: FloatArray,
 ) -> None:  # fmt: skip
-    """Add an external wrench to a program of `build`: its `drift`, and the gradient `q` that follows.
-
-    `wrench` (6,) is force and moment about the centre of mass, world axes [N, N m], and fades with the time
-    constant `fading` [s]; `rotations` (N + 1, 3, 3) are the reference's.
-    """
-    N = drift.shape[0] - 1
-    for k in range(N):
+    """Add what a wrench from outside does to the drift, see `build`; `rotations` are the reference's."""
+    for k in range(drift.shape[0] - 1):
         share = math.exp(-(k + 0.5) * dt / fading)
         R = rotations[k]
         f = wrench[0], wrench[1], wrench[2]
-        turn = _times(R, _times(inverse, _times_transposed(R, (wrench[3], wrench[4], wrench[5]))))
-        f, turn = _times_transposed(heading, f), _times_transposed(heading, turn)
+        turn = _times(R, _times(inverse, _times(R.T, (wrench[3], wrench[4], wrench[5]))))
+        f, turn = _times(heading.T, f), _times(heading.T, turn)
         for j in range(3):
             for axis, a in ((j, f[j] / mass), (3 + j, turn[j])):
                 drift[k + 1, 0, axis] += 0.5 * dt * dt * share * a
                 drift[k + 1, 1, axis] += dt * share * a
-    q[:] = _gradient(drift, weights, terminal, dt)
 
 
 @kernel

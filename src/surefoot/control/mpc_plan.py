@@ -106,7 +106,7 @@ class HorizonProgram:
     centre
         (c, 3) wanted forces [N].
     P, q
-        (6, N, N), (6 N,) tracking cost in the accelerations.
+        (6, N, N), (N, 6) tracking cost in the accelerations.
     rho
         Weight of the forces.
     drift, heading
@@ -132,5 +132,5 @@ class HorizonProgram:
             full[:, self.step[i], 3 * i : 3 * i + 3] = self.M[i].T
         H = np.einsum("jka,jkm,jmb->ab", full, self.P, full, optimize=True)
         H[np.diag_indices(3 * c)] += self.rho
-        g = np.einsum("jka,kj->a", full, self.q.reshape(N, 6)) - self.rho * self.centre.ravel()
+        g = np.einsum("jka,kj->a", full, self.q) - self.rho * self.centre.ravel()
         return 0.5 * (H + H.T), g

@@ -17,7 +17,7 @@ from surefoot.control.behaviours.behaviour import Request, WalkView
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.load_adaptation import LoadAdaptation
-from surefoot.control.walking_body import BodyPlan, VelocityCommand
+from surefoot.control.walking_body import BodyPlan, VelocityCommand, take_posture
 from surefoot.control.walking_feet import Feet
 from surefoot.control.walking_settings import WalkCommand
 from surefoot.control.whole_body import WholeBodyCommand, WholeBodyController
@@ -70,7 +70,7 @@ class Tick(Controller):
         self._learn(state, now, clock)
         # behaviours propose, the arbiter merges
         request = self.arbiter.merge(self._view(state, now, feet, clock))
-        self.body.pose(self.command.posture_at(max(clock, 0.0)), self.dt)
+        take_posture(self.body, self.command.posture_at(max(clock, 0.0)), self.dt)
         # plan: body, and footholds, swing and forces as they fall due
         self._move_body(request, now)
         self._plan(state, now, request, clock, standing, changed)

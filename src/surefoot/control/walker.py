@@ -14,6 +14,7 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.behaviours.arbiter import Arbiter
 from surefoot.control.behaviours.behaviour import WalkFacts
 from surefoot.control.biped.settings import BipedSettings
+from surefoot.control.controller import RobotState
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.tick import Tick
 from surefoot.control.walking_body import VelocityCommand
@@ -25,6 +26,10 @@ from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
+
+IMAGINED, THROWN_FOR, THROWN = 0.005, 0.1, 1.5
+"""Steps of the walk that warms up, the last part of it in which the body is thrown [s], and how fast, every
+degree of freedom [m/s, rad/s]: fast enough that torques meet their limits."""
 
 
 class Walker(Tick):
@@ -69,6 +74,27 @@ class Walker(Tick):
         wanted, pose = finite_array("velocity", velocity, (3,)), finite_array("posture", posture, (3,))
         self.command = self._limit(VelocityCommand(np.zeros(1), wanted[None], pose[None]))
         return self.command.at(0.0)
+
+    def warm_up(self, state: RobotState) -> None:
+        """Walk in imagination: the robot stays at a state, lifts its feet, is thrown, and nothing is kept.
+
+        So every kernel that `step` may call is compiled or loaded, those of torque limits as well.
+        """
+        weight = np.tile([0.0, 0.0, self.robot.mass * GRAVITY], (len(self.robot.feet), 1))
+        still = state._replace(v=np.zeros_like(state.v), contact=None, scan=None, forces=weight)
+        thrown = still._replace(v=np.full_like(state.v, THROWN), torques=None)
+        end = self.start + self._cycle
+        for k, time in enumerate(np.arange(0.0, end, IMAGINED)):
+            self.step((thrown if time > end - THROWN_FOR and k % 2 else still)._replace(time=float(time)))
+        assert self.feet is not None
+        self.feet.motions(end)
+        self.whole_body.warm_up()
+        self.reset()
+
+    @property
+    def _cycle(self) -> float:
+        """Time in which every foot lifts once [s]."""
+        return 1.5 * min(self.schedule.period or 1.0, 1.0) + THROWN_FOR
 
     def _set_controllers(
         self, inertia: FloatArray, step: float, baumgarte: tuple[float, float],

@@ -204,14 +204,6 @@ class BodyPlan:
             self.change *= (longest / stance) ** 2
         self.acceleration = self.change
 
-    def pose(self, posture: FloatArray, dt: float) -> None:
-        """Go towards a commanded (3,) posture for a step [s], see `VelocityCommand`."""
-        wanted = min(max(posture[0], -LOWEST * self.height), HIGHEST * self.height), posture[1]
-        most = CROUCH_RATE * self.height * dt, PITCH_RATE * dt
-        for k in range(2):
-            self.posture[k] += min(max(wanted[k] - self.posture[k], -most[k]), most[k])
-        self.posture[2] = posture[2]
-
     def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:
         """Move the wanted pose by one step.
 
@@ -270,6 +262,15 @@ class BodyPlan:
         if self.posture[1] != 0.0:
             frames = frames @ rotation_about([0.0, 1.0, 0.0], float(self.posture[1]))
         return BodyReference(frames, places, flow, spin)
+
+
+def take_posture(body: BodyPlan, posture: FloatArray, dt: float) -> None:
+    """Bring a body nearer to a commanded (3,) posture in a step of dt [s], see `VelocityCommand`."""
+    wanted = min(max(posture[0], -LOWEST * body.height), HIGHEST * body.height), posture[1]
+    most = CROUCH_RATE * body.height * dt, PITCH_RATE * dt
+    for k in range(2):
+        body.posture[k] += min(max(wanted[k] - body.posture[k], -most[k]), most[k])
+    body.posture[2] = posture[2]
 
 
 def slowed_note(velocity: FloatArray, time: float, share: float) -> str:

@@ -284,6 +284,13 @@ class WholeBodyController(Bound):
         feasible = max(unloaded, loaded) <= 1.0 + TORQUE_SLACK
         return WholeBodyCommand(command, accelerations, forces, feasible, max(excess, 0.0), status)
 
+    def warm_up(self) -> None:
+        """Compile or load what `solve` calls only where torques meet their limits."""
+        p, joints = len(self.point_foot), self.robot.joints
+        self._limited.solve(self._map, self._target, None, None, np.zeros((3 * p, joints)), np.zeros(joints))
+        reduce(self._numbers, self._memory, 6)
+        self.reset()
+
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
         """Return the command for a state (nq,) [m, -, rad], (nv,) [m/s, rad/s]: `update`, then `solve`."""
         self.update(q, v)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,10 +14,14 @@ from surefoot.contact import Status
 from surefoot.errors import NoSolution, ProblemError
 from surefoot.log import Log
 from surefoot.log.formats import read_log
+from surefoot.planning.certificate import certify
 from surefoot.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
+
+if TYPE_CHECKING:
+    from surefoot.planning.direct.problem import DirectProblem
 
 LOADED = 1e-3
 """A foot counts as on the ground above this share of m g."""
@@ -72,7 +76,8 @@ class Plan(Log):
 
     A row holds the state at a knot's start, and the forces that act until the next; gaps and positions are
     those at the knot's end, where the contact laws of an exact first-order step hold. A plan is SOLVED only
-    where its own rollout obeys the laws to 1e-8 and reaches the goal.
+    where its own rollout obeys the laws to 1e-8 and reaches the goal, and its `certificate` holds; where that
+    alone fails, it is ALMOST.
 
     Attributes
     ----------
@@ -196,7 +201,12 @@ class Plan(Log):
 
 
 def plan_from(
-    trajectory: Trajectory, robot: Robot, search: PlanSearch, terrain: Terrain | None = None, **facts: Any
+    trajectory: Trajectory,
+    robot: Robot,
+    search: PlanSearch,
+    terrain: Terrain | None = None,
+    problem: DirectProblem | None = None,
+    **facts: Any,
 ) -> Plan:
     """Return a trajectory and how it was found as a plan.
 
@@ -210,19 +220,27 @@ def plan_from(
         How it was found.
     terrain
         None for flat ground.
+    problem
+        Whose bodies touch beside feet on the ground; None for none.
     facts
         Further facts for the log.
 
     Returns
     -------
     Plan
-        SOLVED only where the trajectory is lawful to 1e-8 and the goal reached; where it is not lawful,
-        STALLED whatever the search says, and INVALID where it is not finite. Rows after a loss are left out.
+        SOLVED only where the trajectory is lawful to 1e-8, the goal reached and the certificate holds (see
+        `certify`), else ALMOST; where it is not lawful, STALLED whatever the search says, and INVALID where
+        it is not finite. Rows after a loss are left out.
     """
     rows = int(np.isfinite(trajectory.q[1:]).all(axis=1).sum())
     terrain = FlatTerrain() if terrain is None else terrain
     arrays = _arrays(trajectory, robot, terrain, rows)
     status = _status(trajectory, search, rows)
+    if status is Status.SOLVED:
+        certificate = certify(trajectory, robot, terrain, problem)
+        status = Status.SOLVED if certificate.holds else Status.ALMOST
+        search = replace(search, goal=f"{search.goal}; {certificate}")
+        facts |= certificate.facts
     said = plan_facts(
         robot, search, status, trajectory.law_residual, (trajectory.dt, trajectory.mu),
         (trajectory.q[rows], trajectory.v[rows]),

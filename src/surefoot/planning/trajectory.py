@@ -1,8 +1,9 @@
 """A motion of a robot as knots that exact first-order steps link: what every plan is in the end.
 
 Whatever found a plan (a softened problem, a shooting solver, a mode schedule), its torques are run through
-the same step again: rigid contact, exact Coulomb friction, every contact problem solved to 1e-8. The laws'
-residual of a plan is the residual of these problems and of nothing else.
+the same step again (`surefoot.stepping.MomentumKnot`): rigid contact, exact Coulomb friction, every contact
+problem solved to 1e-8, momentum changed by impulses and gravity alone. The laws' residual of a plan is the
+residual of these problems and of nothing else.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
 from surefoot.stepping.detection import TerrainDetection
-from surefoot.stepping.knot import Knot
+from surefoot.stepping.momentum_knot import MomentumKnot, velocity_of_way
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.stepper import Stepper
 from surefoot.terrain import Terrain
@@ -38,7 +39,10 @@ class Trajectory:
     mu
         Friction of the ground [-].
     q, v
-        (N + 1, nq), (N + 1, nv) configurations [m, -, rad] and velocities [m/s, rad/s], Pinocchio's order.
+        (N + 1, nq), (N + 1, nv) configurations [m, -, rad] and velocities [m/s, rad/s], Pinocchio's order;
+        the velocities at the knots have the momentum of the way there (`MomentumKnot.settled`).
+    ways
+        (N + 1, nv) velocities of the ways to the knots, which steps and programs take.
     torques
         (N, joints) [N m].
     impulses
@@ -61,6 +65,7 @@ class Trajectory:
     mu: float
     q: FloatArray
     v: FloatArray
+    ways: FloatArray
     torques: FloatArray
     impulses: FloatArray
     gaps: FloatArray
@@ -74,8 +79,9 @@ class Trajectory:
     def blank(cls, robot: Robot, count: int, dt: float, mu: float) -> Trajectory:
         """Return a trajectory of `count` knots whose states are not known yet: NaN."""
         model, p = robot.model, len(robot.contact_points)
+        speeds = np.full((count + 1, model.nv), np.nan)
         return cls(
-            dt, mu, np.full((count + 1, model.nq), np.nan), np.full((count + 1, model.nv), np.nan),
+            dt, mu, np.full((count + 1, model.nq), np.nan), speeds, speeds.copy(),
             np.zeros((count, robot.joints)), np.zeros((count, p, 3)), np.full((count + 1, p), np.nan),
             np.full((count + 1, p, 3), np.nan), np.full((count, p, 3), np.nan), np.full(count, np.nan),
             np.zeros(count, dtype=bool),
@@ -101,7 +107,7 @@ class Trajectory:
         return worst if self.lawful and np.isfinite(worst) else np.inf
 
     def locate(self, stepper: Stepper) -> None:
-        """Fill in where the contact points are, and how they move with the velocity at the knot's end."""
+        """Fill in where the contact points are, and how they move on the way to the knot's end."""
         detection = stepper.bodies.contacts
         assert isinstance(detection, TerrainDetection)  # order 1 is of feet on the ground
         for k, q in enumerate(self.q):
@@ -110,7 +116,7 @@ class Trajectory:
             seen = stepper.contacts(stepper.start(q))
             self.gaps[k], self.positions[k] = seen.gaps, seen.positions
             if k < len(self):
-                self.speeds[k] = seen.velocities(self.v[k + 1])
+                self.speeds[k] = seen.velocities(self.ways[k + 1])
 
 
 def rollout(
@@ -162,19 +168,20 @@ def rollout(
     >>> falling.q.shape, falling.lawful, falling.law_residual < 1e-8
     ((11, 19), True, True)
     """
-    knot = Knot(Stepper(robot, terrain, StepOptions(dt=dt, order=1, tol=TOLERANCE)))
+    knot = MomentumKnot(Stepper(robot, terrain, StepOptions(dt=dt, order=1, tol=TOLERANCE)))
     model = robot.model
     q, v = finite_array("q", q, (model.nq,)), finite_array("v", v, (model.nv,))
     policy, count = _policy(robot, torques, steps)
     out = Trajectory.blank(robot, count, knot.stepper.options.dt, mu)
     out.q[0], out.v[0] = q, v
+    out.ways[0] = velocity_of_way(model, q, v, dt)
     for k in range(count):
-        out.torques[k] = policy(k, out.q[k], out.v[k])
-        done = knot.step(out.q[k], out.v[k], out.torques[k], mu)
+        out.torques[k] = policy(k, out.q[k], out.ways[k])
+        done = knot.step(out.q[k], out.ways[k], out.torques[k], mu)
         if not np.isfinite(knot.v).all():
             break
-        out.q[k + 1], out.v[k + 1], out.impulses[k] = knot.q, knot.v, knot.impulses
-        out.residuals[k], out.solved[k] = knot.residual, done
+        out.q[k + 1], out.v[k + 1], out.impulses[k] = knot.q, knot.settled, knot.impulses
+        out.ways[k + 1], out.residuals[k], out.solved[k] = knot.v, knot.residual, done
     out.locate(knot.stepper)
     return out
 

@@ -15,6 +15,7 @@ count what moves; links bolted to the world do not.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +25,10 @@ from surefoot.errors import ProblemError
 from surefoot.robot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.stance import Stance
+
+SLIDES = ("JointModelPX", "JointModelPY", "JointModelPZ")
+HINGES = ("JointModelRX", "JointModelRY", "JointModelRZ")
+"""Pinocchio's joints along and about the axes, in their order."""
 
 
 @dataclass(frozen=True)
@@ -204,3 +209,35 @@ def base_velocity_to_world_axes(robot: Robot, q: ArrayLike) -> FloatArray:
     if robot.floating:
         T[:3, :3] = T[3:6, 3:6] = rotation_from_quaternion(configuration[3:7])
     return T
+
+
+def carried_momentum(model: Any) -> tuple[int, ...]:
+    """Return which entries of [linear; angular] momentum the first joints of a robot move freely, one each.
+
+    Those of a free flyer: all six. Of slides along the world's axes that carry the whole robot: the linear
+    ones, and where two slides without mass carry a hinge across them the angular one. None for a robot that
+    is bolted to the world, or for several that share it.
+
+    Parameters
+    ----------
+    model
+        Pinocchio's Model.
+    """
+    if sum(parent == 0 for parent in list(model.parents)[1:]) != 1:
+        return ()
+    if model.joints[1].shortname() == "JointModelFreeFlyer":
+        return tuple(range(6))
+    out = list[int]()
+    for joint in range(1, model.njoints):
+        kind, alone = (
+            str(model.joints[joint].shortname()),
+            not any(i.mass for i in list(model.inertias)[:joint]),
+        )
+        aligned = alone and model.parents[joint] == joint - 1 and model.jointPlacements[joint].isIdentity()
+        slide = aligned and kind in SLIDES
+        if not slide:
+            if aligned and len(out) == 2 and kind in HINGES and HINGES.index(kind) not in out:
+                out.append(3 + HINGES.index(kind))
+            break
+        out.append(SLIDES.index(kind))
+    return tuple(out)

@@ -6,7 +6,7 @@ ways, all linear in the robot's velocity, u = J(q) v:
 ==================== ======================== =========================== ============================
 reference            velocity of              along the axes of           drift J̇ v
 ==================== ======================== =========================== ============================
-local                the contact point        the body                  spatial acceleration
+local                the contact point        the body                    spatial acceleration
 world                the body's point that    the world                   spatial acceleration
                      is at the world's origin
 local_world_aligned  the contact point        the world                   classical acceleration

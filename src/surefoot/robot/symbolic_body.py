@@ -17,11 +17,10 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import ModelError
 from surefoot.robot.contact_points import ContactPoints
 from surefoot.robot.libraries import import_casadi
+from surefoot.robot.symbolic_rotations import cross_matrix, even_series, turn_matrix
 
 Expression = Any
 """A CasADi SX matrix."""
-TERMS = 14
-"""Terms of the power series of rotations: exact to round-off up to half a turn per step."""
 TINY = 1e-15
 """Entries of placements below this are zero: they would only make expressions longer."""
 HINGES = ("JointModelRX", "JointModelRY", "JointModelRZ", "JointModelRevoluteUnaligned")
@@ -171,6 +170,37 @@ class SymbolicBody:
             columns.append(self._ca.mtimes(poses[j - 1].rotation_world, own))
         return self._ca.horzcat(*columns)
 
+    def momentum(self, q: Expression, v: Expression) -> tuple[Expression, Expression, Expression]:
+        """Return the centre of mass [m], and linear and angular momentum about it [N s, N m s]: (3, 1) each.
+
+        World axes; `at_origin` those of the base.
+        """
+        ca, poses = self._ca, self._poses(q)
+        own = list[tuple[float, Expression, Expression, Expression]]()
+        for joint, pose, spin, speed in zip(self._joints, poses, *self._twists(poses, v), strict=True):
+            lever, turn = self._constant(joint.lever), pose.rotation_world
+            place = pose.translation_world + ca.mtimes(turn, lever)
+            push = joint.mass * ca.mtimes(turn, speed + ca.cross(spin, lever))
+            whirl = ca.mtimes(turn, ca.mtimes(self._constant(joint.inertia), spin))
+            own.append((joint.mass, place, push, whirl))
+        com = sum(mass * place for mass, place, _, _ in own) / sum(mass for mass, *_ in own)
+        angular = sum(whirl + ca.cross(place - com, push) for _, place, push, whirl in own)
+        return com, sum(push for _, _, push, _ in own), angular
+
+    def at_origin(self, q: Expression) -> Expression:
+        """Return (nq,) q with the base at the world's origin, that of a free flyer upright."""
+        ca, first = self._ca, self._joints[0]
+        fixed = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0] if first.kind == FREE else []
+        while (
+            len(fixed) < len(self._joints) and self._joints[len(fixed)].kind in SLIDES[:3] and not fixed[6:]
+        ):
+            fixed.append(0.0)
+        return ca.vertcat(ca.DM(fixed), q[len(fixed) :])
+
+    def base_turn(self, q: Expression) -> Expression:
+        """Return rotation_world_base (3, 3) of a free flyer; the world's axes for others."""
+        return turn_matrix(q[3:7]) if self._joints[0].kind == FREE else self._ca.DM.eye(3)
+
     def integrate(self, q: Expression, step: Expression) -> Expression:
         """Return the configuration (nq,) that lies a (nv,) step from q, as `pinocchio.integrate`.
 
@@ -192,12 +222,12 @@ class SymbolicBody:
         """Return a free flyer's pose after a twist: the exponential of SE(3), then that of quaternions."""
         ca, (linear, angular) = self._ca, (way[:3], way[3:])
         square = ca.dot(angular, angular)
-        arc, swing = _series(square, 2), _series(square, 3)  # (1 - cos t) / t², (t - sin t) / t³
+        arc, swing = even_series(square, 2), even_series(square, 3)  # (1 - cos t) / t², (t - sin t) / t³
         once = ca.cross(angular, linear)
         shift = linear + arc * once + swing * ca.cross(angular, once)
         place = q[:3] + ca.mtimes(turn_matrix(q[3:]), shift)
         half = 0.5 * angular
-        sine, cosine = _series(0.25 * square, 1), _series(0.25 * square, 0)
+        sine, cosine = even_series(0.25 * square, 1), even_series(0.25 * square, 0)
         x, w = q[3:6], q[6]
         turned = w * sine * half + cosine * x + sine * ca.cross(x, half)
         return ca.vertcat(place, turned, w * cosine - sine * ca.dot(x, half))
@@ -222,7 +252,7 @@ class SymbolicBody:
         # Rodrigues' formula, by its three constant parts
         flat = self._constant(np.eye(3) - across)
         return self._constant(across) + cosine * flat + sine * self._constant(
-            _cross_matrix(axis)
+            cross_matrix(axis)
         ), ca.DM.zeros(3)
 
     def _poses(self, q: Expression) -> list[_Pose]:
@@ -332,35 +362,3 @@ def _read_joint(model: Any, data: Any, index: int) -> _Joint:
         np.array(body.lever),
         np.array(body.inertia),
     )
-
-
-def turn_matrix(quaternion: Expression) -> Expression:
-    """Return the rotation matrix of a unit quaternion (x, y, z, w) in symbols."""
-    ca = import_casadi()
-    x, y, z, w = (quaternion[k] for k in range(4))
-    rows = (
-        (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
-        (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
-        (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
-    )
-    return ca.vertcat(*(ca.horzcat(*row) for row in rows))
-
-
-def _cross_matrix(axis: FloatArray) -> FloatArray:
-    """Return S with S @ b = axis x b."""
-    x, y, z = axis
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
-def _series(square: Expression, order: int) -> Expression:
-    """Return Σ (-1)^k t^2k / (2k + order)!: cos t, sin t / t, (1 - cos t) / t², (t - sin t) / t³."""
-    total, size = 0.0, 1.0
-    for n in range(2, order + 1):
-        size /= n
-    terms = [size]
-    for k in range(1, TERMS + order % 2):
-        size /= -(2 * k + order - 1) * (2 * k + order)
-        terms.append(size)
-    for term in reversed(terms):
-        total = term + square * total
-    return total

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import time as clock
 from collections.abc import Callable, Iterable, Sequence
@@ -97,7 +98,12 @@ def run(
     world.step(np.zeros(world.robot.joints))  # so that no step of the run waits for a compiler
     world.reset(q, v)
     height = float(q[2] - world.terrain.height(q[:2]))
-    log = _Run(world, controller, scenario, folder).carry_out(observers, height)
+    out = _Run(world, controller, scenario, folder)
+    gc.freeze()  # so that no step waits while the collector looks at what was there before
+    try:
+        log = out.carry_out(observers, height)
+    finally:
+        gc.unfreeze()
     log.facts.update(softness_of(world, log))
     for observer in observers:
         observer.end(log)
@@ -166,7 +172,7 @@ class _Run:
 
         `height` is that of the base over the ground at the start [m].
         """
-        begin, recorder = clock.perf_counter(), self.recorder
+        begin, worked, recorder = clock.perf_counter(), clock.thread_time(), self.recorder
         more: dict[str, Any] = {}
         try:
             ending = self._loop(observers, height)
@@ -186,7 +192,8 @@ class _Run:
             more = {"error": self.sensing.lost, **more}
         touched = self.touches.lines(self.world.dt)
         more |= {"link_touches": touched} if touched else {}
-        return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **more})
+        times = {"wall_time": clock.perf_counter() - begin, "cpu_time": clock.thread_time() - worked}
+        return recorder.finish({"outcome": str(ending), **times, **more})
 
     def _loop(self, observers: Sequence[Observer], height: float) -> Ending:
         """Step the world to the end, a fall, or a stop because the state is not known."""

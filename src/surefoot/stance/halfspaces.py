@@ -53,6 +53,47 @@ class HalfSpaces:
         over, off = self.A @ f - self.b, np.abs(self.E @ f - self.e)
         return max(float(over.max(initial=-np.inf)), float(off.max(initial=-np.inf)))
 
+    def write_into(
+        self, A: FloatArray, b: FloatArray, row: int = 0, column: int = 0, part: Literal["A", "E"] = "A"
+    ) -> int:
+        """Write the rows into a QP's own matrix, and return how many they are.
+
+        Parameters
+        ----------
+        A, b
+            (rows, variables) and (rows,) of the QP, changed in place where the rows go.
+        row, column
+            Of the first row and of the first force, as the number of accelerations for variables (a, f).
+        part
+            "A" for the inequalities of stance feet, "E" for the zero forces of swing feet.
+
+        Raises
+        ------
+        ProblemError
+            If the rows do not fit there; nothing is written then.
+
+        Examples
+        --------
+        >>> from surefoot import PointContact, Stance
+        >>> rows = Stance([PointContact([0, 0, 0], mu=0.6)]).halfspaces(facets=4)
+        >>> A, b = np.zeros((10, 21)), np.zeros(10)  # for 18 accelerations and a force
+        >>> rows.write_into(A, b, row=2, column=18)
+        6
+        """
+        check_name("part", part, ["A", "E"])
+        block, right = (self.A, self.b) if part == "A" else (self.E, self.e)
+        count, wide = block.shape
+        if b.shape != A.shape[:1] or not (
+            0 <= row <= A.shape[0] - count and 0 <= column <= A.shape[1] - wide
+        ):
+            raise ProblemError(
+                f"{count} rows of {wide} forces do not fit into A of shape {A.shape}, b of shape {b.shape} "
+                f"at row {row}, column {column}"
+            )
+        A[row : row + count, column : column + wide] = block
+        b[row : row + count] = right
+        return int(count)
+
 
 def row_counts(
     contacts: Sequence[Contact], facets: int = 8, swing: Sequence[bool] | Sequence[str] = ()

@@ -3,6 +3,7 @@
 from surefoot.stepping.derivative import StepDerivative, step_derivative
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.knot import Knot
+from surefoot.stepping.momentum_knot import MomentumKnot
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.state import State, Step
 from surefoot.stepping.stepper import Stepper
@@ -10,6 +11,7 @@ from surefoot.stepping.stepper import Stepper
 __all__ = [
     "Contacts",
     "Knot",
+    "MomentumKnot",
     "State",
     "Step",
     "StepDerivative",

@@ -160,7 +160,7 @@ class Knot:
         self._place(model, data)
         if self._push is not None:
             effort = self.stepper.bodies.pushed(effort, self._push, data.oMi[1].rotation)
-        effort = effort - self._bias(model, data, self._q, self._v)
+        effort = self._less_bias(effort)
         for k, centre in enumerate(self._seen):
             self._centres[k] = centre
         if self._curved:
@@ -183,8 +183,16 @@ class Knot:
         except LostMotion:
             self.q, self.v, self.solved = np.full(model.nq, np.nan), np.full(model.nv, np.nan), False
             return False
-        self.q = self._integrate(model, self._q, self._settings[kernels.DT] * self.v)
+        self.q = self._gone()
         return self.solved
+
+    def _less_bias(self, effort: FloatArray) -> FloatArray:
+        """Return an effort (nv,) less what keeps the velocity of the start as it is."""
+        return np.asarray(effort - self._bias(self._model, self._data, self._q, self._v))
+
+    def _gone(self) -> FloatArray:
+        """Return where the velocity after the step leads (nq,)."""
+        return np.asarray(self._integrate(self._model, self._q, self._settings[kernels.DT] * self.v))
 
     @property
     def residual(self) -> float:
@@ -253,11 +261,12 @@ class Knot:
             self._look_below()
         self._rate = (after - self._v) / dt
         self._inverse(self._model, data, self._q, self._v, self._rate)
+        self._correct_rates(after)
         if self._push is not None and self._base:  # turns with the base's axes
             turn = skew(data.oMi[1].rotation.T @ self._push)
             self._by_q[:3, 3:6] -= turn
             self._by_q[3:6, 3:6] -= skew(self.stepper.bodies.lever) @ turn
-        self._moved = self._d_integrate(self._model, self._q, dt * after)
+        self._moved = self._way_rates(after)
         self.by_mu, self._response = kernels.first_order_blocks(
             (self._twists, self._first, self._support, self._positions, self._radii, self._frames,
              self._turns),
@@ -265,6 +274,14 @@ class Knot:
             near, Y, by_g, impulses, self._settings, self._L, (self._by_q, self._by_v), self._moved, A, B,
         )  # fmt: skip
         return A, B
+
+    def _correct_rates(self, after: FloatArray) -> None:
+        """Leave the derivatives of inverse dynamics as they are: the plain step's."""
+
+    def _way_rates(self, after: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the derivatives (nv, nv) of the way by q and by the way that (nv,) `after` goes."""
+        by_q, by_way = self._d_integrate(self._model, self._q, self._settings[kernels.DT] * after)
+        return by_q, by_way
 
     def _answer(self) -> Linearisation:
         """Return the ground's answer under the laws themselves."""

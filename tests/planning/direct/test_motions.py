@@ -26,7 +26,7 @@ def test_the_end_stands_on_the_slope_further_up() -> None:
 def test_a_jump_is_at_its_height_when_it_has_to_be() -> None:
     problem = rest_to_rest(planar_hopper(), 0.2, 0.15)
     found = plan_direct(problem)
-    found.plan.raise_if_failed()
+    assert found.miss <= 1e-3
     (k,) = problem.windows
     assert found.trajectory.q[k, 1] >= problem.q[1] + 0.15 - 1e-6
     assert found.trajectory.gaps[k, 0] > 0.02

@@ -35,26 +35,35 @@ def found(go2) -> tuple[ScheduleProblem, ScheduledMotion]:
 def test_the_motion_keeps_to_the_equations_of_motion(go2, found) -> None:
     problem, motion = found
     assert motion.found, motion.iterate.said
-    model, points = go2.model, go2.contact_points
+    model, points, dt = go2.model, go2.contact_points, problem.dt
     data = model.createData()
-    for k in range(problem.knots):
-        rate = (motion.v[k + 1] - motion.v[k]) / problem.dt
-        effort = pin.rnea(model, data, motion.q[k], motion.v[k], rate)
-        pin.computeJointJacobians(model, data, motion.q[k])
-        for force, joint, centre, radius in zip(
-            motion.impulses[k] / problem.dt, points.joints, points.places, points.radii, strict=True
-        ):
+
+    def momentum(q, v):
+        return pin.computeCentroidalMomentum(model, data, q, v).vector.copy()
+
+    for q, v, ahead, after, impulses, torques in zip(
+        motion.q[:-1], motion.v[:-1], motion.q[1:], motion.v[1:], motion.impulses, motion.torques, strict=True
+    ):
+        effort = pin.rnea(model, data, q, v, (after - v) / dt)
+        pin.computeJointJacobians(model, data, q)
+        com, gained = (
+            pin.centerOfMass(model, data, q).copy(),
+            np.array([0.0, 0.0, -problem.weight * dt] + 3 * [0.0]),
+        )
+        for impulse, joint, centre, radius in zip(
+            impulses, points.joints, points.places, points.radii, strict=True
+        ):  # flat ground: contact axes are the world's
             J = pin.getJointJacobian(model, data, int(joint), pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
             arm = data.oMi[int(joint)].rotation @ centre - [0.0, 0.0, radius]
-            effort -= J[:3].T @ force + J[3:].T @ np.cross(
-                arm, force
-            )  # flat ground: contact axes are the world's
-        assert np.abs(effort[:6]).max() < 1e-4
-        assert np.abs(effort[6:] - motion.torques[k]).max() < 1e-4
-        assert (
-            np.abs(pin.integrate(model, motion.q[k], problem.dt * motion.v[k + 1]) - motion.q[k + 1]).max()
-            < 1e-7
-        )
+            effort -= (J[:3].T @ impulse + J[3:].T @ np.cross(arm, impulse)) / dt
+            place = data.oMi[int(joint)].translation + arm
+            gained += np.concatenate([impulse, np.cross(place - com, impulse)])
+        assert np.abs(effort[6:] - torques).max() < 1e-4
+        before = momentum(pin.integrate(model, q, -dt * v), v)
+        assert np.abs(momentum(q, after) - before - gained).max() < 1e-4 * dt
+        assert np.abs(pin.integrate(model, q, dt * after) - ahead)[3:].max() < 1e-7
+        way = dt / go2.mass * momentum(q, after)[:3]
+        assert np.abs(pin.centerOfMass(model, data, ahead) - com - way).max() < 1e-7
 
 
 def test_forces_modes_and_limits(go2, found) -> None:

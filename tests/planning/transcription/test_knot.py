@@ -7,17 +7,18 @@ import pytest
 
 import surefoot as sf
 from surefoot.planning.transcription.knot import SymbolicKnot, stacked
-from surefoot.stepping import Knot, StepOptions, Stepper
+from surefoot.stepping import MomentumKnot, StepOptions, Stepper
 
 casadi = pytest.importorskip("casadi")
 
 
 @pytest.mark.parametrize("angle", [0.0, 12.0])
 def test_an_exact_step_leaves_nothing_missing(angle: float) -> None:
-    """Torques, impulses and states of `stepping.Knot`, feet on the ground and above it, at speed."""
+    """Torques, impulses and states of `stepping.MomentumKnot`, feet on the ground and above it, at speed."""
     robot, ground, dt = sf.load_robot("go2"), sf.SlopeTerrain(angle), 0.02
     rng = np.random.default_rng(0)
-    step, knot = Knot(Stepper(robot, ground, StepOptions(dt=dt, order=1))), SymbolicKnot(robot, ground, dt)
+    step = MomentumKnot(Stepper(robot, ground, StepOptions(dt=dt, order=1)))
+    knot = SymbolicKnot(robot, ground, dt)
     forces, torques = casadi.SX.sym("forces", 3, 4), casadi.SX.sym("torques", robot.joints)
     q, v = sf.place(robot, ground), 0.5 * rng.normal(size=18)
     q[2] += 2e-3

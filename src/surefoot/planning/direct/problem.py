@@ -13,6 +13,7 @@ from surefoot.planning.transcription.planar import is_planar, passive_joints
 from surefoot.planning.transcription.touches import BodyTouch
 from surefoot.planning.transcription.window import StateWindow, limit_joints
 from surefoot.robot import Robot
+from surefoot.stepping.momentum_knot import velocity_of_way
 from surefoot.terrain import FlatTerrain, Terrain
 
 
@@ -152,5 +153,5 @@ class DirectProblem:
             limit_joints(self.robot, low, high)
         for k, window in [*self.windows.items(), (self.knots, self.end)]:
             window.narrow(low[k], high[k], nq, k)
-        low[0] = high[0] = np.concatenate([self.q, self.v])
+        low[0] = high[0] = np.concatenate([self.q, velocity_of_way(model, self.q, self.v, self.dt)])
         return low, high

@@ -169,7 +169,7 @@ class ContactImplicitMpc(Controller):
         self.settings = s = settings or MpcSettings()
         self._pose = place(robot)
         costs = walking_costs(robot, self._pose, s.weights)
-        self.engine = Engine(ShootingProblem(robot, costs, s.knots, s.dt, s.mu, terrain))
+        self.engine = Engine(ShootingProblem(robot, costs, s.knots, s.dt, s.mu, terrain, momentum=False))
         self._terrain = FlatTerrain() if terrain is None else terrain
         self._limits = np.array([-robot.effort_limits, robot.effort_limits])
         self._hold = self.engine.tables.torque[1][0].copy()

@@ -35,7 +35,7 @@ from surefoot.planning.transcription.knot import stacked
 from surefoot.planning.transcription.nlp import Block, Iterate, OnIteration, Sides, pack, unpack
 from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot.libraries import import_casadi
-from surefoot.robot.symbolic_body import turn_matrix
+from surefoot.robot.symbolic_rotations import turn_matrix
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 POSITION, ORIENTATION, VELOCITY, MOMENTUM, FORCE, FOOTHOLD = 2.0, 10.0, 0.01, 1.0, 1.0, 1.0

@@ -31,6 +31,9 @@ RISE = 0.3
 """How much higher than where it stands the base is expected in the middle of a backflip [m]."""
 KNOT = 0.01
 """Length of a knot [s]."""
+REST = 0.01
+"""Largest speed at the end [m/s, rad/s]. With none at all Ipopt creeps: feet whose gaps are closed before and
+after the last motion, to second order, admit next to none of it, and its rows have no slope there."""
 LIKELY = 0.75
 """Share of the ground's friction that a plan counts on."""
 GAP = 0.27
@@ -83,7 +86,7 @@ def jump(robot: Robot, distance: float, height: float, mu: float, dt: float | No
     reference[:, 2] += _flight_height(np.asarray(t - push), flight)
     end = reference[-1]
     within = np.concatenate([[0.01, 0.02, 0.02], np.full(4, 0.015), np.full(robot.joints, 0.02)])
-    windows = {knots: StateWindow.at(end, np.zeros(robot.model.nv), within)}
+    windows = {knots: StateWindow.at(end, np.zeros(robot.model.nv), within, REST)}
     if height > 0.0:
         windows[round((push + 0.5 * flight) / dt)] = _above(q, height)
     return ScheduleProblem(
@@ -120,7 +123,7 @@ def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProble
     reference[:, 3:7] = _turned(q[3:7], -2.0 * math.pi * share)
     reach = float(robot.nominal[2])
     within = np.concatenate([[1.05 * reach, 0.02, 0.03], np.full(4, 0.03), np.full(robot.joints, 0.12)])
-    end = StateWindow.at(reference[-1], np.zeros(nv), within)
+    end = StateWindow.at(reference[-1], np.zeros(nv), within, REST)
     touchdown = round((push + rear + flight) / dt)
     windows = {k: _spread(robot, q) for k in range(round((push + rear) / dt), touchdown)}
     windows |= {knots: end}

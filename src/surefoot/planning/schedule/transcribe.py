@@ -22,6 +22,7 @@ from surefoot.robot import Robot
 from surefoot.robot.libraries import import_casadi
 from surefoot.robot.motor_limits import MotorLimits
 from surefoot.robot.symbolic_body import SymbolicBody
+from surefoot.stepping.momentum_knot import velocity_of_way
 
 ROUND = 1e-3
 """Rounds the cone's tip, as a share of m g: sqrt(f_t² + ROUND²) has a slope there."""
@@ -173,7 +174,7 @@ def variable_bounds(problem: ScheduleProblem) -> Sides:
     limit_joints(robot, low, high, problem.speed_share)
     for k, window in problem.windows.items():
         window.narrow(low[k], high[k], nq, k)
-    low[0] = high[0] = np.concatenate([problem.q, problem.v])
+    low[0] = high[0] = np.concatenate([problem.q, velocity_of_way(model, problem.q, problem.v, problem.dt)])
     force = np.repeat(problem.stance, 3, axis=1)
     most = np.where(force, np.inf, 0.0)
     least = -most

@@ -62,7 +62,7 @@ class Engine:
     def horizon(self, tol: float) -> Horizon:
         """Return knots for the problem."""
         p = self.problem
-        return Horizon(p.robot, p.knots, p.dt, p.mu, p.terrain, tol)
+        return Horizon(p.robot, p.knots, p.dt, p.mu, p.terrain, tol, p.momentum)
 
     def take(self, q: FloatArray, v: FloatArray, torques: FloatArray) -> bool:
         """Start from (N + 1, nq), (N + 1, nv) states and (N, joints) torques [N m] as they are, gaps and all.

@@ -16,7 +16,9 @@ from surefoot.planning.shooting.cost_kernels import motion_cost
 from surefoot.planning.shooting.costs import Tables
 from surefoot.planning.shooting.state_space import defect, feedback, retract
 from surefoot.robot import Robot
+from surefoot.robot.centroidal import carried_momentum
 from surefoot.stepping.knot import Knot
+from surefoot.stepping.momentum_knot import MomentumKnot
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.stepper import Stepper
 from surefoot.terrain import Terrain
@@ -57,6 +59,8 @@ class Horizon:
         N.
     dt, mu, terrain, tol
         Length of a knot [s], friction, the ground, and the tolerance of the contact problems.
+    momentum
+        Whether the knots keep momentum; else plain first-order steps.
 
     Attributes
     ----------
@@ -75,7 +79,7 @@ class Horizon:
     defect
         Sum of |gaps|.
     A, B, moved
-        Derivatives (N, 2nv, 2nv) and (N, 2nv, m) of the steps, and (N, 2, b, b) of q ⊕ dt v⁺.
+        Derivatives (N, 2nv, 2nv) and (N, 2nv, m) of the steps, and (N, 2, b, w) of their ways, see `riccati`.
 
     Raises
     ------
@@ -84,8 +88,9 @@ class Horizon:
     """
 
     def __init__(
-        self, robot: Robot, knots: int, dt: float, mu: float, terrain: Terrain | None, tol: float = 1e-8
-    ) -> None:
+        self, robot: Robot, knots: int, dt: float, mu: float, terrain: Terrain | None, tol: float = 1e-8,
+        momentum: bool = True,
+    ) -> None:  # fmt: skip
         model, p = robot.model, len(robot.contact_points)
         nq, nv, m = int(model.nq), int(model.nv), robot.joints
         if nq != nv + (1 if robot.floating else 0):
@@ -96,18 +101,20 @@ class Horizon:
             )
         self.floating, self.dt, self.mu = robot.floating, dt, mu
         options = StepOptions(dt=dt, order=1, tol=tol)
-        self._knots = [Knot(Stepper(robot, terrain, options)) for _ in range(knots)]
+        kind = MomentumKnot if momentum else Knot
+        self._knots = [kind(Stepper(robot, terrain, options)) for _ in range(knots)]
         self.q, self.v, self.torques = (
             np.zeros((knots + 1, nq)),
             np.zeros((knots + 1, nv)),
             np.zeros((knots, m)),
         )
         self.q[:] = robot.nominal
-        self.gaps, self.block = np.zeros((knots, 2 * nv)), robot.base_dof
+        block = len(carried_momentum(model)) if momentum else robot.base_dof
+        self.gaps, self.block = np.zeros((knots, 2 * nv)), block
         self.J, self.rates = np.zeros((knots, 3 * p, nv)), np.zeros((knots, 3 * p, nv))
         self.heights, self.impulses = np.zeros((knots, p)), np.zeros((knots, p, 3))
         self.A, self.B = np.zeros((knots, 2 * nv, 2 * nv)), np.zeros((knots, 2 * nv, m))
-        self.moved = np.zeros((knots, 2, self.block, self.block))
+        self.moved = np.zeros((knots, 2, block, nv if momentum else block))
         self.cost = self.defect = np.inf
 
     def __len__(self) -> int:
@@ -205,9 +212,7 @@ class Horizon:
                 break
             else:
                 return False
-            b = self.block
-            if b:
-                by_start, by_way = knot.moved
-                self.moved[k, 0], self.moved[k, 1] = by_start[:b, :b], by_way[:b, :b]
+            for part, rates in zip(self.moved[k], knot.moved, strict=True):
+                part[:] = rates[: part.shape[0], : part.shape[1]]
             self.rates[k] = knot.contact_rates()
         return True

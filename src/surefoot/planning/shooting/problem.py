@@ -48,6 +48,9 @@ class ShootingProblem:
         (joints,) largest torques [N m]; None for the robot's effort limits.
     goal
         What has to be reached; None: any lawful motion counts.
+    momentum
+        Whether its knots keep momentum (`MomentumKnot`), as those of plans; a controller that looks anew
+        every few knots does without (`Knot`).
 
     Raises
     ------
@@ -63,6 +66,7 @@ class ShootingProblem:
     terrain: Terrain | None = None
     limits: FloatArray | None = None
     goal: Goal | None = None
+    momentum: bool = True
 
     def __post_init__(self) -> None:
         whole_number("knots", self.knots, low=1)

@@ -4,9 +4,10 @@ State tangents are dx = (dq, dv), each of length n. A semi-implicit step gives::
 
     dv⁺ = A_v dx + B_v du,    dq⁺ = S dq + dt W dv⁺
 
-with S and W, the derivatives of q ⊕ dt v⁺, equal to the identity outside the first b rows (six of a free
-flyer). So the quadratic of the value behind the step is first written in (dq, dv⁺), and only products with
-A_v and B_v are left: a third of the work of dense A and B.
+with S and W, the derivatives of the way, equal to the identity outside the first b rows (six of a free
+flyer), which hold w columns: b of a plain step, all n where the base's place follows the centre of mass. So
+the quadratic of the value behind the step is first written in (dq, dv⁺), and only products with A_v and B_v
+are left: a third of the work of dense A and B.
 
 At every knot the input's step k solves the box program ``min ½ kᵀ Q_uu k + Q_uᵀ k, low <= k <= high``, and
 the gains K answer with the inputs that are free there: control-limited DDP [1]_. Gaps of open knots enter the
@@ -135,18 +136,17 @@ def _behind(V: FloatArray, moved: FloatArray, dt: float, out: FloatArray) -> Non
     for i in range(n, 2 * n):
         for j in range(V.shape[1]):
             out[i, j] = V[i, j]
-    for i in range(b):
+    for i in range(n):
+        own = 1.0 if i >= b else 0.0
         for j in range(V.shape[1]):
-            out[i, j] = 0.0
+            out[i, j] = own * V[i, j]
+            out[n + i, j] += own * dt * V[i, j]
+    for i in range(moved.shape[2]):
         for k in range(b):
             s, w = moved[0, k, i], dt * moved[1, k, i]
             for j in range(V.shape[1]):
                 out[i, j] += s * V[k, j]
                 out[n + i, j] += w * V[k, j]
-    for i in range(b, n):
-        for j in range(V.shape[1]):
-            out[i, j] = V[i, j]
-            out[n + i, j] += dt * V[i, j]
 
 
 @inline_kernel
@@ -262,9 +262,9 @@ def _slope_ahead(
         for j in range(twice):
             reached[i] += V[i, j] * gap[j]
     for i in range(n):
-        out[i], out[n + i] = reached[i], reached[n + i] + dt * reached[i]
-    for i in range(b):
-        out[i], out[n + i] = 0.0, reached[n + i]
+        own = 1.0 if i >= b else 0.0
+        out[i], out[n + i] = own * reached[i], reached[n + i] + own * dt * reached[i]
+    for i in range(moved.shape[2]):
         for k in range(b):
             out[i] += moved[0, k, i] * reached[k]
             out[n + i] += dt * moved[1, k, i] * reached[k]
@@ -306,7 +306,7 @@ def backward_pass(
     Parameters
     ----------
     dynamics
-        A (N, 2n, 2n) and B (N, 2n, m), whose lower halves are read; S and W (N, 2, b, b); and the gaps
+        A (N, 2n, 2n) and B (N, 2n, m), whose lower halves are read; S and W (N, 2, b, w); and the gaps
         (N, 2n): where each knot's step ends less where the next knot starts.
     costs
         Gradients (N + 1, 2n) and Hessians (N + 1, 2n, 2n) by the states; (N, m) and (N, m, m) by the inputs.

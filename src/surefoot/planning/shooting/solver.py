@@ -36,6 +36,7 @@ from surefoot.planning.shooting.problem import (
 )
 from surefoot.planning.tasks.task import Iteration
 from surefoot.planning.trajectory import TOLERANCE, rollout
+from surefoot.stepping.momentum_knot import velocity_of_way
 
 STANDING_STILL = 3
 """Iterations without progress after which a stage ends."""
@@ -124,6 +125,9 @@ class Shooting:
         p, model = self.problem, self.problem.robot.model
         N, nq, nv, m = p.knots, int(model.nq), int(model.nv), p.robot.joints
         q, v = p.robot.configuration(q), finite_array("v", v, (nv,))
+        self._first = v
+        if p.momentum:
+            v = velocity_of_way(model, q, v, p.dt)
         u = np.zeros((N, m)) if torques is None else finite_array("torques", torques, (N, m))
         engine = self.engine
         engine.gains[:] = engine.steps[:] = 0.0
@@ -182,7 +186,7 @@ class Shooting:
         if gap > CLOSED:  # the policy, not the bare torques: it closes the gaps where it can
             engine.restart(now.q[0].copy(), now.v[0].copy())
             now = engine.now
-        trajectory = rollout(p.robot, now.q[0], now.v[0], now.torques, dt=p.dt, mu=p.mu, terrain=p.terrain)
+        trajectory = rollout(p.robot, now.q[0], self._first, now.torques, dt=p.dt, mu=p.mu, terrain=p.terrain)
         distance = 0.0 if p.goal is None else float(p.goal.distance(trajectory))
         status: Status = Status.STALLED if ended is Status.SOLVED else ended
         lawful = trajectory.lawful and trajectory.law_residual <= TOLERANCE

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -117,7 +117,7 @@ def scheduled_plan(
         task, ROAD, motion.iterate.cost, bool(done and motion.found), motion.iterate.iterations,
         time.perf_counter() - begun, said, stopped,
     )  # fmt: skip
-    facts: dict[str, object] = {"mode_events": list(getattr(problem.schedule, "event_times", []))}
+    facts: dict[str, Any] = {"mode_events": list(getattr(problem.schedule, "event_times", []))}
     if ended == "interrupted":
         facts["interrupted"] = True
     return plan_from(trajectory, problem.robot, search, problem.terrain, **facts)

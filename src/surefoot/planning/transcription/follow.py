@@ -16,7 +16,7 @@ from surefoot.errors import NoSolution
 from surefoot.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.planning.transcription.judge import Motion
 from surefoot.planning.transcription.touches import touching_rollout
-from surefoot.stepping import Knot, StepOptions, Stepper
+from surefoot.stepping import MomentumKnot, StepOptions, Stepper
 
 if TYPE_CHECKING:
     from surefoot.planning.direct.problem import DirectProblem
@@ -74,7 +74,7 @@ def gains(problem: Followed, motion: Motion) -> FloatArray:
     robot, limits = problem.robot, problem.torque_limits
     assert limits is not None
     options = StepOptions(dt=problem.dt, order=1, tol=TOLERANCE)
-    knot = Knot(Stepper(robot, problem.terrain, options))
+    knot = MomentumKnot(Stepper(robot, problem.terrain, options))
     motors = np.flatnonzero(limits > 0.0)
     size = 2 * int(robot.model.nv)
     value, out = np.eye(size), np.zeros((problem.knots, robot.joints, size))

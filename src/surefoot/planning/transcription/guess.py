@@ -22,7 +22,7 @@ class Guess:
     Attributes
     ----------
     q, v
-        (N + 1, nq), (N + 1, nv).
+        (N + 1, nq), (N + 1, nv); the velocities are those of the ways, see `Trajectory.ways`.
     torques
         (N, joints) [N m].
     impulses
@@ -61,7 +61,8 @@ class Guess:
 
         Velocities and impulses are scaled to the problem's time step where the motion has its own.
         """
-        guess = cls(motion.q, motion.v, motion.torques, motion.impulses)
+        speeds = motion.ways if isinstance(motion, Trajectory) else motion.v
+        guess = cls(motion.q, speeds, motion.torques, motion.impulses)
         if problem is None:
             return guess
         own = len(guess.torques) * motion.dt if isinstance(motion, Trajectory) else problem.knots * problem.dt

@@ -79,7 +79,8 @@ def complementarity(impulses: FloatArray, gaps: FloatArray, sliding: FloatArray,
 def exact_cost(problem: DirectProblem, trajectory: Trajectory) -> float:
     """Return the cost of a trajectory under a problem's weights."""
     w, dt, t = problem.weights, problem.dt, trajectory
-    off, change = t.q[1:] - problem.references[1:], np.diff(t.v, axis=0)
-    running = w.torque * np.sum(t.torques**2) + w.velocity * np.sum(t.v[1:] ** 2) + w.posture * np.sum(off**2)
-    end = np.sum(off[-1] ** 2) + np.sum(t.v[-1] ** 2)
+    off, change = t.q[1:] - problem.references[1:], np.diff(t.ways, axis=0)
+    running = w.torque * np.sum(t.torques**2) + w.velocity * np.sum(t.ways[1:] ** 2)
+    running += w.posture * np.sum(off**2)
+    end = np.sum(off[-1] ** 2) + np.sum(t.ways[-1] ** 2)
     return float(dt * running + w.change / dt * np.sum(change**2) + w.end * end)

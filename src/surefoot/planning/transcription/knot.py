@@ -1,9 +1,11 @@
 """A knot of the exact step in symbols, and rows with their bounds: what every road writes its program with.
 
-Semi-implicit Euler as `surefoot.stepping.Knot` takes it, written as inverse dynamics (no mass matrix is
-inverted)::
+Semi-implicit Euler as `surefoot.stepping.MomentumKnot` takes it, written as inverse dynamics of the joints
+(no mass matrix is inverted) and momentum of the whole robot::
 
-    RNEA(q, v, (v⁺ - v) / dt, f) = S tau,      q⁺ = q ⊕ dt v⁺
+    RNEA(q, v, (v⁺ - v) / dt, f) = tau        for the joints
+    A_G(q) v⁺ - A_G(q ⊖ dt v) v = dt ([m g; 0] + Σ [f; (p - c) x f])
+    q⁺ = q ⊕ dt v⁺                            but for the base's place: c(q⁺) = c(q) + dt p⁺ / m
 """
 
 from __future__ import annotations
@@ -16,8 +18,10 @@ from numpy.typing import ArrayLike
 
 from surefoot.planning.transcription.nlp import Expression, Sides
 from surefoot.robot import Robot
+from surefoot.robot.centroidal import carried_momentum
 from surefoot.robot.libraries import import_casadi
 from surefoot.robot.symbolic_body import SymbolicBody
+from surefoot.robot.symbolic_rotations import turned
 from surefoot.terrain import Terrain
 
 Row: TypeAlias = tuple[Expression, ArrayLike, ArrayLike]
@@ -55,6 +59,9 @@ class SymbolicKnot:
         self.q_after, self.v_after = self.after[: body.nq], self.after[body.nq :]
         self.frame = np.asarray(terrain.frame([0.0, 0.0]))
         self.height = float(terrain.height([0.0, 0.0])) * self.frame[2, 2]
+        self._rows = list(carried_momentum(robot.model))
+        self._turn, self._local = body.base_turn(self.q), body.at_origin(self.q)
+        self._com, self._linear, self._angular = body.momentum(self._local, self.v_after)
 
     def world(self, forces: Expression) -> Expression:
         """Return (3, p) in world axes what is (3, p) in contact axes."""
@@ -64,11 +71,43 @@ class SymbolicKnot:
         """Return what forces (3, p), world axes [N], and torques (joints, 1) lack of the motion (nv, 1)."""
         ca, change = import_casadi(), (self.v_after - self.v) / self.dt
         effort = self.body.inverse_dynamics(self.q, self.v, change, forces, self.frame[:, 2])
-        return effort - ca.vertcat(ca.SX.zeros(self.robot.base_dof), torques)
+        missing = effort - ca.vertcat(ca.SX.zeros(self.robot.base_dof), torques)
+        if not self._rows:
+            return missing
+        n, body, turn = len(self._rows), self.body, self._turn
+        # in the base's axes at the start, which turned from those where the way there began
+        before = body.momentum(body.at_origin(body.integrate(self.q, -self.dt * self.v)), self.v)[1:]
+        linear, angular = (turned(part, -self.dt * self._spin(self.v)) for part in before)
+        pushes = ca.mtimes(turn.T, forces)
+        down = ca.mtimes(turn.T, ca.DM(np.outer(self.frame[:, 2], self.robot.contact_points.radii)))
+        arms = body.sphere_centres(self._local) - down - ca.repmat(self._com, 1, body.points)
+        weight = ca.mtimes(turn.T, ca.DM(self.robot.mass * np.array(self.robot.model.gravity.linear)))
+        turning = sum(ca.cross(arms[:, k], pushes[:, k]) for k in range(body.points))
+        rate = ca.vertcat(self._linear - linear, self._angular - angular) / self.dt
+        gained = rate - ca.vertcat(ca.sum2(pushes) + weight, turning)
+        motors = ca.vertcat(ca.SX.zeros(self.robot.base_dof), torques)[:n]
+        return ca.vertcat(gained[self._rows] - motors, missing[n:])
 
     def missed_way(self) -> Expression:
-        """Return (nq, 1) q⁺ less q ⊕ dt v⁺."""
-        return self.q_after - self.body.integrate(self.q, self.dt * self.v_after)
+        """Return (nq, 1) q⁺ less q ⊕ dt v⁺, of the base's place what the centre of mass is off."""
+        ca, body = import_casadi(), self.body
+        missed = self.q_after - body.integrate(self.q, self.dt * self.v_after)
+        if not self._rows:
+            return missed
+        ahead = body.momentum(body.at_origin(self.q_after), self.v_after)[0]
+        shape = turned(ahead, self.dt * self._spin(self.v_after)) - self._com
+        slides = [row for row in self._rows if row < 3]
+        moved = ca.SX.zeros(3)
+        for place, row in enumerate(slides):
+            moved[row] = self.q_after[place] - self.q[place]
+        off = ca.mtimes(self._turn.T, moved) + shape - self.dt / self.robot.mass * self._linear
+        for place, row in enumerate(slides):
+            missed[place] = off[row]
+        return missed
+
+    def _spin(self, v: Expression) -> Expression:
+        """Return the base's rate of turning (3, 1) in its axes, none where it is no free flyer."""
+        return v[3:6] if self.robot.floating else import_casadi().SX.zeros(3)
 
     def gaps(self, q: Expression) -> Expression:
         """Return the gaps (1, p) of the contact points at (nq, 1) q [m]."""

@@ -124,5 +124,6 @@ def touching_rollout(problem: DirectProblem, policy: TorquePolicy) -> Trajectory
         )
         out.q[k + 1] = out.q[k] + dt * out.v[k + 1]
         out.impulses[k][:, PLANAR], touched[k][:, PLANAR] = impulses[:feet], impulses[feet:]
+    out.ways[:] = out.v
     out.locate(step.stepper)
     return replace(out, touch_impulses=touched)

@@ -1,0 +1,58 @@
+"""After `warm_up` no step of a controller compiles a kernel or loads one, whatever happens to the robot."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+PROGRAM = """
+import sys, time
+import numpy as np
+import surefoot as sf
+from surefoot.compilation.dispatcher import Kernel
+from surefoot.control.controller import Wrapper
+from surefoot.control.walkers import walking_controller
+
+new, spent, watched = [], [], False
+original = Kernel.compile
+
+def compile(kernel, types):
+    before = len(kernel.overloads)
+    made = original(kernel, types)
+    if watched and len(kernel.overloads) > before:
+        new.append(kernel.py_func.__name__)
+    return made
+
+Kernel.compile = compile
+
+class Watched(Wrapper):
+    def step(self, state):
+        global watched
+        watched, begin = True, time.thread_time()
+        try:
+            return self.controller.step(state)
+        finally:
+            watched = False
+            spent.append(1e3 * (time.thread_time() - begin))
+
+robot = sf.load_robot(sys.argv[1])
+command = sf.VelocityCommand.constant(0.4, 0.0, 0.2)
+walker = walking_controller(robot, command, watch_friction=len(robot.feet) == 4)
+pushes = [sf.Push(0.5, (0, 300, 0), 0.1), sf.Push(0.8, (0, 0, -700), 0.1), sf.Push(1.1, (-300, 200, 0), 0.2)]
+log = sf.run(sf.MujocoWorld(robot), Watched(walker), sf.Scenario(1.8, 0.6, pushes))
+assert log["saturated"].any(), "no torque met its limit"
+print("step [ms of CPU]: median %.2f, 99 %% %.2f, 99.9 %% %.2f, most %.2f"
+      % tuple(np.percentile(spent, [50, 99, 99.9, 100])))
+assert not new, new
+"""
+
+
+@pytest.mark.parametrize("robot", ["go2", pytest.param("g1", marks=pytest.mark.long)])
+def test_no_step_compiles(robot: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """In a new process; `pytest -s` prints what the steps took."""
+    done = subprocess.run([sys.executable, "-c", PROGRAM, robot], capture_output=True, text=True, check=False)
+    with capsys.disabled():
+        print(f"\n{robot}: {done.stdout.strip()}")
+    assert done.returncode == 0, done.stderr[-2000:]

@@ -1,0 +1,87 @@
+"""What SOLVED means beside the goal: momentum that forces gave, and a finer run that ends there as well."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surefoot.contact import Status
+from surefoot.planning import PlanSearch, plan_from, rollout
+from surefoot.planning.certificate import certify, link_hits, momentum_error
+from surefoot.planning.planner import plan
+from surefoot.robot import place
+from surefoot.terrain import FlatTerrain
+
+casadi = pytest.importorskip("casadi")
+FOUND = PlanSearch("stand", "by hand", cost=0.0, reached=True, iterations=1, seconds=0.0, goal="stands")
+LONG = [pytest.param(task, marks=pytest.mark.long) for task in ("jump", "jump-up", "backflip")]
+
+
+def test_nothing_pushes_a_hopper_off_ice() -> None:
+    """The plain step's error did: SOLVED, with a horizontal impulse of 0.000 N s."""
+    made = plan(None, "hopper", 0.3, mu=0.0)
+    assert made.status is Status.STALLED
+    assert made.robot is not None
+    ways = np.array([made.robot.com(q)[0] for q in [*made["q"], made.fact("end_q")]])
+    assert np.abs(ways - ways[0]).max() < 1e-12
+
+
+@pytest.mark.parametrize("task", ["ball", "hopper", "push", *LONG])
+def test_every_task_keeps_momentum(task: str) -> None:
+    made = plan(None, task)
+    motion, robot = made.again() if task != "push" else None, made.robot
+    assert robot is not None
+    assert made.facts["momentum_error"] < 1e-12
+    if motion is not None:
+        assert momentum_error(motion, robot, FlatTerrain()) < 1e-12
+    assert made.status is (Status.SOLVED if made.facts["replay_apart"] <= 0.02 else Status.ALMOST)
+    assert made.status is Status.SOLVED, made.facts["goal"]
+
+
+@pytest.fixture(scope="module")
+def standing(go2):
+    q = place(go2)
+    hold = lambda k, a, v: 60.0 * (q[7:] - a[7:]) - 2.0 * v[6:]  # noqa: E731
+    return rollout(go2, q, np.zeros(18), hold, dt=0.002, steps=100)
+
+
+def test_a_stand_ends_where_it_is(go2, standing) -> None:
+    said = certify(standing, go2, FlatTerrain())
+    assert said.holds
+    assert said.momentum < 1e-12
+    assert said.apart < 1e-4
+
+
+def test_impulses_that_did_not_act_are_noticed(go2, standing) -> None:
+    """2 % of the weight, sideways, in every knot."""
+    pushed = standing.impulses.copy()
+    pushed[:, 0, 1] += 0.02 * standing.dt * go2.mass * 9.81
+    forged = replace(standing, impulses=pushed)
+    assert momentum_error(forged, go2, FlatTerrain()) > 0.01
+    made = plan_from(forged, go2, FOUND)
+    assert made.status is Status.ALMOST
+    assert "off the impulses" in made.facts["goal"]
+
+
+def test_an_end_that_a_finer_run_does_not_reach_is_noticed(go2, standing) -> None:
+    moved = standing.q.copy()
+    moved[1:, 0] += 0.03
+    made = plan_from(replace(standing, q=moved), go2, FOUND)
+    assert made.status is Status.ALMOST
+    assert "ends 3 cm off" in made.facts["goal"]
+
+
+def test_links_that_hit_are_noticed(go2, standing) -> None:
+    """The trunk laid into the ground, and the legs folded inwards until left and right meet."""
+    assert not link_hits(standing, go2, FlatTerrain())
+    low, crossed = standing.q.copy(), standing.q.copy()
+    low[-1, 2] -= 0.3
+    assert ("base_0", "ground") in link_hits(replace(standing, q=low), go2, FlatTerrain())
+    crossed[-1, [7, 10]] = -0.5, 0.5  # hips of the front legs
+    met = link_hits(replace(standing, q=crossed), go2, FlatTerrain())
+    assert any({one[:2], other[:2]} == {"FL", "FR"} for one, other in met)
+    made = plan_from(replace(standing, q=crossed), go2, FOUND)
+    assert made.status is Status.ALMOST
+    assert " mm into " in made.facts["goal"]
