@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
@@ -135,13 +134,6 @@ def of_kind(name: str, value: object, kind: type, like: str) -> None:
     if not isinstance(value, kind):
         given = " ".join(f"{value!r:.60}".split())
         raise ProblemError(f"{name} must be a {kind.__name__}, as {like} is one, got {given}")
-
-
-def path_of(value: object) -> Path:
-    """Return the path that a text or path names, or raise for what is neither."""
-    if not isinstance(value, (str, Path)):
-        raise ProblemError(f"a file is named by a text or a Path, got {value!r:.60}")
-    return Path(value)
 
 
 def check_order(low: FloatArray, high: FloatArray) -> None:

@@ -8,11 +8,17 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from surefoot.arrays import path_of
 from surefoot.errors import ProblemError, check_name
 
 MOST = 64_000_000
 """Bytes of a text that are read at most: a device never ends."""
+
+
+def path_of(value: object) -> Path:
+    """Return the path that a text or path names, or raise for what is neither."""
+    if not isinstance(value, (str, Path)):
+        raise ProblemError(f"a file is named by a text or a Path, got {value!r:.60}")
+    return Path(value)
 
 
 def read_text(path: Path | str, what: str = "") -> str:

@@ -19,12 +19,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, path_of
+from surefoot.arrays import FloatArray, finite_array
 from surefoot.contact import fclib, siconos_text
 from surefoot.contact.foreign import SHRINKS, SMALL
 from surefoot.contact.lcp import LCP
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.text_files import path_of
 
 KINDS = {".hdf5": "fclib", ".h5": "fclib", ".dat": "siconos", ".npz": "npz"}
 

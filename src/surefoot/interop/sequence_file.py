@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, path_of
+from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ProblemError, WriteError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
-from surefoot.text_files import read_text, table_of
+from surefoot.text_files import path_of, read_text, table_of
 
 FORMAT, VERSION = "surefoot.contact-sequence", 1
 SCHEMA = Path(__file__).with_name("contact_sequence.schema.json")

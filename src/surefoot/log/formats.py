@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from surefoot.arrays import path_of
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import csv_file, mcap_file, npz, parts, rosbag
 from surefoot.log.log import Log
@@ -15,6 +14,7 @@ from surefoot.log.mapped import log_from_source
 from surefoot.log.mapping import LogMapping
 from surefoot.log.source import Source
 from surefoot.log.spoilt import SPOILT
+from surefoot.text_files import path_of
 
 
 @dataclass(frozen=True)

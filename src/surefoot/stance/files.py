@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, path_of, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
 from surefoot.spatial import rotation_from_normal
 from surefoot.stance.contact import Contact, PatchContact, PointContact
 from surefoot.stance.stance import Stance
-from surefoot.text_files import read_yaml, table_of
+from surefoot.text_files import path_of, read_yaml, table_of
 
 _TOP = ("name", "mass", "com", "external_wrench", "mu", "contacts")
 _CONTACT = ("name", "position", "normal", "mu", "heading", "normal_min", "normal_max", "length", "width")

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from surefoot import __version__
-from surefoot.arrays import path_of, whole_number
+from surefoot.arrays import whole_number
 from surefoot.errors import ProblemError, check_name
 from surefoot.sweep.experiment import SweepExperiment, make_experiment
 from surefoot.sweep.function import FunctionExperiment, experiment_of
 from surefoot.sweep.ranges import read_range
 from surefoot.sweep.space import MOST, Space
-from surefoot.text_files import read_yaml, table_of
+from surefoot.text_files import path_of, read_yaml, table_of
 
 _KEYS = ("experiment", "samples", "seed", "settings", "ranges", "maps")
 SAMPLES = 1000
