@@ -17,7 +17,7 @@ from surefoot.errors import ModelError, ProblemError, unknown_name
 from surefoot.robot import catalog
 from surefoot.robot.contact_points import ContactPoints, contact_points
 from surefoot.robot.descriptions import described, is_described
-from surefoot.robot.foot import Foot, read_foot, shaped_foot
+from surefoot.robot.foot import Foot, frame_names, read_foot, shaped_foot
 from surefoot.robot.libraries import import_pinocchio
 from surefoot.robot.mjcf import is_mjcf, nominal_of, read_mjcf
 from surefoot.robot.nominal import bend_legs
@@ -272,10 +272,7 @@ def load_robot(
     >>> round(robot.mass, 3), robot.foot_names
     (16.085, ('FL_foot', 'FR_foot', 'RL_foot', 'RR_foot'))
     """
-    if isinstance(feet, str):
-        feet = [name.strip() for name in feet.split(",")]
-    if feet is not None and not (isinstance(feet, Sequence) and all(isinstance(f, str) for f in feet)):
-        raise ProblemError(f"feet must be names of frames, got {feet!r:.60}")
+    feet = frame_names(feet)
     text = str(described(str(robot)) if is_described(str(robot)) else robot)
     if text.lower().endswith((".urdf", ".xml")) or "/" in text:
         path, entry = Path(text).expanduser(), catalog.CatalogEntry(text, fixed_base=bool(fixed_base))
