@@ -21,6 +21,7 @@ from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators
 from surefoot.simulation.actuated import JointFriction, equipped
+from surefoot.simulation.recorder import RECORDER
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping import State, Step, StepDerivative, StepOptions, Stepper, step_derivative
 from surefoot.stepping.bodies import finite_vector
@@ -160,7 +161,8 @@ class RigidWorld:
         options = StepOptions.of(dt, settings)
         own = 0.6 if options.soft is None else options.soft.friction.mu
         self.set_friction(own if mu is None else mu)
-        self.stepper = Stepper(
+        recorder = RECORDER.get()
+        self.stepper = (None if recorder is None else recorder.stepper) or Stepper(
             robot, terrain, options, payload, chosen_geometry(robot, collision), payload_position
         )
         self.robot, self.terrain, self.dt = robot, self.stepper.terrain, options.dt
@@ -188,6 +190,8 @@ class RigidWorld:
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
         """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         self._state: State = self.stepper.start(q, v)
+        if (recorder := RECORDER.get()) is not None:
+            self._state = recorder.placed(self._state)
         self._start = self.stepper.contacts(self._state)
         self.last: Step | None = None
         self.unsolved, self.worst_residual = 0, 0.0
@@ -230,10 +234,17 @@ class RigidWorld:
             Where the motion cannot be resolved or stops being finite. The world stays in the state before
             the step.
         """
+        if (recorder := RECORDER.get()) is not None:
+            known = recorder.before(self, torques, push)
+            if known is not None:
+                self._state = known
+                return
         torques = self._net(torques)
         self.last = step = self.stepper.step(self._state, torques, push, self.mu)
         pushed = None if push is None else np.array(push, dtype=np.float64)
         self._given = self._state, np.array(torques, dtype=np.float64), pushed, self.mu
+        if recorder is not None:
+            recorder.after(self._state, step)
         self._state = step.state
         self.unsolved += step.unsolved
         self.worst_residual = max(self.worst_residual, step.worst_residual)
