@@ -261,7 +261,7 @@ class Limits:
 
 
 def use_of(wanted: FloatArray, limits: FloatArray) -> FloatArray:
-    """Return shares of limits: none of one that is not known, infinite where no leg gets there.
+    """Return (n,) shares of limits: none of one that is not known, infinite where no leg gets there.
 
     Examples
     --------

@@ -35,7 +35,7 @@ def turned(vector: Expression, rotation: Expression) -> Expression:
 
 
 def cross_matrix(axis: FloatArray) -> FloatArray:
-    """Return S with S @ b = axis x b."""
+    """Return the (3, 3) S with S @ b = axis x b."""
     x, y, z = axis
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 

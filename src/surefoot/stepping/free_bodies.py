@@ -133,7 +133,10 @@ def bodies_of(
     robot: Robot, terrain: Terrain, payload: float, geometry: Geometry | None, dt: float,
     payload_position: ArrayLike,
 ) -> Bodies:  # fmt: skip
-    """Return the moving bodies of a robot or a scene: `FreeBodies` where no joint ties any together."""
+    """Return the moving bodies of a robot or a scene: `FreeBodies` where no joint ties any together.
+
+    `payload_position` is (3,), base axes [m].
+    """
     model = robot.model
     free = geometry is not None and not robot.feet and model.nv == 6 * (model.njoints - 1)
     if geometry is not None and free and all("FreeFlyer" in j.shortname() for j in list(model.joints)[1:]):

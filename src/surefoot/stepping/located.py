@@ -78,7 +78,7 @@ def touching_step(stepper: Stepper, state: State, effort: FloatArray, mu: float)
 def first_touch(
     stepper: Stepper, state: State, effort: FloatArray, seconds: float
 ) -> tuple[float, Ahead, BoolArray] | None:
-    """Return when a flight of `seconds` [s] from a state first touches, where, and which of p contacts.
+    """Return when a flight of `seconds` [s] from a state first touches, where, and which (p,) contacts do.
 
     None of them where it ends in the air. Nothing is returned if a contact presses already, or would touch
     too slowly to bounce.

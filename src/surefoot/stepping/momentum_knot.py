@@ -107,7 +107,7 @@ class MomentumKnot(Knot):
         return out
 
     def inertia(self) -> FloatArray:
-        """Not known here: the momentum of a way has rates of its own by inertial parameters.
+        """Not known here: the momentum of a way has rates (6, k) of its own by k inertial parameters.
 
         Raises
         ------

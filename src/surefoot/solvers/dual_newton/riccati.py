@@ -74,7 +74,7 @@ class Tracking(NamedTuple):
 
 @inline_kernel
 def tracking(weights: FloatArray, terminal: float, dt: float, steps: int) -> Tracking:
-    """Return a cost with new room."""
+    """Return a cost with (12,) weights of the state and new room."""
     return Tracking(
         weights, terminal, dt, np.empty((steps, 2, 6)), np.empty((12, 12)), np.empty((4, 6, 6)),
         np.empty((6, 12)), np.empty((steps, 6, 18)),
