@@ -63,7 +63,7 @@ class Recorder:
         return self.states[0] if self.given else state
 
     def before(self, world: RigidWorld, torques: FloatArray, push: FloatArray | None) -> State | None:
-        """Keep the (joints,) torques and (3,) push of a step; return the state behind it where that is given."""
+        """Keep (joints,) torques and the (3,) push of a step; return the state behind it if it is given."""
         self.world = world if self.world is None else self.world
         if self.world is not world:
             raise ProblemError("a rollout has one world, this one has more")
