@@ -8,7 +8,10 @@ to call, with its warm start, wherever its interface allows it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import ctypes
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -140,6 +143,20 @@ def _for_casadi(m: Matrices, form: str) -> tuple[Matrices, dict[str, Any]]:
     return m, {name: casadi.DM(np.array(value)) for name, value in given.items()}
 
 
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep what compiled code prints from the standard output."""
+    kept, nothing = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, 1)
+    try:
+        yield
+    finally:
+        ctypes.CDLL(None).fflush(None)
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nothing)
+
+
 def _qpoases(variant: Variant) -> Callable[[tuple[Matrices, dict[str, Any]]], FloatArray]:
     """Return qpOASES's solve, by its own defaults or its preset for MPC; it starts at its last active set."""
     import casadi
@@ -154,7 +171,8 @@ def _qpoases(variant: Variant) -> Callable[[tuple[Matrices, dict[str, Any]]], Fl
         m, given = item
         if m.structure not in kept:
             pattern = {name: given[name].sparsity() for name in "ha"}
-            kept[m.structure] = casadi.conic("qp", "qpoases", pattern, own)
+            with _silence():  # a new one prints its licence
+                kept[m.structure] = casadi.conic("qp", "qpoases", pattern, own)
         return _forces(kept[m.structure](**given)["x"].full().ravel(), m)
 
     return solve
