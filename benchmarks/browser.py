@@ -150,6 +150,10 @@ class Tab:
                 self.requests.append(told["request"]["url"])
         elif method == "Runtime.exceptionThrown":
             self.errors.append(str(told["exceptionDetails"].get("text")))
+        elif method == "Runtime.consoleAPICalled" and told["type"] == "error":
+            self.errors.append(
+                " ".join(str(part.get("value", part.get("description"))) for part in told["args"])
+            )
 
     def ask(self, script: str) -> Any:
         """Return the value of a JavaScript expression."""
@@ -180,6 +184,12 @@ class Tab:
             self.call("Input.dispatchMouseEvent", **told)
         else:
             self._browser._post("Input.dispatchMouseEvent", self._session, told)
+
+    def press(self, key: str) -> None:
+        """Press a key that is no letter, such as "ArrowRight"."""
+        code = {"ArrowLeft": 37, "ArrowRight": 39, "ArrowDown": 40, "Enter": 13}[key]
+        for kind in ("keyDown", "keyUp"):
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
 
     def drag(self, path: list[tuple[float, float]], rate: float = 60.0) -> float:
         """Press at the path's first place, move along it at a rate [1/s], release; return the time [s]."""

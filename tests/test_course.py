@@ -17,7 +17,7 @@ EXERCISES = (3, 3, 3, 3, 3, 3, 2, 2, 2)
 """How many there are in each section of the chapter."""
 CHAPTER = Path(__file__).resolve().parents[2] / "shared" / "CHAPTER.md"
 
-pytest.importorskip("matplotlib", reason="the pages draw: pip install 'surefoot[viz]'")
+pytest.importorskip("matplotlib", reason="the pages draw: pip install -e '.[viz]'")
 
 
 @pytest.mark.long
@@ -107,6 +107,9 @@ def test_values_and_tables_in_texts() -> None:
     names = {"x": 0.5774, "rows": [(4, "41 %"), (8, "8 %")]}
     assert filled("mu {{x:.2f}}, {{2 * x:.1f}}", names) == "mu 0.58, 1.2"
     assert filled("| k | |\n{{rows}}", names) == "| k | |\n| 4 | 41 % |\n| 8 | 8 % |"
+    words = {"rows": [("inner, 4 facets", "done"), ("osqp", "innermost")], "end": "fell"}
+    assert filled("{{end}}\n{{rows}}", words, "zh") == "摔倒\n| 内接, 4 面 | 完成 |\n| osqp | innermost |"
+    assert filled("{{end}}", words) == "fell"
 
 
 def test_the_course_folder_holds_nothing_else() -> None:

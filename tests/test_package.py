@@ -34,7 +34,7 @@ def test_unknown_name_is_an_attribute_error() -> None:
 
 def test_missing_extra_names_the_extra() -> None:
     error = MissingExtra("mujoco", "sim")
-    assert "pip install 'surefoot[sim]'" in str(error)
+    assert "pip install -e '.[sim]'" in str(error)
     assert isinstance(error, SurefootError)
     assert isinstance(error, ImportError)
 
@@ -54,7 +54,7 @@ def test_absent_package_is_one_clear_error(module: str, package: str, call: str)
         f"try:\n    {call}\nexcept MissingExtra as error:\n    print(error)"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert out.stdout.startswith(f"{package} is not installed; run: pip install 'surefoot[")
+    assert out.stdout.startswith(f"{package} is not installed; run: pip install -e '.[")
 
 
 def test_the_stub_is_the_one_list_of_names() -> None:

@@ -18,6 +18,7 @@ from benchmarks.commands import (
     stacks,
     statics,
     walk,
+    wire,
 )
 from surefoot.cli.typer_command import LiteralHelpCommand
 
@@ -32,6 +33,6 @@ def bench() -> None:
 for _command in (
     statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
-    lab.lab, stacks.stacks, speeds.speeds,
+    lab.lab, stacks.stacks, speeds.speeds, wire.wire,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from docs.site import words
 from docs.site.page import HEADINGS, LANGUAGES, Page
-from docs.site.words import translated
 
 _VALUE = re.compile(r"\{\{(.+?)\}\}")
 _STYLE = {
@@ -98,6 +98,6 @@ def filled(text: str, names: dict[str, Any], language: str = "en") -> str:
 def _line(line: str, names: dict[str, Any], language: str) -> str:
     whole = re.fullmatch(r"\{\{(\w+)\}\}", line)
     if whole and isinstance(names[whole[1]], list):
-        rows = [[translated(str(cell), language) for cell in row] for row in names[whole[1]]]
+        rows = [[words.cell(str(cell), language) for cell in row] for row in names[whole[1]]]
         return "\n".join("| " + " | ".join(row) + " |" for row in rows)
-    return _VALUE.sub(lambda found: translated(eval(f"f'''{{{found[1]}}}'''", names), language), line)
+    return _VALUE.sub(lambda found: words.value(eval(f"f'''{{{found[1]}}}'''", names), language), line)

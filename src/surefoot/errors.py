@@ -34,14 +34,14 @@ class MissingExtra(SurefootError, ImportError):
     Examples
     --------
     >>> print(MissingExtra(["pin", "mujoco"], ["robot", "sim"]))
-    pin and mujoco are not installed; run: pip install 'surefoot[robot,sim]'
+    pin and mujoco are not installed; run: pip install -e '.[robot,sim]'
     """
 
     def __init__(self, packages: str | Iterable[str], extras: str | Iterable[str]) -> None:
         self.packages, self.extras = _unique(packages), _unique(extras)
         *most, last = self.packages
         named = f"{', '.join(most)} and {last} are" if most else f"{last} is"
-        super().__init__(f"{named} not installed; run: pip install 'surefoot[{','.join(self.extras)}]'")
+        super().__init__(f"{named} not installed; run: pip install -e '.[{','.join(self.extras)}]'")
 
     @classmethod
     def of(cls, errors: Iterable[MissingExtra]) -> MissingExtra:

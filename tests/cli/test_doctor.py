@@ -48,7 +48,7 @@ def test_what_is_missing_is_said(capfd: pytest.CaptureFixture[str], monkeypatch:
     assert main(["doctor", "--no-draw"]) == 0
     said = capfd.readouterr().out
     assert "missing: mujoco" in said
-    assert "pip install 'surefoot[viz]'" in said
+    assert "pip install -e '.[viz]'" in said
 
 
 def test_a_broken_base_is_exit_code_1(

@@ -19,7 +19,7 @@ from surefoot.cli.main import main
 from surefoot.planning import rollout
 from surefoot.planning.plan import PlanSearch, plan_from
 
-pytest.importorskip("viser", reason="viser is not installed: pip install 'surefoot[lab]'")
+pytest.importorskip("viser", reason="viser is not installed: pip install -e '.[lab]'")
 
 QUICK = ["--port", "0", "--seconds", "0.2"]
 
@@ -79,7 +79,7 @@ def test_without_viser_one_line_says_what_to_install(
     monkeypatch.setitem(sys.modules, "viser", None)
     for page in ("stand", "cone", "push"):
         assert main(["lab", page]) == 2
-        line = "surefoot: viser is not installed; run: pip install 'surefoot[lab]'\n"
+        line = "surefoot: viser is not installed; run: pip install -e '.[lab]'\n"
         assert capfd.readouterr().err == line
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
+import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
@@ -28,13 +31,13 @@ def test_verdict_without_matplotlib(
     hide(monkeypatch, "matplotlib")
     assert main([*arguments, "--out", str(tmp_path)]) == 0
     out = capfd.readouterr()
-    assert "no picture: matplotlib is not installed; run: pip install 'surefoot[viz]'" in out.out
+    assert "no picture: matplotlib is not installed; run: pip install -e '.[viz]'" in out.out
     assert out.err == ""
     assert not list(tmp_path.iterdir())
     assert main([*arguments, "--json", "--out", str(tmp_path)]) == 0
     facts = json.loads(capfd.readouterr().out)
     assert facts["picture"] is None
-    assert "surefoot[viz]" in facts["note"]
+    assert "[viz]" in facts["note"]
 
 
 def test_all_that_is_missing_is_named_at_once(
@@ -53,7 +56,7 @@ def test_all_that_is_missing_is_named_at_once(
     ):
         for command in ("stand", "walk"):
             assert main([command, *options, "--out", str(tmp_path)]) == 2
-            line = f"surefoot: {named} are not installed; run: pip install 'surefoot[{extra}]'\n"
+            line = f"surefoot: {named} are not installed; run: pip install -e '.[{extra}]'\n"
             assert capfd.readouterr().err == line
     assert not list(tmp_path.iterdir())
 
@@ -68,7 +71,7 @@ def test_a_run_without_pictures_says_so_in_one_line(
         assert said.count("pictures left out") == 1
         assert "matplotlib" in said
         assert "imageio-ffmpeg" in said
-        assert "surefoot[sim,viz]" in said
+        assert "[sim,viz]" in said
     assert len(list(tmp_path.rglob("report.html"))) == 2
 
 
@@ -78,4 +81,47 @@ def test_benchmarks_ask_before_they_work(
 ) -> None:
     hide(monkeypatch, "pinocchio")
     assert main(["bench", name]) == 2
-    assert "pin is not installed; run: pip install 'surefoot[robot]'" in capfd.readouterr().err
+    assert "pin is not installed; run: pip install -e '.[robot]'" in capfd.readouterr().err
+
+
+def test_worlds_on_a_base_install_is_one_line(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hide(monkeypatch, "pinocchio", "mujoco", "matplotlib")
+    assert main(["worlds", "drop"]) == 2
+    assert capfd.readouterr().err == "surefoot: pin is not installed; run: pip install -e '.[robot]'\n"
+
+
+def test_a_full_disk_leaves_no_empty_picture(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from matplotlib.figure import Figure
+
+    def full(figure: object, path: Path, **settings: object) -> None:
+        path.write_bytes(b"")
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Figure, "savefig", full)
+    assert main(["check", STANCE, "--out", str(tmp_path)]) == 0
+    said = capfd.readouterr().out
+    assert "No space left on device" in said
+    assert "picture: /" not in said
+    assert main(["stand", "solo12", "--duration", "0.2", "--no-video", "--out", str(tmp_path)]) == 0
+    assert not list(tmp_path.rglob("*.png"))
+    assert "report: " in capfd.readouterr().out
+
+
+def test_a_home_that_cannot_be_written_is_no_chatter(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "surefoot", "cone", "--out", str(tmp_path)],
+        env={
+            **os.environ,
+            "HOME": "/proc/none",
+            "XDG_CACHE_HOME": "/proc/none",
+            "XDG_CONFIG_HOME": "/proc/none",
+        },
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert len(list(tmp_path.rglob("*.png"))) == 1

@@ -77,6 +77,7 @@ def test_a_disk_that_fills_up_is_told(
 
     monkeypatch.setattr(parts, "_write_at", write)
     monkeypatch.setattr(recorder, "CHUNK_BYTES", 300_000)
+    monkeypatch.setattr(recorder, "HELD_BACK", 0.5)
     monkeypatch.setattr(np, "savez_compressed", savez)
     assert main([*STAND, str(tmp_path), "--json"]) == 1
     out = capfd.readouterr()

@@ -14,7 +14,7 @@ import pytest
 
 from surefoot.cli.main import main
 
-pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
+pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")
 BALLS = """
 experiment: drop
 samples: 30

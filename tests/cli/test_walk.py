@@ -66,7 +66,7 @@ def test_an_impossible_speed_is_slowed_and_said(tmp_path: Path, capfd: pytest.Ca
 def test_a_walk_finds_its_payload_and_says_so(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     options = ["--duration", "2", "--no-video", "--no-report", "--out", str(tmp_path)]
     assert main(["walk", "go2", "--payload", "4@0.1,0.06,0.08", *options]) == 0
-    assert "estimated payload" in " ".join(capfd.readouterr().out.split())
+    assert "estimated: the base carries" in " ".join(capfd.readouterr().out.split())
     load = json.loads(next(tmp_path.glob("*/summary.json")).read_text())["load"]
     assert load["mass"] == pytest.approx(4.0, rel=0.05)
     assert load["place"][:2] == pytest.approx([0.1, 0.06], abs=0.015)

@@ -41,4 +41,4 @@ def test_what_lacks_a_package_is_left_out_and_said(
         commands, "tree", lambda: lambda args, **k: real(args=args, **k) if args == ["warmup"] else lacking()
     )
     assert main(["warmup"]) == 0
-    assert capfd.readouterr().out.count("mujoco is not installed; run: pip install 'surefoot[sim]'") == 1
+    assert capfd.readouterr().out.count("mujoco is not installed; run: pip install -e '.[sim]'") == 1

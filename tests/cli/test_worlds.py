@@ -75,9 +75,9 @@ def test_absent_worlds_are_one_line_each(
     code, found = asked(capsys, "drop", "--world", "rigid", "--world", "drake", "--no-pictures")
     assert code == 0
     assert found["worlds"] == ["rigid"]
-    assert "pip install 'surefoot[drake]'" in found["absent"]["drake"]
+    assert "pip install -e '.[drake]'" in found["absent"]["drake"]
     assert main(["worlds", "drop", "--world", "drake"]) == 2
-    assert "drake is not installed; run: pip install 'surefoot[drake]'" in capsys.readouterr().err
+    assert "drake is not installed; run: pip install -e '.[drake]'" in capsys.readouterr().err
     assert main(["stand", "go2", "--world", "drake", "--no-video", "--no-report"]) == 2
     assert "drake is not installed" in capsys.readouterr().err
 

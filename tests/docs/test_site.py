@@ -80,8 +80,8 @@ def test_every_course_page_belongs_to_a_section() -> None:
 
 
 def test_a_page_of_both_languages_builds(tmp_path: Path) -> None:
-    pytest.importorskip("sphinx", reason="the site needs Sphinx: pip install 'surefoot[docs]', or make docs")
-    pytest.importorskip("furo", reason="the site needs its theme: pip install 'surefoot[docs]', or make docs")
+    pytest.importorskip("sphinx", reason="the site needs Sphinx: pip install -e '.[docs]', or make docs")
+    pytest.importorskip("furo", reason="the site needs its theme: pip install -e '.[docs]', or make docs")
     from docs.site import render
     from docs.site.__main__ import sphinx
     from docs.site.assemble import contents

@@ -51,7 +51,7 @@ def test_make_bench_writes_them() -> None:
 
 @pytest.mark.long
 def test_measured_again_a_table_is_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("mujoco", reason="the table is of MuJoCo: pip install 'surefoot[sim]'")
+    pytest.importorskip("mujoco", reason="the table is of MuJoCo: pip install -e '.[sim]'")
     kept = tables.markdown("against_mujoco").split("\n(")[0]  # without command, date and machine
     monkeypatch.setattr(tables, "FOLDER", tmp_path)
     monkeypatch.chdir(tmp_path)  # the command writes pictures

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 import surefoot as sf
 from surefoot.lab.body import CELL, RobotBody, links_of
-from surefoot.lab.drawing import Lines, Mesh
+from surefoot.lab.drawing import Ball, Lines, Mesh
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.viz.meshes import triangles
 
@@ -44,3 +44,13 @@ def test_a_robot_without_meshes_is_drawn_as_bones(robot: sf.Robot) -> None:
     feet = robot.foot_positions(robot.nominal)
     ends = bones.points[:, 1]
     assert all(np.linalg.norm(ends - foot, axis=1).min() < 1e-9 for foot in feet)
+
+
+def test_a_ball_on_slides_is_drawn_as_a_ball() -> None:
+    plan = sf.plan(None, "ball")
+    assert plan.robot is not None
+    shapes = RobotBody(plan.robot).shapes(np.asarray(plan["q"][0]))
+    (ball,) = shapes.values()
+    assert isinstance(ball, Ball)
+    assert ball.radius == 0.1
+    np.testing.assert_allclose(ball.position, [0.0, 0.0, 1.1], atol=1e-9)

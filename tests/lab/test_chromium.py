@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-pytest.importorskip("viser", reason="viser is not installed: pip install 'surefoot[lab]'")
+pytest.importorskip("viser", reason="viser is not installed: pip install -e '.[lab]'")
 
 import surefoot as sf
 from benchmarks.browser import Browser, Tab, find_chromium
@@ -22,15 +22,18 @@ from benchmarks.lab import pixel, settled
 from benchmarks.problems.logged_runs import CleanRun
 from surefoot.audit import audit_log
 from surefoot.lab.cone import SCALE, ConePage
+from surefoot.lab.controls import Button, Checkbox, Choice, Control, Slider
+from surefoot.lab.page import Page
 from surefoot.lab.push import PushPage
 from surefoot.lab.push_run import SharedRun, WalkRun
-from surefoot.lab.recording import RecordedMotion, audit_page
+from surefoot.lab.recording import RecordedMotion, audit_page, plan_page
 from surefoot.lab.server import LabServer
+from surefoot.lab.session import Session
 from surefoot.lab.stand import StandPage, start_state
 
 CHROMIUM = find_chromium()
 pytestmark = pytest.mark.skipif(
-    CHROMIUM is None, reason="no Chromium: put one on the PATH, or set SUREFOOT_CHROMIUM"
+    CHROMIUM is None, reason="no Chromium: apt-get install chromium, or set SUREFOOT_CHROMIUM"
 )
 PATIENCE = 90.0
 """How long a loaded machine may take to draw in software [s]."""
@@ -70,6 +73,98 @@ def alike(picture: np.ndarray, colour: tuple[int, int, int]) -> int:
     wanted = np.array(colour) / np.linalg.norm(colour)
     length = np.linalg.norm(picture, axis=2)
     return int(((picture @ wanted > 0.985 * length) & (length > 60) & (np.ptp(picture, axis=2) > 40)).sum())
+
+
+@pytest.fixture
+def pages(tmp_path: Path) -> Iterator[dict[str, Callable[[], Page]]]:
+    """Return what makes each page of the lab."""
+    state, run = start_state(sf.load_robot("go2")), WalkRun(sf.load_robot("go2"))
+    shared, motion = SharedRun(run), CleanRun(duration=0.3).log()
+    forces = np.array(motion["forces"])
+    forces[100:140, 0, 0] += 80.0
+    log = sf.Log({**motion.arrays, "forces": forces}, motion.facts, channels=motion.channels)
+    ball, report = sf.plan(None, "ball"), audit_log(log)
+    yield {
+        "stand": lambda: StandPage(state),
+        "cone": ConePage,
+        "push": lambda: PushPage(shared, run.contact_names, run.names),
+        "plan": lambda: plan_page(RecordedMotion(ball, ball.robot, ball.terrain), ball),
+        "audit": lambda: audit_page(RecordedMotion(log), report),
+    }
+    shared.close()
+
+
+BROWSERS = {
+    Slider: ("[role=slider]", ["ArrowRight"]),
+    Choice: ("input.mantine-Select-input", ["ArrowDown", "ArrowDown", "Enter"]),
+    Checkbox: ("input.mantine-Checkbox-input", []),
+}
+"""Kind of control to what it is in the browser, and the keys that move it."""
+
+
+def move(tab: Tab, session: Session, control: Control) -> None:
+    """Move a control in the browser, and wait until the page has heard of it."""
+    values, controls = session.page.values, session.page.values.controls
+    if isinstance(control, Button):
+        named = f"b => b.innerText.trim() === {control.label!r}"
+        assert (
+            tab.ask(f"[...document.querySelectorAll('button')].filter({named}).map(b => b.click()).length")
+            == 1
+        )
+        return
+    alike = [one for one in controls if type(one) is type(control)]
+    (where, keys), before = BROWSERS[type(control)], values[control.name]
+    found = (
+        f"[...document.querySelectorAll({where!r})].at({alike.index(control) - len(alike)})"  # ours are last
+    )
+    if isinstance(control, Slider) and before > control.high - control.step:
+        keys = ["ArrowLeft"]
+    tab.ask(f"{found}.focus()" if keys else f"{found}.click()")
+    for key in keys:
+        tab.press(key)
+    deadline = time.monotonic() + PATIENCE
+    while values[control.name] == before and len(getattr(control, "options", "ab")) > 1:
+        assert time.monotonic() < deadline, f"{control.name} does not move"
+        time.sleep(0.02)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["stand", "cone", "push", "plan", "audit"])
+def test_every_control_of_every_page_is_moved(
+    name: str, pages: dict[str, Callable[[], Page]], folder: Path
+) -> None:
+    """In a window of 1300 x 850 pixels, whose fold nothing is below; the eye stays above the ground."""
+    assert CHROMIUM is not None
+    with Browser(CHROMIUM, 1300, 993) as browser, LabServer(pages[name], port=0) as server:
+        tab = browser.open(server.url)
+        session = settled(server, PATIENCE)
+        tab.ask("document.querySelector('.mantine-Notification-closeButton')?.click()")
+        scene, file = (
+            int(tab.ask("document.querySelector('canvas').getBoundingClientRect().width")),
+            folder / name,
+        )
+        deadline = time.monotonic() + PATIENCE
+        while (
+            np.ptp((first := picture(tab, file.with_suffix(".first.png")))[200:, :scene], axis=(0, 1)).min()
+            < 60
+        ):
+            assert time.monotonic() < deadline, "nothing is drawn"
+            time.sleep(0.5)
+        views = "[...document.querySelectorAll('.mantine-ScrollArea-viewport')]"
+        below = tab.ask(f"{views}.map(v => v.scrollHeight - v.clientHeight)")
+        assert max(below, default=0) <= 0, f"{below} pixels are below the fold"
+        for control in session.page.values.controls:
+            move(tab, session, control)
+        time.sleep(2.0)
+        last = picture(tab, file.with_suffix(".moved.png"))
+        assert (first[:, :scene] != last[:, :scene]).any(axis=2).sum() > 500
+        assert tab.errors == []
+
+
+def picture(tab: Tab, path: Path) -> np.ndarray:
+    """Return what the window shows."""
+    imageio = pytest.importorskip("imageio.v3", reason="imageio is not installed")
+    return np.asarray(imageio.imread(tab.screenshot(path)))[..., :3].astype(int)
 
 
 def test_the_stand_page_is_drawn_and_follows_the_mouse(browser: Browser, folder: Path) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("viser", reason="viser is not installed: pip install 'surefoot[lab]'")
+pytest.importorskip("viser", reason="viser is not installed: pip install -e '.[lab]'")
 
 import surefoot as sf
 from benchmarks.lab_client import EYE, LabClient

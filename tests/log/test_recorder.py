@@ -274,3 +274,23 @@ def test_what_is_no_log_is_told(tmp_path: Path) -> None:
     for name in ("array.npy", "text.npz", "empty", "missing.npz"):
         with pytest.raises(ProblemError, match="not a Surefoot log"):
             read_log(tmp_path / name)
+
+
+def test_a_killed_run_loses_a_tenth_of_a_second_at_most(tmp_path: Path) -> None:
+    code = f"""
+import os, signal
+from pathlib import Path
+import surefoot as sf
+from surefoot.simulation.rigid import RigidWorld
+world, steps = RigidWorld(sf.load_robot("go2")), 0
+def drop(state):
+    global steps
+    steps += 1
+    if steps == 177: os.kill(os.getpid(), signal.SIGKILL)
+    return 0.0 * world.robot.effort_limits
+sf.run(world, drop, sf.Scenario(2.0), folder=Path("{tmp_path}") / "parts")
+"""
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert ended.returncode == -9, ended.stderr
+    log = read_log(tmp_path / "parts")
+    assert 0.177 - 0.1 <= log["time"][-1] <= 0.177

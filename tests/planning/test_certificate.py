@@ -9,7 +9,7 @@ import pytest
 
 from surefoot.contact import Status
 from surefoot.planning import PlanSearch, plan_from, rollout
-from surefoot.planning.certificate import certify, momentum_error
+from surefoot.planning.certificate import certify, link_hits, momentum_error
 from surefoot.planning.planner import plan
 from surefoot.robot import place
 from surefoot.terrain import FlatTerrain
@@ -71,3 +71,17 @@ def test_an_end_that_a_finer_run_does_not_reach_is_noticed(go2, standing) -> Non
     made = plan_from(replace(standing, q=moved), go2, FOUND)
     assert made.status is Status.ALMOST
     assert "ends 3 cm off" in made.facts["goal"]
+
+
+def test_links_that_hit_are_noticed(go2, standing) -> None:
+    """The trunk laid into the ground, and the legs folded inwards until left and right meet."""
+    assert not link_hits(standing, go2, FlatTerrain())
+    low, crossed = standing.q.copy(), standing.q.copy()
+    low[-1, 2] -= 0.3
+    assert ("base_0", "ground") in link_hits(replace(standing, q=low), go2, FlatTerrain())
+    crossed[-1, [7, 10]] = -0.5, 0.5  # hips of the front legs
+    met = link_hits(replace(standing, q=crossed), go2, FlatTerrain())
+    assert any({one[:2], other[:2]} == {"FL", "FR"} for one, other in met)
+    made = plan_from(replace(standing, q=crossed), go2, FOUND)
+    assert made.status is Status.ALMOST
+    assert " mm into " in made.facts["goal"]

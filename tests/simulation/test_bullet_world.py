@@ -20,7 +20,7 @@ from surefoot.terrain import rough_ground
 from tests.audit.broken_controllers import broken_runs
 
 HERE = importlib.util.find_spec("pybullet") is not None
-bullet = pytest.mark.skipif(not HERE, reason="PyBullet is not here: pip install 'surefoot[bullet]'")
+bullet = pytest.mark.skipif(not HERE, reason="PyBullet is not here: pip install -e '.[bullet]'")
 
 
 @pytest.mark.skipif(HERE, reason="PyBullet is here")

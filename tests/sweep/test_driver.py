@@ -15,7 +15,7 @@ from surefoot.sweep.pools import Chunk, Pool
 from surefoot.sweep.worker import Row, SweepTask, run_chunk
 from tests.sweep.deadly import deadly
 
-pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
+pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")
 
 
 class Fragile(Pool):

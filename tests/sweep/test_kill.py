@@ -14,7 +14,7 @@ import pytest
 from surefoot.sweep import run_sweep, sweep_from_dict
 from tests.sweep.killing import DROPS, run_and_kill
 
-pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
+pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")
 pytest.importorskip("joblib", reason="loky comes with joblib")
 pytestmark = [
     pytest.mark.long,

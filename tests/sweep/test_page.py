@@ -9,7 +9,7 @@ import pytest
 from surefoot.sweep import read_sweep
 from tests.pages import DOCS, blocks, run_page
 
-pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
+pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")
 EXAMPLES = DOCS.parent / "examples"
 
 

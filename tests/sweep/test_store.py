@@ -13,7 +13,7 @@ from surefoot.errors import ProblemError, WriteError
 from surefoot.sweep import run_sweep
 from tests.sweep.deadly import deadly
 
-pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
+pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")
 from surefoot.sweep.store import Store
 from surefoot.sweep.worker import SweepTask, run_chunk
 

@@ -13,7 +13,7 @@ from surefoot.sweep import Space, SweepConfig, TextRange, run_sweep, sweep_from_
 from surefoot.sweep.survival import check_varying, counts, margins, survival_grid, wilson
 from tests.sweep.deadly import Deadly, deadly
 
-pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
+pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")
 
 
 @pytest.mark.parametrize(("hits", "count"), [(0, 1), (0, 10), (3, 7), (50, 100), (100, 100)])

@@ -40,6 +40,9 @@ SUMMARIES = {
     "warmup": "Compile everything that the commands need, once per machine, and say where it is kept.",
     "doctor": "Say what of Surefoot works on this machine, and what would make the rest work.",
     "lab": "Open a page in a browser: a stance, a cone, a robot to push, a plan, a log; Ctrl-C ends it.",
+    "drive": "Stand a robot up over DDS, walk it, stop it and sit it down; Ctrl-C damps it.",
+    "robot": "Be a robot on the wire: MuJoCo behind Unitree's topics, with noisy sensors, motors' limits, "
+    "a delay.",
     "bench": "Measure Surefoot against its rivals in the same run.",
 }
 """Command to the first paragraph of its help (a test compares them)."""

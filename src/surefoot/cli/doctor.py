@@ -187,7 +187,7 @@ def _row(name: str, packages: list[dict[str, Any]]) -> list[str]:
     elif not absent:
         state = "complete"
     elif len(absent) == len(packages):
-        state = f"pip install 'surefoot[{name}]'"
+        state = f"pip install -e '.[{name}]'"
     else:
         state = "missing: " + ", ".join(p["name"] for p in absent)
     return [name, state, ", ".join(f"{p['name']} {p['version']}" for p in packages if p["version"])]

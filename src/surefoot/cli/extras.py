@@ -9,7 +9,7 @@ from pathlib import Path
 
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.robots import is_file
-from surefoot.errors import MissingExtra
+from surefoot.errors import MissingExtra, WriteError
 from surefoot.simulation import drake_python
 
 _EXTRA_OF = {
@@ -17,6 +17,7 @@ _EXTRA_OF = {
     "imageio-ffmpeg": "sim", "matplotlib": "viz", "clarabel": "qp", "qpsolvers": "qp",
     "viser": "lab", "drake": "drake", "pybullet": "bullet", "jax": "jax", "mujoco-mjx": "mjx",
     "pyarrow": "sweep", "joblib": "sweep", "ray": "scale", "distributed": "scale",
+    "cyclonedds": "wire",
 }  # fmt: skip
 _MODULE_OF = {"pin": "pinocchio", "imageio-ffmpeg": "imageio_ffmpeg"}
 FILM = ("mujoco", "imageio", "imageio-ffmpeg")
@@ -61,12 +62,18 @@ def robot_packages(name: str | None) -> tuple[str, ...]:
 def drawn(wanted: bool, parent: Path, name: str, draw: Callable[[Path], object]) -> tuple[str | None, str]:
     """Draw into a new folder below `parent`; return what `draw` returns as text, and why there is no picture.
 
-    The first is None where nothing was drawn, the second empty unless Matplotlib is missing.
+    The first is None where nothing was drawn, the second empty unless Matplotlib is missing or the disk full.
     """
     error = missing(["matplotlib"]) if wanted else None
     if error is not None:
         return None, f"no picture: {error}"
-    return (str(draw(new_run_folder(parent, name))) if wanted else None), ""
+    if not wanted:
+        return None, ""
+    folder = new_run_folder(parent, name)
+    try:
+        return str(draw(folder)), ""
+    except OSError as full:
+        return None, f"no picture: {WriteError(folder, full)}"
 
 
 def _installed(package: str) -> bool:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from concurrent.futures import Future, wait
 from contextlib import ExitStack
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from surefoot.arrays import real_number
-from surefoot.cli import extras, options
+from surefoot.cli import extras, options, parsing
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, check_name
@@ -19,6 +21,8 @@ from surefoot.errors import ProblemError, check_name
 if TYPE_CHECKING:
     from surefoot.lab.page import Page
 
+AT_ONCE = 1.0
+"""How long a page may take to be ready before it is opened and says that it is not [s]."""
 LOCAL = "127.0.0.1"
 """Host of this machine alone."""
 
@@ -35,6 +39,12 @@ def lab(
     amount: Annotated[float | None, typer.Argument(help="The number of plan's task.")] = None,
     feet: options.FootFrames = None,
     robot: options.LogRobot = None,
+    velocity: Annotated[
+        str | None,
+        typer.Option(
+            help="Of push at first: forward, left [m/s], yaw rate [rad/s]; the rest may be left out."
+        ),
+    ] = None,
     port: Annotated[int, typer.Option(help="Port of the page; 0 for any that is free.")] = 8080,
     host: Annotated[str, typer.Option(help="Address to serve at; this machine alone unless given.")] = LOCAL,
     seconds: Annotated[
@@ -46,7 +56,7 @@ def lab(
 
     check_name("page", page, PAGES)
     make, takes, packages = PAGES[page]
-    given = {"subject": subject, "amount": amount, "feet": feet, "robot": robot}
+    given = {"subject": subject, "amount": amount, "feet": feet, "robot": robot, "velocity": velocity}
     for name, value in given.items():
         if value is not None and name not in takes:
             raise ProblemError(
@@ -60,23 +70,37 @@ def lab(
         real_number("--seconds", seconds, low=0.0)
     check_free(host, port)
     with ExitStack() as until_the_end:
-        shown = make(until_the_end, **{name: given[name] for name in takes})
-        return _serve(shown, host, port, seconds)
+        starting: Future[Callable[[], Page]] = Future()
+
+        def prepare() -> None:
+            try:
+                starting.set_result(make(until_the_end, **{name: given[name] for name in takes}))
+            except BaseException as error:
+                starting.set_exception(error)
+
+        Thread(target=prepare, name="lab-start", daemon=True).start()
+        wait([starting], AT_ONCE)
+        return _serve(starting, host, port, seconds)
 
 
-def _serve(make_page: Callable[[], Page], host: str, port: int, seconds: float | None) -> int:
-    """Serve a page until Ctrl-C, or so many seconds."""
+def _serve(starting: Future[Callable[[], Page]], host: str, port: int, seconds: float | None) -> int:
+    """Serve a page until Ctrl-C, or so many seconds; one that is not ready says so in the browser."""
     from surefoot.cli.signals import ends_softly
     from surefoot.lab.server import LabServer
 
     with ends_softly() as stop:
         try:
-            with LabServer(make_page, host, port) as server:
+            if starting.done():
+                starting.result()
+            with LabServer(lambda: starting.result()(), host, port) as server:
                 console = plain_console()
                 say(console, f"the page: {server.url}   (Ctrl-C ends)")
                 if host != LOCAL:
                     say(console, "everyone who reaches this address can use the page")
                 sys.stdout.flush()
+                while not starting.done():  # in short waits, which a signal can end
+                    wait([starting], AT_ONCE)
+                starting.result()
                 server.wait(seconds)
         except KeyboardInterrupt:
             return 0 if stop.number is None else stop.code
@@ -98,14 +122,15 @@ def _cone(end: ExitStack) -> Callable[[], Page]:
     return lambda: ConePage(ConeState(0.6, 4))
 
 
-def _push(end: ExitStack, subject: str | None, feet: str | None) -> Callable[[], Page]:
+def _push(end: ExitStack, subject: str | None, feet: str | None, velocity: str | None) -> Callable[[], Page]:
     """Kick a walking robot with the mouse; change friction, payload, gait and speed while it walks."""
     from surefoot.lab.push import PushPage
     from surefoot.lab.push_run import Choices, SharedRun, WalkRun
 
     model = load(subject, feet, feet_needed=True)
+    speeds = Choices().velocity if velocity is None else parsing.velocity(velocity)
     with plain_console(stderr=True).status("starting the robot (a first run compiles)"):
-        run = WalkRun(model, Choices())
+        run = WalkRun(model, Choices(velocity=speeds))
     everyone = SharedRun(run)
     end.callback(everyone.close)
     return lambda: PushPage(everyone, run.contact_names, run.names)
@@ -136,7 +161,7 @@ def _audit(end: ExitStack, subject: str, robot: str | None) -> Callable[[], Page
 PAGES: dict[str, tuple[Callable[..., Callable[[], Page]], tuple[str, ...], tuple[str, ...]]] = {
     "stand": (_stand, ("subject", "feet"), ("pin",)),
     "cone": (_cone, (), ()),
-    "push": (_push, ("subject", "feet"), ("pin", "mujoco")),
+    "push": (_push, ("subject", "feet", "velocity"), ("pin", "mujoco")),
     "plan": (_plan, ("subject", "amount", "robot"), ("pin",)),
     "audit": (_audit, ("subject", "robot"), ("pin",)),
 }

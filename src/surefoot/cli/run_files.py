@@ -13,6 +13,7 @@ from rich.console import Console
 
 from surefoot.cli.console import Table, print_tables, say, say_verdict
 from surefoot.cli.output import to_json
+from surefoot.cli.run_output import busy_line
 from surefoot.errors import MissingExtra, SurefootError, WriteError
 from surefoot.log import Log
 from surefoot.robot import Robot
@@ -22,17 +23,24 @@ from surefoot.viz import report
 PARTS = "log.parts"
 """Folder that the log's rows go to during a run; log.npz takes its place at the end."""
 CAPTIONS = {
-    "normal_forces": "Normal forces",
-    "cone_use": "Every force inside the cross-section of its cone",
-    "base": "Base",
-    "pressure": "Centre of pressure in the soles (amber while pushed)",
-    "torques": "Joint torques",
-    "step_times": "Controller step",
-    "velocity": "Velocity",
-    "footfalls": "Footfalls",
-    "cone_over_time": "Use of the cones over time",
-    "path": "Path",
-}
+    "normal_forces": ("Normal forces", "How hard the ground pushes each foot; zero in the air, never less."),
+    "cone_use": (
+        "Every force inside the cross-section of its cone",
+        "Each dot is a force along the ground over its normal force; the circle is the friction there is.",
+    ),
+    "base": ("Base", "How far the body moved and leant from where it began."),
+    "pressure": (
+        "Centre of pressure in the soles (amber while pushed)",
+        "Where in its sole the ground pushes on a foot.",
+    ),
+    "torques": ("Joint torques", "What the motors gave, against what they can."),
+    "step_times": ("Controller step", "How long the controller thought for each of its commands."),
+    "velocity": ("Velocity", "What was commanded, and how the robot moved."),
+    "footfalls": ("Footfalls", "Which feet were on the ground, and when."),
+    "cone_over_time": ("Use of the cones over time", "The share of its friction that a foot used; 1 is all."),
+    "path": ("Path", "The way of the body over the ground from above."),
+}  # fmt: skip
+"""Name of a plot to its title and what is seen in it."""
 Draw = Callable[[Log, Path], list[Path]]
 """Draws a log's plots into a folder and returns their paths."""
 
@@ -127,6 +135,7 @@ class RunFiles:
         opening
             Sections of the page before the tables.
         """
+        figures = figures[0], [*figures[1], *busy_line(self.log)]
         print_tables(console, *figures)
         page = self.folder / "report.html"
         if draw is not None:
@@ -137,7 +146,10 @@ class RunFiles:
         missing = [f"pictures left out: {MissingExtra.of(self._missing)}"] if self._missing else []
         say(console, *missing, *self._notes, *self.unwritten)
         say_verdict(console, *verdict)
-        say(console, f"report: {page if page.exists() else self.folder}")
+        if page.exists():
+            say(console, f"report: {page}")
+        elif any(self.folder.iterdir()):
+            say(console, f"files: {self.folder}")
 
     def _sections(self) -> list[tuple[str, str]]:
         """Return the report's sections for film and plots."""
@@ -145,8 +157,10 @@ class RunFiles:
         if self._film is not None:
             note = "Forces as the world reports them; a force inside its cone ends inside the rim."
             found.append(("Film", report.film(self._film) + report.paragraph(note)))
-        titled = [(CAPTIONS.get(p.stem, p.stem.replace("_", " ")), report.picture(p)) for p in self._plots]
-        return found + titled
+        for plot in self._plots:
+            title, seen = CAPTIONS.get(plot.stem, (plot.stem.replace("_", " "), ""))
+            found.append((title, report.picture(plot) + report.paragraph(seen)))
+        return found
 
 
 def report_sections(tables: Sequence[Table], lines: Sequence[str]) -> list[tuple[str, str]]:

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from typing import TYPE_CHECKING
+
 from surefoot.audit import RunSummary
 from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
 from surefoot.cli.console import Table
 from surefoot.spatial import GRAVITY
 
+if TYPE_CHECKING:
+    from surefoot.log import Log
+
+IDLE = 0.9
+"""CPU over real time of a run below which its longest times are not its own."""
 OUTCOMES = {
     "fell": "fell",
     "interrupted": "was interrupted",
@@ -60,6 +68,17 @@ def motor_lines(summary: RunSummary) -> list[str]:
         f"{use.actuators} actuators: fastest joint {use.speed_use_joint} at {100 * use.speed_use_max:.0f} %"
         f" of its largest speed, some joint beyond it in {100 * use.over_speed_share:.2g} % of the steps; "
         f"{cut} torque in {100 * use.beyond_curve_share:.2g} % of them"
+    ]
+
+
+def busy_line(log: Log) -> list[str]:
+    """Return what is said about times where the machine was busy: a line, or none."""
+    share = float(log.facts.get("cpu_time", math.inf)) / max(float(log.facts.get("wall_time", 0.0)), 1e-9)
+    if not share < IDLE:
+        return []
+    return [
+        f"the run had {100 * share:.0f} % of a core: the machine was busy, or another process worked, "
+        "and longest times are not the controller's own"
     ]
 
 

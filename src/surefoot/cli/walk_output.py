@@ -7,8 +7,11 @@ import math
 from surefoot.audit import WalkSummary
 from surefoot.cli.console import Cell, Table
 from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines, torque_line
+from surefoot.spatial import GRAVITY
 
 WALK_OUTCOMES = OUTCOMES | {"walked": "walked", "did not follow": "did not follow its command: it moved"}
+FOUND, LEVER = 0.01, 0.1
+"""Share of the robot's mass or weight that counts as a load found, and arm of its moment [m]."""
 AXES = (("forward", "m/s"), ("left", "m/s"), ("turn", "rad/s"))
 
 
@@ -77,11 +80,15 @@ def load_lines(summary: WalkSummary) -> list[str]:
     load = summary.load
     if load is None:
         return []
-    at = ""
-    if load.place is not None:
-        at = f" at ({load.place[0]:.3f}, {load.place[1]:.3f}) m from the base's origin"
-    pulls = [" ".join(f"{part:.1f}" for part in three) for three in (load.force, load.moment)]
-    return [f"estimated payload {load.mass:.2f} kg{at}; pulled besides by ({pulls[0]}) N, ({pulls[1]}) N m"]
+    least = FOUND * summary.mass * GRAVITY
+    found = []
+    if abs(load.mass) >= FOUND * summary.mass:
+        at = "" if load.place is None else f" at ({load.place[0]:.3f}, {load.place[1]:.3f}) m from its origin"
+        found.append(f"carries {load.mass:.2f} kg{at}")
+    for values, unit, size in ((load.force, "N", least), (load.moment, "N m", LEVER * least)):
+        if math.hypot(*values) >= size:
+            found.append(f"is pulled by ({' '.join(f'{round(x, 1) + 0.0:.1f}' for x in values)}) {unit}")
+    return [f"estimated: the base {' and '.join(found)}"] if found else []
 
 
 def estimate_lines(summary: WalkSummary) -> list[str]:

@@ -52,6 +52,7 @@ def worlds(
     here = [name for name in wanted if name not in absent]
     if not here:
         raise MissingExtra.of(absent.values())
+    extras.require(extras.robot_packages(None))
     check_out(out if pictures else None)
     status = plain_console(stderr=True, quiet=as_json)
     outcomes = []

@@ -186,7 +186,10 @@ def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
     except (ProblemError, TypeError) as error:
         raise ProblemError(f"{path} holds no tosses: {error}") from error
     except (ValueError, EOFError, zipfile.BadZipFile, KeyError, NotImplementedError) as error:
-        raise ProblemError(f"{path} is no .npz file of tosses: {error}") from error
+        raise ProblemError(
+            f"{path} is no .npz file of tosses of a cube, which `identify` takes: plain arrays "
+            f"{', '.join(NAMES)}, see docs/identify.md"
+        ) from error
 
 
 def holds_tosses(path: str | Path) -> bool:

@@ -19,6 +19,8 @@ from surefoot.viz.shapes import bones
 
 CELL = 0.006
 """Vertices nearer to each other than this are drawn as one [m]."""
+SPECK = 0.03
+"""Radius of what has neither shapes nor bones [m]."""
 CIRCLE = 16
 """Sides of what is round."""
 SHADES = ((64, 71, 82), (115, 125, 138), (84, 94, 107))
@@ -57,7 +59,11 @@ class RobotBody:
         import pinocchio
 
         if not self.links:
-            return {"/robot/bones": draw.Lines(bones(self.robot, q), draw.BODY, 6.0)}
+            lines = bones(self.robot, q)
+            if np.ptp(lines, axis=1).any():
+                return {"/robot/bones": draw.Lines(lines, draw.BODY, 6.0)}
+            radius = max([*self.robot.contact_points.radii.tolist(), SPECK])  # a point mass, a ball
+            return {"/robot/ball": draw.Ball(self.robot.com(q), radius, draw.BODY)}
         model, data = self.robot.model, self._data
         pinocchio.forwardKinematics(model, data, np.asarray(q, dtype=np.float64))
         out: dict[str, Shape] = {}

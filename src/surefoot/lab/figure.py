@@ -13,6 +13,8 @@ from surefoot.lab.drawing import BAD, GRID, INK, Colour
 
 SIZE = 340
 """Width of a figure [pixels]."""
+WIDE = 7.0
+"""Of a letter [pixels], so that names beside each other do not overlap."""
 STRIP_HEIGHT = 130
 """Height of a strip of curves [pixels]."""
 CURVES: tuple[Colour, ...] = (
@@ -74,7 +76,7 @@ class Figure:
         """Return the picture."""
         head = (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width} {self.height}" '
-            'width="100%" font-family="sans-serif">'
+            'width="100%" style="max-height: 180px" font-family="sans-serif">'
         )
         return head + "".join(self.parts) + "</svg>"
 
@@ -113,11 +115,12 @@ def strip(
         figure.line(box, BAD, 0.5, closed=True, fill=0.25)
     figure.line(np.array([[low, 0.0], [high, 0.0]]), GRID, 1.0)
     figure.line(np.array([[low, top], [high, top]]), GRID, 1.0)
+    room = (SIZE - 16) / max(min(len(names), len(CURVES)), 1)
     for k, name in enumerate(names):
         colour = CURVES[k % len(CURVES)]
         figure.line(np.column_stack([times, rows[:, k]]), colour, 1.3)
         if k < len(CURVES):
-            figure.words(8 + k * (SIZE - 16) / min(len(names), len(CURVES)), 12, name[:12], colour)
+            figure.words(8 + k * room, 12, name[: int(room / WIDE)], colour)
     if cursor is not None:
         figure.line(np.array([[cursor, 0.0], [cursor, top]]), INK, 1.5)
     figure.words(8, STRIP_HEIGHT - 2, f"{low:.2f} s", INK, 10)

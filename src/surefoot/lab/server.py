@@ -89,17 +89,16 @@ class LabServer:
 
     def _set_up(self) -> None:
         """Prepare scene and panel, close viser's door to the internet, and let viewers in."""
-        server, page = self._server, self._make_page()
+        server = self._server
         _keep_local(server)
         server.get_event_loop().set_exception_handler(_one_line)
         logging.getLogger("websockets.server").setLevel(logging.CRITICAL)
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
+        server.gui.main_panel.dock_right()  # beside the scene
         server.gui.set_panel_label("Surefoot lab")
         server.scene.world_axes.visible = False
         server.scene.configure_default_lights(cast_shadow=False)
-        server.initial_camera.position, server.initial_camera.look_at = page.eye, page.look_at
         server.initial_camera.fov = 0.8
-        page.close()
         server.on_client_connect(self._enter)
         server.on_client_disconnect(self._leave)
 
@@ -112,7 +111,7 @@ class LabServer:
                 )
                 return
             _quicken(client)
-            self.sessions[client.client_id] = Session(client, self._make_page())
+            self.sessions[client.client_id] = Session(client, self._make_page)
 
     def _leave(self, client: Any) -> None:
         """End a viewer's session."""

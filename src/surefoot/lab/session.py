@@ -21,7 +21,7 @@ from surefoot.errors import SurefootError
 from surefoot.lab.canvas import Canvas
 from surefoot.lab.controls import Button, Checkbox, Choice, Control, Slider
 from surefoot.lab.page import Grip, Page
-from surefoot.lab.words import refusal
+from surefoot.lab.words import paragraph, refusal, text
 
 RATE = 60.0
 """Most drawings per second."""
@@ -29,6 +29,9 @@ LIVE_RATE = 30.0
 """Drawings per second of a page that changes by itself."""
 LONGEST_QUEUE = 1000
 """What a browser sends beyond this is dropped."""
+LOWEST_EYE = 0.05
+"""Of the viewer's eye [m]."""
+STARTING = "Starting: on a first run it compiles, about 20 s."
 LONGEST_LINE = 300
 """Characters of a message."""
 
@@ -43,8 +46,8 @@ class Session:
     ----------
     client
         Viser's handle of the viewer.
-    page
-        That it sees.
+    make_page
+        Makes the page that it sees; until it is made, which may take a compiler's time, the browser says so.
 
     Attributes
     ----------
@@ -54,14 +57,16 @@ class Session:
         The last thing that was refused; empty if nothing was since.
     """
 
-    def __init__(self, client: Any, page: Page) -> None:
-        self.client, self.page = client, page
+    page: Page
+
+    def __init__(self, client: Any, make_page: Callable[[], Page]) -> None:
+        self.client, self._make_page = client, make_page
         self.draws, self.message = 0, ""
         self._queue: deque[_Event] = deque()
         self._lock, self._wake, self._ended = threading.Lock(), threading.Event(), threading.Event()
         self._handles: dict[str, Any] = {}
         self._canvas = Canvas(client.scene, self._hold)
-        self._add_panel()
+        self._message = client.gui.add_html(text(paragraph(STARTING)))
         self._thread = threading.Thread(target=self._work, name=f"lab-{client.client_id}", daemon=True)
         self._thread.start()
 
@@ -89,13 +94,14 @@ class Session:
         """Add text, figure, message and controls."""
         gui = self.client.gui
         gui.add_markdown(f"## {self.page.title}\n{self.page.about}")
+        self._message.remove()
         self._message = gui.add_html("", visible=False)
         self._text = gui.add_html("")
         self._figure = gui.add_html("", visible=False)
         folders: dict[str, Any] = {}
         for control in self.page.values.controls:
             if control.folder and control.folder not in folders:
-                folders[control.folder] = gui.add_folder(control.folder)
+                folders[control.folder] = gui.add_folder(control.folder, expand_by_default=not folders)
             with folders[control.folder] if control.folder else nullcontext():
                 self._handles[control.name] = self._add_control(gui, control)
 
@@ -137,8 +143,23 @@ class Session:
 
     # the work
 
+    def _begin(self) -> bool:
+        """Make the page, its panel and its view; tell whether that went well."""
+        try:
+            self.page = self._make_page()
+        except Exception as error:
+            self._refuse(error)
+            return False
+        camera = self.client.camera
+        camera.position, camera.look_at = self.page.eye, self.page.look_at
+        camera.on_update(_stay_above)
+        self._add_panel()
+        return True
+
     def _work(self) -> None:
         """Take what came, draw, show; until the viewer goes."""
+        if not self._begin():
+            return
         try:
             while not self._ended.is_set():
                 begin = time.perf_counter()
@@ -214,6 +235,13 @@ class Session:
         self.message = line
         self._message.content = refusal(line)
         self._message.visible = bool(line)
+
+
+async def _stay_above(camera: Any) -> None:
+    """Keep a viewer's eye above the ground."""
+    x, y, z = (float(part) for part in camera.position)
+    if z < LOWEST_EYE:
+        camera.position = (x, y, LOWEST_EYE)
 
 
 def _is_move(event: _Event) -> bool:

@@ -87,6 +87,7 @@ FACTS: dict[str, Fact] = {
     "outcome": Fact("how the run ended, see Ending", text=True),
     "error": Fact("what ended the run or its recording", text=True),
     "wall_time": Fact("real time of the run [s]"),
+    "cpu_time": Fact("of its thread, less than real time where the machine was busy [s]"),
     "normal_min": Fact("least normal force that the controller asks of a foot [N]"),
     "normal_max": Fact("largest one [N]"),
     "mu_controller": Fact("friction that the controller believes in"),

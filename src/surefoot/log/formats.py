@@ -13,6 +13,7 @@ from surefoot.log.log import Log
 from surefoot.log.mapped import log_from_source
 from surefoot.log.mapping import LogMapping
 from surefoot.log.source import Source
+from surefoot.log.spoilt import SPOILT
 
 
 @dataclass(frozen=True)
@@ -151,6 +152,10 @@ def _told(path: Path, what: str, entry: Format) -> Iterator[None]:
         raise
     except Exception as error:
         reason = " ".join(str(error).split())[:300] or type(error).__name__
+        if not path.exists():
+            reason = "there is no such file"
+        elif entry.name in SPOILT:
+            reason = SPOILT[entry.name](path)
         raise ProblemError(f"{path} {what} ({entry.name}): {reason}") from error
 
 

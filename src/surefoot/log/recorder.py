@@ -18,6 +18,9 @@ from surefoot.log.log import MEMORY, Log
 
 CHUNK_BYTES = 1 << 20
 """Size of the rows that are held back before they are written to a folder that was asked for."""
+HELD_BACK = 0.1
+"""Longest part of a run that is held back, where the fact ``dt`` tells the time of a row: a process that is
+killed loses no more of it [s]."""
 
 
 class Recorder:
@@ -58,6 +61,8 @@ class Recorder:
         rows = self._channels.values()
         self._row_bytes = sum(c.dtype.itemsize * math.prod(c.row_shape) for c in rows)
         room = (MEMORY if folder is None else CHUNK_BYTES) // max(self._row_bytes, 1)
+        if folder is not None and facts and "dt" in facts:
+            room = min(room, round(HELD_BACK / float(facts["dt"])))
         self._rows = max(1, min(steps, room))
         self.arrays: dict[str, Any] = {c.name: np.zeros((self._rows, *c.row_shape), c.dtype) for c in rows}
         self.count = self._written = 0

@@ -4,8 +4,8 @@ Three checks that share no arithmetic with the knots of a plan:
 
 - **momentum**: Pinocchio's whole-body momentum at the knots, against that of the start plus gravity's, the
   ground's impulses and those of motors that push against the world;
-- **links**: nothing but feet on the ground touches at any knot, links being the boxes and capsules of
-  `robot_geometry`; for robots that have shapes;
+- **links**: nothing but feet on the ground touches at any knot: as boxes and capsules (`robot_geometry`), two
+  links also as they are; for robots that have shapes;
 - **replay**: the plan's torques with feedback of its joints through steps of second order, ten to a knot::
 
       tau = tau_k + K (q_k + s (q_{k+1} - q_k) - q) + D ((q_{k+1} - q_k) / dt - v),
@@ -19,13 +19,15 @@ Three checks that share no arithmetic with the knots of a plan:
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.collision import robot_geometry
+from surefoot.collision import Geometry, robot_geometry
+from surefoot.collision.shapes import coal
 from surefoot.errors import SimulationError
 from surefoot.planning.trajectory import TorquePolicy, Trajectory
 from surefoot.planning.transcription.planar import passive_joints
@@ -107,14 +109,36 @@ def link_hits(trajectory: Trajectory, robot: Robot, terrain: Terrain) -> dict[tu
     if not robot.collision.geometryObjects:
         return {}
     found, feet = dict[tuple[str, str], float](), set(robot.foot_names)
-    near = PairDetection(robot.model.copy(), robot, robot_geometry(robot), terrain, trajectory.dt)
+    geometry = robot_geometry(robot)
+    near = PairDetection(robot.model.copy(), robot, geometry, terrain, trajectory.dt)
+    meet = _own_shapes(robot, geometry)
     for q in trajectory.q:
         gaps = near.at(q).gaps
         for contact in np.flatnonzero(gaps < -DEEP):
             one, other = near.names[near.group[contact]]
-            if other != "ground" or one.split(":")[0] not in feet:
+            if one.split(":")[0] not in feet if other == "ground" else meet(near.data, one, other):
                 found[one, other] = max(found.get((one, other), 0.0), -float(gaps[contact]))
     return found
+
+
+def _own_shapes(robot: Robot, geometry: Geometry) -> Callable[[Any, str, str], bool]:
+    """Return whether two links, by name, overlap as they are, meshes and all, in Pinocchio's data."""
+    import pinocchio
+
+    library = coal()
+    shapes = {
+        s.name: (s.joint, pinocchio.SE3(s.rotation, s.position), s.shape.solid()) for s in geometry.solids
+    }
+    shapes |= {o.name: (o.parentJoint, o.placement, o.geometry) for o in robot.collision.geometryObjects}
+
+    def meet(data: Any, one: str, other: str) -> bool:
+        placed = []
+        for joint, place, shape in (shapes[one], shapes[other]):
+            pose = data.oMi[joint] * place
+            placed += [shape, library.Transform3s(pose.rotation, pose.translation)]
+        return bool(library.collide(*placed, library.CollisionRequest(), library.CollisionResult()))
+
+    return meet
 
 
 def momentum_error(trajectory: Trajectory, robot: Robot, terrain: Terrain) -> float:

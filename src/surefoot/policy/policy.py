@@ -123,7 +123,7 @@ class Policy(Controller):
         )  # fmt: skip
         self._terrain = FlatTerrain() if terrain is None else terrain
         notes = self._prepare(real_number("dt", dt, low=1e-6))
-        self._feed = _Feed(self.spec, functions, self._senses(self._still()))
+        self._feed = _Feed(self.spec, functions, self._senses(self.still))
         self._check_sizes(path)
         low, high = self.spec.command_range
         changed = bool((np.clip(self.wanted.values, low, high) != self.wanted.values).any())
@@ -157,8 +157,9 @@ class Policy(Controller):
         self._action, self._asked = np.zeros(len(spec.joints)), np.zeros(3)
         return [f"damping lowered to what a step bears: {', '.join(lowered)}"] if lowered else []
 
-    def _still(self) -> RobotState:
-        """Return the state in which the sizes of terms are tried."""
+    @property
+    def still(self) -> RobotState:
+        """The pose that it starts from, at rest."""
         return RobotState(self.posture, np.zeros(self.robot.model.nv))
 
     def _check_sizes(self, path: Path) -> None:

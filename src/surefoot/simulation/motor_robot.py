@@ -96,6 +96,11 @@ class MotorRobot:
         """Take (joints,) targets for the drives; None damps the joints, as when nothing comes any more."""
         self._given = self._damp if targets is None else targets
 
+    @property
+    def time(self) -> float:
+        """Simulated time since the last reset [s]."""
+        return self._count * self.dt
+
     def step(self, push: FloatArray | None = None) -> None:
         """Go on to the next reading, under a (3,) force on the base [N], world axes."""
         for _ in range(self._steps):
@@ -111,5 +116,5 @@ class MotorRobot:
         reading = self.sensors.read(q, v)
         attitude = quaternion_from_rotation(self._error @ rotation_from_quaternion(q[3:7]))
         return RobotReadings(
-            self._count * self.dt, attitude, *reading, self.sensors.torques(self.torques)
+            self.time, attitude, *reading, self.sensors.torques(self.torques)
         )  # fmt: skip

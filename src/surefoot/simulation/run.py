@@ -172,7 +172,7 @@ class _Run:
 
         `height` is that of the base over the ground at the start [m].
         """
-        begin, recorder = clock.perf_counter(), self.recorder
+        begin, worked, recorder = clock.perf_counter(), clock.thread_time(), self.recorder
         more: dict[str, Any] = {}
         try:
             ending = self._loop(observers, height)
@@ -192,7 +192,8 @@ class _Run:
             more = {"error": self.sensing.lost, **more}
         touched = self.touches.lines(self.world.dt)
         more |= {"link_touches": touched} if touched else {}
-        return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **more})
+        times = {"wall_time": clock.perf_counter() - begin, "cpu_time": clock.thread_time() - worked}
+        return recorder.finish({"outcome": str(ending), **times, **more})
 
     def _loop(self, observers: Sequence[Observer], height: float) -> Ending:
         """Step the world to the end, a fall, or a stop because the state is not known."""

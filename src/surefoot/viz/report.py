@@ -17,6 +17,8 @@ h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.1rem;margin-top:2rem}
 .verdict.good{background:#2e933c}table{border-collapse:collapse;margin:.6rem 0}
 td,th{padding:.25rem .8rem;border-bottom:1px solid #e3e7ea;text-align:right}
 td:first-child,th:first-child{text-align:left}img,video{max-width:100%}
+@media(max-width:40rem){body{margin:.5rem auto;font-size:16px}table{display:block;overflow-x:auto}
+td,th{padding:.25rem .4rem}.verdict{display:block}}
 code{background:#f1f3f5;padding:.1rem .3rem;border-radius:.2rem}.note{color:#5c6b78}
 """
 
@@ -53,7 +55,9 @@ def write_report(
     body = "".join(f"<h2>{html.escape(name)}</h2>\n{content}\n" for name, content in sections)
     line, good = verdict
     path.write_text(
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{html.escape(title)}</title>"
         f"<style>{_CSS}</style></head><body>\n<h1>{html.escape(title)}</h1>\n"
         f'<p><span class="verdict{" good" if good else ""}">{html.escape(line)}</span></p>\n'
         f'<p class="note">Made by <code>{html.escape(command)}</code></p>\n{body}</body></html>\n',

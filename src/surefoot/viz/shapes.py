@@ -58,13 +58,18 @@ def draw_sole(axis: Any, outline: FloatArray, ground: str, ink: str) -> FloatArr
 
 
 def bones(robot: Robot, q: FloatArray) -> FloatArray:
-    """Return the (m, 2, 3) ends of a robot's bones at (nq,) q [m]: joint to joint, and to contact points."""
+    """Return the (m, 2, 3) ends of a robot's bones at (nq,) q [m]: joint to joint, and to contact points.
+
+    A joint without mass, such as the slides on which a ball moves, carries no bone.
+    """
     import pinocchio
 
     model, points, data = robot.model, robot.contact_points, robot.model.createData()
     pinocchio.forwardKinematics(model, data, np.asarray(q, dtype=np.float64))
     places = np.array([pose.translation for pose in data.oMi])
-    lines = [(places[int(model.parents[k])], places[k]) for k in range(2, model.njoints)]
+    parents = [int(k) for k in model.parents]
+    moved = [k for k in range(2, model.njoints) if model.inertias[parents[k]].mass > 0.0]
+    lines = [(places[parents[k]], places[k]) for k in moved]
     for joint, place in zip(points.joints, points.places, strict=True):
         lines.append((places[int(joint)], np.array(data.oMi[int(joint)].act(place))))
     return np.array(lines).reshape(-1, 2, 3)

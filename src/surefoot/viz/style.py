@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -106,15 +107,21 @@ def house_style() -> Iterator[None]:
     MissingExtra
         If matplotlib is not installed.
     """
-    with needs("matplotlib", "viz"):
-        import matplotlib
-    with matplotlib.rc_context(_STYLE):
-        yield
+    chatter = logging.getLogger("matplotlib")  # of its caches, where HOME cannot be written: it makes others
+    before = chatter.level
+    chatter.setLevel(logging.ERROR)
+    try:
+        with needs("matplotlib", "viz"):
+            import matplotlib.font_manager
+        with matplotlib.rc_context(_STYLE):
+            yield
+    finally:
+        chatter.setLevel(before)
 
 
 def blank_figure(size: tuple[float, float] = (8.0, 4.5)) -> Any:
     """Return a matplotlib figure without axes, its size in inches."""
-    with needs("matplotlib", "viz"):
+    with house_style():
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     figure = Figure(figsize=size, layout="constrained")
@@ -123,7 +130,11 @@ def blank_figure(size: tuple[float, float] = (8.0, 4.5)) -> Any:
 
 
 def save(figure: Any, path: Path, dpi: int = 130) -> Path:
-    """Write the figure to a new file and return its path."""
-    with house_style():
-        figure.savefig(path, dpi=dpi)
+    """Write the figure to a new file and return its path; where the disk is full no half file stays."""
+    try:
+        with house_style():
+            figure.savefig(path, dpi=dpi)
+    except OSError:
+        path.unlink(missing_ok=True)
+        raise
     return path

@@ -1,0 +1,113 @@
+"""`surefoot bench wire`: from a reading on the wire to the command that answers it, beside an echo."""
+
+from __future__ import annotations
+
+import multiprocessing
+import time
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+
+from benchmarks.printing import table
+from surefoot.cli import extras
+from surefoot.cli.console import show
+
+SHARES = (50.0, 99.0, 99.9, 100.0)
+DOMAIN = 93
+
+
+def wire(
+    seconds: Annotated[float, typer.Option(min=1.0, help="Length of the walk that is measured [s].")] = 20.0,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
+) -> int:
+    """Time the answers of a controller that walks a Go2 over loopback, and of an echo in the same run.
+
+    Exit code 1 if the 99.9th percentile is more than 0.5 ms above the echo's.
+    """
+    extras.require(["cyclonedds", "mujoco", "pin", "example-robot-data"])
+    context = multiprocessing.get_context("spawn")
+    servers = [context.Process(target=_serve, args=(kind,), daemon=True) for kind in ("loop", "echo")]
+    for server in servers:
+        server.start()
+    times = _measure(seconds)
+    for server in servers:
+        server.terminate()
+    rows = {kind: [1e6 * float(np.percentile(t, s)) for s in SHARES] for kind, t in times.items()}
+
+    def in_words(console: Console, _: object) -> None:
+        header = ("answer by", "median [us]", "99 %", "99.9 %", "most", "answers")
+        lines = [(k, *(f"{x:.0f}" for x in row), str(len(times[k]))) for k, row in rows.items()]
+        console.print(table(header, lines, "From a reading to its command, 500 Hz"))
+
+    show(rows, json, in_words)
+    return 0 if rows["loop"][2] <= rows["echo"][2] + 500.0 else 1
+
+
+def _end(kind: str, robot_side: bool) -> tuple[Any, Any, Any]:
+    """Return robot, dialect and an end of a wire of that name."""
+    import surefoot as sf
+    from surefoot.drive.wire.dialect import dialect_of
+    from surefoot.drive.wire.link import WireEnd
+
+    robot = sf.load_robot("go2")
+    dialect = dialect_of(robot)
+    return robot, dialect, WireEnd(dialect, robot_side, "lo", DOMAIN, (f"{kind}/state", f"{kind}/command"))
+
+
+def _serve(kind: str) -> None:
+    """Answer states for good: by an echo of the tick, or by a loop that walks."""
+    robot, dialect, end = _end(kind, False)
+    from surefoot.control.controller import JointTargets
+    from surefoot.drive.robot_loop import RobotLoop
+
+    loop = RobotLoop(robot, motors=dialect.motors) if kind == "loop" else None
+    still = JointTargets(*np.zeros((5, 12)))
+    while True:
+        message = end.receive(0.1)
+        if message is None:
+            continue
+        targets = still
+        if loop is not None:
+            targets = loop.step(dialect.readings(message))
+            goal = {250: "stand", 2200: "walk"}.get(round(loop.time / loop.dt))
+            if goal is not None:
+                loop.steer([0.5, 0.0, 0.0])
+                loop.go(goal)
+        command = dialect.asked(targets)
+        command.reserve = message.tick  # beside the checksum, which nobody needs here
+        end.send(command)
+
+
+def _measure(seconds: float) -> dict[str, Any]:
+    """Return the times between a state and its answer [s] while the loop walks a robot in MuJoCo."""
+    from surefoot.control.controller import JointTargets
+    from surefoot.simulation.motor_robot import MotorRobot
+
+    robot, dialect, loop = _end("loop", True)
+    echo = _end("echo", True)[2]
+    body = MotorRobot(robot)
+    body.lie_down()
+    order = np.array([robot.joint_names.index(name) for name in dialect.motors])
+    times: dict[str, list[float]] = {"loop": [], "echo": []}
+    begin = 0.0
+    while begin == 0.0 or body.time - begin < 4.4 + seconds:
+        state = dialect.told(body.read().ordered(order))
+        for kind, end in (("echo", echo), ("loop", loop)):
+            due = time.perf_counter()
+            end.send(state)
+            command = end.receive(0.2)
+            while command is not None and command.reserve != state.tick:
+                command = end.receive(0.2)
+            if command is None:
+                continue
+            if kind == "loop":
+                begin = begin or body.time
+                command.reserve = 0
+                targets = dialect.targets(command)
+                body.take(None if targets is None else JointTargets(*(v[np.argsort(order)] for v in targets)))
+            if begin and body.time - begin > 4.4:
+                times[kind].append(time.perf_counter() - due)
+        body.step()
+    return times

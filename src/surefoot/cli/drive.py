@@ -1,0 +1,105 @@
+"""`surefoot drive`: stand a robot up and walk it over the wire."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from surefoot.arrays import real_number
+from surefoot.cli import extras, options, parsing
+from surefoot.cli.console import plain_console, say
+from surefoot.cli.robots import load
+from surefoot.errors import ProblemError, WriteError, check_name
+
+if TYPE_CHECKING:
+    from surefoot.drive.wire.dialect import Dialect
+    from surefoot.drive.wire.link import WireEnd
+
+LOOPBACK = "lo"
+"""The interface that leads to no robot."""
+Interface = Annotated[str, typer.Option(help="Network interface; lo reaches this machine alone.")]
+DomainId = Annotated[int, typer.Option(help="DDS domain: 1 as Unitree's simulator, 0 as its robots.")]
+SlowMotion = Annotated[
+    bool,
+    typer.Option(
+        "--slow-motion", help="Each side waits for the other: for machines that are busy; on both sides."
+    ),
+]
+
+
+@contextmanager
+def wire_end(model: Any, robot_side: bool, interface: str, domain: int) -> Iterator[tuple[WireEnd, Dialect]]:
+    """Open an end of the wire for a robot."""
+    extras.require(["cyclonedds"])
+    from surefoot.drive.wire.dialect import dialect_of
+    from surefoot.drive.wire.link import WireEnd
+
+    dialect = dialect_of(model)
+    with WireEnd(dialect, robot_side, interface, domain) as end:
+        yield end, dialect
+
+
+def drive(
+    *,
+    robot: options.RobotName = None,
+    interface: Interface = LOOPBACK,
+    domain: DomainId = 1,
+    velocity: Annotated[
+        str, typer.Option(help="VX,VY,WZ: forward, left [m/s], yaw rate [rad/s].")
+    ] = "0.5,0,0",
+    duration: Annotated[float, typer.Option(help="How long to walk [s].")] = 10.0,
+    end: Annotated[str, typer.Option(help="sit or lie: how it ends.")] = "sit",
+    mu: options.Friction = 0.6,
+    slow_motion: SlowMotion = False,
+    yes_real_robot: Annotated[
+        bool, typer.Option("--yes-real-robot", help="The robot hangs on a frame, and nobody is in its reach.")
+    ] = False,
+    out: Annotated[Path | None, typer.Option(help="Log of the balanced part: .npz, .mcap or .csv.")] = None,
+) -> int:
+    """Stand a robot up over DDS, walk it, stop it and sit it down; Ctrl-C damps it.
+
+    Speaks Unitree's rt/lowstate and rt/lowcmd. Exit code 0 if all went well, 1 after a fault, 2 for wrong
+    input.
+    """
+    from surefoot.drive.loop_log import LoopLog
+    from surefoot.drive.robot_loop import RobotLoop
+    from surefoot.drive.wire.wired_loop import WiredLoop
+
+    if interface != LOOPBACK and not yes_real_robot:
+        raise ProblemError(
+            f"--interface {interface} may lead to a real robot: hang it up, see docs/wire.md, then add "
+            "--yes-real-robot"
+        )
+    if out is not None and out.exists():
+        raise ProblemError(f"--out {out} exists already")
+    check_name("--end", end, ("sit", "lie"))
+    real_number("--duration", duration, low=0.0)
+    wanted, console = parsing.velocity(velocity), plain_console()
+    model = load(robot, None, feet_needed=True)
+    with wire_end(model, False, interface, domain) as (wire, dialect):
+        loop = RobotLoop(model, motors=dialect.motors, mu=mu)
+        log = LoopLog(loop)
+        wired = WiredLoop(loop, wire, dialect, slow_motion, log.note)
+        gc.freeze()
+        wired.wait(30.0)
+        say(console, f"{model.name} speaks on {interface}: standing up")
+        try:
+            fault = wired.outing(wanted, duration, end)
+        except KeyboardInterrupt:
+            fault = "interrupted"
+            wired.go("damp", 0.5)
+        finally:
+            if out is not None and log.rows:
+                try:
+                    log.log().save(out)
+                except OSError as error:
+                    raise WriteError(out, error) from error
+    say(
+        console, f"ended by a fault: {fault}" if fault else f"stood, walked {duration:g} s, and went to {end}"
+    )
+    return 1 if fault else 0

@@ -1,0 +1,65 @@
+"""`surefoot robot`: a robot on the wire, with MuJoCo behind it."""
+
+from __future__ import annotations
+
+import gc
+from typing import Annotated
+
+import typer
+
+from surefoot.arrays import real_number
+from surefoot.cli import extras, options
+from surefoot.cli.console import plain_console, say, show
+from surefoot.cli.drive import LOOPBACK, DomainId, Interface, SlowMotion, wire_end
+from surefoot.cli.robots import load
+
+
+def robot(
+    *,
+    robot: options.RobotName = None,
+    interface: Interface = LOOPBACK,
+    domain: DomainId = 1,
+    seconds: Annotated[float | None, typer.Option(help="Run so long [s]; None for until Ctrl-C.")] = None,
+    delay: Annotated[float, typer.Option(help="From a command to the motors [s].")] = 0.004,
+    terrain: Annotated[str, typer.Option(help="flat or slope:DEG.")] = "flat",
+    mu: options.Friction = 0.6,
+    seed: options.Seed = None,
+    slow_motion: SlowMotion = False,
+    as_json: options.AsJson = False,
+) -> int:
+    """Be a robot on the wire: MuJoCo behind Unitree's topics, with noisy sensors, motors' limits, a delay.
+
+    It lies on its belly, and damps its joints while no command comes. Exit code 0 unless the input is wrong.
+    """
+    from surefoot.cli.signals import ends_softly
+    from surefoot.simulation.motor_robot import MotorRobot
+    from surefoot.simulation.wired_robot import WiredRobot
+    from surefoot.terrain import read_terrain
+
+    extras.require(["mujoco"])
+    model = load(robot, None, feet_needed=True)
+    body = MotorRobot(model, delay=delay, terrain=read_terrain(terrain, "--terrain"), mu=mu, seed=seed or 0)
+    body.lie_down()
+    if seconds is not None:
+        real_number("--seconds", seconds, low=0.0)
+    highest = largest = 0.0
+    with wire_end(model, True, interface, domain) as (wire, dialect), ends_softly():
+        wired = WiredRobot(body, wire, dialect, slow_motion)
+        say(
+            plain_console(quiet=as_json), f"{model.name} lies on {interface}, domain {domain}   (Ctrl-C ends)"
+        )
+        gc.freeze()
+        try:
+            while seconds is None or body.time < seconds:
+                wired.step()
+                highest = max(highest, float(body.world.state()[0][2]))
+                largest = max(largest, float((abs(body.torques) / model.effort_limits).max()))
+        except KeyboardInterrupt:
+            pass
+    q = body.world.state()[0]
+    said = {
+        "time": body.time, "place": q[:3].tolist(), "highest": highest, "torque_use": largest,
+        "damped_steps": wired.damped,
+    }  # fmt: skip
+    show(said, as_json, lambda console, facts: say(console, *(f"{k}: {v}" for k, v in facts.items())))
+    return 0
