@@ -161,7 +161,8 @@ def _qpoases(variant: Variant) -> Callable[[tuple[Matrices, dict[str, Any]]], Fl
     """Return qpOASES's solve, by its own defaults or its preset for MPC; it starts at its last active set."""
     import casadi
 
-    own = {"printLevel": "none", "error_on_fail": False, "terminationTolerance": variant.tol}
+    own: dict[str, Any] = {"printLevel": "none", "error_on_fail": False}
+    own["terminationTolerance"] = variant.tol
     if "MPC" in variant.form:
         own |= dict.fromkeys(("enableRamping", "enableFlippingBounds", "enableNZCTests"), False)
         own |= {"enableDriftCorrection": 0, "enableEqualities": True}
