@@ -41,7 +41,7 @@ def contact(
         ),
     ] = False,
     seed: Annotated[int, typer.Option(help="Seed of the generated problems.")] = 0,
-    out: Annotated[Path, typer.Option(help="Write JSON and pictures to a new folder here.")] = Path("runs"),
+    out: Annotated[Path, typer.Option(help="Write JSON to a new folder here.")] = Path("runs"),
     json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> int:
     """Time every solver on every problem, and certify every answer.
@@ -79,12 +79,8 @@ def contact(
         _print(console, found)
     target = new_run_folder(out, f"contact-{scale}")
     (target / "contact.json").write_text(to_json(_record(found)) + "\n", encoding="utf-8")
-    error = extras.missing(["matplotlib"])
-    if error is None:
-        _draw(found, scale, target, chosen)
     if not json:
-        note = "" if error is None else f"; no pictures: {error}"
-        console.print(f"written to {target}{note}", soft_wrap=True)
+        console.print(f"written to {target}", soft_wrap=True)
     return 0 if np.isfinite(found.times()[chosen[0]]).all() else 1
 
 
@@ -146,21 +142,3 @@ def _print_families(console: Console, found: Comparison, kind: Kind, who: str) -
 def _times(row: FamilyRow) -> tuple[str, ...]:
     """Return mean, median and 99th percentile in microseconds."""
     return tuple(f"{1e6 * x:.1f}" for x in (row.mean, row.median, row.p99))
-
-
-def _draw(found: Comparison, scale: str, target: Path, ours: tuple[str, ...]) -> None:
-    from benchmarks.contact.comparison import performance_profile
-    from benchmarks.contact.pictures import draw_profile, draw_speed_up
-
-    steps = np.logspace(0.0, 4.0, 200)
-    count = len({r.problem for r in found.runs})
-    for kind, who in _kinds(found):
-        end = "" if kind == "ready" else "-new-g"
-        what = "" if kind == "ready" else ", a new G each call"
-        profile = performance_profile(found.times(kind), steps)
-        title = f"{count} {scale}-scale contact problems to {found.tol:g}{what}"
-        draw_profile(steps, profile, title, target / f"profile{end}.png", (*ours, found.ours_fresh))
-        if _rivals(found):
-            ratios = found.speed_up(_rivals(found), who, kind)
-            title = f"{who} against the best of Pinocchio's ADMM and PGS{what}"
-            draw_speed_up(ratios, title, target / f"speed-up{end}.png")

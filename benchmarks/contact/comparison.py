@@ -155,28 +155,6 @@ class Comparison:
         return out
 
 
-def performance_profile(times: dict[str, FloatArray], ratios: FloatArray) -> dict[str, FloatArray]:
-    """Return, for each solver, the share of problems solved within `ratios` times the best time.
-
-    Source: E. D. Dolan, J. J. Moré, "Benchmarking optimization software with performance profiles",
-    Mathematical Programming 91, 2002. Problems that nobody solved count as unsolved by all.
-
-    Examples
-    --------
-    >>> times = {"a": np.array([1.0, 4.0]), "b": np.array([2.0, 2.0])}
-    >>> found = performance_profile(times, np.array([1.0, 2.0]))
-    >>> found["a"].tolist(), found["b"].tolist()
-    ([0.5, 1.0], [0.5, 1.0])
-    """
-    best = np.min(list(times.values()), axis=0)
-    out = {}
-    for name, seconds in times.items():
-        safe = np.where(np.isfinite(seconds), seconds, 1.0) / np.where(np.isfinite(best), best, 1.0)
-        share = np.where(np.isfinite(seconds), safe, np.inf)
-        out[name] = np.array([np.mean(share <= r) for r in ratios])
-    return out
-
-
 def problems_in(folder: Path) -> list[NamedProblem]:
     """Return the problems of all files in a folder that we can read, by name.
 

@@ -72,7 +72,7 @@ FULL = 0.25
 
 def settings(problem: ContactProblem) -> dict[str, Setting]:
     """Return the settings that are run on a problem."""
-    if problem.contacts <= FEW or np.count_nonzero(problem.G) > FULL * problem.G.size:
+    if problem.contacts <= FEW or problem.blocks.density > FULL:
         return DENSE
     return {**SPARSE, **{name: s for name, s in DENSE.items() if s.method == "pgs"}}
 
@@ -134,7 +134,7 @@ class PinocchioCall:
 
 def matrix(problem: ContactProblem, setting: Setting) -> Any:
     """Return G in the format of a setting."""
-    return sp.csc_matrix(problem.G) if setting.sparse else problem.G
+    return sp.csc_matrix(problem.operator) if setting.sparse else problem.G
 
 
 def best_call(

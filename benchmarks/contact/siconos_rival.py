@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from benchmarks.problems.judge import DECADES, finer, judge
 from surefoot.arrays import FloatArray
@@ -34,7 +35,18 @@ def siconos_installed() -> bool:
     if not Path(SYSTEM_PYTHON).exists():
         return False
     command = [SYSTEM_PYTHON, "-c", "import siconos.numerics, scipy.sparse"]
-    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+    return subprocess.run(command, capture_output=True, check=False, env=_surroundings()).returncode == 0
+
+
+def _surroundings() -> dict[str, str]:
+    """Return the environment of the system's Python, with packages unpacked to $SUREFOOT_SICONOS."""
+    out = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    out.pop("PYTHONPATH", None)
+    if root := os.environ.get("SUREFOOT_SICONOS"):
+        libraries = f"{root}/usr/lib/x86_64-linux-gnu"
+        out["PYTHONPATH"] = f"{root}/usr/lib/python3/dist-packages"
+        out["LD_LIBRARY_PATH"] = f"{libraries}:{libraries}/openblas-pthread:{libraries}/hdf5/serial"
+    return out
 
 
 def siconos_best(
@@ -46,13 +58,13 @@ def siconos_best(
     a process of its own on one core: first by decades, then between the two decades that matter.
     """
     every = {(m, k): [tol * 10.0**d for d in DECADES] for m in METHODS for k in range(len(problems))}
-    rough = _run(problems, every)
+    rough = run_siconos(problems, every)
     wanted = {}
     for key, runs in rough.items():
         good = [j for j, r in enumerate(runs) if judge(problems[key[1]], r.forces) <= tol]
         if good and good[0] > 0:
             wanted[key] = [tol * 10.0**d for d in finer(DECADES[good[0]])]
-    fine = _run(problems, wanted) if wanted else {}
+    fine = run_siconos(problems, wanted) if wanted else {}
     table: dict[str, list[tuple[SiconosRun | None, float]]] = {}
     for method in METHODS:
         rows: list[tuple[SiconosRun | None, float]] = []
@@ -67,13 +79,15 @@ def siconos_best(
     return table
 
 
-def _run(
+def run_siconos(
     problems: Sequence[ContactProblem], wanted: Mapping[tuple[str, int], Sequence[float]]
 ) -> dict[tuple[str, int], list[SiconosRun]]:
     """Run methods on problems at tolerances, loosest first; a method out of time skips its last ones."""
     arrays: dict[str, Any] = {"count": np.array(len(problems))}
     for k, p in enumerate(problems):
-        arrays |= {f"G_{k}": p.G, f"g_{k}": p.g, f"mu_{k}": p.mu}
+        G = sp.csc_matrix(p.operator)
+        arrays |= {f"data_{k}": G.data, f"rows_{k}": G.indices, f"starts_{k}": G.indptr}
+        arrays |= {f"g_{k}": p.g, f"mu_{k}": p.mu}
     for (method, k), tolerances in wanted.items():
         arrays[f"tol_{method}_{k}"] = np.array(tolerances)
     worker = Path(__file__).with_name("siconos_worker.py")
@@ -81,9 +95,7 @@ def _run(
         source, target = Path(folder) / "problems.npz", Path(folder) / "found.npz"
         np.savez(source, **arrays)
         command = [SYSTEM_PYTHON, str(worker), str(source), str(target)]
-        quiet = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-        quiet.pop("PYTHONPATH", None)
-        subprocess.run(command, check=True, capture_output=True, timeout=TIMEOUT, env=quiet)
+        subprocess.run(command, check=True, capture_output=True, timeout=TIMEOUT, env=_surroundings())
         with np.load(target) as data:
             found = {name: data[name] for name in data.files}
     return {

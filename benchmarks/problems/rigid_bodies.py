@@ -95,4 +95,8 @@ class Scene:
             g[2::3] += restitution_free_gap / self.time_step
         G = (J @ self.inverse_mass() @ J.T).tocsr()
         mu = np.array([c[4] for c in self.contacts])
-        return ContactProblem(0.5 * (G + G.T), g, mu)
+        problem = ContactProblem(0.5 * (G + G.T), g, mu)
+        roots = [np.linalg.cholesky(np.linalg.inv(inertia)) for inertia in self.inertias]
+        blocks = [sp.block_diag([np.eye(3) / m**0.5, r]) for m, r in zip(self.masses, roots, strict=True)]
+        problem.factor = (J @ sp.block_diag(blocks)).tocsr()
+        return problem

@@ -84,6 +84,7 @@ from .simulation.scene import Body as Body
 from .simulation.scene import Scene as Scene
 from .simulation.scene_world import SceneWorld as SceneWorld
 from .simulation.sensors import SensorModel as SensorModel
+from .simulation.trajectory_gradient import trajectory_gradient as trajectory_gradient
 from .solvers.contact_solver import ContactSolver as ContactSolver
 from .solvers.lcp import solve_lcp as solve_lcp
 from .solvers.solver import Answer as Answer

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from surefoot.collision.pairs import place_solids
+from surefoot.collision.pairs import place_solids, swept
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -31,3 +31,13 @@ def test_solids_are_placed_and_near_ones_found(seed: int) -> None:
     apart = np.maximum(low[a] - high[b], low[b] - high[a])
     assert near.tolist() == np.flatnonzero((apart < reach).all(axis=1)).tolist()
     assert 0 < near.size < len(pairs)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_sweep_finds_the_pairs_that_are_close_along_every_axis(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    centre, extent, reach = rng.uniform(0.0, 1.0, (60, 3)), rng.uniform(0.0, 0.1, (60, 3)), 0.05
+    apart = np.abs(centre[:, None] - centre) - extent[:, None] - extent
+    expected = np.argwhere(np.triu((apart < reach).all(axis=2), 1))
+    assert swept(centre, extent, reach).tolist() == expected.tolist()
+    assert len(expected) > 20

@@ -76,22 +76,18 @@ def alike(picture: np.ndarray, colour: tuple[int, int, int]) -> int:
 
 
 @pytest.fixture
-def pages(tmp_path: Path) -> Iterator[dict[str, Callable[[], Page]]]:
+def pages(tmp_path: Path) -> dict[str, Callable[[], Page]]:
     """Return what makes each page of the lab."""
-    state, run = start_state(sf.load_robot("go2")), WalkRun(sf.load_robot("go2"))
-    shared, motion = SharedRun(run), CleanRun(duration=0.3).log()
+    motion = CleanRun(duration=0.3).log()
     forces = np.array(motion["forces"])
     forces[100:140, 0, 0] += 80.0
     log = sf.Log({**motion.arrays, "forces": forces}, motion.facts, channels=motion.channels)
     ball, report = sf.plan(None, "ball"), audit_log(log)
-    yield {
-        "stand": lambda: StandPage(state),
+    return {
         "cone": ConePage,
-        "push": lambda: PushPage(shared, run.contact_names, run.names),
         "plan": lambda: plan_page(RecordedMotion(ball, ball.robot, ball.terrain), ball),
         "audit": lambda: audit_page(RecordedMotion(log), report),
     }
-    shared.close()
 
 
 BROWSERS = {
@@ -125,15 +121,18 @@ def move(tab: Tab, session: Session, control: Control) -> None:
     deadline = time.monotonic() + PATIENCE
     while values[control.name] == before and len(getattr(control, "options", "ab")) > 1:
         assert time.monotonic() < deadline, f"{control.name} does not move"
-        time.sleep(0.02)
+        time.sleep(3.0 if keys else 0.1)
+        if (
+            values[control.name] == before
+        ):  # a list that came round to the same word, a key that was too early
+            for key in keys[-2:]:
+                tab.press(key)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["stand", "cone", "push", "plan", "audit"])
-def test_every_control_of_every_page_is_moved(
-    name: str, pages: dict[str, Callable[[], Page]], folder: Path
-) -> None:
-    """In a window of 1300 x 850 pixels, whose fold nothing is below; the eye stays above the ground."""
+@pytest.mark.parametrize("name", ["cone", "plan", "audit"])
+def test_every_control_is_moved(name: str, pages: dict[str, Callable[[], Page]], folder: Path) -> None:
+    """In a window of 1300 x 850 pixels, below whose fold nothing is at first."""
     assert CHROMIUM is not None
     with Browser(CHROMIUM, 1300, 993) as browser, LabServer(pages[name], port=0) as server:
         tab = browser.open(server.url)
@@ -153,7 +152,12 @@ def test_every_control_of_every_page_is_moved(
         views = "[...document.querySelectorAll('.mantine-ScrollArea-viewport')]"
         below = tab.ask(f"{views}.map(v => v.scrollHeight - v.clientHeight)")
         assert max(below, default=0) <= 0, f"{below} pixels are below the fold"
-        for control in session.page.values.controls:
+        controls = session.page.values.controls
+        for title in [*dict.fromkeys(control.folder for control in controls if control.folder)][1:]:
+            named = f"e => e.innerText?.trim() === {title!r}"
+            tab.ask(f"[...document.querySelectorAll('div, span, p')].filter({named}).at(-1).click()")
+        time.sleep(1.0)  # they open
+        for control in controls:
             move(tab, session, control)
         time.sleep(2.0)
         last = picture(tab, file.with_suffix(".moved.png"))

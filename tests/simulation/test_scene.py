@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import resource
 
 import numpy as np
 import pytest
@@ -219,3 +220,39 @@ def test_a_rigid_world_knows_a_scene():
 def test_wrong_scenes_are_told(make, words):
     with pytest.raises(ProblemError, match=words):
         make()
+
+
+def many(count, gap=0.3, low=1.0):
+    places = np.stack(np.unravel_index(np.arange(count), (10, 10, 10)), axis=1) * gap + [0.0, 0.0, low]
+    return [
+        Body(f"s{k}", BALL, 1.0, tuple(p), velocity=(0.1 * (k % 3), 0.0, 0.0)) for k, p in enumerate(places)
+    ]
+
+
+def test_a_thousand_spheres_fall_in_little_memory():
+    world = SceneWorld(Scene(many(1000)))
+    start, before = world.energy(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for _ in range(20):
+        world.step()
+    assert abs(world.energy() - start) < 1e-9 * abs(start)
+    assert abs(world.pose("s999").position[2] - 3.7 + 0.5 * GRAVITY * 0.02**2) < 1e-9
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 3e5  # [kB]; a joint tree takes 1e10
+
+
+def test_a_layer_of_many_spheres_lies_as_each_would_alone():
+    bodies = [Body(f"s{k}", BALL, 1.0 + k, (0.11 * k, 0.0, RADIUS)) for k in range(80)]
+    world = run(SceneWorld(Scene(bodies)), 20)
+    found = forces(world)
+    for k in range(80):
+        np.testing.assert_allclose(found[f"s{k}", "ground"], [0.0, 0.0, GRAVITY * (1.0 + k)], atol=1e-6)
+
+
+def test_a_row_that_touches_passes_a_push_on_between_many():
+    """Pairs that get their slots when they come near carry what those of few bodies carry."""
+    near = [Body(f"s{k}", BALL, 1.0, (0.1 * k, 0, RADIUS), velocity=(-float(k), 0, 0)) for k in range(3)]
+    far = [Body(f"f{k}", BALL, 1.0, (0.0, 1.0 + 0.3 * k, RADIUS)) for k in range(70)]
+    few, many_bodies = (run(SceneWorld(Scene(bodies), mu=0.3), 30) for bodies in (near, near + far))
+    for k in range(3):
+        pose, other = few.pose(f"s{k}"), many_bodies.pose(f"s{k}")
+        np.testing.assert_allclose(pose.position, other.position, atol=1e-9)
+        np.testing.assert_allclose(pose.rotation, other.rotation, atol=1e-9)

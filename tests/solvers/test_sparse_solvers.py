@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from benchmarks.problems.contacts import capsules
-from surefoot.contact import ContactProblem
+from benchmarks.problems.heaps import capsules, rocks
+from surefoot.contact import ContactProblem, residuals
 from surefoot.solvers import admm, interior_point
 from surefoot.solvers.scaled import ScaledContacts
-from surefoot.solvers.solver import SolverSettings
+from surefoot.solvers.solver import SolverSettings, solve
 
 
 @pytest.fixture(scope="module")
@@ -62,3 +62,27 @@ def test_interior_point_takes_the_same_step_sparse_and_dense(
         steps.append(answer.forces)
     assert np.abs(steps[0]).max() > 0.0
     np.testing.assert_allclose(steps[1], steps[0], atol=1e-8 * np.abs(steps[0]).max())
+
+
+def test_a_heap_of_1063_contacts_is_solved_by_its_bodies() -> None:
+    problem = rocks(np.random.default_rng(1), 150, 1063, 0.5)
+    assert (
+        abs(problem.factor @ problem.factor.T - problem.operator).max() < 1e-9 * abs(problem.operator).max()
+    )
+    found = solve(problem, tol=1e-4, max_time=60.0)
+    assert found.solved
+    made = ContactProblem.of_factor(problem.factor, problem.g, problem.mu)
+    assert made.replace(mu=0.3).factor is made.factor
+    assert made.replace(G=made.operator).factor is None
+    assert residuals(made, found.forces).velocity_error <= 1.1e-4
+
+
+def test_admm_on_a_factor_inverts_what_it_does_on_contacts(heap: ContactProblem) -> None:
+    own = ScaledContacts(heap)
+    bare = ScaledContacts(ContactProblem(heap.operator, heap.g, heap.mu))
+    by_bodies, by_contacts = admm.Splitting(own, None), admm.Splitting(bare, None)
+    assert by_bodies.factor is not None
+    assert by_contacts.factor is None
+    for s in (by_bodies, by_contacts):
+        s.iterations(0.3)(30)
+    np.testing.assert_allclose(by_bodies.z, by_contacts.z, atol=1e-9)

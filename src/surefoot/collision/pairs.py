@@ -116,7 +116,8 @@ class PairSearch:
             self.pairs if self._all else self.pairs[:0], self._reach, rotation, centre,
         )  # fmt: skip
         if not self._all:
-            near = self._found(self._geometry.pairs(swept(centre, extent, self._reach)))
+            close = swept(centre, extent, self._reach)
+            near = self._found(self._geometry.pairs(close)) if len(close) else near
         if not near.size:
             return
         pairs = self.pairs[near]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, IntArray, real_number
 from surefoot.collision.shapes import Box, Shape
 from surefoot.contact.engines import combination_rules, combine_friction
 from surefoot.errors import ProblemError, check_name
@@ -92,10 +93,8 @@ class Geometry:
 
         None for all; what does not move comes first in each.
         """
-        n = len(self.solids)
+        n, (joint, ground) = len(self.solids), self._places
         a, b = np.triu_indices(n, 1) if among is None else among.T
-        joint = np.array([s.joint for s in self.solids], dtype=np.int64)
-        ground = np.array([s.on_ground for s in self.solids], dtype=np.bool_)
         stands = (joint > 0) | ground  # no piece of ground
         # feet have their own contacts with the ground
         keep = (joint[a] != joint[b]) & (stands[a] | ground[b]) & (stands[b] | ground[a])
@@ -103,6 +102,12 @@ class Geometry:
         a, b = a[keep].astype(np.int64), b[keep].astype(np.int64)
         turned = (joint[b] == 0)[:, None]
         return np.where(turned, np.stack([b, a], axis=1), np.stack([a, b], axis=1))
+
+    @cached_property
+    def _places(self) -> tuple[IntArray, BoolArray]:
+        """The solids' joints (s,), and which of them may touch the ground (s,)."""
+        joint = np.array([s.joint for s in self.solids], dtype=np.int64)
+        return joint, np.array([s.on_ground for s in self.solids], dtype=np.bool_)
 
     def mixed(self, first: float | None, second: float | None, ground: float) -> float:
         """Return the coefficient of a contact of two surfaces, None for the `ground`'s own."""

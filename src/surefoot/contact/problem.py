@@ -93,6 +93,8 @@ class ContactProblem:
         What was changed when the problem was read from a file, in words; empty otherwise.
     reference
         (n, 3) forces of somebody else's solution that came with a file, or None.
+    factor
+        Sparse (3n, nv) Y with G = Y Yᵀ, see `of_factor`, or None.
     prepared
         What solvers keep with a problem, by their own names: views of its arrays, never copies of them, since
         those may be changed in place. No part of the problem.
@@ -133,6 +135,7 @@ class ContactProblem:
         self._own_g: FloatArray | None = None
         self._sparse: Any = None
         self._dense: FloatArray | None = None
+        self.factor: Any = None
         if contacts is not None:
             own = mu is None and facets is None and bilateral is None and fit == "inner"
             if not (own and np.all(normal_min == 0.0) and np.all(normal_max == np.inf)):
@@ -161,6 +164,26 @@ class ContactProblem:
         else:
             self._dense = np.empty((size, size))
             read_dense(G, self.compliance, self._dense)
+
+    @classmethod
+    def of_factor(cls, factor: Any, g: ArrayLike, mu: ArrayLike, law: str = COULOMB) -> ContactProblem:
+        """Return the problem of G = Y Yᵀ, for a sparse factor Y (3n, nv): J L⁻ᵀ with M = L Lᵀ [kg^-1/2].
+
+        Many contacts are solved with matrices as large as their bodies' velocities are many then.
+
+        >>> problem = ContactProblem.of_factor(2.0 * np.eye(3), [0.0, 0.0, -1.0], 0.5)
+        >>> problem.G[2, 2], problem.factor.shape
+        (np.float64(4.0), (3, 3))
+        """
+        Y = sp.csr_matrix(factor, dtype=np.float64)
+        problem = cls(Y @ Y.T, g, mu, law=law)
+        problem.factor = Y
+        return problem
+
+    @property
+    def operator(self) -> Any:
+        """G as it was given, dense or sparse: (3n, 3n) [1/kg]."""
+        return self.G if self._sparse is None else self._sparse
 
     def _read_general(self, G: Any, g: ArrayLike, contacts: ContactSet, compliance: ArrayLike) -> None:
         """Read a problem whose contacts the short form cannot say; its G is kept dense."""
@@ -276,8 +299,7 @@ class ContactProblem:
 
     def velocity(self, forces: FloatArray) -> FloatArray:
         """Return u = (G + R) λ + g [m/s] for impulses [N s] of the problem's shape, (n, 3), in that shape."""
-        operator = self.G if self._sparse is None else self._sparse
-        return np.asarray((operator @ forces.ravel() + self.g).reshape(self.shape))
+        return np.asarray((self.operator @ forces.ravel() + self.g).reshape(self.shape))
 
     def polyhedral(self, facets: int = 8, fit: Fit = "inner") -> ContactProblem:
         """Return the same problem with pyramids of `facets` sides in place of the exact cones.
@@ -295,7 +317,7 @@ class ContactProblem:
             return self._replace_general(changes)
         low = self.normal_min if self.bilateral is None else np.where(self.bilateral, 0.0, self.normal_min)
         arguments: dict[str, Any] = {
-            "G": self.G if self._sparse is None else self._sparse,
+            "G": self.operator,
             "g": self.g,
             "mu": self.mu,
             "normal_min": low,
@@ -307,6 +329,8 @@ class ContactProblem:
         }
         problem = ContactProblem(**(arguments | changes))
         problem.notes, problem.reference = self.notes, self.reference
+        if not changes.keys() & {"G", "compliance"}:
+            problem.factor = self.factor
         return problem
 
     def _replace_general(self, changes: dict[str, Any]) -> ContactProblem:
@@ -333,7 +357,7 @@ class ContactProblem:
     @cached_property
     def norm(self) -> float:
         """The spectral norm ||G||₂, to about 1e-9 relative [m/s per unit of force]."""
-        return spectral_norm(self.G if self._sparse is None else self._sparse)
+        return spectral_norm(self.operator)
 
     @property
     def scales(self) -> FloatArray:

@@ -56,7 +56,7 @@ class RobotReadings(NamedTuple):
 
 
 def motor_order(robot: Robot, motors: Sequence[str] | None) -> tuple[IntArray, IntArray]:
-    """Return where each of the robot's joints stands among the motors, and the other way round."""
+    """Return where each of the robot's joints stands among the motors, (joints,), and the other way round."""
     names = robot.joint_names if motors is None else tuple(motors)
     if sorted(names) != sorted(robot.joint_names):
         wrong = next((n for n in names if n not in robot.joint_names), None)

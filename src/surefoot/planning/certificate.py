@@ -47,6 +47,8 @@ MOMENTUM, APART = 0.01, 0.02
 the plan [m]."""
 DEEP = 5e-3
 """How far links may be in each other [m]: boxes and capsules stand for their shapes."""
+TOLD = 2
+"""How many of the deepest hits are named."""
 FINER = 10
 """Steps of the replay in a knot."""
 WHOLE_EFFORT, DAMPING = 0.2, 0.02
@@ -87,8 +89,10 @@ class Certificate:
     def __str__(self) -> str:
         said = "" if self.momentum <= MOMENTUM else f"momentum is {self.momentum:.1%} off the impulses, "
         said += f"a replay at a tenth of the step ends {100.0 * self.apart:.2g} cm off"
-        hits = [f"{a} goes {1e3 * depth:.0f} mm into {b}" for (a, b), depth in self.hits.items()]
-        return ", ".join([f"forecast: {said}", *hits])
+        deepest = sorted(self.hits.items(), key=lambda hit: -hit[1])
+        hits = [f"{a} goes {1e3 * depth:.0f} mm into {b}" for (a, b), depth in deepest[:TOLD]]
+        more = [f"{len(deepest) - TOLD} more hits"] if len(deepest) > TOLD else []
+        return ", ".join([f"forecast: {said}", *hits, *more])
 
 
 def certify(

@@ -12,7 +12,7 @@ from typing import NamedTuple, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, of_kind, real_number
 from surefoot.collision import Geometry, robot_geometry
 from surefoot.contact import ContactSolution
 from surefoot.contact.laws.soft.behaviour import stopping_depth
@@ -21,6 +21,7 @@ from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators
 from surefoot.simulation.actuated import JointFriction, equipped
+from surefoot.simulation.recorder import RECORDER
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping import State, Step, StepDerivative, StepOptions, Stepper, step_derivative
 from surefoot.stepping.bodies import finite_vector
@@ -152,13 +153,16 @@ class RigidWorld:
         actuators: str | Actuators = "ideal",
         **settings: Unpack[StepSettings],
     ) -> None:
+        if not hasattr(robot, "model"):
+            of_kind("robot", robot, Robot, 'sf.load_robot("go2")')
         self.actuators: Actuators | None = None
         if actuators != "ideal":  # a body of `simulation.bodies` has no joints to ask about
             robot, self.actuators = equipped(robot, actuators)
         options = StepOptions.of(dt, settings)
         own = 0.6 if options.soft is None else options.soft.friction.mu
         self.set_friction(own if mu is None else mu)
-        self.stepper = Stepper(
+        recorder = RECORDER.get()
+        self.stepper = (None if recorder is None else recorder.stepper) or Stepper(
             robot, terrain, options, payload, chosen_geometry(robot, collision), payload_position
         )
         self.robot, self.terrain, self.dt = robot, self.stepper.terrain, options.dt
@@ -186,6 +190,8 @@ class RigidWorld:
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
         """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         self._state: State = self.stepper.start(q, v)
+        if (recorder := RECORDER.get()) is not None:
+            self._state = recorder.placed(self._state)
         self._start = self.stepper.contacts(self._state)
         self.last: Step | None = None
         self.unsolved, self.worst_residual = 0, 0.0
@@ -228,10 +234,17 @@ class RigidWorld:
             Where the motion cannot be resolved or stops being finite. The world stays in the state before
             the step.
         """
+        if (recorder := RECORDER.get()) is not None:
+            known = recorder.before(self, torques, push)
+            if known is not None:
+                self._state = known
+                return
         torques = self._net(torques)
         self.last = step = self.stepper.step(self._state, torques, push, self.mu)
         pushed = None if push is None else np.array(push, dtype=np.float64)
         self._given = self._state, np.array(torques, dtype=np.float64), pushed, self.mu
+        if recorder is not None:
+            recorder.after(self._state, step)
         self._state = step.state
         self.unsolved += step.unsolved
         self.worst_residual = max(self.worst_residual, step.worst_residual)

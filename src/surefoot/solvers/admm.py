@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -212,15 +211,23 @@ class Splitting:
 
     def __init__(self, scaled: ScaledContacts, warm_start: FloatArray | None) -> None:
         self.scaled, problem = scaled, scaled.problem
-        self.largest = max(float(np.trace(scaled.G)) / scaled.g.size * LARGEST, 1e-300)
+        own = scaled.D * problem.operator.diagonal() * scaled.D
+        self.largest = max(float(own.sum()) / scaled.g.size * LARGEST, 1e-300)
         self.eta, self.rho = PROXIMAL * self.largest, FIRST * self.largest
         self.z = start_forces(problem, warm_start) / scaled.D
         self.x, self.y = self.z.copy(), np.zeros(self.z.size)
-        self.sparse: Any = None
-        if problem.contacts > LARGE and not problem.general and problem.blocks.density < SPARSE_BELOW:
-            self.sparse = sp.csc_matrix(scaled.G)
+        self.sparse, self.factor = None, None
+        many = problem.contacts > LARGE and not problem.general
+        if many and problem.factor is not None:
+            # G + s I is inverted by (Yᵀ Y + s I): Woodbury, as large as the bodies' velocities are many
+            self.factor = (sp.diags(scaled.D) @ problem.factor).tocsr()
+            self.sparse = (self.factor.T @ self.factor).tocsc()
+        elif many and problem.blocks.density < SPARSE_BELOW:
+            D = sp.diags(scaled.D)
+            self.sparse = (D @ sp.csc_matrix(problem.operator) @ D).tocsc()
         if warm_start is not None:
-            u, normals = scaled.G @ self.z + scaled.g, scaled.normals
+            dense, normals = self.sparse is None, scaled.normals
+            u = scaled.G @ self.z + scaled.g if dense else scaled.velocities(self.z)
             self.y -= u
             if problem.law.shift > 0.0:  # none of them into the ground
                 self.y[normals] = -np.maximum(u[normals], 0.0)
@@ -232,21 +239,27 @@ class Splitting:
         if self.sparse is None:
             inverse = _inverse(s.G, shift)
             return lambda n: iterate(inverse, s.packed, s.g, rho, self.eta, self.x, self.z, self.y, n)
-        matrix = (self.sparse + shift * sp.identity(s.g.size, format="csc")).tocsc()
+        matrix = (self.sparse + shift * sp.identity(self.sparse.shape[0], format="csc")).tocsc()
         # positive definite: the diagonal serves as pivot, and the ordering may look at G alone
         factor = scipy.sparse.linalg.splu(
             matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
         )
-        return lambda n: self._iterate_sparse(factor, rho, n)
+        solve, Y = factor.solve, self.factor
+        if Y is not None:
+            Z = Y.T.tocsr()
+            return lambda n: self._iterate_sparse(lambda b: (b - Y @ factor.solve(Z @ b)) / shift, rho, n)
+        return lambda n: self._iterate_sparse(solve, rho, n)
 
-    def _iterate_sparse(self, factor: Any, rho: float, count: int) -> tuple[float, float]:
-        """Run `count` iterations with a sparse factorisation; see `iterate`."""
+    def _iterate_sparse(
+        self, solve: Callable[[FloatArray], FloatArray], rho: float, count: int
+    ) -> tuple[float, float]:
+        """Run `count` iterations with what solves the linear system; see `iterate`."""
         b, point = np.empty(self.z.size), np.empty(self.z.size)
         half = self.scaled.packed, self.scaled.g, rho, self.eta, self.x, self.z, self.y, b, point
         primal = dual = 0.0
         for _ in range(count):
             _half_step(*half, False)
-            self.x[:] = factor.solve(b)
+            self.x[:] = solve(b)
             primal, dual = _half_step(*half, True)
         return primal, dual
 

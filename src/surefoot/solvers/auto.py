@@ -63,6 +63,8 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     if problem.contacts <= COMPILED_CONTACTS:
         return _run(problem, settings, warm_start, 0, _small_plan(problem, warm_start), start)
     forces, plan = start_forces(problem, warm_start), plans.CONES_LARGE[problem.law]
+    if problem.contacts > plans.CROWD and problem.law == "coulomb":
+        plan = plans.PILES
     looks: list[InfeasibilityProof | None] = []
 
     def infeasible(error: float) -> bool:
@@ -215,9 +217,10 @@ def part_of(problem: ContactProblem, members: IntArray) -> tuple[ContactProblem,
     changes = {name: getattr(problem, name)[members] for name in ("mu", "normal_max")}
     low = problem.normal_min if held is None else np.where(held, 0.0, problem.normal_min)
     part = problem.replace(
-        G=problem.G[np.ix_(rows, rows)], g=problem.g[rows], normal_min=low[members],
+        G=problem.operator[rows][:, rows], g=problem.g[rows], normal_min=low[members],
         bilateral=None if held is None else held[members], **changes,
     )  # fmt: skip
+    part.factor = None if problem.factor is None else problem.factor[rows]
     return part, rows
 
 

@@ -11,7 +11,6 @@ in their last loop only, and are written out all the same: parts shared between 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -202,12 +201,14 @@ def solve_nsgs(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations
     end = working_time() + settings.max_time
     laws = problem.mu, problem.normal_min, problem.normal_max, problem.law.shift == 0.0
-    matrix: tuple[Any, ...] = (problem.G,)
-    prepare: Callable[..., FloatArray] = prepare_dense
-    run: Callable[..., tuple[int, bool]] = run_dense
+    matrix: tuple[Any, ...]
+    prepare: Any
+    run: Any
     if problem.contacts >= 8 and problem.blocks.density < SPARSE_BELOW:
         b = problem.blocks
         matrix, prepare, run = (b.starts, b.columns, b.values), prepare_blocks, run_blocks
+    else:
+        matrix, prepare, run = (problem.G,), prepare_dense, run_dense
     local, state = prepare(*matrix, problem.scales), np.array([1.0, np.inf, 0.0])
     chunk = limit if settings.max_time == np.inf else max(1, int(2e6 / (9.0 * problem.contacts**2 + 1)))
     done, solved = 0, False

@@ -22,6 +22,8 @@ from surefoot.solvers.solver import Answer, SolverSettings, start_forces
 
 CHUNK, STEP_WORTH = 10, 50
 """Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
+HEAVY = 50_000
+"""Blocks above which a Newton step, with its factorisation on contacts, takes as long as many sweeps."""
 Try = tuple[float, int, int, int | None]
 FIRST_TRY: Try = (0.3, 50, 8, 6)
 """Newton on blocks: the proximal term's share, sweeps after a step, patience, and steps without a guess."""
@@ -31,6 +33,11 @@ GUESS_TRIES: tuple[Try, ...] = ((3.0, 50, 25, None), (0.03, 50, 25, None), (100.
 it did."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
+
+
+def heavy(problem: ContactProblem) -> bool:
+    """Tell whether Newton steps on contacts take too long for a problem's many blocks."""
+    return problem.blocks.columns.size > HEAVY
 
 
 def on_blocks(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
@@ -57,6 +64,8 @@ def admm_and_newton(
     It sorts out who slides long before it converges.
     """
     end, scaled = working_time() + settings.max_time, ScaledContacts(problem)
+    if not problem.general and heavy(problem):
+        return run_admm(scaled, settings, warm_start)
     newton = None if problem.general else BlockNewton(problem, settings.tol, end)
 
     def finish(z: FloatArray) -> tuple[FloatArray, float]:
@@ -88,7 +97,7 @@ def alternate(
         before, (_, error, far) = error, newton.measure(forces)
         if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
             break
-    if error > tol and done < most and working_time() < newton.end:
+    if error > tol and done < most and working_time() < newton.end and not heavy(problem):
         used, error = newton.run(forces, most - done, *FIRST_TRY, infeasible=infeasible)
         done, far = done + used, newton.measure(forces)[2]
     return done, error, far

@@ -79,6 +79,16 @@ CONES_LARGE: dict[str, Plan] = {
     ),
 }
 """After sweeps and Newton steps on blocks."""
+PILES: Plan = (
+    PlanStage(PARTS),
+    PlanStage("nsgs", 400, warm=True),
+    PlanStage(ADMM_AND_NEWTON, 20_000, warm=True),
+    PlanStage(PROOF),
+    PlanStage("nsgs", 20_000, warm=True),
+    PlanStage("interior_point", 40),
+)
+"""In place of Coulomb's for more contacts than `CROWD`: factorisations on all contacts come last."""
+CROWD = 300
 PYRAMIDS: dict[str, Plan] = {
     "coulomb": (
         PlanStage("admm", 2000, warm=True),

@@ -6,6 +6,8 @@ that cones stay what they are; it gives every block of G the trace of its rows.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
@@ -40,7 +42,7 @@ class ScaledContacts:
     problem
         What is scaled.
     D, G, g
-        (m,) the scale of each row, and the problem in the scaled variables.
+        (m,) the scale of each row, and the problem in the scaled variables; G is made dense when it is read.
     packed
         What `set_kernels` takes.
     step, weight
@@ -60,8 +62,13 @@ class ScaledContacts:
             shape = problem.law.shift, problem.facets or 0, problem.fit == "inner"
             pack_cones(problem.vectors, problem.scales, *shape, self.D, *self.packed, measure)
         self.step, self.weight = measure
-        self.G, self.g = self.D[:, None] * problem.G * self.D, self.D * problem.g
+        self.g = self.D * problem.g
         self.point, self.gap = np.empty(m), np.empty(m)
+
+    @cached_property
+    def G(self) -> FloatArray:
+        """The dense (m, m) operator in the scaled variables."""
+        return np.asarray(self.D[:, None] * self.problem.G * self.D)
 
     @property
     def normals(self) -> IntArray:

@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.contact.derivative import KINK, Kink
-from surefoot.contact.laws import LAWS
 from surefoot.errors import ProblemError
 from surefoot.stepping.derivative_first_order import FirstOrderStages
 from surefoot.stepping.derivative_impact import TOUCHING
@@ -71,9 +70,12 @@ class StepDerivative:
     """
 
     def __init__(self, stepper: Stepper, request: StepArguments) -> None:
-        if stepper.options.soft is not None:
-            law = type(stepper.options.soft).__name__
-            raise ProblemError(f"derivatives of steps take the laws {', '.join(LAWS)}, got a {law}")
+        soft = stepper.options.soft
+        if soft is not None and (stepper.options.integration == "explicit" or request.smoothing > 0.0):
+            law = type(soft).__name__
+            raise ProblemError(
+                f"a step with a {law} is differentiated with integration='implicit', without smoothing"
+            )
         if stepper.geometry is not None:
             raise ProblemError("a step is differentiated with feet on the ground alone, not with a geometry")
         self._stepper, self._request, self._dt = stepper, request, stepper.options.dt
@@ -86,13 +88,7 @@ class StepDerivative:
 
     @cached_property
     def _stages(self) -> Stages:
-        stages = LocatedStages if self._located else Stages
-        return stages(self._stepper, self._request)
-
-    @property
-    def _located(self) -> bool:
-        known = self._request.step
-        return known is not None and bool(known.pieces) and self.smoothing == 0.0
+        return stages_of(self._stepper, self._request)
 
     @property
     def step(self) -> Step:
@@ -300,10 +296,6 @@ class FirstOrderDerivative(StepDerivative):
         self._dense = knot.derivative(smoothing, self._out)
         self._by_mu = knot.by_mu
 
-    @cached_property
-    def _stages(self) -> Stages:
-        return FirstOrderStages(self._stepper, self._request)
-
     @property
     def A(self) -> FloatArray:
         """See `StepDerivative.A`: (2nv, 2nv)."""
@@ -318,6 +310,15 @@ class FirstOrderDerivative(StepDerivative):
     def mu(self) -> FloatArray:
         """See `StepDerivative.mu`: (2nv,)."""
         return self._by_mu
+
+
+def stages_of(stepper: Stepper, request: StepArguments) -> Stages:
+    """Return the stages of a step, of the kind that it was taken in; its outcome may be known."""
+    step = request.step
+    if step is not None and step.pieces and request.smoothing == 0.0:
+        return LocatedStages(stepper, request)
+    first = stepper.options.order == 1 and (step is None or step.impact is not None)
+    return (FirstOrderStages if first else Stages)(stepper, request)
 
 
 def step_derivative(

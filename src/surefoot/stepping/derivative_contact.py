@@ -13,6 +13,9 @@ from surefoot.contact import ContactSolution
 from surefoot.contact.derivative import KINK, ContactDerivative
 from surefoot.solvers.compiled import COMPILED_CONTACTS
 
+REGULAR = 1e-9
+"""Compliance of redundant contacts where a regular derivative is asked for, over the trace of G."""
+
 
 class Response:
     """Impulses as a function of what goes into their problem.
@@ -32,6 +35,7 @@ class Response:
 
     def __init__(self, solution: ContactSolution, smoothing: float) -> None:
         solution.raise_if_failed()
+        self.regular = False
         self.solution, self.smoothing = solution, smoothing
 
     @cached_property
@@ -73,7 +77,10 @@ class Response:
         p = self.solution.problem
         if self.smoothing == 0.0 and 0 < p.contacts <= COMPILED_CONTACTS:
             out = np.empty((3 * p.contacts, 4 * p.contacts))
-            if contact_blocks(p.G, self._laws, p.law == "convex", self._buffer, out):
+            singular = p.G + REGULAR * np.trace(p.G) * np.eye(len(p.G)) if self.regular else p.G
+            if any(
+                contact_blocks(G, self._laws, p.law == "convex", self._buffer, out) for G in (p.G, singular)
+            ):
                 return out[:, : 3 * p.contacts], out[:, 3 * p.contacts :].sum(axis=1)
         d = self.derivative
         return d.dforces_dg, np.asarray(d.dforces_dmu.sum(axis=1))

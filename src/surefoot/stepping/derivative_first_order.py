@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.stepping.derivative_impact import Rates
+from surefoot.stepping.derivative_impact import NO_LAWS, Laws, Rates
 from surefoot.stepping.derivative_stages import Stages
 from surefoot.stepping.state import Impact
 
@@ -36,8 +36,9 @@ class FirstOrderStages(Stages):
         self,
         columns: Sequence[FloatArray],
         inertia: FloatArray | None = None,
-        one_sided: bool = False,
+        one_sided: bool | None = False,
         seconds: FloatArray | None = None,
+        laws: Laws = NO_LAWS,
     ) -> FloatArray:
         """See `Stages.through`: (2nv + 6p, c)."""
         import pinocchio
@@ -46,7 +47,7 @@ class FirstOrderStages(Stages):
         effort = self._pushing(q, push)
         effort[self.stepper.robot.base_dof :] += torques
         dt, impact = self.stepper.options.dt, self.main.impact
-        rates = Rates(q, v, dt * effort + self.main.takes(inertia), mu[0], leaving)
+        rates = Rates(q, v, dt * effort + self.main.takes(inertia), mu[0], leaving, None, laws)
         after, left, given = self.main.through(rates, one_sided)
         by_q, by_way = pinocchio.dIntegrate(self.stepper.bodies.model, impact.q, dt * impact.after)
         return np.vstack([by_q @ q + dt * by_way @ after, after, given, left])

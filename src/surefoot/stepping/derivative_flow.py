@@ -23,14 +23,14 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.errors import ProblemError
-from surefoot.spatial import skew
+from surefoot.kernels import kernel
 from surefoot.stepping.motion import FreeMotion
 
 GAUSS = 0.5 - math.sqrt(3.0) / 6.0
 """First of the two points of Gauss in [0, 1]."""
-SLOW, TURN = 1e-3, 0.02
+SLOW, TURN = 1e-3, 0.05
 """Largest angle turned in a span for which its middle says enough, and in a piece of others [rad]."""
 TERMS = 60
 """Most terms of an exponential."""
@@ -54,15 +54,16 @@ class FlowDerivative:
         self.motion, self.data = motion, motion.model.createData()
         self._derive = pinocchio.computeABADerivatives
         ordered(motion.model)
-        self._balls, self._free = [], []
+        balls, free = list[int](), list[int]()
         for joint in list(motion.model.joints)[1:]:
             name = joint.shortname()
             if "FreeFlyer" in name:
-                self._free.append(joint.idx_v)
+                free.append(joint.idx_v)
             elif "Spherical" in name and joint.nq == 4:
-                self._balls.append(joint.idx_v)
+                balls.append(joint.idx_v)
             elif joint.nv > 1 and joint.nq != joint.nv:
                 raise ProblemError(f"no derivative of a motion with a {name}")
+        self._balls, self._free = np.array(balls, dtype=np.int64), np.array(free, dtype=np.int64)
 
     def of(
         self,
@@ -101,28 +102,50 @@ class FlowDerivative:
         self._derive(self.motion.model, self.data, q, v, given)
         own = None if inputs is None else inputs(self.data, q, v, np.array(self.data.ddq))
         F = np.zeros((2 * n + (0 if own is None else own.shape[1]),) * 2)
-        F[:n, n : 2 * n] = np.eye(n)
-        for i in self._free:
-            spin = skew(v[i + 3 : i + 6])
-            F[i : i + 3, i : i + 3] = F[i + 3 : i + 6, i + 3 : i + 6] = -spin
-            F[i : i + 3, i + 3 : i + 6] = -skew(v[i : i + 3])
-        for i in self._balls:
-            F[i : i + 3, i : i + 3] = -skew(v[i : i + 3])
-        F[n : 2 * n, :n], F[n : 2 * n, n : 2 * n] = self.data.ddq_dq, self.data.ddq_dv
+        variation(v, self._free, self._balls, self.data.ddq_dq, self.data.ddq_dv, F)
         if own is not None:
             F[n : 2 * n, 2 * n :] = own
         return F
 
 
+@kernel
+def variation(
+    v: FloatArray, free: IntArray, balls: IntArray, by_q: FloatArray, by_v: FloatArray, F: FloatArray
+) -> None:
+    """Write the matrix of the variational equation of (q, v) at (nv,) v into F, at least (2nv, 2nv).
+
+    `free` and `balls` are the first velocities of free flyers and of ball joints, `by_q` and `by_v` (nv, nv)
+    the derivatives of the acceleration.
+    """
+    n = v.size
+    for i in range(n):
+        F[i, n + i] = 1.0
+        for j in range(n):
+            F[n + i, j], F[n + i, n + j] = by_q[i, j], by_v[i, j]
+    for k in range(free.size + balls.size):
+        ball = k >= free.size
+        at = balls[k - free.size] if ball else free[k]
+        turn = at if ball else at + 3
+        for i in range(3):  # -[v, δq]
+            j, m = (i + 1) % 3, (i + 2) % 3
+            F[at + j, at + m] = v[turn + i]
+            F[at + m, at + j] = -v[turn + i]
+            if not ball:
+                F[turn + j, turn + m], F[turn + m, turn + j] = v[turn + i], -v[turn + i]
+                F[at + j, turn + m], F[at + m, turn + j] = v[at + i], -v[at + i]
+
+
+@kernel
 def _exponential(matrix: FloatArray) -> FloatArray:
     """Return the exponential of a small matrix, by its series to rounding."""
-    out, term = np.eye(len(matrix)) + matrix, matrix
+    term = matrix.copy()
+    out = np.eye(matrix.shape[0]) + matrix
     for k in range(2, TERMS):
         term = term @ matrix / k
         out += term
-        if not np.abs(term).max(initial=0.0) > 1e-17:
+        if not np.abs(term).max() > 1e-17:
             break
-    return np.asarray(out)
+    return out
 
 
 def ordered(model: Any) -> None:

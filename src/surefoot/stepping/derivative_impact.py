@@ -13,13 +13,13 @@ with ∂λ/∂g of the contact problem, see `contact.derivative`. The shift of t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_solve, solve_triangular
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.contact.laws.soft import SoftLaw
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.derivative_kernels import centre_rates, force_rates, velocity_rates
@@ -31,12 +31,19 @@ from surefoot.terrain.frames import surface_frames
 
 TOUCHING = 1e-9
 """Gaps up to this are none: whether they open or close makes two derivatives [m]."""
+RESTING = 1e-6
+"""Gaps up to this stay as they are where one slope is asked for both ways: on the ground [m]."""
 SPACING = 1e-5
 """Step of the central differences of a curved ground's normals and gaps [m]."""
 Shape = tuple[FloatArray, IntArray, BoolArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """The first arguments of `derivative_kernels.velocity_rates`."""
 Respond = Callable[[FloatArray, FloatArray], FloatArray]
 """Rates of the impulses (3k, c) from b (3k, c) and those of mu (c,)."""
+
+
+def law_fields(law: SoftLaw) -> tuple[str, ...]:
+    """Return the names of a soft law's numbers, in their order."""
+    return tuple(f.name for f in fields(law) if isinstance(getattr(law, f.name), float | int))
 
 
 class GroundTurn(NamedTuple):
@@ -75,6 +82,16 @@ class GroundTurn(NamedTuple):
         return cls(turns, slopes)
 
 
+class Laws(NamedTuple):
+    """Rates of what contacts are made of: `restitution` (c,) and `law` (fields, c), see `Rates`."""
+
+    restitution: FloatArray | None = None
+    law: FloatArray | None = None
+
+
+NO_LAWS = Laws()
+
+
 @dataclass(frozen=True)
 class Rates:
     """What goes into an exchange, as c columns.
@@ -91,6 +108,8 @@ class Rates:
         (3p, c) of the contact velocities after the last impulses.
     horizon
         (c,) of the time to the next impulses; None for none.
+    laws
+        Of restitution (c,) and of a soft law's parameters (fields, c), see `law_fields`; None for none.
     """
 
     q: FloatArray
@@ -99,6 +118,7 @@ class Rates:
     mu: FloatArray
     leaving: FloatArray
     horizon: FloatArray | None = None
+    laws: Laws = NO_LAWS
 
 
 @dataclass(frozen=True)
@@ -162,13 +182,13 @@ class Bumps:
     def through(
         self, impact: Impact, rates: Rates, last: FloatArray, leaving: FloatArray, horizon: float,
         options: StepOptions, pull: float, respond: Respond | None,
-        one_sided: bool = False,
+        one_sided: bool | None = False,
     ) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
         """Return the rates of v⁺ (nv, c), of the contact velocities after it (3p, c), and of λ (3p, c).
 
         `last` and `leaving` (p, 3) are the impulses before and the velocities right after them, `horizon` the
         time to the next impulses, `pull` the share of a penetration that is asked back. `one_sided`: contacts
-        that touch open or press as each column says.
+        that touch open or press as each column says; None: they stay on the ground.
         """
         J, near = self.contacts.J, impact.near
         rows = (3 * near[:, None] + np.arange(3)).ravel()
@@ -178,18 +198,19 @@ class Bumps:
         if self.speed.any():
             effort -= by_v @ rates.v
         spin = velocity_rates(*self._shape, impact.after)
-        v = rates.v + cho_solve((self.L, True), effort)
+        light = np.linalg.inv(self.L)
+        v = rates.v + light.T @ (light @ effort)
         impulses = np.zeros((J.shape[0], v.shape[1]))
         if near.size:
             assert impact.rows is not None
             assert respond is not None
             b = (spin @ rates.q + J @ v)[rows]
             b[2::3] += self._shift(impact, rates, horizon, options, pull, one_sided)
-            guess = self._swerve(impact, rates, last, leaving)
+            guess = self._swerve(impact, rates, last, leaving, options.soft is not None)
             if guess is not None:
                 b += guess[rows]
             impulses[rows] = respond(b, rates.mu)
-            v = v + solve_triangular(self.L.T, impact.rows.T @ impulses[rows])
+            v = v + light.T @ (impact.rows.T @ impulses[rows])
         return v, spin @ rates.q + J @ v, impulses
 
     def gap_rates(self) -> FloatArray:
@@ -203,12 +224,22 @@ class Bumps:
         return velocity_rates(*self._shape, impact.before) @ rates.q + self.contacts.J @ rates.v
 
     def _shift(
-        self, impact: Impact, rates: Rates, horizon: float, options: StepOptions, pull: float, one_sided: bool
+        self,
+        impact: Impact,
+        rates: Rates,
+        horizon: float,
+        options: StepOptions,
+        pull: float,
+        one_sided: bool | None | None,
     ) -> FloatArray:
         """Return the rates (k, c) of the normal velocity that the law adds; see `arithmetic.assemble`."""
         near, gaps = impact.near, self.contacts.gaps[impact.near]
+        if options.soft is not None:
+            return self._soft_shift(impact, rates, horizon, options.soft)
         share = np.where(gaps > 0.0, 1.0, pull) / horizon
         opening = self.gap_rates()[near] @ rates.q
+        if one_sided is None:
+            share = np.where(np.abs(gaps) <= RESTING, 1.0, share * horizon) / horizon
         out = share[:, None] * opening
         if one_sided and (touching := np.abs(gaps) <= TOUCHING).any():
             out[touching] = np.where(opening > 0.0, 1.0, pull)[touching] / horizon * opening[touching]
@@ -221,10 +252,40 @@ class Bumps:
             hit = (before < -2.0 * options.dt * GRAVITY) & (gaps + horizon * free <= 0.0)
             hit &= bounce < share * gaps
             out[hit] = options.restitution * self._arriving(impact, rates)[3 * near[hit] + 2]
+            if rates.laws.restitution is not None:
+                out[hit] += np.outer(before[hit], rates.laws.restitution)
         return np.asarray(out)
 
+    def _soft_shift(self, impact: Impact, rates: Rates, horizon: float, law: SoftLaw) -> FloatArray:
+        """Return the same under a law λ = Λ(gap, u, u⁻, θ): -(∂Λ/∂gap δgap + ...) / |∂Λ/∂u|.
+
+        A contact that ends the step at the surface has u = -gap / horizon instead.
+        """
+        assert impact.solution is not None
+        near, speeds = impact.near, impact.velocities[impact.near, 2]
+        gaps, opening = self.contacts.gaps[near], self.gap_rates()[near] @ rates.q
+        before = self.contacts.J[3 * near + 2] @ impact.before
+        steep = np.asarray(impact.solution.problem.compliance).reshape(-1, 3)[:, 2:]
+
+        def slope(width: float, gap: float = 0.0, speed: float = 0.0, **fields: float) -> FloatArray:
+            ends = []
+            for w in (-width, width):
+                other = replace(law, **{n: getattr(law, n) + w * share for n, share in fields.items()})
+                ends.append(other.over_step(gaps + w * gap, speeds, before + w * speed, horizon)[0])
+            return np.asarray(horizon * (ends[1] - ends[0]) / (2.0 * width))[:, None]
+
+        push = slope(1e-8, gap=1.0) * opening
+        push += slope(1e-6, speed=1.0) * self._arriving(impact, rates)[3 * near + 2]
+        for rate, name in zip(
+            () if rates.laws.law is None else rates.laws.law, law_fields(law), strict=False
+        ):
+            if not rate.any():
+                continue
+            push += slope(1e-5 * max(abs(getattr(law, name)), 1e-3), **{name: 1.0}) * rate
+        return np.where(steep > 0.0, -steep * push, opening / horizon)
+
     def _swerve(
-        self, impact: Impact, rates: Rates, last: FloatArray, leaving: FloatArray
+        self, impact: Impact, rates: Rates, last: FloatArray, leaving: FloatArray, soft: bool
     ) -> FloatArray | None:
         """Return the rates (3p, c) of the guess that the laws' velocities contain; None without one."""
         taken = impact.velocities - impact.leaving
@@ -232,7 +293,8 @@ class Bumps:
             return None
         frames = self.contacts.frames
         guess = arithmetic.swerves(self.contacts.J, impact.before, leaving, last, self.foot, frames, 0.0)
-        half = guess is not None and np.allclose(guess[1], taken, rtol=1e-6, atol=1e-12)
+        axes = 2 if soft else 3  # soft laws take no guess along the normal
+        half = guess is not None and np.allclose(guess[1][:, :axes], taken[:, :axes], rtol=1e-6, atol=1e-12)
         change = self._arriving(impact, rates)
         arriving = self.contacts.velocities(impact.before)
         value = 0.5 * (arriving - leaving) if half else arriving
@@ -241,7 +303,7 @@ class Bumps:
         change = change.reshape(*leaving.shape, -1)
         loaded, out = last[:, 2] > 0.0, np.zeros_like(change)
         if len(loaded) == len(np.unique(self.foot)):  # point feet have no mean to share
-            out[loaded] = change[loaded]
+            out[loaded, :axes] = change[loaded, :axes]
             return out.reshape(leaving.size, -1)
         turn = self._frame_rates(rates)  # (p, 3, 3, c)
         world = np.einsum("cia,cax->cix", frames, change) + np.einsum("ciax,ca->cix", turn, value)
@@ -249,7 +311,7 @@ class Bumps:
             mine = np.flatnonzero(loaded & (self.foot == foot))
             mean = world[mine].mean(axis=0)
             rest = mean - np.einsum("ciax,ca->cix", turn[mine], taken[mine])
-            out[mine] = np.einsum("cia,cix->cax", frames[mine], rest)
+            out[mine, :axes] = np.einsum("cia,cix->cax", frames[mine], rest)[:, :axes]
         return out.reshape(leaving.size, -1)
 
     def _frame_rates(self, rates: Rates) -> FloatArray:

@@ -19,7 +19,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.stepping.derivative_contact import Response
-from surefoot.stepping.derivative_impact import Rates
+from surefoot.stepping.derivative_impact import NO_LAWS, Laws, Rates
 from surefoot.stepping.derivative_stages import Coast, Exchange, Stages
 from surefoot.stepping.state import Impact
 
@@ -55,8 +55,9 @@ class LocatedStages(Stages):
         self,
         columns: Sequence[FloatArray],
         inertia: FloatArray | None = None,
-        one_sided: bool = False,
+        one_sided: bool | None = False,
         seconds: FloatArray | None = None,
+        laws: Laws = NO_LAWS,
     ) -> FloatArray:
         """See `Stages.through`: (2nv + 6p, c)."""
         q, v, torques, mu, push, leaving = columns
@@ -66,7 +67,7 @@ class LocatedStages(Stages):
         for k, touch in enumerate(self.touches):
             if self.rest is not None and touch is None:
                 rest = self.rest.through(
-                    [T[:n], T[n:], torques, mu, push, left], inertia, one_sided, seconds=-late
+                    [T[:n], T[n:], torques, mu, push, left], inertia, one_sided, -late, laws
                 )
                 given, left = given + rest[2 * n : -len(left)], rest[-len(left) :]
                 return np.vstack([rest[: 2 * n], given, left])
@@ -77,7 +78,7 @@ class LocatedStages(Stages):
                 wait = -(opening @ T[:n]) / (opening @ touch.impact.before)
             T, late = T + np.outer(self.coasts[k].pace, wait), late + wait
             if touch is not None:
-                rates = Rates(T[:n], T[n:], touch.takes(inertia) + 0.0 * T[n:], mu[0], nothing)
+                rates = Rates(T[:n], T[n:], touch.takes(inertia) + 0.0 * T[n:], mu[0], nothing, None, laws)
                 after, left, impulses = touch.through(rates, one_sided)
                 T, given = np.vstack([T[:n], after]), given + impulses
         return np.vstack([T, given, left])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +13,7 @@ from surefoot.stepping import arithmetic
 from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import FlowDerivative
-from surefoot.stepping.derivative_impact import Bumps, GroundTurn, Rates
+from surefoot.stepping.derivative_impact import NO_LAWS, Bumps, GroundTurn, Laws, Rates
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.impacts import Tally, finite_problem
 from surefoot.stepping.motion import moved
@@ -46,6 +45,7 @@ class Work:
         self.heavy = bodies.model, bodies.model.createData()
         self.weightless = bodies.coasting.model, bodies.coasting.model.createData()
         self.data = bodies.model.createData()
+        self.upper = np.triu(np.ones((bodies.model.nv, bodies.model.nv), dtype=np.bool_))
         joints = list(bodies.model.joints)[1:]
         self.first: IntArray = np.concatenate([np.full(j.nv, j.idx_v, dtype=np.int64) for j in joints])
 
@@ -62,7 +62,7 @@ class Exchange(NamedTuple):
     pull: float
     response: Response | None
 
-    def through(self, rates: Rates, one_sided: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def through(self, rates: Rates, one_sided: bool | None) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the rates (nv, c) of v⁺, (3p, c) of contact velocities [m/s] and of impulses [N s]."""
         r = self.response
         respond = None if r is None else (r.one_sided if one_sided else r.linear)
@@ -235,50 +235,42 @@ class Stages:
         found = [] if self.step.impact is None else [self.arrival, self.main]
         return [(e.response, e.impact.near) for e in found if e is not None and e.response is not None]
 
-    @cached_property
-    def _flows(self) -> list[FloatArray]:
-        return [c.flow.of(c.q, c.v, c.seconds, c.effort, _responsive if c.effort is not None else None)
-                for c in self.coasts]  # fmt: skip
-
-    @cached_property
-    def _inertial_flows(self) -> list[FloatArray]:
-        """The last columns of the flows: by inertial parameters."""
-        return [c.flow.of(c.q, c.v, c.seconds, c.effort, self._regressing(c))[:, 2 * c.v.size :]
-                for c in self.coasts]  # fmt: skip
-
-    def _regressing(self, coast: Coast) -> Any:
-        import pinocchio
-
-        model, scratch = coast.flow.motion.model, self._work.data
-
-        def inputs(data: Any, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-            Y = pinocchio.computeJointTorqueRegressor(model, scratch, q, v, a)
-            return np.asarray(-_responsive(data, q, v, a) @ Y)
-
-        return inputs
-
     def _coasted(
         self, k: int, T: FloatArray, more: FloatArray | None, inertia: FloatArray | None
     ) -> FloatArray:
         """Return the rates of (q, v) (2nv, c) after a piece of free motion."""
-        flow = self._flows[k]
-        out = flow[:, : len(T)] @ T
-        if more is not None:
-            out += flow[:, len(T) :] @ more
-        if inertia is not None:
-            out += self._inertial_flows[k] @ inertia
+        import pinocchio
+
+        c, n = self.coasts[k], len(T) // 2
+        given = [a for a in (more, inertia) if a is not None]
+        active = np.flatnonzero(np.vstack(given).any(axis=0)) if given else np.zeros(0, dtype=np.int64)
+        efforts = np.zeros((n, active.size)) if more is None else more[:, active]
+        own = None if inertia is None else inertia[:, active]
+
+        def inputs(data: Any, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+            taken = efforts
+            if own is not None:
+                Y = pinocchio.computeJointTorqueRegressor(c.flow.motion.model, self._work.data, q, v, a)
+                taken = taken - Y @ own
+            return np.asarray(np.where(self._work.upper, data.Minv, data.Minv.T) @ taken)
+
+        flow = c.flow.of(c.q, c.v, c.seconds, c.effort, inputs if active.size else None)
+        out = flow[:, : 2 * n] @ T
+        out[:, active] += flow[:, 2 * n :]
         return np.asarray(out)
 
     def through(
         self,
         columns: Sequence[FloatArray],
         inertia: FloatArray | None = None,
-        one_sided: bool = False,
+        one_sided: bool | None = False,
         seconds: FloatArray | None = None,
+        laws: Laws = NO_LAWS,
     ) -> FloatArray:
         """Return the rates (2nv + 6p, c) of q, v, impulses and leaving for c columns of what goes in.
 
-        The columns are those of q, v, torques, mu, push and leaving; `seconds` (c,) of the step's length.
+        The columns are those of q, v, torques, mu, push and leaving; `seconds` (c,) of the step's length,
+        `laws` of what contacts are made of.
         """
         q, v, torques, mu, push, leaving = columns
         n, points = len(v), len(leaving)
@@ -289,7 +281,8 @@ class Stages:
         if self.step.impact is None:
             return np.vstack([self._coasted(0, T, effort, inertia), impulses, impulses])
         if self.arrival is not None:
-            rates = Rates(T[:n], T[n:], self.arrival.takes(inertia) + np.zeros_like(v), mu[0], 0.0 * leaving)
+            taken = self.arrival.takes(inertia) + np.zeros_like(v)
+            rates = Rates(T[:n], T[n:], taken, mu[0], 0.0 * leaving, None, laws)
             after, _, given = self.arrival.through(rates, one_sided)
             T, impulses = np.vstack([T[:n], after]), impulses + given
         T = self._coasted(0, T, None, inertia)
@@ -300,7 +293,7 @@ class Stages:
         effort = self.dt * (effort + self._pushing(T[:n], push)) + self.main.takes(inertia)
         if seconds is not None:
             effort += np.outer(self.main.force, seconds)
-        rates = Rates(T[:n], T[n:], effort, mu[0], leaving, seconds)
+        rates = Rates(T[:n], T[n:], effort, mu[0], leaving, seconds, laws)
         after, left, given = self.main.through(rates, one_sided)
         T = self._coasted(1, np.vstack([T[:n], after]), None, inertia)
         if seconds is not None:
@@ -315,7 +308,7 @@ class Stages:
         return self.through([np.zeros((size, count)) for size in sizes], np.eye(count))
 
     def _pushed(
-        self, out: Exchange, T: FloatArray, inertia: FloatArray | None, one_sided: bool
+        self, out: Exchange, T: FloatArray, inertia: FloatArray | None, one_sided: bool | None
     ) -> FloatArray:
         """Return the rates of (q, v) after a motion out of the ground."""
         import pinocchio
@@ -341,9 +334,3 @@ class Stages:
             local = local + skew(turn.T @ self.request.push) @ q[3:6]
         out[:3], out[3:6] = local, skew(bodies.lever) @ local
         return out
-
-
-def _responsive(data: Any, *_: FloatArray) -> FloatArray:
-    """Return the inverse of the mass matrix that the derivatives of accelerations left."""
-    upper = np.triu(data.Minv)
-    return np.asarray(upper + np.triu(upper, 1).T)

@@ -1,0 +1,234 @@
+"""The gradient of a loss of a rollout's states by what goes into its steps, in reverse.
+
+With x the state (q, v, and what a step leaves to the next), p the parameters and w the gradient by x_k::
+
+    w_N = ∂L/∂x_N,    w_k = ∂L/∂x_k + w_k+1 (∂f/∂x + ∂f/∂τ ∂τ/∂x)
+    ∂L/∂p = w_0 ∂x_0/∂p + Σ w_k+1 (∂f/∂p + ∂f/∂τ ∂τ/∂p)
+
+∂f are a step's own derivative (`stepping.derivative_stages`), taken on the way back; what the user's
+functions do, ∂τ/∂x, ∂x₀/∂p, masses by p and so on, are differences of those functions alone, at the recorded
+states (`recorder`): no step is taken for them. So a gradient costs a few rollouts, however many parameters
+there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.errors import ProblemError
+from surefoot.simulation.recorder import Recorder
+from surefoot.simulation.rigid import RigidWorld
+from surefoot.stepping import State, Step
+from surefoot.stepping.derivative import stages_of
+from surefoot.stepping.derivative_impact import Laws, law_fields
+from surefoot.stepping.derivative_stages import StepArguments
+
+WIDTH = 1e-6
+"""Half of a difference, in units of what is moved where that is above one."""
+SAME = 1e-12
+"""How far apart two numbers may be that are the same [m, N m]."""
+
+Run = Callable[..., Recorder]
+"""Runs the rollout at parameters, in given states and with a known stepper."""
+
+
+class Inputs(NamedTuple):
+    """What a rollout put into its world: what it starts from, is made of, and the n steps' own.
+
+    Attributes
+    ----------
+    start
+        (2nv,) against the recorded start, in its tangent space.
+    inertia, restitution, law
+        (10 bodies,), (1,) and (fields,).
+    each
+        (n, joints + 4) torques, push and friction of every step.
+    """
+
+    start: FloatArray
+    inertia: FloatArray
+    restitution: FloatArray
+    law: FloatArray
+    each: FloatArray
+
+
+class Backward:
+    """The way back through a rollout: how what goes into the steps depends on parameters and states."""
+
+    def __init__(
+        self, run: Run, parameters: dict[str, Any], values: dict[str, FloatArray],
+        taken: Recorder,
+    ) -> None:  # fmt: skip
+        assert taken.world is not None
+        self.run, self.parameters, self.values, self.taken = run, parameters, values, taken
+        self.world: RigidWorld = taken.world
+        self.model = self.world.model
+        options = self.world.stepper.options
+        if self.world.actuators is not None or (
+            options.soft is not None and options.integration == "explicit"
+        ):
+            raise ProblemError(
+                'steps are differentiated with actuators="ideal" and integration="implicit", not motors, '
+                "friction of joints, and forces of soft ground at the start of a step"
+            )
+        self.here = self._inputs(taken)
+        self.feedback = self._feedback()
+
+    def _inputs(self, run: Recorder) -> Inputs:
+        """Return what a run put into its world."""
+        import pinocchio
+
+        world, first = run.world, self.taken.states[0]
+        assert world is not None
+        law = world.stepper.options.soft
+        inertia = [np.array(i.toDynamicParameters()) for i in list(world.model.inertias)[1:]]
+        q = pinocchio.difference(self.model, first.q, run.start.q)
+        each = np.column_stack([np.array(run.torques).reshape(run.count, -1), run.pushes, run.mu])
+        return Inputs(
+            np.concatenate([q, run.start.v - first.v]), np.concatenate(inertia),
+            np.array([world.stepper.options.restitution]),
+            np.array([getattr(law, n) for n in law_fields(law)] if law is not None else []), each,
+        )  # fmt: skip
+
+    def _replayed(self, states: list[State] | None = None, **changed: Any) -> Inputs:
+        """Return what the rollout puts in when it is in given states, with some parameters changed."""
+        known = None if changed else self.world.stepper
+        run = self.run({**self.parameters, **changed}, states or self.taken.states, known)
+        assert run.world is not None
+        if not changed:
+            return self._inputs(run)
+        first, options = self.taken.states[0], run.world.stepper.options
+        for a, b in zip(*(w.stepper.contacts(first)[:2] for w in (run.world, self.world)), strict=True):
+            if np.abs(a - b).max(initial=0.0) > SAME or options.dt != self.world.dt:
+                raise ProblemError(
+                    f"no gradient by {', '.join(changed)}: it changes shapes, ground or the step's length"
+                )
+        return self._inputs(run)
+
+    def _moved(self, way: FloatArray, which: slice = slice(None)) -> list[State]:
+        """Return the recorded states, those chosen moved along (2nv,)."""
+        out, nv, moved = list(self.taken.states), self.model.nv, self.world.stepper.bodies.moved
+        out[which] = [s._replace(q=moved(s.q, way[:nv]), v=s.v + way[nv:]) for s in out[which]]
+        return out
+
+    def _feedback(self) -> FloatArray | None:
+        """Return how each step's torques, push and friction move with its state (n, joints + 4, 2nv)."""
+        size = 2 * self.model.nv
+        way = WIDTH * np.random.default_rng(0).normal(size=size)
+        again = self._replayed(self._moved(way, slice(0, None, 2)))
+        change = np.abs(again.each - self.here.each).max(axis=1)
+        others = max(np.abs(a - b).max(initial=0.0) for a, b in zip(again[:4], self.here[:4], strict=True))
+        if max(change[1::2].max(initial=0.0), others) > SAME:
+            raise ProblemError(
+                "this rollout does something else in the same states: it may look at its parameters, the "
+                "time and the state, not at random numbers, contact forces, or what a controller remembers"
+            )
+        if not change.any():
+            return None
+        return self._by_joints(size) if self.world.robot.joints else self._by_states(np.eye(size))
+
+    def _by_states(self, ways: FloatArray) -> FloatArray:
+        """Return how what goes into the steps moves with each of (c, 2nv) motions of the states."""
+        ends = [self._replayed(self._moved(WIDTH * way)).each for way in ways]
+        return np.stack([(end - self.here.each) / WIDTH for end in ends], axis=2)
+
+    def _by_joints(self, size: int) -> FloatArray:
+        """Return the same for every component; at once, where a joint's torque looks at that joint alone."""
+        joints, nv, base = self.world.robot.joints, self.model.nv, self.world.robot.base_dof
+        own = np.eye(size)[base : base + joints], np.eye(size)[nv + base : nv + base + joints]
+        both, way = (
+            self._by_states(np.array([e.sum(axis=0) for e in own])),
+            np.random.default_rng(1).normal(size=size),
+        )
+        out = np.zeros((len(both), both.shape[1], size))
+        for k, at in enumerate((base, nv + base)):
+            out[:, np.arange(joints), at + np.arange(joints)] = both[:, :joints, k]
+        off = np.abs(self._by_states(way[None])[:, :, 0] - out @ way).max()
+        return out if off <= 1e-5 * np.abs(out).max() else self._by_states(np.eye(size))
+
+    def _rates(self) -> tuple[list[tuple[str, Any]], list[Inputs]]:
+        """Return for each direction which entries of which parameter it is, and the rates of what goes in.
+
+        A parameter with a row for every step that moves that step alone moves all its rows at once.
+        """
+        where, rates, n = list[tuple[str, Any]](), list[Inputs](), self.taken.count
+        for name, value in self.values.items():
+            flat = value.reshape(n, -1) if value.ndim and len(value) == n > 1 else None
+            if flat is not None and not self._stepwise(name, value):
+                flat = None
+            count = value.size if flat is None else flat.shape[1]
+            for j in range(count):
+                entry = np.unravel_index(j, value.shape) if flat is None else j
+                e = np.zeros(value.shape)
+                (e if flat is None else e.reshape(n, -1))[entry if flat is None else (slice(None), j)] = 1.0
+                width = WIDTH * max(1.0, float(np.abs(value * e).max()))
+                moved = self._replayed(None, **{name: value + width * e})
+                where.append((name, entry))
+                rates.append(Inputs(*((b - a) / width for a, b in zip(self.here, moved, strict=True))))
+        return where, rates
+
+    def _stepwise(self, name: str, value: FloatArray) -> bool:
+        """Return whether every row of a parameter moves its own step alone."""
+        other = value.copy()
+        other[::2] += WIDTH
+        moved = self._replayed(None, **{name: other})
+        apart = [a - b for a, b in zip(moved, self.here, strict=True)]
+        return not any(a.any() for a in apart[:4]) and not apart[4][1::2].any()
+
+    def through(self, loss_rates: FloatArray) -> dict[str, Any]:
+        """Return the gradient by every parameter, for that of the loss by the states (n + 1, 2nv)."""
+        where, rates = self._rates()
+        out = {n: np.zeros(v.shape) for n, v in self.values.items()}
+        fixed = [np.array([getattr(r, name) for r in rates]).T for name in ("inertia", "restitution", "law")]
+        each = np.array([r.each for r in rates]).transpose(1, 2, 0)
+        kept, n = list(self.taken.steps), self.taken.count
+        weight, left = loss_rates[-1], np.zeros(3 * len(self.world.robot.contact_points))
+        for k in reversed(range(n)):
+            step = kept[k - n] if n - k <= len(kept) else None
+            state, left, own = self._step_back(
+                k, step, each[k], fixed, np.concatenate([weight, 0.0 * left, left])
+            )
+            for g, (name, entry) in zip(own, where, strict=True):
+                if isinstance(entry, int):
+                    out[name].reshape(n, -1)[k, entry] += g
+                else:
+                    out[name][entry] += g
+            weight = state + loss_rates[k]
+        for (name, entry), rate in zip(where, rates, strict=True):
+            if not isinstance(entry, int):
+                out[name][entry] += weight @ rate.start
+        return {name: float(v) if v.ndim == 0 else v for name, v in out.items()}
+
+    def _step_back(
+        self, k: int, step: Step | None, each: FloatArray, fixed: list[FloatArray], weight: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the gradient by a step's state, what was left to it, and the parameters' directions."""
+        taken, joints, nv, stepper = self.taken, self.world.robot.joints, self.model.nv, self.world.stepper
+        push = taken.pushes[k] if taken.pushes[k].any() else None
+        state = taken.states[k]
+        if step is None:
+            step = stepper.step(state, taken.torques[k], push, taken.mu[k])
+        stages = stages_of(stepper, StepArguments(state, taken.torques[k], push, taken.mu[k], 0.0, step))
+        for response, _ in stages.responses:
+            response.regular = True
+        points = (weight.size - 2 * nv) // 2
+        heard = step.impact is not None and step.impact.velocities is not step.impact.leaving
+        before = 2 * nv + (points if heard else 0)
+        eye = np.eye(before, before + each.shape[1])
+        into = np.hstack([np.zeros((each.shape[0], before)), each])
+        if self.feedback is not None:
+            into[:, : 2 * nv] = self.feedback[k]
+        inertia, restitution, law = (
+            np.hstack([np.zeros((len(f), before)), f]) if f.any() else None for f in fixed
+        )
+        columns = (
+            eye[:nv], eye[nv : 2 * nv], into[:joints], into[joints + 3 :], into[joints : joints + 3],
+            eye[2 * nv :] if heard else np.zeros((points, eye.shape[1])),
+        )  # fmt: skip
+        laws = Laws(None if restitution is None else restitution[0], law)
+        back = weight @ stages.through(columns, inertia, None, laws=laws)
+        return back[: 2 * nv], back[2 * nv : before] if heard else np.zeros(points), back[before:]
