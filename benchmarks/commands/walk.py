@@ -27,7 +27,7 @@ def walk(
     quick: Annotated[bool, typer.Option("--quick", help="Two scenes and few calls.")] = False,
     scene: Annotated[list[str] | None, typer.Option(help="Only this scene; may be repeated.")] = None,
     calls: Annotated[int, typer.Option(min=10, max=100_000, help="Calls per scene and method.")] = 150,
-    horizon: Annotated[int, typer.Option(min=2, max=40, help="Steps of the horizon.")] = 10,
+    horizon: Annotated[int, typer.Option(min=2, max=100, help="Steps of the horizon.")] = 10,
     robot: Annotated[
         list[str] | None, typer.Option(help="Robot whose steps are timed; may be repeated.")
     ] = None,

@@ -30,6 +30,8 @@ ACCURACY = 0.1
 """Distance of all forces of the horizon together to the method's own optimum [N], in 95 of 100 inputs."""
 REFERENCE_TOLERANCE = 1e-11
 TUNING_INPUTS = 25
+LONG = 20
+"""Steps of a horizon above which references come from sparse matrices, and tuning sees fewer inputs."""
 PASSES = 3
 """Each input is timed this often, and the best time counts: the rest is other work on the machine."""
 
@@ -158,7 +160,7 @@ def _references(mpc: ConvexMpc, programs: list[HorizonProgram], facets: int | No
     """Return the optimal forces for a kind of cone, by Clarabel at its tightest."""
     out = []
     for program in programs:
-        packed = mpc_rivals.matrices(mpc, program, facets, sparse=False, dense=False)
+        packed = mpc_rivals.matrices(mpc, program, facets, sparse=mpc.horizon > LONG, dense=False)
         out.append(mpc_rivals.solve_exact(packed, REFERENCE_TOLERANCE))
     return out
 
@@ -167,8 +169,9 @@ def _best(
     rival: Rival, mpc: ConvexMpc, programs: list[HorizonProgram], optima: list[FloatArray]
 ) -> tuple[Variant, Timing, list[FloatArray]]:
     """Return the fastest accurate way to run a rival, its time and its forces."""
-    first = max(len(programs) // 2 - TUNING_INPUTS // 2, 0)
-    some = slice(first, first + TUNING_INPUTS)
+    count = TUNING_INPUTS if mpc.horizon <= LONG else TUNING_INPUTS * LONG // (5 * mpc.horizon)
+    first = max(len(programs) // 2 - count // 2, 0)
+    some = slice(first, first + count)
     trials: list[Trial] = []
     for form in rival.forms:
         packed = [rival.pack(mpc, program, form) for program in programs[some]]

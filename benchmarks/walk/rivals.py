@@ -8,7 +8,10 @@ to call, with its warm start, wherever its interface allows it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import ctypes
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -76,7 +79,7 @@ class Rival:
 
     def pack(self, mpc: ConvexMpc, program: HorizonProgram, form: str) -> Any:
         """Return the program in this rival's format (not timed)."""
-        sparse, dense = form.startswith("sparse"), form == "dense"
+        sparse, dense = form.startswith("sparse"), form.startswith("dense")
         return self.ready(matrices(mpc, program, self.facets, sparse=sparse, dense=dense), form)
 
 
@@ -103,7 +106,7 @@ def driven(
 
 
 def rivals() -> list[Rival]:
-    """Return all rivals, fresh; HPIPM only where CasADi's wheel brings it.
+    """Return all rivals, fresh; HPIPM and qpOASES only where CasADi's wheel brings them.
 
     Raises
     ------
@@ -121,6 +124,7 @@ def rivals() -> list[Rival]:
         if mpc_hpipm.hpipm_installed():
             forms = ("sparse", "sparse, balanced")
             out.append(Rival("HPIPM", facets, forms, (True, False), _stages, mpc_hpipm.solver))
+            out.append(Rival("qpOASES", facets, ("dense", "dense, MPC"), (True,), _for_casadi, _qpoases))
     out.append(driven("Clarabel", None, ("condensed", "sparse"), (False,), {}))
     return out
 
@@ -128,6 +132,51 @@ def rivals() -> list[Rival]:
 def _stages(m: Matrices, form: str) -> mpc_hpipm.Stages:
     """Return the stages that HPIPM wants, from the sparse form."""
     return mpc_hpipm.stages(m)
+
+
+def _for_casadi(m: Matrices, form: str) -> tuple[Matrices, dict[str, Any]]:
+    """Return the matrices as CasADi's, the normal bounds as bounds on the unknowns."""
+    import casadi
+
+    _, _, C, low, high, lower, upper = cone_program(m).two_sided(bounds=True)
+    given = {"h": m.P, "g": m.q, "a": C, "lba": low, "uba": high, "lbx": lower, "ubx": upper}
+    return m, {name: casadi.DM(np.array(value)) for name, value in given.items()}
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep what compiled code prints from the standard output."""
+    kept, nothing = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, 1)
+    try:
+        yield
+    finally:
+        ctypes.CDLL(None).fflush(None)
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nothing)
+
+
+def _qpoases(variant: Variant) -> Callable[[tuple[Matrices, dict[str, Any]]], FloatArray]:
+    """Return qpOASES's solve, by its own defaults or its preset for MPC; it starts at its last active set."""
+    import casadi
+
+    own: dict[str, Any] = {"printLevel": "none", "error_on_fail": False}
+    own["terminationTolerance"] = variant.tol
+    if "MPC" in variant.form:
+        own |= dict.fromkeys(("enableRamping", "enableFlippingBounds", "enableNZCTests"), False)
+        own |= {"enableDriftCorrection": 0, "enableEqualities": True}
+    kept: dict[Any, Any] = {}
+
+    def solve(item: tuple[Matrices, dict[str, Any]]) -> FloatArray:
+        m, given = item
+        if m.structure not in kept:
+            pattern = {name: given[name].sparsity() for name in "ha"}
+            with _silence():  # a new one prints its licence
+                kept[m.structure] = casadi.conic("qp", "qpoases", pattern, own)
+        return _forces(kept[m.structure](**given)["x"].full().ravel(), m)
+
+    return solve
 
 
 def cone_program(m: Matrices) -> ConeProgram:

@@ -120,6 +120,22 @@ def per_contact(name: str, value: ArrayLike, count: int, *, low: float = 0.0) ->
     return array
 
 
+LARGEST = 1e12
+"""Largest size of a mass, length, force or moment: beyond it products overflow, and nothing is told apart."""
+
+
+def of_kind(name: str, value: object, kind: type, like: str) -> None:
+    """Refuse a value that is not of a kind; `like` shows how one is made.
+
+    >>> of_kind("stance", None, list, "[1, 2]")
+    Traceback (most recent call last):
+    surefoot.errors.ProblemError: stance must be a list, as [1, 2] is one, got None
+    """
+    if not isinstance(value, kind):
+        given = " ".join(f"{value!r:.60}".split())
+        raise ProblemError(f"{name} must be a {kind.__name__}, as {like} is one, got {given}")
+
+
 def check_order(low: FloatArray, high: FloatArray) -> None:
     """Refuse (n,) bounds on normal forces that are out of order; the message names the contact."""
     crossed = low > high

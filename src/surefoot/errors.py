@@ -142,7 +142,8 @@ def unknown_name(kind: str, name: object, valid: Iterable[str]) -> str:
     >>> unknown_name("gait", "hop", ["trot", "walk"])
     "unknown gait 'hop'; valid names: trot, walk"
     """
-    return f"unknown {kind} {name!r}; valid names: {', '.join(sorted(valid))}"
+    names = ", ".join(sorted({str(one) for one in valid if one != ""}))
+    return f"unknown {kind} {name!r}; valid names: {names or 'none, nothing has a name'}"
 
 
 def check_name(kind: str, name: object, valid: Iterable[str], where: str = "") -> None:

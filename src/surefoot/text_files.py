@@ -14,6 +14,13 @@ MOST = 64_000_000
 """Bytes of a text that are read at most: a device never ends."""
 
 
+def path_of(value: object) -> Path:
+    """Return the path that a text or path names, or raise for what is neither."""
+    if not isinstance(value, (str, Path)):
+        raise ProblemError(f"a file is named by a text or a Path, got {value!r:.60}")
+    return Path(value)
+
+
 def read_text(path: Path | str, what: str = "") -> str:
     """Return what a text file holds, or with "-" the standard input; `what` it is of, for the message.
 
@@ -27,7 +34,7 @@ def read_text(path: Path | str, what: str = "") -> str:
         if str(path) == "-":
             content = sys.stdin.buffer.read(MOST + 1)
         else:
-            with Path(path).open("rb") as file:
+            with path_of(path).open("rb") as file:
                 content = file.read(MOST + 1)
         if len(content) > MOST:
             raise ProblemError(f"{named}longer than {MOST // 1_000_000} MB")

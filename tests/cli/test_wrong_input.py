@@ -104,7 +104,7 @@ CASES = [
     *((f"{c} solo12 --slope {n}", "--slope must be") for c in ("check", "region") for n in ("nan", "89")),
     *((f"{c} dog", "unknown robot 'dog'") for c in ("check", "region")),
     *((f"cone {o} {n}", o) for o in ("--mu", "--phase") for n in ("nan", "inf", "1e300")),
-    ("cone --facets 1000000", "--facets must be a whole number from 3 to 1000"),
+    ("cone --facets 1000000", "facets must be up to 1000 (then take the exact cone)"),
     *(
         (f"solve {f}", "surefoot: ")
         for f in ("empty.npz", "noise.dat", "folder.npz", "none.npz", "stance.yaml")

@@ -19,6 +19,7 @@ from surefoot.audit.report import AuditReport, FrictionInterval, Judgement, LawB
 from surefoot.audit.rows import Rows, lacking, pieces
 from surefoot.audit.setting import Setting, arranged, setting_of
 from surefoot.audit.slides import WORST, slide_on, start_slides
+from surefoot.errors import ProblemError
 from surefoot.log import Log
 from surefoot.log.formats import read_log
 from surefoot.robot import Robot
@@ -56,6 +57,11 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
     ProblemError
         For what is no log, has no rows, or tells facts that cannot be.
     """
+    if not isinstance(log, (Log, str, Path)):
+        raise ProblemError(
+            f"audit_log takes an sf.Log or the path of one; arrays become one by sf.log_from_arrays, "
+            f"got {type(log).__name__}"
+        )
     if not isinstance(log, Log):
         log = read_log(log)
     log = arranged(log, robot)

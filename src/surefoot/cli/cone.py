@@ -35,7 +35,6 @@ def cone(
     from surefoot.cones.polyhedral import checked_fit
 
     parsing.friction("--mu", mu)
-    parsing.facet_count(facets)
     real_number("--phase", phase, low=-360.0, high=360.0)
     pyramid = FrictionCone(mu).polyhedral(facets, checked_fit(fit), math.radians(phase))
 

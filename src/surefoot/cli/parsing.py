@@ -23,8 +23,6 @@ PAYLOAD_MAX, PAYLOAD_FAR = 1e4, 10.0
 SHORTEST_PUSH = 1e-3
 """A step of the worlds [s]; what is shorter can fall between two of them."""
 LONGEST_RUN = 3600.0
-MOST_FACETS = 1000
-"""Sides of a pyramid that is 5e-6 of the friction short of its cone: beyond it, ask for the cone."""
 
 
 def number(option: str, text: str) -> float:
@@ -129,16 +127,6 @@ def facets(text: str) -> int | None:
     count = int(text) if text.isdecimal() else 0
     if count < 3:
         raise ProblemError(f"--facets must be a whole number >= 3 or 'exact', got {text!r}")
-    return facet_count(count)
-
-
-def facet_count(count: int) -> int:
-    """Return a number of facets if it is from 3 to `MOST_FACETS`."""
-    if not 3 <= count <= MOST_FACETS:
-        raise ProblemError(
-            f"--facets must be a whole number from 3 to {MOST_FACETS} (with more, take the exact cone), "
-            f"got {count}"
-        )
     return count
 
 

@@ -39,6 +39,9 @@ def sweep(
     over: Annotated[
         list[str] | None, typer.Option(help="Print results' medians over this parameter too; repeatable.")
     ] = None,
+    allow_code: Annotated[
+        bool, typer.Option("--allow-code", help="Let the file's experiment be a function, MODULE:FUNCTION.")
+    ] = False,
     picture: options.Picture = True,
     as_json: options.AsJson = False,
 ) -> int:
@@ -50,7 +53,7 @@ def sweep(
     from surefoot.sweep import read_sweep, run_sweep
     from surefoot.sweep.survival import check_varying
 
-    planned = read_sweep(config).with_numbers(samples, seed)
+    planned = read_sweep(config, allow_code).with_numbers(samples, seed)
     for name in over or ():
         check_varying(planned, name)
     folder = Path("runs") / f"sweep-{config.stem}" if out is None else out

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
 from surefoot.cones.cone import Cone, Fit
 from surefoot.errors import ProblemError, check_name
 
@@ -155,6 +155,10 @@ class FitError:
     area: float
 
 
+MOST_FACETS = 1000
+"""Sides of a pyramid that is 5e-6 of the friction short of its cone."""
+
+
 class FrictionPyramid(PolyhedralCone):
     """A friction pyramid with k sides; built by `FrictionCone.polyhedral`.
 
@@ -167,8 +171,8 @@ class FrictionPyramid(PolyhedralCone):
         self.mu = real_number("mu", mu, low=0.0)
         if math.isinf(self.mu):
             raise ProblemError("a friction pyramid needs a finite mu, got inf")
-        if int(facets) != facets or facets < 3:
-            raise ProblemError(f"facets must be a whole number >= 3, got {facets!r}")
+        if whole_number("facets", facets, low=3) > MOST_FACETS:
+            raise ProblemError(f"facets must be up to {MOST_FACETS} (then take the exact cone), got {facets}")
         self.facets, self.fit, self.phase = int(facets), checked_fit(fit), float(phase)
         half = math.pi / self.facets
         at = self.phase + 2.0 * half * np.arange(self.facets)

@@ -25,6 +25,7 @@ from surefoot.contact.foreign import SHRINKS, SMALL
 from surefoot.contact.lcp import LCP
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.text_files import path_of
 
 KINDS = {".hdf5": "fclib", ".h5": "fclib", ".dat": "siconos", ".npz": "npz"}
 
@@ -39,7 +40,7 @@ def read_problem(path: str | Path) -> ContactProblem:
     MissingExtra
         If HDF5 is asked for without h5py.
     """
-    path = Path(path)
+    path = path_of(path)
     kind = _kind(path)
     if not path.is_file():
         raise ProblemError(f"no such file: {path}")
@@ -61,7 +62,7 @@ def write_problem(problem: ContactProblem, path: str | Path, forces: ArrayLike |
     ProblemError
         If the file exists, its ending is unknown, or the format cannot hold the problem.
     """
-    path = Path(path)
+    path = path_of(path)
     kind = _kind(path)
     if problem.general:
         raise ProblemError("no file format holds contacts of any kind, or laws of one's own")
@@ -91,7 +92,7 @@ def read_lcp(path: str | Path) -> LCP:
     ProblemError
         If there is no such file or it holds no LCP.
     """
-    path = Path(path)
+    path = path_of(path)
     if not path.is_file():
         raise ProblemError(f"no such file: {path}")
     return siconos_text.read_lcp(path)
@@ -99,7 +100,7 @@ def read_lcp(path: str | Path) -> LCP:
 
 def holds_lcp(path: str | Path) -> bool:
     """Tell whether a file is a Siconos text file of a linear complementarity problem."""
-    path = Path(path)
+    path = path_of(path)
     return path.suffix == ".dat" and path.is_file() and siconos_text.holds_lcp(path)
 
 

@@ -85,9 +85,11 @@ class WalkingController(Walker):
         settings: WalkSettings | None = None,
         dt: float = 1e-3,
     ) -> None:
-        if not robot.floating or len(robot.feet) < 2 or any(f.flat for f in robot.feet):
+        flat = sum(foot.flat for foot in robot.feet)
+        if not robot.floating or len(robot.feet) < 3 or flat:
             raise ModelError(
-                f"{robot.name} cannot walk here: it needs a free base and two or more point feet"
+                f"{robot.name} cannot walk here: that takes a free base and three or more point feet, "
+                f"it has {len(robot.feet)}{f', {flat} of them flat' if flat else ''}"
             )
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.settings = s = settings or WalkSettings()

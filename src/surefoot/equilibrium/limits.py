@@ -156,7 +156,7 @@ def corner_basis(mu: FloatArray, facets: int | None, fit: Fit) -> tuple[FloatArr
 
     Exact cones have three coordinates each, (f_z, f_x / mu, f_y / mu); pyramids one per ray.
     """
-    count = 3 if facets is None else facets
+    count = 3 if facets is None else FrictionPyramid(1.0, facets).facets  # checked
     force, e = np.zeros((3 * len(mu), count * len(mu))), np.zeros(count * len(mu))
     for k, m in enumerate(mu):
         rows, columns = slice(3 * k, 3 * k + 3), slice(count * k, count * (k + 1))
@@ -212,4 +212,4 @@ def _times_cones(rows: FloatArray, force: FloatArray, corners: int) -> FloatArra
     each = np.arange(corners)
     cones = force.reshape(corners, 3, corners, -1)[each, :, each]  # (k, 3, m / k)
     product: FloatArray = np.einsum("lki,kij->lkj", rows.reshape(-1, corners, 3), cones)
-    return product.reshape(len(rows), -1)
+    return product.reshape(len(rows), corners * cones.shape[2])

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, of_kind, real_number
 from surefoot.cones.cone import Fit
 from surefoot.equilibrium.limits import ForceLimits, Question, all_limits, normal_limits, squeeze_limit
 from surefoot.equilibrium.region import Region, convex_hull
@@ -78,6 +78,7 @@ def com_region(
     >>> round(region.area, 6), region.contains([0.19, 0.09]), region.contains([0.21, 0.0])
     (0.08, True, False)
     """
+    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
     step = finite_array("acceleration", acceleration, (3,))
     load = needed_wrench(mass, external_wrench)
     load[:3] += mass * step

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, of_kind
 from surefoot.equilibrium.force_distribution import ForceDistributor
 from surefoot.stance import Stance
 
@@ -42,6 +42,7 @@ def distribute(
     ProblemError
         If the wrench or the point is not finite or has the wrong shape.
     """
+    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
     w = finite_array("wrench", wrench, (6,))
     points = stance.points()
     distributor = ForceDistributor(

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import LARGEST, FloatArray, finite_array, of_kind, real_number
 from surefoot.cones.cone import Fit
 from surefoot.equilibrium.limits import (
     ForceLimits,
@@ -97,6 +97,7 @@ def can_stand(
     >>> bool(verdict), float(verdict.certificate @ verdict.load) < 0.0
     (False, True)
     """
+    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
     about = _vector("com", com, 3)
     load = needed_wrench(mass, external_wrench)
     if limits is not None or facets is not None or stance.bounded or not stance.contacts:
@@ -200,6 +201,7 @@ def friction_needed(
     >>> round(friction_needed(stance, com=[0, 0, 0.3], mass=15.0), 6)  # tan 30 deg
     0.57735
     """
+    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
     about = _vector("com", com, 3)
     load = needed_wrench(mass, external_wrench)
     most = math.inf if force_limit is None else real_number("force_limit", force_limit, low=0.0)
@@ -294,10 +296,11 @@ def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> Floa
     ProblemError
         If the mass is not positive and finite or the wrench is not (6,) and finite.
     """
-    if not (isinstance(mass, (int, float)) and 0.0 < mass < math.inf):
-        number = real_number("mass", mass)
-        if not 0.0 < number < math.inf:
-            raise ProblemError(f"mass must be positive and finite [kg], got {number:g}")
+    if not (isinstance(mass, (int, float)) and 0.0 < mass <= LARGEST):
+        if not isinstance(mass, (int, float, np.number)):
+            raise ProblemError(f"mass must be a number [kg], got {mass!r:.60}")
+        if not 0.0 < mass <= LARGEST:
+            raise ProblemError(f"mass must be positive and up to {LARGEST:g} kg, got {mass!r:.60}")
     load = np.zeros(6)
     load[2] = mass * GRAVITY
     if not (isinstance(external_wrench, (int, float)) and external_wrench == 0.0):
@@ -309,6 +312,9 @@ def _vector(name: str, value: ArrayLike, size: int) -> FloatArray:
     """Return a finite vector, at little cost when it is one already."""
     if isinstance(value, (list, tuple, np.ndarray)):
         vector = np.array(value)
-        if vector.dtype == np.float64 and vector.shape == (size,) and math.isfinite(vector.sum()):
+        if vector.dtype == np.float64 and vector.shape == (size,) and np.abs(vector).max() <= LARGEST:
             return vector
-    return finite_array(name, value, (size,))
+    vector = finite_array(name, value, (size,))
+    if np.abs(vector).max() > LARGEST:
+        raise ProblemError(f"{name} must be within {LARGEST:g}, got {vector[np.abs(vector).argmax()]:g}")
+    return vector

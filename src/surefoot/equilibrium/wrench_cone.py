@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, of_kind
 from surefoot.cones import FrictionPyramid, PolyhedralCone
 from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError
@@ -103,6 +103,7 @@ def wrench_cone(
     >>> bool(giwc.contains([0, 0, 150, 0, 0, 0])), bool(giwc.contains([0, 0, 150, 0, 40, 0]))
     (True, False)
     """
+    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
     points = stance.points()
     size = wrench_cone_size(stance, facets)
     if size.most_rows > most_rows:

@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ProblemError, WriteError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
-from surefoot.text_files import read_text, table_of
+from surefoot.text_files import path_of, read_text, table_of
 
 FORMAT, VERSION = "surefoot.contact-sequence", 1
 SCHEMA = Path(__file__).with_name("contact_sequence.schema.json")
@@ -89,7 +89,7 @@ def read_sequence(path: Path | str) -> ContactSequence:
     ProblemError
         If the file cannot be read, is no JSON, or says something that no sequence can be; naming the entry.
     """
-    source = Path(path)
+    source = path_of(path)
     try:
         content = json.loads(read_text(source))
     except (json.JSONDecodeError, RecursionError) as error:

@@ -14,6 +14,7 @@ from surefoot.log.mapped import log_from_source
 from surefoot.log.mapping import LogMapping
 from surefoot.log.source import Source
 from surefoot.log.spoilt import SPOILT
+from surefoot.text_files import path_of
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ def read_log(
     MissingExtra
         If the format needs a package that is not installed.
     """
-    path = Path(path)
+    path = path_of(path)
     entry = format_of(path)
     with _told(path, "is not a Surefoot log", entry):
         if entry.source is not None:
@@ -135,7 +136,7 @@ def read_source(path: Path | str, columns: Sequence[str] | None = None) -> Sourc
     ProblemError
         If the file cannot be read, or is of a format that needs no mapping.
     """
-    path = Path(path)
+    path = path_of(path)
     entry = format_of(path)
     if entry.source is None:
         raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping")

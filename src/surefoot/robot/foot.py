@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.errors import ProblemError
 
 DEFAULT_RADIUS = 0.02
 """Radius of a foot whose URDF draws none [m]."""
@@ -67,6 +68,21 @@ class Foot:
         left, right = xy[xy[:, 0] < middle[0], 0].max(), xy[xy[:, 0] >= middle[0], 0].min()
         down, up = xy[xy[:, 1] < middle[1], 1].max(), xy[xy[:, 1] >= middle[1], 1].min()
         return np.array([left, down]), np.array([right, up])
+
+
+def frame_names(feet: str | Sequence[str] | None) -> Sequence[str] | None:
+    """Return the names of feet, of a text those between its commas; None stays.
+
+    Raises
+    ------
+    ProblemError
+        For what are no names.
+    """
+    if isinstance(feet, str):
+        return [name.strip() for name in feet.split(",")]
+    if feet is not None and not (isinstance(feet, Sequence) and all(isinstance(f, str) for f in feet)):
+        raise ProblemError(f"feet must be names of frames, got {feet!r:.60}")
+    return feet
 
 
 def shaped_foot(model: Any, name: str, centres: Sequence[tuple[float, float, float]], radius: float) -> Foot:

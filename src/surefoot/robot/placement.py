@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, of_kind
 from surefoot.errors import ModelError
 from surefoot.robot.robot import Robot
 from surefoot.robot.sole_plane import sole_plane
@@ -101,9 +101,11 @@ def place(
     ModelError
         If the robot has no feet or a fixed base, or the legs cannot reach the ground this way.
     """
+    of_kind("robot", robot, Robot, 'sf.load_robot("go2")')
     if not robot.floating or not robot.feet:
         raise ModelError(f"{robot.name} cannot be placed: it needs a floating base and feet")
     ground = FlatTerrain() if terrain is None else terrain
+    of_kind("terrain", ground, Terrain, "sf.SlopeTerrain(10.0)")
     there = finite_array("at", at, (2,))
     seen = _SeenFrom(ground, there) if there.any() else ground
     for share in LEANS:

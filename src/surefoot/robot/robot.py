@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, of_kind, per_contact
 from surefoot.errors import ModelError, ProblemError, unknown_name
 from surefoot.robot import catalog
 from surefoot.robot.contact_points import ContactPoints, contact_points
 from surefoot.robot.descriptions import described, is_described
-from surefoot.robot.foot import Foot, read_foot, shaped_foot
+from surefoot.robot.foot import Foot, frame_names, read_foot, shaped_foot
 from surefoot.robot.libraries import import_pinocchio
 from surefoot.robot.mjcf import is_mjcf, nominal_of, read_mjcf
 from surefoot.robot.nominal import bend_legs
@@ -206,7 +206,8 @@ class Robot:
         """
         ground = FlatTerrain() if terrain is None else terrain
         chosen = self.feet if feet is None else tuple(self.foot(f) for f in feet)
-        frictions = np.broadcast_to(np.asarray(mu, dtype=np.float64), (len(chosen),))
+        of_kind("terrain", ground, Terrain, "sf.SlopeTerrain(10.0)")
+        frictions = per_contact("mu", mu, len(chosen))
         self._forward(self.configuration(q))
         contacts: list[Contact] = []
         for foot, friction in zip(chosen, frictions, strict=True):
@@ -271,8 +272,7 @@ def load_robot(
     >>> round(robot.mass, 3), robot.foot_names
     (16.085, ('FL_foot', 'FR_foot', 'RL_foot', 'RR_foot'))
     """
-    if isinstance(feet, str):
-        feet = [name.strip() for name in feet.split(",")]
+    feet = frame_names(feet)
     text = str(described(str(robot)) if is_described(str(robot)) else robot)
     if text.lower().endswith((".urdf", ".xml")) or "/" in text:
         path, entry = Path(text).expanduser(), catalog.CatalogEntry(text, fixed_base=bool(fixed_base))

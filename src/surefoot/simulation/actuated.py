@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, of_kind
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators, actuators_of
 from surefoot.robot.rotors import with_rotors
@@ -23,6 +23,7 @@ def equipped(robot: Robot, actuators: str | Actuators) -> tuple[Robot, Actuators
     ProblemError
         For an unknown name, or a value that does not fit the robot.
     """
+    of_kind("robot", robot, Robot, 'sf.load_robot("go2")')
     chosen = actuators_of(robot, actuators)
     return (robot, None) if chosen is None else (with_rotors(robot, chosen.armature), chosen)
 

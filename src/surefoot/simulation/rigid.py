@@ -12,7 +12,7 @@ from typing import NamedTuple, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, of_kind, real_number
 from surefoot.collision import Geometry, robot_geometry
 from surefoot.contact import ContactSolution
 from surefoot.contact.laws.soft.behaviour import stopping_depth
@@ -153,6 +153,8 @@ class RigidWorld:
         actuators: str | Actuators = "ideal",
         **settings: Unpack[StepSettings],
     ) -> None:
+        if not hasattr(robot, "model"):
+            of_kind("robot", robot, Robot, 'sf.load_robot("go2")')
         self.actuators: Actuators | None = None
         if actuators != "ideal":  # a body of `simulation.bodies` has no joints to ask about
             robot, self.actuators = equipped(robot, actuators)

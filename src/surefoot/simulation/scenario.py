@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.errors import ProblemError
 from surefoot.log import Ending
 from surefoot.robot import Robot
@@ -158,9 +158,20 @@ class Scenario:
         if self.mu is not None:
             real_number("mu of a scenario", self.mu, low=0.0)
         for name, kind in (("pushes", Push), ("ice", Ice), ("patches", IcePatch)):
-            for one in getattr(self, name):
-                if not isinstance(one, kind):
-                    raise ProblemError(f"{name} of a scenario are {kind.__name__}, got {one!r:.60}")
+            given = getattr(self, name)
+            if not isinstance(given, Sequence) or not all(isinstance(one, kind) for one in given):
+                raise ProblemError(
+                    f"{name} of a scenario must be a list of {kind.__name__}, got {given!r:.60}"
+                )
+        for push in self.pushes:
+            finite_array("force of a push", push.force, (3,))
+            real_number("start of a push", push.start, low=0.0)
+            real_number("duration of a push", push.duration, low=0.0)
+        for change in self.ice:
+            real_number("start of ice", change.start, low=0.0)
+            real_number("mu of ice", change.mu, low=0.0)
+        if self.seed is not None:
+            whole_number("seed of a scenario", self.seed)
 
     def steps(self, dt: float) -> int:
         """Return the number of steps of length `dt` [s], at least one."""

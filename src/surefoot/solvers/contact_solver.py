@@ -205,7 +205,7 @@ class ContactSolver:
         warm_start: bool = True,
         **options: Unpack[ContactOptions],
     ) -> None:
-        self.contacts = n = whole_number("contacts", contacts)
+        self.contacts = n = whole_number("contacts", contacts, low=1)
         self.tol = real_number("tol", tol, low=0.0, high=1e300)
         self.max_iterations = (
             None if max_iterations is None else whole_number("max_iterations", max_iterations)

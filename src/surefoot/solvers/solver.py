@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
+from surefoot.arrays import FloatArray, finite_array, of_kind, real_number, whole_number
 from surefoot.contact.laws import LAWS
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
@@ -238,6 +238,7 @@ def solve(
         If the solver does not take this law or these cones, or a setting is out of range.
     """
     start = _clock()
+    of_kind("problem", problem, ContactProblem, "sf.ContactProblem(G, g, mu)")
     entry = _REGISTRY.get(solver) if type(solver) is str else None
     if (
         type(tol) is not float

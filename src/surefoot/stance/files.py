@@ -14,7 +14,7 @@ from surefoot.errors import ProblemError
 from surefoot.spatial import rotation_from_normal
 from surefoot.stance.contact import Contact, PatchContact, PointContact
 from surefoot.stance.stance import Stance
-from surefoot.text_files import read_yaml, table_of
+from surefoot.text_files import path_of, read_yaml, table_of
 
 _TOP = ("name", "mass", "com", "external_wrench", "mu", "contacts")
 _CONTACT = ("name", "position", "normal", "mu", "heading", "normal_min", "normal_max", "length", "width")
@@ -50,7 +50,7 @@ def read_stance(path: str | Path) -> StanceQuestion:
         Naming the file and the entry at fault: a key that is unknown or missing, a normal that is not of
         length one, a value that is not a number.
     """
-    source = Path(path)
+    source = path_of(path)
     content = read_yaml(source)
     try:
         return stance_from_dict(content, source.stem)

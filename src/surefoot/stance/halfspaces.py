@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, whole_number
 from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError, check_name
 from surefoot.stance.contact import Contact
@@ -100,6 +100,7 @@ def row_counts(
 ) -> tuple[int, int]:
     """Return the numbers of rows (m, p) of A and E that `halfspaces` will return."""
     m = p = 0
+    whole_number("facets", facets, low=3)
     for contact, off in zip(contacts, swing_mask(contacts, swing), strict=True):
         if off:
             p += contact.dim

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from functools import cached_property
 from itertools import accumulate, pairwise
@@ -37,6 +37,10 @@ class Stance:
     """
 
     def __init__(self, contacts: Sequence[Contact]) -> None:
+        if not isinstance(contacts, Iterable):
+            raise ProblemError(
+                f"contacts must be a list, as [sf.PointContact(p)] is one, got {contacts!r:.60}"
+            )
         self.contacts = tuple(contacts)
         for k, contact in enumerate(self.contacts):
             if not isinstance(contact, (PointContact, PatchContact)):

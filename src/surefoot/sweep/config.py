@@ -12,9 +12,10 @@ from surefoot import __version__
 from surefoot.arrays import whole_number
 from surefoot.errors import ProblemError, check_name
 from surefoot.sweep.experiment import SweepExperiment, make_experiment
+from surefoot.sweep.function import FunctionExperiment, experiment_of
 from surefoot.sweep.ranges import read_range
 from surefoot.sweep.space import MOST, Space
-from surefoot.text_files import read_yaml, table_of
+from surefoot.text_files import path_of, read_yaml, table_of
 
 _KEYS = ("experiment", "samples", "seed", "settings", "ranges", "maps")
 SAMPLES = 1000
@@ -63,7 +64,9 @@ class SweepConfig:
 
         Another version of Surefoot may come to other results; another one of SciPy may draw other points.
         """
+        code = {"code": self.experiment.code} if self.experiment.code else {}
         return {
+            **code,
             "surefoot": __version__,
             "experiment": self.name,
             "seed": self.space.seed,
@@ -88,33 +91,54 @@ class SweepConfig:
         return replace(self, space=space, samples=self.samples if samples is None else samples)
 
 
-def read_sweep(path: str | Path) -> SweepConfig:
+def read_sweep(path: str | Path, allow_code: bool = False) -> SweepConfig:
     """Read a sweep's file; docs/sweeps.md describes it.
+
+    With `allow_code` its experiment may be a function, "module:function", which is run.
 
     Raises
     ------
     ProblemError
         Naming the file and the entry at fault.
     """
-    source = Path(path)
+    source = path_of(path)
     content = read_yaml(source)
     try:
-        return sweep_from_dict(content, source.parent)
+        return sweep_from_dict(content, source.parent, allow_code)
     except ProblemError as error:
         raise ProblemError(f"{source}: {error}") from error
 
 
-def sweep_from_dict(content: Any, folder: Path | None = None) -> SweepConfig:
+def sweep_from_dict(content: Any, folder: Path | None = None, allow_code: bool = False) -> SweepConfig:
     """Return the sweep that parsed YAML stands for; `folder` is what files in it are relative to."""
     top = table_of("the file", content, _KEYS, required=("experiment",))
     name = str(top["experiment"])
-    experiment = make_experiment(name, table_of("settings", top.get("settings") or {}))
+    settings = table_of("settings", top.get("settings") or {})
     entries = table_of("ranges", top.get("ranges") or {})
+    experiment = (
+        _own_function(name, settings, entries, folder, allow_code)
+        if ":" in name
+        else make_experiment(name, settings)
+    )
     read = {n: read_range(experiment, n, entry, folder or Path()) for n, entry in entries.items()}
     ranges = {n: read[n] for n in experiment.parameters() if n in read}  # the file's order does not matter
+    if isinstance(experiment, FunctionExperiment):
+        replace(experiment, **{name: drawn.ends[0] for name, drawn in ranges.items()}).learn()
     maps = top.get("maps") or []
     if not isinstance(maps, list) or not all(isinstance(p, list) and len(p) == len({*p}) == 2 for p in maps):
         raise ProblemError(f"maps must be a list of pairs of parameters, got {maps!r:.60}")
     samples = whole_number("samples", top.get("samples", SAMPLES))
     space = Space(ranges, whole_number("seed", top.get("seed", 0)))
     return SweepConfig(name, experiment, space, samples, tuple((str(x), str(y)) for x, y in maps))
+
+
+def _own_function(
+    name: str, settings: dict[str, Any], ranges: dict[str, Any], folder: Path | None, allowed: bool
+) -> SweepExperiment:
+    """Return the experiment that is somebody's function, or raise where code is not allowed."""
+    if not allowed:
+        raise ProblemError(
+            f"experiment {name} is code, which would be run: allow it with --allow-code "
+            "(sf.read_sweep(..., allow_code=True))"
+        )
+    return experiment_of(name, settings, ranges, (folder or Path()).resolve())

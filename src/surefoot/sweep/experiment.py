@@ -33,10 +33,13 @@ class SweepExperiment(ABC):
         Results: name to one of `KINDS`. The first is a bool, whether the sample survived.
     chunk
         Samples that are sent to a worker at a time: a quarter of a second's worth or so.
+    code
+        What tells one version of somebody's own function from another; empty for the package's.
     """
 
     columns: ClassVar[Mapping[str, str]]
     chunk: ClassVar[int] = 1
+    code: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
         for name in self.numbers():

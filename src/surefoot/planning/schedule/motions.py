@@ -36,7 +36,7 @@ REST = 0.01
 after the last motion, to second order, admit next to none of it, and its rows have no slope there."""
 LIKELY = 0.75
 """Share of the ground's friction that a plan counts on."""
-GAP = 0.27
+GAP = 0.4
 """How far the rear legs stay behind the front ones when they are tucked, as a share of the base's height."""
 ABDUCTION, FOLD = 0.12, 0.12
 """How far hips may turn in a flight from where they stand [rad]; share of its range that a knee leaves."""

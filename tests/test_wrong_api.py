@@ -1,0 +1,101 @@
+"""Wrong input of public functions as a table: one line of ours that names what was expected, at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from tests.robots import go2
+
+FEET = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
+COM, NOTHING = [0.0, 0.0, 0.3], np.zeros(6)
+STANCE = sf.Stance([sf.PointContact(p, mu=0.6) for p in FEET])
+BOUNDED = sf.Stance([sf.PointContact(p, mu=0.6, normal_max=1e4) for p in FEET])
+PROBLEM = sf.ContactProblem(np.eye(3), [0.0, 0.0, -1.0], 0.5)
+NO_STANCES: list[Any] = [None, FEET, "stance", 3, STANCE.contacts]
+NO_MASSES: list[Any] = ["15", None, 0.0, -1.0, np.nan, np.inf, 1e200, [15.0]]
+NO_POINTS: list[Any] = ["com", None, [0.0, 0.0], [np.nan, 0, 0], [np.inf, 0, 0], [1e200, 0, 0], [[0, 0, 0]]]
+NO_WRENCHES: list[Any] = ["w", [1.0], [np.nan] * 6, [1e200, 0, 0, 0, 0, 0], {}]
+NO_FACETS: list[Any] = [10**6, 2, -1, 3.5, np.nan, "x"]
+NO_LOGS: list[Any] = [np.zeros(3), None, 3, {}, [1, 2]]
+NO_PATHS: list[Any] = [3, None, [], np.zeros(2)]
+NO_FRICTION: list[Any] = ["x", -0.1, np.nan, None]
+NO_ROBOTS: list[Any] = ["go2", None, 3]
+NO_TERRAINS: list[Any] = ["flat", 3, STANCE]
+NO_NUMBERS: list[Any] = ["x", None, np.nan]
+
+TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
+    "stance": (sf.Stance, [sf.PointContact(FEET[0]), sf.PointContact, 3, None, [3], "a"], "contacts"),
+    "stand stance": (lambda x: sf.can_stand(x, COM, 15.0), NO_STANCES, "stance must be a Stance"),
+    "stand mass": (lambda x: sf.can_stand(STANCE, COM, x), NO_MASSES, "mass must be"),
+    "bounded mass": (lambda x: sf.can_stand(BOUNDED, COM, x), NO_MASSES, "mass must be"),
+    "stand com": (lambda x: sf.can_stand(STANCE, x, 15.0), NO_POINTS, "com"),
+    "stand wrench": (lambda x: sf.can_stand(STANCE, COM, 15.0, x), NO_WRENCHES, "external_wrench"),
+    "stand facets": (lambda x: sf.can_stand(STANCE, COM, 15.0, facets=x), NO_FACETS, "facets"),
+    "friction stance": (lambda x: sf.friction_needed(x, COM, 15.0), NO_STANCES, "stance must be"),
+    "friction mass": (lambda x: sf.friction_needed(STANCE, COM, x), NO_MASSES, "mass must be"),
+    "region stance": (lambda x: sf.com_region(x, 15.0), NO_STANCES, "stance must be"),
+    "region mass": (lambda x: sf.com_region(STANCE, x), NO_MASSES, "mass must be"),
+    "cone stance": (lambda x: sf.wrench_cone(x, COM), NO_STANCES, "stance must be"),
+    "share stance": (lambda x: sf.distribute(x, NOTHING), NO_STANCES, "stance must be"),
+    "halfspaces": (lambda x: STANCE.halfspaces(facets=x), NO_FACETS, "facets"),
+    "no name": (STANCE.without, ["x", None], "valid names: none, nothing has a name"),
+    "contact": (sf.PointContact, ["abc", None, [0, 0], [np.nan] * 3], "position"),
+    "cone": (sf.FrictionCone, NO_FRICTION, "mu"),
+    "pyramid": (sf.FrictionCone(0.5).polyhedral, NO_FACETS, "facets"),
+    "solve": (sf.solve, [{"G": np.eye(3)}, np.eye(3), None, "p"], "problem must be a ContactProblem"),
+    "solver": (lambda x: sf.solve(PROBLEM, solver=x), ["x", None, 3], "valid names: |solver"),
+    "tol": (lambda x: sf.solve(PROBLEM, tol=x), ["x", -1.0, np.nan], "tol"),
+    "contacts": (lambda x: sf.ContactSolver(contacts=x, mu=0.5), [0, -1, 1.5, "x", None], "contacts must be"),
+    "mu": (lambda x: sf.ContactProblem(np.eye(3), np.zeros(3), x), NO_FRICTION, "mu"),
+    "law": (lambda x: sf.ContactProblem(np.eye(3), np.zeros(3), 0.5, law=x), ["x", 3, None], "law"),
+    "audit": (sf.audit_log, NO_LOGS, "arrays become one by sf.log_from_arrays"),
+    "lawful": (sf.assert_lawful, NO_LOGS, "sf.log_from_arrays"),
+    "log file": (sf.read_log, NO_PATHS, "a file is named by a text or a Path"),
+    "problem file": (sf.read_problem, NO_PATHS, "a file is named by"),
+    "stance file": (sf.read_stance, NO_PATHS, "a file is named by"),
+    "sequence file": (sf.read_sequence, NO_PATHS, "a file is named by"),
+    "sweep file": (sf.read_sweep, NO_PATHS, "a file is named by"),
+    "robot": (sf.load_robot, ["nope", "nope.urdf", 3, None, ""], "robot|file"),
+    "feet": (lambda x: sf.load_robot("go2", feet=x), [3, [3], "toe", ["FL_foot"] * 2, {"a"}], "feet|foot"),
+    "place robot": (sf.place, NO_ROBOTS, "robot must be a Robot, as sf.load_robot"),
+    "place ground": (lambda x: sf.place(go2(), x), NO_TERRAINS, "terrain must be a Terrain"),
+    "stance ground": (lambda x: go2().stance(terrain=x), NO_TERRAINS, "terrain must be a Terrain"),
+    "stance mu": (lambda x: go2().stance(mu=x), ["x", [1.0, 2.0], -1.0, np.nan], "mu"),
+    "stance q": (lambda x: go2().stance(x), ["q", [1.0], np.zeros(19), np.full(19, np.nan)], "q"),
+    "mujoco": (sf.MujocoWorld, NO_ROBOTS, "robot must be a Robot"),
+    "rigid": (sf.RigidWorld, NO_ROBOTS, "robot must be a Robot"),
+    "world mu": (lambda x: sf.MujocoWorld(go2(), mu=x), NO_FRICTION, "mu"),
+    "world ground": (lambda x: sf.MujocoWorld(go2(), x), NO_TERRAINS, "terrain must be a Terrain"),
+    "duration": (sf.Scenario, [-1.0, 0.0, *NO_NUMBERS, np.inf], "duration of a scenario"),
+    "scenario mu": (lambda x: sf.Scenario(1.0, x), ["x", -1.0, np.nan], "mu of a scenario"),
+    "pushes": (lambda x: sf.Scenario(1.0, pushes=x), [3, ["x"], sf.Push(0, (1, 0, 0), 1)], "pushes of a"),
+    "push": (
+        lambda x: sf.Scenario(1.0, pushes=[sf.Push(*x)]),
+        [("a", (1, 0, 0), 1), (0, (1, 0), 1), (0, (np.nan, 0, 0), 1), (0, (1, 0, 0), -1)], "of a push",
+    ),
+    "ice": (lambda x: sf.Scenario(1.0, ice=[sf.Ice(0, x)]), NO_FRICTION, "mu of ice"),
+    "seed": (lambda x: sf.Scenario(1.0, seed=x), [-1, 0.5, "x", np.nan], "seed of a scenario"),
+    "gait": (sf.named_gait, ["hop", 3, None], "unknown gait for 4 feet .*; valid names: bound"),
+    "slope": (sf.SlopeTerrain, [*NO_NUMBERS, 91.0], "slope|degrees|angle"),
+    "task": (lambda x: sf.plan(go2(), x), ["jmp", 3, None], "unknown task .*; valid names: backflip"),
+}  # fmt: skip
+CASES = [(name, k) for name, (_, values, _) in TABLE.items() for k in range(len(values))]
+
+
+@pytest.mark.parametrize(("name", "k"), CASES, ids=[f"{name} {k}" for name, k in CASES])
+@pytest.mark.filterwarnings("error")
+def test_it_is_refused_in_one_line(name: str, k: int) -> None:
+    call, values, words = TABLE[name]
+    with pytest.raises(sf.SurefootError, match=words) as found:
+        call(values[k])
+    assert "\n" not in str(found.value)
+    assert len(str(found.value)) < 500
+
+
+def test_there_are_200_of_them() -> None:
+    assert len(CASES) >= 200
