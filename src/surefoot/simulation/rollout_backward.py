@@ -213,8 +213,11 @@ class Backward:
         if step is None:
             step = stepper.step(state, taken.torques[k], push, taken.mu[k])
         stages = stages_of(stepper, StepArguments(state, taken.torques[k], push, taken.mu[k], 0.0, step))
-        for response, _ in stages.responses:
-            response.regular = True
+        both: bool | None = False
+        for response, near in stages.responses:
+            response.regular, foot = True, self.world.contact_foot[near]
+            if foot.size > np.unique(foot).size:  # redundant: signs of their gaps would pull them apart
+                both = None
         points = (weight.size - 2 * nv) // 2
         heard = step.impact is not None and step.impact.velocities is not step.impact.leaving
         before = 2 * nv + (points if heard else 0)
@@ -230,5 +233,5 @@ class Backward:
             eye[2 * nv :] if heard else np.zeros((points, eye.shape[1])),
         )  # fmt: skip
         laws = Laws(None if restitution is None else restitution[0], law)
-        back = weight @ stages.through(columns, inertia, None, laws=laws)
+        back = weight @ stages.through(columns, inertia, both, laws=laws)
         return back[: 2 * nv], back[2 * nv : before] if heard else np.zeros(points), back[before:]
