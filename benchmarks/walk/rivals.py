@@ -9,9 +9,10 @@ to call, with its warm start, wherever its interface allows it.
 from __future__ import annotations
 
 import ctypes
+import io
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -149,7 +150,8 @@ def _silence() -> Iterator[None]:
     kept, nothing = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nothing, 1)
     try:
-        yield
+        with redirect_stdout(io.StringIO()):  # CasADi prints through Python where it can
+            yield
     finally:
         ctypes.CDLL(None).fflush(None)
         os.dup2(kept, 1)

@@ -8,7 +8,7 @@ import pytest
 import typer
 
 import benchmarks
-from surefoot.cli import bench, main
+from surefoot.cli import bench, commands, main
 
 
 def test_a_checkout_has_them_beside_its_sources() -> None:
@@ -24,9 +24,9 @@ def test_an_installed_package_says_where_they_are(
     words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     app = typer.Typer()
-    app.callback()(main.surefoot)
+    app.callback()(commands.surefoot)
     app.add_typer(bench.commands(tmp_path / "benchmarks"), name="bench")
-    monkeypatch.setattr(main, "_tree", lambda: typer.main.get_command(app))
+    monkeypatch.setattr(commands, "tree", lambda: typer.main.get_command(app))
     assert main.main(["bench", *words]) == 2
     said = capfd.readouterr()
     assert said.out == ""

@@ -82,7 +82,7 @@ CASES = [
     *((f"{c} {o} {n}", o) for c in BOTH for o in ("--mu", "--payload", "--duration") for n in NOT_FINITE),
     *(
         (f"check stance.yaml --facets {n}", "--facets must be a whole number")
-        for n in ("2", "x", "''", "1000000")
+        for n in ("2", "x", "''")
     ),
     *((f"walk solo12 --velocity={n}", "--velocity") for n in ("nan", "inf,0,0", "1,2,3,4", ",,")),
     *(
@@ -104,7 +104,10 @@ CASES = [
     *((f"{c} solo12 --slope {n}", "--slope must be") for c in ("check", "region") for n in ("nan", "89")),
     *((f"{c} dog", "unknown robot 'dog'") for c in ("check", "region")),
     *((f"cone {o} {n}", o) for o in ("--mu", "--phase") for n in ("nan", "inf", "1e300")),
-    ("cone --facets 1000000", "facets must be up to 1000 (then take the exact cone)"),
+    *(
+        (f"{c} --facets 1000000", "facets must be up to 1000 (then take the exact cone)")
+        for c in ("cone", "check stance.yaml")
+    ),
     *(
         (f"solve {f}", "surefoot: ")
         for f in ("empty.npz", "noise.dat", "folder.npz", "none.npz", "stance.yaml")

@@ -65,7 +65,9 @@ def test_soles_settle_within_what_a_step_can_take(dt: float) -> None:
 def test_the_controller_follows_from_the_feet() -> None:
     still = VelocityCommand.constant(0.0)
     assert isinstance(walking_controller(load_robot("talos"), still), BipedController)
-    assert isinstance(walking_controller(load_robot("bolt"), still), WalkingController)
+    with pytest.raises(ModelError, match="three or more point feet, it has 2"):
+        walking_controller(load_robot("bolt"), still)
+    assert isinstance(walking_controller(load_robot("solo12"), still), WalkingController)
     assert default_gait(load_robot("go2")) == "trot"
     with pytest.raises(ModelError, match="two flat feet"):
         BipedController(load_robot("bolt"), still)

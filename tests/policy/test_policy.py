@@ -267,7 +267,7 @@ def test_code_runs_only_for_who_trusts_it(tmp_path: Path, capsys: pytest.Capture
     assert "--trust" in capsys.readouterr().err
     if importlib.util.find_spec("torch") is None:
         assert main(["policy", "describe", str(tmp_path / "go2.pt"), "--trust"]) == 2
-        assert "surefoot[torch]" in capsys.readouterr().err
+        assert ".[torch]" in capsys.readouterr().err
 
 
 @pytest.mark.shared

@@ -321,13 +321,13 @@ def test_wrong_feet_are_answered_with_frames(tmp_path: Path) -> None:
 def test_without_mujoco_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = mjcf(tmp_path)
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(MissingExtra, match=r"mujoco is not installed; run: pip install 'surefoot\[sim\]'"):
+    with pytest.raises(MissingExtra, match=r"mujoco is not installed; run: pip install -e '\.\[sim\]'"):
         sf.load_robot(path)
 
 
 def test_descriptions_need_their_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("surefoot.robot.descriptions.find_spec", lambda name: None)
     with pytest.raises(
-        MissingExtra, match=r"robot_descriptions is not installed; run: pip install 'surefoot\[models\]'"
+        MissingExtra, match=r"robot_descriptions is not installed; run: pip install -e '\.\[models\]'"
     ):
         described("go2_mj_description")

@@ -29,7 +29,7 @@ HERE = _here()
 
 @pytest.mark.skipif(HERE, reason="MJX is here")
 def test_without_mjx_one_line() -> None:
-    with pytest.raises(MissingExtra, match=r"mujoco-mjx is not installed.*'surefoot\[mjx\]'"):
+    with pytest.raises(MissingExtra, match=r"mujoco-mjx is not installed.*-e '\.\[mjx\]'"):
         MjxWorld(ball())
 
 

@@ -98,7 +98,7 @@ class RobotLoop:
     >>> readings = RobotReadings(
     ...     0.0, level, np.zeros(3), np.array([0, 0, 9.81]), robot.nominal[7:], still, still
     ... )
-    >>> loop.step(readings).stiffness.max(), loop.mode.value
+    >>> float(loop.step(readings).stiffness.max()), loop.mode.value
     (0.0, 'damp')
     """
 

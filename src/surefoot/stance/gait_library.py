@@ -87,7 +87,7 @@ def patterns_of(feet: int, places: ArrayLike | None = None) -> Mapping[str, Gait
     Examples
     --------
     >>> {name: pattern.offset for name, pattern in patterns_of(6).items()}["tripod"]
-    (0.0, 0.5, 0.5, 0.0, 0.0, 0.5)
+    (0.5, 0.0, 0.0, 0.5, 0.5, 0.0)
     """
     if feet in PATTERNS or feet < 3:
         return PATTERNS.get(feet, {})

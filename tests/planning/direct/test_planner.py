@@ -221,5 +221,5 @@ def test_an_interrupt_ends_the_search_with_what_there_is() -> None:
 
 def test_without_casadi_one_line_says_what_to_install(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "casadi", None)
-    with pytest.raises(MissingExtra, match=r"casadi is not installed; run: pip install 'surefoot\[plan\]'"):
+    with pytest.raises(MissingExtra, match=r"casadi is not installed; run: pip install -e '\.\[plan\]'"):
         plan_direct(ahead(planar_hopper(), 0.3))
