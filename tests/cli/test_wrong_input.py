@@ -80,10 +80,7 @@ CASES = [
     *((f"{c} --duration 0.0001", "--duration must be between") for c in BOTH),
     *((f"{c} --seed 1{'0' * 400}", "--seed must be a whole number") for c in BOTH),
     *((f"{c} {o} {n}", o) for c in BOTH for o in ("--mu", "--payload", "--duration") for n in NOT_FINITE),
-    *(
-        (f"check stance.yaml --facets {n}", "--facets must be a whole number")
-        for n in ("2", "x", "''")
-    ),
+    *((f"check stance.yaml --facets {n}", "--facets must be a whole number") for n in ("2", "x", "''")),
     *((f"walk solo12 --velocity={n}", "--velocity") for n in ("nan", "inf,0,0", "1,2,3,4", ",,")),
     *(
         (f"{c} --payload {n}", "--payload")

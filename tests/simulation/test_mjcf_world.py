@@ -185,7 +185,7 @@ def test_feet_alone_touch_where_that_is_asked_for_and_without_a_margin(tmp_path:
 
 
 def test_ground_that_is_ours_is_as_soft_as_the_files_feet(tmp_path: Path) -> None:
-    """Rest depth r of MuJoCo's law: (1 - d) g / (d k); where the file says nothing, close to rigid."""
+    """Rest depth r of MuJoCo's law, k d r = (1 - d) / d A f; where the file says nothing, close to rigid."""
     path, feet = write_legged(tmp_path, 4, "xml")
     plain, depths = path.read_text(), {}
     for softness in ("", 'solref="0.04 1"', 'solimp="0.9 0.9 0.001"'):
@@ -197,6 +197,7 @@ def test_ground_that_is_ours_is_as_soft_as_the_files_feet(tmp_path: Path) -> Non
             world.step(400.0 * (robot.nominal[7:] - q[7:]) - 8.0 * v[6:])
         depths[softness] = -world.contacts().gaps.mean()
     assert depths[""] < 1e-4
-    d, tc = 0.9, 0.02
-    assert depths['solimp="0.9 0.9 0.001"'] == pytest.approx((1 - d) * 9.81 * (d * tc) ** 2 / d**2, rel=0.05)
+    d, tc, foot = 0.9, 0.02, world.model.geom_bodyid[world._geoms[0]]  # k = 1 / (d tc)²
+    inverse, load = world.model.body_invweight0[foot, 0], robot.mass * 9.81 / 4
+    assert depths['solimp="0.9 0.9 0.001"'] == pytest.approx((1 - d) * inverse * load * tc**2, rel=0.05)
     assert depths['solref="0.04 1"'] > 1e-3

@@ -61,11 +61,12 @@ def warmup(as_json: options.AsJson = False) -> int:
                 moved(len(rows))
             elif not as_json:
                 print(f"{rows[-1]['name']}: {rows[-1]['seconds']:.1f} s", file=sys.stderr, flush=True)
+    deleted = tidy()
     kept = [file for folder in cache_folders() for file in Path(folder).glob("*.nb[ci]")]
     facts = {
         "compiled": compiled_so_far(),
         "seconds": sum(row["seconds"] for row in rows),
-        "deleted": tidy(),
+        "deleted": deleted,
         "folders": cache_folders(),
         "size": sum(file.stat().st_size for file in kept),
         "tasks": rows,
