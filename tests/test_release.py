@@ -31,7 +31,8 @@ print(sf.__file__)
 IMPORTED = {
     "robot": "pinocchio", "sim": "mujoco", "qp": "qpsolvers", "viz": "matplotlib", "files": "mcap",
     "sweep": "pyarrow", "scale": "ray", "jax": "jax", "mjx": "mujoco.mjx", "torch": "torch",
-    "plan": "casadi", "lab": "viser", "drake": "pydrake", "bullet": "pybullet", "policy": "onnxruntime", "wire": "cyclonedds",
+    "plan": "casadi", "lab": "viser", "drake": "pydrake", "bullet": "pybullet", "policy": "onnxruntime",
+    "wire": "cyclonedds",
     "models": "robot_descriptions", "cdd": "cdd",
     "all": "pinocchio", "dev": "pytest", "docs": "sphinx",
 }  # fmt: skip

@@ -89,7 +89,7 @@ def contacts_from_mujoco(model: Any, data: Any, pushed_out: float = PUSHED_OUT) 
     --------
     >>> import mujoco
     >>> import surefoot as sf
-    >>> ball = '<body pos="0 0 0.0999"><freejoint/><geom size="0.1" mass="2"/></body>'
+    >>> ball = '<body pos="0 0 0.099999999"><freejoint/><geom size="0.1" mass="2"/></body>'
     >>> text = f'<mujoco><worldbody><geom type="plane" size="1 1 1"/>{ball}</worldbody></mujoco>'
     >>> model = mujoco.MjModel.from_xml_string(text)
     >>> data = mujoco.MjData(model)
