@@ -3,8 +3,8 @@
 Run: python docs/check.py (exit code 1 and a line per fault if something is wrong). A command is shown if it
 stands in a code block, in a code span (a command's name alone is only a name), or in the rows of a table
 whose first heading is a command and "...".
-It is promised to end with exit code 0, unless a comment beside it says "exit code N". The tests run them all
-(tests/cli/test_shown_commands.py).
+It is promised to end with exit code 0, unless a comment beside it, its row or what follows its span says
+"exit code N". The tests run them all (tests/cli/test_shown_commands.py).
 """
 
 from __future__ import annotations
@@ -76,9 +76,13 @@ def _of_text(name: str, text: str) -> Iterator[Shown]:
         elif first.startswith("`surefoot ") and first.endswith("...`"):
             start = shlex.split(first.strip("`"))[1:-1]
         elif start is not None:
-            yield from (Shown(name, (*start, *shlex.split(row))) for row in ROW.findall(first))
-        spans = [tuple(shlex.split(span)) for span in SPAN.findall(line)]
-        yield from (Shown(name, words) for words in spans if len(words) > 1)
+            promised = EXIT_CODE.search(line)
+            code = int(promised[1]) if promised else 0
+            yield from (Shown(name, (*start, *shlex.split(row)), code) for row in ROW.findall(first))
+        for span in SPAN.finditer(line):
+            words, behind = tuple(shlex.split(span[1])), EXIT_CODE.match(line[span.end() :].lstrip(" ("))
+            if len(words) > 1:
+                yield Shown(name, words, int(behind[1]) if behind else 0)
 
 
 def broken_links(page: Path) -> list[str]:

@@ -57,9 +57,8 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
     if words[0] == "worlds":  # all of them in all worlds are tests/experiments/test_experiments.py's
         names = words if len(words) > 1 and not words[1].startswith("-") else (words[0], "slide", *words[1:])
         return (*names, "--no-pictures")
-    if words[0] == "plan":  # coarse: the knots of 10 ms are tests/planning's
-        coarse = words[1] in ("jump", "backflip", "jump-up") and not {"--dt", "--road"} & set(words)
-        return (*words, *(("--dt", "0.03") if coarse else ()), "--no-video", "--no-report")
+    if words[0] == "plan":
+        return (*words, "--no-video", "--no-report")
     if words[0] == "sweep":
         return (*_alone(words), "--samples", "4", "--backend", "serial")
     if words[0] not in ("stand", "walk"):
