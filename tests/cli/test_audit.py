@@ -49,16 +49,19 @@ def test_json_is_the_report_and_nothing_else(folder: Path, capsys: pytest.Captur
 
 def test_the_checklist_answers_from_the_log(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     changed(log_of(TROT), keep=("forces", "mu")).save(folder / "forces.npz")
+    unsaid = np.full(np.shape(log_of(TROT)["forces_commanded"]), np.nan)
+    changed(log_of(TROT), forces_commanded=unsaid).save(folder / "policy.npz")
     answered = {}
-    for name, code in (("clean", 0), ("sunk", 1), ("forces", 3)):
+    for name, code in (("clean", 0), ("sunk", 1), ("forces", 3), ("policy", 0)):
         assert main(["audit", str(folder / f"{name}.npz"), "--checklist", "--json"]) == code
         rows = json.loads(capsys.readouterr().out)["checklist"]
         answered[name] = {row["question"]: row["answer"] for row in rows}
     assert set(answered["clean"].values()) == {"yes"}
     ground = "Do feet stay out of the ground?"
-    assert [answered[name][ground] for name in answered] == ["yes", "no", "cannot tell"]
+    assert [answered[name][ground] for name in answered] == ["yes", "no", "cannot tell", "yes"]
     assert answered["forces"]["Does friction stay in the cone?"] == "yes"
-    assert answered["forces"]["Did the controller ask for what contacts can give?"] == "cannot tell"
+    for name in ("forces", "policy"):  # whose commands are not there, or hold no numbers
+        assert answered[name]["Did the controller ask for what contacts can give?"] == "cannot tell"
 
 
 def test_the_page_holds_verdict_timeline_moments_and_tables(folder: Path, tmp_path: Path) -> None:

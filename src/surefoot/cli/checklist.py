@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 if TYPE_CHECKING:
     from surefoot.audit import AuditReport
     from surefoot.log import Log
@@ -74,7 +76,8 @@ def _answer(question: ChecklistQuestion, report: AuditReport, log: Log) -> tuple
     found = [str(f) for f in (*report.command, *report.symptoms) if f.name in question.signs]
     if broken or found:
         return "no", (broken + found)[0]
-    lacking = [name for name in question.needs if name not in log]
+    # a policy's commands hold no forces but NaN, of which nothing was judged
+    lacking = [name for name in question.needs if name not in log or not np.isfinite(log[name]).any()]
     if lacking:
         return "cannot tell", f"the log has no {', '.join(lacking)}"
     reasons = {law: report.coverage.get(law, "") for law in question.laws}
