@@ -106,13 +106,14 @@ def test_unitrees_yaml_is_read_without_running_its_tags(tmp_path: Path) -> None:
             "base_ang_vel": {"params": {}, "clip": [-1, 1], "scale": [0.2] * 3, "history_length": 3},
             "last_action": {"params": {}, "clip": None, "scale": [1.0] * 29, "history_length": 2}},
     }, sort_keys=False)  # fmt: skip
+    made = tmp_path / "made-by-a-tag"
     (tmp_path / "g1.yaml").write_text(
         text + "actions:\n  JointPositionAction:\n    clip: null\n    scale: 0.25\n    offset: 0.0\n"
-        "    joint_ids: !!python/object/apply:os.mkdir [/tmp/surefoot-ran-a-tag]\n"
+        f"    joint_ids: !!python/object/apply:os.mkdir [{made}]\n"
     )
     network = net(tmp_path, 67, 29)
     policy = sf.Policy(network, tmp_path / "g1.yaml", g1, (2.0, 0.0, 0.0))
-    assert not Path("/tmp/surefoot-ran-a-tag").exists()
+    assert not made.exists()
     assert policy.spec.joints == g1.joint_names[::-1]
     assert policy.spec.stiffness.tolist() == [*range(29, 0, -1)]  # the file has them by motor
     assert policy.spec.rate == pytest.approx(100.0)

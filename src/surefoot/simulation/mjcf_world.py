@@ -112,9 +112,7 @@ class MjcfWorld(MujocoWorld):
             (model.geom_solref[f] != plain.solref).any() or (model.geom_solimp[f] != plain.solimp).any()
             for f in feet
         ]
-        if not floors and any(
-            own
-        ):  # the ground is as soft as the file's feet, where it says how soft they are
+        if not floors and any(own):  # the ground is as soft as the feet, where the file says how soft
             model.geom_priority[self.ground_geoms], model.geom_solmix[self.ground_geoms] = 0, 0.0
         if solref is not None:
             model.geom_solref[both] = solref
