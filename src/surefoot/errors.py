@@ -146,6 +146,11 @@ def unknown_name(kind: str, name: object, valid: Iterable[str]) -> str:
     return f"unknown {kind} {name!r}; valid names: {names or 'none, nothing has a name'}"
 
 
+def one_line(error: BaseException) -> str:
+    """Return what an error says in one line, as messages of the command line are."""
+    return " ".join(str(error).split())
+
+
 def check_name(kind: str, name: object, valid: Iterable[str], where: str = "") -> None:
     """Refuse a name that is not in a list.
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
-from surefoot.errors import ProblemError, WriteError
+from surefoot.errors import ProblemError, WriteError, one_line
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
 from surefoot.text_files import path_of, read_text, table_of
@@ -93,7 +93,7 @@ def read_sequence(path: Path | str) -> ContactSequence:
     try:
         content = json.loads(read_text(source))
     except (json.JSONDecodeError, RecursionError) as error:
-        raise ProblemError(f"{source} is not JSON: {' '.join(str(error).split())}") from error
+        raise ProblemError(f"{source} is not JSON: {one_line(error)}") from error
     try:
         return sequence_from_dict(content)
     except ProblemError as error:

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.errors import SurefootError
+from surefoot.errors import SurefootError, one_line
 from surefoot.lab.canvas import Canvas
 from surefoot.lab.controls import Button, Checkbox, Choice, Control, Slider
 from surefoot.lab.page import Grip, Page
@@ -221,7 +221,7 @@ class Session:
 
     def _refuse(self, error: Exception) -> None:
         """Show an error; one that is no user's goes to the terminal, too."""
-        line = " ".join(str(error).split())[:LONGEST_LINE]
+        line = one_line(error)[:LONGEST_LINE]
         if not isinstance(error, SurefootError):
             line = f"{type(error).__name__}: {line}"
             if not self._ended.is_set():

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from surefoot.errors import ProblemError, SurefootError, WriteError
+from surefoot.errors import ProblemError, SurefootError, WriteError, one_line
 from surefoot.log import csv_file, mcap_file, npz, parts, rosbag
 from surefoot.log.log import Log
 from surefoot.log.mapped import log_from_source
@@ -152,7 +152,7 @@ def _told(path: Path, what: str, entry: Format) -> Iterator[None]:
     except SurefootError:
         raise
     except Exception as error:
-        reason = " ".join(str(error).split())[:300] or type(error).__name__
+        reason = one_line(error)[:300] or type(error).__name__
         if not path.exists():
             reason = "there is no such file"
         elif entry.name in SPOILT:

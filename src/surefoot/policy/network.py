@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import ProblemError, needs
+from surefoot.errors import ProblemError, needs, one_line
 
 SUFFIXES = (".onnx", ".pt", ".jit")
 
@@ -82,7 +82,7 @@ class OnnxNetwork:
         try:
             self._session = onnxruntime.InferenceSession(str(path), options, ["CPUExecutionProvider"])
         except Exception as error:  # onnxruntime has its own classes for every fault of a file
-            raise ProblemError(f"{path} is no ONNX network: {' '.join(str(error).split())[:160]}") from error
+            raise ProblemError(f"{path} is no ONNX network: {one_line(error)[:160]}") from error
         first, *memory = self._session.get_inputs()
         given = self._session.get_outputs()
         self.input_name, self.inputs, self.outputs = first.name, _width(first.shape), _width(given[0].shape)
@@ -127,9 +127,7 @@ class TorchNetwork:
         try:
             self._module = torch.jit.load(str(path), map_location="cpu").eval()
         except (RuntimeError, ValueError) as error:
-            raise ProblemError(
-                f"{path} is no TorchScript network: {' '.join(str(error).split())[:160]}"
-            ) from error
+            raise ProblemError(f"{path} is no TorchScript network: {one_line(error)[:160]}") from error
 
     def reset(self) -> None:
         """See `Network`."""

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import ModelError, needs
+from surefoot.errors import ModelError, needs, one_line
 from surefoot.robot.libraries import import_pinocchio
 from surefoot.robot.mjcf_beyond import beyond_a_tree
 from surefoot.robot.parser_output import parser_output
@@ -86,7 +86,7 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
         try:
             compiled = mujoco.MjModel.from_xml_path(str(path))
         except (ValueError, OSError) as error:
-            raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {one_line(error)}") from error
+            raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {mujoco_line(error)}") from error
     beyond = beyond_a_tree(mujoco, compiled)
     if beyond:
         raise ModelError(
@@ -102,9 +102,9 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
     return _Builder(mujoco, pinocchio, compiled, root, floating, path).build()
 
 
-def one_line(error: Exception) -> str:
+def mujoco_line(error: Exception) -> str:
     """Return what an error of MuJoCo says, in one line."""
-    return " ".join(str(error).split()).removeprefix("Error: ")
+    return one_line(error).removeprefix("Error: ")
 
 
 def _root(compiled: Any, path: Path) -> int:

@@ -14,7 +14,7 @@ from surefoot.errors import ModelError, ProblemError, check_name
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.robot.actuators import told_actuators
-from surefoot.robot.mjcf import one_line
+from surefoot.robot.mjcf import mujoco_line
 from surefoot.robot.rotors import with_rotors
 from surefoot.simulation.mujoco import HEAVIEST, MujocoWorld, add_ground
 from surefoot.simulation.mujoco_drives import Drives
@@ -158,7 +158,7 @@ def _read(mujoco: Any, path: str | Path) -> tuple[Any, Any]:
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except (ValueError, OSError) as error:
-        raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {one_line(error)}") from error
+        raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {mujoco_line(error)}") from error
     return spec, compiled(spec, path)
 
 

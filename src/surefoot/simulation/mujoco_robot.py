@@ -13,7 +13,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, ModelError
 from surefoot.robot import Robot
-from surefoot.robot.mjcf import one_line
+from surefoot.robot.mjcf import mujoco_line
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
 
 FRICTION_RATIO = 100.0
@@ -113,7 +113,7 @@ def compiled(spec: Any, name: str | Path) -> Any:
     try:
         return spec.compile()
     except ValueError as error:
-        raise ModelError(f"MuJoCo cannot simulate {name}: {one_line(error)}") from error
+        raise ModelError(f"MuJoCo cannot simulate {name}: {mujoco_line(error)}") from error
 
 
 def _set_inertia(body: Any, inertia: Any) -> None:

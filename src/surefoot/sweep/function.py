@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from surefoot.errors import ProblemError
+from surefoot.errors import ProblemError, one_line
 from surefoot.sweep.experiment import SweepExperiment, number
 
 _KINDS: tuple[tuple[tuple[type, ...], str, Callable[[Any], Any]], ...] = (
@@ -67,7 +67,7 @@ class FunctionExperiment(SweepExperiment):
         except ProblemError:
             raise
         except Exception as error:
-            why = " ".join(str(error).split())
+            why = one_line(error)
             said = f"{self.function} failed when tried: {type(error).__name__}: {why}"
             raise ProblemError(said) from error
         kinds = {name: _plain(self.function, name, value)[0] for name, value in found.items()}
@@ -132,7 +132,7 @@ def _function(name: str, folder: str) -> Callable[[dict[str, Any]], Any]:
         else:
             loaded = importlib.import_module(module)
     except Exception as error:
-        why = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        why = f"{type(error).__name__}: {one_line(error)}"
         raise ProblemError(f"experiment {name}: {module} cannot be loaded: {why}") from error
     found = getattr(loaded, title, None)
     if not hasattr(found, "__code__"):

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import ProblemError, needs
+from surefoot.errors import ProblemError, needs, one_line
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import import_mujoco
 from surefoot.spatial import quaternion_wxyz
@@ -70,7 +70,7 @@ class ViewerWindow:
         try:
             self.model = drawn_spec(robot, terrain).compile()
         except ValueError as error:
-            raise ProblemError(f"MuJoCo cannot draw {robot.name}: {' '.join(str(error).split())}") from error
+            raise ProblemError(f"MuJoCo cannot draw {robot.name}: {one_line(error)}") from error
         self.data = self._mujoco.MjData(self.model)
         self._handle: Any = None
 
@@ -87,7 +87,7 @@ class ViewerWindow:
                 self.model, self.data, key_callback=press, show_left_ui=False, show_right_ui=False
             )
         except RuntimeError as error:  # macOS shows windows under mjpython alone
-            raise ProblemError(f"--view cannot open a window: {' '.join(str(error).split())}") from error
+            raise ProblemError(f"--view cannot open a window: {one_line(error)}") from error
         camera, size = self._handle.cam, float(self._robot.nominal[2])
         camera.type = self._mujoco.mjtCamera.mjCAMERA_TRACKING
         camera.trackbodyid = self.model.body("base:0").id
