@@ -231,6 +231,9 @@ TABLES = {
         "surefoot plan jump 0.4 --no-video --no-report; surefoot plan jump-up 0.2 --no-video --no-report; "
         "surefoot plan backflip --no-video --no-report", "schedules.md",
         ("command", "status", "what the motion does", "law residual"), _plans,
+        said="`surefoot plan jump 0.4 --no-video --no-report`; "
+        "`surefoot plan jump-up 0.2 --no-video --no-report` (exit code 1); "
+        "`surefoot plan backflip --no-video --no-report`",
     ),
     "executed": Table("surefoot bench execution", "executing-plans.md", EXECUTED, _executed, long=True),
 }  # fmt: skip
