@@ -64,7 +64,7 @@ class Task:
     terrain
         The ground, as `surefoot walk --terrain` takes it.
     knowledge
-        What a stack may know of the ground: "exact", "map", a height map from a range sensor, or "blind".
+        What a stack may know of the ground: "exact", or "map", a height map from a range sensor.
     believed_mu, mu
         Friction that the stacks count on; that of the ground (before the seed varies it).
     push
@@ -150,12 +150,8 @@ def _faults() -> Iterator[Task]:
     yield Task("ice", "mu 0.2, 0.6 believed", mu=0.2, bounds=MOTORS)
     yield Task("slope-up", "20 degrees up", duration=10.0, terrain="slope:20", bounds=MOTORS)
     yield Task("slope-down", "20 degrees down", duration=10.0, terrain="slope:-20", bounds=MOTORS)
-    for knowledge, end, title in (
-        ("exact", "", ""),
-        ("map", "-map", ", seen"),
-        ("blind", "-blind", ", blind"),
-    ):
-        for name, rise in (("up", "0.12"), ("down", "-0.12"))[: 1 if knowledge == "blind" else 2]:
+    for knowledge, end, title in (("exact", "", ""), ("map", "-map", ", seen")):
+        for name, rise in (("up", "0.12"), ("down", "-0.12")):
             yield Task(
                 f"stairs-{name}{end}", f"ten stairs of 12 cm by 30 cm, {name}{title}", (0.4, 0.0, 0.0),
                 duration=12.0, terrain=f"stairs:{rise},0.3", knowledge=knowledge, bounds=MOTORS,

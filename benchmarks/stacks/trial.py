@@ -21,7 +21,6 @@ from surefoot.robot import Robot
 from surefoot.robot.legs import Legs
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.height_scan import RangeSensor
-from surefoot.simulation.mujoco_substeps import substeps_of
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Push, Scenario
@@ -136,7 +135,7 @@ def carry_out(stack: Stack, task: Task, seed: int, setting: Setting = HARD) -> T
         return Trial(stack.name, task.name, seed, "refused", _line(error))
     try:
         mu, true = task.mu * vary.friction, true_robot(robot, vary.mass, task.payload, task.payload_at)
-        world = setting.world(true, ground, mu, 1e-3, motors, substeps_of(ground, task.knowledge))
+        world = setting.world(true, ground, mu, 1e-3, motors)
         scenario = _scenario(task, vary, setting, controller, world.robot, seed)
         cpu = _Cpu()
         log = run(world, controller, scenario, [cpu])
