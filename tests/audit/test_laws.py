@@ -265,7 +265,7 @@ def test_a_log_longer_than_memory_is_judged_in_bounded_memory(tmp_path: Path) ->
 
 
 def test_a_hard_landing_is_judged_as_the_audit_judges_it() -> None:
-    """8 m g at 0.9 mm of declared 1 mm is lawful; deeper, while it swings, by the audit's factor and no further."""
+    """Lawful at 8 m g within the declared depth, and beyond it by the audit's factor while it swings."""
     for depth, lawful in ((0.9e-3, True), (1.5e-3, True), (1.7e-3, False)):
         T = 200
         f, gaps, v = np.zeros((T, 1, 3)), np.full((T, 1), -1e-5), np.zeros((T, 1, 3))

@@ -18,7 +18,12 @@ from surefoot.audit.balance import RINGING_LIMIT, RINGING_TIME, SMOOTH, balance
 from surefoot.audit.cones import grip, needed
 from surefoot.audit.continuity import contact_velocity, gap_rate, no_plane, state
 from surefoot.audit.laws import (
-    CONE_LIMIT, LEAST_FRICTION, PENETRATION_LIMIT, PULL_LIMIT, SLIDE_LIMIT, SWING_DEPTH,
+    CONE_LIMIT,
+    LEAST_FRICTION,
+    PENETRATION_LIMIT,
+    PULL_LIMIT,
+    SLIDE_LIMIT,
+    SWING_DEPTH,
 )  # fmt: skip
 from surefoot.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
 from surefoot.audit.setting import DEEP, Setting
