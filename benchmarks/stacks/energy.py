@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -59,7 +60,7 @@ def main() -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=NUMBER")
     parser.add_argument("--policy", type=Path)
     args = parser.parse_args()
-    changes = {name: float(value) for name, value in (text.split("=") for text in args.set)}
+    changes: dict[str, Any] = {name: float(value) for name, value in (text.split("=") for text in args.set)}
     stack: Stack = Surefoot() if args.policy is None else LearnedStack(args.policy)
     task, logs = replace(TASKS["speed-0.5"], asked=(args.speed, 0.0, 0.0)), list[Log]()
     kept, settings = trial.measured, walking.WalkSettings
