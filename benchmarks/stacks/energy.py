@@ -18,13 +18,14 @@ from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.stacks import trial
 from benchmarks.stacks.learned import LearnedStack
-from benchmarks.stacks.setting import HARD
+from benchmarks.stacks.measures import Measures, measured
 from benchmarks.stacks.stack import Stack, Surefoot
 from benchmarks.stacks.tasks import TASKS
+from benchmarks.stacks.trial import carry_out
+from surefoot.arrays import FloatArray
 from surefoot.audit.motion import TOUCH, foot_forces
-from surefoot.control import walking
+from surefoot.control.walking_settings import WalkSettings
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY
 
@@ -63,12 +64,16 @@ def main() -> None:
     changes: dict[str, Any] = {name: float(value) for name, value in (text.split("=") for text in args.set)}
     stack: Stack = Surefoot() if args.policy is None else LearnedStack(args.policy)
     task, logs = replace(TASKS["speed-0.5"], asked=(args.speed, 0.0, 0.0)), list[Log]()
-    kept, settings = trial.measured, walking.WalkSettings
+
+    def keep(log: Log, asked: FloatArray, settled: float) -> Measures:
+        logs.append(log)
+        return measured(log, asked, settled)
+
     with (
-        patch.object(trial, "measured", lambda log, *rest: (logs.append(log), kept(log, *rest))[1]),
-        patch.object(walking, "WalkSettings", lambda **given: replace(settings(**given), **changes)),
+        patch("benchmarks.stacks.trial.measured", keep),
+        patch("surefoot.control.walking.WalkSettings", lambda **given: WalkSettings(**given | changes)),
     ):
-        done = trial.carry_out(stack, task, args.seed, HARD)
+        done = carry_out(stack, task, args.seed)
     m = done.measures
     print(f"{stack.name}: {done.outcome}, {m.forward:.3f} m/s, {m.cost_of_transport:.3f} with its start")
     for name, value in energy_parts(logs[0]).items():
