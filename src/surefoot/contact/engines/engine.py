@@ -1,11 +1,11 @@
 """Contact parameters in one engine's words, and the table of engines.
 
 Steps of Drake, PhysX, ODE and Bullet are implicit: they take the overlap at the step's end, which adds k dt
-to the damping d of a spring k. Of two bodies Drake's stiffness is k1 k2 / (k1 + k2), dissipation is weighed by
-the other's stiffness, relaxation times add up ("Hydroelastic contact"; `MultibodyPlant`, "Modeling of
+to the damping d of a spring k. Of two bodies Drake's stiffness is k1 k2 / (k1 + k2), dissipation is weighed
+by the other's stiffness, relaxation times add up ("Hydroelastic contact"; `MultibodyPlant`, "Modeling of
 contact"). What its step cannot resolve SAP takes for nearly rigid: 1 / (dt (dt + tau) k) is at least
-1 / (4 π² m) (A. Castro et al., "An unconstrained convex formulation of compliant contact", IEEE T-RO 2022, with
-beta = 1). ODE's manual, "How to use ERP and CFM": ERP = dt k / (dt k + d), CFM = 1 / (dt k + d).
+1 / (4 π² m) (A. Castro et al., "An unconstrained convex formulation of compliant contact", IEEE T-RO 2022,
+with beta = 1). ODE's manual, "How to use ERP and CFM": ERP = dt k / (dt k + d), CFM = 1 / (dt k + d).
 """
 
 from __future__ import annotations
@@ -164,7 +164,7 @@ def _hydroelastic_words(law: SoftLaw, situation: Situation) -> tuple[Words, list
 def _compliant(
     situation: Situation, compliant_contact_stiffness: float, compliant_contact_damping: float
 ) -> SoftLaw:
-    """Return the implicit spring [N/m] and damper [N s/m] of a PhysX material; its restitution is not used."""
+    """Return the implicit spring [N/m] and damper [N s/m] of a PhysX material (its restitution is idle)."""
     k = compliant_contact_stiffness
     return SpringDamper(k, compliant_contact_damping + situation.dt * k)
 
@@ -223,12 +223,12 @@ def _ode_words(law: SoftLaw, situation: Situation) -> tuple[Words, list[str]]:
     return {"soft_erp": dt * stiffness / total, "soft_cfm": 1.0 / total}, lost
 
 
-def _bullet(situation: Situation, contactStiffness: float, contactDamping: float) -> SoftLaw:  # noqa: N803
+def _bullet(situation: Situation, contactStiffness: float, contactDamping: float) -> SoftLaw:
     """Return the spring [N/m] and damper [N s/m] that Bullet turns into ERP and CFM itself."""
     return SpringDamper(contactStiffness, contactDamping + situation.dt * contactStiffness)
 
 
-def _each_in_bullet(contactStiffness: float, contactDamping: float) -> Words:  # noqa: N803
+def _each_in_bullet(contactStiffness: float, contactDamping: float) -> Words:
     """Return `changeDynamics` for each of two equal bodies: stiffnesses in series, dampings added."""
     return {"each_body": {"contactStiffness": 2.0 * contactStiffness, "contactDamping": 0.5 * contactDamping}}
 

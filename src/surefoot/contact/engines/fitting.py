@@ -1,4 +1,4 @@
-"""What stands for a law in two numbers: a spring and a damper, or Hunt and Crossley's, and what that loses."""
+"""Two numbers for a law: a spring and a damper, or Hunt and Crossley's, and what that loses."""
 
 from __future__ import annotations
 
