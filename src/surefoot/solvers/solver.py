@@ -48,15 +48,13 @@ class SolverSettings:
 class Answer(NamedTuple):
     """What a solver hands back to `solve` or `solve_lcp`: its forces and why it stopped, no claim of success.
 
-    `forces` have the shape of the problem's, (n, 3), and its unit [N s, or N], or are z (n,) of an LCP;
-    `timings` are in seconds [s]. `stop` is read only where the residuals do not already say SOLVED or ALMOST;
-    INFEASIBLE needs the proof. `ray` (n,) is a direction of Lemke's method that may lead to one.
+    `forces` have the shape of the problem's, (n, 3), and its unit [N s, or N], or are z (n,) of an LCP.
+    `stop` is read only where the residuals do not already say SOLVED or ALMOST; INFEASIBLE needs the proof. `ray` (n,) is a direction of Lemke's method that may lead to one.
     """
 
     forces: FloatArray
     iterations: int
     stop: Status = Status.MAX_ITERATIONS
-    timings: dict[str, float] | None = None
     proof: InfeasibilityProof | None = None
     ray: FloatArray | None = None
     message: str = ""
@@ -277,9 +275,7 @@ def certify(
     else:
         status, proof = stop, None
     record = record_of(forces, velocities, numbers)
-    return ContactSolution(
-        problem, record, status, name, answer.iterations, solve_time, answer.timings, proof
-    )  # fmt: skip
+    return ContactSolution(problem, record, status, name, answer.iterations, solve_time, proof)
 
 
 def nearest_to_zero(problem: ContactProblem) -> FloatArray:
