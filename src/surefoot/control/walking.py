@@ -270,7 +270,7 @@ class WalkingController(Walker):
                 max(end - clock, 0.0), self.height, self._stance_time,
             )  # fmt: skip
             if request.foot_goals is not None:
-                place = request.foot_goals(place, feet.start[k], float(feet.duration[k]))
+                place = request.foot_goals(place, feet.start[k])
             feet.aim(k, place)
 
     def _time_steps(self, request: Request, clock: float) -> None:

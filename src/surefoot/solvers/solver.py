@@ -134,9 +134,9 @@ _MODULES = (
     "admm",
     "interior_point",
     "lemke",
-    "external",
+    "daqp",
 )
-"""Where the solvers are: in files of their names, and those of other packages in `external`."""
+"""Where the solvers are: in files of their names."""
 GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)
 """What may have its cause in a problem without solution."""
 
