@@ -13,7 +13,6 @@ from rich.console import Console
 from benchmarks.printing import report, table
 from surefoot.cli import extras
 from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out
 from surefoot.errors import MissingExtra
 
 WIDTH = 126
@@ -25,7 +24,6 @@ WEIGHTS = (1e-1, 1e-2, 1e-4)
 
 
 def forces(
-    out: Annotated[Path | None, typer.Option(help="Write a picture to a new folder below this one.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Few instances, one short stand: seconds.")] = False,
     count: Annotated[int, typer.Option("--count", min=2, help="Allocations of each class.")] = 200,
     instances: Annotated[int, typer.Option(min=0, help="Random instances checked against Clarabel.")] = 300,
@@ -44,8 +42,7 @@ def forces(
     from benchmarks.forces.warm import measure_all
     from benchmarks.problems.allocations import busiest, random_instances, read_log
 
-    check_out(out)
-    extras.require(["pin", "clarabel", "qpsolvers"], ["matplotlib"] if out is not None else [])
+    extras.require(["pin", "clarabel", "qpsolvers"])
     if quick:
         count, instances = min(count, QUICK_COUNT), min(instances, QUICK_INSTANCES)
     steps = 5 * count // 2
@@ -69,12 +66,7 @@ def forces(
     tables: dict[str, list[Any]] = {"rows": rows, "warm": warm, "torques": torques}
     record: dict[str, Any] = {name: [asdict(row) for row in own] for name, own in tables.items()}
     record["accuracy"] = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
-    folder = report(record, json, in_words, WIDTH, out, "forces")
-    if folder is not None:
-        from benchmarks.forces.pictures import plot_accuracy, plot_warm_starts
-
-        for path in (plot_accuracy(rows, folder), plot_warm_starts(warm, folder)):
-            typer.echo(f"picture: {path}", err=True)
+    report(record, json, in_words, WIDTH)
 
 
 def _trajectories(

@@ -162,7 +162,7 @@ class RigidWorld:
         **settings: Unpack[StepSettings],
     ) -> None:
         if not hasattr(robot, "model"):
-            of_kind("robot", robot, Robot, 'sf.load_robot("go2")')
+            of_kind("robot", robot, Robot)
         self.actuators: Actuators | None = None
         if actuators != "ideal":  # a body of `simulation.bodies` has no joints to ask about
             robot, self.actuators = equipped(robot, actuators)

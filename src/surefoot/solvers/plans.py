@@ -53,7 +53,6 @@ CONES: dict[str, Plan] = {
         PlanStage("distribution"),
         PlanStage("interior_point"),
         PlanStage("admm", 4000, warm=True),
-        PlanStage("clarabel"),
     ),
 }
 """After the compiled call on few contacts."""
@@ -74,7 +73,6 @@ CONES_LARGE: dict[str, Plan] = {
         PlanStage(PROOF),
         PlanStage("interior_point"),
         PlanStage(ADMM_AND_NEWTON, 4000, warm=True),
-        PlanStage("clarabel"),
         PlanStage(PROOF),
     ),
 }
