@@ -50,7 +50,7 @@ class Motion:
     def start(self) -> FloatArray:
         """Configuration (nq,) at the start."""
         turned = pinocchio.Quaternion(pinocchio.exp3(np.array(self.turn))).coeffs()
-        return np.r_[self.body.nominal[:3] + self.lift, turned]
+        return np.concatenate([self.body.nominal[:3] + self.lift, turned])
 
     def run(self, dt: float, tol: float | None) -> tuple[float, int, float]:
         """Return the error of the state [m, rad, and as many per second], steps taken, and seconds."""
@@ -220,8 +220,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     runs = [carried_out(motion, tolerances, steps) for motion in chosen]
 
     def tables() -> Iterator[Table]:
-        for title, sizes, kind in (("tol", tolerances, 1), ("fixed step [s]", steps, 2)):
-            rows = [(run[0].name, *(f"{e:.0e} ({n})" for e, n, _ in run[kind])) for run in runs]
+        for title, sizes in (("tol", tolerances), ("fixed step [s]", steps)):
+            found = [(run.motion.name, run.stated if title == "tol" else run.fixed) for run in runs]
+            rows = [(name, *(f"{e:.0e} ({n})" for e, n, _ in by)) for name, by in found]
             yield table((title, *(f"{x:g}" for x in sizes)), rows, "error of the state (steps taken)")
 
     show(tables(), given.json)
