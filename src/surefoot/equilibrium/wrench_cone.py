@@ -103,7 +103,7 @@ def wrench_cone(
     >>> bool(giwc.contains([0, 0, 150, 0, 0, 0])), bool(giwc.contains([0, 0, 150, 0, 40, 0]))
     (True, False)
     """
-    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
+    of_kind("stance", stance, Stance)
     points = stance.points()
     size = wrench_cone_size(stance, facets)
     if size.most_rows > most_rows:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
@@ -45,6 +45,7 @@ def sequence_from_log(
     ProblemError
         If the log does not tell what is needed.
     """
+    of_kind("log", log, Log)
     real_number("shortest", shortest, low=0.0)
     for needed in ("feet", "contact_foot"):
         log.fact(needed)

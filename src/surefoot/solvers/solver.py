@@ -155,6 +155,8 @@ def registry() -> dict[str, SolverEntry]:
 
 def solver_names(problem: ContactProblem | None = None) -> tuple[str, ...]:
     """Return the names of all solvers, or of those that take a problem's law, cones and bounds."""
+    if problem is not None:
+        of_kind("problem", problem, ContactProblem)
     entries = registry().values()
     return tuple(sorted(e.name for e in entries if problem is None or mismatch(e, problem) is None))
 
@@ -198,7 +200,7 @@ def solve(
         If the solver does not take this law or these cones, or a setting is out of range.
     """
     start = _clock()
-    of_kind("problem", problem, ContactProblem, "sf.ContactProblem(G, g, mu)")
+    of_kind("problem", problem, ContactProblem)
     entry = _REGISTRY.get(solver) if type(solver) is str else None
     if (
         type(tol) is not float
