@@ -49,7 +49,8 @@ class Answer(NamedTuple):
     """What a solver hands back to `solve` or `solve_lcp`: its forces and why it stopped, no claim of success.
 
     `forces` have the shape of the problem's, (n, 3), and its unit [N s, or N], or are z (n,) of an LCP.
-    `stop` is read only where the residuals do not already say SOLVED or ALMOST; INFEASIBLE needs the proof. `ray` (n,) is a direction of Lemke's method that may lead to one.
+    `stop` is read only where the residuals do not already say SOLVED or ALMOST; INFEASIBLE
+    needs the proof. `ray` (n,) is a direction of Lemke's method that may lead to one.
     """
 
     forces: FloatArray
