@@ -165,7 +165,7 @@ def _scenario(
         pushes = (Push(push_time(controller, vary.phase), (*task.push, 0.0), PUSH_TIME),)
     weak = robot.joint_names[int(vary.joint * robot.joints)] if task.torque_loss > 0.0 else ""
     plain_noise = 0.0 if setting.estimator == "inekf" or task.noise == 1.0 else task.noise
-    faults = Faults(plain_noise, task.delay, weak, task.torque_loss)
+    faults = Faults(plain_noise, task.delay, weak, task.torque_loss, dropouts=task.dropouts)
     sensors = setting.sensors(task.noise, task.knowledge == "exact")
     scanner = RangeSensor() if task.knowledge == "map" else None
     return Scenario(

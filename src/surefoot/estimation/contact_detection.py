@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
+from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, of_kind, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation.detection_kernels import add_torques, feel_feet
 from surefoot.estimation.foot_kinematics import FootKinematics
@@ -138,6 +138,7 @@ class ContactDetector(Bound):
         feet: FootKinematics | None = None,
         least: float = 0.0,
     ) -> None:
+        of_kind("robot", robot, Robot)
         if not robot.floating or not robot.feet:
             raise ProblemError(
                 f"contacts are detected for a floating base with feet; {robot.name} has no such thing"
@@ -270,6 +271,8 @@ def detect_contacts(robot: Robot, log: Log, settings: DetectionSettings | None =
     ProblemError
         If a channel or the fact ``dt`` is missing, or what they hold does not fit the robot.
     """
+    of_kind("robot", robot, Robot)
+    of_kind("log", log, Log)
     missing = [name for name in ("q", "v", "torques") if name not in log]
     if missing:
         raise ProblemError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
@@ -41,6 +41,7 @@ def sequence_from_log(log: Log, facets: int = 8, fit: Fit = "inner") -> ContactS
     ProblemError
         If the log does not tell what is needed.
     """
+    of_kind("log", log, Log)
     for needed in ("feet", "contact_foot"):
         log.fact(needed)
     mass, dt, names = float(log.fact("mass")), float(log.fact("dt")), tuple(contact_names(log))

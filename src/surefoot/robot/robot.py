@@ -205,7 +205,7 @@ class Robot:
         """
         ground = FlatTerrain() if terrain is None else terrain
         chosen = self.feet if feet is None else tuple(self.foot(f) for f in feet)
-        of_kind("terrain", ground, Terrain, "sf.SlopeTerrain(10.0)")
+        of_kind("terrain", ground, Terrain)
         frictions = per_contact("mu", mu, len(chosen))
         self._forward(self.configuration(q))
         contacts: list[Contact] = []
