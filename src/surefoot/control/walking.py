@@ -38,8 +38,9 @@ from surefoot.terrain import FlatTerrain, Terrain
 
 LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
-YIELDING = 0.02
-"""Weight of the feet in the air while a body is caught, over their own: legs that rush must not turn it."""
+LOW, YIELDING = 0.5, 0.02
+"""While a body is caught: height of the swings over the usual one, for they are quick, and weight of the feet
+in the air over their own: legs that rush must not turn the body."""
 PERIOD, STANCE = 0.4, 0.55
 """Cycle that the horizon of a schedule without one is measured by, for a body of 0.3 m [s], and its stance as
 a share of it: a trot's."""
@@ -275,6 +276,8 @@ class WalkingController(Walker):
         usual = self.settings.clearance * self.height if own is None else own
         lifted = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
         feet.clearance = lifted + request.clearance
+        if self._recovery is not None:
+            feet.clearance *= LOW
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self.terrain.unsure)
             feet.stride = self._steps.stride

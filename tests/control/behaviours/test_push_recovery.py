@@ -70,11 +70,12 @@ def test_a_foot_catches_within_its_reach_and_on_its_own_side(yaw: float) -> None
     assert place == pytest.approx([0.2 + 0.05 * math.sqrt(HEIGHT / GRAVITY), 0.1])
 
 
-@pytest.mark.parametrize("push", [(400.0, 0.0), (0.0, 400.0), (283.0, -283.0)])
-def test_a_trot_that_is_pushed_hard_stays_up_lawfully_and_comes_back(push: tuple[float, float]) -> None:
+@pytest.mark.parametrize("phase", [0.0, 0.5])
+def test_a_trot_that_is_pushed_hard_stays_up_lawfully_and_comes_back(phase: float) -> None:
     robot = sf.load_robot("go2")
     walker = WalkingController(robot, VelocityCommand.constant(0.5))
-    scenario = sf.Scenario(3.6, 0.6, [sf.Push(1.2, (*push, 0.0), 0.1)])
+    time = walker.start + (2.0 + phase) * walker.schedule.period
+    scenario = sf.Scenario(3.6, 0.6, [sf.Push(time, (400.0, 0.0, 0.0), 0.1)])
     log = sf.run(sf.MujocoWorld(robot, collision="full"), walker, scenario)
     assert log.fact("outcome") == "done"
     assert not log_laws(log).broken(robot.mass * GRAVITY)
@@ -82,5 +83,5 @@ def test_a_trot_that_is_pushed_hard_stays_up_lawfully_and_comes_back(push: tuple
     assert log["v"][late, :2].mean(axis=0) == pytest.approx([0.5, 0.0], abs=0.1)
     rank = log.fact("behaviours").index("push recovery")
     asked = (log["asked_by"] == rank).any(axis=1)
-    assert not asked[log["time"] < 1.2].any()
-    assert asked[log["time"] > 1.2].any()
+    assert not asked[log["time"] < time].any()
+    assert asked[log["time"] > time].any()
