@@ -48,6 +48,7 @@ def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.Capt
         "penetration_max",
         "unilateral_min",
         "cone_use_max",
+        "complementarity_max",
         "separation_max",
     }
     assert set(summary["feet"][0]) >= {"name", "normal_force_mean", "weight_share", "cone_use_max", "slip"}

@@ -54,6 +54,8 @@ class Laws:
         Least normal force; negative means that the ground pulled [N].
     cone_use_max
         Highest ||f_t|| / (mu f_n); one is the cone's surface. See `contact_use`.
+    complementarity_max
+        Largest f_n |gap| [N m]. Not judged: it grows with how hard a foot lands, where depth and gap do not.
     separation_max
         Widest gap across which a force acts, along the normal or across it [m].
     dissipation_max
@@ -76,6 +78,7 @@ class Laws:
     penetration_max: float
     unilateral_min: float
     cone_use_max: float
+    complementarity_max: float
     separation_max: float
     dissipation_max: float
     free_slide_max: float = math.nan
@@ -229,7 +232,7 @@ class _Check:
     def __init__(self, weight: float, dissipation: bool) -> None:
         self.weight, self.threshold = weight, LOADED_SHARE * weight
         self.judged = LAWS if dissipation else LAWS[:2]
-        self._rows, self._worst = 0, np.full(5, -np.inf)
+        self._rows, self._worst = 0, np.full(6, -np.inf)
         self._slides: FloatArray | None = None
         self._lost: dict[str, tuple[int, tuple[int, int]]] = {}
         self._slides_lost = False
@@ -252,6 +255,7 @@ class _Check:
                 max(0.0, -float(gap.min())) if finite["gaps"] else math.nan,
                 -float(f[..., 2].min()),
                 float(contact_use(f, friction, threshold).max()),
+                float(np.abs(f[..., 2] * gap).max()),
                 _apart(f, gap, threshold),
                 _power_missing(f, v, friction, threshold) / self.weight,
             )
@@ -275,7 +279,7 @@ class _Check:
     def laws(self) -> Laws:
         """Return the laws of the rows so far."""
         if self._rows == 0:
-            return Laws(0.0, 0.0, 0.0, 0.0, 0.0, judged=())
+            return Laws(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, judged=())
         slide = math.nan
         if self._slides is not None and not self._slides_lost:
             slide = float(self._slides[:, WORST].max())
@@ -287,8 +291,8 @@ class _Check:
         figures = worst if self.judged is not LAWS else [*worst, slide]
         if not lost and not all(map(math.isfinite, figures)):
             lost = ("forces, gaps or velocities too large to multiply",)
-        depth, least, use, apart, power = worst
-        return Laws(depth, least, use, apart, power, slide, self.judged, lost)
+        depth, least, use, across, apart, power = worst
+        return Laws(depth, least, use, across, apart, power, slide, self.judged, lost)
 
 
 def _apart(f: FloatArray, gap: FloatArray, threshold: float) -> float:

@@ -169,7 +169,7 @@ def rollout(
     ((11, 19), True, True)
     """
     of_kind("robot", robot, Robot)
-    knot = MomentumKnot(Stepper(robot, terrain, StepOptions(dt=dt, order=1, tol=TOLERANCE)))
+    knot = MomentumKnot(Stepper(robot, terrain, StepOptions(dt=dt, order=1, solver_tol=TOLERANCE)))
     model = robot.model
     q, v = finite_array("q", q, (model.nq,)), finite_array("v", v, (model.nv,))
     policy, count = _policy(robot, torques, steps)
