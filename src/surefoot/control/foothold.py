@@ -20,7 +20,6 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.walking_kernels import plane_through
 from surefoot.kernels import kernel
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
@@ -146,10 +145,9 @@ def catching_place(
     x, y = c * com_velocity[0] + s * com_velocity[1], c * com_velocity[1] - s * com_velocity[0]
     ahead = 0.5 * stance_time * x + pendulum * (x - velocity[0])
     aside = 0.5 * stance_time * y + pendulum * (y - velocity[1])
-    reach = min(1.0, CATCH_REACH * height / max(math.hypot(ahead, aside), 1e-9))
-    side = 1.0 if arm[1] > 0.0 else -1.0
-    aside = side * max(side * (arm[1] + reach * aside), CATCH_ASIDE * abs(arm[1]))
-    ahead, aside = arm[0] + reach * ahead + left * x, aside + left * y
+    reach, side = CATCH_REACH * height / max(math.hypot(ahead, aside), 1e-9), math.copysign(1.0, arm[1])
+    ahead, aside = arm[0] + min(reach, 1.0) * ahead, arm[1] + min(reach, 1.0) * aside
+    ahead, aside = ahead + left * x, side * max(side * aside, CATCH_ASIDE * abs(arm[1])) + left * y
     out[0], out[1] = com[0] + c * ahead - s * aside, com[1] + s * ahead + c * aside
     return out
 
@@ -289,17 +287,3 @@ def _most_level(terrain: Terrain, place: FloatArray, reach: float, margin: float
         rise, lean = np.maximum(rise - terrain.noise, 0.0), np.maximum(lean - terrain.noise, 0.0)
     cost = np.linalg.norm(grid, axis=1) + EDGE_WEIGHT * rise + TILT_WEIGHT * lean / margin
     return np.asarray(candidates[int(np.argmin(cost))])
-
-
-def fit_plane(places: FloatArray, about: FloatArray, damping: float = 1e-4) -> tuple[float, float, float]:
-    """Return (height at `about`, slope along x, slope along y) of the plane nearest to (n, 3) places.
-
-    `damping` [m²] pulls the slopes to zero where the places do not tell them.
-
-    Examples
-    --------
-    >>> points = np.array([[0, 0, 0.0], [1, 0, 0.1], [0, 1, 0.0], [1, 1, 0.1]])
-    >>> [round(v, 3) for v in fit_plane(points, np.zeros(2))]
-    [0.0, 0.1, 0.0]
-    """
-    return plane_through(np.ascontiguousarray(places), np.ascontiguousarray(about), damping)

@@ -169,7 +169,7 @@ class Feet(Bound):
         return True
 
     def hurry(self, rate: float, dt: float) -> None:
-        """Let the schedule's clock go at a multiple of time in the coming step of dt [s], and swings with it."""
+        """Let clock and swings go at a multiple of time in the coming step of dt [s]."""
         if rate != self.rate:
             self.duration *= self.rate / rate
             self.rate = rate

@@ -48,7 +48,7 @@ def test_a_pushed_body_is_gone_with_in_quick_steps_until_it_is_caught(way: tuple
     assert still is not None
     assert still.rate == 1.0
     flow = 0.35 * UNIT * np.array([*way, 0.0])
-    assert asked(0.35, flow + [0.5 * ENDS * UNIT, 0.0, 0.0]) is NOTHING
+    assert asked(0.35, flow + np.array([0.5 * ENDS * UNIT, 0.0, 0.0])) is NOTHING
     assert asked(0.35) is NOTHING  # begins anew from a larger error alone
 
 

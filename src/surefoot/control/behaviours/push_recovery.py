@@ -1,4 +1,4 @@
-"""Steps when they are needed: after a push the gait's clock is a wish, and its feet go where they catch the body.
+"""Steps when they are needed: after a push the gait's clock is a wish, and feet go where they catch the body.
 
 A pushed body comes to rest over its capture point, sqrt(h / g) times its speed ahead [1]_. Where the feet of
 a trot do not reach so far within the gait's own time, the way is taken in several quick steps: the gait goes
@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from surefoot.control.behaviours.behaviour import NOTHING, Recovery, Request, WalkFacts, WalkView
-from surefoot.spatial import GRAVITY
+from surefoot.spatial import GRAVITY, heading_of
 
 BEGINS, ENDS = 0.4, 0.2
 """A body that is off its wanted velocity by so much is caught, until it is off by no more and no faster than
@@ -57,9 +57,7 @@ class PushRecovery:
         if view.clock < 0.0 or self._schedule.held or self._schedule.stance_time == 0.0:
             self._calm = None
             return NOTHING
-        rotation, (x, y, _) = view.now.rotation, view.now.com_velocity
-        yaw = math.atan2(rotation[1, 0], rotation[0, 0])
-        c, s = math.cos(yaw), math.sin(yaw)
+        (x, y, _), (c, s) = view.now.com_velocity, heading_of(view.state.q[3:7])
         flow, wanted = np.array([c * x + s * y, c * y - s * x]), view.velocity[:2]
         off, speed = math.hypot(*(flow - wanted)) / self._unit, math.hypot(x, y)
         if self._calm is None:
