@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -154,24 +153,6 @@ def busiest(instances: list[Instance], steps: int) -> list[Instance]:
     width = min(steps, len(instances))
     start = int(np.argmax(sums[width:] - sums[:-width]))
     return instances[start : start + width]
-
-
-def read_log(path: Path) -> list[Instance]:
-    """Return the allocations of a controller's log, such as `surefoot stand` writes.
-
-    The .npz file holds what `instances_of` wants, facts also as ``fact_...``.
-
-    Raises
-    ------
-    ProblemError
-        If the file cannot be read or an entry is missing or has the wrong shape.
-    """
-    try:
-        with np.load(path) as data:
-            log = {name.removeprefix("fact_"): data[name] for name in sorted(data.files)}
-    except (OSError, ValueError) as error:
-        raise ProblemError(f"cannot read --log {path}: {error}") from error
-    return instances_of(log, str(path))
 
 
 def instances_of(log: Mapping[str, Any], name: str) -> list[Instance]:

@@ -7,9 +7,10 @@ import pinocchio
 import pytest
 
 import surefoot as sf
+from benchmarks.detection_errors import detection_errors
 from surefoot.audit.motion import touching
 from surefoot.errors import ProblemError
-from surefoot.estimation.contact_detection import DetectionSettings, detection_errors
+from surefoot.estimation.contact_detection import DetectionSettings
 from surefoot.spatial import GRAVITY
 from tests.audit.logs import SLOPE, STAND, TROT, changed, log_of
 from tests.pages import run_page
