@@ -10,6 +10,9 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.numerics.phases import debounced
 
+BOUNCE = 0.02
+"""Contacts and flights that are shorter are taken for bounces where detected contacts are judged [s]."""
+
 
 @dataclass(frozen=True)
 class DetectionErrors:

@@ -35,9 +35,6 @@ from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
-BOUNCE = 0.02
-"""Contacts and flights that are shorter are taken for bounces where detected contacts are judged [s]."""
-
 
 @dataclass(frozen=True)
 class DetectionSettings:
