@@ -23,11 +23,11 @@ URDF = """<robot name="leg"><link name="root"/>
 <limit effort="1" lower="-1" upper="1" velocity="1"/></joint>
 <link name="base"><inertial><mass value="0.485"/>
 <inertia ixx="8e-4" ixy="0" ixz="0" iyy="2e-3" iyz="0" izz="2e-3"/></inertial></link>
-<joint name="hip" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+<joint name="HFE" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
 <limit effort="9" lower="-9" upper="9" velocity="99"/></joint>
 <link name="upper"><inertial><origin xyz="0 0 -0.08"/><mass value="0.15"/>
 <inertia ixx="4e-4" ixy="0" ixz="0" iyy="4e-4" iyz="0" izz="3e-5"/></inertial></link>
-<joint name="knee" type="revolute"><parent link="upper"/><child link="shank"/><axis xyz="0 1 0"/>
+<joint name="KFE" type="revolute"><parent link="upper"/><child link="shank"/><axis xyz="0 1 0"/>
 <origin xyz="0 0 -0.16"/><limit effort="9" lower="-9" upper="9" velocity="99"/></joint>
 <link name="shank"><inertial><origin xyz="0 0 -0.09"/><mass value="0.03"/>
 <inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="2e-6"/></inertial></link>
@@ -36,7 +36,7 @@ URDF = """<robot name="leg"><link name="root"/>
 
 
 def write_hopper(folder: Path, seconds: float = 24.0, seed: int = 0) -> Path:
-    """Write leg.urdf, fit.csv (60 % of the time), kept.csv (no sensor) and truth.csv (time, sensor)."""
+    """Write hopper.urdf, hopper.csv (60 % of the time), kept.csv (no sensor) and truth.csv (time, sensor)."""
     rng = np.random.default_rng(seed)
     t = DT * np.arange(round(seconds / DT))
     height = 0.2 + 0.09 * np.sin(2 * np.pi * t / 5.3) + 0.012 * np.sin(2 * np.pi * t / 1.7)
@@ -56,11 +56,11 @@ def write_hopper(folder: Path, seconds: float = 24.0, seed: int = 0) -> Path:
     force = _ground(q, given, height)
     sensor = (np.roll(force, LATE, axis=0) @ TURN.T) + OFFSET + NOISE * rng.normal(size=force.shape)
     q, motor = q + 2e-5 * rng.normal(size=q.shape), motor + 0.01 * rng.normal(size=q.shape)
-    (folder / "leg.urdf").write_text(URDF, "utf-8")
+    (folder / "hopper.urdf").write_text(URDF, "utf-8")
     cut = round(0.6 * len(t))
     names = "time,q_hip,q_knee,tau_hip,tau_knee"
     for name, rows, columns, head in (
-        ("fit", slice(0, cut), (t, q, motor, sensor), f"{names},ati_x,ati_y,ati_z"),
+        ("hopper", slice(0, cut), (t, q, motor, sensor), f"{names},ati_x,ati_y,ati_z"),
         ("kept", slice(cut, None), (t, q, motor), names),
         ("truth", slice(cut, None), (t, sensor), "time,ati_x,ati_y,ati_z"),
     ):

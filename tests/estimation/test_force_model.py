@@ -26,7 +26,7 @@ def made_up(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def fitted(made_up: Path) -> sf.ForceModel:
-    return sf.ForceModel.fit(sf.load_robot(made_up / "leg.urdf", fixed_base=True), made_up / "fit.csv")
+    return sf.ForceModel.fit(sf.load_robot(made_up / "hopper.urdf", fixed_base=True), made_up / "hopper.csv")
 
 
 def _cut(log: LegLog, rows: slice) -> LegLog:
@@ -55,11 +55,11 @@ def test_what_the_joints_and_the_sensor_have(fitted: sf.ForceModel) -> None:
         "gain": (hopper.GAIN,) * 2, "friction": hopper.FRICTION, "loaded": (hopper.LOADED,) * 2,
         "cubic": (hopper.CUBIC,) * 2, "inertia": (hopper.ROTOR,) * 2, "offset": (0.0, 0.0),
     }  # fmt: skip
-    for j, joint in enumerate(("hip", "knee")):
+    for j, joint in enumerate(("HFE", "KFE")):
         for term, values in true.items():
             _, low, high = fitted.joints[joint][term]
             assert low <= values[j] <= high, (joint, term)
-    _, low, high = fitted.joints["knee"]["friction"]
+    _, low, high = fitted.joints["KFE"]["friction"]
     assert low > 0.0
     assert high < 0.1
 
@@ -75,15 +75,15 @@ def test_a_written_model_says_the_same(made_up: Path, fitted: sf.ForceModel, tmp
 def test_the_command(made_up: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = [
         "--model",
-        str(made_up / "leg.urdf"),
+        str(made_up / "hopper.urdf"),
         "--test",
         str(made_up / "kept.csv"),
         "--out",
         str(tmp_path),
     ]
-    assert main(["identify", str(made_up / "fit.csv"), *words, "--json"]) == 0
+    assert main(["identify", str(made_up / "hopper.csv"), *words, "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
-    assert facts["fit"]["knee"]["friction"]["unit"] == "N m"
+    assert facts["fit"]["KFE"]["friction"]["unit"] == "N m"
     table = np.genfromtxt(facts["test"]["forces"], delimiter=",", names=True)
     assert len(table) == facts["test"]["rows"]
     assert main(["identify", facts["model"], *words]) == 0
@@ -96,11 +96,11 @@ def test_wrong_input_is_one_line(made_up: Path, fitted: sf.ForceModel, tmp_path:
     with pytest.raises(ProblemError, match="tau_NAME"):
         fitted.estimate(made_up / "truth.csv")
     with pytest.raises(ProblemError, match="floats"):
-        sf.ForceModel.fit(sf.load_robot(made_up / "leg.urdf"), made_up / "fit.csv")
+        sf.ForceModel.fit(sf.load_robot(made_up / "hopper.urdf"), made_up / "hopper.csv")
     (tmp_path / "m.json").write_text("{}", "utf-8")
     with pytest.raises(ProblemError, match="holds no force model"):
         sf.ForceModel.read(tmp_path / "m.json", fitted.robot)
-    lines = (made_up / "fit.csv").read_text("utf-8").splitlines()
+    lines = (made_up / "hopper.csv").read_text("utf-8").splitlines()
     (tmp_path / "nan.csv").write_text(
         "\n".join([*lines[:200], lines[200].replace(",", ",nan,", 1)[:40]]), "utf-8"
     )
