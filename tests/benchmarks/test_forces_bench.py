@@ -1,4 +1,4 @@
-"""The forces benchmark: its instances, its judgement of rivals, its table and log reader."""
+"""The forces benchmark: its instances, its judgement of rivals and its table."""
 
 import json
 
@@ -9,7 +9,7 @@ import surefoot as sf
 from benchmarks.forces.race import best_known, judge, run_all, run_ours
 from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, available
 from benchmarks.problems.allocation_program import objective, program
-from benchmarks.problems.allocations import CLASSES, four_feet, read_log
+from benchmarks.problems.allocations import CLASSES, four_feet
 from surefoot.cli.main import main
 
 ALL = available(EXACT_RIVALS) + available(FACET_RIVALS)
@@ -79,11 +79,3 @@ def test_command_prints_json(capsys):
     assert [row["trajectory"] for row in found["warm"]] == ["made"]
     assert found["accuracy"]["0.1"]["not_solved"] == 0
     assert {"solver", "timing", "cone"} <= set(found["rows"][0])
-
-
-def test_bad_logs_are_named(tmp_path, capsys):
-    assert main(["bench", "forces", "--log", str(tmp_path / "none.npz")]) == 2
-    assert "cannot read --log" in capsys.readouterr().err
-    np.savez(tmp_path / "log.npz", time=[0.0])
-    with pytest.raises(sf.ProblemError, match="lacks wrench_desired, grasp_map"):
-        read_log(tmp_path / "log.npz")

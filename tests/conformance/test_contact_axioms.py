@@ -14,7 +14,7 @@ from benchmarks.problems.rigid_bodies import Scene
 from surefoot.spatial import GRAVITY, skew
 from tests.solvers.convex_oracle import convex_forces
 
-SOLVERS = ("auto", "nsgs", "admm", "interior_point")
+SOLVERS = ("auto", "nsgs", "admm")
 
 
 def well_posed(seed: int, contacts: int = 4, mu: float | None = None) -> sf.ContactProblem:
@@ -79,7 +79,7 @@ def test_frictionless_is_the_quadratic_program(name: str, law: str) -> None:
         assert np.abs(found.forces[:, :2]).max() < 1e-9
 
 
-@pytest.mark.parametrize("name", ["auto", "nsgs", "newton", "admm", "interior_point"])
+@pytest.mark.parametrize("name", ["auto", "nsgs", "newton", "admm"])
 def test_the_convex_law_is_the_cone_program(name: str) -> None:
     pytest.importorskip("clarabel")
     for seed in range(5):
@@ -108,13 +108,13 @@ def test_vanishing_friction_tends_to_none_and_huge_friction_sticks() -> None:
         assert np.abs(rough.velocities[on, :2]).max(initial=0.0) < 1e-6
 
 
-@pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton", "interior_point"])
+@pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton"])
 def test_sliding_friction_opposes_the_velocity(name: str) -> None:
     sliding = 0
     for seed in range(10):
         found = sf.solve(well_posed(seed), name, 1e-10)
         if not found.solved:
-            assert name in ("newton", "interior_point")
+            assert name == "newton"
             continue
         for f, u, mu in zip(found.forces, found.velocities, found.problem.mu, strict=True):
             speed, push = np.hypot(*u[:2]), np.hypot(*f[:2])

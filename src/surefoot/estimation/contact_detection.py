@@ -36,6 +36,9 @@ from surefoot.numerics.phases import debounced
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
+BOUNCE = 0.02
+"""Contacts and flights that are shorter are taken for bounces where detected contacts are judged [s]."""
+
 
 @dataclass(frozen=True)
 class DetectionSettings:
@@ -304,9 +307,7 @@ class DetectionErrors:
     wrong_share: float
 
 
-def detection_errors(
-    detected: BoolArray, truth: BoolArray, dt: float, shortest: float = 0.02
-) -> DetectionErrors:
+def detection_errors(detected: BoolArray, truth: BoolArray, dt: float) -> DetectionErrors:
     """Compare detected contacts with true ones, (T, n) each.
 
     Parameters
@@ -314,9 +315,7 @@ def detection_errors(
     detected, truth
         (T, n) which feet touch.
     dt
-        Time between rows [s].
-    shortest
-        True phases shorter than this are taken for bounces and closed [s].
+        Time between rows [s]; true phases shorter than `BOUNCE` are closed.
 
     Raises
     ------
@@ -329,7 +328,7 @@ def detection_errors(
     time = step * np.arange(len(truth), dtype=np.float64)
     downs, ups, missed, false, contacts, wrong = [], [], 0, 0, 0, 0
     for k in range(truth.shape[1]):
-        real = debounced(time, truth[:, k], shortest)
+        real = debounced(time, truth[:, k], BOUNCE)
         told = detected[:, k]
         wrong += int(np.count_nonzero(real != told))
         phases, guesses = _phases(real), _phases(told)

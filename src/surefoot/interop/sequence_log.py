@@ -20,9 +20,7 @@ SHORTEST = 0.02
 """Changes of contact that last less than this are left out [s]."""
 
 
-def sequence_from_log(
-    log: Log, facets: int = 8, fit: Fit = "inner", shortest: float = SHORTEST
-) -> ContactSequence:
+def sequence_from_log(log: Log, facets: int = 8, fit: Fit = "inner") -> ContactSequence:
     """Return the contacts of a run or a plan: phases, mean places, mean forces.
 
     Parameters
@@ -31,8 +29,6 @@ def sequence_from_log(
         With forces, contact_positions, normals and mu, and the facts feet, contact_foot, mass and dt.
     facets, fit
         Of the pyramids.
-    shortest
-        A phase shorter than this joins the one before it [s].
 
     Returns
     -------
@@ -46,13 +42,12 @@ def sequence_from_log(
         If the log does not tell what is needed.
     """
     of_kind("log", log, Log)
-    real_number("shortest", shortest, low=0.0)
     for needed in ("feet", "contact_foot"):
         log.fact(needed)
     mass, dt, names = float(log.fact("mass")), float(log.fact("dt")), tuple(contact_names(log))
     forces: FloatArray = np.asarray(log["forces"])
     on = forces[:, :, 2] > LOADED * mass * GRAVITY
-    starts = _phase_starts(on, max(1, round(shortest / dt)))
+    starts = _phase_starts(on, max(1, round(SHORTEST / dt)))
     phases = []
     for begin, end in zip(starts, [*starts[1:], len(on)], strict=True):
         rows = slice(begin, end)
