@@ -9,7 +9,6 @@ import pytest
 
 from surefoot.cli.main import main
 from surefoot.log.formats import read_log
-from surefoot.robot.catalog import find, robots_folder
 
 QUIET = ["--no-video", "--no-report", "--json"]
 KEYS = {
@@ -95,15 +94,6 @@ def test_anyway_runs_and_is_honest(tmp_path: Path, capfd: pytest.CaptureFixture[
     assert code == 1
     assert summary["outcome"] in ("slipped", "fell")
     assert summary["stood"] is False
-
-
-def test_any_urdf_with_feet(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    path = robots_folder() / find("a1").urdf
-    feet = "FL_foot,FR_foot,RL_foot,RR_foot"
-    options = [str(path), "--feet", feet, "--duration", "1", "--no-video", "--json"]
-    code = main(["stand", *options, "--out", str(tmp_path)])
-    assert code == 0
-    assert json.loads(capfd.readouterr().out)["robot"] == "a1"
 
 
 def test_without_a_gl_the_run_finishes(
