@@ -79,15 +79,11 @@ def worlds(
         console.print(note or f"pictures: {folder}")
     agrees = all(outcome.agrees for outcome in outcomes)
     if as_json:
-        facts = {
-            "dt": dt,
-            "worlds": here,
-            "absent": {name: str(error) for name, error in absent.items()},
-            "agrees": agrees,
-            "experiments": {outcome.experiment.name: _facts(outcome) for outcome in outcomes},
+        print(to_json({
+            "dt": dt, "worlds": here, "absent": {name: str(error) for name, error in absent.items()},
+            "agrees": agrees, "experiments": {o.experiment.name: _facts(o) for o in outcomes},
             "pictures": paths,
-        }
-        print(to_json(facts))
+        }))  # fmt: skip
     console.print(_headline(outcomes, agrees))
     return 0 if agrees else 1
 
