@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-
 import numpy as np
 import pinocchio
 from scipy.spatial import cKDTree
@@ -40,9 +38,7 @@ def test_two_bodies_share_their_links_and_nothing_else(robot: sf.Robot) -> None:
 
 
 def test_a_robot_without_meshes_is_drawn_as_bones(robot: sf.Robot) -> None:
-    bare = copy.copy(robot)
-    bare.__dict__["visual"] = pinocchio.GeometryModel()
-    shapes = RobotBody(bare).shapes(robot.nominal)
+    shapes = RobotBody(robot.without_meshes()).shapes(robot.nominal)
     (bones,) = shapes.values()
     assert isinstance(bones, Lines)
     feet = robot.foot_positions(robot.nominal)
