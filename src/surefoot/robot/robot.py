@@ -227,6 +227,15 @@ class Robot:
 
         pinocchio.framesForwardKinematics(self.model, self.data, q)
 
+    def without_meshes(self) -> Robot:
+        """Return the same robot without its geometry models, small enough to be sent to another process."""
+        import pinocchio
+
+        out = copy.copy(self)
+        out.collision, out._load_visual = pinocchio.GeometryModel(), pinocchio.GeometryModel
+        out.__dict__.pop("visual", None)
+        return out
+
     def sphere_bottoms(self, q: FloatArray) -> list[float]:
         """Return the lowest height of every contact sphere [m] at q (nq,) [m, -, rad]."""
         self._forward(q)
