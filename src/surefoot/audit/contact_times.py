@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, IntArray, of_kind, real_number
 from surefoot.audit.motion import foot_forces
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.log import Log
@@ -102,6 +102,7 @@ def contact_times(log: Log, debounce: float = DEBOUNCE) -> ContactTimes:
         If the log has neither channel, fewer than two rows, or a time that does not grow.
     """
     debounce = real_number("debounce", debounce, low=0.0)
+    of_kind("log", log, Log)
     time, channel, readings = load_readings(log)
     names = [str(f) for f in log.facts.get("feet", ())] or [f"foot {k}" for k in range(readings.shape[1])]
     contacts = np.zeros(readings.shape, dtype=bool)

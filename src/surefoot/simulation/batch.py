@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_array, whole_number
+from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, of_kind, real_array, whole_number
 from surefoot.errors import ProblemError, SimulationError
 from surefoot.robot import Robot
 from surefoot.stepping import State, StepOptions, Stepper
@@ -92,6 +92,7 @@ class RigidBatch:
         options: StepOptions | None = None,
         workers: int = 1,
     ) -> None:
+        of_kind("robot", robot, Robot)
         self.robot, self.count = robot, whole_number("count", count, low=1)
         self.options = options or StepOptions()
         self.set_friction(mu)
