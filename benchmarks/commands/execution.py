@@ -47,7 +47,7 @@ def execution(
     if quick:
         task, seeds = task or ["stand-up"], min(seeds, 2)
     if matrix:
-        measure_matrix(seeds, as_json, out)
+        measure_matrix(seeds, quick, as_json, out)
         return
     chosen = tuple(task or TASKS)
     for name in chosen:
@@ -67,16 +67,16 @@ def execution(
     report(record, as_json, lambda console: _print(console, rows), out=out, name="execution")
 
 
-def measure_matrix(seeds: int, as_json: bool, out: Path | None) -> None:
-    """Plan and execute the cells of the matrix, and print them."""
+def measure_matrix(seeds: int, quick: bool, as_json: bool, out: Path | None) -> None:
+    """Plan and execute the cells of the matrix, quickly the first alone, and print them."""
     from benchmarks.execution.matrix import Cell, cells, measured
 
-    made: list[Cell] = []
+    made, chosen = list[Cell](), cells()[:1] if quick else cells()
     with progress_bar(not as_json, "matrix", 1.0) as show:
-        for number, cell in enumerate(cells()):
+        for number, cell in enumerate(chosen):
             made.append(measured(*cell, seeds))
             if show is not None:
-                show((number + 1) / len(cells()))
+                show((number + 1) / len(chosen))
 
     def printed(console: Console) -> None:
         runs = [c.runs for c in made if c.runs is not None]
