@@ -28,7 +28,15 @@ NAMED = "auto"
 
 
 def identify(
-    tosses: Annotated[Path, typer.Argument(help="An .npz file of tosses; see docs/identify.md.")],
+    tosses: Annotated[
+        Path,
+        typer.Argument(
+            help="An .npz file of tosses, or a leg's .csv log on a force sensor; see docs/identify.md."
+        ),
+    ],
+    model: Annotated[
+        Path | None, typer.Option(help="URDF or MJCF of the leg that a .csv log, or a fit of it, is of.")
+    ] = None,
     test: Annotated[
         Path | None, typer.Option(help="Other tosses, which the fit does not see: errors on them.")
     ] = None,
@@ -48,7 +56,11 @@ def identify(
     picture: options.Picture = True,
     as_json: options.AsJson = False,
 ) -> int:
-    """Fit a contact law and the ground to recorded tosses of a cube, with 95 % bootstrap intervals."""
+    """Fit a contact law to tosses of a cube, or a leg's joints to a force sensor, with 95 % intervals."""
+    if tosses.suffix in (".csv", ".json"):
+        from surefoot.cli.identify_forces import identify_forces
+
+        return identify_forces(tosses, model, test, out, as_json)
     from surefoot.estimation.cube_model import CubeModel
     from surefoot.estimation.tosses import read_tosses
 
@@ -61,9 +73,9 @@ def identify(
         raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
     laws = list(dict.fromkeys(law or ["rigid"]))
     fits: dict[str, TossFit] = {}
-    for model in [*map(CubeModel, laws), *_rivals(rivals, test is not None)]:
-        with progress_bar(not as_json, f"{model.name}: simulating tosses", 1.0) as moved:
-            fits[model.name] = _fit(model, recorded, others, resamples, seed, moved)
+    for tossed in [*map(CubeModel, laws), *_rivals(rivals, test is not None)]:
+        with progress_bar(not as_json, f"{tossed.name}: simulating tosses", 1.0) as moved:
+            fits[tossed.name] = _fit(tossed, recorded, others, resamples, seed, moved)
     facts = _facts(fits, laws, recorded, others)
 
     def draw(folder: Path) -> Path:

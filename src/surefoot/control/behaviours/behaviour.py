@@ -12,9 +12,9 @@ from surefoot.control.whole_body_tasks import Kinematics
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
-FootGoals: TypeAlias = Callable[[FloatArray, FloatArray, float], FloatArray]
-"""From the nominal place (2,) of a foot [m], where it lifted (>= 2,) [m] and the length of its swing [s] to
-the (2,) place where it should land [m]."""
+FootGoals: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
+"""From the nominal place (2,) of a foot [m] and where it lifted (>= 2,) [m] to the (2,) place where it should
+land [m]."""
 
 
 class FootSearch(NamedTuple):
@@ -33,6 +33,24 @@ class FootSearch(NamedTuple):
     speed: float
     lead: float = 0.0
     careful: bool = False
+
+
+class Recovery(NamedTuple):
+    """How a body that was pushed is caught.
+
+    Attributes
+    ----------
+    rate
+        How many times as fast as by its own clock the gait goes.
+    velocity
+        (3,) that is wanted now, from one moment to the next: forward, left [m/s], turn [rad/s].
+    acceleration
+        With which it comes back to the commanded one [m/s²].
+    """
+
+    rate: float
+    velocity: FloatArray
+    acceleration: float
 
 
 class WalkFacts(NamedTuple):
@@ -130,6 +148,8 @@ class Request(NamedTuple):
         Where feet land instead of their nominal places.
     search
         How late feet look for the ground.
+    recovery
+        How a body that was pushed is caught; feet then land where they catch it.
     mu, acceleration
         Friction to count on [-], and the largest change of the wanted velocity [m/s²].
     height
@@ -148,6 +168,7 @@ class Request(NamedTuple):
     clearance: float = 0.0
     foot_goals: FootGoals | None = None
     search: FootSearch | None = None
+    recovery: Recovery | None = None
     mu: float = math.inf
     acceleration: float = math.inf
     height: float = math.inf

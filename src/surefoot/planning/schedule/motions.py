@@ -147,7 +147,7 @@ def landed(
 def backflip(
     robot: Robot, mu: float, dt: float | None = None, q: FloatArray | None = None
 ) -> ScheduleProblem:
-    """Return a full turn backwards from (nq,) q: a push of all feet, then of the rear, a landing on the front.
+    """Return a full turn backwards from (nq,) q: all feet push, then the rear ones; the front ones land.
 
     The landing is the push the other way round. Feet that all land at once would have to take out the
     angular momentum of the turn, about 0.4 kg m² times 280 degrees over the flight, within a few
