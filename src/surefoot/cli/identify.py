@@ -1,8 +1,9 @@
-"""`surefoot identify`: friction, restitution or stiffness, and the ground, from recorded tosses of a cube."""
+"""`surefoot identify`: a body, its friction and restitution, and the ground, from recorded tosses."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:  # the other commands need no compiled code
 EXPECTED = 45.0
 """Simulations of all tosses that a fit takes, give or take: for the progress bar."""
 NAMED = "auto"
+PARTS = slice(0, 3), slice(3, 6)
+"""Velocity and angular velocity among the velocities of a body."""
 
 
 def identify(
@@ -32,9 +35,14 @@ def identify(
     test: Annotated[
         Path | None, typer.Option(help="Other tosses, which the fit does not see: errors on them.")
     ] = None,
+    model: Annotated[
+        str | None, typer.Option(help="What was thrown: a URDF or MJCF file, free or jointed; none: a cube.")
+    ] = None,
     law: Annotated[
         list[str] | None,
-        typer.Option(help="rigid, spring-damper or hunt-crossley; repeatable, the first is 'fit' in --json."),
+        typer.Option(
+            help="rigid, newton, tangential, growing-friction; repeatable, the first is 'fit' in --json."
+        ),
     ] = None,
     rivals: Annotated[
         str,
@@ -48,8 +56,9 @@ def identify(
     picture: options.Picture = True,
     as_json: options.AsJson = False,
 ) -> int:
-    """Fit a contact law and the ground to recorded tosses of a cube, with 95 % bootstrap intervals."""
-    from surefoot.estimation.cube_model import CubeModel
+    """Fit a body, a contact law and the ground to recorded tosses, with 95 % bootstrap intervals."""
+    from surefoot.estimation.identify import identify as fit
+    from surefoot.estimation.toss_model import ThrownModel
     from surefoot.estimation.tosses import read_tosses
 
     whole_number("--seed", seed)
@@ -61,9 +70,13 @@ def identify(
         raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
     laws = list(dict.fromkeys(law or ["rigid"]))
     fits: dict[str, TossFit] = {}
-    for model in [*map(CubeModel, laws), *_rivals(rivals, test is not None)]:
-        with progress_bar(not as_json, f"{model.name}: simulating tosses", 1.0) as moved:
-            fits[model.name] = _fit(model, recorded, others, resamples, seed, moved)
+    for simulator in [*map(ThrownModel, laws), *_rivals(rivals, test is not None)]:
+        found = fits[laws[0]].found if fits else None
+        with progress_bar(not as_json, f"{simulator.name}: simulating tosses", 1.0) as moved:
+            fits[simulator.name] = fit(
+                recorded, simulator, model=model, test=others, found=found, resamples=resamples, seed=seed,
+                progress=_progress(len(recorded), moved),
+            )  # fmt: skip
     facts = _facts(fits, laws, recorded, others)
 
     def draw(folder: Path) -> Path:
@@ -88,19 +101,13 @@ def _rivals(names: str, testing: bool) -> list[Any]:
     return [make_rival(name) for name in dict.fromkeys(wanted)]
 
 
-def _fit(
-    model: Any, recorded: Tosses, others: Tosses | None, resamples: int, seed: int, moved: Any
-) -> TossFit:
-    """Fit one model, moving the bar."""
-    from surefoot.estimation.identify import identify as fit
-
-    expected = EXPECTED * len(recorded)
-
-    def progress(simulated: float) -> None:
-        if moved is not None:
-            moved(1.0 - math.exp(-2.0 * simulated / expected))
-
-    return fit(recorded, model, test=others, resamples=resamples, seed=seed, progress=progress)
+def _progress(tosses: int, moved: Any) -> Callable[[float], None] | None:
+    """Return what moves the bar when it is told how many tosses have been simulated."""
+    return (
+        None
+        if moved is None
+        else lambda simulated: moved(1.0 - math.exp(-2.0 * simulated / EXPECTED / tosses))
+    )
 
 
 def _facts(
@@ -112,12 +119,13 @@ def _facts(
 
     def of_law(law: str) -> dict[str, Any]:
         parts = ("train", "test") if others is not None else ("train",)
-        return {"fit": _numbers(fits[law]), "test": None} | {p: _part(fits, law, rivals, p) for p in parts}
+        errors = {p: _part(fits, law, rivals, p) for p in parts}
+        return {"fit": _numbers(fits[law]), "impacts": _impacts(fits[law]), "test": None} | errors
 
     return {
         "law": laws[0],
         "tosses": len(recorded),
-        "width": recorded.cube.width,
+        "width": first.found.body.width,
         **of_law(laws[0]),
         "laws": {name: of_law(name) for name in laws[1:]},
         "noise": {"position": first.position_noise, "rotation_deg": math.degrees(first.rotation_noise)},
@@ -135,22 +143,36 @@ def _numbers(fit: TossFit) -> dict[str, Any]:
     }
 
 
+def _impacts(fit: TossFit) -> dict[str, Any] | None:
+    """Return the errors in first impacts, what noise leaves, and the log-likelihood of an impact."""
+    if fit.impacts is None:
+        return None
+    (speed, still), (turning, steady) = (fit.impacts.impacts.median(part) for part in PARTS)
+    logs = fit.impacts.likelihood
+    return {
+        "count": len(logs), "velocity_error_median": speed, "velocity_floor": still,
+        "spin_error_median": turning, "spin_floor": steady, "log_likelihood": logs,
+        "log_likelihood_mean": float(logs.mean()),
+    }  # fmt: skip
+
+
 def _part(fits: dict[str, TossFit], name: str, rivals: list[str], part: str) -> dict[str, Any]:
     """Return the errors of one law on one part of the tosses, and those of its rivals."""
     from surefoot.estimation.toss_errors import paired_difference
 
-    ours, kinds = getattr(fits[name], part), ("position", "rotation")
+    ours, kinds = getattr(fits[name], part), ("position", "rotation", "early")
     out: dict[str, Any] = {"tosses": len(ours.position), **_errors(ours), "rivals": {}}
     for rival in rivals:
         theirs = getattr(fits[rival], part)
         gaps = {kind: vars(paired_difference(getattr(ours, kind), getattr(theirs, kind))) for kind in kinds}
-        out["rivals"][rival] = {**_errors(theirs), "fit": _numbers(fits[rival]), "ours_less_theirs": gaps}
+        own = {"fit": _numbers(fits[rival]), "impacts": _impacts(fits[rival])}
+        out["rivals"][rival] = {**_errors(theirs), **own, "ours_less_theirs": gaps}
     return out
 
 
 def _errors(errors: Any) -> dict[str, Any]:
     """Return means, medians and errors toss by toss."""
-    each = {"position": errors.position, "rotation": errors.rotation}
+    each = {"position": errors.position, "rotation": errors.rotation, "early": errors.early}
     means = {f"{kind}_error_mean": float(values.mean()) for kind, values in each.items()}
     middles = {f"{kind}_error_median": float(np.median(values)) for kind, values in each.items()}
     return {**means, **middles, **{f"{kind}_error": values for kind, values in each.items()}}
@@ -177,6 +199,7 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
         + ", ".join(
             f"{name} {e['simulations']:.0f} x in {e['seconds']:.0f} s" for name, e in facts["effort"].items()
         ),
+        *_impact_lines(facts),
         *facts["notes"],
         f"picture: {facts['picture']}" if facts["picture"] else "",
     )
@@ -186,17 +209,39 @@ def _error_table(facts: dict[str, Any], part: str) -> Any:
     """Return the table of mean errors of one part, a row per law and rival."""
     first = facts[part]
     known = "not seen by the fit" if part == "test" else "fitted to"
-    header = ("", "position [width]", "rotation [deg]", "less the rival's: position", "rotation")
+    header = (
+        "",
+        "position [width]",
+        "rotation [deg]",
+        "after 34 ms",
+        "less the rival's: position",
+        "rotation",
+    )
     laws = ((facts["law"], first), *((name, law[part]) for name, law in facts["laws"].items()))
     rows = [(name, *_means(errors), "", "") for name, errors in laws]
     for name, errors in first["rivals"].items():
         position, rotation = (_gap(errors["ours_less_theirs"][kind]) for kind in ("position", "rotation"))
         rows.append((name, *_means(errors), position, rotation))
-    return table(header, rows, f"{first['tosses']} tosses {known}", left=5)
+    return table(header, rows, f"{first['tosses']} tosses {known}", left=6)
 
 
-def _means(errors: dict[str, Any]) -> tuple[str, str]:
-    return f"{errors['position_error_mean']:.4f}", f"{errors['rotation_error_mean']:.2f}"
+def _impact_lines(facts: dict[str, Any]) -> Iterator[str]:
+    """Yield what the first impacts say of every law and rival."""
+    judged = facts["test"] or facts["train"]
+    others = {**facts["laws"], **judged["rivals"]}
+    for name, found in ((facts["law"], facts["impacts"]), *((n, o["impacts"]) for n, o in others.items())):
+        if found is not None:
+            yield (
+                f"{name}: after {found['count']} first impacts median errors of "
+                f"{found['velocity_error_median']:.4f} m/s and {found['spin_error_median']:.3f} rad/s (noise "
+                f"alone {found['velocity_floor']:.4f} and {found['spin_floor']:.3f}), log-likelihood "
+                f"{found['log_likelihood_mean']:.3f} an impact"
+            )
+
+
+def _means(errors: dict[str, Any]) -> tuple[str, str, str]:
+    early = f"{errors['early_error_mean']:.4f}"
+    return f"{errors['position_error_mean']:.4f}", f"{errors['rotation_error_mean']:.2f}", early
 
 
 def _gap(gap: dict[str, float]) -> str:
