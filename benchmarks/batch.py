@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import surefoot as sf
-from benchmarks.batch_rivals import jax_sweeps, robots_together, step_derivatives
+from benchmarks.batch_rivals import jax_sweeps, step_derivatives
 from benchmarks.contact.rivals import ITERATIONS, PinocchioCall, Setting
 from benchmarks.mjx_rival import mjx_present, mjx_row
 from benchmarks.timing import least_time
@@ -165,9 +165,8 @@ def measure(quick: bool = False) -> dict[str, Any]:
         )
     step = step_derivatives(100 if quick else 1000)
     own, rival = step["step with A and B"], step["MuJoCo mjd_transitionFD, A alone"]
-    robots = {workers: robots_together(16, 20 if quick else 200, workers) for workers in (1, 2)}
     return {
         "problems": count, "modes": dict(modes), "times": times, "velocity_error": velocity,
-        "gradient_error": gradient, "step": step, "step_ratio": rival / own, "robots": robots,
+        "gradient_error": gradient, "step": step, "step_ratio": rival / own,
         "mjx": mjx_row(64 if quick else 512, 3)._asdict() if mjx_present() else None,
     }  # fmt: skip

@@ -55,8 +55,8 @@ def cells(table: Table) -> dict[str, object]:
 def report(
     record: Any, as_json: bool, in_words: Callable[[Console], None], width: int = 0, out: Path | None = None,
     name: str = "",
-) -> Path | None:  # fmt: skip
-    """Print a record as JSON or in words; keep it as NAME.json in a new folder below `out`, and return that.
+) -> None:  # fmt: skip
+    """Print a record as JSON or in words; keep it as NAME.json in a new folder below `out`.
 
     Parameters
     ----------
@@ -77,11 +77,10 @@ def report(
         console = plain_console()
         in_words(console if console.width >= width else plain_console(width=width))
     if out is None:
-        return None
+        return
     folder = new_run_folder(out, f"bench-{name}")
     (folder / f"{name}.json").write_text(to_json(record) + "\n", encoding="utf-8")
     typer.echo(f"written: {folder / f'{name}.json'}", err=True)
-    return folder
 
 
 def options(about: str | None, quick: str, seeds: int = 0, duration: float = 0.0) -> argparse.ArgumentParser:

@@ -251,16 +251,12 @@ KNOWN = (
 TABLES = {
     "stacks": Table(
         STACKS, "stacks.md", STACK_COLUMNS,
-        lambda told: _stacks(told, without=("-map", "-blind")), long=True,
-    ),
-    "blind_stairs": Table(
-        f"{EVERY_TASK} --task stairs-up-blind", "terrain-knowledge.md",
-        STACK_COLUMNS, lambda told: _stacks(told, "stairs-"), long=True,
+        lambda told: _stacks(told, without=("-map",)), long=True,
     ),
     "bipeds": Table(EVERY_TASK, "bipeds.md", STACK_COLUMNS, lambda told: _stacks(told, "g1-"), long=True),
     "stairs": Table(
         STACKS, "terrain-knowledge.md", STACK_COLUMNS,
-        lambda told: _stacks(told, "stairs-", "ice", without=("-blind",)), long=True,
+        lambda told: _stacks(told, "stairs-", "ice"), long=True,
     ),
     "speeds": Table("surefoot bench speeds --seeds 20", "speed-limits.md", SPEED_COLUMNS, _speeds, long=True),
     "motor_speeds": Table(

@@ -1,8 +1,8 @@
-"""Rotations, wrench and twist transforms, quaternion orders."""
+"""Rotations and quaternion orders."""
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -80,55 +80,6 @@ def test_quaternions_of_half_turns(axis):
 def test_quaternion_orders():
     np.testing.assert_array_equal(spatial.quaternion_xyzw([[1, 2, 3, 4]]), [[2, 3, 4, 1]])
     np.testing.assert_array_equal(spatial.quaternion_wxyz([2, 3, 4, 1]), [1, 2, 3, 4])
-
-
-@settings(max_examples=50)
-@given(seed=seeds)
-def test_power_does_not_depend_on_the_frame(seed):
-    """Wrench and twist transforms are inverse transposes of each other."""
-    rng = np.random.default_rng(seed)
-    R, p = random_rotation(rng), rng.normal(size=3)
-    X, T = spatial.wrench_transform(R, p), spatial.twist_transform(R, p)
-    wrench, twist = rng.normal(size=(2, 6))
-    assert (X @ wrench) @ (T @ twist) == pytest.approx(wrench @ twist, abs=1e-10)
-    np.testing.assert_allclose(T, np.linalg.inv(X).T, atol=1e-10)
-
-
-@settings(max_examples=50)
-@given(seed=seeds)
-def test_transforms_say_what_mechanics_says(seed):
-    """A force at b makes the moment p x f about a; a body's point at b moves with v + w x p."""
-    rng = np.random.default_rng(seed)
-    R, p, force, moment = random_rotation(rng), *rng.normal(size=(3, 3))
-    got = spatial.wrench_transform(R, p) @ np.concatenate([force, moment])
-    np.testing.assert_allclose(got[:3], R @ force, atol=1e-12)
-    np.testing.assert_allclose(got[3:], R @ moment + np.cross(p, R @ force), atol=1e-12)
-    twist_a = spatial.twist_transform(R, p) @ np.concatenate([force, moment])
-    linear, angular = twist_a[:3], twist_a[3:]
-    np.testing.assert_allclose(linear + np.cross(angular, p), R @ force, atol=1e-12)  # velocity at b
-    np.testing.assert_allclose(angular, R @ moment, atol=1e-12)
-
-
-@settings(max_examples=30)
-@given(seed=seeds)
-def test_transforms_chain(seed):
-    rng = np.random.default_rng(seed)
-    R1, R2, p1, p2 = random_rotation(rng), random_rotation(rng), *rng.normal(size=(2, 3))
-    for transform in (spatial.wrench_transform, spatial.twist_transform):
-        whole = transform(R1 @ R2, p1 + R1 @ p2)
-        np.testing.assert_allclose(whole, transform(R1, p1) @ transform(R2, p2), atol=1e-12)
-
-
-def test_featherstones_order_is_moment_first():
-    wrench = np.arange(6.0)
-    np.testing.assert_array_equal(spatial.featherstone_from_wrench(wrench), [3, 4, 5, 0, 1, 2])
-    np.testing.assert_array_equal(spatial.featherstone_from_twist(wrench), [3, 4, 5, 0, 1, 2])
-    np.testing.assert_array_equal(
-        spatial.wrench_from_featherstone(spatial.featherstone_from_wrench(wrench)), wrench
-    )
-    np.testing.assert_array_equal(
-        spatial.twist_from_featherstone(spatial.featherstone_from_twist(wrench)), wrench
-    )
 
 
 @pytest.mark.parametrize("normal", [[0, 0, 0], [0, 0, 2.0], [0, 0, np.nan], [0, 0, np.inf], [0, 1]])

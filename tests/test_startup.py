@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -234,14 +233,3 @@ print(records[0].getMessage())
     assert lines[0] == "['WARNING'] 1"
     assert lines[1] == "True 0.0 1.0 nearest_points"
     assert "surefoot warmup" in lines[2]
-
-
-def test_tidy_deletes_what_no_kernel_owns(two_files, tmp_path: Path) -> None:
-    _, _, folder = two_files()
-    gone = Path(folder) / "above.gone.py311.1.nbc"
-    gone.write_text("")
-    code = ASK + "\nfrom surefoot.compilation import tidy\nprint(tidy())"
-    assert run(code, tmp_path).split()[-1] == "1"
-    assert not gone.exists()
-    assert two_files()[1] == "1", "the living one was deleted"
-    shutil.rmtree(folder)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import inspect
 from collections.abc import Callable
 from typing import Any
 
@@ -99,3 +101,27 @@ def test_it_is_refused_in_one_line(name: str, k: int) -> None:
 
 def test_there_are_200_of_them() -> None:
     assert len(CASES) >= 200
+
+
+NONSENSE: list[Any] = [3, "x", None, np.nan, [1, 2], {}, np.zeros(3), np.full((3, 3), np.nan), object(), -1]
+MADE_BY_US = {"Status", "Robot", "Controller", "identify", "read_tosses"}
+"""Names that are not called by users: an enum, what `load_robot` makes, a protocol."""
+PUBLIC = [n for n in sf.__all__ if callable(getattr(sf, n)) and n not in MADE_BY_US]
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+@pytest.mark.filterwarnings("ignore")
+def test_nonsense_in_all_arguments_is_refused_as_ours(name: str) -> None:
+    called = getattr(sf, name)
+    if inspect.isclass(called) and issubclass(called, BaseException):
+        return
+    parameters = inspect.signature(called).parameters.values()
+    needed = [
+        p for p in parameters if p.default is p.empty and p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)
+    ]
+    named = [{p.name: value for p in needed} for value in NONSENSE]
+    if not needed:
+        named = [{p.name: value} for p in parameters if p.kind < p.VAR_KEYWORD for value in NONSENSE]
+    for arguments in named:
+        with contextlib.suppress(sf.SurefootError):
+            called(**arguments)

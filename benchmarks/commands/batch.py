@@ -42,5 +42,3 @@ def _print(console: Console, found: dict[str, Any]) -> None:
     steps = [(name, f"{1e6 * seconds:.0f}") for name, seconds in found["step"].items()]
     console.print(table(("", "µs"), steps, "a step of Go2 on four feet and its derivative"))
     console.print(f"MuJoCo / Surefoot, derivative with its step: {found['step_ratio']:.2f}")
-    many = ", ".join(f"{workers} workers {rate:.0f}" for workers, rate in found["robots"].items())
-    console.print(f"RigidBatch of Go2, steps a second: {many}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -13,7 +12,6 @@ from rich.console import Console
 from benchmarks.printing import report, table
 from surefoot.cli import extras
 from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out
 from surefoot.errors import MissingExtra
 
 WIDTH = 126
@@ -25,13 +23,9 @@ WEIGHTS = (1e-1, 1e-2, 1e-4)
 
 
 def forces(
-    out: Annotated[Path | None, typer.Option(help="Write a picture to a new folder below this one.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Few instances, one short stand: seconds.")] = False,
     count: Annotated[int, typer.Option("--count", min=2, help="Allocations of each class.")] = 200,
     instances: Annotated[int, typer.Option(min=0, help="Random instances checked against Clarabel.")] = 300,
-    log: Annotated[
-        Path | None, typer.Option(help="A log.npz; its busiest stretch is the trajectory.")
-    ] = None,
     stands: Annotated[
         bool, typer.Option("--stands/--no-stands", help="Simulate stands, to time warm starts along them.")
     ] = True,
@@ -42,18 +36,16 @@ def forces(
     from benchmarks.forces.race import run_all
     from benchmarks.forces.torques import time_torque_limits
     from benchmarks.forces.warm import measure_all
-    from benchmarks.problems.allocations import busiest, random_instances, read_log
+    from benchmarks.problems.allocations import random_instances
 
-    check_out(out)
-    extras.require(["pin", "clarabel", "qpsolvers"], ["matplotlib"] if out is not None else [])
+    extras.require(["pin", "clarabel", "qpsolvers"])
     if quick:
         count, instances = min(count, QUICK_COUNT), min(instances, QUICK_INSTANCES)
     steps = 5 * count // 2
     progress = plain_console(stderr=True)
-    logged = None if log is None else busiest(read_log(log), steps)
     with progress.status("timing") as status:
-        rows = run_all(count, steps, logged, status.update)
-        warm = list(measure_all(_trajectories(steps, logged, stands, quick, progress), status.update))
+        rows = run_all(count, steps, status.update)
+        warm = list(measure_all(_trajectories(steps, stands, quick, progress), status.update))
         torques = time_torque_limits(count)
         status.update("checking against Clarabel")
         checks = {
@@ -69,24 +61,17 @@ def forces(
     tables: dict[str, list[Any]] = {"rows": rows, "warm": warm, "torques": torques}
     record: dict[str, Any] = {name: [asdict(row) for row in own] for name, own in tables.items()}
     record["accuracy"] = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
-    folder = report(record, json, in_words, WIDTH, out, "forces")
-    if folder is not None:
-        from benchmarks.forces.pictures import plot_accuracy, plot_warm_starts
-
-        for path in (plot_accuracy(rows, folder), plot_warm_starts(warm, folder)):
-            typer.echo(f"picture: {path}", err=True)
+    report(record, json, in_words, WIDTH)
 
 
 def _trajectories(
-    steps: int, logged: list[Any] | None, stands: bool, quick: bool, progress: Console
+    steps: int, stands: bool, quick: bool, progress: Console
 ) -> Iterator[tuple[str, list[Any]]]:
-    """Yield the made trajectory, the log's and the busiest stretches of simulated stands."""
+    """Yield the made trajectory and the busiest stretches of simulated stands."""
     from benchmarks.problems.allocations import busiest, pushed_stance
     from benchmarks.problems.trajectories import SCENES, simulate
 
     yield "made", pushed_stance(steps, 1.0 / steps)
-    if logged is not None:
-        yield "log", logged
     for scene in SCENES[: 1 if quick else None] if stands else ():
         try:
             yield scene.name, busiest(simulate(scene, QUICK_STAND) if quick else simulate(scene), steps)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,7 +11,6 @@ from rich.console import Console
 from benchmarks.printing import report, table
 from surefoot.cli import extras
 from surefoot.cli.console import progress_bar
-from surefoot.cli.output import check_out
 
 if TYPE_CHECKING:
     from benchmarks.timing import Timing
@@ -31,27 +29,19 @@ def walk(
     robot: Annotated[
         list[str] | None, typer.Option(help="Robot whose steps are timed; may be repeated.")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Write a picture and the JSON to a new folder below this one.")
-    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
     """Time the MPC step (ours, QP solvers with pyramids, Clarabel) and a walking controller's whole step."""
     from benchmarks.walk.race import measure
     from surefoot.robot import load_robot
 
-    check_out(out)
     for name in robot or ["go2"]:
         extras.require((*extras.robot_packages(name), "mujoco", "clarabel", "qpsolvers"))
         load_robot(name)  # unknown ones before long work
     names = scene or (list(QUICK_SCENES) if quick else None)
     with progress_bar(not json, "bench walk", 1.0) as show:
         bench = measure(names, QUICK_CALLS if quick else calls, horizon, robot or ["go2"], show)
-    folder = report(asdict(bench), json, lambda console: _print(console, bench), WIDTH, out, "walk")
-    if folder is not None:
-        from benchmarks.walk.pictures import plot_mpc_bench
-
-        typer.echo(f"picture: {plot_mpc_bench(bench, folder)}", err=True)
+    report(asdict(bench), json, lambda console: _print(console, bench), WIDTH)
 
 
 def _print(console: Console, bench: WalkBench) -> None:

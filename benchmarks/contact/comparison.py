@@ -26,7 +26,7 @@ from surefoot.contact import ContactProblem
 from surefoot.contact.files import KINDS, read_problem
 from surefoot.errors import ProblemError
 
-OURS = ("auto", "nsgs", "newton", "admm", "interior_point")
+OURS = ("auto", "nsgs", "newton", "admm")
 ROBOT_SCALE = 25
 COPIES, COPIED = 4, 45
 """Problems of up to `COPIED` contacts are measured on so many slightly different matrices, others on one."""

@@ -272,9 +272,7 @@ def run_class(kind: str, instances: Sequence[Instance], say: Callable[[str], Non
             yield row
 
 
-def run_all(
-    count: int, steps: int, log: Sequence[Instance] | None = None, say: Callable[[str], None] = lambda _: None
-) -> list[Row]:
+def run_all(count: int, steps: int, say: Callable[[str], None] = lambda _: None) -> list[Row]:
     """Return the whole table.
 
     Parameters
@@ -282,13 +280,11 @@ def run_all(
     count
         Instances of each class.
     steps
-        Length of the made trajectory, if there is no log.
-    log
-        A logged trajectory.
+        Length of the trajectory.
     say
         Told what is being run.
     """
-    trajectory = list(log) if log is not None else pushed_stance(steps, 1.0 / steps)
+    trajectory = pushed_stance(steps, 1.0 / steps)
     distributor_for(trajectory[0]).solve(trajectory[0].grasp_map, trajectory[0].wrench)  # compile
     rows = []
     with one_core():

@@ -28,7 +28,6 @@ class PreparedOsqp(Backend):
     """Takes linear rows; keeps its workspace and starts warm. For infeasible programs, look at `end`."""
 
     name = package = "osqp"
-    iterations = 50_000
     keeps_workspace = warm_starts = True
     tol_words, iterations_word, time_word = ("eps_abs", "eps_rel"), "max_iter", "time_limit"
 

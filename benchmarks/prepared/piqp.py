@@ -29,7 +29,6 @@ class PreparedPiqp(Backend):
     """Takes linear rows, dense or sparse; keeps its workspace, but has no use for an old answer."""
 
     name = package = "piqp"
-    sharpness = 1e-4
     keeps_workspace = True
     tol_words = ("eps_abs", "eps_rel", "eps_duality_gap_abs", "eps_duality_gap_rel")
     iterations_word = "max_iter"

@@ -22,7 +22,6 @@ class PreparedQuadprog(Backend):
 
     name = package = "quadprog"
     has_tol = False
-    ridge = 1e-12
 
     def ready(self, program: ConeProgram) -> Any:
         """Return the pattern, and G, a, C, b and the number of equations as `solve_qp` wants them."""

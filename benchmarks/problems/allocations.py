@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY, rotation_from_quaternion, skew
 
@@ -156,45 +155,14 @@ def busiest(instances: list[Instance], steps: int) -> list[Instance]:
     return instances[start : start + width]
 
 
-def read_log(path: Path) -> list[Instance]:
-    """Return the allocations of a controller's log, such as `surefoot stand` writes.
-
-    The .npz file holds what `instances_of` wants, facts also as ``fact_...``.
-
-    Raises
-    ------
-    ProblemError
-        If the file cannot be read or an entry is missing or has the wrong shape.
-    """
-    try:
-        with np.load(path) as data:
-            log = {name.removeprefix("fact_"): data[name] for name in sorted(data.files)}
-    except (OSError, ValueError) as error:
-        raise ProblemError(f"cannot read --log {path}: {error}") from error
-    return instances_of(log, str(path))
-
-
-def instances_of(log: Mapping[str, Any], name: str) -> list[Instance]:
+def instances_of(log: Mapping[str, Any]) -> list[Instance]:
     """Return the allocations of a controller's log.
 
     It holds `wrench_desired` (T, 6), `grasp_map` (T, 6, 3n), `active` (T, n), and `mu`, `normal_min`,
     `normal_max`, each a number, (T,), (n,) or (T, n); other entries say nothing here.
-
-    Raises
-    ------
-    ProblemError
-        If an entry is missing or has the wrong shape; the message begins with the log's name.
     """
-    wanted = ("wrench_desired", "grasp_map", "active", "mu", "normal_min", "normal_max")
-    missing = [name for name in wanted if name not in log]
-    if missing:
-        raise ProblemError(f"{name} lacks {', '.join(missing)}; it has {', '.join(sorted(log)) or 'nothing'}")
-    w = finite_array("wrench_desired", log["wrench_desired"], (None, 6))
-    A = finite_array("grasp_map", log["grasp_map"], (len(w), 6, None))
-    on = np.asarray(log["active"], dtype=bool)
-    if on.shape != (len(w), A.shape[2] // 3):
-        raise ProblemError(f"active must have shape {(len(w), A.shape[2] // 3)}, got {on.shape}")
-    mu, low, high = (_per_step(own, log[own], on.shape) for own in wanted[3:])
+    w, A, on = (np.asarray(log[name]) for name in ("wrench_desired", "grasp_map", "active"))
+    mu, low, high = (_per_step(log[name], on.shape) for name in ("mu", "normal_min", "normal_max"))
     low, high = np.where(on, low, 0.0), np.where(on, high, 0.0)
     return [
         Instance(np.ascontiguousarray(A[t]), w[t], mu[t], np.minimum(low[t], high[t]), high[t])
@@ -202,12 +170,7 @@ def instances_of(log: Mapping[str, Any], name: str) -> list[Instance]:
     ]
 
 
-def _per_step(name: str, value: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+def _per_step(value: Any, shape: tuple[int, ...]) -> FloatArray:
     """Return a number, (T,), (n,) or (T, n) value as (T, n)."""
     array = np.asarray(value, dtype=np.float64)
-    if array.shape == shape[:1]:
-        array = array[:, None]
-    try:
-        return np.array(np.broadcast_to(array, shape))
-    except ValueError as error:
-        raise ProblemError(f"{name} must be a number or have shape {shape}, got {array.shape}") from error
+    return np.array(np.broadcast_to(array[:, None] if array.shape == shape[:1] else array, shape))

@@ -73,4 +73,4 @@ def simulate(scene: Scene, duration: float = DURATION) -> list[Instance]:
         duration, scene.mu, [Push(*push) for push in scene.pushes], start=q, depth=START_DEPTH
     )
     log = run(MujocoWorld(robot, terrain, scene.mu), controller, scenario)
-    return instances_of({**log.facts, **log.arrays}, scene.name)
+    return instances_of({**log.facts, **log.arrays})

@@ -55,13 +55,9 @@ class Setting:
             return None
         return replace(SensorModel().scaled(noise), heights=heights)
 
-    def world(
-        self, robot: Robot, terrain: Terrain, mu: float, dt: float, motors: Motors, substeps: int = 1
-    ) -> MujocoWorld:
-        """Return the world of a true robot on a true ground, with motors, a step in so many of MuJoCo's."""
-        world = MujocoWorld(robot, terrain, mu, dt, collision=self.collision, actuators=motors or "ideal")
-        world.divide(substeps)
-        return world
+    def world(self, robot: Robot, terrain: Terrain, mu: float, dt: float, motors: Motors) -> MujocoWorld:
+        """Return the world of a true robot on a true ground, with motors."""
+        return MujocoWorld(robot, terrain, mu, dt, collision=self.collision, actuators=motors or "ideal")
 
     def motors(self, robot: Robot) -> Motors:
         """Return the motors of a robot as its documents have it, None for ideal ones."""

@@ -39,7 +39,7 @@ class Job:
     terrain
         The true ground; a stack plans on it as far as `knowledge` goes.
     knowledge
-        "exact", "map" or "blind", see `Task`.
+        "exact" or "map", see `Task`.
     mu
         Friction that it may count on.
     motors

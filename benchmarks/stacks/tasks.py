@@ -64,7 +64,7 @@ class Task:
     terrain
         The ground, as `surefoot walk --terrain` takes it.
     knowledge
-        What a stack may know of the ground: "exact", "map", a height map from a range sensor, or "blind".
+        What a stack may know of the ground: "exact", or "map", a height map from a range sensor.
     believed_mu, mu
         Friction that the stacks count on; that of the ground (before the seed varies it).
     push
@@ -75,6 +75,8 @@ class Task:
         Of the sensors, in ordinary sensors' units.
     delay
         Of the torques [s].
+    dropouts
+        Times in which the stack is told the state before them, again and again: (start, duration) [s].
     torque_loss
         Share of its torque that one joint loses, which the seed chooses.
     bounds
@@ -98,6 +100,7 @@ class Task:
     payload_at: tuple[float, float, float] = (0.0, 0.0, 0.0)
     noise: float = 1.0
     delay: float = 0.0
+    dropouts: tuple[tuple[float, float], ...] = ()
     torque_loss: float = 0.0
     bounds: tuple[Bound, ...] = ()
     must: bool = True
@@ -147,16 +150,21 @@ def _faults() -> Iterator[Task]:
     yield Task("ice", "mu 0.2, 0.6 believed", mu=0.2, bounds=MOTORS)
     yield Task("slope-up", "20 degrees up", duration=10.0, terrain="slope:20", bounds=MOTORS)
     yield Task("slope-down", "20 degrees down", duration=10.0, terrain="slope:-20", bounds=MOTORS)
-    for knowledge, end, title in (
-        ("exact", "", ""),
-        ("map", "-map", ", seen"),
-        ("blind", "-blind", ", blind"),
-    ):
-        for name, rise in (("up", "0.12"), ("down", "-0.12"))[: 1 if knowledge == "blind" else 2]:
+    for knowledge, end, title in (("exact", "", ""), ("map", "-map", ", seen")):
+        for name, rise in (("up", "0.12"), ("down", "-0.12")):
             yield Task(
                 f"stairs-{name}{end}", f"ten stairs of 12 cm by 30 cm, {name}{title}", (0.4, 0.0, 0.0),
                 duration=12.0, terrain=f"stairs:{rise},0.3", knowledge=knowledge, bounds=MOTORS,
             )  # fmt: skip
+    for knowledge in ("map", "blind"):
+        yield Task(
+            f"rough-{knowledge}", f"rough ground of 8 cm, {knowledge}", duration=8.0, terrain="rough:1,0.08",
+            knowledge=knowledge, must=False,
+        )  # fmt: skip
+    yield Task("pit", "a pit of 40 cm by 10 cm, known", duration=8.0, terrain="pit:1,0.4,0.1", must=False)
+    yield Task(
+        "dropouts", "no new state for 80 ms, twice", dropouts=((2.5, 0.08), (3.7, 0.08)), must=False,
+    )  # fmt: skip
     yield Task("delay", "torques 5 ms late", delay=0.005, bounds=MOTORS)
     yield Task("noise", "sensors three times as noisy", noise=3.0, must=False)
     yield Task("weak-joint", "one joint gives 70 % of its torque", torque_loss=0.3, must=False)

@@ -21,7 +21,6 @@ from surefoot.robot import Robot
 from surefoot.robot.legs import Legs
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.height_scan import RangeSensor
-from surefoot.simulation.mujoco_substeps import substeps_of
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Push, Scenario
@@ -136,7 +135,7 @@ def carry_out(stack: Stack, task: Task, seed: int, setting: Setting = HARD) -> T
         return Trial(stack.name, task.name, seed, "refused", _line(error))
     try:
         mu, true = task.mu * vary.friction, true_robot(robot, vary.mass, task.payload, task.payload_at)
-        world = setting.world(true, ground, mu, 1e-3, motors, substeps_of(ground, task.knowledge))
+        world = setting.world(true, ground, mu, 1e-3, motors)
         scenario = _scenario(task, vary, setting, controller, world.robot, seed)
         cpu = _Cpu()
         log = run(world, controller, scenario, [cpu])
@@ -166,7 +165,7 @@ def _scenario(
         pushes = (Push(push_time(controller, vary.phase), (*task.push, 0.0), PUSH_TIME),)
     weak = robot.joint_names[int(vary.joint * robot.joints)] if task.torque_loss > 0.0 else ""
     plain_noise = 0.0 if setting.estimator == "inekf" or task.noise == 1.0 else task.noise
-    faults = Faults(plain_noise, task.delay, weak, task.torque_loss)
+    faults = Faults(plain_noise, task.delay, weak, task.torque_loss, dropouts=task.dropouts)
     sensors = setting.sensors(task.noise, task.knowledge == "exact")
     scanner = RangeSensor() if task.knowledge == "map" else None
     return Scenario(

@@ -214,8 +214,7 @@ def _cone_racers(cases: list[StanceCase]) -> _Racers:
     if find_spec("cdd") is not None:  # its wheel is missing for many Pythons
         cddlib = [("cddlib, rays to half-spaces", _call, [rivals.cddlib_rows(r) for r in rays])]
     return [
-        ("surefoot, rays to half-spaces", lambda r: convert(r, "dd")[0], rays),
-        ("surefoot through SciPy's Qhull", lambda r: convert(r)[0], rays),
+        ("surefoot, rays to half-spaces, SciPy's Qhull", lambda r: convert(r)[0], rays),
         *cddlib,
         ("surefoot, the whole cone from a stance", lambda c: wrench_cone(c.stance, c.com, facets=8), cases),
     ]

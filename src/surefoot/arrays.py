@@ -124,16 +124,32 @@ LARGEST = 1e12
 """Largest size of a mass, length, force or moment: beyond it products overflow, and nothing is told apart."""
 
 
-def of_kind(name: str, value: object, kind: type, like: str) -> None:
-    """Refuse a value that is not of a kind; `like` shows how one is made.
+LIKE = {
+    "Stance": "sf.Stance([sf.PointContact(p)])",
+    "ContactProblem": "sf.ContactProblem(G, g, mu)",
+    "LCP": "sf.LCP(M, q)",
+    "Robot": 'sf.load_robot("go2")',
+    "Terrain": "sf.SlopeTerrain(10.0)",
+    "Log": "sf.read_log(file)",
+    "ContactSequence": "sf.read_sequence(file)",
+    "StanceQuestion": "sf.read_stance(file)",
+    "SweepConfig": "sf.read_sweep(file)",
+    "Mapping": '{"time": t, "forces": f}',
+}
+"""How one of each kind is made."""
 
-    >>> of_kind("stance", None, list, "[1, 2]")
+
+def of_kind(name: str, value: object, kind: type) -> None:
+    """Refuse a value that is not of a kind; the message shows how one is made.
+
+    >>> of_kind("stance", None, list)
     Traceback (most recent call last):
-    surefoot.errors.ProblemError: stance must be a list, as [1, 2] is one, got None
+    surefoot.errors.ProblemError: stance must be a list, got None
     """
     if not isinstance(value, kind):
         given = " ".join(f"{value!r:.60}".split())
-        raise ProblemError(f"{name} must be a {kind.__name__}, as {like} is one, got {given}")
+        like = f", as {LIKE[kind.__name__]} is one" if kind.__name__ in LIKE else ""
+        raise ProblemError(f"{name} must be a {kind.__name__}{like}, got {given}")
 
 
 def check_order(low: FloatArray, high: FloatArray) -> None:

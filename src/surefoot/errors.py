@@ -166,6 +166,6 @@ def check_name(kind: str, name: object, valid: Iterable[str], where: str = "") -
     ProblemError
         With the message of `unknown_name`.
     """
-    known = tuple(valid)  # a name that cannot be hashed is none of them
-    if name not in known:
+    known = tuple(valid)
+    if not isinstance(name, str | int) or name not in known:
         raise ProblemError((f"{where}: " if where else "") + unknown_name(kind, name, known))

@@ -47,13 +47,13 @@ def compiled(G: Any, g: Any, mu: Any, law: str, weights: Any) -> Said:
     return Said(found.forces, found.velocities, back.G, back.g, back.mu, found.solved, near)
 
 
-def in_jax(G: Any, g: Any, mu: Any, law: str, weights: Any) -> Said:
+def in_jax(G: Any, g: Any, mu: Any, law: str, weights: Any, road: str = "solve") -> Said:
     import jax
 
     from surefoot.batch import jax as sfj
 
     def number(*given: Any) -> Any:
-        found = sfj.solve(*given, law=law)
+        found = getattr(sfj, road)(*given, law=law)
         return (weights[0] * found.forces).sum() + (weights[1] * found.velocities).sum(), found
 
     with jax.enable_x64(True):
@@ -81,10 +81,11 @@ def in_torch(G: Any, g: Any, mu: Any, law: str, weights: Any, on_host: bool) -> 
     return Said(*(v.detach().numpy() for v in out))
 
 
-NEEDS = {"jax": "jax", "torch on the host": "torch", "torch in its arrays": "torch"}
+NEEDS = {"jax": "jax", "jax on the host": "jax", "torch on the host": "torch", "torch in its arrays": "torch"}
 FORMS: dict[str, Callable[..., Said]] = {
     "compiled": compiled,
     "jax": in_jax,
+    "jax on the host": lambda *a: in_jax(*a, road="solve_on_host"),
     "torch on the host": lambda *a: in_torch(*a, True),
     "torch in its arrays": lambda *a: in_torch(*a, False),
 }

@@ -31,19 +31,6 @@ def _weights(count: int, seed: int = 1) -> tuple[Any, Any]:
     return rng.normal(size=(count, 4, 3)), rng.normal(size=(count, 4, 3))
 
 
-@pytest.mark.parametrize("road", ROADS)
-def test_agrees_with_solve(road: Any, problems: Any, solved: Any) -> None:
-    law, reference = solved
-    found = jax.jit(lambda *a: road(*a, law=law, tol=1e-10))(*problems)
-    assert (np.asarray(found.status) == 0).all()
-    for name in ("forces", "velocities"):
-        wanted = np.array([getattr(s, name) for s in reference])
-        assert np.abs(getattr(found, name) - wanted).max() <= 1e-7 * np.abs(wanted).max()
-    modes = np.bincount(np.asarray(found.modes).ravel(), minlength=4)
-    assert modes[0] == 0
-    assert (modes[1:] > 5).all()  # open, stick, slide
-
-
 def test_certificate_is_the_packages_own(problems: Any, solved: Any) -> None:
     law, _ = solved
     found = sfj.solve(*problems, law=law)
@@ -98,19 +85,6 @@ def test_check_grads_and_vmap(problems: Any) -> None:
         *several
     )
     np.testing.assert_allclose(host, whole, rtol=1e-6, atol=1e-9)
-
-
-@pytest.mark.long
-def test_velocities_of_redundant_contacts_have_gradients(redundant: Any) -> None:
-    """Along perturbations of g that a motion makes: G keeps its rank and g its range."""
-    G, g, mu = (jnp.asarray(v) for v in redundant)
-    _, wu = _weights(10)
-    rng = np.random.default_rng(4)
-    number = jax.jit(lambda g: (wu * sfj.solve(G, g, 0.0 * mu + 2.0, law="convex").velocities).sum((1, 2)))
-    slope = jax.grad(lambda g: number(g).sum())(g)
-    step = (G @ rng.normal(size=(10, 12, 1)))[..., 0]
-    difference = (number(g + 1e-6 * step) - number(g - 1e-6 * step)) / 2e-6
-    np.testing.assert_allclose((slope * step).sum(1), difference, rtol=1e-4, atol=1e-5)
 
 
 @pytest.mark.long
@@ -200,26 +174,3 @@ def test_wrong_input_is_named(problems: Any) -> None:
         sfj.solve(G, g, mu, law="rigid")
     with pytest.raises(ProblemError, match="smoothing"):
         sfj.solve(G, g, mu, smoothing=-1.0)
-
-
-FORCES = [[0, 0, 0], [0, 0, 1], [1, 0, 0], [1, 1, 1], [0, 0, -1], [0.1, 0.2, 3], [3, -1, 1], [1e-200, 0, 0]]
-
-
-@pytest.mark.long
-def test_cones() -> None:
-    f = np.array(FORCES, dtype=float)
-    cone = sf.FrictionCone(mu=0.6)
-    np.testing.assert_allclose(sfj.cone_margin(f, 0.6), cone.margin(f), atol=1e-15)
-    np.testing.assert_allclose(sfj.cone_project(f, 0.6), cone.project(f), atol=1e-15)
-    need = sfj.friction_needed(f)
-    assert need[5] == pytest.approx(np.hypot(0.1, 0.2) / 3.0)
-    for function in (
-        lambda f: sfj.cone_margin(f, 0.6),
-        lambda f: sfj.cone_project(f, 0.6),
-        sfj.friction_needed,
-    ):
-        assert np.isfinite(jax.grad(lambda f, function=function: function(f).sum())(jnp.asarray(f))).all()
-        smooth = jnp.asarray(f[[3, 5, 6]])
-        from jax.test_util import check_grads
-
-        check_grads(function, (smooth,), order=1, modes=["rev"], eps=1e-6)

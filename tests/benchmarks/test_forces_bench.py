@@ -1,4 +1,4 @@
-"""The forces benchmark: its instances, its judgement of rivals, its table, picture and log reader."""
+"""The forces benchmark: its instances, its judgement of rivals and its table."""
 
 import json
 
@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from benchmarks.forces.pictures import plot_accuracy
 from benchmarks.forces.race import best_known, judge, run_all, run_ours
 from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, available
 from benchmarks.problems.allocation_program import objective, program
-from benchmarks.problems.allocations import CLASSES, four_feet, read_log
+from benchmarks.problems.allocations import CLASSES, four_feet
 from surefoot.cli.main import main
 
 ALL = available(EXACT_RIVALS) + available(FACET_RIVALS)
@@ -62,7 +61,7 @@ def test_a_wrong_answer_is_not_counted_as_solved():
     assert row.distance_worst == 0.0
 
 
-def test_table_and_picture(tmp_path):
+def test_table():
     rows = run_all(2, 4)
     assert {r.instances for r in rows} == {*CLASSES, "trajectory"}
     ours = [r for r in rows if r.solver == "Surefoot"]
@@ -72,8 +71,6 @@ def test_table_and_picture(tmp_path):
     outer = [r for r in rows if r.cone == "4 outer" and r.instances == "infeasible-wrench"]
     assert all(r.lost_friction == pytest.approx(0.2929, abs=1e-4) for r in inner)
     assert all(r.cone_violation > 1.0 for r in outer)
-    path = plot_accuracy(rows, tmp_path)
-    assert path.stat().st_size > 20_000
 
 
 def test_command_prints_json(capsys):
@@ -82,11 +79,3 @@ def test_command_prints_json(capsys):
     assert [row["trajectory"] for row in found["warm"]] == ["made"]
     assert found["accuracy"]["0.1"]["not_solved"] == 0
     assert {"solver", "timing", "cone"} <= set(found["rows"][0])
-
-
-def test_bad_logs_are_named(tmp_path, capsys):
-    assert main(["bench", "forces", "--log", str(tmp_path / "none.npz")]) == 2
-    assert "cannot read --log" in capsys.readouterr().err
-    np.savez(tmp_path / "log.npz", time=[0.0])
-    with pytest.raises(sf.ProblemError, match="lacks wrench_desired, grasp_map"):
-        read_log(tmp_path / "log.npz")

@@ -13,6 +13,7 @@ import pytest
 import surefoot as sf
 from surefoot.cli.commands import SUMMARIES, load
 from surefoot.cli.main import main
+from surefoot.cli.typer_command import PANELS
 
 
 def commands(group: Any = None, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -54,6 +55,20 @@ def test_there_are_22_commands_and_180_options_at_most(capfd: pytest.CaptureFixt
     names = {name for option in options["walk"] for name in (*option.opts, *option.secondary_opts)}
     assert {f"--{name}" for name in kept.split()} <= names
     assert len(options["walk"]) <= 26
+
+
+@pytest.mark.parametrize("words", [["-h"], ["check", "-h"], ["bench", "-h"], ["stand", "-h"]])
+def test_h_is_help(words: list[str], capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 0
+    assert "Usage: surefoot" in capfd.readouterr().out
+
+
+def test_options_of_a_walk_stand_in_panels(capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["walk", "--help"]) == 0
+    said = capfd.readouterr().out
+    panels = re.findall(r"^╭─ (\w+)", said, re.MULTILINE)
+    assert set(panels) == {"Arguments", "Options", *PANELS}
+    assert said.split("Options")[1].split("╭")[0].count("--") == 1, "--help alone stands in no panel"
 
 
 @pytest.mark.parametrize("name", SUMMARIES)

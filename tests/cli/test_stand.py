@@ -9,7 +9,6 @@ import pytest
 
 from surefoot.cli.main import main
 from surefoot.log.formats import read_log
-from surefoot.robot.catalog import find, robots_folder
 
 QUIET = ["--no-video", "--no-report", "--json"]
 KEYS = {
@@ -49,9 +48,25 @@ def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.Capt
         "unilateral_min",
         "cone_use_max",
         "complementarity_max",
+        "separation_max",
     }
     assert set(summary["feet"][0]) >= {"name", "normal_force_mean", "weight_share", "cone_use_max", "slip"}
     assert set(summary["controller_step_us"]) >= {"median", "p99"}
+
+
+def test_a_stand_of_which_nothing_is_asked_shows_cones_at_work(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["stand", "go2", "--out", str(tmp_path), *QUIET]) == 0
+    summary = json.loads(capfd.readouterr().out)
+    assert [phase["phase"] for phase in summary["statics"]] == ["stance", "with FL_foot lifted"]
+    assert max(foot["cone_use_max"] for foot in summary["feet"][1:]) > 0.5
+    log = read_log(next(tmp_path.iterdir()) / "log.npz")
+    times = log["time"]
+    normal = log["forces"].reshape(times.size, -1, 3)[:, 0]
+    assert np.linalg.norm(normal[(times > 2.5) & (times < 3.5)], axis=1).max() == 0.0
+    assert main(["stand", "go2", "--mu", "0.3", "--duration", "0.1", "--out", str(tmp_path), *QUIET]) == 0
+    assert [phase["phase"] for phase in json.loads(capfd.readouterr().out)["statics"]] == ["stance"]
 
 
 def test_each_run_gets_a_new_folder(tmp_path: Path) -> None:
@@ -79,15 +94,6 @@ def test_anyway_runs_and_is_honest(tmp_path: Path, capfd: pytest.CaptureFixture[
     assert code == 1
     assert summary["outcome"] in ("slipped", "fell")
     assert summary["stood"] is False
-
-
-def test_any_urdf_with_feet(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    path = robots_folder() / find("a1").urdf
-    feet = "FL_foot,FR_foot,RL_foot,RR_foot"
-    options = [str(path), "--feet", feet, "--duration", "1", "--no-video", "--json"]
-    code = main(["stand", *options, "--out", str(tmp_path)])
-    assert code == 0
-    assert json.loads(capfd.readouterr().out)["robot"] == "a1"
 
 
 def test_without_a_gl_the_run_finishes(

@@ -101,7 +101,7 @@ CASES = [
     *((f"{c} stance.yaml --lift {n}", "") for c in ("check", "region") for n in ("toe", "''")),
     *((f"{c} solo12 --slope {n}", "--slope must be") for c in ("check", "region") for n in ("nan", "89")),
     *((f"{c} dog", "unknown robot 'dog'") for c in ("check", "region")),
-    *((f"cone {o} {n}", o) for o in ("--mu", "--phase") for n in ("nan", "inf", "1e300")),
+    *((f"cone {o} {n}", o) for o in ("--mu",) for n in ("nan", "inf", "1e300")),
     *(
         (f"{c} --facets 1000000", "facets must be up to 1000 (then take the exact cone)")
         for c in ("cone", "check stance.yaml")
@@ -127,10 +127,7 @@ CASES = [
     ("bench contact --quick --tol nan", "--tol must be"),
     ("bench contact --quick --seed -1", "--seed must be"),
     ("bench statics --quick --seed -1", "--seed must be"),
-    *(
-        (f"bench {b} --out good.npz/x", "cannot write to --out good.npz/x")
-        for b in ("contact", "faults", "forces", "walk")
-    ),
+    *((f"bench {b} --out good.npz/x", "cannot write to --out good.npz/x") for b in ("contact", "faults")),
     ("bench rigid --seconds inf", "--seconds must be"),
     ("bench rigid --height nan", "--height"),
     ("bench walk --robot rex", "unknown robot 'rex'"),

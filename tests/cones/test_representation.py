@@ -1,4 +1,4 @@
-"""Rays to half-spaces and back, for every shape of cone and both engines."""
+"""Rays to half-spaces and back, for every shape of cone."""
 
 import numpy as np
 import pytest
@@ -37,19 +37,18 @@ def random_rays(rng, kind):
     return V
 
 
-@pytest.mark.parametrize("method", ["qhull", "dd"])
 @pytest.mark.parametrize("kind", KINDS)
-def test_both_representations_describe_one_set(kind, method):
-    """The self-check on a few thousand random cones over all kinds and both engines."""
+def test_both_representations_describe_one_set(kind):
+    """The self-check on a thousand random cones over all kinds."""
     rng = np.random.default_rng(KINDS.index(kind))
     for _ in range(120):
         V = random_rays(rng, kind)
-        cone = PolyhedralCone.from_rays(V, method)
+        cone = PolyhedralCone.from_rays(V)
         assert representation_gap(cone.halfspaces, V) < 1e-7
         assert cone.representation_gap() < 1e-7
 
 
-@pytest.mark.parametrize("method", ["qhull", "dd", "cdd"])
+@pytest.mark.parametrize("method", ["qhull", "cdd"])
 def test_engines_agree_with_distances_to_the_rays(method):
     """Non-negative least squares on the rays knows nothing of facets, nor of the engine that found them."""
     if method == "cdd":
@@ -96,10 +95,9 @@ def test_rows_and_rays_that_are_redundant_go():
         (np.zeros((2, 3)), 6, [[0, 0, 0]], [[1, 0, 0]]),
     ],
 )
-@pytest.mark.parametrize("method", ["qhull", "dd"])
-def test_cones_that_are_not_pointed(rays, rows, inside, outside, method):
-    cone = PolyhedralCone.from_rays(rays, method)
-    assert len(convert(rays, method)[0]) <= rows
+def test_cones_that_are_not_pointed(rays, rows, inside, outside):
+    cone = PolyhedralCone.from_rays(rays)
+    assert len(convert(rays)[0]) <= rows
     for x in inside:
         assert cone.contains(x)
         np.testing.assert_allclose(cone.project(x), x, atol=1e-9)
@@ -129,13 +127,12 @@ def test_scale_of_rays_and_units_do_not_matter():
     reference = convert(V)[0]
     for unit in (1e-6, 1e-3, 1e3):
         scale = np.array([1, 1, 1, unit, unit, unit])
-        for method in ("qhull", "dd"):
-            H = convert(V * scale * 10.0 ** rng.uniform(-5, 5, size=(12, 1)), method)[0]
-            assert len(H) == len(reference)
-            back = H * scale
-            back /= np.linalg.norm(back, axis=1, keepdims=True)
-            nearest = np.abs(back[:, None] - reference[None]).max(axis=2).min(axis=1)
-            assert nearest.max() < 1e-7
+        H = convert(V * scale * 10.0 ** rng.uniform(-5, 5, size=(12, 1)))[0]
+        assert len(H) == len(reference)
+        back = H * scale
+        back /= np.linalg.norm(back, axis=1, keepdims=True)
+        nearest = np.abs(back[:, None] - reference[None]).max(axis=2).min(axis=1)
+        assert nearest.max() < 1e-7
 
 
 def test_self_check_sees_wrong_representations():
@@ -146,7 +143,7 @@ def test_self_check_sees_wrong_representations():
 
 
 def test_unknown_method_and_bad_rays_are_named():
-    with pytest.raises(ProblemError, match="cdd, dd, qhull"):
+    with pytest.raises(ProblemError, match="cdd, qhull"):
         PolyhedralCone.from_rays(np.eye(2), "magic")
     with pytest.raises(ProblemError, match="rays"):
         PolyhedralCone.from_rays([[1.0, np.nan]])

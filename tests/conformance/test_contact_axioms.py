@@ -12,8 +12,9 @@ from scipy.spatial.transform import Rotation
 import surefoot as sf
 from benchmarks.problems.rigid_bodies import Scene
 from surefoot.spatial import GRAVITY, skew
+from tests.solvers.convex_oracle import convex_forces
 
-SOLVERS = ("auto", "nsgs", "admm", "interior_point")
+SOLVERS = ("auto", "nsgs", "admm")
 
 
 def well_posed(seed: int, contacts: int = 4, mu: float | None = None) -> sf.ContactProblem:
@@ -78,22 +79,23 @@ def test_frictionless_is_the_quadratic_program(name: str, law: str) -> None:
         assert np.abs(found.forces[:, :2]).max() < 1e-9
 
 
-@pytest.mark.parametrize("name", ["auto", "nsgs", "newton", "admm", "interior_point"])
+@pytest.mark.parametrize("name", ["auto", "nsgs", "newton", "admm"])
 def test_the_convex_law_is_the_cone_program(name: str) -> None:
     pytest.importorskip("clarabel")
     for seed in range(5):
         problem = well_posed(seed).replace(law="convex")
-        expected = sf.solve(problem, "clarabel", 1e-10)
+        expected = convex_forces(problem, 1e-10)
         found = sf.solve(problem, name, 1e-10)
         if name != "newton":  # a local method: it may say that it stalled, and does
             found.raise_if_failed()
         elif not found.solved:
             continue
         ours, theirs = (
-            0.5 * f @ problem.G @ f + problem.g @ f for f in (found.forces.ravel(), expected.forces.ravel())
+            0.5 * f @ problem.G @ f + problem.g @ f for f in (found.forces.ravel(), expected.ravel())
         )
         assert ours <= theirs + 1e-9
-        assert np.allclose(found.forces, expected.forces, atol=1e-6 if expected.solved else 1e-4)
+        solved = sf.residuals(problem, expected).worst <= 1e-10
+        assert np.allclose(found.forces, expected, atol=1e-6 if solved else 1e-4)
 
 
 def test_vanishing_friction_tends_to_none_and_huge_friction_sticks() -> None:
@@ -106,13 +108,13 @@ def test_vanishing_friction_tends_to_none_and_huge_friction_sticks() -> None:
         assert np.abs(rough.velocities[on, :2]).max(initial=0.0) < 1e-6
 
 
-@pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton", "interior_point"])
+@pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton"])
 def test_sliding_friction_opposes_the_velocity(name: str) -> None:
     sliding = 0
     for seed in range(10):
         found = sf.solve(well_posed(seed), name, 1e-10)
         if not found.solved:
-            assert name in ("newton", "interior_point")
+            assert name == "newton"
             continue
         for f, u, mu in zip(found.forces, found.velocities, found.problem.mu, strict=True):
             speed, push = np.hypot(*u[:2]), np.hypot(*f[:2])

@@ -14,8 +14,9 @@ from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.touch_sense import sort_touches
 from surefoot.control.walking_feet import Feet
 from surefoot.errors import ProblemError
-from surefoot.estimation.ground_belief import BeliefTerrain, TouchedGround
+from surefoot.estimation.ground_belief import BeliefTerrain
 from surefoot.estimation.mapped_ground import MappedGround
+from surefoot.estimation.touched_ground import TouchedGround
 from surefoot.robot import load_robot
 from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor
 from surefoot.stance.gait_library import named_gait

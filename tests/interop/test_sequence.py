@@ -199,7 +199,6 @@ def test_the_command_exports_a_plan(landing: Path, tmp_path: Path, capfd: pytest
         (["{plan}", "--fit", "tight"], "fit"),
         (["{plan}", "--facets", "2"], "facets"),
         (["{plan}", "--facets", "5", "--to", "crocoddyl"], "even"),
-        (["{plan}", "--shortest", "-1"], "shortest"),
     ],
 )
 def test_wrong_input_is_one_line(

@@ -65,15 +65,6 @@ def test_a_trot_crosses_ice() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("robot", ["anymal", "a1"])
-def test_other_robots_walk_with_the_same_code(robot: str) -> None:
-    _, summary = walk(robot=robot, duration=4.0)
-    assert summary.success
-    assert summary.velocity.within
-    assert summary.commanded_cone_excess == 0.0
-
-
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("gait", "speed"), [("walk", 0.3), ("pace", 0.4), ("bound", 0.4), ("flying_trot", 0.6)]
 )

@@ -1,13 +1,13 @@
-"""Sparse factors give what dense ones give: ADMM's iteration and the interior point's reduced matrix."""
+"""Sparse factors give what dense ones give: ADMM's iteration."""
 
 import numpy as np
 import pytest
 
 from benchmarks.problems.heaps import capsules, rocks
 from surefoot.contact import ContactProblem, residuals
-from surefoot.solvers import admm, interior_point
+from surefoot.solvers import admm
 from surefoot.solvers.scaled import ScaledContacts
-from surefoot.solvers.solver import SolverSettings, solve
+from surefoot.solvers.solver import solve
 
 
 @pytest.fixture(scope="module")
@@ -48,20 +48,6 @@ def test_admm_with_sparse_factors_matches_a_dense_twin(heap: ContactProblem) -> 
     np.testing.assert_allclose(s.z, z, atol=1e-10 * np.abs(z).max())
     np.testing.assert_allclose(s.y, y, atol=1e-10 * np.abs(y).max())
     assert np.abs(z).max() > 0.0
-
-
-@pytest.mark.parametrize("law", ["coulomb", "convex"])
-def test_interior_point_takes_the_same_step_sparse_and_dense(
-    heap: ContactProblem, law: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    problem = heap.replace(law=law, normal_max=np.where(np.arange(heap.contacts) % 7 == 0, 1e-3, np.inf))
-    steps = []
-    for below in (0.0, 1.0):
-        monkeypatch.setattr(interior_point, "SPARSE_BELOW", below)
-        answer = interior_point.solve_interior_point(problem, SolverSettings(1e-12, 3), None)
-        steps.append(answer.forces)
-    assert np.abs(steps[0]).max() > 0.0
-    np.testing.assert_allclose(steps[1], steps[0], atol=1e-8 * np.abs(steps[0]).max())
 
 
 def test_a_heap_of_1063_contacts_is_solved_by_its_bodies() -> None:

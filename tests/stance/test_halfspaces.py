@@ -1,13 +1,13 @@
-"""Stacked rows of a stance, the grasp map of raw arrays, and a standing QP that needs nothing else."""
+"""Stacked rows of a stance, and a standing QP that needs nothing else."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
 import surefoot as sf
 from surefoot.solvers.backends import ConeProgram, solve_program
-from surefoot.stance.grasp import grasp_map
 from surefoot.stance.halfspaces import HalfSpaces
 
 FEET = np.array([[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])
@@ -22,7 +22,9 @@ def quadruped(mu: float = 0.6, normal: tuple[float, ...] = (0.0, 0.0, 1.0)) -> s
 
 def standing_forces(stance: sf.Stance, rows: HalfSpaces, mass: float, world: bool = False) -> np.ndarray:
     """Return the smallest forces that hold the weight, by an outside QP solver."""
-    G = grasp_map(stance.positions, [0.0, 0.0, 0.3], None if world else stance.rotations)
+    G = stance.grasp_map([0.0, 0.0, 0.3])
+    if world:
+        G = G @ block_diag(*stance.rotations).T
     load = np.array([0.0, 0.0, mass * 9.81, 0.0, 0.0, 0.0])
     P = G.T @ G + 1e-6 * np.eye(12)
     zero = None if len(rows.E) == 0 else (rows.E, rows.e)
@@ -106,34 +108,3 @@ def test_no_contacts_no_rows() -> None:
 def test_wrong_input_is_named(arguments: dict, message: str) -> None:
     with pytest.raises(sf.ProblemError, match=message):
         quadruped().halfspaces(**arguments)
-
-
-def test_grasp_map_of_arrays_is_that_of_a_stance() -> None:
-    stance = quadruped(normal=(0.6, 0.0, 0.8))
-    com = np.array([0.02, -0.01, 0.3])
-    assert grasp_map(stance.positions, com, stance.rotations) == pytest.approx(
-        stance.grasp_map(com), abs=1e-15
-    )
-    many = np.stack([stance.positions, stance.positions + 1.0])
-    both = grasp_map(many, [com, com + 1.0])
-    assert both.shape == (2, 6, 12)
-    assert both[0] == pytest.approx(grasp_map(stance.positions, com))
-    assert both[1] == pytest.approx(both[0])
-    f = np.random.default_rng(0).normal(size=(4, 3))
-    moment = np.cross(stance.positions - com, f).sum(axis=0)
-    assert both[0] @ f.ravel() == pytest.approx(np.concatenate([f.sum(axis=0), moment]))
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (([0.0, 0.0, 0.0],), "points must have shape"),
-        ((FEET, [0.0, 0.0]), "about must have shape"),
-        ((FEET, [[0.0, 0.0, 0.0]] * 4), "about must have shape"),
-        ((FEET, [0.0, 0.0, 0.0], np.eye(3)), "rotations must have shape"),
-        ((np.full((4, 3), np.nan),), "points.* is NaN"),
-    ],
-)
-def test_grasp_map_refuses_what_does_not_fit(arguments: tuple, message: str) -> None:
-    with pytest.raises(sf.ProblemError, match=message):
-        grasp_map(*arguments)

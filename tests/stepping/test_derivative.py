@@ -24,7 +24,7 @@ from surefoot.terrain import Terrain
 from surefoot.terrain.heightfield import HeightfieldTerrain
 
 STEP, NEAR = 1e-6, 2e-6
-EXACT = StepOptions(tol=1e-12)
+EXACT = StepOptions(solver_tol=1e-12)
 ROUGH = HeightfieldTerrain.rough(0.03, seed=1)
 
 
@@ -335,7 +335,7 @@ def test_a_world_differentiates_its_last_step() -> None:
 
 def test_wrong_arguments_are_named() -> None:
     robot = sf.load_robot("go2")
-    stepper = Stepper(robot, options=StepOptions(tol=1e-300))
+    stepper = Stepper(robot, options=StepOptions(solver_tol=1e-300))
     state = stepper.start(*go2_at(sf.FlatTerrain(), 2e-4, 0)[1:3])
     with pytest.raises(NoSolution):
         step_derivative(stepper, state, np.zeros(12)).A  # noqa: B018

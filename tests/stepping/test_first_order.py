@@ -27,7 +27,7 @@ from tests.stepping.test_derivative import paired_arms
 
 STEP, NEAR, CURVED = 1e-6, 1e-6, 1e-5
 """Over curved ground the rates of its normals are differences themselves, over 1e-5 m."""
-OPTIONS = StepOptions(order=1, tol=1e-13)
+OPTIONS = StepOptions(order=1, solver_tol=1e-13)
 PUSH = np.array([3.0, -2.0, 1.0])
 ROUGH = HeightfieldTerrain.rough(0.03, seed=1)
 
@@ -322,7 +322,7 @@ def test_one_sided_at_kinks_and_products_are_adjoint() -> None:
 def test_other_solvers_and_lost_motion() -> None:
     robot, q, v, torques = scene("go2", sf.FlatTerrain(), 3e-4, 0)
     knot = Knot(Stepper(robot, options=OPTIONS))
-    other = Knot(Stepper(robot, options=replace(OPTIONS, solver="nsgs", tol=1e-10)))
+    other = Knot(Stepper(robot, options=replace(OPTIONS, solver="nsgs", solver_tol=1e-10)))
     assert knot.step(q, v, torques)
     assert other.step(q, v, torques)
     assert other.v == pytest.approx(knot.v, abs=1e-7)
@@ -333,7 +333,7 @@ def test_other_solvers_and_lost_motion() -> None:
         knot.derivative()
     with pytest.raises(SimulationError):
         step_derivative(knot.stepper, State(q, np.full(18, 1e200)), torques)
-    unsolved = Stepper(robot, options=replace(OPTIONS, tol=1e-300))
+    unsolved = Stepper(robot, options=replace(OPTIONS, solver_tol=1e-300))
     assert not Knot(unsolved).step(q, v, torques)
     with pytest.raises(NoSolution):
         step_derivative(unsolved, unsolved.start(q, v), torques)

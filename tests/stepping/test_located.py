@@ -120,7 +120,7 @@ def test_a_tumbling_box_bounces_to_rest_and_its_slopes_are_those_of_the_run(orde
     v, way = np.r_[0.5, 0.2, -0.3, 1.0, 2.0, -0.5], rng.normal(size=12)
 
     def run(width: float, steps: int = 120) -> sf.RigidWorld:
-        world = sf.RigidWorld(body, mu=0.25, restitution=0.4, dt=4e-3, order=order, tol=1e-12)
+        world = sf.RigidWorld(body, mu=0.25, restitution=0.4, dt=4e-3, order=order, solver_tol=1e-12)
         world.reset(pinocchio.integrate(body.model, q, width * way[:6]), v + width * way[6:])
         for _ in range(steps):
             world.step(np.zeros(0))
@@ -148,7 +148,7 @@ def test_a_tumbling_box_bounces_to_rest_and_its_slopes_are_those_of_the_run(orde
 @pytest.mark.usefixtures("fine_motion")
 def test_what_touches_slowly_does_not_bounce_and_the_rest_of_the_step_is_ordinary() -> None:
     """A ball a little faster than the least speed that bounces comes down again at once, too slowly."""
-    stepper = Stepper(ball(0.4, RADIUS), options=StepOptions(dt=4e-3, restitution=0.1, tol=1e-12))
+    stepper = Stepper(ball(0.4, RADIUS), options=StepOptions(dt=4e-3, restitution=0.1, solver_tol=1e-12))
     q = stepper.robot.nominal.copy()
     q[2] += 1e-4
     state = stepper.start(q, np.r_[0.3, 0.0, -0.1, 0.0, 1.0, 0.0])

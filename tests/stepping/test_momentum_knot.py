@@ -25,7 +25,7 @@ ROBOTS = {
 
 
 def knot_of(robot, dt=0.005, kind=MomentumKnot, terrain=None):
-    return kind(Stepper(robot, terrain, StepOptions(dt=dt, order=1, tol=1e-12)))
+    return kind(Stepper(robot, terrain, StepOptions(dt=dt, order=1, solver_tol=1e-12)))
 
 
 def thrown(name, height, seed=1):

@@ -17,14 +17,19 @@ from surefoot.audit.balance import LIMIT as MOTION_LIMIT
 from surefoot.audit.balance import RINGING_LIMIT, RINGING_TIME, SMOOTH, balance
 from surefoot.audit.cones import grip, needed
 from surefoot.audit.continuity import contact_velocity, gap_rate, no_plane, state
-from surefoot.audit.laws import CONE_LIMIT, LEAST_FRICTION, PENETRATION_LIMIT, PULL_LIMIT, SLIDE_LIMIT
+from surefoot.audit.laws import (
+    CONE_LIMIT,
+    LEAST_FRICTION,
+    PENETRATION_LIMIT,
+    PULL_LIMIT,
+    SLIDE_LIMIT,
+    SWING_DEPTH,
+)  # fmt: skip
 from surefoot.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
 from surefoot.audit.setting import DEEP, Setting
 from surefoot.audit.touches import rebound, sparse
 from surefoot.log import Log
 
-SWING_DEPTH = 1.6
-"""A contact on a body that tumbles sinks deeper than on its own, by less than this factor (1.5 was seen)."""
 SLIDE_WINDOW = 0.05
 """Friction's work is added up over this time [s]."""
 CHATTER_WINDOW, CHATTER_SWITCHES = 0.1, 8.0

@@ -10,6 +10,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit.dynamics import MOTOR_FACTS, Unexplained, balanced_forces, unexplained
+from surefoot.audit.laws import HARD_TOUCHDOWN
 from surefoot.audit.setting import PER_POINT, Setting
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY
@@ -19,8 +20,6 @@ Measured: TypeAlias = tuple[FloatArray, FloatArray, BoolArray]
 """Measure, limit, and where it is exceeded: (T, c) each, c the contacts or contacts and body."""
 PAD = 0.15
 """Time before and after a piece that its windows may look at [s]."""
-HARD_TOUCHDOWN = 0.7
-"""Speed into the ground from which a landing sets a soft contact swinging [m/s]: a fall from 25 mm."""
 CREEP = 0.1
 """Most that is allowed of a declared creep, whatever a row's own is [m/s]."""
 PIECE = 1 << 15

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import BoolArray, FloatArray, of_kind
 from surefoot.audit.laws import LOADED_SHARE, Laws, contact_use, friction_of, log_laws
 from surefoot.audit.motion import finite, foot_forces, slips, touching
 from surefoot.audit.motors import MotorUse, limits_broken, motor_use
@@ -185,6 +185,7 @@ def ending_of(log: Log) -> Ending:
     ProblemError
         If the log has no rows, or its outcome is none.
     """
+    of_kind("log", log, Log)
     if len(log) == 0:
         raise ProblemError("the log has no rows")
     outcome = log.fact("outcome")

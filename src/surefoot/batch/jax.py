@@ -1,4 +1,4 @@
-"""Contact problems and friction cones in JAX: jitted, batched, on any device, with exact gradients.
+"""Contact problems in JAX: jitted, batched, on any device, with exact gradients.
 
 `solve` is the array form of the law (`batch.array_form`) in JAX throughout. `solve_on_host` hands the same
 problems to `surefoot.solve_batch` on the CPU, and has the same gradients.
@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.batch import cones
 from surefoot.batch.answers import Forces, check_dtype, check_shapes
 from surefoot.batch.array_form import BatchRequest, answer, pull_back, request
 from surefoot.batch.frameworks import Framework
@@ -140,18 +139,3 @@ def _backward(asked: BatchRequest, kept: Any, cotangents: Forces) -> Any:
 
 
 _solve.defvjp(_forward, _backward)
-
-
-def cone_margin(forces: Any, mu: Any) -> Any:
-    """Return the signed distance of (..., 3) forces to the friction cone [N]: (...), positive inside."""
-    return cones.margin(jnp, jax.lax.stop_gradient, jnp.asarray(forces), mu)
-
-
-def cone_project(forces: Any, mu: Any) -> Any:
-    """Return the nearest points of the friction cone to (..., 3) forces [N]."""
-    return cones.project(jnp, jax.lax.stop_gradient, jnp.asarray(forces), mu)
-
-
-def friction_needed(forces: Any, least_normal: float = cones.LEAST_NORMAL) -> Any:
-    """Return the friction coefficient (...) that (..., 3) forces need; see `batch.cones.friction_needed`."""
-    return cones.friction_needed(jnp, jax.lax.stop_gradient, jnp.asarray(forces), least_normal)

@@ -48,7 +48,6 @@ class BatchOptions(TypedDict, total=False):
     warm_start: ArrayLike | None
     threads: int | None
     derivative: bool
-    device: str
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,6 @@ class _Options:
     warm_start: ArrayLike | None = None
     threads: int | None = None
     derivative: bool = False
-    device: str = "cpu"
 
 
 @dataclass(frozen=True)
@@ -132,7 +130,6 @@ def solve_batch(
         warm_start: (B, n, 3) forces to start from.
         threads: None for as many as there are cores for this process.
         derivative: whether to keep what `BatchSolution.derivative` needs.
-        device: "cpu".
 
     Raises
     ------
@@ -141,8 +138,6 @@ def solve_batch(
         not for one whose numbers are not finite: that one is INVALID.
     """
     rest = _Options(**options)
-    if rest.device != "cpu":
-        raise ProblemError(unknown_name("device", rest.device, ("cpu",)))
     if not isinstance(law, str) or law not in LAWS:
         raise ProblemError(unknown_name("law", law, LAWS))
     named = LAWS[law]

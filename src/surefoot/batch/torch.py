@@ -1,9 +1,8 @@
-"""Contact problems and friction cones in PyTorch: batched, on any device, with exact gradients.
+"""Contact problems in PyTorch: batched, on any device, with exact gradients.
 
 `solve` computes where its tensors are: on a device by the array form of the law (`batch.array_form`), in
 their precision; on the CPU by the compiled `surefoot.solve_batch`, in double precision, float32 in and out
-rounded to float32 (about 1e-7). Gradients are once differentiable. The cone functions are made of PyTorch's
-own operations.
+rounded to float32 (about 1e-7). Gradients are once differentiable.
 
 Limits: normal bounds 0 and infinity (a mask switches contacts off).
 """
@@ -12,7 +11,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from surefoot.batch import cones
 from surefoot.batch.answers import Forces, check_dtype, check_shapes
 from surefoot.batch.array_form import BatchRequest, answer, pull_back, request
 from surefoot.batch.frameworks import Framework
@@ -124,18 +122,3 @@ TORCH = Framework(
     loop=_loop,
     ask_host=_ask_host,
 )
-
-
-def cone_margin(forces: Any, mu: Any) -> Any:
-    """Return the signed distance of (..., 3) forces to the friction cone [N]: (...), positive inside."""
-    return cones.margin(torch, torch.detach, forces, mu)
-
-
-def cone_project(forces: Any, mu: Any) -> Any:
-    """Return the nearest points of the friction cone to (..., 3) forces [N]."""
-    return cones.project(torch, torch.detach, forces, mu)
-
-
-def friction_needed(forces: Any, least_normal: float = cones.LEAST_NORMAL) -> Any:
-    """Return the friction coefficient (...) that (..., 3) forces need; see `batch.cones.friction_needed`."""
-    return cones.friction_needed(torch, torch.detach, forces, least_normal)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
 from rich.console import Console
 
 from surefoot.cli import options
@@ -30,9 +29,6 @@ def check(
     stance: StanceOptions,
     facets: options.Facets = "exact",
     fit: options.Fit = "inner",
-    motors: Annotated[
-        bool, typer.Option("--motors/--no-motors", help="Ask the robot's torque limits.")
-    ] = True,
     out: options.PictureOut = Path("runs"),
     picture: options.Picture = True,
     as_json: options.AsJson = False,
@@ -43,7 +39,7 @@ def check(
 
     side = checked_fit(fit)
     case = stance.case()
-    facts, ground, motor = _facts(case, parsing.facets(facets), side, motors)
+    facts, ground, motor = _facts(case, parsing.facets(facets), side)
 
     def draw(folder: Path) -> Path:
         from surefoot.viz.stance_plots import draw_check
@@ -58,14 +54,14 @@ def check(
     return 0 if facts["possible"] else 1
 
 
-def _facts(case: Any, facets: int | None, fit: Any, motors: bool) -> tuple[dict[str, Any], Any, Any]:
+def _facts(case: Any, facets: int | None, fit: Any) -> tuple[dict[str, Any], Any, Any]:
     """Return everything the command says, the ground's verdict and, for a robot, the motors'."""
     from surefoot.equilibrium.statics import can_stand, friction_needed
 
     question = case.question
     ground = can_stand(question.stance, question.com, question.mass, question.external_wrench, facets, fit)
     motor = None
-    if case.robot is not None and motors and len(question.stance):
+    if case.robot is not None and len(question.stance):
         from surefoot.equilibrium import actuation
 
         motor = actuation.can_stand(

@@ -46,6 +46,7 @@ SUMMARIES = {
     "bench": "Measure Surefoot against its rivals in the same run.",
 }
 """Command to the first paragraph of its help (a test compares them)."""
+HELP = {"help_option_names": ["--help", "-h"]}
 
 
 def load(name: str) -> Any:
@@ -54,7 +55,7 @@ def load(name: str) -> Any:
     if name == "bench":
         return typer.main.get_command(module.app)
     one = typer.Typer(add_completion=False)
-    one.command(name, cls=LiteralHelpCommand)(ungrouped(getattr(module, name)))
+    one.command(name, cls=LiteralHelpCommand, context_settings=HELP)(ungrouped(getattr(module, name)))
     return typer.main.get_command(one)
 
 
@@ -73,7 +74,13 @@ class LazyGroup(TyperGroup):
         return super().resolve_command(ctx, args)
 
 
-app = typer.Typer(name="surefoot", no_args_is_help=True, pretty_exceptions_enable=False, cls=LazyGroup)
+app = typer.Typer(
+    name="surefoot",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    cls=LazyGroup,
+    context_settings=HELP,
+)
 
 
 def _print_version(wanted: bool) -> None:

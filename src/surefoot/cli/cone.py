@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,7 +9,6 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from surefoot.arrays import real_number
 from surefoot.cli import options
 from surefoot.cli.console import say, show, table
 from surefoot.cli.extras import drawn
@@ -24,7 +22,6 @@ def cone(
     mu: Annotated[float, typer.Option(help="Friction coefficient.")] = 0.6,
     facets: Annotated[int, typer.Option(help="Sides of the pyramid, at least 3.")] = 8,
     fit: Annotated[str, typer.Option(help="inner or outer.")] = "inner",
-    phase: Annotated[float, typer.Option(help="Turn of the pyramid about the normal [deg].")] = 0.0,
     out: options.PictureOut = Path("runs"),
     picture: options.Picture = True,
     as_json: options.AsJson = False,
@@ -35,21 +32,19 @@ def cone(
     from surefoot.cones.polyhedral import checked_fit
 
     parsing.friction("--mu", mu)
-    real_number("--phase", phase, low=-360.0, high=360.0)
-    pyramid = FrictionCone(mu).polyhedral(facets, checked_fit(fit), math.radians(phase))
+    pyramid = FrictionCone(mu).polyhedral(facets, checked_fit(fit))
 
     def draw(folder: Path) -> Path:
         from surefoot.viz.cone_plots import draw_pyramids
 
         chosen = sorted({*PICTURE_FACETS, facets} if facets <= 64 else set(PICTURE_FACETS))
-        return draw_pyramids(mu, chosen, math.radians(phase), folder / "pyramids.png")
+        return draw_pyramids(mu, chosen, folder / "pyramids.png")
 
     path, note = drawn(picture and mu > 0.0, out, "cone", draw)
     facts: dict[str, Any] = {
         "mu": mu,
         "facets": facets,
         "fit": fit,
-        "phase_deg": phase,
         "halfspaces": pyramid.halfspaces,
         "rays": pyramid.rays,
         "fit_error": asdict(pyramid.fit_error),

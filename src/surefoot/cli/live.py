@@ -1,8 +1,10 @@
-"""`--view`: a window that shows a walk while it goes, steered by keys."""
+"""`--view`: a window that shows a run while it goes; keys steer a walk."""
 
 from __future__ import annotations
 
 from typing import Any
+
+import numpy as np
 
 from surefoot.errors import ProblemError
 
@@ -22,11 +24,13 @@ def check(planner: str) -> None:
     check_display()
 
 
-def watching(robot: Any, terrain: Any, controller: Any) -> list[Any]:
-    """Return the observers of a walk that is shown."""
+def watching(robot: Any, terrain: Any, controller: Any = None) -> list[Any]:
+    """Return the observers of a run that is shown; the controller is that of a walk, None for a stand."""
     from surefoot.simulation.live import Live, Steering
     from surefoot.viz.window import ViewerWindow
 
+    if controller is None:
+        return [Live(ViewerWindow(robot, terrain), Steering(np.zeros_like, (0.0, 0.0, 0.0)))]
     walker = controller
     while not hasattr(walker, "steer") and hasattr(walker, "controller"):  # what is around it
         walker = walker.controller

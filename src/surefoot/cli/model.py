@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-import typer
 from rich.console import Console
 
 from surefoot.cli import options
@@ -15,13 +14,12 @@ from surefoot.cli.console import say, show, table
 def model(
     robot: options.RobotName = None,
     feet: options.FootFrames = None,
-    fixed_base: Annotated[bool, typer.Option("--fixed-base", help="Bolt the base to the world.")] = False,
     as_json: options.AsJson = False,
 ) -> int:
     """Print masses, joints and limits, feet, ranks of the contact Jacobian and the centroidal inertia."""
     from surefoot.cli.robots import load
 
-    show(describe(load(robot, feet, fixed_base=fixed_base or None)), as_json, _print)
+    show(describe(load(robot, feet)), as_json, _print)
     return 0
 
 

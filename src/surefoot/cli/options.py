@@ -49,6 +49,12 @@ ScenarioPath: TypeAlias = Annotated[
     Path | None,
     typer.Option("--scenario", help="A YAML file of ice, faults, soft ground, ...; see docs/scenarios.md."),
 ]
+View: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--view", help="Show it in a window, in real time; arrows or WASD, Q, E and space steer a walk."
+    ),
+]
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,6 @@ def robot(
     interface: Interface = LOOPBACK,
     domain: DomainId = 1,
     seconds: Annotated[float | None, typer.Option(help="Run so long [s]; None for until Ctrl-C.")] = None,
-    delay: Annotated[float, typer.Option(help="From a command to the motors [s].")] = 0.004,
     terrain: Annotated[str, typer.Option(help="flat or slope:DEG.")] = "flat",
     mu: options.Friction = 0.6,
     seed: options.Seed = None,
@@ -38,7 +37,7 @@ def robot(
 
     extras.require(["mujoco"])
     model = load(robot, None, feet_needed=True)
-    body = MotorRobot(model, delay=delay, terrain=read_terrain(terrain, "--terrain"), mu=mu, seed=seed or 0)
+    body = MotorRobot(model, terrain=read_terrain(terrain, "--terrain"), mu=mu, seed=seed or 0)
     body.lie_down()
     if seconds is not None:
         real_number("--seconds", seconds, low=0.0)

@@ -19,9 +19,7 @@ def is_file(name: str | None) -> bool:
     return name is not None and name.lower().endswith(FILES)
 
 
-def load(
-    name: str | None, feet: str | None = None, *, feet_needed: bool = False, fixed_base: bool | None = None
-) -> Any:
+def load(name: str | None, feet: str | None = None, *, feet_needed: bool = False) -> Any:
     """Return the robot of a name (None for `DEFAULT`), or of a URDF or MJCF file.
 
     Raises
@@ -35,7 +33,7 @@ def load(
     from surefoot.robot import load_robot
 
     source = DEFAULT if name is None else Path(name).absolute() if is_file(name) else name
-    robot = load_robot(source, parsing.names("--feet", feet), fixed_base=fixed_base)
+    robot = load_robot(source, parsing.names("--feet", feet))
     if feet_needed and robot.floating and not robot.feet:
         ends = ", ".join(limb_ends(robot)[:MOST_ENDS])
         raise ProblemError(f"{name} needs --feet, the frames that touch the ground; its limbs end in {ends}")

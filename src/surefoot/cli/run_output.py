@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from surefoot.audit import RunSummary
 from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
 from surefoot.cli.console import Table
-from surefoot.spatial import GRAVITY
 
 if TYPE_CHECKING:
     from surefoot.log import Log
@@ -27,15 +26,15 @@ OUTCOMES = {
 
 def law_table(summary: RunSummary) -> Table:
     """Return the three laws as numbers."""
-    laws, gap_limit = summary.laws, PENETRATION_LIMIT * summary.mass * GRAVITY
+    laws, limit = summary.laws, max(PENETRATION_LIMIT, summary.laws.sinking)
 
     def mm(metres: float, form: str = "g") -> str:
         return f"{1e3 * metres:{form}} mm"
 
     rows = [
-        ["1 unilateral: deepest penetration", mm(laws.penetration_max, ".3f"), mm(PENETRATION_LIMIT)],
+        ["1 unilateral: deepest penetration", mm(laws.penetration_max, ".3f"), mm(limit, ".3g")],
         ["1 unilateral: least normal force", f"{laws.unilateral_min:.3g} N", "0 N"],
-        ["1 unilateral: force times gap", f"{laws.complementarity_max:.3g} N m", f"{gap_limit:.2g} N m"],
+        ["1 unilateral: widest gap under a force", mm(laws.separation_max, ".3f"), mm(limit, ".3g")],
         ["2 Coulomb: highest use of the cone", f"{laws.cone_use_max:.3f}", f"{CONE_LIMIT:g}"],
         ["3 dissipation: slide without friction", mm(laws.free_slide_max, ".3f"), mm(SLIDE_LIMIT)],
     ]

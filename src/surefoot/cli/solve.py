@@ -24,9 +24,7 @@ def solve(
         list[Path],
         typer.Argument(help="FCLIB .hdf5, Siconos .dat (contact or LCP) or .npz files.", metavar="FILE..."),
     ],
-    solver: Annotated[
-        str, typer.Option(help="Who solves; LCPs: lemke (auto), pgs, newton, qp, interior_point.")
-    ] = "auto",
+    solver: Annotated[str, typer.Option(help="Who solves; LCPs: lemke (auto), interior_point.")] = "auto",
     tol: Annotated[
         float,
         typer.Option(

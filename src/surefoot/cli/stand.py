@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import typer
 
-from surefoot.cli import options, physics
+from surefoot.cli import live, options, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.robots import load
@@ -19,6 +19,12 @@ from surefoot.simulation.worlds import WORLDS
 
 SHORTEST = 0.1
 """Length of a stand that says something [s]: a limp robot has dropped five centimetres by then."""
+SHOWN_PUSH = (0.8, 0.2, 0.3, 0.1)
+"""Push to the left of a stand of which nothing is asked: start, duration [s], shares of m g on 4 feet, 2."""
+SHOWN_LIFT = (2.2, 4.0)
+"""One of four feet is in the air from and until [s]."""
+SHOWN_LEAST = (5.0, 0.5)
+"""Duration [s] and friction that both take."""
 
 
 def stand(
@@ -35,6 +41,7 @@ def stand(
     obeyed: options.Physics,
     scenario: options.ScenarioPath = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
+    view: options.View = False,
     leaving: options.Leaving,
 ) -> int:
     """Let a robot stand in simulation and account for every contact force.
@@ -48,18 +55,25 @@ def stand(
     from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 
     console = plain_console(quiet=leaving.as_json)
+    if view:
+        live.check("convex")
     options.check_numbers(mu, duration, SHORTEST, seed)
     carried = parsing.payload(payload)
     said = ScenarioFile.read(scenario, STAND_KEYS)
     file = robot if physics.is_world(robot, obeyed.world) else None
     settings = physics.world_settings(obeyed, said, mu, file)
+    shown = on.unsaid and (push, lift, scenario, payload) == (None, None, None, "0")
+    shown &= duration >= SHOWN_LEAST[0] and mu >= SHOWN_LEAST[1]
     faults = Faults(0.0, said.delay, said.weak_joint, said.torque_loss) if FAULTS & {*said.given} else None
     more: dict[str, Any] = {"depth": START_DEPTH, "fall": STANDING_FALL, "faults": faults}
     happens = options.scenario_of(duration, mu, push, seed, said, **more)
     lifts = [parsing.lift(text) for text in lift or ()]
     parsing.within_run("--lift", lift or (), (one.start for one in lifts), duration)
     options.require(robot, WORLDS[obeyed.world][1], leaving)
-    setup = model, terrain, q, plan = _set_up(robot, feet, on.read(), lifts)
+    setup = _set_up(robot, feet, on.read(), lifts)
+    if shown:
+        setup, happens = _with_events(setup, happens, console)
+    model, terrain, q, plan = setup
     allocation = _allocation(setup, mu, said)
     with plain_console(stderr=True, quiet=leaving.as_json).status(
         "asking whether it can stand (a first run compiles)"
@@ -75,7 +89,8 @@ def stand(
     world = physics.build_world(obeyed.world, model, file, terrain, mu, carried, settings, console)
     folder = new_run_folder(leaving.out, f"stand-{model.name}")
     run = SimulatedRun(model, terrain, folder, leaving, console)
-    return run.carry_out(world, controller, replace(happens, start=q), _account(statics))
+    watching = live.watching(model, terrain) if view else []
+    return run.carry_out(world, controller, replace(happens, start=q), _account(statics), watching)
 
 
 class _Setup(NamedTuple):
@@ -98,6 +113,27 @@ def _set_up(name: str | None, feet: str | None, terrain: Any, lifts: list[Any]) 
         raise ProblemError(f"{robot.name} cannot stand still: {count} point feet span no area to stand on")
     q = place(robot, terrain)
     return _Setup(robot, terrain, q, StandingPlan(robot, terrain, q, lifts))
+
+
+def _with_events(setup: _Setup, happens: Any, console: Any) -> tuple[_Setup, Any]:
+    """Return what a stand shows of which nothing is asked: cones at work under a push, and on fewer feet."""
+    from surefoot.control.standing_plan import Lift, StandingPlan
+    from surefoot.simulation.scenario import Push
+    from surefoot.spatial import GRAVITY
+
+    robot, terrain, q, _ = setup
+    start, seconds, *shares = SHOWN_PUSH
+    many = len(robot.feet) > 3
+    force = float(round(shares[0 if many else 1] * robot.mass * GRAVITY))
+    text = f"a push of {force:g} N to the left at {start:g} s"
+    if many:
+        lift = Lift(robot.feet[0].name, *SHOWN_LIFT)
+        lifted = setup._replace(plan=StandingPlan(robot, terrain, q, [lift]))
+        if all(phase["possible"] for phase in _statics(lifted, happens.mu, 0.0, (0.0, 0.0, 0.0))):
+            setup = lifted
+            text += f", {lift.foot} in the air from {lift.start:g} to {lift.end:g} s"
+    say(console, f"{text} (--push, --lift, --payload, --terrain or --scenario say what happens instead)")
+    return setup, replace(happens, pushes=[Push(start, (0.0, force, 0.0), seconds)])
 
 
 def _allocation(setup: _Setup, mu: float, said: ScenarioFile) -> Any:

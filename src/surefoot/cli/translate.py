@@ -34,13 +34,10 @@ def translate(
         list[str] | None, typer.Argument(help="NAME=VALUE, e.g. stiffness=2e4 damping=40 or solref=0.02,1.")
     ] = None,
     mass: Annotated[float, typer.Option(help="Effective mass of the contact, 1/G_nn [kg].")] = 1.0,
-    speed: Annotated[float, typer.Option(help="Impact speed at which bounces are compared [m/s].")] = 1.0,
     dt: Annotated[float, typer.Option(help="Step of the engines [s].")] = 1e-3,
-    gravity: Annotated[float, typer.Option(help="[m/s^2].")] = 9.81,
     area: Annotated[float, typer.Option(help="Of a flat sole, for hydroelastic contact [m^2].")] = 0.0,
     thickness: Annotated[float, typer.Option(help="Of that sole [m].")] = 0.0,
     keep: Annotated[str, typer.Option(help="motion or rest, where both cannot be kept.")] = "motion",
-    impedance: Annotated[float, typer.Option(help="MuJoCo's d, where MuJoCo is wanted.")] = 1e-3,
     prove: Annotated[bool, typer.Option("--prove", help="Run the wanted engine, if it is here.")] = False,
     as_json: options.AsJson = False,
 ) -> int:
@@ -49,22 +46,18 @@ def translate(
     from surefoot.contact.engines import translate as translated
     from surefoot.contact.engines.reading import read_contact
 
-    contact = read_contact(source, _values(values or []), mass=mass, speed=speed)
-    found = translated(
-        contact, to, mass, gravity=gravity, speed=speed, dt=dt, area=area, thickness=thickness, keep=keep,
-        impedance=impedance,
-    )  # fmt: skip
+    contact = read_contact(source, _values(values or []), mass=mass, speed=1.0)
+    found = translated(contact, to, mass, dt=dt, area=area, thickness=thickness, keep=keep)
     measured = None
     if prove:
         from surefoot.experiments.drops import measure
 
-        measured = measure(to, found.parameters, found.translated, mass, speed=speed, gravity=gravity, dt=dt)
+        measured = measure(to, found.parameters, found.translated, mass, dt=dt)
     families = (_family(source), _family(to))
     facts: dict[str, Any] = {
         "from": source,
         "to": to,
         "mass": mass,
-        "speed": speed,
         "dt": dt,
         "parameters": found.parameters,
         "lost": found.lost,

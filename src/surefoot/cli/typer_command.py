@@ -11,6 +11,19 @@ from typing import Any
 from rich.markup import escape
 from typer.core import TyperCommand
 
+PANELS = {
+    "Robot": ("feet", "actuators"),
+    "Controller": (
+        "gait", "planner", "velocity", "terrain_knowledge", "commands", "policy", "policy_spec", "trust",
+    ),
+    "Ground": ("terrain", "slope", "mu"),
+    "Disturbances": ("push", "lift", "payload", "dropout", "seed", "scenario"),
+    "World": ("world", "collision", "duration", "anyway"),
+    "Output": ("view", "out", "video", "report", "as_json"),
+}  # fmt: skip
+"""Panel of the help of a simulated run to the options that stand in it."""
+PANEL_OF = {name: panel for panel, names in PANELS.items() for name in names}
+
 
 class LiteralHelpCommand(TyperCommand):
     """A command whose help is no markup: Rich would take `[deg]` for a style and leave it out."""
@@ -20,6 +33,9 @@ class LiteralHelpCommand(TyperCommand):
             for part in (settings, *(vars(p) for p in settings.get("params") or ())):
                 if part.get("help"):
                     part["help"] = escape(part["help"])
+        if name in ("stand", "walk"):
+            for part in settings.get("params") or ():
+                part.rich_help_panel = PANEL_OF.get(part.name)
         super().__init__(name, **settings)
 
 

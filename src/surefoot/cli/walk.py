@@ -54,13 +54,7 @@ def walk(
     duration: options.Duration = 10.0,
     seed: options.Seed = None,
     scenario: options.ScenarioPath = None,
-    view: Annotated[
-        bool,
-        typer.Option(
-            "--view",
-            help="Show the walk in a window, in real time; arrows or WASD, Q, E and space steer.",
-        ),
-    ] = False,
+    view: options.View = False,
     leaving: options.Leaving,
 ) -> int:
     """Let a robot walk in simulation and account for every contact force.

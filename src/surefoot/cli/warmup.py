@@ -50,7 +50,7 @@ def warmup(as_json: options.AsJson = False) -> int:
 
     Every command is run on a small example; what has been compiled before is only loaded.
     """
-    from surefoot.compilation import cache_folders, compiled_so_far, tidy
+    from surefoot.compilation import cache_folders, compiled_so_far
 
     terminal = sys.stderr.isatty()
     rows: list[dict[str, Any]] = []
@@ -61,12 +61,10 @@ def warmup(as_json: options.AsJson = False) -> int:
                 moved(len(rows))
             elif not as_json:
                 print(f"{rows[-1]['name']}: {rows[-1]['seconds']:.1f} s", file=sys.stderr, flush=True)
-    deleted = tidy()
     kept = [file for folder in cache_folders() for file in Path(folder).glob("*.nb[ci]")]
     facts = {
         "compiled": compiled_so_far(),
         "seconds": sum(row["seconds"] for row in rows),
-        "deleted": deleted,
         "folders": cache_folders(),
         "size": sum(file.stat().st_size for file in kept),
         "tasks": rows,

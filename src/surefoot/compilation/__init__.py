@@ -12,8 +12,8 @@ written.
 
 from __future__ import annotations
 
-from surefoot.compilation.cache import cache_folders, tidy
+from surefoot.compilation.cache import cache_folders
 from surefoot.compilation.dispatcher import Kernel
 from surefoot.compilation.progress import LOG, compiled_so_far
 
-__all__ = ["LOG", "Kernel", "cache_folders", "compiled_so_far", "tidy"]
+__all__ = ["LOG", "Kernel", "cache_folders", "compiled_so_far"]

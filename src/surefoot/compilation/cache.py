@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
-import re
 import sys
 import time
 import zlib
@@ -15,11 +14,10 @@ import llvmlite.binding as llvm
 import numba
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.environment import Environment, lookup_environment
-from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 
 from surefoot.compilation.progress import LOG, progress
-from surefoot.compilation.tree import PACKAGE, KernelTree
+from surefoot.compilation.tree import KernelTree
 
 if sys.platform != "win32":
     import fcntl
@@ -29,7 +27,6 @@ PATIENCE = 300.0
 _caches: list[Cache] = []
 _locks: dict[str, int] = {}
 """Folder to its open lock file, kept open: to close a file ends all locks that the process has on it."""
-_HOME = os.path.dirname(os.path.dirname(__file__)) + os.sep
 
 
 def _environment(module: str, constants: list[Any], name: str) -> Environment:
@@ -154,29 +151,3 @@ class Cache(FunctionCache):  # type: ignore[misc]
 def cache_folders() -> list[str]:
     """Return where the compiled code of the kernels that have been called is kept."""
     return sorted({cache.cache_path for cache in _caches})
-
-
-def tidy() -> int:
-    """Delete compiled code of kernels that are gone from modules that are loaded; return how many files.
-
-    And, beside the package's own files, what older versions left.
-    """
-    files = [
-        os.path.join(folder, name)
-        for folder in cache_folders()
-        for name in os.listdir(folder)
-        if name.endswith((".nbi", ".nbc")) and _stale(folder, name)
-    ]
-    for file in files:
-        with contextlib.suppress(OSError):
-            os.remove(file)
-    return len(files)
-
-
-def _stale(folder: str, name: str) -> bool:
-    """Tell whether a file holds compiled code that no kernel owns; `Cache` names them module.function."""
-    owner = re.sub(r"\.py\d+\w*(\.\d+)?\.nb[ci]$", "", name)
-    module, _, function = owner.rpartition(".")
-    if module in sys.modules and function.isidentifier():
-        return not isinstance(vars(sys.modules[module]).get(function), CPUDispatcher)
-    return not owner.startswith(PACKAGE) and folder.startswith(_HOME)

@@ -65,7 +65,7 @@ class PolyhedralCone(Cone):
         rays
             (r, dim) in the unit of the cone's points; zero rows say nothing.
         method
-            "qhull", "dd" or "cdd": see `surefoot.cones.representation`.
+            "qhull" or "cdd": see `surefoot.cones.representation`.
 
         Examples
         --------

@@ -3,8 +3,7 @@
 By duality one direction is enough: the rays of {x : A x <= 0} are the half-space normals of the cone that
 the rows of A generate. A cone is split into its linear hull, its lineality space (the directions
 that it holds both ways) and a pointed rest; a section of the rest is a polytope, and Qhull finds its
-facets. Double description is the other way: our own compiled one (the fastest up to a few hundred
-rows), and cddlib's.
+facets. Double description, the other way, is cddlib's.
 
 Every decision is made on rays of length one in whitened coordinates, so that neither the length of a
 ray nor the unit of a component matters.
@@ -17,12 +16,11 @@ from typing import Literal
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.cones.double_description import polar_rays
 from surefoot.cones.nearest import nearest_in_cone
 from surefoot.errors import check_name, needs
 
-Method = Literal["qhull", "dd", "cdd"]
-METHODS = ("qhull", "dd", "cdd")
+Method = Literal["qhull", "cdd"]
+METHODS = ("qhull", "cdd")
 
 _FLAT = 1e-9
 """Singular values and section heights below this share count as zero."""
@@ -39,7 +37,7 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
     rays
         (r, dim), of any length; none at all generate the cone {0}.
     method
-        "qhull" (SciPy), "dd" (compiled double description) or "cdd" (cddlib).
+        "qhull" (SciPy) or "cdd" (cddlib).
 
     Returns
     -------
@@ -74,7 +72,7 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
     singular, basis, rank = _row_space(W)
     whiten = basis[:rank].T / singular[:rank]
     X = _unit_rows(W @ whiten)
-    facets, kept = _facets(X, method)
+    facets, kept = _facets(X)
     flat = basis[rank:]
     H = np.vstack([facets @ whiten.T, flat, -flat]) / column
     return _unit_rows(H) + 0.0, index[kept]
@@ -98,12 +96,11 @@ def _row_space(rows: FloatArray) -> tuple[FloatArray, FloatArray, int]:
     return singular, basis, int(np.sum(singular > _FLAT * singular[0]))
 
 
-def _facets(X: FloatArray, method: Method) -> tuple[FloatArray, IntArray]:
+def _facets(X: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return facet normals and needed generators of cone(X), X of full rank with rows of length one."""
     section = _section(X)
     if section is not None:
-        found = _described(X) if method == "dd" and X.shape[1] > 1 else None
-        return _pointed_facets(X, section) if found is None else found
+        return _pointed_facets(X, section)
     lineal = lineality(X)
     if not np.any(lineal):  # too thin to tell: flat within the tolerance
         lineal = np.ones(len(X), dtype=np.bool_)
@@ -115,7 +112,7 @@ def _facets(X: FloatArray, method: Method) -> tuple[FloatArray, IntArray]:
     others = np.flatnonzero(~lineal)
     Y = X[others] @ rest.T
     alive = np.linalg.norm(Y, axis=1) > _FLAT
-    facets, kept = _facets(_unit_rows(Y[alive]), method)
+    facets, kept = _facets(_unit_rows(Y[alive]))
     needed.extend(others[alive][kept])
     return facets @ rest, np.array(sorted(needed), dtype=np.int64)
 
@@ -200,33 +197,6 @@ def _distinct(rows: FloatArray) -> FloatArray:
         keep[same[gap < 1e-9] + near] = False
         near += 1
     return np.asarray(rows[keep])
-
-
-def _described(X: FloatArray) -> tuple[FloatArray, IntArray] | None:
-    """Return facets and extreme rays of a pointed cone by compiled double description.
-
-    None where rounding got the better of it, which its own result shows.
-    """
-    from scipy.linalg import qr
-
-    dim = X.shape[1]
-    _, _, pivot = qr(X.T, mode="economic", pivoting=True)
-    order = np.concatenate([pivot[:dim], np.setdiff1d(np.arange(len(X)), pivot[:dim])])
-    first = -np.linalg.inv(X[pivot[:dim]]).T
-    _, facets = polar_rays(X, np.ascontiguousarray(first), order)
-    height = X @ facets.T
-    tight = height > -1e-8
-    if not len(facets) or float(height.max()) > 1e-9 or int(tight.sum(axis=0).min()) < dim - 1:
-        return None
-    # a ray is extreme unless another one is tight on every facet that it is tight on
-    touches = tight.astype(np.float64)
-    together = touches @ touches.T
-    own = np.diag(together)
-    covered = together >= own[:, None] - 0.5
-    np.fill_diagonal(covered, False)
-    twin = covered & covered.T
-    redundant = (covered & ~twin).any(axis=1) | np.tril(twin, -1).any(axis=1) | (own < dim - 1.5)
-    return facets, np.flatnonzero(~redundant)
 
 
 def _cddlib(V: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import BoolArray, FloatArray, of_kind
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
 
@@ -66,6 +66,7 @@ def redundancy(problem: ContactProblem, tol: float = 1e-9) -> Redundancy:
     >>> redundancy(ContactProblem(J @ J.T, np.zeros(6), 0.5)).rank
     3
     """
+    of_kind("problem", problem, ContactProblem)
     if problem.shape != (problem.contacts, 3):
         raise ProblemError("redundancy is for contacts of three rows; for others look at the rank of G")
     n = problem.contacts

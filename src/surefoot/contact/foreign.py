@@ -48,7 +48,6 @@ def from_foreign(
     dimension: int,
     name: str,
     reference: FloatArray | None = None,
-    notes: tuple[str, ...] = (),
 ) -> ContactProblem:
     """Return the contact problem of a matrix and vectors, any unit, in (normal, tangent, tangent) order."""
     if dimension not in (2, 3):
@@ -58,13 +57,13 @@ def from_foreign(
         raise ProblemError(
             f"{name}: sizes disagree: matrix {matrix.shape}, q {q.size}, mu {mu.size}, dimension {dimension}"
         )
-    told = list(notes)
+    notes: list[str] = []
     order = turned(count, dimension)
     matrix = sp.csr_matrix(matrix)[order][:, order]
     q = q[order]
     if dimension == 2:
         matrix, q = _in_space(matrix, q)
-        told.append("planar: given a second tangent that is coupled to nothing")
+        notes.append("planar: given a second tangent that is coupled to nothing")
         reference = (
             None
             if reference is None
@@ -77,13 +76,13 @@ def from_foreign(
     if off > LARGEST_ASYMMETRY:
         raise ProblemError(f"{name}: the matrix is not symmetric (by {off:.0%} of its largest entry)")
     if off > NOTED_ASYMMETRY:
-        told.append(
+        notes.append(
             f"not symmetric as published ({off:.1e} of the largest entry): its symmetric part is used"
         )
     matrix = 0.5 * (matrix + matrix.T)
     sparse = matrix.nnz < 0.3 * q.size**2 and count > 40
     problem = ContactProblem(matrix.tocsr() if sparse else matrix.toarray(), q, mu)
-    problem.notes, problem.reference = tuple(told), reference
+    problem.notes, problem.reference = tuple(notes), reference
     return problem
 
 

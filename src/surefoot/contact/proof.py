@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import BoolArray, FloatArray, IntArray, of_kind
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.sets.scales import block_sizes, parts_of
 
@@ -104,6 +104,7 @@ def check_proof(problem: ContactProblem, direction: FloatArray) -> Infeasibility
     The direction is made admissible first. Rounding counts against the proof in every sum. For pyramids under
     the convex law the cone inside the pyramid takes their place: a direction in it is one in both.
     """
+    of_kind("problem", problem, ContactProblem)
     if problem.contacts == 0:
         return None
     d = _admissible(problem, np.asarray(direction, dtype=np.float64).reshape(problem.shape).copy())

@@ -1,24 +1,20 @@
-"""Siconos text files: friction problems, local and global, and linear complementarity problems.
+"""Siconos text files: local friction problems and linear complementarity problems.
 
-A local friction problem u = W r + q is: dimension, number of contacts, W, q, mu. A global one M v = H r + f,
-u = Hᵀ v + w is: dimension, number of contacts, M, H, f, w, mu; it is condensed to its contacts. An LCP is:
-size, a matrix, q. Text may follow, numbers may not.
+A friction problem u = W r + q is: dimension, number of contacts, W, q, mu. An LCP is: size, a matrix, q. Text
+may follow, numbers may not.
 
-A matrix is its storage (0 dense, 1 blocks, 2 sparse), rows, columns, and then
+A matrix is its storage (0 dense, 1 blocks), rows, columns, and then
 
 - dense: rows, columns, and the entries *column by column*, whatever the line breaks suggest;
 - blocks: their number, block rows, block columns, where block rows and columns end, the filled parts of the
-  two index arrays, the arrays, and each block's number with its entries column by column;
-- sparse: what it was made as (1 triplets, 2 compressed columns), and CSparse's listing: a line about its
-  version, a line with the shape and the number of entries, and the entries, "row column : value" or, for each
-  column, "col j : locations a to b" and "row : value". Siconos writes them with six digits.
+  two index arrays, the arrays, and each block's number with its entries column by column.
 
-The format was read off what Siconos 4.4 writes and how it reads that back.
+The format was read off what Siconos 4.4 writes and how it reads that back. Limits: global problems (M, H) and
+sparse matrices, which it writes with six digits, are read from FCLIB's files.
 """
 
 from __future__ import annotations
 
-import re
 from itertools import islice
 from pathlib import Path
 
@@ -26,19 +22,14 @@ import numpy as np
 import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.contact.foreign import check_dense, condensed, from_foreign, turned
+from surefoot.contact.foreign import check_dense, from_foreign, turned
 from surefoot.contact.lcp import LCP
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
 
-DENSE, BLOCKS, SPARSE = 0, 1, 2
-TRIPLETS, COLUMNS = 1, 2
+DENSE, BLOCKS = 0, 1
 LARGEST = 2**31
 """Whole numbers in a file are below this."""
-DIGITS = 6
-BANNER = 40
-"""Words among which the shape of a sparse matrix is looked for."""
-SHAPE = re.compile(r"(\d+)-by-(\d+),?")
 
 
 class _Numbers:
@@ -50,38 +41,23 @@ class _Numbers:
         except OSError as error:
             raise ProblemError(f"cannot read {path}: {error.strerror}") from error
         self.name, self.at = path.name, 0
-        self.rough = False  # whether a sparse matrix was printed with `DIGITS` digits only
-
-    def take(self, count: int) -> list[str]:
-        """Return the next `count` words."""
-        if count < 0 or count > len(self.words) - self.at:
-            raise ProblemError(f"{self.name}: ends before the problem does")
-        self.at += count
-        return self.words[self.at - count : self.at]
 
     def floats(self, count: int) -> FloatArray:
         """Return the next `count` numbers."""
-        found = self.numeric(self.words[self.at : self.at + count])
-        self.take(count)
-        return found
-
-    def numeric(self, words: list[str]) -> FloatArray:
-        """Return words as numbers."""
+        words = self.words[self.at : self.at + count]
         try:
-            return np.array(words, dtype=np.float64)
+            found = np.array(words, dtype=np.float64)
         except ValueError as error:
             text = next(word for word in words if not _is_number(word))
             raise ProblemError(f"{self.name}: expected numbers, got {text[:20]!r}") from error
-
-    def integers(self, count: int) -> IntArray:
-        """Return the next `count` whole numbers."""
-        found = self.whole(self.words[self.at : self.at + count])
-        self.take(count)
+        if count < 0 or len(words) < count:
+            raise ProblemError(f"{self.name}: ends before the problem does")
+        self.at += count
         return found
 
-    def whole(self, words: list[str]) -> IntArray:
-        """Return words as whole numbers that can count or index something."""
-        found = self.numeric(words)
+    def integers(self, count: int) -> IntArray:
+        """Return the next `count` whole numbers, which can count or index something."""
+        words, found = self.words[self.at : self.at + count], self.floats(count)
         if not ((found == np.floor(found)) & (found >= 0) & (found < LARGEST)).all():
             raise ProblemError(f"{self.name}: expected whole numbers, got {' '.join(words)[:40]}")
         return found.astype(np.int64)
@@ -119,7 +95,7 @@ def _is_number(word: str) -> bool:
 
 
 def read(path: Path) -> ContactProblem:
-    """Return the contact problem of a Siconos friction file, local or global."""
+    """Return the contact problem of a Siconos friction file."""
     numbers = _Numbers(path)
     dimension, count = (int(i) for i in numbers.integers(2))
     if dimension == 5:
@@ -127,38 +103,16 @@ def read(path: Path) -> ContactProblem:
     if dimension not in (2, 3):
         raise ProblemError(f"{path.name}: the dimension must be 2 or 3, got {dimension}")
     size = dimension * count
-    notes: tuple[str, ...] = ()
     matrix = _read_matrix(numbers)
-    if _holds_global(numbers, matrix.shape, size, count):
-        H = _read_matrix(numbers)
-        f, w = numbers.floats(matrix.shape[0]), numbers.floats(size)
-        matrix, q = condensed(matrix, H, f, w)
-    else:
-        q = numbers.floats(size)
-        if numbers.rough and sp.issparse(matrix):
-            matrix = matrix.astype(np.float32)  # as fine as its digits, and then judged as such
-            notes = (f"sparse, written with {DIGITS} digits: known to single precision only",)
+    if matrix.shape != (size, size):
+        raise ProblemError(
+            f"{path.name}: a {matrix.shape[0]}x{matrix.shape[1]} matrix is not W of {count} contacts "
+            f"({size}x{size}); global problems are read from FCLIB's .hdf5"
+        )
+    q = numbers.floats(size)
     mu = numbers.floats(count)
     numbers.end(count)
-    return from_foreign(matrix, q, mu, dimension, path.name, notes=notes)
-
-
-def _holds_global(numbers: _Numbers, shape: tuple[int, ...], size: int, contacts: int) -> bool:
-    """Tell whether a matrix H follows M: by its storage and sizes, and that a local problem would not end."""
-    head = numbers.words[numbers.at : numbers.at + 3]
-    follows = len(head) == 3 and all(map(_is_number, head))
-    follows = follows and float(head[0]) in (DENSE, BLOCKS, SPARSE)
-    follows = follows and (float(head[1]), float(head[2])) == (shape[0], size)
-    if shape != (size, size):
-        if not follows:
-            raise ProblemError(
-                f"{numbers.name}: a {shape[0]}x{shape[1]} matrix is neither W of {contacts} contacts "
-                f"({size}x{size}) nor M with a {shape[0]}x{size} matrix H after it"
-            )
-        return True
-    near = numbers.words[numbers.at : numbers.at + BANNER]
-    local = numbers.ahead() <= size + contacts + 1 and not any(map(SHAPE.fullmatch, near))
-    return follows and not local
+    return from_foreign(matrix, q, mu, dimension, path.name)
 
 
 def read_lcp(path: Path) -> LCP:
@@ -179,14 +133,13 @@ def holds_lcp(path: Path) -> bool:
         size, storage, rows, columns = numbers.integers(4)
     except ProblemError:
         return False
-    planar = storage == BLOCKS and numbers.ahead() == 2  # one planar contact whose W is sparse
-    return bool(storage in (DENSE, BLOCKS, SPARSE) and rows == columns == size and not planar)
+    return bool(storage in (DENSE, BLOCKS) and rows == columns == size)
 
 
 def _read_matrix(numbers: _Numbers) -> FloatArray | sp.csr_matrix:
     storage, rows, columns = (int(i) for i in numbers.integers(3))
     # vectors of both lengths follow, so what is left is longer: looked at before memory is asked for
-    if storage in (DENSE, BLOCKS, SPARSE) and max(rows, columns) > len(numbers.words) - numbers.at:
+    if storage in (DENSE, BLOCKS) and max(rows, columns) > len(numbers.words) - numbers.at:
         raise ProblemError(f"{numbers.name}: a matrix is {rows}x{columns}, more than the file can hold")
     if storage == DENSE:
         again = tuple(int(i) for i in numbers.integers(2))
@@ -195,10 +148,9 @@ def _read_matrix(numbers: _Numbers) -> FloatArray | sp.csr_matrix:
         return numbers.floats(rows * columns).reshape(columns, rows).T
     if storage == BLOCKS:
         return _read_blocks(numbers, rows, columns)
-    if storage == SPARSE:
-        return _read_sparse(numbers, rows, columns)
     raise ProblemError(
-        f"{numbers.name}: the matrix storage must be 0 (dense), 1 (blocks) or 2 (sparse), got {storage}"
+        f"{numbers.name}: the matrix storage must be 0 (dense) or 1 (blocks), got {storage}; sparse ones are "
+        "read from FCLIB's .hdf5"
     )
 
 
@@ -225,62 +177,6 @@ def _read_blocks(numbers: _Numbers, rows: int, columns: int) -> sp.csr_matrix:
             height, width = r.stop - r.start, c.stop - c.start
             full[r, c] = numbers.floats(height * width).reshape(width, height).T
     return full.tocsr()
-
-
-def _read_sparse(numbers: _Numbers, rows: int, columns: int) -> sp.csr_matrix:
-    origin = numbers.integer()
-    if origin not in (TRIPLETS, COLUMNS):
-        raise ProblemError(
-            f"{numbers.name}: a sparse matrix must be 1 (triplets) or 2 (compressed columns), got {origin}"
-        )
-    banner = numbers.words[numbers.at : numbers.at + BANNER]
-    at = next((k for k, word in enumerate(banner) if SHAPE.fullmatch(word)), None)
-    found = None if at is None else SHAPE.fullmatch(banner[at])
-    if at is None or found is None or tuple(map(int, found.groups())) != (rows, columns):
-        raise ProblemError(f"{numbers.name}: a sparse matrix must say that it is {rows}-by-{columns}")
-    numbers.take(at + 1)
-    labels = numbers.take(4 if origin == TRIPLETS else 6)  # nzmax: n nnz: n, 1-norm: x
-    if labels[0] != "nzmax:" or labels[2] != "nnz:":
-        raise ProblemError(f"{numbers.name}: expected the number of entries of a sparse matrix")
-    count = int(numbers.whole([labels[3].rstrip(",")])[0])
-    i, j, words = _triplets(numbers, count) if origin == TRIPLETS else _columns(numbers, columns, count)
-    x = numbers.numeric(words)
-    numbers.rough = numbers.rough or (bool(words) and max(map(_digits, words)) <= DIGITS)
-    if (i >= rows).any() or (j >= columns).any():
-        raise ProblemError(f"{numbers.name}: a sparse matrix has an entry outside of {rows}-by-{columns}")
-    return sp.csr_matrix((x, (i, j)), shape=(rows, columns))
-
-
-def _digits(word: str) -> int:
-    """Return how many digits a number was written with, leading zeros aside."""
-    return len(word.lower().split("e")[0].lstrip("+-").replace(".", "").lstrip("0"))
-
-
-def _triplets(numbers: _Numbers, count: int) -> tuple[IntArray, IntArray, list[str]]:
-    """Return the rows, columns and values of lines "row column : value"."""
-    words = numbers.take(4 * count)
-    if set(words[2::4]) - {":"}:
-        raise ProblemError(f"{numbers.name}: expected lines 'row column : value'")
-    return numbers.whole(words[0::4]), numbers.whole(words[1::4]), words[3::4]
-
-
-def _columns(numbers: _Numbers, columns: int, count: int) -> tuple[IntArray, IntArray, list[str]]:
-    """Return the rows, columns and values of blocks "col j : locations a to b" with lines "row : value"."""
-    rows, values, sizes = [], [], []
-    for column in range(columns):
-        words = numbers.take(7)
-        if [*words[:4], words[5]] != ["col", str(column), ":", "locations", "to"]:
-            raise ProblemError(f"{numbers.name}: expected column {column} of a sparse matrix")
-        first, last = numbers.numeric([words[4], words[6]])  # last = first - 1 for an empty one
-        if not -1.0 <= last - first < count:
-            raise ProblemError(f"{numbers.name}: column {column} of a sparse matrix contradicts itself")
-        sizes.append(int(last - first) + 1)
-        lines = numbers.take(3 * sizes[-1])
-        rows += lines[0::3]
-        values += lines[2::3]
-    if sum(sizes) != count:
-        raise ProblemError(f"{numbers.name}: a sparse matrix has {sum(sizes)} entries and says {count}")
-    return numbers.whole(rows), np.repeat(np.arange(columns), sizes), values
 
 
 def write(problem: ContactProblem, path: Path) -> None:

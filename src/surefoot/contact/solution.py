@@ -89,7 +89,7 @@ class ContactSolution(Certified):
 
     Parameters
     ----------
-    problem, status, solver, iterations, solve_time, timings, proof
+    problem, status, solver, iterations, solve_time, proof
         See the attributes.
     record
         Forces, velocities and the seven numbers of `Residuals` one below the other, in rows as long as those
@@ -112,13 +112,11 @@ class ContactSolution(Certified):
         Its iterations (what one is depends on the solver).
     solve_time
         Wall time inside the solver [s].
-    timings
-        Parts of the solve, name to time [s], where the solver tells.
     proof
         The proof that there is no solution where the status is INFEASIBLE, else None.
     """
 
-    __slots__ = ("_iterations", "_problem", "_proof", "_solve_time", "_solver", "_timings")
+    __slots__ = ("_iterations", "_problem", "_proof", "_solve_time", "_solver")
 
     def __init__(
         self,
@@ -128,7 +126,6 @@ class ContactSolution(Certified):
         solver: str,
         iterations: int,
         solve_time: float,
-        timings: dict[str, float] | None = None,
         proof: InfeasibilityProof | None = None,
     ) -> None:
         self._record, self._forces, self._status = record, record[: problem.shape[0]], status
@@ -136,7 +133,6 @@ class ContactSolution(Certified):
         self._solver = solver
         self._iterations = iterations
         self._solve_time = solve_time
-        self._timings = timings
         self._proof = proof
 
     @property
@@ -158,11 +154,6 @@ class ContactSolution(Certified):
     def solve_time(self) -> float:
         """Wall time inside the solver [s]."""
         return self._solve_time
-
-    @property
-    def timings(self) -> dict[str, float]:
-        """Parts of the solve, name to time [s]."""
-        return self._timings or {}
 
     @property
     def proof(self) -> InfeasibilityProof | None:

@@ -7,7 +7,7 @@ from collections.abc import Hashable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, IntArray, finite_array
+from surefoot.arrays import FloatArray, IntArray, finite_array, of_kind
 from surefoot.errors import ProblemError
 
 
@@ -30,6 +30,7 @@ def persisting(before: Sequence[Hashable], after: Sequence[Hashable]) -> IntArra
     [-1, 1]
     """
     for names in (before, after):
+        of_kind("contact names", names, Sequence)
         if len(set(names)) != len(names):
             raise ProblemError(f"a contact name occurs twice in {list(names)!r:.80}")
     place = {name: k for k, name in enumerate(before)}

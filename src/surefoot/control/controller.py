@@ -244,6 +244,8 @@ class Wrapper(Controller):
     """
 
     def __init__(self, controller: Controller) -> None:
+        if not callable(getattr(controller, "step", None)):
+            raise ProblemError(f"controller must be a Controller, got {controller!r:.60}")
         self.controller = controller
         self.channels, self.facts = controller.channels, controller.facts
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.arrays import FloatArray, IntArray, of_kind
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable, damping_torques
@@ -114,6 +114,8 @@ class StandingController(Controller):
         normal_max: float | None = None,
         allocation: Allocation | None = None,
     ) -> None:
+        of_kind("robot", robot, Robot)
+        of_kind("terrain", terrain, Terrain)
         import pinocchio
 
         self.robot, self.plan, self.terrain, self.dt = robot, plan, terrain, dt

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.control.swing import minimum_jerk
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
@@ -89,6 +89,8 @@ class StandingPlan:
     """
 
     def __init__(self, robot: Robot, terrain: Terrain, q: FloatArray, lifts: Sequence[Lift] = ()) -> None:
+        of_kind("robot", robot, Robot)
+        of_kind("terrain", terrain, Terrain)
         self.robot, self.terrain = robot, terrain
         self.start = np.array(q[:3])
         self.lifts = tuple(sorted(lifts, key=lambda lift: lift.start))

@@ -3,7 +3,7 @@
 ========  =====================================================================================
 exact     the controller is given the true terrain
 map       `MappedGround`: a height map from a range sensor, corrected where feet stand
-blind     `TouchedSteps`: a plane through the last footholds (`TouchedGround`), and steps found by touch
+blind     `TouchedGround`: a plane through the last footholds, and drops that feet find
 ========  =====================================================================================
 """
 
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from surefoot.errors import check_name
 from surefoot.estimation.mapped_ground import MappedGround
-from surefoot.estimation.touched_steps import TouchedSteps
+from surefoot.estimation.touched_ground import TouchedGround
 from surefoot.terrain import Terrain
 
 KNOWLEDGE = ("exact", "map", "blind")
@@ -30,9 +30,9 @@ def believed_ground(knowledge: str, terrain: Terrain) -> Terrain:
     --------
     >>> from surefoot.terrain import FlatTerrain
     >>> believed_ground("blind", FlatTerrain())
-    TouchedSteps()
+    TouchedGround()
     """
     check_name("terrain knowledge", knowledge, KNOWLEDGE)
     if knowledge == "exact":
         return terrain
-    return MappedGround() if knowledge == "map" else TouchedSteps()
+    return MappedGround() if knowledge == "map" else TouchedGround()

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.control.behaviours.behaviour import Request
 from surefoot.control.command_limits import LeggedBody
 from surefoot.control.controller import RobotState
@@ -85,6 +85,7 @@ class WalkingController(Walker):
         settings: WalkSettings | None = None,
         dt: float = 1e-3,
     ) -> None:
+        of_kind("robot", robot, Robot)
         flat = sum(foot.flat for foot in robot.feet)
         if not robot.floating or len(robot.feet) < 3 or flat:
             raise ModelError(
@@ -269,7 +270,7 @@ class WalkingController(Walker):
                 max(end - clock, 0.0), self.height, self._stance_time,
             )  # fmt: skip
             if request.foot_goals is not None:
-                place = request.foot_goals(place, feet.start[k], float(feet.duration[k]))
+                place = request.foot_goals(place, feet.start[k])
             feet.aim(k, place)
 
     def _time_steps(self, request: Request, clock: float) -> None:

@@ -26,7 +26,7 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import BoolArray, FloatArray, IntArray, of_kind
 from surefoot.contact import Status
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.model_views import ModelViews
@@ -123,6 +123,7 @@ class WholeBodyController(Bound):
         actuators: Actuators | None = None,
         sole_damping: tuple[float, float] | None = None,
     ) -> None:
+        of_kind("robot", robot, Robot)
         if not robot.floating or not robot.feet:
             raise ModelError(f"whole-body control of {robot.name} needs a floating base and feet")
         self.robot = robot = robot if actuators is None else with_rotors(robot, actuators.armature)

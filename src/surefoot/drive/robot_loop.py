@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
 from surefoot.control.controller import Command, JointTargets, RobotState
 from surefoot.control.walker import Walker
 from surefoot.control.walkers import default_gait, walking_controller
@@ -116,6 +116,7 @@ class RobotLoop:
         limits: ReadingLimits | None = None,
         imu_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
+        of_kind("robot", robot, Robot)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-4, high=0.02)
         self._order, self._back = motor_order(robot, motors)
         self.limits = limits or ReadingLimits()

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array
+from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, of_kind
 from surefoot.equilibrium.limits import Question
 from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, LEAST_MU, UNDECIDED, most_margin
 from surefoot.equilibrium.point_contacts import stand
@@ -96,6 +96,14 @@ class Verdicts:
         self.certificate[k] = np.nan if verdict.certificate is None else verdict.certificate
 
 
+def _count(stances: Sequence[Stance] | StanceBatch) -> int:
+    """Return how many there are."""
+    if not isinstance(stances, StanceBatch):
+        for k, stance in enumerate(stances if isinstance(stances, Sequence) else [stances]):
+            of_kind(f"stances[{k}]", stance, Stance)
+    return len(stances)
+
+
 def can_stand_batch(
     stances: Sequence[Stance] | StanceBatch,
     com: ArrayLike,
@@ -136,7 +144,7 @@ def can_stand_batch(
     >>> verdicts[2].verify()
     True
     """
-    size = len(stances)
+    size = _count(stances)
     about, masses = _per_stance("com", com, size, (3,)), _masses(mass, size)
     wrenches = np.zeros((size, 6))
     if np.ndim(external_wrench) or external_wrench != 0.0:
@@ -225,7 +233,7 @@ def com_region_batch(
     >>> [round(r.area, 6) for r in com_region_batch(StanceBatch([feet, 0.5 * feet]), mass=15.0)]
     [0.08, 0.02]
     """
-    size = len(stances)
+    size = _count(stances)
     masses = _masses(mass, size)
     heights = None if height is None else _per_stance("height", height, size, ())
     checked_gap(tol)

@@ -78,7 +78,7 @@ def com_region(
     >>> round(region.area, 6), region.contains([0.19, 0.09]), region.contains([0.21, 0.0])
     (0.08, True, False)
     """
-    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
+    of_kind("stance", stance, Stance)
     step = finite_array("acceleration", acceleration, (3,))
     load = needed_wrench(mass, external_wrench)
     load[:3] += mass * step

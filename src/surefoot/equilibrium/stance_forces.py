@@ -42,7 +42,7 @@ def distribute(
     ProblemError
         If the wrench or the point is not finite or has the wrong shape.
     """
-    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
+    of_kind("stance", stance, Stance)
     w = finite_array("wrench", wrench, (6,))
     points = stance.points()
     distributor = ForceDistributor(

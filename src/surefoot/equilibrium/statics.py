@@ -97,7 +97,7 @@ def can_stand(
     >>> bool(verdict), float(verdict.certificate @ verdict.load) < 0.0
     (False, True)
     """
-    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
+    of_kind("stance", stance, Stance)
     about = _vector("com", com, 3)
     load = needed_wrench(mass, external_wrench)
     if limits is not None or facets is not None or stance.bounded or not stance.contacts:
@@ -201,7 +201,7 @@ def friction_needed(
     >>> round(friction_needed(stance, com=[0, 0, 0.3], mass=15.0), 6)  # tan 30 deg
     0.57735
     """
-    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
+    of_kind("stance", stance, Stance)
     about = _vector("com", com, 3)
     load = needed_wrench(mass, external_wrench)
     most = math.inf if force_limit is None else real_number("force_limit", force_limit, low=0.0)

@@ -59,7 +59,7 @@ def wrench_cone(
     about: ArrayLike = (0.0, 0.0, 0.0),
     facets: int = 8,
     fit: Fit = "inner",
-    method: Method = "dd",
+    method: Method = "qhull",
     most_rows: int = MOST_ROWS,
 ) -> PolyhedralCone:
     """Return all wrenches that a stance's contact forces can give the robot, as a polyhedral cone.
@@ -73,7 +73,7 @@ def wrench_cone(
     facets, fit
         Sides of the friction pyramids, inside or around the cones.
     method
-        "dd", "qhull" or "cdd": see `surefoot.cones.representation`.
+        "qhull" or "cdd": see `surefoot.cones.representation`.
     most_rows
         Half-spaces that may be expected at most: see `wrench_cone_size`.
 
@@ -103,7 +103,7 @@ def wrench_cone(
     >>> bool(giwc.contains([0, 0, 150, 0, 0, 0])), bool(giwc.contains([0, 0, 150, 0, 40, 0]))
     (True, False)
     """
-    of_kind("stance", stance, Stance, "sf.Stance([sf.PointContact(p)])")
+    of_kind("stance", stance, Stance)
     points = stance.points()
     size = wrench_cone_size(stance, facets)
     if size.most_rows > most_rows:

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
+from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, of_kind, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation.detection_kernels import add_torques, feel_feet
 from surefoot.estimation.foot_kinematics import FootKinematics
@@ -35,6 +35,9 @@ from surefoot.log import Log
 from surefoot.numerics.phases import debounced
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
+
+BOUNCE = 0.02
+"""Contacts and flights that are shorter are taken for bounces where detected contacts are judged [s]."""
 
 
 @dataclass(frozen=True)
@@ -135,6 +138,7 @@ class ContactDetector(Bound):
         feet: FootKinematics | None = None,
         least: float = 0.0,
     ) -> None:
+        of_kind("robot", robot, Robot)
         if not robot.floating or not robot.feet:
             raise ProblemError(
                 f"contacts are detected for a floating base with feet; {robot.name} has no such thing"
@@ -267,6 +271,8 @@ def detect_contacts(robot: Robot, log: Log, settings: DetectionSettings | None =
     ProblemError
         If a channel or the fact ``dt`` is missing, or what they hold does not fit the robot.
     """
+    of_kind("robot", robot, Robot)
+    of_kind("log", log, Log)
     missing = [name for name in ("q", "v", "torques") if name not in log]
     if missing:
         raise ProblemError(
@@ -301,9 +307,7 @@ class DetectionErrors:
     wrong_share: float
 
 
-def detection_errors(
-    detected: BoolArray, truth: BoolArray, dt: float, shortest: float = 0.02
-) -> DetectionErrors:
+def detection_errors(detected: BoolArray, truth: BoolArray, dt: float) -> DetectionErrors:
     """Compare detected contacts with true ones, (T, n) each.
 
     Parameters
@@ -311,9 +315,7 @@ def detection_errors(
     detected, truth
         (T, n) which feet touch.
     dt
-        Time between rows [s].
-    shortest
-        True phases shorter than this are taken for bounces and closed [s].
+        Time between rows [s]; true phases shorter than `BOUNCE` are closed.
 
     Raises
     ------
@@ -326,7 +328,7 @@ def detection_errors(
     time = step * np.arange(len(truth), dtype=np.float64)
     downs, ups, missed, false, contacts, wrong = [], [], 0, 0, 0, 0
     for k in range(truth.shape[1]):
-        real = debounced(time, truth[:, k], shortest)
+        real = debounced(time, truth[:, k], BOUNCE)
         told = detected[:, k]
         wrong += int(np.count_nonzero(real != told))
         phases, guesses = _phases(real), _phases(told)

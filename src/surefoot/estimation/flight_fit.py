@@ -66,32 +66,7 @@ class StairSteps(NamedTuple):
     tread: float
 
 
-class StepLine:
-    """Edges of equal steps along a line, as estimated.
-
-    `_x` begins with the place of edge 0 and the depth of a tread, `_z` with the height of the ground before
-    that edge and the rise of a step [m].
-    """
-
-    _x: FloatArray
-    _z: FloatArray
-
-    @property
-    def tread(self) -> float:
-        """Depth of a tread [m]."""
-        return float(self._x[1])
-
-    @property
-    def rise(self) -> float:
-        """Height of a step, negative where they go down [m]."""
-        return float(self._z[1])
-
-    def edge(self, number: int) -> float:
-        """Return the place of an edge along the line [m]."""
-        return float(self._x[0] + number * self._x[1])
-
-
-class FlightFit(StepLine):
+class FlightFit:
     """Follows a flight of stairs from scan to scan.
 
     Parameters
@@ -126,6 +101,20 @@ class FlightFit(StepLine):
         self._Q = np.diag([0.1 * steps.rise, 0.1 * steps.rise, ANGLE]) ** 2
         self._times: dict[int, int] = {}
         self._missed = 0
+
+    @property
+    def tread(self) -> float:
+        """Depth of a tread [m]."""
+        return float(self._x[1])
+
+    @property
+    def rise(self) -> float:
+        """Height of a step, negative where they go down [m]."""
+        return float(self._z[1])
+
+    def edge(self, number: int) -> float:
+        """Return the place of an edge along the line [m]."""
+        return float(self._x[0] + number * self._x[1])
 
     @property
     def first(self) -> int:

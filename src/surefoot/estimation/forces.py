@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, of_kind, real_number
 from surefoot.equilibrium.statics import can_stand
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
@@ -118,6 +118,7 @@ def estimate_forces(
         For wrong shapes, numbers that are not finite, standard deviations that are not positive, or a robot
         that is bolted to the world.
     """
+    of_kind("robot", robot, Robot)
     import pinocchio
 
     if not robot.floating:

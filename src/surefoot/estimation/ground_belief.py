@@ -12,7 +12,6 @@ from collections import deque
 from typing import Protocol, cast
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.terrain import Terrain
@@ -27,8 +26,6 @@ SMOOTH = 0.004
 """Distances of footholds from their plane that count as flat ground [m]."""
 BUMPS = 1.5
 """Height by which ground may stick out, over the footholds' deviation from their plane."""
-BIAS_GAIN, LARGEST_BIAS = 0.3, 0.3
-"""Share of the error of an expected height by which the next are corrected, and the most, in body heights."""
 STRIKE_REACH = 0.25
 """A foot over known ground strikes what is so near before it, in heights of the centre of mass."""
 LOW = 0.22
@@ -86,13 +83,13 @@ class BeliefTerrain(Terrain):
         When a foot has last struck an edge [s].
     seen
         Whether a sensor sees the ground before feet touch it.
-    finds_steps
-        Whether it finds steps and drops by touch, as `TouchedSteps` does.
+    finds_drops
+        Whether it finds drops by touch, as `TouchedGround` does.
     """
 
     learns = True
     seen = False
-    finds_steps = False
+    finds_drops = False
     radius: float = 0.0
     struck_at: float = -math.inf
 
@@ -158,7 +155,7 @@ class BeliefTerrain(Terrain):
 
     @property
     def edges_known(self) -> bool:
-        """Whether what feet have struck is known as the edge of a step."""
+        """Whether what feet may strike is known as an edge."""
         return False
 
     def stumbled(self, time: float) -> None:
@@ -211,47 +208,3 @@ class BeliefTerrain(Terrain):
 def believed(terrain: Terrain) -> BeliefTerrain | None:
     """Return a terrain that learns as the belief that it is, None for one that is known."""
     return cast(BeliefTerrain, terrain) if terrain.learns else None
-
-
-class TouchedGround(BeliefTerrain):
-    """The plane through the last footholds, by touch alone.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> ground = TouchedGround()
-    >>> feet = np.array([[0.2, 0.1, 0.02], [0.2, -0.1, 0.02], [-0.2, 0.1, -0.02], [-0.2, -0.1, -0.02]])
-    >>> ground.begin(SimpleNamespace(q=np.zeros(7), v=np.zeros(6), time=0.0, scan=None), feet, 0.3)
-    >>> ground.height([0.4, 0.0]).round(3), ground.gradient([0.4, 0.0]).round(3) + 0.0
-    (np.float64(0.04), array([0.1, 0. ]))
-    """
-
-    def __init__(self) -> None:
-        self._about, self._level, self._slope = np.zeros(2), 0.0, np.zeros(2)
-        self._bias = 0.0
-
-    def __repr__(self) -> str:
-        return "TouchedGround()"
-
-    def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
-        """See `BeliefTerrain.begin`."""
-        self._bias = 0.0
-        super().begin(state, ground, height)
-
-    def height(self, xy: ArrayLike) -> FloatArray:
-        """Return the expected height under (..., 2) places [m]: (...)."""
-        above = (np.asarray(xy, dtype=np.float64) - self._about) @ self._slope
-        return np.asarray(self._level + self._bias + above)
-
-    def gradient(self, xy: ArrayLike) -> FloatArray:
-        """Return the plane's slope [-] at (..., 2) places [m]: (..., 2)."""
-        return np.broadcast_to(self._slope, np.shape(xy)).copy()
-
-    def _touched(self, point: FloatArray) -> None:
-        """Learn how far the ground lies above what was expected: the plane comes late onto stairs."""
-        error = float(point[2] - self.height(point[:2]))
-        most = LARGEST_BIAS * self._height
-        self._bias = min(max(self._bias + BIAS_GAIN * error, -most), most)
-
-    def _fitted(self) -> None:
-        """See `BeliefTerrain`; the plane is read as it is."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation.foot_kinematics import FootKinematics, base_state
 from surefoot.estimation.inekf import GATE, FilterNoise, InvariantFilter
@@ -84,6 +84,7 @@ class InvariantEkf(Bound):
         imu_position: ArrayLike = (0.0, 0.0, 0.0),
         gate: float = GATE,
     ) -> None:
+        of_kind("robot", robot, Robot)
         if not robot.floating or not robot.feet:
             raise ProblemError(f"a state estimate needs a floating base with feet; {robot.name} has no such")
         self.robot, self.dt, self.ground = robot, real_number("dt", dt, low=1e-6, high=1.0), ground

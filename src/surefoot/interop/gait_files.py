@@ -37,7 +37,7 @@ import numpy as np
 from surefoot.arrays import BoolArray
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.stance.contact_schedule import ContactSchedule
-from surefoot.stance.gait import MAX_FLIGHT, Gait, ModeSchedule, mode_feet
+from surefoot.stance.gait import Gait, ModeSchedule, mode_feet
 from surefoot.text_files import read_text
 
 QUADRUPED = ("LF", "RF", "LH", "RH")
@@ -94,7 +94,7 @@ def mode_from_name(name: str, labels: Sequence[str] = QUADRUPED) -> int:
     return number
 
 
-def read_gaits(path: Path | str, feet: int = 4, max_flight: float = MAX_FLIGHT) -> dict[str, ContactSchedule]:
+def read_gaits(path: Path | str, feet: int = 4) -> dict[str, ContactSchedule]:
     """Read every gait and mode schedule of a file.
 
     Parameters
@@ -103,21 +103,19 @@ def read_gaits(path: Path | str, feet: int = 4, max_flight: float = MAX_FLIGHT) 
         A file in OCS2's format.
     feet
         Number of feet: 4 or 2.
-    max_flight
-        Longest time without any stance foot that is accepted [s].
 
     Raises
     ------
     ProblemError
         If the file cannot be read, its braces do not match, or a gait in it is wrong.
     """
-    out = parse_gaits(read_text(path, "the gait file"), feet, max_flight)
+    out = parse_gaits(read_text(path, "the gait file"), feet)
     if not out:
         raise ProblemError(f"{path} holds no gait: a block with modeSequence and switchingTimes")
     return out
 
 
-def parse_gaits(text: str, feet: int = 4, max_flight: float = MAX_FLIGHT) -> dict[str, ContactSchedule]:
+def parse_gaits(text: str, feet: int = 4) -> dict[str, ContactSchedule]:
     """Return every gait and mode schedule in a text; see `read_gaits`."""
     if feet not in LABELS:
         raise ProblemError(f"OCS2's modes name 2 or 4 feet, got {feet}")
@@ -127,9 +125,9 @@ def parse_gaits(text: str, feet: int = 4, max_flight: float = MAX_FLIGHT) -> dic
         modes = [mode_from_name(m, labels) for m in _entries(name, "modeSequence", block)]
         if "switchingTimes" in block:
             times = _numbers(name, "switchingTimes", block)
-            out[name] = Gait(name, np.array(times) - times[0], modes, feet, max_flight)
+            out[name] = Gait(name, np.array(times) - times[0], modes, feet)
         elif "eventTimes" in block:
-            out[name] = ModeSchedule(_numbers(name, "eventTimes", block), modes, feet, max_flight)
+            out[name] = ModeSchedule(_numbers(name, "eventTimes", block), modes, feet)
         else:
             raise ProblemError(f"gait {name} needs switchingTimes or eventTimes")
     return out

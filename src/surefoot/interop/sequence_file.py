@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, of_kind
 from surefoot.errors import ProblemError, WriteError, one_line
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
@@ -69,6 +69,7 @@ def write_sequence(sequence: ContactSequence, path: Path | str) -> Path:
     WriteError
         If it cannot be written.
     """
+    of_kind("sequence", sequence, ContactSequence)
     target = Path(path)
     text = json.dumps(sequence_to_dict(sequence), indent=1, allow_nan=False) + "\n"
     try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
@@ -20,9 +20,7 @@ SHORTEST = 0.02
 """Changes of contact that last less than this are left out [s]."""
 
 
-def sequence_from_log(
-    log: Log, facets: int = 8, fit: Fit = "inner", shortest: float = SHORTEST
-) -> ContactSequence:
+def sequence_from_log(log: Log, facets: int = 8, fit: Fit = "inner") -> ContactSequence:
     """Return the contacts of a run or a plan: phases, mean places, mean forces.
 
     Parameters
@@ -31,8 +29,6 @@ def sequence_from_log(
         With forces, contact_positions, normals and mu, and the facts feet, contact_foot, mass and dt.
     facets, fit
         Of the pyramids.
-    shortest
-        A phase shorter than this joins the one before it [s].
 
     Returns
     -------
@@ -45,13 +41,13 @@ def sequence_from_log(
     ProblemError
         If the log does not tell what is needed.
     """
-    real_number("shortest", shortest, low=0.0)
+    of_kind("log", log, Log)
     for needed in ("feet", "contact_foot"):
         log.fact(needed)
     mass, dt, names = float(log.fact("mass")), float(log.fact("dt")), tuple(contact_names(log))
     forces: FloatArray = np.asarray(log["forces"])
     on = forces[:, :, 2] > LOADED * mass * GRAVITY
-    starts = _phase_starts(on, max(1, round(shortest / dt)))
+    starts = _phase_starts(on, max(1, round(SHORTEST / dt)))
     phases = []
     for begin, end in zip(starts, [*starts[1:], len(on)], strict=True):
         rows = slice(begin, end)

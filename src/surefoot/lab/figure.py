@@ -61,10 +61,10 @@ class Figure:
             f'<{kind} points="{text}" stroke="{css(colour)}" stroke-width="{width:g}" {shade}/>'
         )
 
-    def dot(self, point: Sequence[float] | FloatArray, colour: Colour, radius: float = 4.0) -> None:
+    def dot(self, point: Sequence[float] | FloatArray, colour: Colour) -> None:
         """Draw a dot at a (2,) point."""
         ((x, y),) = self.place(np.array([point]))
-        self.parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius:g}" fill="{css(colour)}"/>')
+        self.parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{css(colour)}"/>')
 
     def words(self, x: float, y: float, text: str, colour: Colour, size: int = 11) -> None:
         """Write at a place in pixels from the upper left corner."""

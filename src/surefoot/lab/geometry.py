@@ -26,9 +26,9 @@ NOTHING: tuple[FloatArray, IntArray] = (np.zeros((0, 3)), np.zeros((0, 3), dtype
 
 
 @cache
-def fan(count: int, closed: bool = True) -> IntArray:
+def fan(count: int) -> IntArray:
     """Return the (m, 3) triangles from vertex 0 to those of a ring 1 .. count."""
-    first = np.arange(1, count + (1 if closed else 0))
+    first = np.arange(1, count + 1)
     second = np.where(first == count, 1, first + 1)
     return np.column_stack([np.zeros(len(first), dtype=np.int64), first, second])
 

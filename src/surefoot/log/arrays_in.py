@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import whole_number
+from surefoot.arrays import of_kind, whole_number
 from surefoot.errors import ProblemError, check_name, unknown_name
 from surefoot.log.channels import CHANNELS
 from surefoot.log.log import Log
@@ -81,6 +81,7 @@ def log_from_arrays(
     forces: contact axes are taken to be the world's, as on level ground
     normal forces are 1.63 m g on average: unit, mass, or feet that are missing?
     """
+    of_kind("arrays", arrays, Mapping)
     fields, frame_of = _channels(arrays, environment)
     frame_of |= {**(frames or {})}
     rows = {name: len(array) for name, array in fields.items() if array.ndim}

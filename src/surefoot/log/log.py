@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.arrays import of_kind
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.log.channels import CHANNELS, Channel, check_shapes
 from surefoot.log.facts import FACTS
@@ -66,6 +67,7 @@ class Log:
     sizes: dict[str, int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        of_kind("arrays", self.arrays, Mapping)
         try:
             self.arrays = {name: np.asanyarray(array) for name, array in self.arrays.items()}
         except ValueError as error:

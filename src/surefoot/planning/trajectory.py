@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array
+from surefoot.arrays import BoolArray, FloatArray, finite_array, of_kind
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
 from surefoot.stepping.detection import TerrainDetection
@@ -168,7 +168,8 @@ def rollout(
     >>> falling.q.shape, falling.lawful, falling.law_residual < 1e-8
     ((11, 19), True, True)
     """
-    knot = MomentumKnot(Stepper(robot, terrain, StepOptions(dt=dt, order=1, tol=TOLERANCE)))
+    of_kind("robot", robot, Robot)
+    knot = MomentumKnot(Stepper(robot, terrain, StepOptions(dt=dt, order=1, solver_tol=TOLERANCE)))
     model = robot.model
     q, v = finite_array("q", q, (model.nq,)), finite_array("v", v, (model.nv,))
     policy, count = _policy(robot, torques, steps)

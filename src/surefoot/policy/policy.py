@@ -24,6 +24,7 @@ from surefoot.policy.spec import PolicySpec, missing
 from surefoot.policy.terms import KINDS, Senses
 from surefoot.robot import Robot, load_robot
 from surefoot.terrain import FlatTerrain, Terrain
+from surefoot.text_files import path_of
 
 BEARABLE = 0.7
 """Share of a joint's speed that damping may take away in a step of the world: more would shake it."""
@@ -104,7 +105,7 @@ class Policy(Controller):
         trust: bool = False,
         dt: float = 1e-3,
     ) -> None:
-        path = Path(file)
+        path = path_of(file)
         chosen = robot_of(path) or "go2" if robot is None else robot
         self.robot = load_robot(chosen) if isinstance(chosen, str) else chosen
         self.network = open_network(path, trust)

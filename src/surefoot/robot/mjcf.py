@@ -10,7 +10,6 @@ how the robot rests (closed chains, springs, tendons that pull) is not left out 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -327,6 +326,6 @@ class _Builder:
         return self.pin.SE3(rotation, np.array(place, dtype=np.float64))
 
 
-def nominal_of(poses: dict[str, FloatArray], names: Sequence[str] = POSES) -> FloatArray | None:
+def nominal_of(poses: dict[str, FloatArray]) -> FloatArray | None:
     """Return the keyframe (nq,) [m, -, rad] that is a nominal pose, None if there is none."""
-    return next((poses[name].copy() for name in names if name in poses), None)
+    return next((poses[name].copy() for name in POSES if name in poses), None)

@@ -101,11 +101,11 @@ def place(
     ModelError
         If the robot has no feet or a fixed base, or the legs cannot reach the ground this way.
     """
-    of_kind("robot", robot, Robot, 'sf.load_robot("go2")')
+    of_kind("robot", robot, Robot)
     if not robot.floating or not robot.feet:
         raise ModelError(f"{robot.name} cannot be placed: it needs a floating base and feet")
     ground = FlatTerrain() if terrain is None else terrain
-    of_kind("terrain", ground, Terrain, "sf.SlopeTerrain(10.0)")
+    of_kind("terrain", ground, Terrain)
     there = finite_array("at", at, (2,))
     seen = _SeenFrom(ground, there) if there.any() else ground
     for share in LEANS:

@@ -23,7 +23,7 @@ def equipped(robot: Robot, actuators: str | Actuators) -> tuple[Robot, Actuators
     ProblemError
         For an unknown name, or a value that does not fit the robot.
     """
-    of_kind("robot", robot, Robot, 'sf.load_robot("go2")')
+    of_kind("robot", robot, Robot)
     chosen = actuators_of(robot, actuators)
     return (robot, None) if chosen is None else (with_rotors(robot, chosen.armature), chosen)
 

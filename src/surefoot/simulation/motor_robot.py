@@ -35,21 +35,15 @@ class MotorRobot:
         Time between readings [s]; the world's steps are of 1 ms.
     delay
         From targets to motors [s].
-    sensors
-        None for ordinary ones.
     terrain, mu
         The ground.
-    actuators
-        See `MujocoWorld`.
     seed
         Of the sensors' random numbers.
-    world
-        Another world for the robot; None for a `MujocoWorld` in which all links may touch.
 
     Attributes
     ----------
     world
-        Where it is in truth.
+        Where it is in truth: a `MujocoWorld` with real motors, in which all links may touch.
     torques
         (joints,) that the motors gave last [N m].
     """
@@ -59,18 +53,15 @@ class MotorRobot:
         robot: Robot,
         dt: float = 0.002,
         delay: float = 0.004,
-        sensors: SensorModel | None = None,
         terrain: Terrain | None = None,
         mu: float = 0.6,
-        actuators: str = "real",
         seed: int = 0,
-        world: MujocoWorld | None = None,
     ) -> None:
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-3, high=0.1)
-        self.world = world or MujocoWorld(robot, terrain, mu, 1e-3, collision="full", actuators=actuators)
+        self.world = MujocoWorld(robot, terrain, mu, 1e-3, collision="full", actuators="real")
         self._steps = round(dt / self.world.dt)
         late = round(real_number("delay", delay, low=0.0, high=0.1) / self.world.dt)
-        self._model, self._seed = sensors or SensorModel(), seed
+        self._model, self._seed = SensorModel(), seed
         self._damp = damping_targets(robot, self.world.dt)
         self._queue: deque[JointTargets] = deque(maxlen=late + 1)
         self.reset(robot.nominal)

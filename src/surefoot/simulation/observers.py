@@ -57,6 +57,10 @@ class Observer(Protocol):
         return
 
 
+EVERY = 0.02
+"""Simulated time between calls of `RunProgress` [s]."""
+
+
 class RunProgress(Observer):
     """Tells how far a run is.
 
@@ -64,15 +68,13 @@ class RunProgress(Observer):
     ----------
     tell
         Called with the simulated time [s].
-    every
-        Simulated time between calls [s].
     """
 
-    def __init__(self, tell: Callable[[float], None], every: float = 0.02) -> None:
-        self._tell, self._every, self._next = tell, every, 0.0
+    def __init__(self, tell: Callable[[float], None]) -> None:
+        self._tell, self._next = tell, 0.0
 
     def step(self, moment: Moment) -> None:
         """Tell the time, if it is due."""
         if moment.time >= self._next:
             self._tell(moment.time)
-            self._next = moment.time + self._every
+            self._next = moment.time + EVERY

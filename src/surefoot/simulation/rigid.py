@@ -25,6 +25,7 @@ from surefoot.simulation.recorder import RECORDER
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping import State, Step, StepDerivative, StepOptions, Stepper, step_derivative
 from surefoot.stepping.bodies import finite_vector
+from surefoot.stepping.controlled import ErrorControl
 from surefoot.stepping.options import StepSettings
 from surefoot.terrain import Terrain
 
@@ -95,14 +96,20 @@ class RigidWorld:
         ground and with itself; or a `Geometry` of `surefoot.collision`.
     actuators
         Its motors: "ideal", "real", or a value; see `surefoot.robot.actuators`.
+    tol
+        Error of the state [m, rad] and [m/s, rad/s] for which each step of `dt` is divided as often as that
+        takes, see `surefoot.stepping.controlled`; None for steps of `dt`.
     **settings
-        ``restitution``, ``stabilisation``, ``law``, ``solver``, ``tol``, ``integration`` and ``order`` of
-        `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft, None is rigid.
+        ``restitution``, ``stabilisation``, ``law``, ``solver``, ``solver_tol``, ``integration``, ``order``
+        and ``impacts`` of `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft,
+        None is rigid.
 
     Attributes
     ----------
     stepper
         What takes the steps.
+    control
+        What divides them, with the error that it estimates; None without a `tol`.
     applied
         (joints,) torques that the motors gave in the last step [N m].
     model
@@ -151,10 +158,11 @@ class RigidWorld:
         collision: str | Geometry = "feet",
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
         actuators: str | Actuators = "ideal",
+        tol: float | None = None,
         **settings: Unpack[StepSettings],
     ) -> None:
         if not hasattr(robot, "model"):
-            of_kind("robot", robot, Robot, 'sf.load_robot("go2")')
+            of_kind("robot", robot, Robot)
         self.actuators: Actuators | None = None
         if actuators != "ideal":  # a body of `simulation.bodies` has no joints to ask about
             robot, self.actuators = equipped(robot, actuators)
@@ -165,6 +173,7 @@ class RigidWorld:
         self.stepper = (None if recorder is None else recorder.stepper) or Stepper(
             robot, terrain, options, payload, chosen_geometry(robot, collision), payload_position
         )
+        self.control = None if tol is None else ErrorControl(self.stepper, tol)
         self.robot, self.terrain, self.dt = robot, self.stepper.terrain, options.dt
         self.model = self.stepper.bodies.model
         self.payload = payload if robot.floating else 0.0
@@ -192,6 +201,8 @@ class RigidWorld:
         self._state: State = self.stepper.start(q, v)
         if (recorder := RECORDER.get()) is not None:
             self._state = recorder.placed(self._state)
+        if self.control is not None:
+            self.control.restart()
         self._start = self.stepper.contacts(self._state)
         self.last: Step | None = None
         self.unsolved, self.worst_residual = 0, 0.0
@@ -240,7 +251,7 @@ class RigidWorld:
                 self._state = known
                 return
         torques = self._net(torques)
-        self.last = step = self.stepper.step(self._state, torques, push, self.mu)
+        self.last = step = (self.control or self.stepper).step(self._state, torques, push, self.mu)
         pushed = None if push is None else np.array(push, dtype=np.float64)
         self._given = self._state, np.array(torques, dtype=np.float64), pushed, self.mu
         if recorder is not None:
@@ -325,12 +336,14 @@ class RigidWorld:
         Raises
         ------
         ProblemError
-            Before the first step, with a soft law, with actuators, and where more than feet may touch.
+            Before the first step, with a soft law, a `tol` or actuators, and where more than feet may touch.
         NoSolution
             If the step's contact problem is not SOLVED.
         """
         if self.last is None:
             raise ProblemError("there is no step to differentiate before the first step")
+        if self.control is not None:
+            raise ProblemError("steps are differentiated at a length of their own, not with a tol")
         if self.actuators is not None:
             raise ProblemError(
                 'steps are differentiated with actuators="ideal", not with motors and friction'

@@ -68,6 +68,8 @@ class Backward:
         self.world: RigidWorld = taken.world
         self.model = self.world.model
         options = self.world.stepper.options
+        if self.world.control is not None:
+            raise ProblemError("steps are differentiated at a length of their own, not with a tol")
         if self.world.actuators is not None or (
             options.soft is not None and options.integration == "explicit"
         ):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, of_kind
 from surefoot.collision import Geometry, Shape, Solid, robot_geometry
 from surefoot.collision.shapes import positive
 from surefoot.errors import ProblemError, check_name
@@ -124,7 +124,10 @@ class Scene(Robot):
         propagation: bool = False,
     ) -> None:
         pinocchio = import_pinocchio()
+        of_kind("bodies", bodies, Sequence)
         self.bodies, self._robot = tuple(bodies), robot
+        for k, body in enumerate(self.bodies):
+            of_kind(f"bodies[{k}]", body, Body)
         names = [body.name for body in self.bodies]
         if len(set(names)) != len(names):
             raise ProblemError(f"bodies must have names of their own, got {', '.join(names)}")

@@ -20,7 +20,7 @@ class SceneWorld(RigidWorld):
     ----------
     scene
         The bodies.
-    terrain, mu, dt, **settings
+    terrain, mu, dt, tol, **settings
         See `RigidWorld`; `mu` and `restitution` are those of the ground and of bodies without their own.
 
     Examples
@@ -45,9 +45,11 @@ class SceneWorld(RigidWorld):
         terrain: Terrain | None = None,
         mu: float = 0.6,
         dt: float = 1e-3,
+        *,
+        tol: float | None = None,
         **settings: Unpack[StepSettings],
     ) -> None:
-        super().__init__(scene, terrain, mu, dt, **settings)
+        super().__init__(scene, terrain, mu, dt, tol=tol, **settings)
         self.reset(*scene.start())
 
     @property

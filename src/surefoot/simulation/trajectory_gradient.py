@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, of_kind
 from surefoot.errors import ProblemError
 from surefoot.simulation.recorder import RECORDER, Recorder
 from surefoot.simulation.rollout_backward import WIDTH, Backward
@@ -28,6 +28,8 @@ class TrajectoryGradient:
     """A loss of a rollout as a function of its parameters, with its gradient; see `trajectory_gradient`."""
 
     def __init__(self, rollout: Rollout, loss: Loss, wrt: Sequence[str]) -> None:
+        of_kind("rollout", rollout, Callable)  # type: ignore[arg-type]
+        of_kind("wrt", wrt, Sequence)
         self.rollout, self.loss, self.wrt = rollout, loss, tuple(wrt)
 
     def __call__(self, **parameters: Any) -> LossGradient:

@@ -13,6 +13,8 @@ from surefoot.simulation.motor_robot import MotorRobot
 
 SILENCE = 0.02
 """Time without a command that can be obeyed, after which the joints are damped [s]."""
+MACHINE = 5
+"""A humanoid's `mode_machine`."""
 PATIENT = 1.0
 """Longest wait for an answer in slow motion [s]."""
 
@@ -30,8 +32,6 @@ class WiredRobot:
         What is spoken there.
     slow
         Whether each state waits for its answer: slower than real time on a busy machine, and nothing is late.
-    machine
-        A humanoid's `mode_machine`.
 
     Attributes
     ----------
@@ -39,10 +39,8 @@ class WiredRobot:
         How many steps it has damped by itself since the first command.
     """
 
-    def __init__(
-        self, robot: MotorRobot, end: WireEnd, dialect: Dialect, slow: bool = False, machine: int = 5
-    ) -> None:
-        self.robot, self.end, self.dialect, self.slow, self.machine = robot, end, dialect, slow, machine
+    def __init__(self, robot: MotorRobot, end: WireEnd, dialect: Dialect, slow: bool = False) -> None:
+        self.robot, self.end, self.dialect, self.slow = robot, end, dialect, slow
         joints = robot.robot.joint_names
         self._order = np.array([joints.index(name) for name in dialect.motors])
         self._back = np.argsort(self._order)
@@ -52,11 +50,11 @@ class WiredRobot:
     def step(self) -> None:
         """Say what is read, listen, and go on by a step."""
         robot = self.robot
-        self.end.send(self.dialect.told(robot.read().ordered(self._order), self.machine))
+        self.end.send(self.dialect.told(robot.read().ordered(self._order), MACHINE))
         self._due = max(self._due + robot.dt, clock.perf_counter() - robot.dt)
         left = max(self._due - clock.perf_counter(), 1e-5)
         message = self.end.receive(PATIENT if self.slow and self._heard and not self._silent else left)
-        targets = None if message is None else self.dialect.targets(message, self.machine)
+        targets = None if message is None else self.dialect.targets(message, MACHINE)
         if targets is not None:
             self._heard, self._silent = True, 0.0
             robot.take(JointTargets(*(values[self._back] for values in targets)))

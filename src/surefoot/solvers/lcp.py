@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray, of_kind, real_number
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.errors import NoSolution, SolverNotFound, unknown_name
@@ -117,6 +117,7 @@ def solve_lcp(
     >>> solution.status.value, (3 * solution.z).round(6).tolist()
     ('solved', [4.0, 7.0])
     """
+    of_kind("problem", problem, LCP)
     if solver == "path":
         raise SolverNotFound(NO_PATH)
     if solver not in METHODS:

@@ -13,7 +13,11 @@ import scipy.linalg
 from surefoot.arrays import FloatArray
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
-from surefoot.solvers.solver import Answer, BestPoint, SolverSettings
+from surefoot.kernels import working_time
+from surefoot.solvers.solver import Answer, SolverSettings
+
+MOST, PATIENCE = 200, 40
+"""Iterations, and those in which the residual has to fall by a tenth now and then."""
 
 
 def solve_interior_point(problem: LCP, settings: SolverSettings) -> Answer:
@@ -22,17 +26,24 @@ def solve_interior_point(problem: LCP, settings: SolverSettings) -> Answer:
     M, q = problem.M / scale, problem.q / scale
     start = max(float(np.abs(q).max()), 1e-3)
     z, w = np.full(q.size, start), np.full(q.size, start)
-    search = BestPoint(settings, 200, np.zeros(q.size), problem.residual(np.zeros(q.size)), 40)
-    while search.done < search.limit:
+    limit = MOST if settings.max_iterations is None else settings.max_iterations
+    end, best, idle = working_time() + settings.max_time, np.zeros(q.size), 0
+    error = problem.residual(best)
+    for done in range(1, limit + 1):
         with np.errstate(all="ignore"):
             z, w = _advance(M, q, z, w)
         if not (np.isfinite(z).all() and np.isfinite(w).all()):
-            return Answer(search.best, search.done + 1, Status.STALLED)
+            return Answer(best, done, Status.STALLED)
         snapped = np.where(z > w, z, 0.0)
         residuals = problem.residual(z), problem.residual(snapped)
-        if search.over(snapped if residuals[1] < residuals[0] else z, min(residuals)):
-            break
-    return Answer(search.best, search.done, search.stop)
+        idle = 0 if min(residuals) < 0.9 * error else idle + 1
+        if min(residuals) < error:
+            best, error = (snapped if residuals[1] < residuals[0] else z), min(residuals)
+        if error <= settings.tol:
+            return Answer(best, done)
+        if idle > PATIENCE or working_time() > end:
+            return Answer(best, done, Status.STALLED if idle > PATIENCE else Status.MAX_TIME)
+    return Answer(best, limit, Status.MAX_ITERATIONS)
 
 
 def _advance(M: FloatArray, q: FloatArray, z: FloatArray, w: FloatArray) -> tuple[FloatArray, FloatArray]:

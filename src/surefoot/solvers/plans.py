@@ -43,7 +43,6 @@ CONES: dict[str, Plan] = {
         PlanStage("newton"),
         PlanStage("admm", 1500),
         PlanStage(ON_BLOCKS, 20_000),
-        PlanStage("interior_point"),
         PlanStage("admm", 10_000, warm=True),
         PlanStage("nsgs", 20_000, warm=True),
     ),
@@ -51,9 +50,7 @@ CONES: dict[str, Plan] = {
         PlanStage(PARTS),
         PlanStage(PROOF),
         PlanStage("distribution"),
-        PlanStage("interior_point"),
         PlanStage("admm", 4000, warm=True),
-        PlanStage("clarabel"),
     ),
 }
 """After the compiled call on few contacts."""
@@ -61,7 +58,6 @@ CONES_LARGE: dict[str, Plan] = {
     "coulomb": (
         PlanStage(PARTS),
         PlanStage(EARLY_PROOF),
-        PlanStage("interior_point", 40),
         PlanStage(ADMM_AND_NEWTON, 6000, warm=True),
         PlanStage(PROOF),
         PlanStage(MORE_NEWTON, 30_000, warm=True),
@@ -72,9 +68,7 @@ CONES_LARGE: dict[str, Plan] = {
     "convex": (
         PlanStage(PARTS),
         PlanStage(PROOF),
-        PlanStage("interior_point"),
         PlanStage(ADMM_AND_NEWTON, 4000, warm=True),
-        PlanStage("clarabel"),
         PlanStage(PROOF),
     ),
 }
@@ -85,9 +79,8 @@ PILES: Plan = (
     PlanStage(ADMM_AND_NEWTON, 20_000, warm=True),
     PlanStage(PROOF),
     PlanStage("nsgs", 20_000, warm=True),
-    PlanStage("interior_point", 40),
 )
-"""In place of Coulomb's for more contacts than `CROWD`: factorisations on all contacts come last."""
+"""In place of Coulomb's for more contacts than `CROWD`."""
 CROWD = 300
 PYRAMIDS: dict[str, Plan] = {
     "coulomb": (

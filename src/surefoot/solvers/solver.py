@@ -45,55 +45,17 @@ class SolverSettings:
     max_time: float = math.inf
 
 
-class BestPoint:
-    """The best point of an iteration so far, and whether it is worth going on.
-
-    Attributes
-    ----------
-    best, error
-        The point (m,), and its error [-].
-    done, limit, end
-        Iterations so far and at most; the clock's time [s] at which to stop.
-    stop
-        Why it is over, where the error does not say so.
-    """
-
-    def __init__(
-        self, settings: SolverSettings, most: int, start: FloatArray, error: float, patience: float
-    ) -> None:
-        self.tol, self.patience = settings.tol, patience
-        self.limit = most if settings.max_iterations is None else settings.max_iterations
-        self.end = working_time() + settings.max_time
-        self.best, self.error, self.done, self.stop = start, error, 0, Status.MAX_ITERATIONS
-        self._idle = 0
-
-    def over(self, point: FloatArray, error: float) -> bool:
-        """Count an iteration that led to a point (m,), whose error has to fall by a tenth now and then."""
-        self.done, self._idle = self.done + 1, self._idle + 1
-        if error < self.error:
-            self._idle = 0 if error < 0.9 * self.error else self._idle
-            self.best, self.error = point.copy(), error
-        if self.error <= self.tol:
-            return True
-        if self._idle > self.patience:
-            self.stop = Status.STALLED
-        elif working_time() > self.end:
-            self.stop = Status.MAX_TIME
-        return self.stop is not Status.MAX_ITERATIONS or self.done >= self.limit
-
-
 class Answer(NamedTuple):
     """What a solver hands back to `solve` or `solve_lcp`: its forces and why it stopped, no claim of success.
 
-    `forces` have the shape of the problem's, (n, 3), and its unit [N s, or N], or are z (n,) of an LCP;
-    `timings` are in seconds [s]. `stop` is read only where the residuals do not already say SOLVED or ALMOST;
-    INFEASIBLE needs the proof. `ray` (n,) is a direction of Lemke's method that may lead to one.
+    `forces` have the shape of the problem's, (n, 3), and its unit [N s, or N], or are z (n,) of an LCP.
+    `stop` is read only where the residuals do not already say SOLVED or ALMOST; INFEASIBLE
+    needs the proof. `ray` (n,) is a direction of Lemke's method that may lead to one.
     """
 
     forces: FloatArray
     iterations: int
     stop: Status = Status.MAX_ITERATIONS
-    timings: dict[str, float] | None = None
     proof: InfeasibilityProof | None = None
     ray: FloatArray | None = None
     message: str = ""
@@ -132,11 +94,10 @@ _MODULES = (
     "newton",
     "nsgs",
     "admm",
-    "interior_point",
     "lemke",
-    "external",
+    "daqp",
 )
-"""Where the solvers are: in files of their names, and those of other packages in `external`."""
+"""Where the solvers are: in files of their names."""
 GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)
 """What may have its cause in a problem without solution."""
 
@@ -195,6 +156,8 @@ def registry() -> dict[str, SolverEntry]:
 
 def solver_names(problem: ContactProblem | None = None) -> tuple[str, ...]:
     """Return the names of all solvers, or of those that take a problem's law, cones and bounds."""
+    if problem is not None:
+        of_kind("problem", problem, ContactProblem)
     entries = registry().values()
     return tuple(sorted(e.name for e in entries if problem is None or mismatch(e, problem) is None))
 
@@ -238,7 +201,7 @@ def solve(
         If the solver does not take this law or these cones, or a setting is out of range.
     """
     start = _clock()
-    of_kind("problem", problem, ContactProblem, "sf.ContactProblem(G, g, mu)")
+    of_kind("problem", problem, ContactProblem)
     entry = _REGISTRY.get(solver) if type(solver) is str else None
     if (
         type(tol) is not float
@@ -315,9 +278,7 @@ def certify(
     else:
         status, proof = stop, None
     record = record_of(forces, velocities, numbers)
-    return ContactSolution(
-        problem, record, status, name, answer.iterations, solve_time, answer.timings, proof
-    )  # fmt: skip
+    return ContactSolution(problem, record, status, name, answer.iterations, solve_time, proof)
 
 
 def nearest_to_zero(problem: ContactProblem) -> FloatArray:

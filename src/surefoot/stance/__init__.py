@@ -3,7 +3,6 @@
 from surefoot.stance.batch import StanceBatch
 from surefoot.stance.contact import Contact, PatchContact, PointContact
 from surefoot.stance.files import StanceQuestion, read_stance, write_stance
-from surefoot.stance.grasp import grasp_map
 from surefoot.stance.halfspaces import HalfSpaces
 from surefoot.stance.stance import Stance
 
@@ -15,7 +14,6 @@ __all__ = [
     "Stance",
     "StanceBatch",
     "StanceQuestion",
-    "grasp_map",
     "read_stance",
     "write_stance",
 ]

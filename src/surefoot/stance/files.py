@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, of_kind, real_number
 from surefoot.errors import ProblemError
 from surefoot.spatial import rotation_from_normal
 from surefoot.stance.contact import Contact, PatchContact, PointContact
@@ -86,6 +86,7 @@ def write_stance(question: StanceQuestion, path: str | Path) -> Path:
     ProblemError
         If the file exists or cannot be written.
     """
+    of_kind("question", question, StanceQuestion)
     import yaml
 
     target = Path(path)

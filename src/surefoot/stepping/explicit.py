@@ -42,7 +42,9 @@ class ExplicitMeeting(Meeting):
             if law.friction.exact:
                 g[2::3] += GRAVITY * dt  # free where forces are given; it sets the speed worth solving
                 problem = ContactProblem(G, g, self.mu, given, given)
-                solution = solve(problem, self.options.solver, self.options.tol, warm_start=last[taken])
+                solution = solve(
+                    problem, self.options.solver, self.options.solver_tol, warm_start=last[taken]
+                )
                 self.tally.add(solution)
                 impulses[taken] = solution.forces
             else:

@@ -155,7 +155,7 @@ class Meeting(NamedTuple):
         """Return the counted solution of a contact problem of the near contacts."""
         options, mu = self.options, self.mu if self.surfaces is None else self.surfaces.friction[near]
         problem = finite_problem(G, g, mu, options.problem_law)
-        solution = solve(problem, options.solver, options.tol, warm_start=warm)
+        solution = solve(problem, options.solver, options.solver_tol, warm_start=warm)
         self.tally.add(solution)
         return solution
 

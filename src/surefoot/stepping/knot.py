@@ -108,7 +108,7 @@ class Knot:
                 options.restitution,
                 2.0 * options.dt * GRAVITY,
                 options.pull,
-                options.tol,
+                options.solver_tol,
                 REACH,
                 0.0,
             ]

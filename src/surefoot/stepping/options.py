@@ -28,7 +28,7 @@ class StepSettings(TypedDict, total=False):
     stabilisation: Stabilisation
     law: str | SoftLaw | None
     solver: str
-    tol: float
+    solver_tol: float
     integration: Integration
     order: int
     impacts: Impacts
@@ -55,7 +55,7 @@ class StepOptions:
     integration
         Of a soft law: "implicit", the force at the end of the step, stable for any stiffness, which takes
         exact friction; "explicit", the force at its beginning, stable for short steps only.
-    solver, tol
+    solver, solver_tol
         For `surefoot.solve`.
     order
         Order in dt where forces are smooth. 2: forces in the middle of free motion that is integrated to a
@@ -78,7 +78,7 @@ class StepOptions:
     stabilisation: Stabilisation = "projection"
     law: str | SoftLaw = "coulomb"
     solver: str = "auto"
-    tol: float = 1e-8
+    solver_tol: float = 1e-8
     integration: Integration = "implicit"
     order: int = 2
     impacts: Impacts = "auto"

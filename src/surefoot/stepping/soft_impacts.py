@@ -175,7 +175,7 @@ class SoftMeeting(Meeting):
             problem = ContactProblem(
                 G, shifted, self.mu, 0.0, rows.most[taken], compliance=compliance
             )  # fmt: skip
-            solver, tol = self.options.solver, self.options.tol
+            solver, tol = self.options.solver, self.options.solver_tol
             solution = solve(problem, solver, finer * tol, warm_start=warm[taken])
             if finer < 1.0 and not solution.solved:
                 solution = solve(problem, solver, tol, warm_start=solution.forces)

@@ -23,6 +23,8 @@ class StepRemainder(NamedTuple):
         Whether nothing was near the ground.
     rate, q, v
         Acceleration of free motion where it is known (nv,), and the state that it belongs to.
+    pace
+        Length of the next step over the mean of its own and the last one's.
     """
 
     impulses: FloatArray
@@ -31,6 +33,7 @@ class StepRemainder(NamedTuple):
     rate: FloatArray | None = None
     q: FloatArray | None = None
     v: FloatArray | None = None
+    pace: float = 1.0
 
 
 class State(NamedTuple):

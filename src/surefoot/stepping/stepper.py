@@ -288,6 +288,9 @@ class Stepper:
         free = self._free(before, effort, push, bodies.gravity(q), dt)
         # the ground's
         last, leaving = grown(last, len(contacts.gaps)), grown(leaving, len(contacts.gaps))
+        if state.memory is not None and state.memory.pace != 1.0:  # what changed, over as much time as comes
+            arriving = contacts.velocities(before)
+            leaving = arriving - state.memory.pace * (arriving - leaving)
         near = contacts.near(before, free, dt, REACH)
         impact = self.meeting(q, before, free, contacts, dt, mu, tally).collide(near, last, leaving)
         impulses = impact.impulses
@@ -373,7 +376,7 @@ class Stepper:
 
     def solve(self, problem: ContactProblem, warm: FloatArray) -> ContactSolution:
         """Return the solution of a contact problem as `options` ask for it, from (k, 3) impulses [N s]."""
-        return solve(problem, self.options.solver, self.options.tol, warm_start=warm)
+        return solve(problem, self.options.solver, self.options.solver_tol, warm_start=warm)
 
     def detect(self, q: FloatArray) -> Contacts:
         """Return the contacts at (nq,) q [m, -, rad], in work arrays; the last call's where q is the same."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from surefoot.arrays import of_kind
 from surefoot.sweep.config import SweepConfig
 from surefoot.sweep.pools import Chunk, Pool
 from surefoot.sweep.store import Store
@@ -88,6 +89,7 @@ def run_sweep(
     WriteError
         If the disk is full, ...: rows written before are kept.
     """
+    of_kind("config", config, SweepConfig)
     begin = clock.perf_counter()
     with Store(folder, config) as store:
         resumed, lost = len(store.done), 0

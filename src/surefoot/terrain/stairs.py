@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray, real_number, whole_number
 from surefoot.errors import ProblemError
 from surefoot.terrain.levels import LevelsTerrain
 from surefoot.terrain.shapes import EXTENT
@@ -41,9 +41,7 @@ class StairsTerrain(LevelsTerrain):
         self.tread = real_number("tread", tread, low=0.0)
         if not 0.0 < self.tread < math.inf:
             raise ProblemError(f"tread must be positive and finite [m], got {self.tread:g}")
-        if int(steps) != steps or steps < 1:
-            raise ProblemError(f"steps must be a whole number >= 1, got {steps!r}")
-        self.steps = int(steps)
+        self.steps = whole_number("steps", steps, low=1)
 
     def __repr__(self) -> str:
         return f"StairsTerrain(rise={self.rise:g}, tread={self.tread:g}, steps={self.steps})"

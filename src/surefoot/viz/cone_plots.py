@@ -14,7 +14,7 @@ from surefoot.viz.shapes import ring
 from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, blank_figure, house_style, save
 
 
-def draw_pyramids(mu: float, facets: Sequence[int], phase: float, path: Path) -> Path:
+def draw_pyramids(mu: float, facets: Sequence[int], path: Path) -> Path:
     """Draw inner and outer pyramids with several numbers of sides against the circle.
 
     One column per number of sides: the section at f_z = 1 above, the cone in 3-D below.
@@ -24,8 +24,8 @@ def draw_pyramids(mu: float, facets: Sequence[int], phase: float, path: Path) ->
         for column, k in enumerate(facets):
             flat = figure.add_subplot(2, len(facets), column + 1)
             solid = figure.add_subplot(2, len(facets), len(facets) + column + 1, projection="3d")
-            inner = FrictionCone(mu).polyhedral(k, "inner", phase)
-            outer = FrictionCone(mu).polyhedral(k, "outer", phase)
+            inner = FrictionCone(mu).polyhedral(k, "inner")
+            outer = FrictionCone(mu).polyhedral(k, "outer")
             _section(flat, mu, inner, outer, first=column == 0)
             _solid(solid, mu, inner, outer)
         figure.suptitle(f"Friction cone of μ = {mu:g} and its pyramids; sections at $f_z$ = 1 N", color=INK)

@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.audit import sole_pressures
 from surefoot.log import Log
 from surefoot.viz.plots import thinned
-from surefoot.viz.shapes import draw_sole
+from surefoot.viz.shapes import ring
 from surefoot.viz.style import FOOT_COLOURS, GROUND, INK, MUTED, new_figure, save
 
 
@@ -22,7 +22,9 @@ def draw_pressure(log: Log, path: Path) -> Path | None:
     pushed = np.any(log["push"] != 0.0, axis=1)
     for axis, sole in zip(axes[0], soles, strict=True):
         colour = FOOT_COLOURS[sole.foot % 8]
-        draw_sole(axis, sole.outline, GROUND, INK)
+        closed = 1e3 * ring(sole.outline)
+        axis.fill(*closed.T, color=GROUND, lw=0)
+        axis.plot(*closed.T, color=INK, lw=1.1)
         trace = 1e3 * sole.centres
         axis.plot(*trace[thinned(len(log))].T, color=colour, lw=0.9)
         axis.scatter(*trace[pushed].T, s=6, color=FOOT_COLOURS[3], lw=0, zorder=3)

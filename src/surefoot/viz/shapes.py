@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -47,14 +47,6 @@ def runs_of(on: BoolArray) -> list[tuple[int, int]]:
     """Return (first, last + 1) of the runs where a (T,) flag is set."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(int), [0]]))).tolist()
     return list(zip(edges[::2], edges[1::2], strict=True))
-
-
-def draw_sole(axis: Any, outline: FloatArray, ground: str, ink: str) -> FloatArray:
-    """Draw the (k, 2) outline of a sole [m], filled, and return it closed in millimetres."""
-    closed = 1e3 * ring(outline)
-    axis.fill(*closed.T, color=ground, lw=0)
-    axis.plot(*closed.T, color=ink, lw=1.1)
-    return np.asarray(closed)
 
 
 def bones(robot: Robot, q: FloatArray) -> FloatArray:

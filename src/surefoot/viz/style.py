@@ -129,11 +129,11 @@ def blank_figure(size: tuple[float, float] = (8.0, 4.5)) -> Any:
     return figure
 
 
-def save(figure: Any, path: Path, dpi: int = 130) -> Path:
+def save(figure: Any, path: Path) -> Path:
     """Write the figure to a new file and return its path; where the disk is full no half file stays."""
     try:
         with house_style():
-            figure.savefig(path, dpi=dpi)
+            figure.savefig(path, dpi=130)
     except OSError:
         path.unlink(missing_ok=True)
         raise

@@ -7,10 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from surefoot.contact.engines import ENGINES, combination_rules, combine_friction, translate
-from surefoot.contact.engines.drake import DrakeContact
-from surefoot.contact.engines.mujoco import MujocoContact
-from surefoot.contact.engines.ode import OdeContact
+from surefoot.contact.engines import ENGINES, EngineContact, combination_rules, combine_friction, translate
 from surefoot.contact.engines.reading import read_contact
 from surefoot.contact.laws.soft import Hertz, HuntCrossley, MujocoLaw, SpringDamper
 from surefoot.errors import ProblemError
@@ -44,13 +41,11 @@ def test_what_disagrees_is_said(engine: str, law: SpringDamper) -> None:
 
 
 def test_published_formulas() -> None:
-    ode = translate(SpringDamper(5e3, 15.0), "ode", 2.0, dt=2e-3).contact
+    ode = translate(SpringDamper(5e3, 15.0), "ode", 2.0, dt=2e-3).parameters
     # manual: ERP = h k / (h k + d), CFM = 1 / (h k + d), for the damping less the step's own h k
-    assert isinstance(ode, OdeContact)
-    assert (ode.soft_erp, ode.soft_cfm) == (pytest.approx(10.0 / 15.0), pytest.approx(1.0 / 15.0))
-    drake = translate(SpringDamper(5e3, 15.0), "drake", 2.0).contact
-    assert isinstance(drake, DrakeContact)
-    assert (drake.point_stiffness, drake.relaxation_time) == (pytest.approx(5e3), pytest.approx(2e-3))
+    assert ode == {"soft_erp": pytest.approx(10.0 / 15.0), "soft_cfm": pytest.approx(1.0 / 15.0)}
+    drake = translate(SpringDamper(5e3, 15.0), "drake", 2.0).contact.words
+    assert drake == {"point_stiffness": pytest.approx(5e3), "relaxation_time": pytest.approx(2e-3)}
     layer = translate(HuntCrossley(3e4, 0.2), "drake-hydroelastic", 2.0, **SOLE).parameters
     assert layer["hydroelastic_modulus"] == pytest.approx(3e4)  # k = E A / H
     assert layer["hunt_crossley_dissipation"] == pytest.approx(0.2)
@@ -59,7 +54,7 @@ def test_published_formulas() -> None:
 @pytest.mark.parametrize("keep", ["motion", "rest"])
 def test_mujocos_two_stiffnesses(keep: str) -> None:
     """Default parameters rest as if ten times stiffer than they move: d of the weight is free."""
-    found = translate(MujocoContact(), "physical", 4.0, keep=keep)
+    found = translate(EngineContact("mujoco", {}), "physical", 4.0, keep=keep)
     agreed = {name for name, q in found.agreement.items() if q.agrees}
     assert ("rest_depth" in agreed) == (keep == "rest")
     assert ("frequency" in agreed) == (keep == "motion")

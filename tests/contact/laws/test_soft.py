@@ -132,26 +132,6 @@ def test_energy_is_the_integral_of_the_force(law: SoftLaw) -> None:
         assert float(law.energy(-depth)) == pytest.approx(work, rel=1e-9)
 
 
-@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
-def test_the_linearised_row_is_the_implicit_step(law: SoftLaw) -> None:
-    """Newton on λ = dt f(gap + dt u, u): at its fixed point the row of the problem says the same."""
-    gap, dt, mass, free = 2e-4, 1e-3, 4.0, -1.0
-    speed = free
-    for _ in range(60):
-        row = law.linearised(gap, speed, dt)
-        impulse = max(0.0, -(free + float(row.bias)) / (1.0 / mass + float(row.compliance)))
-        speed = free + impulse / mass
-    expected = dt * float(law.normal(gap + dt * speed, speed))
-    assert impulse == pytest.approx(expected, rel=1e-9)
-    assert impulse > 0.0
-
-
-def test_compliance_and_bias_of_the_linear_law_are_the_textbooks() -> None:
-    row = SpringDamper(1e4, 20.0).linearised(0.01, -5.0, 1e-3)
-    assert float(row.compliance) == pytest.approx(1.0 / (1e-3 * (1e-3 * 1e4 + 20.0)), rel=1e-14)
-    assert float(row.bias) == pytest.approx(1e4 * 0.01 / (1e-3 * 1e4 + 20.0), rel=1e-14)
-
-
 def test_friction_at_rest() -> None:
     law = SpringDamper(1e4, friction=0.7)
     assert np.array_equal(law.force(-1e-3, [0.0, 0.0, 0.0]), [0.0, 0.0, 10.0])
@@ -187,7 +167,6 @@ def test_settling_and_frequency() -> None:
         (lambda: SpringDamper.bouncing(1e4, 0.0, 1.0), "restitution"),
         (lambda: SpringDamper(1e4).force(0.0, [1.0, 2.0]), "velocity"),
         (lambda: SpringDamper(1e4).force(math.nan, [0.0, 0.0, 0.0]), "gap"),
-        (lambda: Hertz(1e4).linearised(1.0, 0.0, 1e-3), "linearisation"),
         (lambda: SpringDamper(1e4).rest_depth(0.0), "load"),
     ],
 )

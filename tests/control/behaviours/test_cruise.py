@@ -15,8 +15,8 @@ from surefoot.control.controller import RobotState
 from surefoot.control.stair_gait import speed_in_step
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
-from surefoot.estimation.ground_belief import TouchedGround
 from surefoot.estimation.mapped_ground import MappedGround
+from surefoot.estimation.touched_ground import TouchedGround
 from surefoot.robot import load_robot
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.stance.gait_library import named_gait

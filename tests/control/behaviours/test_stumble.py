@@ -10,8 +10,9 @@ from surefoot.control.behaviours.stumble import HIGHEST, LIFT, MEMORY, Stumble
 from surefoot.control.controller import RobotState
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
-from surefoot.estimation.ground_belief import BeliefTerrain, TouchedGround
+from surefoot.estimation.ground_belief import BeliefTerrain
 from surefoot.estimation.mapped_ground import MappedGround
+from surefoot.estimation.touched_ground import TouchedGround
 from surefoot.robot import load_robot
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.run import run

@@ -22,7 +22,7 @@ from surefoot.terrain import Terrain, read_terrain
 NAMES = {
     "exact": ["stand still", "seen stairs", "cruise"],
     "map": ["stand still", "seen stairs", "stumble", "cruise"],
-    "blind": ["stand still", "steps by touch", "seen stairs", "stumble", "cruise"],
+    "blind": ["stand still", "stop at drop", "seen stairs", "stumble", "cruise"],
 }
 """Behaviours by what is known of the ground: "seen stairs" where a gait adapts, "slip" where friction is
 watched."""

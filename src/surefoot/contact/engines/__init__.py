@@ -1,7 +1,7 @@
-"""How simulators word contact parameters, one file per engine, and the translation between them."""
+"""How simulators word contact parameters, and the translation between them."""
 
 from surefoot.contact.engines.combination import combination_rules, combine_friction
-from surefoot.contact.engines.engine import ENGINES, EngineContact, engine_named
+from surefoot.contact.engines.engine import ENGINES, EngineContact
 from surefoot.contact.engines.translation import Comparison, Translation, translate
 
 __all__ = [
@@ -11,6 +11,5 @@ __all__ = [
     "Translation",
     "combination_rules",
     "combine_friction",
-    "engine_named",
     "translate",
 ]

@@ -1,99 +1,259 @@
-"""What one engine's contact parameters must be able to do, and the table of engines."""
+"""Contact parameters in one engine's words, and the table of engines.
+
+Steps of Drake, PhysX, ODE and Bullet are implicit: they take the overlap at the step's end, which adds k dt
+to the damping d of a spring k. Of two bodies Drake's stiffness is k1 k2 / (k1 + k2), dissipation is weighed
+by the other's stiffness, relaxation times add up ("Hydroelastic contact"; `MultibodyPlant`, "Modeling of
+contact"). What its step cannot resolve SAP takes for nearly rigid: 1 / (dt (dt + tau) k) is at least
+1 / (4 π² m) (A. Castro et al., "An unconstrained convex formulation of compliant contact", IEEE T-RO 2022,
+with beta = 1). ODE's manual, "How to use ERP and CFM": ERP = dt k / (dt k + d), CFM = 1 / (dt k + d).
+"""
 
 from __future__ import annotations
 
-import importlib
-from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
+from surefoot.arrays import real_number
+from surefoot.contact.engines import mujoco
+from surefoot.contact.engines.fitting import hunt_crossley, implicit_linear, linear
+from surefoot.contact.engines.situation import Situation
+from surefoot.contact.laws.soft.hunt_crossley import HuntCrossley
 from surefoot.contact.laws.soft.law import SoftLaw
-from surefoot.errors import check_name
-from surefoot.spatial import GRAVITY
+from surefoot.contact.laws.soft.spring_damper import SpringDamper
+from surefoot.errors import ProblemError, check_name
 
-ENGINES: dict[str, tuple[str, str]] = {
-    "physical": ("physical", "PhysicalContact"),
-    "hunt-crossley": ("physical", "HuntCrossleyContact"),
-    "mujoco": ("mujoco", "MujocoContact"),
-    "drake": ("drake", "DrakeContact"),
-    "drake-hunt-crossley": ("drake", "DrakeHuntCrossleyContact"),
-    "drake-hydroelastic": ("drake", "DrakeHydroelasticContact"),
-    "physx": ("physx", "PhysxContact"),
-    "isaaclab": ("physx", "IsaacLabContact"),
-    "ode": ("ode", "OdeContact"),
-    "bullet": ("ode", "BulletContact"),
-}
-"""Name -> (file of this folder, class): an engine is one file and one line."""
+Fit = Callable[[SoftLaw, Situation], tuple[float, float, list[str]]]
+"""Two numbers that stand for a law, and in words what is lost."""
+Words = dict[str, Any]
 
 
-@dataclass(frozen=True)
-class Situation:
-    """The situation in which a translation is asked.
+class Engine(NamedTuple):
+    """An engine's words for a contact.
 
     Attributes
     ----------
-    mass
-        Effective mass of the contact, 1 / G_nn [kg]: of a robot on four feet about a quarter of its own.
-    gravity
-        [m/s²].
-    speed
-        Impact speed at which bounces are compared [m/s].
-    dt
-        The engine's step [s].
-    area, thickness
-        Of a flat compliant layer, for hydroelastic moduli [m²], [m]; 0 if unknown.
-    keep
-        What is kept where rest depth and motion cannot both be: "motion" or "rest".
-    impedance
-        MuJoCo's d of the translated contact.
+    law
+        (situation, **words) -> the law that the engine makes of them; its parameters are the words.
+    words
+        (law, situation) -> the words that come closest to a law, and what is lost.
+    each_body
+        **words -> further settings: of each of two equal bodies, or of the engine.
+    implicit
+        Whether the engine's implicit step adds damping that its words cannot take off again.
     """
 
-    mass: float
-    gravity: float = GRAVITY
-    speed: float = 1.0
-    dt: float = 1e-3
-    area: float = 0.0
-    thickness: float = 0.0
-    keep: str = "motion"
-    impedance: float = 1e-3
-
-    @property
-    def weight(self) -> float:
-        """Return what the contact carries at rest [N]."""
-        return self.mass * self.gravity
+    law: Callable[..., SoftLaw]
+    words: Callable[[SoftLaw, Situation], tuple[Words, list[str]]]
+    each_body: Callable[..., Words] = lambda **_: {}
+    implicit: bool = False
 
 
 @dataclass(frozen=True)
-class EngineContact(ABC):
-    """Contact parameters in one engine's words."""
+class EngineContact:
+    """Contact parameters in one engine's words.
 
-    engine: ClassVar[str]
-    implicit: ClassVar[bool] = False
-    """Whether the engine's implicit step adds damping that its words cannot take off again."""
-
-    @abstractmethod
-    def law(self, situation: Situation) -> SoftLaw:
-        """Return the contact law that the engine makes of them."""
-
-    @classmethod
-    @abstractmethod
-    def from_law(cls, law: SoftLaw, situation: Situation) -> tuple[EngineContact, list[str]]:
-        """Return the parameters that come closest to a law, and in words what is lost."""
-
-    def settings(self) -> dict[str, Any]:
-        """Return the parameters as the engine's own fields."""
-        return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) is not None}
-
-
-def engine_named(name: str) -> type[EngineContact]:
-    """Return the class of an engine's contact parameters.
+    Attributes
+    ----------
+    engine
+        A name in `ENGINES`.
+    words
+        Parameter -> value.
 
     Raises
     ------
     ProblemError
-        For an unknown name; the message lists the names.
+        For an unknown engine (the message lists the names), or values that mean no contact.
     """
-    check_name("engine", name, ENGINES)
-    file, kind = ENGINES[name]
-    found: type[EngineContact] = getattr(importlib.import_module(f"surefoot.contact.engines.{file}"), kind)
-    return found
+
+    engine: str
+    words: Mapping[str, Any]
+
+    def __post_init__(self) -> None:
+        check_name("engine", self.engine, ENGINES)
+        self.law(Situation(mass=1.0))  # its checks are ours
+
+    def law(self, situation: Situation) -> SoftLaw:
+        """Return the contact law that the engine makes of them."""
+        return ENGINES[self.engine].law(situation, **self.words)
+
+    def settings(self) -> Words:
+        """Return the parameters as the engine's own fields."""
+        return {**self.words, **ENGINES[self.engine].each_body(**self.words)}
+
+
+def two_words(
+    first: str, second: str, fit: Fit, *said: str
+) -> Callable[[SoftLaw, Situation], tuple[Words, list[str]]]:
+    """Return what words a law by the two numbers of a fit; `said` is lost whatever the law."""
+
+    def words(law: SoftLaw, situation: Situation) -> tuple[Words, list[str]]:
+        one, other, lost = fit(law, situation)
+        return {first: one, second: other}, [*lost, *said]
+
+    return words
+
+
+def _spring(situation: Situation, stiffness: float, damping: float) -> SoftLaw:
+    """Return a linear spring [N/m] and damper [N s/m], cut where it would pull."""
+    return SpringDamper(stiffness, damping)
+
+
+def _hunt_crossley(situation: Situation, stiffness: float, dissipation: float) -> SoftLaw:
+    """Return f = stiffness depth (1 + dissipation rate): [N/m], [s/m]."""
+    return HuntCrossley(stiffness, dissipation)
+
+
+def _drake(situation: Situation, point_stiffness: float, relaxation_time: float) -> SoftLaw:
+    """Return f = point_stiffness (depth + relaxation_time rate), [N/m], [s], softened by SAP."""
+    step = situation.dt
+    regularised = step * (step + relaxation_time) * point_stiffness
+    rigid = 4.0 * math.pi**2 * situation.mass
+    stiffness = point_stiffness * min(1.0, rigid / regularised if regularised else 1.0)
+    return SpringDamper(stiffness, stiffness * (relaxation_time + step))
+
+
+def _drake_words(law: SoftLaw, situation: Situation) -> tuple[Words, list[str]]:
+    stiffness, damping, lost = implicit_linear(law, situation)
+    return {"point_stiffness": stiffness, "relaxation_time": damping / stiffness}, lost
+
+
+def _each_in_drake(point_stiffness: float, relaxation_time: float) -> Words:
+    """Return the proximity properties of each of two equal bodies: in series, halves of the time."""
+    own = {"point_contact_stiffness": 2.0 * point_stiffness, "relaxation_time": 0.5 * relaxation_time}
+    return {"discrete_contact_approximation": "sap", "each_body": own}
+
+
+def _drake_hunt_crossley(
+    situation: Situation, point_stiffness: float, hunt_crossley_dissipation: float
+) -> SoftLaw:
+    """Return Hunt and Crossley's law of exponent 1, of "tamsi", "similar", "lagged" and continuous time."""
+    return HuntCrossley(point_stiffness, hunt_crossley_dissipation)
+
+
+def _each_in_lagged(point_stiffness: float, hunt_crossley_dissipation: float) -> Words:
+    own = {
+        "point_contact_stiffness": 2.0 * point_stiffness,
+        "hunt_crossley_dissipation": hunt_crossley_dissipation,
+    }
+    return {"discrete_contact_approximation": "lagged", "each_body": own}
+
+
+def _hydroelastic(
+    situation: Situation,
+    hydroelastic_modulus: float,
+    hunt_crossley_dissipation: float,
+    area: float,
+    thickness: float,
+) -> SoftLaw:
+    """Return the law of a flat layer pressed flat: [Pa], [s/m], [m²], [m]."""
+    return HuntCrossley(hydroelastic_modulus * area / thickness, hunt_crossley_dissipation)
+
+
+def _hydroelastic_words(law: SoftLaw, situation: Situation) -> tuple[Words, list[str]]:
+    area, thickness = situation.area, situation.thickness
+    if not (area > 0.0 and thickness > 0.0):
+        raise ProblemError("a hydroelastic modulus needs the sole: area [m²] and thickness [m], both > 0")
+    stiffness, dissipation, lost = hunt_crossley(law, situation)
+    lost.append("the contact is a flat layer: tilting stiffness follows from its shape, not from the law")
+    words = {"hydroelastic_modulus": stiffness * thickness / area, "hunt_crossley_dissipation": dissipation}
+    return {**words, "area": area, "thickness": thickness}, lost
+
+
+def _compliant(
+    situation: Situation, compliant_contact_stiffness: float, compliant_contact_damping: float
+) -> SoftLaw:
+    """Return the implicit spring [N/m] and damper [N s/m] of a PhysX material (its restitution is idle)."""
+    k = compliant_contact_stiffness
+    return SpringDamper(k, compliant_contact_damping + situation.dt * k)
+
+
+COMPLIANT = "compliant_contact_stiffness", "compliant_contact_damping", implicit_linear
+PER_POINT = "a stiffness counts per contact point: PhysX gives a flat sole up to four, which share the load"
+
+
+def _material(
+    situation: Situation,
+    compliant_contact_stiffness: float,
+    compliant_contact_damping: float,
+    static_friction: float = 0.6,
+    dynamic_friction: float = 0.6,
+) -> SoftLaw:
+    """Return the same of the fields of Isaac Lab's `RigidBodyMaterialCfg`."""
+    return _compliant(situation, compliant_contact_stiffness, compliant_contact_damping)
+
+
+def _material_words(law: SoftLaw, situation: Situation) -> tuple[Words, list[str]]:
+    words, lost = two_words(*COMPLIANT, PER_POINT)(law, situation)
+    return {**words, "static_friction": law.friction.mu, "dynamic_friction": law.friction.mu}, lost
+
+
+def _material_modes(**_: float) -> Words:
+    return {
+        "restitution": 0.0,
+        **dict.fromkeys(("friction_combine_mode", "restitution_combine_mode"), "average"),
+    }
+
+
+def _step_of(situation: Situation) -> float:
+    """Return the step, which must be positive."""
+    if not situation.dt > 0.0:
+        raise ProblemError(
+            f"this engine's parameters depend on its step: dt must be > 0 [s], got {situation.dt:g}"
+        )
+    return situation.dt
+
+
+def _ode(situation: Situation, soft_erp: float, soft_cfm: float) -> SoftLaw:
+    """Return what a contact joint's error reduction (0 to 1] and force mixing [m/s per N] mean at a step."""
+    dt, erp = _step_of(situation), real_number("soft_erp", soft_erp, low=0.0, high=1.0)
+    if not (erp > 0.0 and soft_cfm > 0.0):
+        raise ProblemError(
+            f"soft_erp and soft_cfm must be > 0 to mean a spring, got {erp:g} and {soft_cfm:g}"
+        )
+    return SpringDamper(erp / (dt * soft_cfm), 1.0 / soft_cfm)
+
+
+def _ode_words(law: SoftLaw, situation: Situation) -> tuple[Words, list[str]]:
+    dt = _step_of(situation)
+    stiffness, damping, lost = implicit_linear(law, situation)
+    lost.append(f"ERP and CFM belong to the step of {dt:g} s: with another they mean another spring")
+    total = dt * stiffness + damping
+    return {"soft_erp": dt * stiffness / total, "soft_cfm": 1.0 / total}, lost
+
+
+def _bullet(situation: Situation, contactStiffness: float, contactDamping: float) -> SoftLaw:
+    """Return the spring [N/m] and damper [N s/m] that Bullet turns into ERP and CFM itself."""
+    return SpringDamper(contactStiffness, contactDamping + situation.dt * contactStiffness)
+
+
+def _each_in_bullet(contactStiffness: float, contactDamping: float) -> Words:
+    """Return `changeDynamics` for each of two equal bodies: stiffnesses in series, dampings added."""
+    return {"each_body": {"contactStiffness": 2.0 * contactStiffness, "contactDamping": 0.5 * contactDamping}}
+
+
+IN_SERIES = (
+    "Bullet puts both bodies' stiffnesses in series and adds their dampings: each_body is for two "
+    "equal ones, and a ground that was given none is rigid only if it is given a large stiffness"
+)
+ENGINES: dict[str, Engine] = {
+    "physical": Engine(_spring, two_words("stiffness", "damping", linear)),
+    "hunt-crossley": Engine(_hunt_crossley, two_words("stiffness", "dissipation", hunt_crossley)),
+    "mujoco": Engine(mujoco.law, mujoco.words),
+    "drake": Engine(_drake, _drake_words, _each_in_drake),
+    "drake-hunt-crossley": Engine(
+        _drake_hunt_crossley,
+        two_words("point_stiffness", "hunt_crossley_dissipation", hunt_crossley),
+        _each_in_lagged,
+        implicit=True,
+    ),
+    "drake-hydroelastic": Engine(_hydroelastic, _hydroelastic_words, implicit=True),
+    "physx": Engine(_compliant, two_words(*COMPLIANT, PER_POINT)),
+    "isaaclab": Engine(_material, _material_words, _material_modes),
+    "ode": Engine(_ode, _ode_words),
+    "bullet": Engine(
+        _bullet, two_words("contactStiffness", "contactDamping", implicit_linear, IN_SERIES), _each_in_bullet
+    ),
+}
+"""An engine is one line here, and its words are the parameters of its law."""

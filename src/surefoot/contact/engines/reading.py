@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from surefoot.arrays import finite_array, real_number
-from surefoot.contact.engines.engine import ENGINES, EngineContact, engine_named
+from surefoot.contact.engines.engine import ENGINES, EngineContact
 from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper
@@ -64,24 +64,20 @@ def read_contact(
     Examples
     --------
     >>> read_contact("physical", {"stiffness": 1e4, "damping": 20.0}, mass=1.0, speed=1.0)
-    PhysicalContact(stiffness=10000.0, damping=20.0)
+    EngineContact(engine='physical', words={'stiffness': 10000.0, 'damping': 20.0})
     """
     check_name("source", source, source_names())
     recipe = next((r for (s, key), r in _RECIPES.items() if s == source and (not key or key in values)), None)
-    maker: Callable[..., Any] = recipe if recipe is not None else engine_named(source)
-    parameters = {
-        name: p for name, p in inspect.signature(maker).parameters.items() if name not in ("mass", "speed")
-    }
+    maker: Callable[..., SoftLaw] = recipe if recipe is not None else ENGINES[source].law
+    given_apart = ("mass", "speed", "situation")
+    parameters = {n: p for n, p in inspect.signature(maker).parameters.items() if n not in given_apart}
     for name in values:
         check_name(f"parameter of {source}", name, parameters)
     missing = [n for n, p in parameters.items() if p.default is p.empty and n not in values]
     if missing:
         raise ProblemError(f"{source} needs {', '.join(missing)} (got {', '.join(values) or 'nothing'})")
     given = {name: _number(name, value, parameters[name].default) for name, value in values.items()}
-    if recipe is not None:
-        return recipe(mass, speed, **given)
-    contact: EngineContact = maker(**given)
-    return contact
+    return EngineContact(source, given) if recipe is None else recipe(mass, speed, **given)
 
 
 def _number(name: str, value: Any, default: Any) -> Any:

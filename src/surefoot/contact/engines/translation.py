@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from surefoot.arrays import real_number
-from surefoot.contact.engines.engine import EngineContact, Situation, engine_named
+from surefoot.contact.engines.engine import ENGINES, EngineContact
+from surefoot.contact.engines.situation import Situation
 from surefoot.contact.laws.soft.behaviour import MassOnContact, behaviour
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import check_name
@@ -122,6 +123,7 @@ def translate(
     {'soft_erp': 0.5, 'soft_cfm': 0.05}
     """
     check_name("keep", keep, ["motion", "rest"])
+    check_name("engine", to, ENGINES)
     situation = Situation(
         real_number("mass", mass, low=1e-9, high=1e9),
         real_number("gravity", gravity, low=1e-9, high=1e6),
@@ -132,16 +134,18 @@ def translate(
         keep,
         real_number("impedance", impedance, low=0.0, high=1.0),
     )
-    target = engine_named(to)
     source = law.law(situation) if isinstance(law, EngineContact) else law
-    contact, lost = target.from_law(source, situation)
+    words, lost = ENGINES[to].words(source, situation)
+    contact = EngineContact(to, words)
     made = contact.law(situation)
     given, translated = (behaviour(x, situation.mass, speed, gravity) for x in (source, made))
     for name, (a, b, agrees) in Translation(contact, made, (), given, translated).agreement.items():
         if not agrees:
             lost.append(f"{name.replace('_', ' ')}: {a:.6g} becomes {b:.6g}")
     extra = situation.mass * translated.frequency**2 * situation.dt
-    if target.implicit and extra > AGREED * (damping := 2.0 * translated.ratio * translated.frequency * mass):
+    if ENGINES[to].implicit and extra > AGREED * (
+        damping := 2.0 * translated.ratio * translated.frequency * mass
+    ):
         lost.append(
             f"settling: the engine's implicit step of {situation.dt:g} s adds {extra:.4g} N s/m of damping "
             f"to {damping:.4g}"

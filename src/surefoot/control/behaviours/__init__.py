@@ -5,12 +5,12 @@ from surefoot.control.behaviours.cruise import Cruise
 from surefoot.control.behaviours.seen_stairs import SeenStairs
 from surefoot.control.behaviours.slip import Slip
 from surefoot.control.behaviours.stand_still import StandStill
-from surefoot.control.behaviours.steps_by_touch import StepsByTouch
+from surefoot.control.behaviours.stop_at_drop import StopAtDrop
 from surefoot.control.behaviours.stumble import Stumble
 
 BEHAVIOURS: tuple[MakeBehaviour, ...] = (
     StandStill,
-    StepsByTouch.of,
+    StopAtDrop.of,
     Slip.of,
     SeenStairs.of,
     Stumble.of,

@@ -12,9 +12,9 @@ from surefoot.control.whole_body_tasks import Kinematics
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
-FootGoals: TypeAlias = Callable[[FloatArray, FloatArray, float], FloatArray]
-"""From the nominal place (2,) of a foot [m], where it lifted (>= 2,) [m] and the length of its swing [s] to
-the (2,) place where it should land [m]."""
+FootGoals: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
+"""From the nominal place (2,) of a foot [m] and where it lifted (>= 2,) [m] to the (2,) place where it should
+land [m]."""
 
 
 class FootSearch(NamedTuple):

@@ -100,7 +100,7 @@ class Horizon:
                 f"shooting is for robots with joints and at least two velocities, not {robot.name}"
             )
         self.floating, self.dt, self.mu = robot.floating, dt, mu
-        options = StepOptions(dt=dt, order=1, tol=tol)
+        options = StepOptions(dt=dt, order=1, solver_tol=tol)
         kind = MomentumKnot if momentum else Knot
         self._knots = [kind(Stepper(robot, terrain, options)) for _ in range(knots)]
         self.q, self.v, self.torques = (

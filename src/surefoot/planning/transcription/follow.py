@@ -73,7 +73,7 @@ def gains(problem: Followed, motion: Motion) -> FloatArray:
     """
     robot, limits = problem.robot, problem.torque_limits
     assert limits is not None
-    options = StepOptions(dt=problem.dt, order=1, tol=TOLERANCE)
+    options = StepOptions(dt=problem.dt, order=1, solver_tol=TOLERANCE)
     knot = MomentumKnot(Stepper(robot, problem.terrain, options))
     motors = np.flatnonzero(limits > 0.0)
     size = 2 * int(robot.model.nv)

@@ -62,7 +62,9 @@ class TouchingStep:
     def __init__(self, problem: DirectProblem) -> None:
         ca, robot = import_casadi(), problem.robot
         self.problem, self._data = problem, robot.model.createData()
-        self.stepper = Stepper(robot, problem.terrain, StepOptions(dt=problem.dt, order=1, tol=TOLERANCE))
+        self.stepper = Stepper(
+            robot, problem.terrain, StepOptions(dt=problem.dt, order=1, solver_tol=TOLERANCE)
+        )
         q = ca.SX.sym("q", robot.model.nq)
         self._touches = [ca.Function("touch", [q], [*touch.at(q)]) for touch in problem.touches]
         self._laws = [Planar(mu) for mu in problem.frictions.tolist()]

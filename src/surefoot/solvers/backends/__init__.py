@@ -12,7 +12,6 @@ from surefoot.solvers.backends.backend import Backend, Options
 from surefoot.solvers.backends.clarabel import Clarabel
 from surefoot.solvers.backends.daqp import Daqp
 from surefoot.solvers.backends.ecos import Ecos
-from surefoot.solvers.backends.mosek import Mosek, licensed
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome
 from surefoot.solvers.backends.proxqp import ProxQp
 from surefoot.solvers.backends.qp import Highs, Osqp, Piqp, Quadprog
@@ -31,7 +30,7 @@ __all__ = [
 ]
 
 BACKENDS: dict[str, type[Backend]] = {
-    kind.name: kind for kind in (Clarabel, Ecos, Scs, Osqp, ProxQp, Piqp, Daqp, Quadprog, Highs, Mosek)
+    kind.name: kind for kind in (Clarabel, Ecos, Scs, Osqp, ProxQp, Piqp, Daqp, Quadprog, Highs)
 }
 
 
@@ -48,8 +47,7 @@ def backend(name: str, options: Options | None = None) -> Backend:
     Raises
     ------
     SolverNotFound
-        If there is none of that name; of MOSEK also where it is not installed, and, in its first call, where
-        it has no licence.
+        If there is none of that name.
     MissingExtra
         If its package is not installed.
     """
@@ -61,9 +59,7 @@ def backend(name: str, options: Options | None = None) -> Backend:
 
 
 def installed(name: str) -> bool:
-    """Tell whether a backend's package can be imported, and MOSEK has a licence."""
-    if name == "mosek":
-        return licensed()
+    """Tell whether a backend's package can be imported."""
     packages = {"highspy" if name == "highs" else name, "qpsolvers"}
     if BACKENDS[name].package != "qpsolvers":
         packages = {BACKENDS[name].package}

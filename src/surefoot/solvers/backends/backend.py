@@ -59,9 +59,6 @@ class Backend(ABC):
         What it can do.
     tol_words, iterations_word, time_word
         Its own names of the options `tol`, `max_iterations` and `max_time`, as far as it has them.
-    sharpness, iterations, contact_words, ridge
-        What a contact problem asks of it: its tolerance over the problem's [-], iterations where nobody says
-        how many, settings by its own names, and what P's diagonal needs so that it has a factor.
 
     Raises
     ------
@@ -75,10 +72,6 @@ class Backend(ABC):
     keeps_workspace: ClassVar[bool] = False
     warm_starts: ClassVar[bool] = False
     has_tol: ClassVar[bool] = True
-    sharpness: ClassVar[float] = 1e-2
-    ridge: ClassVar[float] = 0.0
-    iterations: ClassVar[int | None] = None
-    contact_words: ClassVar[dict[str, float]] = {}
     tol_words: ClassVar[tuple[str, ...]] = ()
     iterations_word: ClassVar[str | None] = None
     time_word: ClassVar[str | None] = None

@@ -96,7 +96,7 @@ class Osqp(QpSolvers):
     """A splitting method (ADMM), sparse. Without polishing, which talks on stdout."""
 
     name = "osqp"
-    sparse, iterations = True, 50_000
+    sparse = True
     fixed: ClassVar[dict[str, Any]] = {"max_iter": 20_000, "polishing": False}
     tol_words, iterations_word, time_word = ("eps_abs", "eps_rel"), "max_iter", "time_limit"
 
@@ -105,7 +105,6 @@ class Piqp(QpSolvers):
     """A proximal interior-point method, dense or sparse."""
 
     name = "piqp"
-    sharpness = 1e-4
     tol_words = ("eps_abs", "eps_rel", "eps_duality_gap_abs", "eps_duality_gap_rel")
     iterations_word = "max_iter"
 
@@ -114,7 +113,7 @@ class Quadprog(QpSolvers):
     """A dual active-set method, dense; takes a P with a Cholesky factor and stops by no tolerance."""
 
     name = "quadprog"
-    sparse, has_tol, ridge, otherwise = False, False, 1e-12, End.INFEASIBLE
+    sparse, has_tol, otherwise = False, False, End.INFEASIBLE
 
 
 class Highs(QpSolvers):
@@ -122,7 +121,6 @@ class Highs(QpSolvers):
 
     name = "highs"
     sparse, has_tol = True, False
-    contact_words: ClassVar[dict[str, float]] = {"qp_regularization_value": 1e-11}  # the default would show
 
     def _words(self) -> dict[str, Any]:
         words = super()._words()

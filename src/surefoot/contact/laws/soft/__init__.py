@@ -3,7 +3,7 @@
 from surefoot.contact.laws.soft.behaviour import MassOnContact, behaviour, rebound
 from surefoot.contact.laws.soft.friction import ExactFriction, Friction, RegularisedFriction
 from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
-from surefoot.contact.laws.soft.law import ForceJacobian, Linearisation, SoftLaw
+from surefoot.contact.laws.soft.law import ForceJacobian, SoftLaw
 from surefoot.contact.laws.soft.mujoco import MujocoLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper
 from surefoot.contact.laws.soft.stability import stable_step, stable_step_together
@@ -15,7 +15,6 @@ __all__ = [
     "Friction",
     "Hertz",
     "HuntCrossley",
-    "Linearisation",
     "MassOnContact",
     "MujocoLaw",
     "RegularisedFriction",

@@ -29,21 +29,6 @@ class ForceJacobian(NamedTuple):
     velocity: FloatArray
 
 
-class Linearisation(NamedTuple):
-    """A soft contact over an implicit step: 0 <= λ ⟂ u + compliance λ + bias >= 0.
-
-    Attributes
-    ----------
-    compliance
-        (...,) what is added to the normal's diagonal of G [m/s per N s].
-    bias
-        (...,) what is added to the normal's free velocity [m/s].
-    """
-
-    compliance: FloatArray
-    bias: FloatArray
-
-
 @dataclass(frozen=True)
 class SoftLaw(ABC):
     """A compliant contact: never a pull, no force across a gap, friction as a share of the normal force.
@@ -138,39 +123,6 @@ class SoftLaw(ABC):
     def energy(self, gap: ArrayLike) -> FloatArray:
         """Return the stored energy [J] at (...,) gaps [m]."""
         return self.stored(np.maximum(-finite_array("gap", gap), 0.0))
-
-    def linearised(self, gap: ArrayLike, speed: ArrayLike, dt: float) -> Linearisation:
-        """Return the row of a contact problem that stands for this law over an implicit step.
-
-        The impulse λ = dt f(gap + dt u, u) is linearised about the normal velocity `speed`; the linear
-        spring-damper is its own linearisation, others take a few Newton steps.
-
-        Parameters
-        ----------
-        gap
-            (...,) at the beginning of the step [m].
-        speed
-            (...,) about which normal velocity [m/s].
-        dt
-            Step [s].
-
-        Raises
-        ------
-        ProblemError
-            If the law has no slope there (a gap that stays open).
-        """
-        step = real_number("dt", dt, low=1e-12)
-        apart, parting = np.broadcast_arrays(finite_array("gap", gap), finite_array("speed", speed))
-        depth = -(apart + step * parting)
-        force, by_depth, by_rate = self.pressed(np.maximum(depth, 0.0), -parting)
-        force = force + by_depth * np.minimum(depth, 0.0)  # the formula goes on straight above the ground
-        slope = step * by_depth + by_rate  # of -force, per unit of the normal velocity
-        if not (slope > 0.0).all():
-            raise ProblemError(
-                f"the law is not stiffening at a predicted overlap of {float(depth.min()):.3g} m: it has no "
-                "linearisation there; predict a velocity that closes the gap"
-            )
-        return Linearisation(1.0 / (step * slope), -force / slope - parting)
 
     def over_step(
         self, gap: FloatArray, speed: FloatArray, arriving: FloatArray, dt: float

@@ -1,60 +1,18 @@
-"""The physicist's words: stiffness and damping in N/m and N s/m, or restitution."""
+"""Two numbers for a law: a spring and a damper, or Hunt and Crossley's, and what that loses."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from surefoot.contact.engines.engine import EngineContact, Situation
+from surefoot.contact.engines.situation import Situation
 from surefoot.contact.laws.soft.behaviour import rebound
 from surefoot.contact.laws.soft.hunt_crossley import HuntCrossley
 from surefoot.contact.laws.soft.law import SoftLaw
-from surefoot.contact.laws.soft.spring_damper import SpringDamper
-from surefoot.errors import ProblemError
 
 STICKIEST = 20.0
 """Largest dissipation times impact speed that is looked for: 5 % of the speed comes back."""
-
-
-@dataclass(frozen=True)
-class PhysicalContact(EngineContact):
-    """A linear spring [N/m] and damper [N s/m], cut where it would pull."""
-
-    engine: ClassVar[str] = "physical"
-    stiffness: float
-    damping: float
-
-    def law(self, situation: Situation) -> SoftLaw:
-        """Return the spring-damper."""
-        return SpringDamper(self.stiffness, self.damping)
-
-    @classmethod
-    def from_law(cls, law: SoftLaw, situation: Situation) -> tuple[EngineContact, list[str]]:
-        """Return spring and damper of a law at rest, and what is lost."""
-        stiffness, damping, lost = linear(law, situation)
-        return cls(stiffness, damping), lost
-
-
-@dataclass(frozen=True)
-class HuntCrossleyContact(EngineContact):
-    """f = stiffness depth (1 + dissipation rate): [N/m], [s/m]."""
-
-    engine: ClassVar[str] = "hunt-crossley"
-    stiffness: float
-    dissipation: float
-
-    def law(self, situation: Situation) -> SoftLaw:
-        """Return the Hunt-Crossley law of exponent 1."""
-        return HuntCrossley(self.stiffness, self.dissipation)
-
-    @classmethod
-    def from_law(cls, law: SoftLaw, situation: Situation) -> tuple[EngineContact, list[str]]:
-        """Return stiffness by the rest depth or the motion, dissipation by the bounce, and what is lost."""
-        stiffness, dissipation, lost = hunt_crossley(law, situation)
-        return cls(stiffness, dissipation), lost
 
 
 def linear(law: SoftLaw, situation: Situation) -> tuple[float, float, list[str]]:
@@ -122,12 +80,3 @@ def hunt_crossley(law: SoftLaw, situation: Situation) -> tuple[float, float, lis
         "whatever the law's was"
     )
     return stiffness, dissipation, lost
-
-
-def require_dt(situation: Situation) -> float:
-    """Return the step, which must be positive."""
-    if not situation.dt > 0.0:
-        raise ProblemError(
-            f"this engine's parameters depend on its step: dt must be > 0 [s], got {situation.dt:g}"
-        )
-    return situation.dt

@@ -1,8 +1,4 @@
-"""Climbing steps by touch alone, and stopping before drops.
-
-After a foot has struck a riser the body slows down, and the next foot is lifted higher than steps are likely
-to be and let down gently behind the edge. On that tread the front feet go ahead in short swings, slow enough
-to meet the next riser softly. Once both risers are known (`TouchedSteps`) the walk goes on as on seen stairs.
+"""Stopping upright before drops that feet find.
 
 At a drop the body stops. It comes down with the foot that has found no ground, stands as soon as it can come
 to rest over its feet, and goes to the middle of them; feet keep to where feet have stood, and the only way
@@ -18,25 +14,11 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.behaviours.behaviour import NOTHING, FootSearch, Request, WalkFacts, WalkView
-from surefoot.control.behaviours.seen_stairs import SEEN_SPEED
-from surefoot.control.swing import DOWN_LAST, LIFT_FIRST, minimum_jerk
 from surefoot.estimation.ground_belief import believed
 from surefoot.estimation.ledge import DROP, Ledge
-from surefoot.estimation.touched_steps import TouchedSteps
+from surefoot.estimation.touched_ground import TouchedGround
 from surefoot.spatial import GRAVITY, base_velocity
 
-LEAST_TREAD = 0.6
-"""No tread is taken to be less deep, in heights of the centre of mass."""
-SLOWLY, CATCHING_UP, BEHIND = 0.1, 0.3, 1.15
-"""Shares of its speed with which the body goes on while steps are not known: as long as it is so near behind
-the farthest foot, in heights of the centre of mass, and farther behind."""
-SOFT = 0.42
-"""Speed at which a foot may strike what it looks for [m/s]: in a millisecond it goes half of what counts as
-touching."""
-REACH = 0.75
-"""How far beyond its place a foot looks for a riser, in heights of the centre of mass."""
-FARTHEST = 0.1
-"""The farthest that it goes beyond ground that is known in one swing [m]."""
 RETREAT = 0.3
 """Share of its speed with which the body leaves a drop."""
 FALLING = 1.8
@@ -55,36 +37,10 @@ SHIFT_TIME, FASTEST_SHIFT = 0.3, 0.25
 """Time in which it goes there [s], and how fast at most [m/s]."""
 AHEAD = 0.1
 """One that goes back but is so far ahead of the middle of its feet stands again, likewise."""
-MOVING = DOWN_LAST - LIFT_FIRST
-"""Share of a swing in which the foot moves along the ground."""
-GONE, SPEEDS = np.array([minimum_jerk(share)[:2] for share in np.linspace(0.0, 1.0, 101)]).T
-FASTEST = np.maximum.accumulate(SPEEDS[::-1])[::-1]
-"""Share of its way that a swing has gone, its speed there, and the highest speed from there on."""
-GENTLY = Request(search=FootSearch(SEEN_SPEED))
 
 
-def soft_way(known: float, most: float) -> float:
-    """Return how far beyond a free way of `known` [m] a foot may swing to meet a riser softly [m].
-
-    Parameters
-    ----------
-    known
-        Way on which nothing stands in its way [m].
-    most
-        Highest speed of a strike times the duration of the swing [m].
-
-    Examples
-    --------
-    >>> [round(soft_way(known, 0.1), 3) for known in (0.0, 0.05)]
-    [0.044, 0.01]
-    """
-    ways = known + np.linspace(0.0, FARTHEST, 101)
-    fastest = np.interp(known / np.maximum(ways, 1e-9), GONE, FASTEST)
-    return float(ways[ways * fastest <= MOVING * most].max(initial=known)) - known
-
-
-class StepsByTouch:
-    """What a robot does that finds steps by touch.
+class StopAtDrop:
+    """What a robot does that finds drops by touch.
 
     Parameters
     ----------
@@ -94,58 +50,32 @@ class StepsByTouch:
         What its feet have found.
     """
 
-    name = "steps by touch"
+    name = "stop at drop"
 
-    def __init__(self, walk: WalkFacts, ground: TouchedSteps) -> None:
+    def __init__(self, walk: WalkFacts, ground: TouchedGround) -> None:
         self._ground, self._height = ground, walk.height
-        self._radius = float(walk.radii.mean())
         self.reset()
 
     @classmethod
-    def of(cls, walk: WalkFacts) -> StepsByTouch | None:
+    def of(cls, walk: WalkFacts) -> StopAtDrop | None:
         """Return the behaviour for walks by touch alone."""
         belief = believed(walk.terrain)
-        found = belief is not None and belief.finds_steps
-        return cls(walk, cast(TouchedSteps, belief)) if found else None
+        found = belief is not None and belief.finds_drops
+        return cls(walk, cast(TouchedGround, belief)) if found else None
 
     def reset(self) -> None:
         """Forget the last drop."""
-        self._stop: StopAtDrop | None = None
+        self._stop: AstrideStop | None = None
         self._note = ""
 
     def propose(self, view: WalkView) -> Request:
-        """Ask for little speed and short swings where steps are not known, and for none before a drop."""
-        drop, flight = self._ground.drop, self._ground.flight
-        if drop is not None:
-            return self._stop_at(drop, view)
-        self._stop = None
-        if flight is None:
+        """Ask for no speed before a drop."""
+        drop = self._ground.drop
+        if drop is None:
+            self._stop = None
             return NOTHING
-        if flight.tread_known:
-            return GENTLY
-        behind = self._ground.reached - float(view.state.q[:2] @ flight.along)
-        pace = SLOWLY if behind < BEHIND * self._height else CATCHING_UP
-        goals = self._ahead if flight.rise_known else None
-        return Request(pace=pace, search=GENTLY.search, foot_goals=goals)
-
-    def _ahead(self, place: FloatArray, start: FloatArray, duration: float) -> FloatArray:
-        """Return where a foot lands (`FootGoals`): on the first tread, then before the next riser."""
-        flight = self._ground.flight
-        if flight is None:
-            return place
-        s, begun = float(place @ flight.along), float(start[:2] @ flight.along)
-        if begun < flight.edge(0):
-            aim = min(s, flight.edge(0) + LEAST_TREAD * self._height - 2.0 * self._radius)
-        else:
-            known = max(self._ground.reached - self._radius - begun, 0.0)
-            aim = begun + known + soft_way(known, SOFT * duration)
-            aim = min(aim, s + REACH * self._height)
-        return np.asarray(place + (aim - s) * flight.along)
-
-    def _stop_at(self, drop: Ledge, view: WalkView) -> Request:
-        """Return what is asked for at a drop."""
         if self._stop is None or self._stop.drop is not drop:
-            self._stop = StopAtDrop(drop, self._height)
+            self._stop = AstrideStop(drop, self._height)
         stop, state = self._stop, view.state
         stop.rest(state.q[:2], base_velocity(state.q, state.v)[:2], view.ground, view.stance)
         if drop.certain and not self._note:
@@ -161,7 +91,7 @@ class StepsByTouch:
         )  # fmt: skip
 
 
-class StopAtDrop:
+class AstrideStop:
     """How a robot on four feet comes to rest at a drop, and leaves it.
 
     Parameters
@@ -247,7 +177,7 @@ class StopAtDrop:
         little = math.hypot(*left) < LITTLE * math.hypot(*velocity)
         return np.zeros(2) if little else np.asarray(left)
 
-    def goal(self, place: FloatArray, start: FloatArray, duration: float) -> FloatArray:
+    def goal(self, place: FloatArray, start: FloatArray) -> FloatArray:
         """Return the (2,) place where a foot may land [m], see `FootGoals`: where feet have stood."""
         s, begun = float(place @ self.drop.along), float(start[:2] @ self.drop.along)
         return np.asarray(place + (self.drop.nearest(s, begun, self._stood) - s) * self.drop.along)

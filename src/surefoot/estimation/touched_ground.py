@@ -1,0 +1,182 @@
+"""Ground known by touch alone: the plane through the last footholds, and a drop that a foot has found.
+
+A foot that finds no ground where it should be, down to below steps that matter, has found a drop (`Ledge`).
+What a robot does about it is said in `surefoot.control.behaviours.stop_at_drop`. Steps up are ground like
+any other, which the plane follows late.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.estimation.ground_belief import BeliefTerrain, Sensed
+from surefoot.estimation.ledge import Ledge
+from surefoot.spatial import base_velocity, heading_of
+
+BIAS_GAIN, LARGEST_BIAS = 0.3, 0.3
+"""Share of the error of an expected height by which the next are corrected, and the most, in body heights."""
+UNMOVED = 0.1
+"""A slower body does not show which way a drop lies [m/s]."""
+DROP_NOISE = 0.02
+"""By how much the ground about a drop may be off [m]."""
+STEEP_TREAD = 0.9
+"""A drop is as steep as one with a tread of so many heights of the centre of mass."""
+
+
+class TouchedGround(BeliefTerrain):
+    """What feet have found, see the module.
+
+    Attributes
+    ----------
+    drop
+        The edge at which the ground falls off, None where there is none.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> ground = TouchedGround()
+    >>> feet = np.array([[0.2, 0.1, 0.02], [0.2, -0.1, 0.02], [-0.2, 0.1, -0.02], [-0.2, -0.1, -0.02]])
+    >>> ground.begin(SimpleNamespace(q=np.zeros(7), v=np.zeros(6), time=0.0, scan=None), feet, 0.3)
+    >>> ground.height([0.4, 0.0]).round(3), ground.gradient([0.4, 0.0]).round(3) + 0.0
+    (np.float64(0.04), array([0.1, 0. ]))
+    """
+
+    finds_drops = True
+
+    def __init__(self) -> None:
+        self._about, self._level, self._slope = np.zeros(2), 0.0, np.zeros(2)
+        self._bias = 0.0
+        self.drop: Ledge | None = None
+
+    def __repr__(self) -> str:
+        return "TouchedGround()"
+
+    def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
+        """See `BeliefTerrain.begin`."""
+        self.drop, self._bias = None, 0.0
+        self._heading = np.array([1.0, 0.0])
+        self._struck: FloatArray | None = None
+        self._expected: dict[int, float] = {}
+        self._slid: set[int] = set()
+        super().begin(state, ground, height)
+
+    @property
+    def unsure(self) -> bool:
+        """See `BeliefTerrain.unsure`: near a drop."""
+        return self.drop is not None
+
+    @property
+    def edges_known(self) -> bool:
+        """See `BeliefTerrain.edges_known`."""
+        return self.drop is not None
+
+    def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
+        """See `BeliefTerrain.may_strike`: near a drop only a riser that is higher than the foot."""
+        if self.drop is not None:
+            ahead = self.height(self._path_ahead(sole, velocity))
+            if float(ahead.max()) < sole[2] + 0.5 * self.radius:
+                return False
+        self._struck = sole[:2].copy()
+        return True
+
+    def stumbled(self, time: float) -> None:
+        """See `BeliefTerrain.stumbled`: what a foot strikes near a drop is its riser."""
+        super().stumbled(time)
+        if self.drop is not None and self._struck is not None:
+            self.drop.struck(float(self._struck @ self.drop.along))
+        self._struck = None
+
+    def observe(
+        self, state: Sensed, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
+    ) -> None:
+        """See `BeliefTerrain.observe`."""
+        self._heading = heading_of(state.q[3:7])
+        if self._expected or sought.any():
+            self._look_down(base_velocity(state.q, state.v), ground, stance, sought, soles)
+        super().observe(state, ground, stance, sought, soles)
+        drop = self.drop
+        if drop is not None and (drop.left(ground) or (stance.all() and not drop.found)):
+            self.drop = None
+
+    def _look_down(
+        self, flow: FloatArray, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
+    ) -> None:
+        """Learn from feet that go on down where the ground should be.
+
+        `flow` (3,) is the body's velocity [m/s], the rest as for `observe`.
+        """
+        late = np.flatnonzero(sought).tolist()
+        self._expected = {k: self._expected.get(k, float(self.height(soles[k, :2]))) for k in late}
+        self._slid = {k for k in late if self._stood[k] or k in self._slid}
+        for k in late:
+            sole, level = soles[k], self._expected[k]
+            if self.drop is not None:
+                self.drop.deeper(float(sole[:2] @ self.drop.along), float(sole[2]))
+            elif Ledge.begins(level - sole[2], self._height):
+                moved = flow[:2] if math.hypot(flow[0], flow[1]) > UNMOVED else sole[:2] - ground[k, :2]
+                along = self._way(moved)
+                before = float((ground[stance, :2] @ along).max(initial=-math.inf))
+                last, beyond = float(ground[k, :2] @ along), float(sole[:2] @ along)
+                if k in self._slid:  # off the edge: it stood on it
+                    last, beyond = last - self.radius, last
+                depth = level - float(sole[2])
+                self.drop = Ledge(along, max(before, last), beyond, level, depth, self._height, self.radius)
+
+    @property
+    def axes(self) -> FloatArray:
+        """The body's axes forward and left in the ground's plane, (2, 2) by rows."""
+        return np.array([self._heading, [-self._heading[1], self._heading[0]]])
+
+    def _way(self, moved: FloatArray) -> FloatArray:
+        """Return the body's axis (2,) nearest to a way (2,) [m]."""
+        axis = max(self.axes, key=lambda a: abs(float(moved @ a)))
+        return np.asarray(math.copysign(1.0, float(moved @ axis)) * axis)
+
+    def _touched(self, point: FloatArray) -> None:
+        """Learn where a foot stands, and how far off what was expected: the plane comes late onto stairs."""
+        if self.drop is not None:
+            self.drop.stand(float(point[:2] @ self.drop.along), float(point[2]))
+            if not self.drop.shallow:
+                return
+            self.drop = None
+        error = float(point[2] - self.height(point[:2]))
+        most = LARGEST_BIAS * self._height
+        self._bias = min(max(self._bias + BIAS_GAIN * error, -most), most)
+
+    def _fitted(self) -> None:
+        """See `BeliefTerrain`; the plane is read as it is."""
+
+    @property
+    def steepness(self) -> float:
+        """Of a drop [-]."""
+        return 0.0 if self.drop is None else self.drop.depth / (STEEP_TREAD * self._height)
+
+    @property
+    def highest_step(self) -> float:
+        """Depth of a drop [m]."""
+        return 0.0 if self.drop is None else self.drop.depth
+
+    def steps_until(self, place: FloatArray, along: FloatArray) -> float:
+        """See `Terrain.steps_until`: no edge of steps is known."""
+        return -math.inf
+
+    def noise_at(self, xy: FloatArray) -> float:
+        """See `Terrain.noise_at`."""
+        return 0.0 if self.drop is None else DROP_NOISE
+
+    def height(self, xy: ArrayLike) -> FloatArray:
+        """Return the expected height under (..., 2) places [m]: (...)."""
+        places = np.asarray(xy, dtype=np.float64)
+        if self.drop is not None:
+            return self.drop.height(places @ self.drop.along)
+        above = (places - self._about) @ self._slope
+        return np.asarray(self._level + self._bias + above)
+
+    def gradient(self, xy: ArrayLike) -> FloatArray:
+        """Return the slope [-] at (..., 2) places [m]: (..., 2)."""
+        slope = self._slope if self.drop is None else np.zeros(2)
+        return np.broadcast_to(slope, np.shape(xy)).copy()
