@@ -26,8 +26,6 @@ if TYPE_CHECKING:  # the other commands need no compiled code
 EXPECTED = 45.0
 """Simulations of all tosses that a fit takes, give or take: for the progress bar."""
 NAMED = "auto"
-PARTS = slice(0, 3), slice(3, 6)
-"""Velocity and angular velocity among the velocities of a body."""
 
 
 def identify(
@@ -144,16 +142,7 @@ def _numbers(fit: TossFit) -> dict[str, Any]:
 
 
 def _impacts(fit: TossFit) -> dict[str, Any] | None:
-    """Return the errors in first impacts, what noise leaves, and the log-likelihood of an impact."""
-    if fit.impacts is None:
-        return None
-    (speed, still), (turning, steady) = (fit.impacts.impacts.median(part) for part in PARTS)
-    logs = fit.impacts.likelihood
-    return {
-        "count": len(logs), "velocity_error_median": speed, "velocity_floor": still,
-        "spin_error_median": turning, "spin_floor": steady, "log_likelihood": logs,
-        "log_likelihood_mean": float(logs.mean()),
-    }  # fmt: skip
+    return None if fit.impacts is None else fit.impacts._asdict()
 
 
 def _part(fits: dict[str, TossFit], name: str, rivals: list[str], part: str) -> dict[str, Any]:
@@ -232,7 +221,7 @@ def _impact_lines(facts: dict[str, Any]) -> Iterator[str]:
     for name, found in ((facts["law"], facts["impacts"]), *((n, o["impacts"]) for n, o in others.items())):
         if found is not None:
             yield (
-                f"{name}: after {found['count']} first impacts median errors of "
+                f"{name}: after {found['impacts']} first impacts median errors of "
                 f"{found['velocity_error_median']:.4f} m/s and {found['spin_error_median']:.3f} rad/s (noise "
                 f"alone {found['velocity_floor']:.4f} and {found['spin_floor']:.3f}), log-likelihood "
                 f"{found['log_likelihood_mean']:.3f} an impact"

@@ -21,7 +21,7 @@ from surefoot.arrays import FloatArray, IntArray, whole_number
 from surefoot.errors import ProblemError
 from surefoot.estimation.free_flight import TossFlight, flying_frames
 from surefoot.estimation.ground_plane import GroundPlane, ground_points
-from surefoot.estimation.impacts import Impacts, first_impacts
+from surefoot.estimation.impacts import first_impacts
 from surefoot.estimation.thrown_body import ThrownBody, TossParameter, cube_body, thrown_body
 from surefoot.estimation.toss_errors import TossErrors, deviations, resample, toss_errors
 from surefoot.estimation.toss_model import ThrownModel, TossModel, TossScene
@@ -94,10 +94,18 @@ class BodyFit(NamedTuple):
 
 
 class ImpactFit(NamedTuple):
-    """Impacts that a law was judged by, and the log-likelihood (I,) of each."""
+    """First impacts that a law was judged by: median errors of velocity [m/s] and spin [rad/s] after them.
 
-    impacts: Impacts
-    likelihood: FloatArray
+    The floors are what noise alone would leave; `log_likelihood` (I,) is that of each impact.
+    """
+
+    impacts: int
+    velocity_error_median: float
+    velocity_floor: float
+    spin_error_median: float
+    spin_floor: float
+    log_likelihood: FloatArray
+    log_likelihood_mean: float
 
 
 @dataclass(frozen=True)
@@ -243,7 +251,9 @@ def _impacts(
     judged = seen if others is None else first_impacts(others, found.scene(others), simulator, values, noise)
     if seen is None or judged is None or len(seen.which) < LEAST:
         return None
-    return ImpactFit(judged, judged.likelihood(seen.spreads()))
+    logs = judged.likelihood(seen.spreads())
+    medians = (*judged.median(slice(0, 3)), *judged.median(slice(3, 6)))
+    return ImpactFit(len(logs), *medians, logs, float(logs.mean()))
 
 
 def _search_law(
