@@ -12,11 +12,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from rich.table import Table
 
+from benchmarks.detection_errors import detection_errors
 from benchmarks.printing import options, show, table
 from benchmarks.walks import Walk, known_robot
 from surefoot.arrays import FloatArray
 from surefoot.audit.motion import touching
-from surefoot.estimation.contact_detection import ContactDetector, detection_errors
+from surefoot.estimation.contact_detection import ContactDetector
 from surefoot.estimation.friction import FrictionTracker
 from surefoot.log import Log
 from surefoot.simulation.run import Push

@@ -48,6 +48,7 @@ from .errors import ProblemError as ProblemError
 from .errors import SurefootError as SurefootError
 from .estimation.contact_detection import ContactDetector as ContactDetector
 from .estimation.contact_detection import detect_contacts as detect_contacts
+from .estimation.force_model import ForceModel as ForceModel
 from .estimation.forces import estimate_forces as estimate_forces
 from .estimation.friction import FrictionTracker as FrictionTracker
 from .estimation.identify import identify as identify

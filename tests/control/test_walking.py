@@ -10,7 +10,7 @@ from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import place
 from surefoot.stance.gait import ModeSchedule
 from surefoot.stance.gait_library import named_gait
-from surefoot.terrain import SlopeTerrain
+from surefoot.terrain import FlatTerrain, SlopeTerrain, rough_ground
 from tests.robots import robot_of
 
 FORWARD = VelocityCommand.constant(0.5)
@@ -93,3 +93,34 @@ def test_what_cannot_walk_is_refused() -> None:
         WalkingController(robot_of("go2"), FORWARD, "hop")
     with pytest.raises(ProblemError, match="the gait is for 2 feet, go2 has 4"):
         WalkingController(robot_of("go2"), FORWARD, ModeSchedule([0.5], [3, 2], feet=2))
+
+
+def test_feet_are_lifted_less_at_ease_on_known_flat_ground_and_in_full_off_course() -> None:
+    robot = robot_of("go2")
+    apexes = []
+    for terrain, push in ((FlatTerrain(), 0.0), (FlatTerrain(), 0.4), (rough_ground(1, 0.02), 0.0)):
+        controller = WalkingController(robot, VelocityCommand.constant(0.0), "trot", terrain)
+        q, v = place(robot), np.zeros(robot.model.nv)
+        for k in range(900):
+            v[1] = push if k > 400 else 0.0
+            controller.step(RobotState(q, v, 1e-3 * k, ALL))
+        apexes.append(controller.feet.clearance / controller.height)
+    settings = WalkSettings()
+    assert apexes[0] == pytest.approx(settings.ease * settings.clearance, rel=0.3)
+    assert apexes[1:] == pytest.approx([settings.clearance] * 2, rel=1e-6)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("speed", "most"), [(0.5, 0.31), (1.0, 0.37)])
+def test_cost_of_transport(speed: float, most: float) -> None:
+    """No more than the better of two learned policies needs, in the same hard world by the same function."""
+    from dataclasses import replace
+
+    from benchmarks.stacks.stack import Surefoot
+    from benchmarks.stacks.tasks import TASKS
+    from benchmarks.stacks.trial import carry_out
+
+    done = carry_out(Surefoot(), replace(TASKS["speed-0.5"], asked=(speed, 0.0, 0.0)), 31)
+    assert done.lawful
+    assert done.measures.velocity_error < 0.02
+    assert done.measures.cost_of_transport < most

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pinocchio
 import pytest
 
 import surefoot as sf
+from benchmarks.detection_errors import detection_errors
 from surefoot.audit.motion import touching
 from surefoot.errors import ProblemError
-from surefoot.estimation.contact_detection import DetectionSettings, detection_errors
+from surefoot.estimation.contact_detection import DetectionSettings
 from surefoot.spatial import GRAVITY
 from tests.audit.logs import SLOPE, STAND, TROT, changed, log_of
+from tests.estimation.hopper import write_hopper
 from tests.pages import run_page
 
 
@@ -103,12 +107,14 @@ def test_wrong_input_is_named() -> None:
         detection_errors(np.zeros((3, 2), dtype=bool), np.zeros((4, 2), dtype=bool), 0.1)
 
 
-def test_the_page_runs() -> None:
+def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(write_hopper(tmp_path))
     names = run_page("estimation.md")
     assert not names["found"].contact.any()  # limp and free: it falls
     np.testing.assert_allclose(names["found"].forces, 0.0, atol=200.0)
     assert names["tracker"].believed(0.6).shape == (4,)
     assert names["used"].all()
+    assert names["foot"].forces.shape == (len(names["foot"].time), 3)
     robot = names["robot"]
     np.testing.assert_allclose(names["q_estimated"], robot.nominal, atol=0.01)
     assert np.abs(names["v_estimated"]).max() < 0.01

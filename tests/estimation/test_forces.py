@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from surefoot.errors import ProblemError
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY
 from tests.audit.logs import SLOPE, STAND, TROT, log_of
+from tests.estimation.hopper import URDF
 
 GO2 = "go2"
 
@@ -78,3 +81,25 @@ def test_wrong_input_is_one_line() -> None:
         sf.estimate_forces(robot, *state, torque_std=0.0)
     with pytest.raises(ProblemError, match="bolted"):
         sf.estimate_forces(sf.load_robot("panda"), np.zeros(9), np.zeros(9), np.zeros(9), np.zeros(9))
+
+
+def test_a_base_on_a_rail_that_a_hand_holds(tmp_path: Path) -> None:
+    (tmp_path / "leg.urdf").write_text(URDF, "utf-8")
+    robot = sf.load_robot(tmp_path / "leg.urdf", feet="foot", fixed_base=True)
+    q, still = np.array([0.25, 0.6, -1.2]), np.zeros(3)
+    found = sf.estimate_forces(
+        robot, q, still, still, [np.nan, 0.1, 0.9], torque_std=0.05, acceleration_std=0.0
+    )
+    lever = 0.16 * np.sin([0.6, -0.6])  # statics by hand: knee and hip, the foot below
+    drop = 0.16 * np.cos([0.6, -0.6])
+    weights = 9.81 * np.array(
+        [0.15 * 0.5 * lever[0] + 0.03 * (lever[0] + 0.5625 * lever[1]), 0.03 * 0.5625 * lever[1]]
+    )
+    drop[1] += robot.feet[0].radius
+    A = np.array([[drop.sum(), -lever.sum()], [drop[1], -lever[1]]])
+    sideways, up = np.linalg.solve(A, np.array([0.1, 0.9]) - weights)
+    assert found.forces[[0, 2]] == pytest.approx([sideways, up], abs=1e-6)
+    assert found.std[2] > 0.3  # 0.05 N m over a lever of 0.09 m
+    assert found.verdict is None
+    held = sf.estimate_forces(robot, q, still, still, [0.0, 0.1, 0.9], torque_std=0.05)
+    assert held.misfit > 3.0  # a rail without a hand: the weight does not fit

@@ -29,12 +29,17 @@ NAMED = "auto"
 
 
 def identify(
-    tosses: Annotated[Path, typer.Argument(help="An .npz file of tosses; see docs/identify.md.")],
+    tosses: Annotated[
+        Path,
+        typer.Argument(
+            help="An .npz file of tosses, or a leg's .csv log on a force sensor; see docs/identify.md."
+        ),
+    ],
+    model: Annotated[
+        Path | None, typer.Option(help="URDF or MJCF of what was thrown, a cube if none, or of the leg.")
+    ] = None,
     test: Annotated[
         Path | None, typer.Option(help="Other tosses, which the fit does not see: errors on them.")
-    ] = None,
-    model: Annotated[
-        str | None, typer.Option(help="What was thrown: a URDF or MJCF file, free or jointed; none: a cube.")
     ] = None,
     law: Annotated[
         list[str] | None,
@@ -54,7 +59,11 @@ def identify(
     picture: options.Picture = True,
     as_json: options.AsJson = False,
 ) -> int:
-    """Fit a body, a contact law and the ground to recorded tosses, with 95 % bootstrap intervals."""
+    """Fit a body, a contact law and the ground to tosses, or a leg's joints to a force sensor."""
+    if tosses.suffix in (".csv", ".json"):
+        from surefoot.cli.identify_forces import identify_forces
+
+        return identify_forces(tosses, model, test, out, as_json)
     from surefoot.estimation.identify import identify as fit
     from surefoot.estimation.toss_model import ThrownModel
     from surefoot.estimation.tosses import read_tosses

@@ -107,7 +107,7 @@ def choose_gait(body: LeggedBody, command: VelocityCommand, gait: str | ContactS
     schedule = AdaptiveGait(gait, stride, stride(np.zeros(3), gait))
     quickest = limits.hurried(most)
     said = (
-        f"at speed the {gait} hurries, so that joints keep to their limits: its cycle takes "
+        f"at speed the {gait} hurries, to keep joints within their limits and to spend less: its cycle takes "
         f"{pace.period:.2f} to {quickest.period:.2f} s, "
         f"feet are down for {100.0 * pace.duty:.0f} to {100.0 * quickest.duty:.0f} % of it"
     )

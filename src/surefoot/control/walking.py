@@ -38,6 +38,9 @@ from surefoot.terrain import FlatTerrain, Terrain
 
 LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
+CALM, UNEASY, UNEASE_TIME = 0.06, 0.15, 1.0
+"""Up to the first error of its velocity, as a share of sqrt(g h), a body moves as planned; from the second on
+feet are lifted in full, and ever less for so long after it [s]."""
 PERIOD, STANCE = 0.4, 0.55
 """Cycle that the horizon of a schedule without one is measured by, for a body of 0.3 m [s], and its stance as
 a share of it: a trot's."""
@@ -144,6 +147,7 @@ class WalkingController(Walker):
         self._aimed_at = -math.inf
         self._fits = True  # the gait follows the speed fast enough
         self._new_load = True  # what has been learned of the load since the models were brought up
+        self._unease = 1.0  # how far the body is from its plan
         self._aimless = False  # a foot has just lifted, and does not know yet where it goes
 
     @property
@@ -257,7 +261,7 @@ class WalkingController(Walker):
         if schedule.adapts:
             self._time_steps(request, max(clock, 0.0))
         own = schedule.clearance
-        usual = self.settings.clearance * self.height if own is None else own
+        usual = self._eased(now) * (self.settings.clearance * self.height if own is None else own)
         lifted = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
         feet.clearance = lifted + request.clearance
         if self._steps is not None and clock >= 0.0:
@@ -272,6 +276,16 @@ class WalkingController(Walker):
             if request.foot_goals is not None:
                 place = request.foot_goals(place, feet.start[k])
             feet.aim(k, place)
+
+    def _eased(self, now: Kinematics) -> float:
+        """Return the share of the usual clearance that a swing is to have."""
+        if not self.terrain.planar:
+            return 1.0
+        error = now.com_velocity[:2] - self.body.flow()
+        size = math.hypot(error[0], error[1]) / math.sqrt(GRAVITY * self.height)
+        fresh = min(max((size - CALM) / (UNEASY - CALM), 0.0), 1.0)
+        self._unease = max(fresh, self._unease - self._interval / UNEASE_TIME)
+        return self.settings.ease + (1.0 - self.settings.ease) * self._unease
 
     def _time_steps(self, request: Request, clock: float) -> None:
         """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""

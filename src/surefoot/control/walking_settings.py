@@ -33,6 +33,8 @@ class WalkSettings:
         Time to stand before the gait begins [s].
     clearance
         Height of the swing over the ground, as a share of the height of the centre of mass.
+    ease
+        Share of it over ground that is known to be a plane, while the body moves as planned.
     horizon
         Steps of the MPC.
     steps_per_period
@@ -59,6 +61,7 @@ class WalkSettings:
     friction_share: float = 0.9
     start: float = 0.3
     clearance: float = 0.22
+    ease: float = 0.55
     horizon: int = 10
     steps_per_period: int = 14
     plan_interval: float = 0.02

@@ -56,7 +56,8 @@ class ForceEstimate:
         acceleration within three standard deviations (`verdict.certificate` proves it), else "cannot tell".
     verdict
         The same question for the acceleration as given, exactly, see `surefoot.can_stand`: two feet span
-        no area, so that the least error of an acceleration makes it impossible.
+        no area, so that the least error of an acceleration makes it impossible. None for a robot whose base
+        does not float: what holds it may carry anything.
     stance
         The contacts.
     """
@@ -66,7 +67,7 @@ class ForceEstimate:
     misfit: float
     lawful: bool
     explainable: Literal["yes", "no", "cannot tell"]
-    verdict: Verdict
+    verdict: Verdict | None
     stance: Stance
 
     def by_contact(self) -> dict[str, FloatArray]:
@@ -92,12 +93,13 @@ def estimate_forces(
     Parameters
     ----------
     robot
-        With a floating base.
+        With a floating base, or with a base that is bolted or runs on rails (``fixed_base=True``) and feet.
     q, v, a
         (nq,) configuration [m, -, rad], (nv,) velocity [m/s, rad/s] and acceleration [m/s², rad/s²] in
         Pinocchio's order and coordinates.
     tau
-        (joints,) torques of the joints [N m].
+        (joints,) torques of the joints [N m]; NaN for a joint whose torque nobody knows, such as a rail on
+        which a hand holds the base: its row tells nothing then.
     feet
         Names of the feet that touch; None for all.
     mu, terrain
@@ -116,13 +118,15 @@ def estimate_forces(
     ------
     ProblemError
         For wrong shapes, numbers that are not finite, standard deviations that are not positive, or a robot
-        that is bolted to the world.
+        that is bolted to the world and has no feet.
     """
     of_kind("robot", robot, Robot)
     import pinocchio
 
-    if not robot.floating:
-        raise ProblemError(f"{robot.name} is bolted to the world: its base carries what it must")
+    if not robot.floating and not robot.feet:
+        raise ProblemError(
+            f"{robot.name} is bolted to the world and has no feet: its base carries what it must"
+        )
     model, data = robot.model, robot.model.createData()
     configuration = robot.configuration(q)
     velocity, acceleration = (finite_array(n, x, (model.nv,)) for n, x in (("v", v), ("a", a)))
@@ -130,22 +134,29 @@ def estimate_forces(
     shaking = real_number("acceleration_std", acceleration_std, low=0.0)
     stance = robot.stance(configuration, mu=mu, terrain=terrain, feet=feet)
     needed = np.array(pinocchio.rnea(model, data, configuration, velocity, acceleration))
-    needed = needed - generalised_torque(robot, finite_array("tau", tau, (robot.joints,)))
+    torque = np.array(tau, dtype=float)
+    known = np.ones(model.nv, dtype=bool)
+    if torque.shape == (robot.joints,):
+        known[robot.base_dof :] = ~np.isnan(torque)
+        torque[np.isnan(torque)] = 0.0
+    needed = needed - generalised_torque(robot, finite_array("tau", torque, (robot.joints,)))
     M = np.triu(pinocchio.crba(model, data, configuration))
     spread = shaking * np.linalg.norm(M + np.triu(M, 1).T, axis=1)
     spread = np.hypot(spread, np.where(np.arange(model.nv) < robot.base_dof, EXACT * noise, noise))
     J = contact_jacobian(robot, configuration, stance)
-    forces, std, misfit = _least_squares(J.T / spread[:, None], needed / spread)
-    rate = pinocchio.computeCentroidalMomentumTimeVariation(
-        model, data, configuration, velocity, acceleration
-    )
-    verdict = can_stand(stance, np.array(data.com[0]), robot.mass, -np.array(rate.vector))
-    lawful = _lawful(stance, forces, std)
-    left = np.abs(needed - J.T @ forces)[:6] <= REACH * spread[:6]
+    forces, std, misfit = _least_squares((J.T / spread[:, None])[known], (needed / spread)[known])
+    lawful, verdict = _lawful(stance, forces, std), None
+    if robot.floating:
+        rate = pinocchio.computeCentroidalMomentumTimeVariation(
+            model, data, configuration, velocity, acceleration
+        )
+        verdict = can_stand(stance, np.array(data.com[0]), robot.mass, -np.array(rate.vector))
+    rows = np.flatnonzero(known)[: robot.base_dof or None]
+    left = np.abs(needed - J.T @ forces)[rows] <= REACH * spread[rows]
     answer: Literal["yes", "no", "cannot tell"] = "cannot tell"
-    if verdict.feasible or (lawful and bool(left.all())):
+    if (verdict is not None and verdict.feasible) or (lawful and bool(left.all())):
         answer = "yes"
-    elif _proven(verdict, float(spread[:3].max()), float(spread[3:6].max())):
+    elif verdict is not None and _proven(verdict, float(spread[:3].max()), float(spread[3:6].max())):
         answer = "no"
     return ForceEstimate(forces, std, misfit, lawful, answer, verdict, stance)
 

@@ -1,0 +1,127 @@
+"""Forces on a foot without a sensor: a made-up leg whose truth is known, and the recorded one where it is."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.cli.main import main
+from surefoot.errors import ProblemError
+from surefoot.estimation.force_model import TOUCHING
+from surefoot.estimation.leg_motion import LegLog, read_leg_log
+from tests.estimation import hopper
+
+RECORDED = Path(__file__).parents[3] / "shared" / "data" / "hopper"
+
+
+@pytest.fixture(scope="module")
+def made_up(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return hopper.write_hopper(tmp_path_factory.mktemp("hopper"))
+
+
+@pytest.fixture(scope="module")
+def fitted(made_up: Path) -> sf.ForceModel:
+    return sf.ForceModel.fit(sf.load_robot(made_up / "hopper.urdf", fixed_base=True), made_up / "hopper.csv")
+
+
+def _cut(log: LegLog, rows: slice) -> LegLog:
+    fields = {name: getattr(log, name)[rows] for name in ("time", "q", "tau", "sensor")}
+    return dataclasses.replace(log, **fields)
+
+
+def test_forces_of_rows_kept_back(made_up: Path, fitted: sf.ForceModel) -> None:
+    truth = np.loadtxt(made_up / "truth.csv", delimiter=",", skiprows=1)[:, 1:]
+    found = fitted.estimate(made_up / "kept.csv")
+    error = np.sqrt(((found.forces - truth) ** 2).mean(axis=0))
+    assert error[2] < 0.5  # the sensor's own noise is 0.15
+    assert (error[:2] < 0.5).all()
+    inside = ((truth >= found.low) & (truth <= found.high)).mean(axis=0)
+    assert (inside >= 0.90).all()
+    assert (inside <= 0.995).all()
+    assert np.mean(found.contact != (truth[:, 2] > TOUCHING)) < 0.02
+
+
+def test_what_the_joints_and_the_sensor_have(fitted: sf.ForceModel) -> None:
+    assert fitted.vertical_axis == (2, 1.0)
+    np.testing.assert_allclose(fitted.axes, hopper.TURN, atol=0.12)
+    assert abs(fitted.delay - hopper.LATE * hopper.DT) <= hopper.DT
+    assert 0.5 * hopper.LENGTH <= fitted.length <= 2.5 * hopper.LENGTH
+    true = {
+        "gain": (hopper.GAIN,) * 2, "friction": hopper.FRICTION, "loaded": (hopper.LOADED,) * 2,
+        "cubic": (hopper.CUBIC,) * 2, "inertia": (hopper.ROTOR,) * 2, "offset": (0.0, 0.0),
+    }  # fmt: skip
+    for j, joint in enumerate(("HFE", "KFE")):
+        for term, values in true.items():
+            _, low, high = fitted.joints[joint][term]
+            assert low <= values[j] <= high, (joint, term)
+    _, low, high = fitted.joints["KFE"]["friction"]
+    assert low > 0.0
+    assert high < 0.1
+
+
+def test_a_written_model_says_the_same(made_up: Path, fitted: sf.ForceModel, tmp_path: Path) -> None:
+    fitted.write(tmp_path / "m.json")
+    again = sf.ForceModel.read(tmp_path / "m.json", fitted.robot)
+    same, found = again.estimate(made_up / "kept.csv"), fitted.estimate(made_up / "kept.csv")
+    np.testing.assert_allclose(same.forces, found.forces, rtol=1e-9, atol=1e-9)
+    np.testing.assert_array_equal(same.contact, found.contact)
+
+
+def test_the_command(made_up: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = [
+        "--model",
+        str(made_up / "hopper.urdf"),
+        "--test",
+        str(made_up / "kept.csv"),
+        "--out",
+        str(tmp_path),
+    ]
+    assert main(["identify", str(made_up / "hopper.csv"), *words, "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["fit"]["KFE"]["friction"]["unit"] == "N m"
+    table = np.genfromtxt(facts["test"]["forces"], delimiter=",", names=True)
+    assert len(table) == facts["test"]["rows"]
+    assert main(["identify", facts["model"], *words]) == 0
+    assert "touchdowns [s]" in capsys.readouterr().out
+
+
+def test_wrong_input_is_one_line(made_up: Path, fitted: sf.ForceModel, tmp_path: Path) -> None:
+    with pytest.raises(ProblemError, match="needs a force sensor"):
+        sf.ForceModel.fit(fitted.robot, made_up / "kept.csv")
+    with pytest.raises(ProblemError, match="tau_NAME"):
+        fitted.estimate(made_up / "truth.csv")
+    with pytest.raises(ProblemError, match="floats"):
+        sf.ForceModel.fit(sf.load_robot(made_up / "hopper.urdf"), made_up / "hopper.csv")
+    (tmp_path / "m.json").write_text("{}", "utf-8")
+    with pytest.raises(ProblemError, match="holds no force model"):
+        sf.ForceModel.read(tmp_path / "m.json", fitted.robot)
+    lines = (made_up / "hopper.csv").read_text("utf-8").splitlines()
+    (tmp_path / "nan.csv").write_text(
+        "\n".join([*lines[:200], lines[200].replace(",", ",nan,", 1)[:40]]), "utf-8"
+    )
+    with pytest.raises(ProblemError, match=r"nan\.csv"):
+        read_leg_log(tmp_path / "nan.csv")
+
+
+@pytest.mark.skipif(not RECORDED.exists(), reason="the recorded hopper is not beside the checkout")
+@pytest.mark.parametrize("first", [True, False], ids=["first half", "second half"])
+def test_the_recorded_hopper_across_halves(first: bool) -> None:
+    robot = sf.load_robot(RECORDED / "hopper.urdf", fixed_base=True)
+    log = read_leg_log(RECORDED / "hopper.csv")
+    halves = [slice(0, len(log.time) // 2), slice(len(log.time) // 2, None)]
+    seen, kept = (_cut(log, part) for part in (halves if first else halves[::-1]))
+    model = sf.ForceModel.fit(robot, seen)
+    found = model.estimate(kept)
+    error = np.sqrt(((found.forces - kept.sensor) ** 2).mean(axis=0))
+    assert error[2] < 0.55  # regression on q, dq, ddq, tau: 0.63 to 0.70
+    assert (error[:2] < [0.3, 0.5]).all()
+    inside = ((kept.sensor >= found.low) & (kept.sensor <= found.high)).mean(axis=0)
+    assert 0.9 < inside[2] < 0.98
+    assert np.mean(found.contact != (kept.sensor[:, 2] > TOUCHING)) < 0.01
+    other = read_leg_log(RECORDED / "hopper_run2.csv")
+    assert np.mean(model.estimate(other).contact != (other.sensor[:, 2] > TOUCHING)) < 0.05
