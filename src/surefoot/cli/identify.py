@@ -64,7 +64,6 @@ def identify(
         from surefoot.cli.identify_forces import identify_forces
 
         return identify_forces(tosses, model, test, out, as_json)
-    from surefoot.estimation.identify import identify as fit
     from surefoot.estimation.toss_model import ThrownModel
     from surefoot.estimation.tosses import read_tosses
 
@@ -76,14 +75,9 @@ def identify(
     if others is not None and others.cube != recorded.cube:
         raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
     laws = list(dict.fromkeys(law or ["rigid"]))
-    fits: dict[str, TossFit] = {}
-    for simulator in [*map(ThrownModel, laws), *_rivals(rivals, test is not None)]:
-        found = fits[laws[0]].found if fits else None
-        with progress_bar(not as_json, f"{simulator.name}: simulating tosses", 1.0) as moved:
-            fits[simulator.name] = fit(
-                recorded, simulator, model=model, test=others, found=found, resamples=resamples, seed=seed,
-                progress=_progress(len(recorded), moved),
-            )  # fmt: skip
+    simulators = [*map(ThrownModel, laws), *_rivals(rivals, test is not None)]
+    settings = {"model": model, "test": others, "resamples": resamples, "seed": seed}
+    fits = _fits(recorded, simulators, settings, not as_json)
     facts = _facts(fits, laws, recorded, others)
 
     def draw(folder: Path) -> Path:
@@ -106,6 +100,20 @@ def _rivals(names: str, testing: bool) -> list[Any]:
     else:
         wanted = [] if names == "none" else [name.strip() for name in names.split(",")]
     return [make_rival(name) for name in dict.fromkeys(wanted)]
+
+
+def _fits(recorded: Tosses, simulators: list[Any], settings: dict[str, Any], bar: bool) -> dict[str, TossFit]:
+    """Return the fits by name; all of them throw the body that the first one found."""
+    from surefoot.estimation.identify import identify as fit
+
+    fits: dict[str, TossFit] = {}
+    found = None
+    for simulator in simulators:
+        with progress_bar(bar, f"{simulator.name}: simulating tosses", 1.0) as moved:
+            progress = _progress(len(recorded), moved)
+            fits[simulator.name] = fit(recorded, simulator, found=found, progress=progress, **settings)
+        found = fits[simulator.name].found
+    return fits
 
 
 def _progress(tosses: int, moved: Any) -> Callable[[float], None] | None:
