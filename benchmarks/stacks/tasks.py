@@ -18,6 +18,8 @@ NEWTONS, PUSH_TIME, PUSH_AT = 150.0, 0.1, 2.5
 BIPED_NEWTONS = 60.0
 SHOVES = (100, 200, 300, 400)
 """Pushes on Go2 beyond what has to be held, 100 N included [N]."""
+BIPED_SHOVES = (150.0, 200.0)
+"""The same on G1 [N]."""
 DIRECTIONS = ("forward", "forward-left", "left", "back-left", "back", "back-right", "right", "forward-right")
 """Of a push, every 45 degrees."""
 LADDER = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7, 2.0)
@@ -196,6 +198,12 @@ def _others() -> Iterator[Task]:
         terrain="rough:1,0.03",
     )  # fmt: skip
     yield from _pushes("g1", BIPED_NEWTONS, 2, 0.3, "g1-push")
+    for newtons in BIPED_SHOVES:
+        yield from _pushes("g1", newtons, 1, 0.3, f"g1-shove-{newtons:g}", must=False)
+    yield Task(
+        "g1-payload", "G1 with 3 kg at (0.08, 0, 0.15) m", (0.3, 0.0, 0.0), "g1", duration=10.0, payload=3.0,
+        payload_at=(0.08, 0.0, 0.15), must=False,
+    )  # fmt: skip
     for newtons in SHOVES:
         yield from _pushes("go2", newtons, 1, 0.5, f"shove-{newtons}", must=False)
 

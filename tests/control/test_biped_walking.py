@@ -89,3 +89,14 @@ def test_the_audit_knows_rotors_and_friction() -> None:
     for name in ("armature", "viscous_friction", "dry_friction"):
         del log.facts[name]
     assert {v.law for v in audit_log(log).violations} == {"motion"}
+
+
+@pytest.mark.parametrize("share", [1.0, -1.0])
+def test_a_humanoid_is_slowed_to_what_its_soles_can_walk(share: float) -> None:
+    robot = load_robot("g1")
+    fast = walking_controller(robot, VelocityCommand.constant(share * 0.8))
+    assert abs(fast.command.at(0.0)[0]) == pytest.approx(0.6, abs=0.005)  # at 0.62 m/s it falls
+    assert "slowed to 75 %" in fast.notes[0]
+    usual = walking_controller(robot, VelocityCommand.constant(share * 0.6))
+    assert usual.command.at(0.0)[0] == share * 0.6
+    assert not usual.notes

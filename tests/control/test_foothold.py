@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.control import foothold
-from surefoot.control.foothold import choose_foothold, fit_plane, raibert, step_shift
-from surefoot.control.walking_kernels import slope_frames
+from surefoot.control.foothold import choose_foothold, raibert, step_shift
+from surefoot.control.walking_kernels import plane_through, slope_frames
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, rough_ground
 
 
@@ -66,14 +66,14 @@ def test_the_plane_through_feet_on_a_plane_is_that_plane(a: float, b: float, lev
     xy = np.array([[0.2, 0.15], [0.2, -0.15], [-0.2, 0.15], [-0.2, -0.15]]) + np.array([1.0, -2.0])
     feet = np.column_stack([xy, level + xy @ [a, b]])
     about = np.array([1.1, -2.1])
-    height, slope_x, slope_y = fit_plane(feet, about, damping=0.0)
+    height, slope_x, slope_y = plane_through(feet, about, 0.0)
     assert (slope_x, slope_y) == pytest.approx((a, b), abs=1e-9)
     assert height == pytest.approx(level + about @ [a, b], abs=1e-9)
 
 
 def test_feet_in_a_line_say_nothing_about_the_slope_across() -> None:
     feet = np.array([[0.2, 0.0, 0.1], [-0.2, 0.0, 0.0]])
-    _, slope_x, slope_y = fit_plane(feet, np.zeros(2))
+    _, slope_x, slope_y = plane_through(feet, np.zeros(2), 1e-4)
     assert slope_x == pytest.approx(0.25, rel=0.01)
     assert slope_y == pytest.approx(0.0, abs=1e-9)
 

@@ -20,7 +20,6 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.walking_kernels import plane_through
 from surefoot.kernels import kernel
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
@@ -33,6 +32,9 @@ LOOK, FINE = 0.3, 0.005
 """How far along the way edges are looked for, and in what steps [m]."""
 FARTHEST = 0.15
 """Farthest that a foot is moved for an edge [m]."""
+CATCH_REACH, CATCH_ASIDE = 0.8, 0.35
+"""Farthest from its place that a foot catches a body, in heights of the centre of mass, and nearest to the
+middle of the body, as a share of the foot's own distance from there."""
 NEAR = np.arange(-LOOK, LOOK + 0.5 * FINE, FINE)
 EDGE_WEIGHT, TILT_WEIGHT = 3.0, 0.05
 """Cost of a height difference within the margin to edges, and of the ground's slope, over that of the
@@ -114,6 +116,39 @@ def step_place(
     out = raibert(hip, com_velocity[:2], wanted, turn, height, stance_time)
     out[0] -= lead * y
     out[1] += lead * x
+    return out
+
+
+@kernel
+def catching_place(
+    com: FloatArray, com_velocity: FloatArray, arm: FloatArray, yaw: float, velocity: FloatArray, left: float,
+    height: float, stance_time: float,
+) -> FloatArray:  # fmt: skip
+    """Return the (2,) place of a foot that catches a pushed body at touchdown, world axes [m].
+
+    Raibert's rule about where the hip will be if the body goes on as it does, as far as the leg reaches, and
+    on the foot's own side of the body: there is no way past the other leg.
+
+    Parameters
+    ----------
+    com, com_velocity, arm, yaw, velocity, left, height, stance_time
+        As for `step_place`; the velocity is the one that the body should come back to.
+
+    Examples
+    --------
+    >>> fast = np.array([0.0, 9.0, 0.0])
+    >>> catching_place(np.zeros(3), fast, np.array([0.2, 0.1]), 0.0, np.zeros(3), 0.0, 0.3, 0.1)
+    array([0.2 , 0.34])
+    """
+    c, s = math.cos(yaw), math.sin(yaw)
+    out, pendulum = np.empty(2), math.sqrt(height / GRAVITY)
+    x, y = c * com_velocity[0] + s * com_velocity[1], c * com_velocity[1] - s * com_velocity[0]
+    ahead = 0.5 * stance_time * x + pendulum * (x - velocity[0])
+    aside = 0.5 * stance_time * y + pendulum * (y - velocity[1])
+    reach, side = CATCH_REACH * height / max(math.hypot(ahead, aside), 1e-9), math.copysign(1.0, arm[1])
+    ahead, aside = arm[0] + min(reach, 1.0) * ahead, arm[1] + min(reach, 1.0) * aside
+    ahead, aside = ahead + left * x, side * max(side * aside, CATCH_ASIDE * abs(arm[1])) + left * y
+    out[0], out[1] = com[0] + c * ahead - s * aside, com[1] + s * ahead + c * aside
     return out
 
 
@@ -252,17 +287,3 @@ def _most_level(terrain: Terrain, place: FloatArray, reach: float, margin: float
         rise, lean = np.maximum(rise - terrain.noise, 0.0), np.maximum(lean - terrain.noise, 0.0)
     cost = np.linalg.norm(grid, axis=1) + EDGE_WEIGHT * rise + TILT_WEIGHT * lean / margin
     return np.asarray(candidates[int(np.argmin(cost))])
-
-
-def fit_plane(places: FloatArray, about: FloatArray, damping: float = 1e-4) -> tuple[float, float, float]:
-    """Return (height at `about`, slope along x, slope along y) of the plane nearest to (n, 3) places.
-
-    `damping` [m²] pulls the slopes to zero where the places do not tell them.
-
-    Examples
-    --------
-    >>> points = np.array([[0, 0, 0.0], [1, 0, 0.1], [0, 1, 0.0], [1, 1, 0.1]])
-    >>> [round(v, 3) for v in fit_plane(points, np.zeros(2))]
-    [0.0, 0.1, 0.0]
-    """
-    return plane_through(np.ascontiguousarray(places), np.ascontiguousarray(about), damping)

@@ -60,6 +60,8 @@ class ForcePlanner:
         the planned accelerations [m/s²], [rad/s²].
     rotation
         (3, 3) of the body then.
+    rate
+        How many times as fast as time the schedule's clock goes.
     begun, made
         Times at which the last plan was set up, and solved [s].
     """
@@ -81,6 +83,7 @@ class ForcePlanner:
         self._horizon: tuple[BodyReference, FloatArray, BoolArray, FloatArray] | None = None
         self._landed = np.full(len(self.radii), -math.inf)
         self._stood: BoolArray = np.ones(len(self.radii), dtype=bool)
+        self.rate = 1.0
         self._time = math.inf  # no time has passed before the first step
 
     @property
@@ -99,11 +102,11 @@ class ForcePlanner:
         self._time = time
         early = ramp_shares(
             schedule.phases(time), stance, stance if touching is None else touching, self._stood,
-            self._landed, time, elapsed, LANDED, self.ramp, shares,
+            self._landed, time, elapsed, LANDED, self.ramp * self.rate, shares,
         )  # fmt: skip
         for k in range(len(shares)) if early else ():
             if early >> k & 1:
-                left = (self._lift_off(k, time) - time) / self.ramp
+                left = (self._lift_off(k, time) - time) / (self.ramp * self.rate)
                 shares[k] = min(shares[k], max(left, 0.0))
         return shares
 
@@ -125,7 +128,7 @@ class ForcePlanner:
                     break
                 begin, end = self._next_stance(k, end)
         out = np.empty((count, self.schedule.feet))
-        mean_shares(np.array(stances, dtype=np.float64).reshape(-1, 3), fine, self.ramp, out)
+        mean_shares(np.array(stances, dtype=np.float64).reshape(-1, 3), fine, self.ramp * self.rate, out)
         return out
 
     def _lift_off(self, k: int, time: float) -> float:
@@ -154,10 +157,11 @@ class ForcePlanner:
         """
         N, dt = self.mpc.horizon, self.mpc.dt
         ahead = 0.0 if self.forces is None else self.dt
-        start = clock + ahead
-        contacts = self.schedule.horizon(start, dt, N)
+        tick = dt * self.rate
+        start = clock + ahead * self.rate
+        contacts = self.schedule.horizon(start, tick, N)
         if start < 0.0:
-            contacts[start + dt * (np.arange(N) + 0.5) < 0.0] = True
+            contacts[start + tick * (np.arange(N) + 0.5) < 0.0] = True
         contacts[0] = feet.stance
         for k in np.flatnonzero(feet.stance & ~feet.planned):  # landed early: carries on
             later = np.flatnonzero(contacts[1:, k])
@@ -166,11 +170,11 @@ class ForcePlanner:
         arms = turned_arms(self.offsets, body.yaw + body.velocity[2] * dt * np.arange(N + 1))
         places = stance_places(
             contacts, feet.stance, feet.ground, feet.target, feet.frames, self.radii, reference.position,
-            arms, round(0.5 * stance / dt), body.ground, body.position, body.slope,
+            arms, round(0.5 * stance / tick), body.ground, body.position, body.slope,
         )  # fmt: skip
         if self.forces is not None and not self.pending:
             self.mpc.shift(max(time + ahead - self.made, 0.0))
-        self._horizon = reference, places, contacts, self._shares_ahead(start, dt, N)
+        self._horizon = reference, places, contacts, self._shares_ahead(start, tick, N)
         self.begun = time
 
     def solve(self, time: float, now: Kinematics, frames: FloatArray, mu: float | None) -> None:

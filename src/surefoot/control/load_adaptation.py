@@ -48,13 +48,7 @@ class LoadAdaptation:
         (4,) mass and first moment that the models have, base axes [kg, kg m].
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        dt: float,
-        mpc: ConvexMpc,
-        whole_body: WholeBodyController,
-    ) -> None:
+    def __init__(self, robot: Robot, dt: float, mpc: ConvexMpc, whole_body: WholeBodyController) -> None:
         self.robot, self.dt = robot, dt
         self.observer = WrenchObserver(robot, dt)
         self.mpc, self.whole_body = mpc, whole_body

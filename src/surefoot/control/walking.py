@@ -12,10 +12,10 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, of_kind, real_number
-from surefoot.control.behaviours.behaviour import Request
+from surefoot.control.behaviours.behaviour import Recovery, Request
 from surefoot.control.command_limits import LeggedBody
 from surefoot.control.controller import RobotState
-from surefoot.control.foothold import step_place
+from surefoot.control.foothold import catching_place, step_place
 from surefoot.control.force_planner import ForcePlanner
 from surefoot.control.gait_choice import choose_gait
 from surefoot.control.load_adaptation import LoadAdaptation
@@ -38,6 +38,9 @@ from surefoot.terrain import FlatTerrain, Terrain
 
 LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
+LOW, YIELDING = 0.5, 0.02
+"""While a body is caught: height of the swings over the usual one, for they are quick, and weight of the feet
+in the air over their own: legs that rush must not turn the body."""
 CALM, UNEASY, UNEASE_TIME = 0.06, 0.15, 1.0
 """Up to the first error of its velocity, as a share of sqrt(g h), a body moves as planned; from the second on
 feet are lifted in full, and ever less for so long after it [s]."""
@@ -147,6 +150,7 @@ class WalkingController(Walker):
         self._aimed_at = -math.inf
         self._fits = True  # the gait follows the speed fast enough
         self._new_load = True  # what has been learned of the load since the models were brought up
+        self._recovery: Recovery | None = None
         self._unease = 1.0  # how far the body is from its plan
         self._aimless = False  # a foot has just lifted, and does not know yet where it goes
 
@@ -212,7 +216,19 @@ class WalkingController(Walker):
         if request.mu < math.inf:
             self.whole_body.set_friction(request.mu)
         body.acceleration, body.ceiling = min(body.change, request.acceleration), request.height
+        self._recover(request.recovery)
         body.advance(velocity, now.com, self.dt)
+
+    def _recover(self, recovery: Recovery | None) -> None:
+        """Let clock, body and feet do what a recovery asks for, and as ever without one."""
+        assert self.feet is not None
+        self.feet.hurry(1.0 if recovery is None else recovery.rate, self.dt)
+        self.planner.rate = self.feet.rate
+        if (recovery is None) != (self._recovery is None):
+            self.whole_body.weigh_swing(1.0 if recovery is None else YIELDING)
+        if recovery is not None:
+            self.body.velocity[:], self.body.acceleration = recovery.velocity, recovery.acceleration
+        self._recovery = recovery
 
     def _plan(
         self, state: RobotState, now: Kinematics, request: Request, clock: float, standing: BoolArray,
@@ -264,14 +280,18 @@ class WalkingController(Walker):
         usual = self._eased(now) * (self.settings.clearance * self.height if own is None else own)
         lifted = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
         feet.clearance = lifted + request.clearance
+        if self._recovery is not None:
+            feet.clearance *= LOW
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self.terrain.unsure)
             feet.stride = self._steps.stride
         for k in np.flatnonzero(~(feet.stance | feet.planned)).tolist():
             _, _, end = schedule.phase(k, clock)
-            place = step_place(
-                now.com, now.com_velocity, self.planner.offsets[k], self.body.yaw, self.body.velocity,
-                max(end - clock, 0.0), self.height, self._stance_time,
+            caught, left = self._recovery is not None, max(end - clock, 0.0) / feet.rate
+            place = (catching_place if caught else step_place)(
+                now.com, now.com_velocity, self.planner.offsets[k], self.body.yaw,
+                self.arbiter.asked if caught else self.body.velocity, left, self.height,
+                self._stance_time / feet.rate,
             )  # fmt: skip
             if request.foot_goals is not None:
                 place = request.foot_goals(place, feet.start[k])

@@ -10,8 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.body_motion import BodyReference
-from surefoot.control.foothold import fit_plane
-from surefoot.control.walking_kernels import advance_body, body_rise, cruise, slope_frames
+from surefoot.control.walking_kernels import advance_body, body_rise, cruise, plane_through, slope_frames
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY, rotation_about
 from surefoot.stance.contact_schedule import ContactSchedule
@@ -22,6 +21,8 @@ LEAD = 0.05
 at the wanted one if that is higher: less, and a fast trot stays behind its command for good."""
 GROUND_TIME = 0.12
 """Time constant with which the ground's slope under the feet is followed [s]."""
+FLATTENING = 1e-4
+"""Pull of the slopes of the plane through the feet to zero where their places do not tell them [m²]."""
 DIP = 0.25
 """`BodyPlan.dip` on ground with steps: at a slope of 0.4, a tenth of the body's height less."""
 LOWERING = 0.3
@@ -224,7 +225,7 @@ class BodyPlan:
 
     def fit_ground(self, feet: FloatArray, dt: float) -> None:
         """Follow the ground under (n, 3) places where feet last stood [m], `dt` after the last time [s]."""
-        level, *slope = fit_plane(feet, self.position[:2])
+        level, *slope = plane_through(feet, self.position[:2], FLATTENING)
         self.follow_plane(level, np.array(slope), dt)
 
     def follow_plane(self, level: float, slope: FloatArray, dt: float) -> None:
@@ -232,22 +233,14 @@ class BodyPlan:
         share = 1.0 - math.exp(-dt / GROUND_TIME)
         self.slope = self.slope + share * (slope - self.slope)
         self.ground += share * (level - self.ground)
-        self.position[2] = self.ground + self._rise()
-
-    def _rise(self) -> float:
-        """Return the wanted height over the ground along the vertical, see `body_rise`."""
         height = min(self.height + float(self.posture[0]), self.ceiling)
-        return body_rise(self.slope, self.yaw, height, self.dip, self.lowered)
+        self.position[2] = self.ground + body_rise(self.slope, self.yaw, height, self.dip, self.lowered)
 
     def flow(self) -> FloatArray:
         """Return the (2,) wanted velocity along x and y of the world [m/s]."""
-        return np.array(self._flow())
-
-    def _flow(self) -> tuple[float, float]:
-        """Return the wanted velocity along x and y of the world."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         vx, vy = float(self.velocity[0]), float(self.velocity[1])
-        return c * vx - s * vy, s * vx + c * vy
+        return np.array([c * vx - s * vy, s * vx + c * vy])
 
     def places(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return yaw (k,), centre of mass (k, 3) and its velocity (k, 3) at times from now [s]."""

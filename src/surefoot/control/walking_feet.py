@@ -72,6 +72,8 @@ class Feet(Bound):
         (n,) which feet have begun their swing anew, once each.
     wait
         Time by which the schedule has been held up so far [s].
+    rate
+        How many times as fast as time the schedule's clock goes, see `hurry`.
     fastest
         Largest speed with which a late foot is sent down on unknown ground [m/s]; None on known ground.
     heading
@@ -89,6 +91,7 @@ class Feet(Bound):
     descent: float
     centres: FloatArray
     wait: float = 0.0
+    rate: float = 1.0
     fastest: float | None = None
     heading: FloatArray | None = None
     stride: FloatArray | None = None
@@ -165,6 +168,13 @@ class Feet(Bound):
             self._land(k, centre)
         return True
 
+    def hurry(self, rate: float, dt: float) -> None:
+        """Let clock and swings go at a multiple of time in the coming step of dt [s]."""
+        if rate != self.rate:
+            self.duration *= self.rate / rate
+            self.rate = rate
+        self.wait -= (rate - 1.0) * dt
+
     def interrupt(self, k: int, time: float, centre: FloatArray) -> None:
         """Begin a swing anew from where the foot is, which has struck something; time as for `update`."""
         planned, begin, end = self.schedule.phase(k, time)
@@ -239,7 +249,7 @@ class Feet(Bound):
 
     def _lift(self, k: int, begin: float, duration: float, centre: FloatArray) -> None:
         self.stance[k] = self.again[k] = False
-        self._lifted[k], self.duration[k] = begin, duration
+        self._lifted[k], self.duration[k] = begin, duration / self.rate
         self._lift_first[k] = swing.EVEN if self.terrain.planar else LIFT_FIRST
         self.start[k] = centre
 

@@ -41,8 +41,8 @@ def draw_tosses(train: Tosses, test: Tosses | None, fits: Mapping[str, TossFit],
     """
     figure, axes = new_figure(1, 3, size=(13.0, 4.0))
     errors = {name: _errors(fit) for name, fit in fits.items()}
-    _draw_shares(axes[0], {n: e.position for n, e in errors.items()}, "mean position error [width]")
-    _draw_shares(axes[1], {n: e.rotation for n, e in errors.items()}, "mean rotation error [deg]")
+    _draw_shares(axes[0, 0], {n: e.position for n, e in errors.items()}, "mean position error [width]")
+    _draw_shares(axes[0, 1], {n: e.rotation for n, e in errors.items()}, "mean rotation error [deg]")
     tosses = train if test is None else test
     first = next(iter(fits.values()))
     poses = first.train_poses if test is None or first.test_poses is None else first.test_poses
@@ -50,10 +50,10 @@ def draw_tosses(train: Tosses, test: Tosses | None, fits: Mapping[str, TossFit],
     which = int(np.argsort(size)[size.size // 2])
     rows = slice(int(tosses.starts[which]), int(tosses.starts[which + 1]))
     height = first["ground"].value
-    _draw_toss(axes[2], first.found.body, tosses.poses[rows], poses[rows], height)
+    _draw_toss(axes[0, 2], first.found.body, tosses.poses[rows], poses[rows], height)
     share = "not seen by the fit" if test is not None else "fitted to"
-    axes[0].set_title(f"{len(tosses)} tosses {share}")
-    axes[2].set_title(f"Toss {tosses.ids[which]}, of median error: recorded (grey), simulated")
+    axes[0, 0].set_title(f"{len(tosses)} tosses {share}")
+    axes[0, 2].set_title(f"Toss {tosses.ids[which]}, of median error: recorded (grey), simulated")
     return save(figure, path)
 
 

@@ -20,9 +20,9 @@ from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import Terrain, read_terrain
 
 NAMES = {
-    "exact": ["stand still", "seen stairs", "cruise"],
-    "map": ["stand still", "seen stairs", "stumble", "cruise"],
-    "blind": ["stand still", "stop at drop", "seen stairs", "stumble", "cruise"],
+    "exact": ["stand still", "push recovery", "seen stairs", "cruise"],
+    "map": ["stand still", "push recovery", "seen stairs", "stumble", "cruise"],
+    "blind": ["stand still", "push recovery", "stop at drop", "seen stairs", "stumble", "cruise"],
 }
 """Behaviours by what is known of the ground: "seen stairs" where a gait adapts, "slip" where friction is
 watched."""

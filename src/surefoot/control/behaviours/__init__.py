@@ -2,6 +2,7 @@
 
 from surefoot.control.behaviours.behaviour import MakeBehaviour
 from surefoot.control.behaviours.cruise import Cruise
+from surefoot.control.behaviours.push_recovery import PushRecovery
 from surefoot.control.behaviours.seen_stairs import SeenStairs
 from surefoot.control.behaviours.slip import Slip
 from surefoot.control.behaviours.stand_still import StandStill
@@ -10,6 +11,7 @@ from surefoot.control.behaviours.stumble import Stumble
 
 BEHAVIOURS: tuple[MakeBehaviour, ...] = (
     StandStill,
+    PushRecovery,
     StopAtDrop.of,
     Slip.of,
     SeenStairs.of,

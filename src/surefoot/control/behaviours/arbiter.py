@@ -32,6 +32,7 @@ RULES: dict[str, tuple[str, Callable[[Any, Any], bool]]] = {
     "clearance": ("the greatest", operator.gt),
     "foot_goals": ("by rank", _first),
     "search": ("by rank", _first),
+    "recovery": ("by rank", _first),
     "mu": ("the least", operator.lt),
     "acceleration": ("the least", operator.lt),
     "height": ("the least", operator.lt),
@@ -62,7 +63,7 @@ class Arbiter:
     velocity
         (3,) that the body goes at: the same at the pace that is asked for, likewise.
     asked_by
-        (13,) rank of the behaviour that has got its way with each quantity of `LOGGED`; -1 for none.
+        (14,) rank of the behaviour that has got its way with each quantity of `LOGGED`; -1 for none.
     """
 
     def __init__(self, behaviours: Sequence[Behaviour], radius: float, notes: list[str]) -> None:

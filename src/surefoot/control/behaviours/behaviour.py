@@ -35,6 +35,24 @@ class FootSearch(NamedTuple):
     careful: bool = False
 
 
+class Recovery(NamedTuple):
+    """How a body that was pushed is caught.
+
+    Attributes
+    ----------
+    rate
+        How many times as fast as by its own clock the gait goes.
+    velocity
+        (3,) that is wanted now, from one moment to the next: forward, left [m/s], turn [rad/s].
+    acceleration
+        With which it comes back to the commanded one [m/s²].
+    """
+
+    rate: float
+    velocity: FloatArray
+    acceleration: float
+
+
 class WalkFacts(NamedTuple):
     """What a behaviour is made for; the numbers do not change in a walk.
 
@@ -130,6 +148,8 @@ class Request(NamedTuple):
         Where feet land instead of their nominal places.
     search
         How late feet look for the ground.
+    recovery
+        How a body that was pushed is caught; feet then land where they catch it.
     mu, acceleration
         Friction to count on [-], and the largest change of the wanted velocity [m/s²].
     height
@@ -148,6 +168,7 @@ class Request(NamedTuple):
     clearance: float = 0.0
     foot_goals: FootGoals | None = None
     search: FootSearch | None = None
+    recovery: Recovery | None = None
     mu: float = math.inf
     acceleration: float = math.inf
     height: float = math.inf

@@ -1,0 +1,73 @@
+"""Steps when they are needed: after a push the gait's clock is a wish, and feet go where they catch the body.
+
+A pushed body comes to rest over its capture point, sqrt(h / g) times its speed ahead [1]_. Where the feet of
+a trot do not reach so far within the gait's own time, the way is taken in several quick steps: the gait goes
+faster, so that feet lift before they are out of reach and those in the air come down at once; the wanted
+velocity gives way to the body's and comes back as fast as friction lets it, so that the plan ahead does not
+throw the body over feet that stand in the wrong place.
+
+References
+----------
+.. [1] J. Pratt, J. Carff, S. Drakunov, A. Goswami, "Capture point: a step toward humanoid push recovery",
+   Humanoids 2006.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.control.behaviours.behaviour import NOTHING, Recovery, Request, WalkFacts, WalkView
+from surefoot.spatial import GRAVITY, heading_of
+
+BEGINS, ENDS = 0.4, 0.2
+"""A body that is off its wanted velocity by so much is caught, until it is off by no more and no faster than
+before by twice as much, as shares of sqrt(g h)."""
+GIVE = 0.5
+"""The wanted velocity is never farther from the body's, likewise."""
+STRIDE, QUICKEST = 1.0, 1.6
+"""Way of the body over a stance, in heights of the centre of mass, and most that the gait is hurried by."""
+BACK = 0.3
+"""Change of the wanted velocity on the way back, as a share of g: half of the friction that is counted on."""
+
+
+class PushRecovery:
+    """Catches a body that was pushed.
+
+    Parameters
+    ----------
+    walk
+        What it is for.
+    """
+
+    name = "push recovery"
+
+    def __init__(self, walk: WalkFacts) -> None:
+        self._schedule, self._height = walk.schedule, walk.height
+        self._unit = math.sqrt(GRAVITY * walk.height)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last push."""
+        self._calm: float | None = None  # speed before the push
+
+    def propose(self, view: WalkView) -> Request:
+        """Ask for quick steps that go with the body, while it is far off its wanted velocity."""
+        if view.clock < 0.0 or self._schedule.held or self._schedule.stance_time == 0.0:
+            self._calm = None
+            return NOTHING
+        (x, y, _), (c, s) = view.now.com_velocity, heading_of(view.state.q[3:7])
+        flow, wanted = np.array([c * x + s * y, c * y - s * x]), view.velocity[:2]
+        off, speed = math.hypot(*(flow - wanted)) / self._unit, math.hypot(x, y)
+        if self._calm is None:
+            if off < BEGINS:
+                return NOTHING
+            self._calm = math.hypot(*wanted)
+        elif off < ENDS and speed < self._calm + 2.0 * ENDS * self._unit:
+            self._calm = None
+            return NOTHING
+        rate = min(max(self._schedule.stance_time * speed / (STRIDE * self._height), 1.0), QUICKEST)
+        velocity = view.velocity.copy()
+        velocity[:2] = flow + (wanted - flow) * min(1.0, GIVE / off)
+        return Request(recovery=Recovery(rate, velocity, BACK * GRAVITY))

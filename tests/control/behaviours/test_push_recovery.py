@@ -1,0 +1,87 @@
+"""After a push steps come when they are needed: quickly, where they catch the body, and only then."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.audit.laws import log_laws
+from surefoot.control.behaviours.behaviour import NOTHING, Request
+from surefoot.control.behaviours.push_recovery import ENDS, GIVE, QUICKEST, PushRecovery
+from surefoot.control.foothold import CATCH_REACH, catching_place
+from surefoot.control.walking import WalkingController
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.spatial import GRAVITY
+from tests.control.behaviours.views import HEIGHT, motion, view_of, walk_of
+
+UNIT = math.sqrt(GRAVITY * HEIGHT)
+
+
+def test_a_body_near_its_wanted_velocity_is_left_to_its_gait() -> None:
+    recovery = PushRecovery(walk_of())
+    assert recovery.propose(view_of(now=motion(com_velocity=(0.2 * UNIT, 0.0, 0.0)))) is NOTHING
+    fast = motion(com_velocity=(0.0, 0.0, 2.0 * UNIT))
+    assert recovery.propose(view_of(now=fast)) is NOTHING  # a body that falls is not pushed
+    pushed = motion(com_velocity=(0.0, UNIT, 0.0))
+    assert recovery.propose(view_of(now=pushed, clock=-0.1)) is NOTHING
+
+
+@pytest.mark.parametrize("way", [(1.0, 0.0), (0.0, -1.0), (-0.6, 0.8)])
+def test_a_pushed_body_is_gone_with_in_quick_steps_until_it_is_caught(way: tuple[float, float]) -> None:
+    recovery = PushRecovery(walk_of())
+    wanted = np.array([0.0, 0.0, 0.2])
+
+    def asked(share: float, velocity: np.ndarray = wanted) -> Request:
+        flow = share * UNIT * np.array([*way, 0.0])
+        return recovery.propose(view_of(now=motion(com_velocity=flow), velocity=velocity))
+
+    caught = asked(1.4).recovery
+    assert caught is not None
+    assert 1.0 < caught.rate <= QUICKEST
+    off = 1.4 * UNIT * np.array(way) - caught.velocity[:2]
+    assert math.hypot(*off) == pytest.approx(GIVE * UNIT)
+    assert caught.velocity[2] == wanted[2]
+    still = asked(0.35).recovery  # slower than what it begins at, and yet not caught
+    assert still is not None
+    assert still.rate == 1.0
+    flow = 0.35 * UNIT * np.array([*way, 0.0])
+    assert asked(0.35, flow + np.array([0.5 * ENDS * UNIT, 0.0, 0.0])) is NOTHING
+    assert asked(0.35) is NOTHING  # begins anew from a larger error alone
+
+
+@pytest.mark.parametrize("yaw", [0.0, 2.0])
+def test_a_foot_catches_within_its_reach_and_on_its_own_side(yaw: float) -> None:
+    c, s = math.cos(yaw), math.sin(yaw)
+    turn, com = np.array([[c, -s], [s, c]]), np.array([0.4, -0.3, 0.3])
+    for arm in np.array([[0.2, 0.1], [0.2, -0.1], [-0.2, 0.1]]):
+        for way in np.array([[1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [-0.7, -0.7]]):
+            flow = np.array([*(turn @ (3.0 * way)), 0.0])
+            place = catching_place(com, flow, arm, yaw, np.zeros(3), 0.1, HEIGHT, 0.1)
+            local = turn.T @ (place - com[:2]) - 0.3 * way
+            assert np.linalg.norm(local - arm) <= CATCH_REACH * HEIGHT + 1e-9
+            assert local[1] * arm[1] > 0.0
+            assert (local - arm) @ way > -1e-9
+    # a small error takes a foot where the body comes to rest over it
+    slow = np.array([0.05, 0.0, 0.0])
+    place = catching_place(np.zeros(3), slow, np.array([0.2, 0.1]), 0.0, np.zeros(3), 0.0, HEIGHT, 0.0)
+    assert place == pytest.approx([0.2 + 0.05 * math.sqrt(HEIGHT / GRAVITY), 0.1])
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.5])
+def test_a_trot_that_is_pushed_hard_stays_up_lawfully_and_comes_back(phase: float) -> None:
+    robot = sf.load_robot("go2")
+    walker = WalkingController(robot, VelocityCommand.constant(0.5))
+    time = walker.start + (2.0 + phase) * walker.schedule.period
+    scenario = sf.Scenario(3.6, 0.6, [sf.Push(time, (400.0, 0.0, 0.0), 0.1)])
+    log = sf.run(sf.MujocoWorld(robot, collision="full"), walker, scenario)
+    assert log.fact("outcome") == "done"
+    assert not log_laws(log).broken(robot.mass * GRAVITY)
+    late = log["time"] > 3.2
+    assert log["v"][late, :2].mean(axis=0) == pytest.approx([0.5, 0.0], abs=0.1)
+    rank = log.fact("behaviours").index("push recovery")
+    asked = (log["asked_by"] == rank).any(axis=1)
+    assert not asked[log["time"] < time].any()
+    assert asked[log["time"] > time].any()
