@@ -12,7 +12,7 @@ import pytest
 from surefoot.cli import worlds
 from surefoot.cli.main import main
 from surefoot.experiments import EXPERIMENTS
-from surefoot.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
+from surefoot.experiments.experiment import ComparedQuantity, Measurement, WorldExperiment
 from surefoot.simulation.drake_python import VARIABLE
 
 
@@ -33,10 +33,10 @@ def test_rigid_world_slides_as_it_should(capsys: pytest.CaptureFixture[str], tmp
     assert picture.stat().st_size > 10_000
 
 
-def test_several_experiments_get_an_overview(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_several_experiments_get_one_picture(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     code, found = asked(capsys, "drop", "slide", "--world", "rigid", "--out", str(tmp_path))
     assert code == 0
-    assert [Path(p).name for p in found["pictures"]] == ["drop.png", "slide.png", "overview.png"]
+    assert [Path(p).name for p in found["pictures"]] == ["overview.png"]
     assert Path(found["pictures"][-1]).stat().st_size > 10_000
 
 
@@ -53,14 +53,10 @@ def test_a_world_that_does_not_keep_to_it_is_exit_1(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def wrong(world: str, dt: float) -> Measurement:
-        import numpy as np
-
-        return Measurement((2.0,), (ComparedQuantity("x", "m", 1.0),), Curve(np.zeros(2), np.zeros(2)))
+        return Measurement((2.0,), (ComparedQuantity("x", "m", 1.0),))
 
     made = EXPERIMENTS["drop"]
-    monkeypatch.setitem(
-        EXPERIMENTS, "drop", WorldExperiment("drop", made.says, made.compares, wrong, made.theory, made.axes)
-    )
+    monkeypatch.setitem(EXPERIMENTS, "drop", WorldExperiment("drop", made.says, made.compares, wrong))
     code, found = asked(capsys, "drop", "--world", "rigid", "--no-pictures")
     assert code == 1
     assert found["experiments"]["drop"]["rows"][0]["verdict"] == "differs"
@@ -84,3 +80,30 @@ def test_absent_worlds_are_one_line_each(
 
 def test_help_names_every_experiment() -> None:
     assert worlds.NAMES.split(", ") == list(EXPERIMENTS)
+
+
+def test_engines_at_their_defaults(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """MuJoCo's pyramid lets a slide at 45 degrees go sqrt(2) as far; tuned and exact cones do not."""
+    pytest.importorskip("mujoco")
+    monkeypatch.delenv("SUREFOOT_NEWTON_PYTHON", raising=False)
+    words = ["--defaults", "--world", "mujoco", "--world", "rigid", "--world", "newton"]
+    code, found = asked(capsys, "slide", "slide at 45 deg", *words, "--out", str(tmp_path))
+    assert code == 0
+    error = {(row["engine"], row["case"]): row["error"] for row in found["rows"]}
+    assert error["mujoco", "slide at 45 deg"] == pytest.approx(2.0**0.5 - 1.0, abs=0.02)
+    assert error["mujoco", "slide"] < 0.01
+    assert error["mujoco tuned", "slide at 45 deg"] < 0.01
+    assert error["rigid", "slide at 45 deg"] < 1e-5
+    assert all(row["cost"] > 0.0 for row in found["rows"])
+    assert "SUREFOOT_NEWTON_PYTHON" in found["absent"]["newton"]
+    (picture,) = tmp_path.glob("*/defaults.png")
+    assert picture.stat().st_size > 10_000
+
+
+def test_what_defaults_do_not_know_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["worlds", "--defaults", "tip"]) == 2
+    assert "unknown scene of --defaults 'tip'; valid names: creep on a slope" in capsys.readouterr().err
+    assert main(["worlds", "--defaults", "--world", "moon"]) == 2
+    assert "unknown engine 'moon'" in capsys.readouterr().err

@@ -7,8 +7,9 @@ import pytest
 from surefoot.arrays import FloatArray
 from surefoot.contact.engines import EngineContact, translate
 from surefoot.contact.laws.soft import Hertz, HuntCrossley, MujocoLaw, SoftLaw, SpringDamper, behaviour
-from surefoot.errors import ProblemError, SurefootError
-from surefoot.experiments.drops import available_engines, measure
+from surefoot.errors import ProblemError
+from surefoot.experiments.drops import measure
+from surefoot.simulation import drake_python
 
 LAWS = {
     "bouncy": (SpringDamper(2e4, 40.0), 4.0),
@@ -16,13 +17,6 @@ LAWS = {
     "hertz": (Hertz.sphere(0.02, 1e6, dissipation=0.3), 1.0),
     "stiff": (SpringDamper(3e5, 500.0), 10.0),
 }
-
-
-def _drake() -> bool:
-    try:
-        return "drake" in available_engines()
-    except SurefootError:
-        return False
 
 
 @pytest.mark.parametrize(("law", "mass"), LAWS.values(), ids=LAWS.keys())
@@ -74,7 +68,9 @@ class ImplicitStep(SoftLaw):
 
 
 @pytest.mark.long
-@pytest.mark.skipif(not _drake(), reason="Drake is not here; SUREFOOT_DRAKE_PYTHON names a Python with it")
+@pytest.mark.skipif(
+    not drake_python.present(), reason="Drake is not here; SUREFOOT_DRAKE_PYTHON names a Python with it"
+)
 @pytest.mark.parametrize("engine", ["drake", "drake-hunt-crossley"])
 @pytest.mark.parametrize(
     "law", [SpringDamper(2e4, 40.0), HuntCrossley(2e4, 0.4)], ids=["linear", "hunt-crossley"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -26,15 +27,20 @@ def worlds(
         list[str] | None, typer.Option(help="A world, repeatable; all that are here if none.")
     ] = None,
     dt: Annotated[float, typer.Option(help="Step; it is doubled and halved for its error [s].")] = 1e-3,
-    out: Annotated[Path, typer.Option(help="Parent of the new folder with a picture each.")] = Path("runs"),
+    out: Annotated[Path, typer.Option(help="Parent of the new folder with a picture.")] = Path("runs"),
     pictures: Annotated[bool, typer.Option("--pictures/--no-pictures", help="Draw them.")] = True,
+    defaults: Annotated[
+        bool, typer.Option("--defaults", help="Engines as they come, at their own steps: error and cost.")
+    ] = False,
     as_json: options.AsJson = False,
 ) -> int:
     """Run the same experiments in every world that is here and hold them against closed forms.
 
     Exit code 0 if every world keeps to every closed form within its own step error, 1 if not, 2 for wrong
-    input.
+    input; with --defaults 0, whatever engines make of it.
     """
+    if defaults:
+        return _defaults(names or [], world, out, pictures, as_json)
     from surefoot.cli import extras
     from surefoot.experiments import EXPERIMENTS, carry_out
     from surefoot.simulation.worlds import WORLDS
@@ -73,17 +79,66 @@ def worlds(
         console.print(note or f"pictures: {folder}")
     agrees = all(outcome.agrees for outcome in outcomes)
     if as_json:
-        facts = {
-            "dt": dt,
-            "worlds": here,
-            "absent": {name: str(error) for name, error in absent.items()},
-            "agrees": agrees,
-            "experiments": {outcome.experiment.name: _facts(outcome) for outcome in outcomes},
+        print(to_json({
+            "dt": dt, "worlds": here, "absent": {name: str(error) for name, error in absent.items()},
+            "agrees": agrees, "experiments": {o.experiment.name: _facts(o) for o in outcomes},
             "pictures": paths,
-        }
-        print(to_json(facts))
+        }))  # fmt: skip
     console.print(_headline(outcomes, agrees))
     return 0 if agrees else 1
+
+
+def _defaults(names: list[str], world: list[str] | None, out: Path, pictures: bool, as_json: bool) -> int:
+    """Print what engines at their defaults make of a few scenes, beside tuned ones."""
+    from surefoot.cli import extras
+    from surefoot.experiments.engines.defaults import CASES, ENGINES, measured
+    from surefoot.experiments.engines.runners import NEWTON_PYTHON
+    from surefoot.simulation.worlds import WORLDS
+
+    needed = {name: packages for name, (_, packages) in WORLDS.items()} | {"newton": ()}
+    for name in names:
+        check_name("scene of --defaults", name, CASES)
+    for name in world or ():
+        check_name("engine", name, needed)
+    extras.require(extras.robot_packages(None))
+    check_out(out if pictures else None)
+    console, status = (plain_console(stderr=e, quiet=as_json, highlight=False) for e in (False, True))
+    absent = {name: str(e) for name in world or needed if (e := extras.missing(needed[name])) is not None}
+    if "newton" in (world or needed) and NEWTON_PYTHON not in os.environ:
+        absent["newton"] = f"{NEWTON_PYTHON} names an interpreter that has the package newton"
+    found: dict[str, dict[str, tuple[float, float]]] = {}
+    with status.status("") as line:
+        for engine, made in ENGINES.items():
+            if made.world in (world or needed) and made.world not in absent:
+                line.update(f"{engine} (a first run may compile)")
+                found[engine] = {case: measured(engine, case) for case in names or CASES}
+    if as_json:
+        keys = ("engine", "case", "unit", "error", "cost", "step")
+        rows = [(e, c, CASES[c].unit, *x, ENGINES[e].step) for e, by in found.items() for c, x in by.items()]
+        named = [dict(zip(keys, row, strict=True)) for row in rows]
+        print(to_json({"rows": named, "absent": absent}))
+    if found:
+        costs = {e: f"{sum(cost for _, cost in by.values()) / len(by):.2g}" for e, by in found.items()}
+        cells = [
+            (e, f"{1e3 * ENGINES[e].step:.3g}", *(f"{x:.1e}" for x, _ in by.values()), costs[e])
+            for e, by in found.items()
+        ]
+        title = "errors against closed forms; CPU seconds per simulated second, their mean"
+        console.print(
+            table(("engine", "step [ms]", *(names or CASES), "CPU"), cells, title, left=("engine",))
+        )
+    for name, reason in absent.items():
+        console.print(f"{name}: not here: {reason}")
+
+    def draw(folder: Path) -> Path:
+        from surefoot.viz.world_plots import draw_defaults
+
+        return draw_defaults(found, folder / "defaults.png")
+
+    path, note = extras.drawn(pictures and bool(found), out, "worlds", draw)
+    if path or note:
+        console.print(note or f"picture: {path}")
+    return 0
 
 
 def _headline(outcomes: list[WorldsOutcome], agrees: bool) -> str:
@@ -114,13 +169,10 @@ def _print(outcome: WorldsOutcome, console: Console) -> None:
 
 
 def _draw(outcomes: list[WorldsOutcome], folder: Path) -> list[str]:
-    """Draw a picture of each experiment, and return their paths."""
-    from surefoot.viz.world_plots import draw_outcome, draw_overview
+    """Draw the picture and return its path, nothing where no world reached an end."""
+    from surefoot.viz.world_plots import draw_overview
 
-    paths = [str(draw_outcome(o, folder / f"{o.experiment.name}.png")) for o in outcomes if o.seen]
-    if len(paths) > 1:
-        paths.append(str(draw_overview(outcomes, folder / "overview.png")))
-    return paths
+    return [str(draw_overview(outcomes, folder / "overview.png"))] if any(o.rows for o in outcomes) else []
 
 
 def _facts(outcome: WorldsOutcome) -> dict[str, Any]:

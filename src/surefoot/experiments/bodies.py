@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.laws.soft import SpringDamper
 from surefoot.contact.laws.soft.behaviour import behaviour
-from surefoot.experiments.experiment import ComparedQuantity, Curve, Measurement, WorldExperiment
+from surefoot.experiments.experiment import ComparedQuantity, Measurement, WorldExperiment
 from surefoot.experiments.ground import bouncing, slid_down
 from surefoot.experiments.track import BodyRun, BodyTrack, fall
 from surefoot.simulation.bodies import ball, box
@@ -43,13 +42,7 @@ def _drop(world: str, dt: float) -> Measurement:
         ComparedQuantity("mean ground force / weight", "", 1.0),
         ComparedQuantity("gap at rest", "m", 0.0, 0.01 * RADIUS),
     )
-    return Measurement(
-        (fallen, carried, track.q[-1, 2] - RADIUS), quantities, Curve(track.time, track.q[:, 2] - RADIUS)
-    )
-
-
-def _drop_theory() -> Curve:
-    return Curve.over(DROP, lambda t: np.maximum(HEIGHT - 0.5 * GRAVITY * t**2, 0.0), 1000)
+    return Measurement((fallen, carried, track.q[-1, 2] - RADIUS), quantities)
 
 
 # --- bounce: height of the second arc
@@ -71,22 +64,7 @@ def _bounce(world: str, dt: float) -> Measurement:
     if world != "rigid":  # the ground is a spring: the law's own bounce, gravity included
         law = SpringDamper.bouncing(STIFFNESS, RESTITUTION, MASS)
         e = behaviour(law, MASS, math.sqrt(2.0 * GRAVITY * HOP)).restitution
-    return Measurement(
-        (top,), (ComparedQuantity("height of the bounce", "m", e**2 * HOP),), Curve(track.time, gap)
-    )
-
-
-def _bounce_theory() -> Curve:
-    def height(time: FloatArray) -> FloatArray:
-        speed = math.sqrt(2.0 * GRAVITY * HOP)
-        out, begin = np.zeros(time.shape), -speed / GRAVITY
-        for _ in range(12):
-            t = time - begin
-            out = np.where((t >= 0.0) & (t <= 2.0 * speed / GRAVITY), speed * t - 0.5 * GRAVITY * t**2, out)
-            begin, speed = begin + 2.0 * speed / GRAVITY, RESTITUTION * speed
-        return out
-
-    return Curve.over(BOUNCE, height, 2000)
+    return Measurement((top,), (ComparedQuantity("height of the bounce", "m", e**2 * HOP),))
 
 
 # --- slide: a box comes to rest
@@ -94,22 +72,12 @@ def _bounce_theory() -> Curve:
 SPEED, SLIDE_MU, SLIDE = 2.0, 0.4, 0.8
 
 
-def _until_rest(speed: float, slowing: float) -> Callable[[FloatArray], FloatArray]:
-    """Return the way over time of what slows down steadily until it rests [m], or in [rad]."""
-
-    def way(time: FloatArray) -> FloatArray:
-        t = np.minimum(time, speed / slowing)
-        return np.asarray(speed * t - 0.5 * slowing * t**2)
-
-    return way
-
-
 def _slide(world: str, dt: float) -> Measurement:
     run = BodyRun(box(MASS, FLAT_BOX, CORNER), SLIDE, SLIDE_MU, velocity=(SPEED, 0.0, 0.0, 0.0, 0.0, 0.0))
     track = run.run(world, dt)
     exact, distance = SPEED**2 / (2.0 * SLIDE_MU * GRAVITY), _along(track)
     quantity = ComparedQuantity("distance to rest", "m", exact)
-    return Measurement((distance[-1],), (quantity,), Curve(track.time, distance))
+    return Measurement((distance[-1],), (quantity,))
 
 
 # --- stick: a box on a slope, below and above its friction angle
@@ -134,8 +102,7 @@ def _stick(world: str, dt: float) -> Measurement:
         ComparedQuantity(f"slip at mu {HOLDS:g}", "m", 0.0, exact),
         ComparedQuantity(f"slip at mu {SLIPS:g}", "m", exact),
     )
-    curve = Curve(slid.time, _along(slid))
-    return Measurement((_along(held)[-1], curve.y[-1]), quantities, curve)
+    return Measurement((_along(held)[-1], _along(slid)[-1]), quantities)
 
 
 # --- tip: a box falls over its edge
@@ -173,13 +140,7 @@ def _tip(world: str, dt: float) -> Measurement:
     last = int(np.argmax(angle > math.radians(UNTIL)))
     at = float(np.interp(math.radians(UNTIL), angle[last - 1 : last + 1], rate[last - 1 : last + 1]))
     exact = float(_turning(np.array(math.radians(UNTIL))))
-    curve = Curve(np.degrees(angle[: last + 1]), rate[: last + 1])
-    return Measurement((at,), (ComparedQuantity("turning at 30 deg", "rad/s", exact),), curve)
-
-
-def _tip_theory() -> Curve:
-    angle = np.linspace(math.radians(LEAN), math.radians(UNTIL), 200)
-    return Curve(np.degrees(angle), _turning(angle))
+    return Measurement((at,), (ComparedQuantity("turning at 30 deg", "rad/s", exact),))
 
 
 # --- spin: a flat box turns about its vertical axis until friction stops it
@@ -200,9 +161,7 @@ def _spin(world: str, dt: float) -> Measurement:
     angle = np.unwrap(2.0 * np.arctan2(track.q[:, 5], track.q[:, 6]))
     angle = angle - angle[0]
     exact = SPIN**2 / (2.0 * _slowing())
-    return Measurement(
-        (angle[-1],), (ComparedQuantity("angle to rest", "rad", exact),), Curve(track.time, angle)
-    )
+    return Measurement((angle[-1],), (ComparedQuantity("angle to rest", "rad", exact),))
 
 
 # --- roll: a ball slides, then rolls
@@ -221,49 +180,41 @@ def _roll(world: str, dt: float) -> Measurement:
         ComparedQuantity("speed of rolling", "m/s", 5.0 / 7.0 * ROLL_SPEED),
         ComparedQuantity("distance in 0.6 s", "m", way),
     )
-    return Measurement((speed[-1], _along(track)[-1]), quantities, Curve(track.time, speed))
-
-
-def _roll_theory() -> Curve:
-    least = 5.0 / 7.0 * ROLL_SPEED
-    return Curve.over(ROLL, lambda t: np.maximum(ROLL_SPEED - ROLL_MU * GRAVITY * t, least))
+    return Measurement((speed[-1], _along(track)[-1]), quantities)
 
 
 BODIES = (
     WorldExperiment(
         "drop", "A ball of 2 kg falls 0.5 m and stays.",
         "free fall against g t^2 / 2; the ground's mean force over 0.8 s against the weight; the gap at rest "
-        "against none", _drop, _drop_theory, ("time [s]", "gap [m]"),
+        "against none", _drop,
     ),
     WorldExperiment(
         "bounce", "A ball falls 5 cm on ground of restitution 0.6; a tenth of the step.",
         "the height of the next arc against e^2 h (soft worlds: e of their spring-damper)",
-        _bounce, _bounce_theory, ("time [s]", "gap [m]"),
+        _bounce,
     ),
     WorldExperiment(
         "slide", "A box slides at 2 m/s on ground of friction 0.4.",
         "the distance to rest against v^2 / (2 mu g)",
-        _slide, lambda: Curve.over(SLIDE, _until_rest(SPEED, SLIDE_MU * GRAVITY)),
-        ("time [s]", "distance [m]"),
+        _slide,
     ),
     WorldExperiment(
         "stick", "A box on a slope of 20 degrees, with friction above and below its tangent, 0.364.",
         "the way in 0.5 s against none, and against g (sin - mu cos) t^2 / 2",
-        _stick, lambda: Curve.over(ON_SLOPE, lambda t: slid_down(t, DEGREES, SLIPS)),
-        ("time [s]", "slip at mu 0.3 [m]"),
+        _stick,
     ),
     WorldExperiment(
         "tip", "A tall box falls over its edge from 5 degrees past its balance.",
-        "the speed of turning at 30 degrees against energy", _tip, _tip_theory,
-        ("angle past balance [deg]", "turning [rad/s]"),
+        "the speed of turning at 30 degrees against energy", _tip,
     ),
     WorldExperiment(
         "spin", "A flat box spins at 8 rad/s about its vertical axis on four corners.",
         "the angle to rest against I w^2 / (2 mu m g r)",
-        _spin, lambda: Curve.over(SPINNING, _until_rest(SPIN, _slowing())), ("time [s]", "angle [rad]"),
+        _spin,
     ),
     WorldExperiment(
         "roll", "A ball without spin slides at 2 m/s until it rolls.",
-        "its speed in the end against 5/7 v, and its way", _roll, _roll_theory, ("time [s]", "speed [m/s]"),
+        "its speed in the end against 5/7 v, and its way", _roll,
     ),
 )  # fmt: skip

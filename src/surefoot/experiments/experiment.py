@@ -14,9 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import real_number
 from surefoot.errors import SurefootError
 
 RESOLVED = 0.1
@@ -46,19 +44,6 @@ class ComparedQuantity(NamedTuple):
     scale: float = 0.0
 
 
-class Curve(NamedTuple):
-    """A line of an experiment's picture: (n,) abscissae and ordinates."""
-
-    x: FloatArray
-    y: FloatArray
-
-    @classmethod
-    def over(cls, seconds: float, value: Callable[[FloatArray], FloatArray], points: int = 400) -> Curve:
-        """Return a function of time [s] as a line, from 0 on."""
-        time = np.linspace(0.0, seconds, points)
-        return cls(time, np.asarray(value(time)))
-
-
 @dataclass(frozen=True)
 class Measurement:
     """What a world did.
@@ -69,13 +54,10 @@ class Measurement:
         One number for each of `quantities`.
     quantities
         What they are held against.
-    curve
-        For the picture.
     """
 
     values: Sequence[float]
     quantities: Sequence[ComparedQuantity]
-    curve: Curve
 
 
 @dataclass(frozen=True)
@@ -92,18 +74,12 @@ class WorldExperiment:
         Which quantities are compared with which closed form, in one sentence.
     measure
         World's name and step [s] to what it did.
-    theory
-        The closed form's line in the picture.
-    axes
-        Labels of the picture's abscissa and ordinate.
     """
 
     name: str
     says: str
     compares: str
     measure: Callable[[str, float], Measurement]
-    theory: Callable[[], Curve]
-    axes: tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -154,15 +130,12 @@ class WorldsOutcome:
         Which.
     rows
         One per quantity and world.
-    seen
-        World to its measurement at the step asked for.
     failures
         World to what stopped it.
     """
 
     experiment: WorldExperiment
     rows: list[Row] = field(default_factory=list)
-    seen: dict[str, Measurement] = field(default_factory=dict)
     failures: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -217,7 +190,7 @@ def carry_out(
     outcome = WorldsOutcome(experiment)
     for world in worlds:
         try:
-            rows, outcome.seen[world] = compare(experiment, world, dt, tell)
+            rows, _ = compare(experiment, world, dt, tell)
         except SurefootError as error:
             outcome.failures[world] = str(error)
         else:

@@ -1,37 +1,16 @@
-"""One picture of one experiment: every world's line on the closed form's, and how far each is off."""
+"""How far each world is from each closed form, and what engines at their defaults make of a few scenes."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from surefoot.experiments.experiment import WorldsOutcome
-from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, new_figure, save
-
-LEAST = 1e-16
-"""Errors below count as this, so that a logarithmic axis can show them."""
+from surefoot.viz.style import BAD, FOOT_COLOURS, MUTED, new_figure, save
 
 SMALLEST_SHARE = 1e-6
 """Shares of a tolerance below are drawn there."""
-
-
-def draw_outcome(outcome: WorldsOutcome, path: Path) -> Path:
-    """Draw an experiment: left the worlds and the closed form, right errors on their tolerances.
-
-    Raises
-    ------
-    MissingExtra
-        If matplotlib is not installed.
-    """
-    height = 3.4 + 0.16 * max(0, len(outcome.rows) - 8)
-    figure, axes = new_figure(1, 2, size=(10.5, height), width_ratios=(1.0, 1.0))
-    _draw_lines(axes[0, 0], outcome)
-    _draw_errors(axes[0, 1], outcome)
-    return save(figure, path)
 
 
 def draw_overview(outcomes: Sequence[WorldsOutcome], path: Path) -> Path:
@@ -70,36 +49,40 @@ def draw_overview(outcomes: Sequence[WorldsOutcome], path: Path) -> Path:
     return save(figure, path)
 
 
-def _draw_lines(axis: Any, outcome: WorldsOutcome) -> None:
-    experiment, theory = outcome.experiment, outcome.experiment.theory()
-    styles = ("-", "--", "-.", ":")
-    for k, (world, seen) in enumerate(outcome.seen.items()):
-        axis.plot(*seen.curve, styles[k % 4], color=FOOT_COLOURS[k], label=world, lw=1.8)
-    axis.plot(theory.x, theory.y, color=INK, lw=0.8, label="closed form")
-    axis.set(xlabel=experiment.axes[0], ylabel=experiment.axes[1])
-    axis.set_title(f"{experiment.name}: {experiment.says}", fontsize=8, loc="left", wrap=True)
-    axis.legend(fontsize=8)
+def draw_defaults(found: Mapping[str, Mapping[str, tuple[float, float]]], path: Path) -> Path:
+    """Draw engines' errors over their cost, CPU seconds per simulated second, a panel for each scene.
 
+    `found` is engine to scene to both. Hollow marks are engines at their defaults, filled ones tuned, stars
+    ours; infinite errors stand at the top.
 
-def _draw_errors(axis: Any, outcome: WorldsOutcome) -> None:
-    """Draw each row's error as a dot on the bar of its tolerance."""
-    worlds = list(outcome.seen)
-    quantities = list(dict.fromkeys(row.quantity for row in outcome.rows))
-    places, labels = [], []
-    for row in outcome.rows:
-        group, place = quantities.index(row.quantity), worlds.index(row.world)
-        y = -(group * (len(worlds) + 1) + place)
-        floor = min(LEAST, 0.1 * row.tolerance)
-        axis.barh(y, row.tolerance - floor, left=floor, height=0.7, color="#e3e7ea")
-        good = row.verdict == "agrees"
-        axis.plot(
-            max(row.error, LEAST), y, "o" if good else "X", ms=5, color=FOOT_COLOURS[place] if good else BAD
-        )
-        places.append(y)
-        labels.append(f"{row.quantity}, {row.world}" if place == 0 else row.world)
-    axis.set_xscale("log")
-    axis.set_xlim(left=0.3 * LEAST)
-    axis.set_yticks(places, labels, fontsize=7, color=MUTED)
-    axis.set_xlabel("distance from the closed form; bar: twice the world's own step error", fontsize=8)
-    axis.grid(axis="y", visible=False)
-    axis.set_xticks(np.logspace(-16, 0, 5))
+    Raises
+    ------
+    MissingExtra
+        If matplotlib is not installed.
+    """
+    from surefoot.experiments.engines.defaults import CASES, ENGINES
+
+    cases = list(next(iter(found.values())))
+    worlds = list(dict.fromkeys(ENGINES[engine].world for engine in found))
+    marks = "os^DvP"
+    figure, axes = new_figure(1, len(cases), size=(3.0 * len(cases) + 0.6, 4.8))
+    for axis, case in zip(axes[0], cases, strict=True):
+        for engine, by in found.items():
+            world, own = (
+                ENGINES[engine].world,
+                [e for e in found if ENGINES[e].world == ENGINES[engine].world],
+            )
+            error, cost = by[case]
+            colour = FOOT_COLOURS[worlds.index(world)]
+            axis.loglog(
+                cost, min(max(error, 1e-9), 10.0), marks[own.index(engine) % 6] if world != "rigid" else "*",
+                mfc=colour if ENGINES[engine].tuned or world == "rigid" else "none", mec=colour, ms=8,
+                label=engine, ls="",
+            )  # fmt: skip
+        unit = CASES[case].unit
+        axis.set_title(f"{case} [{unit}]" if unit else case, fontsize=9, loc="left")
+        axis.set_ylim(5e-10, 20.0)
+    figure.supxlabel("CPU seconds per simulated second", fontsize=9)
+    axes[0, 0].set_ylabel("distance from the closed form", fontsize=9)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), ncol=6, fontsize=7, loc="outside upper center")
+    return save(figure, path)

@@ -142,17 +142,6 @@ class DrakeScene:
         # half a step short of the next: k updates have then been made, whatever rounding does to times
         self.simulator.AdvanceTo((self.count - 0.5) * self.dt)
 
-    def track(self, steps: int, above: float | None) -> dict[str, Any]:
-        """Take steps of a scene of one joint; the last is that in which it rises from above a place [m]."""
-        places, speeds = [], []
-        for _ in range(steps):
-            self.advance()
-            places.append(float(self.plant.GetPositions(self.context)[0]))
-            speeds.append(float(self.plant.GetVelocities(self.context)[0]))
-            if above is not None and places[-1] > above and speeds[-1] > 0.0:
-                break
-        return {"q": places, "v": speeds}
-
     def friction(self, mu: float) -> dict[str, Any]:
         """Change the friction [-] everywhere."""
         from pydrake.geometry import RoleAssign

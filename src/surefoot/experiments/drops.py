@@ -2,63 +2,24 @@
 
 from __future__ import annotations
 
-import importlib
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.laws.soft.behaviour import MassOnContact, settling_time
-from surefoot.errors import MissingExtra, SimulationError, check_name
+from surefoot.errors import SimulationError, check_name
+from surefoot.experiments.engines.runners import elsewhere, mujoco
+from surefoot.simulation.drake.world import contact_words
 from surefoot.spatial import GRAVITY
 
-RUNNERS: dict[str, str] = {
-    "mujoco": "surefoot.experiments.drops.mujoco_drop",
-    "drake": "surefoot.experiments.drops.drake_drop",
-    "drake-hunt-crossley": "surefoot.experiments.drops.drake_drop",
-}
-"""Engine -> module with `run` (see `surefoot.experiments.drops.mujoco_drop`), `present`, PACKAGE, EXTRA."""
+ENGINES = ("mujoco", "drake", "drake-hunt-crossley")
+"""Engines that can be run."""
+RADIUS = 1.0
+"""Of the ball that falls [m]; nothing turns it."""
 NUDGE = 0.02
 """Share of the rest depth by which the mass is pressed down to see how it settles."""
-
-
-@dataclass(frozen=True)
-class SlideDrop:
-    """What an engine is asked to run.
-
-    Attributes
-    ----------
-    settings
-        The engine's contact parameters.
-    mass
-        [kg].
-    gravity
-        [m/s²].
-    gap, speed
-        Where the mass starts above the ground, and its upward velocity [m], [m/s].
-    dt
-        The engine's step [s].
-    steps
-        How many.
-    until
-        "apart" ends the run when the mass has left the ground.
-    """
-
-    settings: dict[str, Any]
-    mass: float
-    gravity: float
-    gap: float
-    speed: float
-    dt: float
-    steps: int
-    until: str = ""
-
-
-def available_engines() -> list[str]:
-    """Return the engines that can run here."""
-    return [name for name, home in RUNNERS.items() if importlib.import_module(home).present()]
 
 
 def measure(
@@ -76,7 +37,7 @@ def measure(
     Parameters
     ----------
     engine
-        One of `RUNNERS`.
+        One of `ENGINES`.
     settings
         The engine's contact parameters, `Translation.parameters`.
     expected
@@ -97,15 +58,26 @@ def measure(
     MissingExtra
         If it is not installed.
     """
-    check_name("engine that can be run", engine, RUNNERS)
-    module = importlib.import_module(RUNNERS[engine])
-    if not module.present():
-        raise MissingExtra(module.PACKAGE, module.EXTRA)
+    check_name("engine that can be run", engine, ENGINES)
+    world = engine.partition("-")[0]
+    words = contact_words(settings) if world == "drake" else settings
+    if world == "drake":
+        words["near_rigid"] = 0.0 if words["approximation"] == "sap" else None
 
-    def run(gap: float, velocity: float, seconds: float, until: str = "") -> tuple[FloatArray, FloatArray]:
-        steps = max(4, math.ceil(seconds / dt))
-        gaps, speeds = module.run(SlideDrop(settings, mass, gravity, gap, velocity, dt, steps, until))
-        return np.asarray(gaps), np.asarray(speeds)
+    def run(gap: float, velocity: float, seconds: float, until: float = np.inf) -> tuple[Any, Any]:
+        body = {
+            "size": [RADIUS],
+            "mass": mass,
+            "place": [0.0, 0.0, RADIUS + gap],
+            "velocity": [0.0, 0.0, velocity],
+        }
+        scene = {
+            "bodies": [body], "gravity": [0.0, 0.0, -gravity], "mu": 0.0, "dt": dt, "contact": words,
+            "steps": max(4, math.ceil(seconds / dt)), "until": until,
+        }  # fmt: skip
+        path, _ = mujoco(scene) if world == "mujoco" else elsewhere(scene, world)
+        heights = np.array(path)[:, 0, 2]
+        return heights - RADIUS, np.diff(heights, prepend=heights[0] - dt * velocity) / dt
 
     settle = expected.settling_time if math.isfinite(expected.settling_time) else 20.0 / expected.frequency
     rest, _ = run(-expected.rest_depth, 0.0, 6.0 * settle)
@@ -113,7 +85,7 @@ def measure(
     pressed, _ = run(-(1.0 + NUDGE) * depth, 0.0, settle)
     frequency, ratio = _modes(pressed + depth, dt)
     settling = settling_time(frequency, ratio)
-    gaps, speeds = run(0.0, -speed, 300.0 * max(1.0 / expected.frequency, depth / speed), "apart")
+    gaps, speeds = run(0.0, -speed, 300.0 * max(1.0 / expected.frequency, depth / speed), RADIUS)
     left = gaps[-1] > 0.0 and speeds[-1] > 0.0
     return MassOnContact(depth, float(speeds[-1]) / speed if left else 0.0, frequency, ratio, settling)
 
