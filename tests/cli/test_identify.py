@@ -59,7 +59,6 @@ def test_tables_laws_and_picture(folder: Path, tmp_path: Path, capfd: pytest.Cap
         "rounding",
         "com_z",
         "ground",
-        "log-likelihood",
         "No --test",
         "95 % interval",
     ):

@@ -53,7 +53,7 @@ def draw_tosses(train: Tosses, test: Tosses | None, fits: Mapping[str, TossFit],
     _draw_toss(axes[0, 2], first.found.body, tosses.poses[rows], poses[rows], height)
     share = "not seen by the fit" if test is not None else "fitted to"
     axes[0, 0].set_title(f"{len(tosses)} tosses {share}")
-    axes[0, 2].set_title(f"Toss {tosses.ids[which]}, of median error: recorded (grey), simulated")
+    axes[0, 2].set_title(f"Toss {tosses.ids[which]} (median): recorded grey")
     return save(figure, path)
 
 
