@@ -105,7 +105,7 @@ def _checked_extra(task: Task, request: PlanRequest, extra: dict[str, Any]) -> d
             takes = ", ".join(task.takes) or "none of these"
             raise ProblemError(f"the task {task.name} takes no {name}; it takes {takes}")
     ground = extra["terrain"] or FlatTerrain()
-    of_kind("terrain", ground, Terrain, "sf.SlopeTerrain(10.0)")
+    of_kind("terrain", ground, Terrain)
     if extra["start"] is not None:
         robot = request.robot or load_robot("go2")
         q = extra["start"] = robot.configuration(extra["start"])

@@ -171,9 +171,9 @@ def execute(
         raise ProblemError(f"plans are executed in the worlds mujoco and rigid, got {world!r}")
     terrain = planned_ground(plan) if isinstance(plan, Log) else None
     if isinstance(plan, Log):
-        own = plan.robot if isinstance(plan, Plan) and robot is None else None
-        given = own or robot or load_robot(str(plan.fact("robot")))
-        robot = own or loaded_robot(given, float(plan.facts.get("payload", 0.0)))
+        planned = plan.robot if isinstance(plan, Plan) and robot is None else None
+        given = planned or robot or load_robot(str(plan.fact("robot")))
+        robot = planned or loaded_robot(given, float(plan.facts.get("payload", 0.0)))
     reference = plan if isinstance(plan, Reference) else Reference.of(plan, _known(robot))
     robot = robot or reference.robot
     if mu is None:
