@@ -20,18 +20,18 @@ from rich.table import Table
 
 from benchmarks.printing import show, table
 from benchmarks.problems.tosses import random_tosses
-from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.identify import identify
+from surefoot.estimation.toss_model import ThrownModel
 
-LAW = {"mu": 0.18, "restitution": 0.15, "rounding": 0.05}
+LAW = {"mu": 0.18, "restitution": 0.15, "rounding": 0.0026}
 GROUND = (0.003, 0.01, -0.005)
 """Height [m] and slopes."""
 TRUTH = LAW | {
     "ground": GROUND[0],
     "tilt_x": float(np.degrees(np.arctan(GROUND[1]))),
     "tilt_y": float(np.degrees(np.arctan(GROUND[2]))),
-    "gravity": 9.81,
-}
+    "gravity": 9.81, "scale": 1.0, "com_z": 0.0, "spread_z": float(np.sqrt(0.5 * 0.00081 / 0.37)),
+}  # fmt: skip
 STEPS, RESAMPLES = 2, 400
 """Of the simulation between frames, of data and fit alike, and of the bootstrap."""
 
@@ -39,7 +39,7 @@ STEPS, RESAMPLES = 2, 400
 def one_set(seed: int, tosses: int) -> dict[str, list[float]]:
     """Return error and ends of the interval less the truth, by parameter, of one made-up set."""
     recorded = random_tosses(tosses, list(LAW.values()), ground=GROUND, seed=seed, steps=STEPS)
-    fit = identify(recorded, CubeModel(steps=STEPS), resamples=RESAMPLES)
+    fit = identify(recorded, ThrownModel(steps=STEPS), resamples=RESAMPLES)
     rows = {name: [fit[name].value, fit[name].low, fit[name].high] for name in TRUTH}
     return {name: [v - TRUTH[name] for v in row] for name, row in rows.items()}
 

@@ -327,9 +327,4 @@ TABLES = {
         f"{SWEEP}/soft.yaml --over time_constant", "sweeps.md",
         ("time constant [s]", "sink [mm]", "ground's work [J]", "slip [mm]", "laws broken"), _soft,
     ),
-    "coverage": Table(
-        "python -m benchmarks.identify_coverage", "identify.md",
-        ("parameter", "truth", "hold it", "half-width (median)", "error (rms)"),
-        lambda told: printed(told, "95 % intervals"), long=True,
-    ),
 }  # fmt: skip

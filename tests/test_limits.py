@@ -22,6 +22,7 @@ EXCEPTED = {
     ("lines", "surefoot/cli/walk.py", "walk"),
     # the short form of a contact problem is a contract: every argument has its name there
     ("parameters", "surefoot/contact/problem.py", "__init__"),
+    ("parameters", "surefoot/planning/planner.py", "plan"),  # and what can be asked of a plan
     # where a user's words, or a file's, become a law
     ("isinstance", "surefoot/contact/laws/__init__.py", "Law"),
     # where what a user gives as ground is refused if it is none

@@ -28,6 +28,7 @@ def execution(
     task: Annotated[list[str] | None, typer.Option(help="Only this task; may be repeated.")] = None,
     plan: Annotated[Path | None, typer.Option(help="Execute this saved plan instead.")] = None,
     seeds: Annotated[int, typer.Option(min=1, max=1000, help="Runs of each.")] = 20,
+    matrix: Annotated[bool, typer.Option("--matrix", help="Four quadrupeds, eight jumps, a flip.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="The stand-up alone, two seeds.")] = False,
     out: Annotated[Path | None, typer.Option(help="Write the JSON to a new folder below this one.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
@@ -45,6 +46,9 @@ def execution(
     extras.require((*extras.robot_packages("go2"), "mujoco"))
     if quick:
         task, seeds = task or ["stand-up"], min(seeds, 2)
+    if matrix:
+        measure_matrix(seeds, quick, as_json, out)
+        return
     chosen = tuple(task or TASKS)
     for name in chosen:
         if name not in TASKS:
@@ -61,6 +65,37 @@ def execution(
                 rows += measure(made, name, seeds, tell=show, dt=QUICK_STEP if quick else None)
     record = [asdict(row) for row in rows]
     report(record, as_json, lambda console: _print(console, rows), out=out, name="execution")
+
+
+def measure_matrix(seeds: int, quick: bool, as_json: bool, out: Path | None) -> None:
+    """Plan and execute the cells of the matrix, quickly the first alone, and print them."""
+    from benchmarks.execution.matrix import Cell, cells, measured
+
+    made, chosen = list[Cell](), cells()[:1] if quick else cells()
+    with progress_bar(not as_json, "matrix", 1.0) as show:
+        for number, cell in enumerate(chosen):
+            made.append(measured(*cell, seeds))
+            if show is not None:
+                show((number + 1) / len(chosen))
+
+    def printed(console: Console) -> None:
+        runs = [c.runs for c in made if c.runs is not None]
+        lawful, count = sum(r.lawful for r in runs), sum(r.seeds for r in runs)
+        rows = [
+            (
+                c.robot,
+                c.task,
+                c.status,
+                f"{c.seconds:.1f}",
+                f"{c.runs.lawful} of {c.runs.seeds}" if c.runs else "",
+            )
+            for c in made
+        ]
+        solved = sum(c.status == "solved" for c in made)
+        title = f"{solved} of {len(made)} cells solved, {lawful} of {count} executions landed lawfully"
+        console.print(table(("robot", "task", "status", "CPU [s]", "landed lawfully"), rows, title, 2))
+
+    report([asdict(c) for c in made], as_json, printed, out=out, name="execution-matrix")
 
 
 def planned(task: str, quick: bool = False) -> Plan:

@@ -8,11 +8,10 @@ from typing import Any
 
 import pytest
 
-from benchmarks.problems.tosses import random_tosses
+from benchmarks.problems.tosses import random_tosses, write_tosses
 from surefoot.cli.main import main
-from surefoot.estimation.tosses import write_tosses
 
-TRUTH = [0.2, 0.1, 0.05]
+TRUTH = [0.2, 0.1, 0.003]
 
 
 @pytest.fixture(scope="module")
@@ -34,11 +33,11 @@ def test_json_holds_the_fit_and_both_errors(folder: Path, capfd: pytest.CaptureF
     pytest.importorskip("mujoco")
     words = ("--test", str(folder / "test.npz"), "--rivals", "mujoco", "--no-picture", "--json")
     facts = json.loads(run(folder, capfd, *words))
-    for name, truth in (("mu", 0.2), ("restitution", 0.1), ("ground", 0.0)):
+    for name, truth in (("mu", 0.2), ("restitution", 0.1), ("com_z", 0.0)):
         estimate = facts["fit"][name]
         assert estimate["low"] <= estimate["value"] <= estimate["high"]
         assert estimate["value"] == pytest.approx(truth, abs=0.05)
-    assert {"tilt_x", "tilt_y", "gravity", "rounding"} <= set(facts["fit"])
+    assert {"tilt_x", "tilt_y", "gravity", "rounding", "ground", "scale"} <= set(facts["fit"])
     for part in ("train", "test"):
         ours, rival = facts[part], facts[part]["rivals"]["mujoco"]
         assert ours["tosses"] == len(ours["position_error"]) == 8
@@ -52,9 +51,17 @@ def test_json_holds_the_fit_and_both_errors(folder: Path, capfd: pytest.CaptureF
 
 def test_tables_laws_and_picture(folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("matplotlib")
-    words = ("--law", "rigid", "--law", "spring-damper", "--rivals", "none", "--out", str(tmp_path))
+    words = ("--law", "rigid", "--law", "newton", "--rivals", "none", "--out", str(tmp_path))
     out = run(folder, capfd, *words)
-    for word in ("mu", "restitution", "stiffness", "damping", "ground", "No --test", "95 % interval"):
+    for word in (
+        "mu",
+        "restitution",
+        "rounding",
+        "com_z",
+        "ground",
+        "No --test",
+        "95 % interval",
+    ):
         assert word in out
     (picture,) = tmp_path.glob("identify-*/tosses.png")
     assert picture.read_bytes().startswith(b"\x89PNG")

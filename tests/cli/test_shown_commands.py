@@ -22,12 +22,11 @@ import yaml
 
 import surefoot as sf
 from benchmarks.problems.logged_runs import CleanRun
-from benchmarks.problems.tosses import random_tosses
+from benchmarks.problems.tosses import random_tosses, write_tosses
 from benchmarks.softening import race
 from surefoot.cli.extras import missing
 from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
-from surefoot.estimation.tosses import write_tosses
 from surefoot.planning import planner
 from surefoot.robot.catalog import find, robots_folder
 from surefoot.simulation.worlds import WORLDS
@@ -135,7 +134,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         text = text.replace(f'"{foot}"', f'"{name}"')
     (place / "my.urdf").write_text(text)
     for name, seed in (("tosses", 0), ("train", 1), ("test", 2)):
-        write_tosses(random_tosses(8, [0.2, 0.1, 0.05], seed=seed, frames=90), place / f"{name}.npz")
+        write_tosses(random_tosses(8, [0.2, 0.1, 0.003], seed=seed, frames=90), place / f"{name}.npz")
     (place / "example-robot-data").symlink_to(robots_folder().parent)
     CleanRun(duration=0.3).make().save(place / "log.npz")
     CleanRun(duration=0.3).make().save(place / "crate.npz")

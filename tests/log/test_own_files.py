@@ -49,7 +49,7 @@ def test_arrays_folders_and_pushes_are_told_where_they_go(
         "bag has; it holds notes.txt",
         "audit half": "facts.json is no JSON from byte 14 on",
         "audit none.npz": "there is no such file",
-        "identify pushes.csv": "no .npz file of tosses of a cube, which `identify` takes: plain arrays",
+        "identify pushes.csv": "is a leg's log: --model must name its URDF or MJCF file",
         "identify pickled.npz": "it has no states, starts, dt; it holds: forces",
     }
     for words, said in expected.items():

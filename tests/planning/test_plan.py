@@ -101,14 +101,14 @@ def test_a_log_that_is_no_plan_is_refused(go2, standing, tmp_path):
 class Wait:
     """Stands still."""
 
-    name, meaning, amount, default, robots, roads = "wait", "stands", "seconds", 0.04, True, ("pd", "none")
+    name, meaning, amount, default, robots, takes = "wait", "stands", "seconds", 0.04, True, ("payload",)
 
     def plan(self, request, tell):
         q = place(request.robot)
         steps = round(request.amount / (request.dt or 0.002))
         policy = lambda k, a, v: 60.0 * (q[7:] - a[7:]) - 2.0 * v[6:]  # noqa: E731
         motion = rollout(request.robot, q, np.zeros(18), policy, dt=request.dt or 0.002, steps=steps)
-        return plan_from(motion, request.robot, replace(FOUND, task="wait", road=request.road))
+        return plan_from(motion, request.robot, replace(FOUND, task="wait", road="pd"))
 
 
 @pytest.fixture
@@ -121,4 +121,4 @@ def wait(monkeypatch):
 def test_a_task_from_outside_is_planned(go2):
     plan = planners.plan(go2, "wait")
     assert (len(plan), plan.road) == (20, "pd")
-    assert len(planners.plan(go2, "wait", 0.02, dt=0.004, road="none")) == 5
+    assert len(planners.plan(go2, "wait", 0.02, dt=0.004, payload=1.0)) == 5

@@ -32,7 +32,7 @@ SHOWN = 6
 def audit(
     log: Annotated[
         Path,
-        typer.Argument(help="A log: .npz or any other format that sf.read_log reads; or tosses of a cube."),
+        typer.Argument(help="A log: .npz or any other format that sf.read_log reads."),
     ],
     *,
     given: LogOptions,
@@ -59,14 +59,6 @@ def audit(
     Exit code 0 if it is lawful, its task did not fail and it survives its replay; 1 if not; 2 for wrong
     input; 3 if one cannot tell.
     """
-    from surefoot.estimation.tosses import holds_tosses
-
-    if holds_tosses(log):
-        others = {"replay": replay, "template": template}
-        for name in [name for name, value in {**vars(given), **others}.items() if value is not None]:
-            if name != "mu":
-                raise ProblemError(f"{log} holds tosses of a cube, for which --{name} means nothing")
-        return _audit_tosses(log, given.mu, out, as_json)
     from surefoot.audit import audit_log
 
     check_out(out)
@@ -88,20 +80,6 @@ def audit(
     finding = verdicts, tables, _lines(read, report)
     _publish(log, facts, *finding, out, as_json, lambda folder: _pictures(read, report, folder))
     return report.exit_code or (0 if again is None or again.survives else 1)
-
-
-def _audit_tosses(log: Path, mu: float | None, out: Path | None, as_json: bool) -> int:
-    """Audit a file of tosses, say what was found and return the exit code."""
-    from surefoot.cli import toss_tables
-    from surefoot.estimation.toss_audit import audit_tosses
-    from surefoot.estimation.tosses import read_tosses
-
-    check_out(out)
-    found = audit_tosses(read_tosses(log), mu)
-    lines = [toss_tables.noise(found), *found.notes]
-    verdicts = [(found.sentence, found.lawful)]
-    _publish(log, found.as_dict(), verdicts, toss_tables.tables(found), lines, out, as_json)
-    return 0 if found.lawful else 1
 
 
 def _publish(

@@ -28,8 +28,7 @@ SUMMARIES = {
     "solve": "Solve the problems in files, contacts or LCPs, and print a certificate for each.",
     "translate": "Print a contact's parameters as another simulator takes them, what agrees "
     "and what is lost.",
-    "identify": "Fit a contact law and the ground to recorded tosses of a cube, "
-    "with 95 % bootstrap intervals.",
+    "identify": "Fit a body, a contact law and the ground to tosses, or a leg's joints to a force sensor.",
     "sweep": "Run an experiment over samples of ranges, write a Parquet table, and draw what survives.",
     "audit": "Tell which law of contact a log broke, when, where, and what the likely cause is.",
     "worlds": "Run the same experiments in every world that is here and hold them against closed forms.",

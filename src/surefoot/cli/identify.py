@@ -1,8 +1,9 @@
-"""`surefoot identify`: friction, restitution or stiffness, and the ground, from recorded tosses of a cube."""
+"""`surefoot identify`: a body, its friction and restitution, and the ground, from recorded tosses."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -35,14 +36,16 @@ def identify(
         ),
     ],
     model: Annotated[
-        Path | None, typer.Option(help="URDF or MJCF of the leg that a .csv log, or a fit of it, is of.")
+        Path | None, typer.Option(help="URDF or MJCF of what was thrown, a cube if none, or of the leg.")
     ] = None,
     test: Annotated[
         Path | None, typer.Option(help="Other tosses, which the fit does not see: errors on them.")
     ] = None,
     law: Annotated[
         list[str] | None,
-        typer.Option(help="rigid, spring-damper or hunt-crossley; repeatable, the first is 'fit' in --json."),
+        typer.Option(
+            help="rigid, newton, tangential, growing-friction; repeatable, the first is 'fit' in --json."
+        ),
     ] = None,
     rivals: Annotated[
         str,
@@ -56,12 +59,12 @@ def identify(
     picture: options.Picture = True,
     as_json: options.AsJson = False,
 ) -> int:
-    """Fit a contact law to tosses of a cube, or a leg's joints to a force sensor, with 95 % intervals."""
+    """Fit a body, a contact law and the ground to tosses, or a leg's joints to a force sensor."""
     if tosses.suffix in (".csv", ".json"):
         from surefoot.cli.identify_forces import identify_forces
 
         return identify_forces(tosses, model, test, out, as_json)
-    from surefoot.estimation.cube_model import CubeModel
+    from surefoot.estimation.toss_model import ThrownModel
     from surefoot.estimation.tosses import read_tosses
 
     whole_number("--seed", seed)
@@ -72,10 +75,9 @@ def identify(
     if others is not None and others.cube != recorded.cube:
         raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
     laws = list(dict.fromkeys(law or ["rigid"]))
-    fits: dict[str, TossFit] = {}
-    for tossed in [*map(CubeModel, laws), *_rivals(rivals, test is not None)]:
-        with progress_bar(not as_json, f"{tossed.name}: simulating tosses", 1.0) as moved:
-            fits[tossed.name] = _fit(tossed, recorded, others, resamples, seed, moved)
+    simulators = [*map(ThrownModel, laws), *_rivals(rivals, test is not None)]
+    settings = {"model": model, "test": others, "resamples": resamples, "seed": seed}
+    fits = _fits(recorded, simulators, settings, not as_json)
     facts = _facts(fits, laws, recorded, others)
 
     def draw(folder: Path) -> Path:
@@ -100,19 +102,27 @@ def _rivals(names: str, testing: bool) -> list[Any]:
     return [make_rival(name) for name in dict.fromkeys(wanted)]
 
 
-def _fit(
-    model: Any, recorded: Tosses, others: Tosses | None, resamples: int, seed: int, moved: Any
-) -> TossFit:
-    """Fit one model, moving the bar."""
+def _fits(recorded: Tosses, simulators: list[Any], settings: dict[str, Any], bar: bool) -> dict[str, TossFit]:
+    """Return the fits by name; all of them throw the body that the first one found."""
     from surefoot.estimation.identify import identify as fit
 
-    expected = EXPECTED * len(recorded)
+    fits: dict[str, TossFit] = {}
+    found = None
+    for simulator in simulators:
+        with progress_bar(bar, f"{simulator.name}: simulating tosses", 1.0) as moved:
+            progress = _progress(len(recorded), moved)
+            fits[simulator.name] = fit(recorded, simulator, found=found, progress=progress, **settings)
+        found = fits[simulator.name].found
+    return fits
 
-    def progress(simulated: float) -> None:
-        if moved is not None:
-            moved(1.0 - math.exp(-2.0 * simulated / expected))
 
-    return fit(recorded, model, test=others, resamples=resamples, seed=seed, progress=progress)
+def _progress(tosses: int, moved: Any) -> Callable[[float], None] | None:
+    """Return what moves the bar when it is told how many tosses have been simulated."""
+    return (
+        None
+        if moved is None
+        else lambda simulated: moved(1.0 - math.exp(-2.0 * simulated / EXPECTED / tosses))
+    )
 
 
 def _facts(
@@ -124,12 +134,13 @@ def _facts(
 
     def of_law(law: str) -> dict[str, Any]:
         parts = ("train", "test") if others is not None else ("train",)
-        return {"fit": _numbers(fits[law]), "test": None} | {p: _part(fits, law, rivals, p) for p in parts}
+        errors = {p: _part(fits, law, rivals, p) for p in parts}
+        return {"fit": _numbers(fits[law]), "impacts": _impacts(fits[law]), "test": None} | errors
 
     return {
         "law": laws[0],
         "tosses": len(recorded),
-        "width": recorded.cube.width,
+        "width": first.found.body.width,
         **of_law(laws[0]),
         "laws": {name: of_law(name) for name in laws[1:]},
         "noise": {"position": first.position_noise, "rotation_deg": math.degrees(first.rotation_noise)},
@@ -147,22 +158,27 @@ def _numbers(fit: TossFit) -> dict[str, Any]:
     }
 
 
+def _impacts(fit: TossFit) -> dict[str, Any] | None:
+    return None if fit.impacts is None else fit.impacts._asdict()
+
+
 def _part(fits: dict[str, TossFit], name: str, rivals: list[str], part: str) -> dict[str, Any]:
     """Return the errors of one law on one part of the tosses, and those of its rivals."""
     from surefoot.estimation.toss_errors import paired_difference
 
-    ours, kinds = getattr(fits[name], part), ("position", "rotation")
+    ours, kinds = getattr(fits[name], part), ("position", "rotation", "early")
     out: dict[str, Any] = {"tosses": len(ours.position), **_errors(ours), "rivals": {}}
     for rival in rivals:
         theirs = getattr(fits[rival], part)
         gaps = {kind: vars(paired_difference(getattr(ours, kind), getattr(theirs, kind))) for kind in kinds}
-        out["rivals"][rival] = {**_errors(theirs), "fit": _numbers(fits[rival]), "ours_less_theirs": gaps}
+        own = {"fit": _numbers(fits[rival]), "impacts": _impacts(fits[rival])}
+        out["rivals"][rival] = {**_errors(theirs), **own, "ours_less_theirs": gaps}
     return out
 
 
 def _errors(errors: Any) -> dict[str, Any]:
     """Return means, medians and errors toss by toss."""
-    each = {"position": errors.position, "rotation": errors.rotation}
+    each = {"position": errors.position, "rotation": errors.rotation, "early": errors.early}
     means = {f"{kind}_error_mean": float(values.mean()) for kind, values in each.items()}
     middles = {f"{kind}_error_median": float(np.median(values)) for kind, values in each.items()}
     return {**means, **middles, **{f"{kind}_error": values for kind, values in each.items()}}
@@ -189,6 +205,7 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
         + ", ".join(
             f"{name} {e['simulations']:.0f} x in {e['seconds']:.0f} s" for name, e in facts["effort"].items()
         ),
+        *_impact_lines(facts),
         *facts["notes"],
         f"picture: {facts['picture']}" if facts["picture"] else "",
     )
@@ -198,17 +215,39 @@ def _error_table(facts: dict[str, Any], part: str) -> Any:
     """Return the table of mean errors of one part, a row per law and rival."""
     first = facts[part]
     known = "not seen by the fit" if part == "test" else "fitted to"
-    header = ("", "position [width]", "rotation [deg]", "less the rival's: position", "rotation")
+    header = (
+        "",
+        "position [width]",
+        "rotation [deg]",
+        "after 34 ms",
+        "less the rival's: position",
+        "rotation",
+    )
     laws = ((facts["law"], first), *((name, law[part]) for name, law in facts["laws"].items()))
     rows = [(name, *_means(errors), "", "") for name, errors in laws]
     for name, errors in first["rivals"].items():
         position, rotation = (_gap(errors["ours_less_theirs"][kind]) for kind in ("position", "rotation"))
         rows.append((name, *_means(errors), position, rotation))
-    return table(header, rows, f"{first['tosses']} tosses {known}", left=5)
+    return table(header, rows, f"{first['tosses']} tosses {known}", left=6)
 
 
-def _means(errors: dict[str, Any]) -> tuple[str, str]:
-    return f"{errors['position_error_mean']:.4f}", f"{errors['rotation_error_mean']:.2f}"
+def _impact_lines(facts: dict[str, Any]) -> Iterator[str]:
+    """Yield what the first impacts say of every law and rival."""
+    judged = facts["test"] or facts["train"]
+    others = {**facts["laws"], **judged["rivals"]}
+    for name, found in ((facts["law"], facts["impacts"]), *((n, o["impacts"]) for n, o in others.items())):
+        if found is not None:
+            yield (
+                f"{name}: after {found['impacts']} first impacts median errors of "
+                f"{found['velocity_error_median']:.4f} m/s and {found['spin_error_median']:.3f} rad/s (noise "
+                f"alone {found['velocity_floor']:.4f} and {found['spin_floor']:.3f}), log-likelihood "
+                f"{found['log_likelihood_mean']:.3f} an impact"
+            )
+
+
+def _means(errors: dict[str, Any]) -> tuple[str, str, str]:
+    early = f"{errors['early_error_mean']:.4f}"
+    return f"{errors['position_error_mean']:.4f}", f"{errors['rotation_error_mean']:.2f}", early
 
 
 def _gap(gap: dict[str, float]) -> str:

@@ -29,9 +29,9 @@ class LogOptions:
         str | None,
         typer.Option(help="Ground, of the log or of its replay: flat, slope:DEG, stairs:HEIGHT,DEPTH, ..."),
     ] = None
-    mu: Annotated[
-        float | None, typer.Option(help="Friction where the log tells none, of the replay, or under tosses.")
-    ] = None
+    mu: Annotated[float | None, typer.Option(help="Friction where the log tells none, or of the replay.")] = (
+        None
+    )
     mass: Annotated[
         float | None, typer.Option(help="Of all that moves, where the log does not tell it [kg].")
     ] = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -31,14 +32,17 @@ def plan(
         ),
     ],
     feet: options.FootFrames = None,
-    road: Annotated[
-        str | None, typer.Option(help="schedule (or direct, of jumps); each task has its own.")
-    ] = None,
     mu: options.Friction = 0.6,
     dt: Annotated[float | None, typer.Option(help="Length of a knot [s].")] = None,
     knots: Annotated[int | None, typer.Option(help="Number of knots.")] = None,
     seed: Annotated[int, typer.Option(help="Of random starts, and of the executed run.")] = 0,
     max_iterations: Annotated[int | None, typer.Option(help="Most iterations of the search.")] = None,
+    payload: Annotated[float, typer.Option(help="Mass on the base that the plan knows of [kg].")] = 0.0,
+    direction: Annotated[float, typer.Option(help="Where to jump, from ahead to the left [deg].")] = 0.0,
+    turn: Annotated[float, typer.Option(help="By how much to turn left in a jump [deg].")] = 0.0,
+    terrain: Annotated[
+        str | None, typer.Option(help="Ground of a jump: slope:DEG, stairs:HEIGHT,DEPTH, ...")
+    ] = None,
     execute: Annotated[
         str | None, typer.Option(help="World to carry it out in: mujoco. The audit judges the run.")
     ] = None,
@@ -52,6 +56,7 @@ def plan(
     from surefoot.cli import parsing
     from surefoot.cli.signals import ends_softly
     from surefoot.planning.tasks.table import find_task
+    from surefoot.terrain import read_terrain
 
     console = plain_console(quiet=leaving.as_json)
     parsing.friction("--mu", mu)
@@ -62,11 +67,15 @@ def plan(
     options.require(robot, ("pin", *(["mujoco"] if execute else [])), leaving)
     who = _robot(robot, feet, found)
     numbers = {
-        "mu": mu, "dt": dt, "knots": knots, "road": road, "seed": seed, "max_iterations": max_iterations,
+        "mu": mu, "dt": dt, "knots": knots, "seed": seed, "max_iterations": max_iterations,
+        "payload": payload, "direction": math.radians(direction), "turn": math.radians(turn),
+        "terrain": None if terrain is None else read_terrain(terrain, "--terrain"),
     }  # fmt: skip
     with ends_softly() as stop:
         screen = plain_console(stderr=True, quiet=leaving.as_json)
         made, iterations = _search(screen, who, task, amount, numbers)
+        if execute is not None:
+            console.print(f"{made.task}: {made.status.value}; {made.facts['goal']}")
         folder = new_run_folder(leaving.out, f"plan-{task}")
         executed = None if execute is None else _execute(made, execute, seed, folder)
         good = _write(made, executed, iterations, folder, leaving, console)
@@ -136,6 +145,7 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
     if executed is not None:
         done = {
             "landed": bool(executed.landed),
+            "why": executed.why,
             "laws": list(executed.laws),
             "torque_use_max": float(executed.torque_use_max),
             "speed_use_max": float(executed.speed_use_max),
@@ -187,7 +197,7 @@ def _write(
     if done is not None:
         good = good and done["landed"] and not done["laws"]
         laws = "no law was broken" if not done["laws"] else "laws broken: " + "; ".join(done["laws"])
-        headline += f"; carried out: {'landed' if done['landed'] else 'did not land'}, {laws}"
+        headline += f"; carried out: {'landed' if done['landed'] else 'did not land: ' + done['why']}, {laws}"
     files.publish(
         console, f"Plan: {made.task}", (headline, good), (_tables(made, facts), []),
         (lambda log, where: draw_plan(made, where, iterations)) if leaving.report else None,

@@ -126,16 +126,17 @@ def _problems() -> Iterator[ContactProblem]:
 
 def _throw_a_cube() -> None:
     """Simulate a toss, as a fit does thousands of times."""
-    from surefoot.estimation.cube_model import CubeModel
     from surefoot.estimation.ground_plane import GroundPlane
-    from surefoot.estimation.toss_model import TossScene
+    from surefoot.estimation.thrown_body import cube_body
+    from surefoot.estimation.toss_model import ThrownModel, TossScene
     from surefoot.estimation.tosses import Cube
     from surefoot.spatial import GRAVITY
+    from surefoot.stepping.falling_tree import sphere_places
 
-    start = np.zeros((1, 13))
+    start, body = np.zeros((1, 13)), cube_body(Cube())
     start[0, 2], start[0, 6] = 0.06, 1.0
-    scene = TossScene(start, np.array([20]), 0.01, GroundPlane(0.0, np.zeros(2)), GRAVITY, Cube())
-    CubeModel().rollout(np.array([0.2, 0.1, 0.0]), scene)
+    scene = TossScene(start, np.array([20]), 0.01, GroundPlane(0.0, np.zeros(2)), GRAVITY, body)
+    sphere_places(body.tree, ThrownModel().rollout(np.array([0.2, 0.1, 0.0]), scene))
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:

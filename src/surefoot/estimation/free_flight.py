@@ -1,122 +1,180 @@
-"""What the frames before the first touch say: how a toss begins, how noisy the recording is, and gravity.
+"""What the frames before the first touch say: how a toss begins, and how noisy the recording is.
 
-Recorded velocities are differences of noisy poses. In free flight the true motion has twelve numbers (the
-inertia of a cube is the same about every axis, so that it turns at a constant rate): they are fitted to all
-frames before the first touch, by least squares, and a simulation starts from the fit.
+Recorded velocities are differences of noisy poses. In free flight a motion has as many numbers as its first
+state; they are fitted to all frames before the first touch, by Gauss-Newton steps on simulated flights of the
+body as it is known, and a simulation starts from the fit. What a change of the body does to the fit is taken
+from the same derivatives: one more flight, and no new fit.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.estimation.ground_plane import GroundPlane, corners
+from surefoot.estimation.ground_plane import GroundPlane
 from surefoot.estimation.tosses import Tosses
-from surefoot.spatial import GRAVITY
+from surefoot.stepping import falling_impact as layout
+from surefoot.stepping.falling import throw
+from surefoot.stepping.falling_tree import FallingBody
 
 MARGIN = 0.04
-"""Height of the lowest corner above the ground that counts as flight, in sides."""
+"""Height of the lowest corner above the ground that counts as flight, in widths."""
 FEWEST, MOST = 4, 40
 """Frames that a fit needs, and those it takes."""
 ENOUGH = 8
-"""Frames from which a toss has a say in noise and gravity."""
-TURNS = 4
-"""Gauss-Newton steps of the rotation; the second is below the noise."""
-SURE = 0.2
-"""Standard error of gravity [m/s²] above which the standard value is taken."""
+"""Frames from which a toss has a say in the noise."""
+TURNS = 3
+"""Gauss-Newton steps; the third is below the noise."""
+STEPS = 2
+"""Of the simulation between frames."""
+SKY = np.array([0.0, 0.0, 1e3])
+"""Flights are simulated far above everything that they could touch [m]."""
 
 
-@dataclass(frozen=True)
-class TossFlight:
-    """The fit of the frames before the first touch.
-
-    Attributes
-    ----------
-    starts
-        (B, 13) first state of each toss: position, quaternion, velocity, angular velocity, all in world axes.
-    frames
-        (B,) frames that were used; 0 where there were too few and the recorded velocities serve.
-    position_noise
-        Standard deviation of a recorded coordinate [m]; 0 if no toss flies long enough.
-    rotation_noise
-        Of a recorded angle about an axis [rad].
-    """
-
-    starts: FloatArray
-    frames: IntArray
-    position_noise: float
-    rotation_noise: float
-
-
-def flying_frames(tosses: Tosses, plane: GroundPlane) -> IntArray:
-    """Return (B,) the number of frames before a corner first comes close to the ground."""
-    low = plane.above(corners(tosses)).min(axis=1)
-    down = low < MARGIN * tosses.cube.width
+def flying_frames(tosses: Tosses, corners: FloatArray, plane: GroundPlane, width: float) -> IntArray:
+    """Return (B,) the number of frames before one of (N, k, 3) corners first comes close to the ground."""
+    down = plane.above(corners).min(axis=1) < MARGIN * width
     out = np.empty(len(tosses), dtype=np.int64)
     for k, (a, b) in enumerate(zip(tosses.starts[:-1], tosses.starts[1:], strict=True)):
         out[k] = int(np.argmax(down[a:b])) if down[a:b].any() else b - a
     return np.minimum(out, MOST)
 
 
-def gravity_terms(tosses: Tosses, frames: IntArray) -> FloatArray:
-    """Return (B, 2): the information that each toss has on its fall, and that times the acceleration.
+class TossFlight:
+    """The first states of tosses, from all their frames before the first touch.
 
-    With position and velocity eliminated, acceleration along -z is a regression on what is left of t² / 2;
-    the sums over tosses give the estimate, and sums over resampled tosses its bootstrap.
+    Parameters
+    ----------
+    tosses
+        What was recorded.
+    frames
+        (B,) frames before the first touch; of tosses with too few the recorded velocities are taken.
+    tree, gravity
+        The body, and [m/s²].
+
+    Attributes
+    ----------
+    starts
+        (B, nq + nv) first states in world axes, see `TossScene`.
+    covariance
+        (B, 2 nv, 2 nv) of their errors, for noise of one in each coordinate (m, rad).
+    used
+        (B,) frames that were used.
+    position_noise, rotation_noise
+        Standard deviation of a recorded coordinate [m] and angle about an axis [rad]; 0 if none flies long.
     """
-    out = np.zeros((len(tosses), 2))
-    for k in np.flatnonzero(frames >= ENOUGH):
-        t = np.arange(frames[k]) * tosses.dt
-        base = np.column_stack([np.ones(t.size), t])
-        curve = 0.5 * t * t
-        curve -= base @ np.linalg.lstsq(base, curve, rcond=None)[0]
-        z = tosses.states[tosses.starts[k] : tosses.starts[k] + t.size, 2]
-        out[k] = curve @ curve, -curve @ z
-    return out
+
+    def __init__(self, tosses: Tosses, frames: IntArray, tree: FallingBody, gravity: float) -> None:
+        self._tosses, self._nv = tosses, 6 + tosses.joints
+        self.used = np.where(frames >= FEWEST, frames, 0)
+        counts = np.maximum(self.used, 1)
+        self._counts, self._owner = counts, np.repeat(np.arange(len(tosses)), counts)
+        self._rows = np.concatenate(
+            [a + np.arange(n) for a, n in zip(tosses.starts[:-1], counts, strict=True)]
+        )
+        self.starts = self._guess()
+        for _ in range(TURNS):
+            self._derive(tree, gravity)
+            self.starts = self.corrected(tree, gravity)
+        off = self._off(self.starts, tree, gravity)
+        long = self.used >= ENOUGH
+        free = np.maximum(counts - 2, 1)
+        sums = np.stack([np.bincount(self._owner, (off[:, c] ** 2).sum(axis=1)) for c in _KINDS], axis=1)
+        # the median toss: a few tosses lose a fiducial for a frame
+        noise = np.sqrt(np.median((sums / (3.0 * free[:, None]))[long], axis=0)) if long.any() else (0.0, 0.0)
+        self.position_noise, self.rotation_noise = float(noise[0]), float(noise[1])
+
+    def corrected(self, tree: FallingBody, gravity: float) -> FloatArray:
+        """Return the first states (B, nq + nv) of another body, by one more Gauss-Newton step."""
+        off = self._off(self.starts, tree, gravity)
+        moment = np.zeros((len(self.starts), 2 * self._nv))
+        np.add.at(moment, self._owner, np.einsum("nik,ni->nk", self._J, off))
+        change = -np.einsum("bkl,bl->bk", self.covariance, moment)
+        change[self.used == 0] = 0.0
+        return self._moved(self.starts, change)
+
+    def apart(self, poses: FloatArray) -> FloatArray:
+        """Return how far the first states (B, 2 nv) of other motions are, from poses in the rows used."""
+        recorded = self._tosses.poses[self._rows]
+        turn = Rotation.from_quat(poses[:, 3:7]) * Rotation.from_quat(recorded[:, 3:7]).inv()
+        off = np.hstack([poses[:, :3] - recorded[:, :3], turn.as_rotvec(), poses[:, 7:] - recorded[:, 7:]])
+        moment = np.zeros((len(self.starts), 2 * self._nv))
+        np.add.at(moment, self._owner, np.einsum("nik,ni->nk", self._J, off))
+        return np.asarray(np.einsum("bkl,bl->bk", self.covariance, moment))
+
+    def deviations(self, noise: tuple[float, float]) -> FloatArray:
+        """Return the standard deviations (B, 2 nv) of first states for noise of places [m], turns [rad]."""
+        return np.asarray(np.sqrt(np.einsum("bkk->bk", self._spread(noise))))
+
+    def shaken(
+        self, starts: FloatArray, noise: tuple[float, float], random: np.random.Generator
+    ) -> FloatArray:
+        """Return first states (B, nq + nv) with errors as noise makes them."""
+        factors = np.linalg.cholesky(self._spread(noise) + 1e-18 * np.eye(2 * self._nv))
+        draws = random.normal(size=(len(starts), 2 * self._nv))
+        return self._moved(starts, np.einsum("bkl,bl->bk", factors, draws))
+
+    def _spread(self, noise: tuple[float, float]) -> FloatArray:
+        """Return the covariances (B, 2 nv, 2 nv) of the first states."""
+        weights = np.repeat(np.square(noise), [3, self._nv - 3])
+        middle = np.zeros_like(self.covariance)
+        np.add.at(middle, self._owner, np.einsum("nik,i,nil->nkl", self._J, weights, self._J))
+        return np.asarray(self.covariance @ middle @ self.covariance)
+
+    def _guess(self) -> FloatArray:
+        """Return first states with mean velocities for velocities."""
+        tosses, nv = self._tosses, self._nv
+        first = tosses.starts[:-1]
+        last = first + np.maximum(self.used, 2) - 1
+        t = ((last - first) * tosses.dt)[:, None]
+        states, nq = tosses.states, nv + 1
+        turn = Rotation.from_quat(states[first, 3:7])
+        out = np.concatenate([tosses.poses[first], states[first, nq:]], axis=1)
+        out[:, nq + 3 : nq + 6] = turn.apply(states[first, nq + 3 : nq + 6])
+        steps = Rotation.from_quat(states[first + 1, 3:7]) * turn.inv()
+        flies = self.used > 0
+        out[flies, nq + 3 : nq + 6] = steps.as_rotvec()[flies] / tosses.dt
+        out[flies, nq : nq + 3] = ((states[last, :3] - states[first, :3]) / t)[flies]
+        out[flies, nq + 6 :] = ((states[last, 7:nq] - states[first, 7:nq]) / t)[flies]
+        return out
+
+    def _derive(self, tree: FallingBody, gravity: float) -> None:
+        nv, count = self._nv, len(self.starts)
+        here = self._off(self.starts, tree, gravity)
+        self._J = np.empty((*here.shape, 2 * nv))
+        for k in range(2 * nv):
+            step = 1e-4 if k < nv else 1e-3
+            change = np.zeros((count, 2 * nv))
+            change[:, k] = step
+            self._J[:, :, k] = (self._off(self._moved(self.starts, change), tree, gravity) - here) / step
+        square = np.zeros((count, 2 * nv, 2 * nv))
+        np.add.at(square, self._owner, np.einsum("nik,nil->nkl", self._J, self._J))
+        square += 1e-12 * np.trace(square, axis1=1, axis2=2)[:, None, None] * np.eye(2 * nv)
+        self.covariance = np.linalg.inv(square)
+
+    def _off(self, starts: FloatArray, tree: FallingBody, gravity: float) -> FloatArray:
+        """Return (rows, nv) simulated less recorded poses [m, rad]."""
+        poses, high = np.empty((len(self._rows), self._nv + 1)), starts.copy()
+        high[:, :3] += SKY
+        down = np.array([0.0, 0.0, -gravity])
+        throw(tree, np.zeros(layout.SIZE), down, high, self._counts, self._tosses.dt, STEPS, poses)
+        recorded = self._tosses.poses[self._rows]
+        lost = ~np.isfinite(poses).all(axis=1)  # a step that went too far
+        poses[lost] = recorded[lost] + np.eye(self._nv + 1)[0]
+        poses[lost, :3] += SKY
+        turn = Rotation.from_quat(poses[:, 3:7]) * Rotation.from_quat(recorded[:, 3:7]).inv()
+        away = poses[:, :3] - SKY - recorded[:, :3]
+        return np.hstack([away, turn.as_rotvec(), poses[:, 7:] - recorded[:, 7:]])
+
+    def _moved(self, starts: FloatArray, change: FloatArray) -> FloatArray:
+        """Return states with (B, 2 nv) added, turns in world axes."""
+        out = starts.copy()
+        out[:, :3] += change[:, :3]
+        turned = Rotation.from_rotvec(change[:, 3:6]) * Rotation.from_quat(starts[:, 3:7])
+        out[:, 3:7] = turned.as_quat()
+        out[:, 7:] += change[:, 6:]
+        return out
 
 
-def gravity_of(terms: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return (S,) gravity [m/s²] for (S, B) weights of the tosses; the standard one where none flies."""
-    information, moment = weights @ terms[:, 0], weights @ terms[:, 1]
-    return np.where(information > 0.0, moment / np.maximum(information, 1e-300), GRAVITY)
-
-
-def fit_free_flight(tosses: Tosses, frames: IntArray, gravity: float) -> TossFlight:
-    """Fit the free flight of every toss, (B,) frames of each."""
-    starts = np.empty((len(tosses), 13))
-    used = np.where(frames >= FEWEST, frames, 0)
-    variances = []
-    for k, first in enumerate(tosses.starts[:-1]):
-        if used[k] == 0:
-            row = tosses.states[first]
-            starts[k] = row
-            starts[k, 10:] = Rotation.from_quat(row[3:7]).apply(row[10:])
-            continue
-        rows = tosses.states[first : first + used[k]]
-        t = np.arange(used[k]) * tosses.dt
-        starts[k], residuals = _fit(rows, t, gravity)
-        if used[k] >= ENOUGH:
-            variances.append(residuals / (3.0 * (int(used[k]) - 2)))
-    # the median toss: a few tosses lose a fiducial for a frame
-    noise = np.sqrt(np.median(variances, axis=0)) if variances else np.zeros(2)
-    return TossFlight(starts, used, float(noise[0]), float(noise[1]))
-
-
-def _fit(rows: FloatArray, t: FloatArray, gravity: float) -> tuple[FloatArray, FloatArray]:
-    """Return the state at t = 0 and the sums of squared residuals of position and rotation."""
-    base = np.column_stack([np.ones(t.size), t])
-    lifted = rows[:, :3] + 0.5 * np.outer(t * t, [0.0, 0.0, gravity])
-    linear, *_ = np.linalg.lstsq(base, lifted, rcond=None)
-    turns = Rotation.from_quat(rows[:, 3:7])
-    start = turns[0]
-    rate = (turns[1:] * turns[:-1].inv()).as_rotvec().mean(axis=0) / (t[1] - t[0])
-    for _ in range(TURNS):
-        left = (turns * (Rotation.from_rotvec(np.outer(t, rate)) * start).inv()).as_rotvec()
-        change, *_ = np.linalg.lstsq(base, left, rcond=None)
-        start, rate = Rotation.from_rotvec(change[0]) * start, rate + change[1]
-    left = (turns * (Rotation.from_rotvec(np.outer(t, rate)) * start).inv()).as_rotvec()
-    state = np.concatenate([linear[0], start.as_quat(), linear[1], rate])
-    return state, np.array([np.sum((lifted - base @ linear) ** 2), np.sum(left**2)])
+_KINDS = (slice(0, 3), slice(3, 6))

@@ -1,7 +1,7 @@
-"""Where the ground is: the plane through the faces on which the cube came to rest.
+"""Where the ground is: the plane through what bodies came to rest on.
 
-A cube at rest touches with a face, so that the middle of that face lies in the ground. Height and slopes are
-then a linear regression over the tosses, with nothing to simulate.
+What lies still touches with its lowest corners, so that their middle lies in the ground. Height and slopes
+are then a linear regression over the tosses, with nothing to simulate.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.estimation.tosses import Tosses
 
 AT_REST = 0.5
-"""Speed over the last frames under which a toss has come to rest, in sides and radians per second."""
+"""Speed over the last frames under which a toss has come to rest, in widths and radians per second."""
 LAST = 3
 """Frames at the end that must agree."""
 FLAT = 0.06
-"""Largest angle between face and vertical of a cube at rest [rad]."""
+"""Corners within this share of a width above the lowest one carry what lies still; three at least."""
 FEWEST = 3
 """Tosses at rest that make a plane."""
 OUTLIER = 5.0
@@ -67,7 +67,7 @@ class GroundPoints:
     use
         (B,) which tosses gave one.
     resting
-        Whether they are from cubes at rest; else they are the lowest places that a corner reached.
+        Whether they are from bodies at rest; else they are the lowest places that a corner reached.
     """
 
     points: FloatArray
@@ -89,34 +89,24 @@ class GroundPoints:
         return np.asarray(np.linalg.solve(normal, right[..., None])[..., 0])
 
 
-def corners(tosses: Tosses) -> FloatArray:
-    """Return (N, 8, 3) the corners in every row [m]."""
-    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
-    R = Rotation.from_quat(tosses.states[:, 3:7]).as_matrix()
-    arms = np.einsum("nij,kj->nki", R, signs * tosses.cube.half_side)
-    return np.asarray(tosses.states[:, None, :3] + arms)
+def ground_points(tosses: Tosses, corners: FloatArray, width: float) -> GroundPoints:
+    """Return a point of the ground from each toss: the middle of what it rests on, or its lowest corner.
 
-
-def ground_points(tosses: Tosses) -> GroundPoints:
-    """Return a point of the ground from each toss: the face it rests on, or its lowest corner."""
+    `corners` (N, k, 3) are the lowest points of the body's spheres in every row [m], `width` its own [m].
+    """
     ends = tosses.starts[1:] - 1
-    last = tosses.states[ends]
-    R = Rotation.from_quat(last[:, 3:7]).as_matrix()
-    upward = R[:, 2, :]
-    axis = np.abs(upward).argmax(axis=1)
-    row = np.arange(len(tosses))
-    face = R[row, :, axis] * np.sign(upward[row, axis])[:, None]
-    early = tosses.states[ends - (LAST - 1)]
+    last, early = tosses.poses[ends], tosses.poses[ends - (LAST - 1)]
     moved = np.linalg.norm(last[:, :3] - early[:, :3], axis=1)
     turned = (Rotation.from_quat(last[:, 3:7]) * Rotation.from_quat(early[:, 3:7]).inv()).magnitude()
-    shift = moved / tosses.cube.width + turned
-    use = (face[:, 2] > np.cos(FLAT)) & (shift < AT_REST * (LAST - 1) * tosses.dt)
-    points = last[:, :3] - tosses.cube.half_side * face
+    shift = moved / width + turned + np.abs(last[:, 7:] - early[:, 7:]).sum(axis=1)
+    places = corners[ends]
+    lowest = places[:, :, 2] - places[:, :, 2].min(axis=1, keepdims=True) < FLAT * width
+    use = (lowest.sum(axis=1) >= min(3, places.shape[1])) & (shift < AT_REST * (LAST - 1) * tosses.dt)
+    points = (places * lowest[..., None]).sum(axis=1) / lowest.sum(axis=1)[:, None]
     resting = bool(use.sum() >= max(FEWEST, len(tosses) // 4))
     if not resting:
-        places = corners(tosses)
-        which = places[:, :, 2].argmin(axis=1)
-        low = places[np.arange(len(places)), which]
+        row, which = np.arange(len(corners)), corners[:, :, 2].argmin(axis=1)
+        low = corners[row, which]
         rows = [
             a + int(low[a:b, 2].argmin()) for a, b in zip(tosses.starts[:-1], tosses.starts[1:], strict=True)
         ]

@@ -1,42 +1,48 @@
-"""`identify`: what recorded tosses say about friction, restitution, stiffness and the ground, with intervals.
+"""`identify`: what recorded tosses say about a body, its contact and the ground, with intervals.
 
-In order: the ground from where the cube came to rest, gravity and the first state of every toss from free
-flight, and then the contact law by `toss_search`, which simulates the tosses from first state to end.
-Every interval is a bootstrap over tosses, the same resamples for all of them.
+In order: the ground from where the body came to rest; gravity, first states and centres of mass from free
+flight; the body, with a first law, from the frames just after the first touch; and then a contact law from
+all frames. Each step is the same search (`toss_search`) over simulated tosses. Every interval is a bootstrap
+over tosses, the same resamples for all of them.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
 
-from surefoot.arrays import FloatArray, whole_number
+from surefoot.arrays import FloatArray, IntArray, whole_number
 from surefoot.errors import ProblemError
-from surefoot.estimation.cube_model import CubeModel
-from surefoot.estimation.free_flight import (
-    SURE,
-    TossFlight,
-    fit_free_flight,
-    flying_frames,
-    gravity_of,
-    gravity_terms,
-)
+from surefoot.estimation.free_flight import TossFlight, flying_frames
 from surefoot.estimation.ground_plane import GroundPlane, ground_points
-from surefoot.estimation.toss_errors import TossErrors, resample, toss_errors
-from surefoot.estimation.toss_model import TossModel, TossScene
-from surefoot.estimation.toss_search import search, spread_evenly
+from surefoot.estimation.impacts import first_impacts
+from surefoot.estimation.thrown_body import ThrownBody, TossParameter, cube_body, thrown_body
+from surefoot.estimation.toss_errors import TossErrors, deviations, resample, toss_errors
+from surefoot.estimation.toss_model import ThrownModel, TossModel, TossScene
+from surefoot.estimation.toss_search import SearchResult, search
 from surefoot.estimation.tosses import Tosses, read_tosses
+from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
+from surefoot.stepping.falling_tree import sphere_places
 
 LEAST = 8
 """Tosses that a fit needs."""
 SCALE = 0.005
 """Share by which free fall must miss the standard gravity before a note says so."""
+FEW = 128
+"""Tosses, evenly spread, that tell the body."""
+SOON, LATER = 8, 25
+"""Frames after the first touch that tell the body: few, while the law is still wrong, then more."""
+SURE = 0.2
+"""Standard error of gravity [m/s²] above which the standard value is taken."""
+UNKNOWN = 0.5
+"""An interval as wide as this share of a parameter's range says that the data cannot tell it."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +55,59 @@ class Estimate:
     unit: str = ""
 
 
+class BodyFit(NamedTuple):
+    """What is known before a law is chosen: the body, the ground, gravity, and how their numbers spread.
+
+    Attributes
+    ----------
+    body
+        As identified.
+    plane, gravity
+        The ground, and [m/s²].
+    parameters
+        Those of the body and its surroundings, by name.
+    flight
+        The first states.
+    law
+        Numbers of the law it was fitted with, by name.
+    notes
+        A line each.
+    """
+
+    body: ThrownBody
+    plane: GroundPlane
+    gravity: float
+    parameters: dict[str, Estimate]
+    flight: TossFlight
+    law: dict[str, float]
+    notes: tuple[str, ...]
+
+    def scene(self, tosses: Tosses) -> TossScene:
+        """Return the scene of tosses, these or others of the same body on the same ground."""
+        flight = TossFlight(tosses, self.before(tosses), self.body.tree, self.gravity)
+        return TossScene(flight.starts, tosses.frames, tosses.dt, self.plane, self.gravity, self.body)
+
+    def before(self, tosses: Tosses) -> IntArray:
+        """Return (B,) the frames before the first touch."""
+        places = sphere_places(self.body.tree, tosses.poses)
+        return flying_frames(tosses, places, self.plane, self.body.width)
+
+
+class ImpactFit(NamedTuple):
+    """First impacts that a law was judged by: median errors of velocity [m/s] and spin [rad/s] after them.
+
+    The floors are what noise alone would leave; `log_likelihood` (I,) is that of each impact.
+    """
+
+    impacts: int
+    velocity_error_median: float
+    velocity_floor: float
+    spin_error_median: float
+    spin_floor: float
+    log_likelihood: FloatArray
+    log_likelihood_mean: float
+
+
 @dataclass(frozen=True)
 class TossFit:
     """What `identify` found.
@@ -58,11 +117,15 @@ class TossFit:
     model
         Name of the contact law or simulator.
     parameters
-        By name: those of the law, then ground [m], tilt_x and tilt_y [deg], gravity [m/s²].
+        By name: those of the law, then of the body, ground [m], tilt_x and tilt_y [deg], gravity [m/s²].
     train, test
         Errors on the tosses it was fitted to, and on the others (None without any).
     train_poses, test_poses
-        (N, 7) the simulated positions [m] and quaternions (x, y, z, w) behind them.
+        (N, nq) the simulated poses behind them.
+    found
+        The body and its surroundings.
+    impacts
+        Errors in first impacts, of the test where there is one; None where few are over at once.
     position_noise, rotation_noise
         Standard deviations of a recorded coordinate [m] and angle [rad], from free flight.
     evaluations, seconds
@@ -77,6 +140,8 @@ class TossFit:
     test: TossErrors | None
     train_poses: FloatArray
     test_poses: FloatArray | None
+    found: BodyFit
+    impacts: ImpactFit | None
     position_noise: float
     rotation_noise: float
     evaluations: float
@@ -87,91 +152,35 @@ class TossFit:
         return self.parameters[name]
 
 
-@dataclass(frozen=True)
-class Surroundings:
-    """What is known before a contact law is fitted: the ground and gravity, with their bootstrap draws."""
-
-    plane: GroundPlane
-    gravity: float
-    planes: FloatArray
-    gravities: FloatArray
-    flight: TossFlight
-    notes: tuple[str, ...]
-
-    def scene(self, tosses: Tosses) -> TossScene:
-        """Return the scene of tosses, these or others on the same ground."""
-        frames = flying_frames(tosses, self.plane)
-        flight = fit_free_flight(tosses, frames, self.gravity)
-        return TossScene(flight.starts, tosses.frames, tosses.dt, self.plane, self.gravity, tosses.cube)
-
-
-def surroundings(tosses: Tosses, draws: FloatArray) -> Surroundings:
-    """Find ground, gravity and first states; `draws` are (S, B) weights [-] of bootstrap samples."""
-    notes = []
-    points = ground_points(tosses)
-    every = np.ones((1, len(tosses)))
-    height, *slope = points.planes(every)[0]
-    plane = GroundPlane(float(height), np.array(slope))
-    if not points.resting:
-        notes.append(
-            "few tosses come to rest: the ground is taken from the lowest places that corners reached"
-        )
-    frames = flying_frames(tosses, plane)
-    terms = gravity_terms(tosses, frames)
-    gravity, gravities = float(gravity_of(terms, every)[0]), gravity_of(terms, draws)
-    if not gravities.std() < SURE or not 0.5 < gravity / GRAVITY < 2.0:
-        gravity, gravities = GRAVITY, np.full(len(draws), GRAVITY)
-        notes.append("too little free flight to tell gravity: the standard one is taken")
-    elif abs(gravity / GRAVITY - 1.0) > SCALE:
-        notes.append(
-            f"free fall at {gravity:.3f} m/s² instead of {GRAVITY:g}: lengths, or times, are "
-            f"{100.0 * abs(gravity / GRAVITY - 1.0):.1f} % off"
-        )
-    flight = fit_free_flight(tosses, frames, gravity)
-    grounded = int((flight.frames == 0).sum())
-    if grounded:
-        notes.append(f"{grounded} tosses start too near the ground: their first recorded velocity is used")
-    planes = _widened(points.planes(draws), np.array([height, *slope]), int(points.use.sum()))
-    return Surroundings(plane, gravity, planes, gravities, flight, tuple(notes))
-
-
-def _widened(draws: FloatArray, fitted: FloatArray, tosses: int) -> FloatArray:
-    """Return (S, d) bootstrap draws as wide as Student's interval of a fit of d numbers to so many tosses.
-
-    Residuals are smaller than errors, by sqrt((n - d) / n), and the bootstrap takes the ones for the others.
-    """
-    free = max(1, tosses - fitted.size)
-    wider = np.sqrt(tosses / free) * stats.t.ppf(0.975, free) / stats.norm.ppf(0.975)
-    return np.asarray(fitted + wider * (draws - fitted))
-
-
 def identify(
     tosses: Tosses | str | Path,
     law: str | TossModel = "rigid",
     *,
+    model: Robot | str | Path | None = None,
     test: Tosses | str | Path | None = None,
-    most: int | None = None,
+    found: BodyFit | None = None,
     resamples: int = 1000,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> TossFit:
-    """Fit friction, restitution or stiffness and damping, and the ground, to recorded tosses of a cube.
+    """Fit a body, its friction and restitution, and the ground, to recorded tosses.
 
     Parameters
     ----------
     tosses
         What to fit, or a file of it (`read_tosses`).
     law
-        "rigid", "spring-damper" or "hunt-crossley"; or any `TossModel`, such as a rival simulator.
+        "rigid", "newton", "tangential" or "growing-friction"; or any `TossModel`.
+    model
+        What was thrown: a URDF or MJCF file, or a robot; None for the cube that the tosses name.
     test
-        Other tosses of the same cube on the same ground, which the fit does not see.
-    most
-        Tosses that the law is fitted to, evenly spread, for a slow simulator; None for all. The
-        ground, gravity and the errors are of all of them in any case.
+        Other tosses of the same body on the same ground, which the fit does not see.
+    found
+        The body as another fit to the same tosses found it; None to identify it.
     resamples
         Bootstrap samples of tosses behind the 95 % intervals.
     seed
-        Of the resampling and of the points that are tried; the same seed gives the same fit.
+        Of the resampling; the same seed gives the same fit.
     progress
         Told the number of tosses simulated so far, now and then.
 
@@ -182,17 +191,17 @@ def identify(
     Raises
     ------
     ProblemError
-        If a file is none of tosses, there are fewer than eight, or the law's name is unknown.
+        If a file is none of tosses, there are fewer than eight, the law's name is unknown, or the model has
+        not the tosses' joints.
     """
     begin = time.perf_counter()
-    model = CubeModel(law) if isinstance(law, str) else law
+    simulator = ThrownModel(law) if isinstance(law, str) else law
     tosses = tosses if isinstance(tosses, Tosses) else read_tosses(tosses)
     others = read_tosses(test) if isinstance(test, (str, Path)) else test
     if len(tosses) < LEAST:
         raise ProblemError(f"a fit needs {LEAST} tosses or more, got {len(tosses)}")
     draws = resample(len(tosses), whole_number("resamples", resamples, low=20), whole_number("seed", seed))
-    found = surroundings(tosses, draws)
-    scene, count = found.scene(tosses), 0.0
+    count = 0.0
 
     def tick(simulated: float) -> None:
         nonlocal count
@@ -200,43 +209,174 @@ def identify(
         if progress is not None:
             progress(count)
 
-    notes, fitted = list(found.notes), [p.name for p in model.parameters]
-    which = spread_evenly(tosses, len(tosses) if most is None else whole_number("most", most, low=LEAST))
-    if which.size < len(tosses):
-        notes.append(f"{model.name}: fitted to {which.size} of {len(tosses)} tosses")
-        chosen = resample(which.size, resamples, seed)
-        best = search(model, tosses.subset(which), scene.subset(which), chosen, seed, tick)
-    else:
-        best = search(model, tosses, scene, draws, seed, tick)
-    if "stiffness" in fitted:
-        notes.append(
-            f"{model.name}: several minima in stiffness and damping; the intervals are those of this one"
-        )
-    if not best.settled:
-        notes.append(f"{model.name}: the search did not settle; take the intervals as too narrow")
-    poses = model.rollout(best.values, scene)
-    test_poses = None if others is None else model.rollout(best.values, found.scene(others))
+    if found is None:
+        body = cube_body(tosses.cube) if model is None else thrown_body(model)
+        for one in (tosses, others):
+            if one is not None and one.joints != len(body.joints):
+                raise ProblemError(f"the model has {len(body.joints)} joints, the tosses have {one.joints}")
+        found = identify_body(tosses, body, draws, seed, tick)
+    scene, before, own = found.scene(tosses), found.before(tosses), simulator.parameters
+    values, spread, settled = np.array([found.law.get(p.name, p.start) for p in own]), draws, True
+    for horizon in (LATER, len(tosses.states)):
+        best = _search_law(tosses, simulator, scene, before + horizon, values, draws, tick)
+        values, spread, settled = best.values, best.draws, best.settled
+    notes = list(found.notes)
+    if not settled:
+        notes.append(f"{simulator.name}: the search did not settle; take the intervals as too narrow")
+    fitted = {p.name: _estimate(values[k], spread[:, k], p.unit) for k, p in enumerate(own)}
+    wide = [p.name for p in own if fitted[p.name].high - fitted[p.name].low > UNKNOWN * (p.high - p.low)]
+    if wide:
+        notes.append(f"{simulator.name}: the tosses hardly tell {', '.join(wide)}")
+    width, poses = found.body.width, simulator.rollout(values, scene)
+    test_poses = None if others is None else simulator.rollout(values, found.scene(others))
     return TossFit(
-        model.name,
-        _estimates(model, best.values, best.draws, found),
-        toss_errors(tosses, poses),
-        None if others is None or test_poses is None else toss_errors(others, test_poses),
-        poses, test_poses, found.flight.position_noise, found.flight.rotation_noise, best.evaluations,
-        time.perf_counter() - begin, tuple(notes),
+        simulator.name, fitted | found.parameters, toss_errors(tosses, poses, width, before),
+        None if others is None or test_poses is None else toss_errors(
+            others, test_poses, width, found.before(others)
+        ),
+        poses, test_poses, found, _impacts(tosses, others, found, simulator, values),
+        found.flight.position_noise, found.flight.rotation_noise,
+        count / len(tosses), time.perf_counter() - begin, tuple(notes),
     )  # fmt: skip
 
 
-def _estimates(
-    model: TossModel, values: FloatArray, draws: FloatArray, found: Surroundings
-) -> dict[str, Estimate]:
-    """Return all fitted numbers by name."""
-    out = {p.name: _estimate(values[k], draws[:, k], p.unit) for k, p in enumerate(model.parameters)}
-    out["ground"] = _estimate(found.plane.height, found.planes[:, 0], "m")
+def _impacts(
+    tosses: Tosses, others: Tosses | None, found: BodyFit, simulator: TossModel, values: FloatArray
+) -> ImpactFit | None:
+    """Judge a law by impacts; its own spread is fitted to the tosses that it was fitted to."""
+    noise = found.flight.position_noise, found.flight.rotation_noise
+    if not noise[0] > 0.0:
+        return None
+    seen = first_impacts(tosses, found.scene(tosses), simulator, values, noise)
+    judged = seen if others is None else first_impacts(others, found.scene(others), simulator, values, noise)
+    if seen is None or judged is None or len(seen.which) < LEAST:
+        return None
+    logs = judged.likelihood(seen.spreads())
+    medians = (*judged.median(slice(0, 3)), *judged.median(slice(3, 6)))
+    return ImpactFit(len(logs), *medians, logs, float(logs.mean()))
+
+
+def _search_law(
+    tosses: Tosses, simulator: TossModel, scene: TossScene, ends: IntArray, values: FloatArray,
+    draws: FloatArray, tick: Callable[[float], None],
+) -> SearchResult:  # fmt: skip
+    """Fit a law to the frames before (B,) ends."""
+    part = tosses.until(ends)
+    scene = scene._replace(frames=part.frames)
+
+    def simulate(values: FloatArray) -> FloatArray:
+        tick(len(part.states) / len(tosses.states) * len(tosses))
+        return deviations(part, simulator.rollout(values, scene), scene.body.width, scene.body.arm)
+
+    return search(simulate, simulator.parameters, values, part.frames, draws)
+
+
+def identify_body(
+    tosses: Tosses, body: ThrownBody, draws: FloatArray, seed: int, tick: Callable[[float], None]
+) -> BodyFit:
+    """Find the body, the ground, gravity, first states; `draws` are (S, B) weights of bootstrap samples."""
+    points = ground_points(tosses, corners := sphere_places(body.tree, tosses.poses), body.width)
+    height, *slope = (float(x) for x in points.planes(np.ones((1, len(tosses))))[0])
+    plane, notes = GroundPlane(height, np.array(slope)), []
+    if not points.resting:
+        notes.append(
+            "few tosses come to rest: the ground is taken from the lowest places that corners reached"
+        )
+    planes = _widened(points.planes(draws), np.array([height, *slope]), int(points.use.sum()))
+    chosen = np.unique(np.linspace(0, len(tosses) - 1, min(FEW, len(tosses))).round().astype(np.int64))
+    some, few = tosses.subset(chosen), resample(chosen.size, len(draws), seed)
+    before = flying_frames(tosses, corners, plane, body.width)
+    fit = _BodySearch(tosses, body, plane, before, tick)
+    gravity = fit.falls(draws, notes)
+    part = _BodySearch(some, body, plane, before[chosen], tick, dict(fit.values))
+    for horizon in (SOON, LATER):
+        part.lands(horizon, few)
+    values = part.values
+    known = body.at(values)
+    flight = TossFlight(tosses, before, known.tree, gravity)
+    grounded = int((flight.used == 0).sum())
+    if grounded:
+        notes.append(f"{grounded} tosses start too near the ground: their first recorded velocity is used")
+    estimates = part.estimates | {"gravity": fit.estimates["gravity"]}
     for k, name in enumerate(("tilt_x", "tilt_y")):
-        angles = np.degrees(np.arctan(found.planes[:, 1 + k]))
-        out[name] = _estimate(float(np.degrees(np.arctan(found.plane.slope[k]))), angles, "deg")
-    out["gravity"] = _estimate(found.gravity, found.gravities, "m/s²")
-    return out
+        estimates[name] = _estimate(
+            np.degrees(np.arctan(slope[k])), np.degrees(np.arctan(planes[:, 1 + k])), "deg"
+        )
+    ground = GroundPlane(values["ground"], plane.slope)
+    return BodyFit(known, ground, gravity, estimates, flight, values, tuple(notes))
+
+
+class _BodySearch:
+    """The steps that find a body: each goes on from the values, by name, that the last one left."""
+
+    def __init__(
+        self, tosses: Tosses, body: ThrownBody, plane: GroundPlane, before: IntArray,
+        tick: Callable[[float], None], values: dict[str, float] | None = None,
+    ) -> None:  # fmt: skip
+        self._tosses, self._body, self._plane, self._before = tosses, body, plane, before
+        self._tick, self._law = tick, ThrownModel()
+        start = {"gravity": GRAVITY, "ground": plane.height}
+        start |= {p.name: p.start for p in (*body.parameters, *self._law.parameters)}
+        self.values = start | (values or {})
+        self.estimates: dict[str, Estimate] = {}
+        self._flight = TossFlight(tosses, before, body.at(self.values).tree, self.values["gravity"])
+
+    def falls(self, draws: FloatArray, notes: list[str]) -> float:
+        """Find gravity and centres of mass in free flight; return gravity [m/s²]."""
+        gravity = TossParameter("gravity", GRAVITY, 0.05, 0.5 * GRAVITY, 2.0 * GRAVITY, "m/s²")
+        told = ("com", "friction", "damping")
+        own = [p for p in self._body.parameters if p.name.startswith(told)]
+        self._fit((gravity, *own), None, draws)
+        found = self.estimates["gravity"]
+        if not found.high - found.low < 4.0 * SURE:
+            notes.append("too little free flight to tell gravity: the standard one is taken")
+            self.values = {**self.values, **{p.name: p.start for p in (gravity, *own)}}
+            self.estimates["gravity"] = Estimate(GRAVITY, GRAVITY, GRAVITY, "m/s²")
+        elif abs(found.value / GRAVITY - 1.0) > SCALE:
+            notes.append(
+                f"free fall at {found.value:.3f} m/s² instead of {GRAVITY:g}: lengths, or times, are "
+                f"{100.0 * abs(found.value / GRAVITY - 1.0):.1f} % off"
+            )
+        return self.values["gravity"]
+
+    def lands(self, horizon: int, draws: FloatArray) -> None:
+        """Find everything else, in so many frames after the first touch."""
+        ground = TossParameter("ground", self._plane.height, 2e-4, -1e3, 1e3, "m")
+        self._fit((*self._law.parameters, ground, *self._body.parameters), horizon, draws)
+
+    def _fit(self, parameters: Sequence[TossParameter], horizon: int | None, draws: FloatArray) -> None:
+        names, law = [p.name for p in parameters], [p.name for p in self._law.parameters]
+        part = self._tosses.until(np.maximum(self._before + (horizon or 0), 2))
+        fixed, width, arm = self.values, self._body.width, self._body.arm
+
+        def simulate(values: FloatArray) -> FloatArray:
+            now = fixed | dict(zip(names, values.tolist(), strict=True))
+            body = self._body.at(now)
+            starts = self._flight.corrected(body.tree, now["gravity"])
+            height = now["ground"] if horizon is not None else -1e3
+            plane = GroundPlane(height, self._plane.slope)
+            scene = TossScene(starts, part.frames, part.dt, plane, now["gravity"], body)
+            self._tick(len(part.states) / len(self._tosses.states) * len(self._tosses))
+            poses = self._law.rollout(np.array([now[name] for name in law]), scene)
+            return deviations(part, poses, width, arm)
+
+        best = search(simulate, parameters, np.array([fixed[n] for n in names]), part.frames, draws)
+        self.values = fixed | dict(zip(names, best.values.tolist(), strict=True))
+        for k, p in enumerate(parameters):
+            if p.name not in law:
+                self.estimates[p.name] = _estimate(best.values[k], best.draws[:, k], p.unit)
+        now = self._body.at(self.values)
+        self._flight = TossFlight(self._tosses, self._before, now.tree, self.values["gravity"])
+
+
+def _widened(draws: FloatArray, fitted: FloatArray, tosses: int) -> FloatArray:
+    """Return (S, d) bootstrap draws as wide as Student's interval of a fit of d numbers to so many tosses.
+
+    Residuals are smaller than errors, by sqrt((n - d) / n), and the bootstrap takes the ones for the others.
+    """
+    free = max(1, tosses - fitted.size)
+    wider = np.sqrt(tosses / free) * stats.t.ppf(0.975, free) / stats.norm.ppf(0.975)
+    return np.asarray(fitted + wider * (draws - fitted))
 
 
 def _estimate(value: float, draws: FloatArray, unit: str) -> Estimate:

@@ -1,51 +1,52 @@
-"""What a simulator must offer to be fitted to tosses: parameters, and poses for values of them."""
+"""What simulates thrown bodies, and what is known of throws: an interface, and the package's own model."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.arrays import FloatArray, IntArray, whole_number
+from surefoot.errors import check_name
 from surefoot.estimation.ground_plane import GroundPlane
-from surefoot.estimation.tosses import Cube
+from surefoot.estimation.thrown_body import ThrownBody, TossParameter
+from surefoot.stepping import falling_impact as layout
+from surefoot.stepping.falling import throw
 
+LONGEST_STEP = 2e-3
+"""Of a simulation [s]."""
+FRICTION = TossParameter("mu", 0.2, 0.01, 0.01, 2.0)
+_RESTITUTION = TossParameter("restitution", 0.2, 0.03, 0.0, 0.95)
+_ROUNDING = TossParameter("rounding", 3e-3, 5e-4, 0.0, 0.02, "m")
+LAWS: dict[str, dict[TossParameter, int | None]] = {
+    "rigid": {FRICTION: layout.MU, _RESTITUTION: layout.POISSON, _ROUNDING: None},
+    "newton": {FRICTION: layout.MU, _RESTITUTION: layout.RESTITUTION, _ROUNDING: None},
+    "tangential": {
+        FRICTION: layout.MU, _RESTITUTION: layout.POISSON, _ROUNDING: None,
+        TossParameter("tangential", 0.0, 0.05, -0.9, 0.9): layout.TANGENTIAL,
+    },
+    "growing-friction": {
+        FRICTION: layout.MU, _RESTITUTION: layout.POISSON, _ROUNDING: None,
+        TossParameter("growth", 0.0, 0.01, -0.2, 0.5, "s/m"): layout.GROWTH,
+    },
+}  # fmt: skip
+"""Contact laws by name: what each leaves open, and where `falling_impact` keeps it.
 
-@dataclass(frozen=True)
-class TossParameter:
-    """A number to be fitted.
-
-    Attributes
-    ----------
-    name, unit
-        What it is called, and its unit ("" for none).
-    low, high
-        Its range.
-    logarithmic
-        Whether the search takes ratios for distances.
-    """
-
-    name: str
-    low: float
-    high: float
-    unit: str = ""
-    logarithmic: bool = False
-
-    def value(self, share: FloatArray) -> FloatArray:
-        """Return the values (...,), in `unit`, for shares (...,) of the range in [0, 1], 0 being `low`."""
-        if self.logarithmic:
-            return np.asarray(self.low * (self.high / self.low) ** share)
-        return np.asarray(self.low + (self.high - self.low) * share)
+The rounding is the radius of edges and corners: a rigid body cannot let them go below the ground otherwise.
+"""
 
 
 class TossScene(NamedTuple):
-    """What is known of tosses before a model of contact is fitted.
+    """What is known of tosses before a law of contact is fitted.
 
     Attributes
     ----------
     starts
-        (B, 13) position, quaternion (x, y, z, w), velocity, angular velocity, all in world axes.
+        (B, nq + nv) first states in world axes: place, quaternion (x, y, z, w), joints, then velocity,
+        angular velocity, joints' rates.
     frames
         (B,) frames of each toss.
     dt
@@ -54,8 +55,8 @@ class TossScene(NamedTuple):
         The ground.
     gravity
         [m/s²], along -z of the world.
-    cube
-        What was thrown.
+    body
+        What was thrown, as it was identified.
     """
 
     starts: FloatArray
@@ -63,11 +64,7 @@ class TossScene(NamedTuple):
     dt: float
     plane: GroundPlane
     gravity: float
-    cube: Cube
-
-    def subset(self, which: IntArray) -> TossScene:
-        """Return the scene of the tosses with these indices (b,)."""
-        return self._replace(starts=self.starts[which], frames=self.frames[which])
+    body: ThrownBody
 
 
 class TossModel(Protocol):
@@ -84,5 +81,65 @@ class TossModel(Protocol):
         ...
 
     def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
-        """Return (sum of frames, 7) positions [m] and quaternions, for (d,) values of the parameters."""
+        """Return (sum of frames, nq) poses, for (d,) values of the parameters."""
         ...
+
+
+@dataclass(frozen=True)
+class ThrownModel:
+    """The package's own: exact Coulomb friction and a law of impact, see `stepping.falling`.
+
+    Attributes
+    ----------
+    law
+        A name of `LAWS`.
+    steps
+        Steps between frames; None for as many as keep a step within two milliseconds.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such law, or a number is out of range.
+    """
+
+    law: str = "rigid"
+    steps: int | None = None
+
+    def __post_init__(self) -> None:
+        check_name("contact law", self.law, LAWS)
+        if self.steps is not None:
+            whole_number("steps", self.steps, low=1)
+
+    @property
+    def name(self) -> str:
+        """The law's."""
+        return self.law
+
+    @property
+    def parameters(self) -> tuple[TossParameter, ...]:
+        """Those of the law."""
+        return tuple(LAWS[self.law])
+
+    def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
+        """Return (sum of frames, nq) poses: positions [m], quaternions, joints [rad, m]."""
+        law, rounding = np.zeros(layout.SIZE), 0.0
+        for value, slot in zip(values, LAWS[self.law].values(), strict=True):
+            if slot is None:
+                rounding = float(value)
+            else:
+                law[slot] = value
+        axes, tree = scene.plane.rotation, scene.body.rounded(rounding)
+        origin, back = np.array([0.0, 0.0, scene.plane.height]), axes.inv()
+        nq = 6 + tree.masses.size
+        starts = scene.starts.copy()
+        starts[:, :3] = back.apply(starts[:, :3] - origin)
+        starts[:, 3:7] = (back * Rotation.from_quat(starts[:, 3:7])).as_quat()
+        for at in (nq, nq + 3):
+            starts[:, at : at + 3] = back.apply(starts[:, at : at + 3])
+        poses = np.empty((int(scene.frames.sum()), nq))
+        steps = self.steps or max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
+        gravity = back.apply([0.0, 0.0, -scene.gravity])
+        throw(tree, law, gravity, starts, scene.frames, scene.dt, steps, poses)
+        poses[:, :3] = axes.apply(poses[:, :3]) + origin
+        poses[:, 3:7] = (axes * Rotation.from_quat(poses[:, 3:7])).as_quat()
+        return poses

@@ -1,9 +1,11 @@
-"""Recorded tosses of a cube: the value, and its file.
+"""Recorded tosses of a body: the value, and its file.
 
-A file is an .npz without pickles: `states` (N, 13), the tosses one after the other, each row position of
-the centre [m], quaternion (x, y, z, w) from body to world, velocity [m/s] in world axes and angular velocity
-[rad/s] in body axes; `starts` (B + 1,), the first row of each toss, and the end; `dt`, the time between rows
-[s]. `ids` (B,), and the cube's `half_side` [m], `mass` [kg] and `inertia` [kg m²] may be there too.
+A file is an .npz without pickles: `states` (N, 13 + 2j), tosses one after the other, each row position of
+the first link [m], quaternion (x, y, z, w) from it to the world, j joints [rad, m], velocity [m/s] in world
+axes, angular velocity [rad/s] in body axes and joints' rates; `starts` (B + 1,), the first row of each toss,
+and the end; `dt`, the time between rows [s]. `ids` (B,), and a cube's `half_side` [m], `mass` [kg]
+and `inertia` [kg m²] may be there too. Where `states` is (B, T, 13 + 2j), each row is quaternion
+(w, x, y, z), position, joints, then angular velocity, velocity and rates, as in the files of dair_pll.
 """
 
 from __future__ import annotations
@@ -17,14 +19,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
-from surefoot.errors import ProblemError, WriteError
+from surefoot.errors import ProblemError
 
 UNIT = 1e-3
 """How far a quaternion's length may be from one."""
 ROUNDED = 1e-14
 """And how far it is by rounding alone."""
 NAMES = ("states", "starts", "dt")
-"""Arrays that a file of tosses has."""
+"""Arrays that a file of tosses has; of equally long ones the second is not needed."""
 SHORTEST = 4
 """Frames of the shortest toss that says anything."""
 
@@ -59,12 +61,12 @@ class Cube:
 
 @dataclass(frozen=True)
 class Tosses:
-    """Tosses of one cube, all recorded at the same rate.
+    """Tosses of one body, all recorded at the same rate.
 
     Attributes
     ----------
     states
-        (N, 13) position, quaternion, velocity, angular velocity [m, -, m/s, rad/s], see the module.
+        (N, 13 + 2j) positions and velocities [m, -, rad, m/s, rad/s], see the module.
     starts
         (B + 1,) first row of each toss, and the end.
     dt
@@ -72,7 +74,7 @@ class Tosses:
     ids
         (B,) what the tosses are called.
     cube
-        What was thrown.
+        What was thrown, if it is one.
 
     Raises
     ------
@@ -87,7 +89,11 @@ class Tosses:
     cube: Cube = field(default_factory=Cube)
 
     def __post_init__(self) -> None:
-        states = finite_array("states", self.states, (None, 13))
+        states = finite_array("states", self.states, (None, None))
+        if states.shape[1] < 13 or states.shape[1] % 2 == 0:
+            raise ProblemError(
+                f"a row of states has 13 numbers and two for each joint, got {states.shape[1]}"
+            )
         starts = _indices("starts", self.starts)
         ids = _indices("ids", self.ids) if np.size(self.ids) else np.arange(starts.size - 1)
         set_ = object.__setattr__
@@ -122,14 +128,19 @@ class Tosses:
         return int(self.starts.size - 1)
 
     @property
+    def joints(self) -> int:
+        """How many joints the body has."""
+        return int(self.states.shape[1] - 13) // 2
+
+    @property
+    def poses(self) -> FloatArray:
+        """(N, 7 + joints) position [m], quaternion and joints [rad, m]."""
+        return self.states[:, : 7 + self.joints]
+
+    @property
     def frames(self) -> IntArray:
         """(B,) rows of each toss."""
         return np.diff(self.starts)
-
-    @property
-    def owner(self) -> IntArray:
-        """(N,) toss of each row."""
-        return np.repeat(np.arange(len(self)), self.frames)
 
     def subset(self, which: ArrayLike) -> Tosses:
         """Return the tosses with these (k,) indices, in their order.
@@ -145,6 +156,13 @@ class Tosses:
         rows = np.concatenate([np.arange(self.starts[k], self.starts[k + 1]) for k in chosen])
         ends = np.concatenate([[0], np.cumsum(self.frames[chosen])])
         return Tosses(self.states[rows], ends, self.dt, self.ids[chosen], self.cube)
+
+    def until(self, ends: IntArray) -> Tosses:
+        """Return the tosses cut before these (B,) frames."""
+        frames = np.minimum(np.maximum(ends, SHORTEST), self.frames)
+        rows = np.concatenate([a + np.arange(n) for a, n in zip(self.starts[:-1], frames, strict=True)])
+        cut = np.concatenate([[0], np.cumsum(frames)])
+        return Tosses(self.states[rows], cut, self.dt, self.ids, self.cube)
 
 
 def _indices(name: str, value: Any) -> IntArray:
@@ -176,51 +194,34 @@ def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
             archive = np.load(file, allow_pickle=False)
             if not isinstance(archive, np.lib.npyio.NpzFile):
                 raise ProblemError("it is a single array, not an .npz archive")
-            missing = [name for name in NAMES if name not in archive.files]
+            needed = NAMES if "starts" in archive.files or "ids" not in archive.files else ("states", "dt")
+            missing = [name for name in needed if name not in archive.files]
             if missing:
                 raise ProblemError(f"it has no {', '.join(missing)}; it holds: {', '.join(archive.files)}")
             held = {name: archive[name] for name in archive.files}
         given = {name: float(held[name]) for name in ("half_side", "mass", "inertia") if name in held}
         ids = held.get("ids", np.empty(0, dtype=np.int64))
+        if held["states"].ndim == 3:
+            held["states"], held["starts"] = _in_rows(finite_array("states", held["states"], (None,) * 3))
+        elif "starts" not in held:
+            raise ProblemError("it has no starts, and its states are not (tosses, frames, numbers)")
         return Tosses(held["states"], held["starts"], float(held["dt"]), ids, cube or Cube(**given))
     except (ProblemError, TypeError) as error:
         raise ProblemError(f"{path} holds no tosses: {error}") from error
     except (ValueError, EOFError, zipfile.BadZipFile, KeyError, NotImplementedError) as error:
         raise ProblemError(
-            f"{path} is no .npz file of tosses of a cube, which `identify` takes: plain arrays "
+            f"{path} is no .npz file of tosses, which `identify` takes: plain arrays "
             f"{', '.join(NAMES)}, see docs/identify.md"
         ) from error
 
 
-def holds_tosses(path: str | Path) -> bool:
-    """Return whether a file is an .npz archive with the names that tosses have, whatever is in them."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return {f"{name}.npy" for name in NAMES} <= set(archive.namelist())
-    except (OSError, zipfile.BadZipFile):
-        return False
-
-
-def write_tosses(tosses: Tosses, path: str | Path) -> Path:
-    """Write tosses to a new file; one that exists is never overwritten.
-
-    Raises
-    ------
-    ProblemError
-        If the file exists.
-    WriteError
-        If it cannot be written.
-    """
-    path = Path(path)
-    cube = tosses.cube
-    try:
-        with path.open("xb") as file:
-            np.savez(
-                file, states=tosses.states, starts=tosses.starts, dt=tosses.dt, ids=tosses.ids,
-                half_side=cube.half_side, mass=cube.mass, inertia=cube.inertia,
-            )  # fmt: skip
-    except FileExistsError as error:
-        raise ProblemError(f"{path} exists; it is not overwritten") from error
-    except OSError as error:
-        raise WriteError(path, error) from error
-    return path
+def _in_rows(states: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return rows (B T, 13 + 2j) and starts (B + 1,) of (B, T, 13 + 2j) states of dair_pll; angles go on."""
+    count, frames, numbers = states.shape
+    j = (numbers - 13) // 2
+    nq = 7 + j
+    angles = np.unwrap(states[:, :, 7:nq], axis=1)
+    order = [4, 5, 6, 1, 2, 3, 0, *range(7, nq), *range(nq + 3, nq + 6), *range(nq, nq + 3)]
+    order += range(nq + 6, numbers)
+    states = np.concatenate([states[:, :, :7], angles, states[:, :, nq:]], axis=2)[:, :, order]
+    return states.reshape(count * frames, numbers), np.arange(count + 1) * frames

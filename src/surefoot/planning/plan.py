@@ -18,7 +18,8 @@ from surefoot.planning.certificate import certify
 from surefoot.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
-from surefoot.terrain import FlatTerrain, Terrain
+from surefoot.stepping.bodies import loaded_robot
+from surefoot.terrain import FlatTerrain, Terrain, read_terrain
 
 if TYPE_CHECKING:
     from surefoot.planning.direct.problem import DirectProblem
@@ -155,10 +156,10 @@ class Plan(Log):
         ProblemError
             For a plan from a file without a robot, or a robot that does not fit.
         """
-        who = self.robot if robot is None else robot
+        who = self.robot if robot is None else loaded_robot(robot, float(self.facts.get("payload", 0.0)))
         if who is None:
             raise ProblemError("a plan from a file does not know its robot: give it, as in plan.again(robot)")
-        where = self.terrain if terrain is None else terrain
+        where = planned_ground(self) if terrain is None else terrain
         dt, mu = float(self.fact("dt")), float(self["mu"][0])
         return rollout(who, self["q"][0], self["v"][0], self["torques"], dt=dt, mu=mu, terrain=where)
 
@@ -198,6 +199,12 @@ class Plan(Log):
         for name in ("task", "road", "status", "cost", "law_residual", "iterations", "search_time", "goal"):
             log.fact(name)
         return cls(log.arrays, log.facts, channels=log.channels)
+
+
+def planned_ground(plan: Log) -> Terrain | None:
+    """Return the ground of a plan: its own, else what its file says; None for flat ground."""
+    own, text = plan.terrain if isinstance(plan, Plan) else None, str(plan.facts.get("terrain", ""))
+    return own or (read_terrain(text) if text else None)
 
 
 def plan_from(
@@ -247,6 +254,7 @@ def plan_from(
     ) | {
         "duration": trajectory.dt * len(trajectory),
         "outcome": "done" if rows == len(trajectory) else "invalid",
+        **({"terrain": terrain.text} if terrain.text else {}),
     }  # fmt: skip
     return Plan(arrays, said | facts, robot=robot, terrain=terrain)
 

@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import pi
+from typing import Any
 
-from surefoot.arrays import real_number, whole_number
-from surefoot.errors import ProblemError, unknown_name
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import of_kind, real_number, whole_number
+from surefoot.errors import ProblemError
 from surefoot.planning.plan import Plan
 from surefoot.planning.tasks.table import TASKS, find_task
 from surefoot.planning.tasks.task import Iteration, PlanRequest, Task, Tell
-from surefoot.robot import Robot
+from surefoot.robot import Robot, load_robot
+from surefoot.terrain import FlatTerrain, Terrain
+
+ON_GROUND = 2e-3
+"""How far from the ground feet may be at the start [m]."""
+RANGES = {"payload": (0.0, 1e3), "direction": (-pi, pi), "turn": (-pi, pi)}
+"""Least and largest values [kg, rad, rad]."""
 
 
 def task_names() -> tuple[str, ...]:
@@ -25,9 +36,13 @@ def plan(
     mu: float = 0.6,
     dt: float | None = None,
     knots: int | None = None,
-    road: str | None = None,
     seed: int = 0,
     max_iterations: int | None = None,
+    start: ArrayLike | None = None,
+    payload: float = 0.0,
+    direction: float = 0.0,
+    turn: float = 0.0,
+    terrain: Terrain | None = None,
     tell: Tell | None = None,
 ) -> Plan:
     """Return a motion through contact that does a task.
@@ -46,13 +61,19 @@ def plan(
         Length of a knot [s]; None for the task's.
     knots
         Number of knots; None for the task's.
-    road
-        How it is looked for: "schedule" or "direct" for a jump. Each task says which there are; None for
-        the recommended one.
     seed
         Of random starts.
     max_iterations
         Of the optimiser; None for the task's.
+    start
+        (nq,) the configuration to start from, at rest on the ground [m, -, rad]; None for the nominal pose.
+    payload
+        Mass on the base that the plan knows of [kg].
+    direction, turn
+        Of a jump: where to, from straight ahead to the left, and by how much the robot turns to the left on
+        the way [rad].
+    terrain
+        Of a jump: a plane, stairs or a pit; None for flat ground.
     tell
         Called with every `Iteration`.
 
@@ -64,13 +85,35 @@ def plan(
     Raises
     ------
     ProblemError
-        For an unknown task or road, a number out of range, or a robot that the task is not for.
+        For an unknown task, a number out of range, or a robot that the task is not for.
     MissingExtra
-        If what a road needs is not installed.
+        If what its search needs is not installed.
     """
     found = find_task(task)
-    request = _checked(found, PlanRequest(robot, amount, mu, dt, knots, road, seed, max_iterations))
+    request = _checked(found, PlanRequest(robot, amount, mu, dt, knots, seed, max_iterations))
+    asked = {"start": start, "payload": payload, "direction": direction, "turn": turn, "terrain": terrain}
+    request = replace(request, **_checked_extra(found, request, asked))
     return found.plan(request, tell or _silent)
+
+
+def _checked_extra(task: Task, request: PlanRequest, extra: dict[str, Any]) -> dict[str, Any]:
+    """Return what a task is asked for beside its number, checked."""
+    for name, (low, high) in RANGES.items():
+        extra[name] = real_number(name, extra[name], low=low, high=high)
+    for name, value in extra.items():
+        if value is not None and not np.array_equal(value, 0.0) and name not in task.takes:
+            takes = ", ".join(task.takes) or "none of these"
+            raise ProblemError(f"the task {task.name} takes no {name}; it takes {takes}")
+    ground = extra["terrain"] or FlatTerrain()
+    of_kind("terrain", ground, Terrain)
+    if extra["start"] is not None:
+        robot = request.robot or load_robot("go2")
+        q = extra["start"] = robot.configuration(extra["start"])
+        off = np.abs(ground.gap(robot.foot_positions(q)) - robot.contact_points.foot_radii)
+        if off.max() > ON_GROUND:
+            name = robot.foot_names[int(off.argmax())]
+            raise ProblemError(f"start must stand on the ground, {name} is {off.max():.3g} m off it")
+    return extra
 
 
 def _silent(iteration: Iteration) -> None:
@@ -87,8 +130,6 @@ def _checked(task: Task, request: PlanRequest) -> PlanRequest:
         whole_number("knots", request.knots, low=1)
     if request.max_iterations is not None:
         whole_number("max_iterations", request.max_iterations, low=1)
-    if request.road is not None and request.road not in task.roads:
-        raise ProblemError(unknown_name(f"road of {task.name}", request.road, task.roads))
     if request.robot is not None and not task.robots:
         raise ProblemError(f"the task {task.name} has a robot of its own: it takes none")
     if request.amount is not None:
@@ -96,4 +137,4 @@ def _checked(task: Task, request: PlanRequest) -> PlanRequest:
             raise ProblemError(f"the task {task.name} takes no number, got {request.amount!r}")
         real_number(task.amount, request.amount, low=-1e3, high=1e3)
     amount = task.default if request.amount is None else request.amount
-    return replace(request, amount=amount, road=request.road or task.roads[0])
+    return replace(request, amount=amount)

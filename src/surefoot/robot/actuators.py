@@ -19,6 +19,7 @@ drives are series elastic, their rotors behind the spring.
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,6 +40,8 @@ RULE = 0.01 / 23.7, 0.1 / 23.7, 0.2 / 23.7
 """Armature, damping, dry friction over a joint's torque [s², s, -] where nothing else is known: the Go2's."""
 LEG_SHARE = 0.5
 """Torque of a joint whose file gives none, or far too much, as a share of m g h: the Go2's, nearly."""
+LEG_SPEED, FAR = 8.0, 10.0
+"""Speed of a leg's end where a model gives none, Go2's is 10 [m/s]; limits so many times that are none."""
 LEAST_SHARE = 0.02
 """Half the usable range is at least this share of the limits [-]: a motor that spins away still brakes."""
 _UNITREE = {"": (0.01, 0.1, 0.2)}
@@ -167,6 +170,24 @@ def actuators_of(robot: Robot, actuators: str | Actuators) -> Actuators | None:
             f"the actuators are {len(actuators.armature)}, {robot.name} has {robot.joints} joints"
         )
     return actuators
+
+
+def limited_robot(robot: Robot) -> Robot:
+    """Return a robot with likely torque and speed limits where its model has none, see `unknown_limits`."""
+    unknown, out, height = unknown_limits(robot), copy(robot), float(robot.nominal[2])
+    if "torque" in unknown:
+        out.effort_limits = np.full(robot.joints, LEG_SHARE * robot.mass * GRAVITY * height)
+    if "speed" in unknown:
+        out.speed_limits = np.full(robot.joints, LEG_SPEED / height)
+    return out
+
+
+def unknown_limits(robot: Robot) -> tuple[str, ...]:
+    """Return which of "torque" and "speed" a robot's model gives no limit for, or one that no motor has."""
+    height = float(robot.nominal[2])
+    torque = robot.effort_limits.max() > FAR * LEG_SHARE * robot.mass * GRAVITY * height
+    speed = robot.speed_limits.max() > FAR * LEG_SPEED / height
+    return tuple(name for name, none in (("torque", torque), ("speed", speed)) if none)
 
 
 def told_actuators(robot: Robot) -> Actuators:

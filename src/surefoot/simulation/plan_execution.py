@@ -13,6 +13,7 @@ from surefoot.audit import audit_log
 from surefoot.control.controller import Command, Controller, RobotState, Wrapper
 from surefoot.errors import ProblemError
 from surefoot.log import Ending, Log
+from surefoot.planning.plan import Plan, planned_ground
 from surefoot.planning.stand_up.controller import controller_of
 from surefoot.planning.tracking import Reference, TrackSettings
 from surefoot.robot import Robot, load_robot
@@ -25,6 +26,7 @@ from surefoot.simulation.scenario import Fall
 from surefoot.simulation.world import World
 from surefoot.simulation.worlds import make_world
 from surefoot.spatial import quaternion_from_rotation, rotation_about, rotation_exp, rotation_from_quaternion
+from surefoot.stepping.bodies import loaded_robot
 
 START_PLACE, START_TURN = 0.02, math.radians(2.0)
 """Largest error of the body's place at the start along each axis [m], of its attitude about each [rad]."""
@@ -167,8 +169,11 @@ def execute(
     """
     if world not in ("mujoco", "rigid"):
         raise ProblemError(f"plans are executed in the worlds mujoco and rigid, got {world!r}")
-    if isinstance(plan, Log) and robot is None:
-        robot = load_robot(str(plan.fact("robot")))
+    terrain = planned_ground(plan) if isinstance(plan, Log) else None
+    if isinstance(plan, Log):
+        planned = plan.robot if isinstance(plan, Plan) and robot is None else None
+        given = planned or robot or load_robot(str(plan.fact("robot")))
+        robot = planned or loaded_robot(given, float(plan.facts.get("payload", 0.0)))
     reference = plan if isinstance(plan, Reference) else Reference.of(plan, _known(robot))
     robot = robot or reference.robot
     if mu is None:
@@ -183,7 +188,7 @@ def execute(
     there = make_world(
         world,
         scaled_robot(robot, surprise.mass),
-        None,
+        terrain,
         mu * surprise.friction,
         dt=dt,
         collision="full",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -145,6 +146,16 @@ def loaded_model(robot: Robot, payload: float, position: ArrayLike = (0.0, 0.0, 
         load = pinocchio.Inertia(payload, place, 1e-3 * payload * np.eye(3))
         model.inertias[1] = model.inertias[1] + load
     return model
+
+
+def loaded_robot(robot: Robot, payload: float) -> Robot:
+    """Return a robot that carries a payload [kg] on its base; the robot itself for none."""
+    if not payload:
+        return robot
+    out, model = copy(robot), loaded_model(robot, payload)
+    out.__dict__.pop("mass", None)  # a cached sum
+    out.model, out.data = model, model.createData()
+    return out
 
 
 def finite_vector(name: str, value: FloatArray, size: int) -> FloatArray:

@@ -7,15 +7,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from surefoot.arrays import FloatArray
 from surefoot.estimation.identify import TossFit
+from surefoot.estimation.thrown_body import ThrownBody
 from surefoot.estimation.toss_errors import TossErrors
 from surefoot.estimation.tosses import Tosses
+from surefoot.stepping.falling_tree import sphere_places
 from surefoot.viz.shapes import along_path
 from surefoot.viz.style import FOOT_COLOURS, GROUND, INK, MUTED, new_figure, save
 
-EDGES = ((0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 6), (5, 7), (6, 7))
 SHOWN = 6
 """Moments of a toss that are drawn."""
 
@@ -37,22 +39,21 @@ def draw_tosses(train: Tosses, test: Tosses | None, fits: Mapping[str, TossFit],
     MissingExtra
         If matplotlib is not installed.
     """
-    figure, axes = new_figure(2, 2, size=(9.0, 6.4))
+    figure, axes = new_figure(1, 3, size=(13.0, 4.0))
     errors = {name: _errors(fit) for name, fit in fits.items()}
     _draw_shares(axes[0, 0], {n: e.position for n, e in errors.items()}, "mean position error [width]")
     _draw_shares(axes[0, 1], {n: e.rotation for n, e in errors.items()}, "mean rotation error [deg]")
     tosses = train if test is None else test
     first = next(iter(fits.values()))
     poses = first.train_poses if test is None or first.test_poses is None else first.test_poses
-    size = next(iter(errors.values())).corners
+    size = next(iter(errors.values())).position
     which = int(np.argsort(size)[size.size // 2])
     rows = slice(int(tosses.starts[which]), int(tosses.starts[which + 1]))
     height = first["ground"].value
-    _draw_toss(axes[1, 0], tosses, tosses.states[rows, :7], poses[rows], height)
-    _draw_heights(axes[1, 1], tosses.dt, tosses.states[rows], poses[rows])
+    _draw_toss(axes[0, 2], first.found.body, tosses.poses[rows], poses[rows], height)
     share = "not seen by the fit" if test is not None else "fitted to"
     axes[0, 0].set_title(f"{len(tosses)} tosses {share}")
-    axes[1, 0].set_title(f"Toss {tosses.ids[which]}, of median error: recorded (grey), simulated")
+    axes[0, 2].set_title(f"Toss {tosses.ids[which]} (median): recorded grey")
     return save(figure, path)
 
 
@@ -71,38 +72,20 @@ def _draw_shares(axis: Any, errors: Mapping[str, FloatArray], label: str) -> Non
     axis.legend(fontsize=8, loc="lower right")
 
 
-def _corners(poses: FloatArray, half: float) -> FloatArray:
-    """Return (n, 8, 3) corners of (n, 7) poses."""
-    from surefoot.spatial import rotation_from_quaternion
-
-    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
-    arms = np.einsum("nij,kj->nki", rotation_from_quaternion(poses[:, 3:7]), half * signs)
-    return np.asarray(poses[:, None, :3] + arms)
-
-
-def _draw_toss(axis: Any, tosses: Tosses, recorded: FloatArray, simulated: FloatArray, ground: float) -> None:
-    """Draw the cube at a few moments, seen across its path."""
+def _draw_toss(
+    axis: Any, body: ThrownBody, recorded: FloatArray, simulated: FloatArray, ground: float
+) -> None:
+    """Draw the outlines of the links at a few moments, seen across the path."""
     moments = np.unique(np.linspace(0, len(recorded) - 1, SHOWN).round().astype(int))
-    along = along_path(recorded[:, :2])
+    along, links = along_path(recorded[:, :2]), body.tree.links
     for poses, colour, width in ((recorded, MUTED, 1.6), (simulated, FOOT_COLOURS[0], 0.9)):
-        for corners in _corners(poses[moments], tosses.cube.half_side):
-            flat = np.column_stack([(corners[:, :2] - recorded[0, :2]) @ along, corners[:, 2]])
-            for edge in EDGES:
-                axis.plot(*flat[list(edge)].T, color=colour, lw=width)
+        for places in sphere_places(body.tree, np.ascontiguousarray(poses[moments])):
+            flat = np.column_stack([(places[:, :2] - recorded[0, :2]) @ along, places[:, 2]])
+            for link in np.unique(links):
+                points = flat[links == link]
+                order = ConvexHull(points).vertices if len(points) > 2 else np.arange(len(points))
+                axis.plot(*points[[*order, order[0]]].T, color=colour, lw=width)
     axis.axhspan(ground - 0.02, ground, color=GROUND, lw=0)
     axis.axhline(ground, color=INK, lw=0.8)
     axis.set(xlabel="along the path [m]", ylabel="height [m]")
     axis.set_aspect("equal", adjustable="datalim")
-
-
-def _draw_heights(axis: Any, dt: float, recorded: FloatArray, simulated: FloatArray) -> None:
-    """Draw place and height of the centre over time."""
-    time = dt * np.arange(len(recorded))
-    along = along_path(recorded[:, :2])
-    for poses, style, name in ((recorded, "-", "recorded"), (simulated, "--", "simulated")):
-        axis.plot(time, poses[:, 2], style, color=FOOT_COLOURS[1], label=f"height, {name}")
-        distance = (poses[:, :2] - recorded[0, :2]) @ along
-        axis.plot(time, distance, style, color=FOOT_COLOURS[0], label=f"along the path, {name}")
-    axis.set(xlabel="time [s]", ylabel="centre [m]")
-    axis.set_title("The same toss over time")
-    axis.legend(fontsize=8)

@@ -15,11 +15,11 @@ from surefoot.planning.planner import plan
 from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
 from surefoot.planning.schedule.motions import backflip, jump, modes
 from surefoot.planning.schedule.search import guess_from, pack_guess
-from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
 from surefoot.planning.schedule.transcribe import swing_heights
 from surefoot.planning.tasks.backflip import turned
 from surefoot.robot import load_robot
 from surefoot.robot.motor_limits import motor_limits
+from surefoot.robot.quadruped import mirrored_joints, quadruped_order
 from surefoot.terrain import rough_ground
 
 pytest.importorskip("casadi")

@@ -1,1 +1,1 @@
-"""Rivals of the package's own tossed cube: other simulators as an `estimation.toss_model`."""
+"""Rivals of the package's own thrown body: other simulators as an `estimation.toss_model`."""

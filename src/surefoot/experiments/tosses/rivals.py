@@ -1,4 +1,4 @@
-"""Rival simulators of a tossed cube by name, one line each: what `--rivals` chooses from."""
+"""Rival simulators of a thrown body by name, one line each: what `--rivals` chooses from."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from importlib.util import find_spec
 
 from surefoot.errors import check_name
 from surefoot.estimation.toss_model import TossModel
-from surefoot.experiments.tosses.mujoco_cube import MujocoCube
+from surefoot.experiments.tosses.mujoco_body import MujocoBody
 
-RIVALS: dict[str, Callable[[], TossModel]] = {"mujoco": MujocoCube}
+RIVALS: dict[str, Callable[[], TossModel]] = {"mujoco": MujocoBody}
 """Name, which is that of the simulator's package as well, to what makes it."""
 
 

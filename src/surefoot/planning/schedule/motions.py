@@ -1,4 +1,4 @@
-"""Known motions as scheduled problems for any quadruped: a jump forward or up, a backflip.
+"""Known motions as scheduled problems for any quadruped: jumps along the ground or up, a backflip.
 
 Times scale with sqrt(h / g) for legs of height h, so that small and large robots move alike; numbers are
 those of a robot of Go2's size.
@@ -12,12 +12,13 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.planning.schedule.problem import ScheduleProblem, ScheduleWeights
-from surefoot.planning.schedule.symmetry import quadruped_order
 from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot, place
 from surefoot.robot.motor_limits import motor_limits
-from surefoot.spatial import GRAVITY
+from surefoot.robot.quadruped import quadruped_order
+from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about, rotation_from_quaternion
 from surefoot.stance.gait import ModeSchedule
+from surefoot.terrain import FlatTerrain, Terrain
 
 LEG = 0.33
 """Height of the base that the times below are for [m]."""
@@ -47,6 +48,8 @@ SOFTLY, REACH = 0.4, 0.3
 its height."""
 HEAD = 0.45
 """How near the ground the trunk's corners may come where it is upside down: heads reach beyond them."""
+APART, SPREAD = 0.15, 0.25
+"""How far rear legs stay behind front ones in a jump, and right legs from left ones, as such shares."""
 BODY, KNEE = 0.18, 0.15
 """How near the ground the trunk and the joints above the feet may come, as shares of the base's height."""
 
@@ -66,39 +69,85 @@ def modes(robot: Robot, phases: list[tuple[float, str]]) -> tuple[ModeSchedule, 
     return ModeSchedule(ends[:-1], table, max_flight=math.inf), float(ends[-1])
 
 
-def jump(robot: Robot, distance: float, height: float, mu: float, dt: float | None = None) -> ScheduleProblem:
-    """Return a jump that carries the feet forward by a distance, the base up by a height [m].
+def jump(
+    robot: Robot,
+    distance: float,
+    height: float,
+    mu: float,
+    dt: float | None = None,
+    way: tuple[float, float] = (0.0, 0.0),
+    q: FloatArray | None = None,
+    terrain: Terrain | None = None,
+) -> ScheduleProblem:
+    """Return a jump that carries the feet by a distance along a direction, the base up by a height [m].
+
+    Parameters
+    ----------
+    robot, distance, height, mu, dt
+        Who jumps, and how far and high; dt of None is that of the robot's size.
+    way
+        Direction of the jump from straight ahead to the left, and turn of the robot to the left [rad].
+    q
+        (nq,) the start; None for the nominal pose on the terrain.
+    terrain
+        A plane; None for flat ground.
 
     Raises
     ------
     ProblemError
         For a robot that is no quadruped, and a jump that is none.
     """
-    scale = time_scale(robot)
+    scale, ground = time_scale(robot), FlatTerrain() if terrain is None else terrain
+    q = place(robot, ground) if q is None else q
+    end = landed(robot, q, distance, way, ground)
     flight = max(FLIGHT * scale, 2.0 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY))
     dt = round(KNOT * scale, 3) if dt is None else dt
     push, land = PUSH * scale, LAND * scale
     schedule, length = modes(robot, [(push, "all"), (flight, "none"), (land, "all")])
     knots = round(length / dt)
-    q, t = place(robot), dt * np.arange(knots + 1)
+    t = dt * np.arange(knots + 1)
+    share = np.clip((t - 0.7 * push) / (flight + 0.4 * push), 0.0, 1.0)
     reference = np.tile(q, (knots + 1, 1))
-    reference[:, 0] += distance * np.clip((t - 0.7 * push) / (flight + 0.4 * push), 0.0, 1.0)
+    reference[:, :3] += share[:, None] * (end - q)[:3]
     reference[:, 2] += _flight_height(np.asarray(t - push), flight)
-    end = reference[-1]
+    up = rotation_from_quaternion(q[3:7]).T @ np.asarray(ground.normal(q[:2]))
+    reference[:, 3:7] = _turned(q[3:7], up, way[1] * share)
     within = np.concatenate([[0.01, 0.02, 0.02], np.full(4, 0.015), np.full(robot.joints, 0.02)])
-    windows = {knots: StateWindow.at(end, np.zeros(robot.model.nv), within, REST)}
+    windows = {knots: StateWindow.at(reference[-1], np.zeros(robot.model.nv), within, REST)}
     if height > 0.0:
         windows[round((push + 0.5 * flight) / dt)] = _above(q, height)
+    reach = float(robot.nominal[2])
     return ScheduleProblem(
-        robot, schedule, dt, knots, q, np.zeros(robot.model.nv), reference, windows,
-        ScheduleWeights(symmetry=50.0), LIKELY * mu, torque_share=0.8, speed_share=0.8,
-        clearance=0.06 * float(robot.nominal[2]), force_min=LOAD * robot.mass * GRAVITY,
-        body_clearance=BODY * float(robot.nominal[2]), knee_clearance=KNEE * float(robot.nominal[2]),
+        robot, schedule, dt, knots, q, np.zeros(robot.model.nv), reference, windows, ScheduleWeights(),
+        LIKELY * mu, ground, torque_share=0.8, speed_share=0.8, motors=motor_limits(robot, "curve"),
+        clearance=0.06 * reach, force_min=LOAD * robot.mass * GRAVITY, leg_gap=APART * reach,
+        leg_spread=SPREAD * reach, body_clearance=BODY * reach, knee_clearance=KNEE * reach,
     )  # fmt: skip
 
 
-def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProblem:
-    """Return a full turn backwards: a push of all feet, then of the rear ones, a landing on the front ones.
+def landed(
+    robot: Robot, q: FloatArray, distance: float, way: tuple[float, float], terrain: Terrain
+) -> FloatArray:
+    """Return where a jump ends (nq,); the robot turns about the middle of its feet.
+
+    `way` holds the direction of the jump and its turn [rad].
+    """
+    feet, (direction, turn) = robot.foot_positions(q), way
+    middle, frame = feet.mean(axis=0), terrain.frame(q[:2])
+    ahead = frame.T @ rotation_from_quaternion(q[3:7])[:, 0]
+    along = math.atan2(ahead[1], ahead[0]) + direction
+    shift = distance * frame @ [math.cos(along), math.sin(along), 0.0]
+    rotation = rotation_about(frame[:, 2], turn)
+    end = q.copy()
+    end[:3] = middle + rotation @ (q[:3] - middle) + shift
+    end[3:7] = quaternion_from_rotation(rotation @ rotation_from_quaternion(q[3:7]))
+    return end
+
+
+def backflip(
+    robot: Robot, mu: float, dt: float | None = None, q: FloatArray | None = None
+) -> ScheduleProblem:
+    """Return a full turn backwards from (nq,) q: all feet push, then the rear ones; the front ones land.
 
     The landing is the push the other way round. Feet that all land at once would have to take out the
     angular momentum of the turn, about 0.4 kg m² times 280 degrees over the flight, within a few
@@ -115,12 +164,13 @@ def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProble
     parts = [(push, "all"), (rear, "rear"), (flight, "none"), (front, "front"), (land, "all")]
     schedule, length = modes(robot, parts)
     knots = round(length / dt)
-    q, t, nv = place(robot), dt * np.arange(knots + 1), int(robot.model.nv)
+    q = place(robot) if q is None else q
+    t, nv = dt * np.arange(knots + 1), int(robot.model.nv)
     share = np.clip((t - push) / (rear + flight + front), 0.0, 1.0)
     reference = np.tile(q, (knots + 1, 1))
     reference[:, 0] -= 0.6 * float(robot.nominal[2]) * share
     reference[:, 2] += RISE * (0.5 - 0.5 * np.cos(2.0 * math.pi * share))
-    reference[:, 3:7] = _turned(q[3:7], -2.0 * math.pi * share)
+    reference[:, 3:7] = _turned(q[3:7], np.array([0.0, 1.0, 0.0]), -2.0 * math.pi * share)
     reach = float(robot.nominal[2])
     within = np.concatenate([[1.05 * reach, 0.02, 0.03], np.full(4, 0.03), np.full(robot.joints, 0.12)])
     end = StateWindow.at(reference[-1], np.zeros(nv), within, REST)
@@ -168,8 +218,8 @@ def _flight_height(t: FloatArray, flight: float) -> FloatArray:
     return np.asarray(0.5 * GRAVITY * inside * (flight - inside))
 
 
-def _turned(quaternion: FloatArray, angle: FloatArray) -> FloatArray:
-    """Return a quaternion after turns about its own y axis (T, 4); after a full turn its sign has changed."""
-    x, y, z, w = quaternion
-    s, c = np.sin(0.5 * angle), np.cos(0.5 * angle)
-    return np.column_stack([c * x - s * z, c * y + s * w, c * z + s * x, c * w - s * y])
+def _turned(quaternion: FloatArray, axis: FloatArray, angle: FloatArray) -> FloatArray:
+    """Return a quaternion after turns about its own (3,) axis (T, 4); a full turn changes its sign."""
+    half, v, w = 0.5 * angle[:, None], quaternion[:3], quaternion[3]
+    s, c = np.sin(half) * axis, np.cos(half)
+    return np.hstack([w * s + c * v + np.cross(v, s), w * c - (s @ v)[:, None]])

@@ -96,6 +96,8 @@ class ScheduleProblem:
     leg_gap
         How far behind the front legs' knees and feet the rear ones' stay, along the base's x axis [m]; 0 for
         any.
+    leg_spread
+        How far apart knees and feet of left and right legs stay, along the base's y axis [m]; 0 for any.
     body_clearance, knee_clearance
         Least heights of the trunk's lower and upper corners, and of the joints above the feet [m].
 
@@ -125,6 +127,7 @@ class ScheduleProblem:
     clearance: float = 0.02
     force_min: float = 0.0
     leg_gap: float = 0.0
+    leg_spread: float = 0.0
     body_clearance: float = 0.06
     knee_clearance: float = 0.05
 
@@ -146,7 +149,9 @@ class ScheduleProblem:
             real_number(name, getattr(self, name), low=1e-3, high=1e3)
         real_number("touchdown_speed", self.touchdown_speed, low=0.0)
         real_number("force_min", self.force_min, low=0.0, high=0.9 * self.weight)
-        for name in ("clearance", "leg_gap", "stance_reach", "body_clearance", "knee_clearance"):
+        for name in (
+            "clearance", "leg_gap", "leg_spread", "stance_reach", "body_clearance", "knee_clearance",
+        ):  # fmt: skip
             real_number(name, getattr(self, name), low=0.0, high=10.0)
         given = {
             "q": robot.configuration(self.q),

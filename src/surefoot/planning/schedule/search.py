@@ -13,8 +13,8 @@ from surefoot.planning.schedule.transcribe import transcribe, variable_bounds
 from surefoot.planning.transcription.guess import Guess
 from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, OnIteration, Sides, pack, unpack
 
-OPTIONS: dict[str, Any] = {"tol": 1e-8, "mu_strategy": "adaptive"}
-"""Of Ipopt."""
+OPTIONS: dict[str, Any] = {"tol": 1e-7, "mu_strategy": "adaptive"}
+"""Of Ipopt: exact steps with a little feedback mend what its tolerance leaves."""
 ACCEPTED = 1e-6
 """Largest violation of a row or bound, in its own scale, of a motion that counts as found."""
 

@@ -12,22 +12,20 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.arrays import FloatArray
 from surefoot.planning.schedule.problem import ScheduleProblem
-from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
 from surefoot.planning.transcription.knot import Row, SymbolicKnot, stacked
 from surefoot.planning.transcription.nlp import Block, Sides, pack
 from surefoot.planning.transcription.window import limit_joints
 from surefoot.robot import Robot
 from surefoot.robot.libraries import import_casadi
 from surefoot.robot.motor_limits import MotorLimits
+from surefoot.robot.quadruped import body_corners, mirrored_joints, quadruped_order
 from surefoot.robot.symbolic_body import SymbolicBody
 from surefoot.stepping.momentum_knot import velocity_of_way
 
 ROUND = 1e-3
 """Rounds the cone's tip, as a share of m g: sqrt(f_t² + ROUND²) has a slope there."""
-TRUNK_DEPTH = 0.3
-"""Half the height of the box that stands for the trunk, as a share of its half length."""
 
 
 def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
@@ -58,8 +56,9 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
         (knot.gaps(q_after).T, swing_heights(problem), inf),
         (corners.T, least, inf),
     ]
-    if problem.leg_gap > 0.0:
-        rows.append((_leg_gaps(robot, body, q_after), problem.leg_gap, inf))
+    for axis, least_gap in enumerate((problem.leg_gap, problem.leg_spread)):
+        if least_gap > 0.0:
+            rows.append((_leg_gaps(robot, body, q_after, axis), least_gap, inf))
     if problem.stance_reach > 0.0:
         rows.append((_reach(robot, body, q_after), np.where(stance, problem.stance_reach, -inf), inf))
     if np.isfinite(problem.touchdown_speed):
@@ -98,24 +97,12 @@ def _difference(problem: ScheduleProblem, q: Any) -> Any:
     return ca.sumsqr(base) + 0.5 * ca.sumsqr(joints - swapped)
 
 
-def body_corners(robot: Robot) -> tuple[IntArray, FloatArray]:
-    """Return points that must not touch the ground: (m,) joints that carry them, (m, 3) places [m].
+def _leg_gaps(robot: Robot, body: SymbolicBody, q: Any, axis: int) -> Any:
+    """Return how far apart knees and feet of neighbouring legs are along an axis of the base (8, 1) [m].
 
-    The joints above the feet, and the corners of a box about the trunk as long and wide as the legs' first
-    joints stand apart.
+    Axis 0: how far those of rear legs are behind those of front legs on their side; axis 1: how far those of
+    right legs are to the right of left ones.
     """
-    model, points = robot.model, robot.contact_points
-    knees = np.unique(points.joints)
-    hips = [model.jointPlacements[k].translation for k in range(2, model.njoints) if model.parents[k] == 1]
-    half = np.abs(np.array(hips)).max(axis=0)
-    half[2] = TRUNK_DEPTH * half[0]
-    signs = np.array(np.meshgrid([1.0, -1.0], [1.0, -1.0], [1.0, -1.0])).reshape(3, -1).T
-    joints = np.concatenate([knees, np.ones(len(signs), dtype=np.int64)])
-    return joints, np.vstack([np.zeros((len(knees), 3)), signs * half])
-
-
-def _leg_gaps(robot: Robot, body: SymbolicBody, q: Any) -> Any:
-    """Return how far knees and feet of rear legs are behind those of front legs on their side (m, 1) [m]."""
     ca, points = import_casadi(), robot.contact_points
     order = quadruped_order(robot)
     number = [int(np.flatnonzero(points.foot == k)[0]) for k in order]
@@ -123,10 +110,11 @@ def _leg_gaps(robot: Robot, body: SymbolicBody, q: Any) -> Any:
     places = np.zeros((8, 3))
     places[1::2] = points.places[number]
     seen = body.body_points(q, [*joints.tolist(), 1], np.vstack([places, np.zeros(3)]))
-    ahead = body.body_points(q, [1], np.array([[1.0, 0.0, 0.0]])) - seen[:, 8]
+    ahead = body.body_points(q, [1], np.eye(3)[[axis]]) - seen[:, 8]
     along = ca.mtimes(ahead.T, seen[:, :8])
-    pairs = [(2 * k + a, 2 * k + 4 + b) for k in (0, 1) for a in (0, 1) for b in (0, 1)]
-    return ca.vertcat(*(along[front] - along[rear] for front, rear in pairs))
+    legs = ((0, 2), (1, 3)) if axis == 0 else ((0, 1), (2, 3))
+    pairs = [(2 * one + a, 2 * other + b) for one, other in legs for a in (0, 1) for b in (0, 1)]
+    return ca.vertcat(*(along[one] - along[other] for one, other in pairs))
 
 
 def _reach(robot: Robot, body: SymbolicBody, q: Any) -> Any:

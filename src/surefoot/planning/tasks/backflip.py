@@ -9,10 +9,9 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.planning.plan import Plan
 from surefoot.planning.tasks.jump import at_rest
-from surefoot.planning.tasks.scheduled import ROAD, scheduled_plan
+from surefoot.planning.tasks.scheduled import mover, scheduled_plan
 from surefoot.planning.tasks.task import PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory
-from surefoot.robot import load_robot
 
 OFF = math.radians(8.0)
 """How far the whole turn may be from a full one [rad]."""
@@ -24,18 +23,17 @@ class Backflip:
     name, meaning = "backflip", "a full turn backwards in the air, from standing to standing"
     amount, robots = "", True
     default: float | None = None
-    roads: tuple[str, ...] = (ROAD,)
+    takes: tuple[str, ...] = ("start", "payload")
 
     def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan of a backflip, see `Task.plan`."""
         from surefoot.planning.schedule.motions import backflip
 
-        robot = request.robot or load_robot("go2")
-        problem = backflip(robot, request.mu, request.dt)
+        problem = backflip(mover(request), request.mu, request.dt, request.start)
 
         def goal(motion: Trajectory) -> tuple[bool, str]:
             angle = turned(motion.q)
-            still, said = at_rest(motion)
+            still, said = at_rest(motion, problem.q)
             whole = abs(angle + 2.0 * math.pi) <= OFF
             return bool(whole and still), f"turns by {math.degrees(angle):.0f} deg, {said}"
 

@@ -3,66 +3,64 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.planning.plan import Plan
-from surefoot.planning.tasks.scheduled import DIRECT, ROAD, direct_plan, scheduled_plan
+from surefoot.planning.tasks.scheduled import mover, scheduled_plan
 from surefoot.planning.tasks.task import PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory
-from surefoot.robot import Robot, load_robot
-from surefoot.spatial import rotation_from_quaternion
-
-if TYPE_CHECKING:
-    from surefoot.planning.direct.problem import DirectProblem
+from surefoot.robot import Robot
+from surefoot.spatial import rotation_from_quaternion, rotation_log
 
 MORE = 0.03
 """What is planned beyond what is asked for [m]: an execution loses a little."""
 SHORT = 0.01
 """How much less than asked for still is a jump of that length or height [m]."""
-KNOT, LASTS, HOP = 0.03, 0.6, 0.1
-"""On the direct road: length of a knot and of the motion [s], and how far a jump forward rises [m]."""
+ASIDE = 0.05
+"""How far beside its way a jump may end [m]."""
 LEAN, SLOW = math.radians(6.0), 0.15
 """Largest tilt [rad] and speed [m/s, rad/s] at the end."""
 
 
 class Jump:
-    """A jump forward: the number is how far the feet get."""
+    """A jump along the ground: the number is how far the feet get."""
 
-    name, meaning = "jump", "all feet leave the ground and land further ahead"
+    name, meaning = "jump", "all feet leave the ground and land further on"
     amount, default, robots = "distance [m]", 0.4, True
-    roads: tuple[str, ...] = (ROAD, DIRECT)
+    takes: tuple[str, ...] = ("start", "payload", "direction", "turn", "terrain")
     up = False
 
     def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan of a jump, see `Task.plan`."""
-        from surefoot.planning.schedule.motions import jump, time_scale
+        from surefoot.planning.schedule.motions import jump, landed, time_scale
 
-        robot = request.robot or load_robot("go2")
+        robot = mover(request)
         asked = self.default if request.amount is None else request.amount
         reach = 3.0 * float(robot.nominal[2])
         real_number(self.amount, asked, low=0.0 if self.up else -reach, high=reach)
         if self.up and asked < 0.02:
             raise ProblemError(f"height [m] must be at least 0.02, got {asked:g}")
         more = MORE * time_scale(robot) ** 2
-        forward = 0.0 if self.up else asked + math.copysign(more, asked)
+        far = 0.0 if self.up or not asked else asked + math.copysign(more, asked)
         rise = asked + more if self.up else 0.0
-        feet = len(robot.contact_points)
+        way = request.direction, request.turn
+        problem = jump(robot, far, rise, request.mu, request.dt, way, request.start, request.terrain)
+        q, there = problem.q, landed(robot, problem.q, asked * (not self.up), way, problem.terrain)
 
         def goal(motion: Trajectory) -> tuple[bool, str]:
-            got = _risen(motion) if self.up else _moved(motion)
-            still, said = at_rest(motion)
-            flown = bool((motion.impulses[:, :feet, 2] <= 0.0).all(axis=1).any())
-            enough = got >= asked - SHORT if self.up or asked >= 0.0 else got <= asked + SHORT
-            words = f"{'rises by' if self.up else 'the feet get'} {got:.3f} m of {asked:g} asked for, {said}"
-            return bool(enough and still and flown), words
+            got, off, words = float(motion.q[:, 2].max() - q[2]), 0.0, "rises by"
+            if not self.up:
+                got, off = _moved(robot, q, there, motion)
+                got, words = math.copysign(1.0, asked) * got, "the feet get"
+            still, said = at_rest(motion, there)
+            flown = bool((motion.impulses[..., 2] <= 0.0).all(axis=1).any())
+            enough = abs(got) >= abs(asked) - SHORT and got * asked >= 0.0 and off <= ASIDE
+            said = f"{words} {got:.3f} m of {asked:g} asked for, {said}"
+            return bool(enough and still and flown), said
 
-        if request.road == DIRECT:
-            return direct_plan(self.name, _any_contacts(robot, forward, rise, request), request, tell, goal)
-        problem = jump(robot, forward, rise, request.mu, request.dt)
         return scheduled_plan(self.name, problem, request, tell, goal)
 
 
@@ -71,41 +69,29 @@ class JumpUp(Jump):
 
     name, meaning = "jump-up", "all feet leave the ground and land where they were"
     amount, default = "height [m]", 0.15
+    takes = ("start", "payload", "turn", "terrain")
     up = True
 
 
-def _any_contacts(robot: Robot, forward: float, rise: float, request: PlanRequest) -> DirectProblem:
-    """Return the jump as a problem of the direct method: only its height says that it flies."""
-    from surefoot.planning.direct.motions import rest_to_rest
-    from surefoot.planning.schedule.motions import time_scale
+def _moved(robot: Robot, q: FloatArray, there: FloatArray, motion: Trajectory) -> tuple[float, float]:
+    """Return how far the feet's middle got on the way from (nq,) q to (nq,) there, and how far off it [m].
 
-    scale = time_scale(robot)
-    dt = KNOT * scale if request.dt is None else request.dt
-    knots = request.knots or round(LASTS * scale / dt)
-    return rest_to_rest(robot, forward, rise or HOP * scale**2, knots=knots, dt=dt, mu=request.mu)
-
-
-def _moved(motion: Trajectory) -> float:
-    """Return how far the middle of the feet got [m]."""
-    return float((motion.positions[-1] - motion.positions[0])[:, 0].mean())
+    Of a jump that turns on the spot the second is all there is.
+    """
+    first, last = (robot.foot_positions(at).mean(axis=0) for at in (q, there))
+    way = np.asarray((motion.positions[-1] - motion.positions[0]).mean(axis=0))
+    length = float(np.linalg.norm(last - first))
+    along = float(way @ (last - first)) / length if length > 0.0 else 0.0
+    return along, float(np.linalg.norm(way - along * (last - first) / max(length, 1e-9)))
 
 
-def _risen(motion: Trajectory) -> float:
-    """Return how far the base rose above its first height [m]."""
-    return float(motion.q[:, 2].max() - motion.q[0, 2])
-
-
-def lean(q: FloatArray) -> float:
-    """Return the tilt of the base in (nq,) q [rad]."""
-    return math.acos(float(np.clip(rotation_from_quaternion(q[3:7])[2, 2], -1.0, 1.0)))
-
-
-def at_rest(motion: Trajectory) -> tuple[bool, str]:
-    """Return whether a motion ends upright, slow and on all feet, and how it ends, in words."""
-    tilt, speed = lean(motion.q[-1]), float(np.abs(motion.v[-1, :6]).max())
-    down = bool((motion.impulses[-1, :, 2] > 0.0).all())
+def at_rest(motion: Trajectory, there: FloatArray) -> tuple[bool, str]:
+    """Return whether a motion ends as (nq,) there is turned, slow and on all feet, and how, in words."""
+    rotation, wanted = (rotation_from_quaternion(q[3:7]) for q in (motion.q[-1], there))
+    tilt = float(np.linalg.norm(rotation_log(wanted.T @ rotation)))
+    speed, down = float(np.abs(motion.v[-1, :6]).max()), bool((motion.impulses[-1, :, 2] > 0.0).all())
     feet = "on all feet" if down else "not on all feet"
-    said = f"ends leaning {math.degrees(tilt):.1f} deg at {speed:.2f} m/s, {feet}"
+    said = f"ends {math.degrees(tilt):.1f} deg off its attitude at {speed:.2f} m/s, {feet}"
     return tilt <= LEAN and speed <= SLOW and down, said
 
 

@@ -1,4 +1,4 @@
-"""Whole-body tasks: over a mode schedule that is given, or on the direct road, which finds the contacts."""
+"""Whole-body tasks over a mode schedule that is given."""
 
 from __future__ import annotations
 
@@ -13,24 +13,32 @@ from surefoot.contact import Status
 from surefoot.planning.plan import Plan, PlanSearch, plan_from
 from surefoot.planning.tasks.task import Iteration, PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory
+from surefoot.robot import Robot, load_robot
+from surefoot.robot.actuators import limited_robot, unknown_limits
+from surefoot.stepping.bodies import loaded_robot
 
 if TYPE_CHECKING:
-    from surefoot.planning.direct.problem import DirectProblem
     from surefoot.planning.schedule import ScheduleProblem
     from surefoot.planning.schedule.search import ScheduledMotion
-    from surefoot.robot import Robot
 
-ROAD, DIRECT = "schedule", "direct"
+ROAD = "schedule"
 FEEDBACK = 0.95
 """Share of the torque limits that the exact motion may use: the optimiser used less."""
 DRIFT = 5e-3
 """How far the exact motion may be from the optimiser's [m, rad]."""
 OVER = 1e-3
 """By how much a joint may exceed a limit [N m, rad/s, rad]: rounding, and a little feedback."""
+PATIENCE = 20.0
+"""CPU time after which a search gives up [s]; twice that for one that starts from the centroidal motion."""
 LIGHT = 100
 """Most iterations of the centroidal motion that a search starts from."""
 Goal = Callable[[Trajectory], tuple[bool, str]]
 """Whether a motion does what it should, and what it does, in words."""
+
+
+def mover(request: PlanRequest) -> Robot:
+    """Return who moves: the robot with its payload, and likely limits where its model has none."""
+    return limited_robot(loaded_robot(request.robot or load_robot("go2"), request.payload))
 
 
 def best_motion(problem: ScheduleProblem, request: PlanRequest, tell: Tell, light: bool) -> ScheduledMotion:
@@ -56,7 +64,8 @@ def best_motion(problem: ScheduleProblem, request: PlanRequest, tell: Tell, ligh
         small = optimise_centroidal(problem, min(most, LIGHT), heard("centre of mass over the schedule"))
         before = small.iterate.iterations
         guess = whole_body_guess(problem, small) if small.found else None
-    return optimise(problem, guess, most, heard("whole body over the schedule"))
+    patience = PATIENCE * (1 + light)
+    return optimise(problem, guess, most, heard("whole body over the schedule"), max_cpu_time=patience)
 
 
 def beyond_limits(robot: Robot, motion: Trajectory) -> str:
@@ -105,32 +114,28 @@ def scheduled_plan(
 
     begun = time.perf_counter()
     motion = best_motion(problem, request, tell, light)
-    trajectory = follow(replace(problem, mu=request.mu, torque_share=FEEDBACK), motion)
+    lost = not motion.iterate.finite
+    trajectory = (
+        Trajectory.blank(problem.robot, problem.knots, problem.dt, request.mu)
+        if lost
+        else follow(replace(problem, mu=request.mu, torque_share=FEEDBACK), motion)
+    )
     done, said = judged(trajectory, problem.robot, goal)
+    unknown = " and ".join(unknown_limits(request.robot or problem.robot))
+    said += f"; {unknown} limits are unknown: likely ones are kept" if unknown else ""
     ended, off = motion.iterate.said, departure(problem.robot, motion, trajectory)
     if not motion.found:
         said += f"; the optimiser ended with {ended}, {motion.iterate.violation:.1e} off its constraints"
     elif off > DRIFT:
         said += f"; the exact motion departs by {off:.1e} from the optimiser's"
-    stopped = Status.MAX_ITERATIONS if ended == "Maximum_Iterations_Exceeded" else Status.STALLED
+    stopped = Status.MAX_ITERATIONS if ended.startswith("Maximum_") else Status.STALLED
     search = PlanSearch(
         task, ROAD, motion.iterate.cost, bool(done and motion.found), motion.iterate.iterations,
         time.perf_counter() - begun, said, stopped,
     )  # fmt: skip
     facts: dict[str, Any] = {"mode_events": list(getattr(problem.schedule, "event_times", []))}
+    if request.payload:
+        facts |= {"payload": request.payload, "payload_position": np.zeros(3)}
     if ended == "interrupted":
         facts["interrupted"] = True
     return plan_from(trajectory, problem.robot, search, problem.terrain, **facts)
-
-
-def direct_plan(task: str, problem: DirectProblem, request: PlanRequest, tell: Tell, goal: Goal) -> Plan:
-    """Return the plan of a problem whose contacts nobody gives; SOLVED where the goal says so as well."""
-    from surefoot.planning.direct.planner import plan_direct
-
-    found = plan_direct(problem, total=request.max_iterations, task=task, tell=tell)
-    done, said = judged(found.trajectory, problem.robot, goal)
-    made, missed = found.plan, str(found.plan.facts["goal"])
-    made.facts["goal"] = f"{said}; {missed}"
-    if not done and made.status is Status.SOLVED:
-        made.facts["status"] = Status.STALLED.value
-    return made

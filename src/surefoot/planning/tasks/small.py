@@ -45,7 +45,7 @@ class SmallTask:
     dt: float
     within: float = np.inf
     robots: bool = False
-    roads: tuple[str, ...] = ("direct",)
+    takes: tuple[str, ...] = ()
 
     def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan; see `Task`."""

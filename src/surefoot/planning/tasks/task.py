@@ -6,8 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from surefoot.arrays import FloatArray
 from surefoot.planning.plan import Plan
 from surefoot.robot import Robot
+from surefoot.terrain import Terrain
 
 
 @dataclass(frozen=True)
@@ -52,12 +54,12 @@ class PlanRequest:
         Length of a knot [s].
     knots
         Their number.
-    road
-        How it is looked for.
     seed
         Of random starts.
     max_iterations
         Of the optimiser.
+    start, payload, direction, turn, terrain
+        See `surefoot.plan`; angles in radians.
     """
 
     robot: Robot | None = None
@@ -65,9 +67,13 @@ class PlanRequest:
     mu: float = 0.6
     dt: float | None = None
     knots: int | None = None
-    road: str | None = None
     seed: int = 0
     max_iterations: int | None = None
+    start: FloatArray | None = None
+    payload: float = 0.0
+    direction: float = 0.0
+    turn: float = 0.0
+    terrain: Terrain | None = None
 
 
 class Task(Protocol):
@@ -83,8 +89,8 @@ class Task(Protocol):
         The number where none is given.
     robots
         Whether a robot of the catalogue can be given; else the task has its own.
-    roads
-        The ways to look for it, the recommended first.
+    takes
+        Which of start, payload, direction, turn and terrain can be given.
     """
 
     name: str
@@ -92,7 +98,7 @@ class Task(Protocol):
     amount: str
     default: float | None
     robots: bool
-    roads: tuple[str, ...]
+    takes: tuple[str, ...]
 
     def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan for a request whose blanks are filled in; `tell` hears of every iteration.

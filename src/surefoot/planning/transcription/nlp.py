@@ -15,6 +15,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.robot.libraries import import_casadi
+from surefoot.robot.symbolic_tape import mapped
 
 Expression = Any
 Sides = tuple[FloatArray, FloatArray]
@@ -211,12 +212,12 @@ def build_nlp(
     seen = ca.reshape(x[places.T.ravel().tolist()], block.size, count)
     given = ca.repmat(p[:shared], 1, count), ca.reshape(p[shared:], own, count)
     functions = _functions(block)
-    value = functions["value"].map(count)
-    cost, rows = value(seen, *given)
+    maps = {name: mapped(functions[name], count) for name in ("slope", "jacobian", "hessian")}
+    cost, rows = functions["value"].map(count)(seen, *given)
     g = ca.reshape(rows, m * count, 1)[asked]
     f = ca.sum2(cost)
     # gradient: the blocks' own, added where they share variables
-    slope = functions["slope"].map(count)(seen, *given)
+    slope = maps["slope"](seen, *given)
     gather = ca.DM(
         ca.Sparsity.triplet(total, places.size, places.T.ravel().tolist(), list(range(places.size))), 1.0
     )
@@ -226,14 +227,14 @@ def build_nlp(
     row, column = (np.array(n) for n in pattern.get_triplet())
     at_row = (row[None, :] + m * np.arange(count)[:, None]).ravel()
     at_column = places[column].T.ravel()
-    jac = _placed(ca, functions["jacobian"].map(count)(seen, *given), at_row, at_column, (m * count, total))
+    jac = _placed(ca, maps["jacobian"](seen, *given), at_row, at_column, (m * count, total))
     jac = jac[asked, :]
     # Hessian: entries of neighbours add up on the state that they share
     pattern = functions["hessian"].sparsity_out(0)
     row, column = (np.array(n) for n in pattern.get_triplet())
     spread = ca.DM(ca.Sparsity.triplet(m * count, len(asked), asked, list(range(len(asked)))), 1.0)
     weights = ca.repmat(lam_f, 1, count), ca.reshape(ca.mtimes(spread, lam_g), m, count)
-    curved = functions["hessian"].map(count)(seen, *given, *weights)
+    curved = maps["hessian"](seen, *given, *weights)
     hess = _placed(ca, curved, places[row].T.ravel(), places[column].T.ravel(), (total, total))
     names = ["x", "p"]
     options = {
@@ -243,6 +244,7 @@ def build_nlp(
             "nlp_hess_l", [x, p, lam_f, lam_g], [hess], [*names, "lam:f", "lam:g"], ["triu:hess:gamma:x:x"]
         ),
     }
+    options["grad_f"].kept = maps  # CasADi does not: they must live as long as what calls them
     return {"x": x, "p": p, "f": f, "g": g}, options
 
 

@@ -1,0 +1,137 @@
+"""Impacts one by one: how far a law's velocities after the first touch are from those that were recorded.
+
+Velocities before and after a touch are those of the flights on either side, each fitted to its frames. What
+noise of the recording leaves open of the first, a few draws carry through the simulated impact; with what it
+leaves open of the second this is the floor that no law can go below. A law's likelihood is that of its errors
+under Student's distribution (three degrees of freedom: some land on another corner first) of a variance
+that is the floor's and the law's own; the second is fitted to some tosses and judged on others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+from scipy.optimize import minimize_scalar
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.estimation.free_flight import FEWEST, TossFlight, flying_frames
+from surefoot.estimation.toss_model import TossModel, TossScene
+from surefoot.estimation.tosses import Tosses
+from surefoot.stepping.falling_tree import sphere_places
+
+WITHIN = 6
+"""Frames in which a touch must be over to count as one impact."""
+AFTER = 8
+"""Frames of the flight after it that are used, at most."""
+CLEAR = 0.01
+"""Height of the lowest corner that counts as flight after a touch, in widths."""
+DRAWS = 8
+FREEDOM = 3.0
+
+
+@dataclass(frozen=True)
+class Impacts:
+    """Errors of a law in the first impacts of tosses.
+
+    Attributes
+    ----------
+    which
+        (I,) tosses whose first touch is over at once.
+    errors
+        (I, nv) simulated less recorded velocity after it: [m/s], [rad/s], joints' rates [rad/s].
+    floor
+        (I, nv) standard deviations of what noise alone would leave.
+    """
+
+    which: IntArray
+    errors: FloatArray
+    floor: FloatArray
+
+    def median(self, part: slice) -> tuple[float, float]:
+        """Return the median error of some velocities, and that of noise alone: 0 to 3 [m/s], then [rad/s]."""
+        error, noise = (np.median(np.linalg.norm(x[:, part], axis=1)) for x in (self.errors, self.floor))
+        return float(error), float(noise)
+
+    def spreads(self) -> FloatArray:
+        """Return the law's own standard deviations (nv,) that are likeliest, alike for one kind."""
+        out = np.empty(self.errors.shape[1])
+        for part in (slice(0, 3), slice(3, 6), slice(6, None)):
+            if self.errors[:, part].size:
+                out[part] = np.exp(
+                    minimize_scalar(
+                        lambda x, part=part: -self._logs(np.exp(x))[:, part].sum(), bounds=(-9.0, 3.0)
+                    ).x
+                )
+        return out
+
+    def likelihood(self, spreads: FloatArray) -> FloatArray:
+        """Return the log-likelihood (I,) of each impact for a law's own standard deviations (nv,)."""
+        return np.asarray(self._logs(spreads).sum(axis=1))
+
+    def _logs(self, spreads: FloatArray | float) -> FloatArray:
+        scale = np.sqrt(self.floor**2 + np.square(spreads))
+        return np.asarray(stats.t.logpdf(self.errors, FREEDOM, scale=scale))
+
+
+def first_impacts(
+    tosses: Tosses, scene: TossScene, model: TossModel, values: FloatArray, noise: tuple[float, float],
+    seed: int = 0,
+) -> Impacts | None:  # fmt: skip
+    """Return the errors of a model in the first impacts, None where none is over at once.
+
+    Parameters
+    ----------
+    tosses, scene
+        What was recorded, and its scene.
+    model, values
+        What is judged.
+    noise
+        Standard deviations of a recorded coordinate [m] and angle [rad].
+    seed
+        Of the draws.
+    """
+    body, tree = scene.body, scene.body.tree
+    places = sphere_places(tree, tosses.poses)
+    before = flying_frames(tosses, places, scene.plane, body.width)
+    low = scene.plane.above(places).min(axis=1) / body.width
+    which, begins, lengths = [], [], []
+    for k, (a, b) in enumerate(zip(tosses.starts[:-1], tosses.starts[1:], strict=True)):
+        if before[k] < FEWEST:
+            continue
+        clear = low[a + before[k] : b] > CLEAR
+        touched = np.flatnonzero(~clear & (np.minimum.accumulate(low[a + before[k] : b]) < 2.0 * CLEAR))
+        if not touched.size:
+            continue
+        up = np.flatnonzero(clear[touched[0] :])
+        if not up.size or up[0] > WITHIN:
+            continue
+        first = int(touched[0] + up[0])
+        length = int(np.argmin(np.append(clear[first:], False)))
+        if length >= FEWEST:
+            which.append(k)
+            begins.append(a + before[k] + first)
+            lengths.append(min(length, AFTER))
+    if not which:
+        return None
+    chosen, counts = np.array(which), np.array(lengths)
+    rows = np.concatenate([a + np.arange(n) for a, n in zip(begins, lengths, strict=True)])
+    ends = np.concatenate([[0], np.cumsum(counts)])
+    after = Tosses(tosses.states[rows], ends, tosses.dt)
+    flight = TossFlight(after, counts, tree, scene.gravity)
+    frames = np.array(begins) + counts - tosses.starts[chosen]
+    part = scene._replace(starts=scene.starts[chosen], frames=frames)
+    taken = np.concatenate([end - n + np.arange(n) for end, n in zip(np.cumsum(frames), counts, strict=True)])
+    arrival = TossFlight(tosses.subset(chosen), before[chosen], tree, scene.gravity)
+    nv = tree.masses.size + 5
+
+    def apart(starts: FloatArray) -> FloatArray:
+        poses = model.rollout(values, part._replace(starts=starts))[taken]
+        return flight.apart(poses)[:, nv:]
+
+    errors, random = apart(part.starts), np.random.default_rng(seed)
+    shaken = [apart(arrival.shaken(part.starts, noise, random)) - errors for _ in range(DRAWS)]
+    carried = np.median(np.square(shaken), axis=0) / stats.chi2.median(1)
+    own = flight.deviations(noise)[:, nv:]
+    return Impacts(chosen, errors, np.sqrt(carried + own**2))

@@ -1,0 +1,82 @@
+"""Jumps sideways, turning, with a payload; limits that a model does not give; wrong requests."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.planning.schedule.motions import landed
+from surefoot.planning.tasks.scheduled import mover
+from surefoot.planning.tasks.task import PlanRequest
+from surefoot.robot.actuators import unknown_limits
+from surefoot.simulation.plan_execution import execute
+from surefoot.terrain import PitTerrain
+
+pytest.importorskip("casadi")
+
+
+def test_a_jump_goes_where_it_is_told_and_carries_its_payload(go2):
+    plan = sf.plan(go2, "jump", 0.2, direction=0.5 * math.pi, payload=1.5, dt=0.02)
+    assert plan.status.value in ("solved", "almost"), plan.facts["goal"]
+    way = (plan["contact_positions"][-1] - plan["contact_positions"][0]).mean(axis=0)
+    assert abs(way[0]) < 0.05
+    assert 0.19 <= way[1] < 0.26
+    assert plan.fact("mass") == pytest.approx(go2.mass + 1.5)
+    last = plan["forces"][-5:, :, 2].sum(axis=1).mean()
+    assert last == pytest.approx(9.81 * (go2.mass + 1.5), rel=0.05)
+    again = plan.again(go2)  # the payload is in the plan's facts
+    assert np.abs(again.q[:-1] - plan["q"]).max() < 1e-9
+
+
+@pytest.mark.long
+def test_a_jump_that_turns_is_solved_and_lands(go2):
+    pytest.importorskip("mujoco")
+    plan = sf.plan(go2, "jump", 0.0, turn=0.5 * math.pi).raise_if_failed()
+    q = plan.fact("end_q")
+    assert 2.0 * math.atan2(q[5], q[6]) == pytest.approx(0.5 * math.pi, abs=0.1)
+    done = execute(plan, seed=0)
+    assert (done.landed, done.laws) == (True, []), done.why
+
+
+def test_where_a_jump_ends_is_turned_about_the_middle_of_the_feet(go2):
+    q = sf.place(go2)
+    there = landed(go2, q, 0.3, (0.25 * math.pi, 0.5 * math.pi), sf.FlatTerrain())
+    before, after = go2.foot_positions(q), go2.foot_positions(there)
+    assert after.mean(axis=0) - before.mean(axis=0) == pytest.approx([0.3 / 2**0.5, 0.3 / 2**0.5, 0.0])
+    arms, turned = before - before.mean(axis=0), after - after.mean(axis=0)
+    assert turned[:, 1] == pytest.approx(arms[:, 0])
+
+
+def test_limits_that_no_motor_has_are_unknown(go2):
+    solo12 = sf.load_robot("solo12")
+    assert unknown_limits(solo12) == ("torque", "speed")
+    assert unknown_limits(go2) == ()
+    likely = mover(PlanRequest(solo12))
+    assert (likely.effort_limits < 10.0).all()
+    assert (likely.speed_limits < 100.0).all()
+    assert (solo12.effort_limits == 1000.0).all()
+
+
+@pytest.mark.parametrize(
+    ("task", "asked", "told"),
+    [
+        ("ball", {"payload": 1.0}, "takes no payload"),
+        ("backflip", {"turn": 1.0}, "takes no turn; it takes start, payload"),
+        ("jump", {"terrain": "flat"}, "terrain"),
+        ("jump", {"terrain": PitTerrain(0.5, 0.2, 0.3)}, "takes a plane"),
+        ("jump", {"payload": math.nan}, "payload"),
+    ],
+)
+def test_what_a_task_does_not_take_is_named(go2, task, asked, told):
+    with pytest.raises(sf.errors.ProblemError, match=told):
+        sf.plan(None if task == "ball" else go2, task, **asked)
+
+
+def test_a_start_off_the_ground_is_refused(go2):
+    q = sf.place(go2)
+    q[2] += 0.02
+    with pytest.raises(sf.errors.ProblemError, match="stand on the ground"):
+        sf.plan(go2, "jump", start=q)
