@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 import yaml
 
+from docs.site import labels
 from docs.site.execute import filled, run_page
+from docs.site.labels import label, left_in_english
 from docs.site.page import COURSE, LANGUAGES, Page, pages, read_page
 
 PAGES = pages()
@@ -28,6 +30,8 @@ def test_the_page_runs_and_what_it_asserts_holds(page: Page) -> None:
         text = "\n".join(text for _, text in ran.pieces[language])
         assert "{{" not in text
         assert "nan" not in re.findall(r"[a-z]+", text.lower())
+    english = {text: left for text in ran.labels if (left := left_in_english(text))}
+    assert not english, "in figures: translate in docs/site/zh/labels.yaml, or list among its names"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -110,6 +114,46 @@ def test_values_and_tables_in_texts() -> None:
     words = {"rows": [("inner, 4 facets", "done"), ("osqp", "innermost")], "end": "fell"}
     assert filled("{{end}}\n{{rows}}", words, "zh") == "摔倒\n| 内接, 4 面 | 完成 |\n| osqp | innermost |"
     assert filled("{{end}}", words) == "fell"
+
+
+FIGURE = """---
+order: 1
+title: {en: a, zh: b}
+---
+```python
+import matplotlib.pyplot as plt
+
+_, (left, right) = plt.subplots(1, 2)
+left.plot([1, 2], [1.0, 2.0], label="worst\\ndirection")
+left.set(xlabel="least $F_z$ allowed [N]", title="unheard of")
+left.set_xticks([1, 2], ["infeasible", "solved"])
+left.legend()
+right.barh(["rigid", "MuJoCo, elliptic"], [1.0, 2.0])
+```
+"""
+
+
+@pytest.mark.parametrize("font", [labels.chinese_font(), None])
+def test_a_figure_is_drawn_in_chinese_where_a_font_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, font: str | None
+) -> None:
+    """A missing glyph is a warning, and fails here; without a font the English figure stays."""
+    monkeypatch.setattr(labels, "chinese_font", lambda: font)
+    (tmp_path / "page.md").write_text(FIGURE)
+    ran = run_page(read_page(tmp_path / "page.md"), tmp_path)
+    said = {"最坏方向", "允许的最小 $F_z$ [N]", "不可行", "已求解", "刚性", "MuJoCo，椭圆锥", "unheard of"}
+    assert said <= {*ran.labels}
+    assert [text for text in ran.labels if left_in_english(text)] == ["unheard of"]
+    assert dict(ran.pieces["en"])["figure"] == "page-1.png"
+    assert dict(ran.pieces["zh"])["figure"] == ("page-1.png" if font is None else "page-1-zh.png")
+    assert len({path.read_bytes() for path in tmp_path.glob("*.png")}) == (1 if font is None else 2)
+
+
+def test_labels_take_the_longest_phrase_and_whole_words_alone() -> None:
+    assert label("time [s]") == "时间 [s]"
+    assert label("8 facets") == "8 面"
+    assert label("timeless, force of the ground") == "timeless，地面的力"
+    assert left_in_english("Go2 $f_x$ 5 N, 力 wobbles") == ["wobbles"]
 
 
 def test_the_course_folder_holds_nothing_else() -> None:

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from docs.site import reference, render
+from docs.site import labels, reference, render
 from docs.site.execute import run_page
 from docs.site.page import LANGUAGES, Page, pages
 from docs.site.recipe import recipes, run_recipe
@@ -78,6 +78,8 @@ def assemble(build: Path, only: Iterable[str] | None = None, jobs: int = 2) -> d
         shutil.rmtree(tree, ignore_errors=True)
         (tree / "course" / "figures").mkdir(parents=True)
     chosen = [page for page in pages() if only is None or page.name in set(only)]
+    if labels.chinese_font() is None:
+        print("figures of the Chinese pages stay English: no font for them, apt install fonts-wqy-microhei")
     with ProcessPoolExecutor(jobs) as pool:
         list(pool.map(_run, chosen, [trees] * len(chosen)))
     for picture in (trees["en"] / "course" / "figures").iterdir():

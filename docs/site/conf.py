@@ -6,13 +6,14 @@ import re
 from typing import Any
 
 import surefoot
+from docs.site.search import SearchPairs
 
 project = "Surefoot"
 author = "the Surefoot authors"
 copyright = "the Surefoot authors, Apache-2.0"
 version = release = surefoot.__version__
 language = "en"  # the Chinese tree is built with -D language=zh_CN
-html_search_language = "en"  # also there: its index then holds runs of characters, and part of one is found
+html_search_language = "pairs"  # SearchPairs, in both trees
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
@@ -40,6 +41,7 @@ html_show_sphinx = False
 html_copy_source = False
 html_static_path = ["style"]
 html_css_files = ["surefoot.css"]
+html_js_files = ["offline.js"]
 html_theme_options = {
     "sidebar_hide_name": False,
     "light_css_variables": {"color-brand-primary": "#1b6ca8", "color-brand-content": "#1b6ca8"},
@@ -79,5 +81,6 @@ def _no_tuple_fields(app: Any, what: str, name: str, thing: Any, skip: bool, opt
 
 def setup(app: Any) -> None:
     """Register with Sphinx."""
+    app.add_search_language(SearchPairs)
     app.connect("autodoc-skip-member", _no_tuple_fields)
     app.connect("autodoc-process-docstring", _plain, priority=400)  # before napoleon

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from docs.site import words
+from docs.site import labels, words
 from docs.site.page import HEADINGS, LANGUAGES, Page
 
 _VALUE = re.compile(r"\{\{(.+?)\}\}")
@@ -24,7 +24,7 @@ _STYLE = {
 
 @dataclass
 class Ran:
-    """A page that was run: finished pieces by language, and its names.
+    """A page that was run: finished pieces by language, its names, and what its Chinese figures say.
 
     Each piece is (kind, text): "markdown", "code", "output" or "figure" (its file's name).
     """
@@ -32,6 +32,7 @@ class Ran:
     page: Page
     pieces: dict[str, list[tuple[str, str]]] = field(default_factory=lambda: {k: [] for k in LANGUAGES})
     names: dict[str, Any] = field(default_factory=lambda: {"__name__": "__main__"})
+    labels: list[str] = field(default_factory=list)
 
 
 def run_page(page: Page, figures: Path | None = None) -> Ran:
@@ -59,17 +60,28 @@ def run_page(page: Page, figures: Path | None = None) -> Ran:
             elif part.kind == "code":
                 printed = _execute(page, part.text, part.line, ran.names)
                 pieces = [("code", part.text.rstrip())] + ([("output", printed)] if printed else [])
-                for figure in _open_figures():
-                    count += 1
-                    name = f"{page.name}-{count}.png"
-                    if figures is not None:
-                        figure.savefig(figures / name)
-                    pieces.append(("figure", name))
                 for language in LANGUAGES:
                     ran.pieces[language] += pieces
+                for figure in _open_figures():
+                    count += 1
+                    _keep_figure(ran, figure, f"{page.name}-{count}", figures)
             else:
                 ran.pieces[part.kind].append(("markdown", filled(part.text.strip(), ran.names, part.kind)))
     return ran
+
+
+def _keep_figure(ran: Ran, figure: Any, name: str, folder: Path | None) -> None:
+    """Save a figure as it is, and again in Chinese where a font for it is installed."""
+    font, files = labels.chinese_font(), {"en": f"{name}.png", "zh": f"{name}.png"}
+    if folder is not None:
+        figure.savefig(folder / files["en"])
+    ran.labels += labels.translate(figure, font)
+    if font is not None:
+        files["zh"] = f"{name}-zh.png"
+        if folder is not None:
+            figure.savefig(folder / files["zh"])
+    for language in LANGUAGES:
+        ran.pieces[language].append(("figure", files[language]))
 
 
 def _execute(page: Page, code: str, line: int, names: dict[str, Any]) -> str:

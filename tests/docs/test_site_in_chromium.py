@@ -1,13 +1,22 @@
-"""Pages of the course in a real Chromium: no error, no sideways scrolling at any width, Chinese glyphs."""
+"""Pages in a real Chromium: no error, no sideways scrolling at any width, Chinese glyphs, search from a disk.
+
+Three pages of the course are built for it; SUREFOOT_SITE=docs/build/html takes all that `make docs` built.
+"""
 
 from __future__ import annotations
 
+import json
+import os
+import re
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
+from urllib.parse import quote
 
 import pytest
 
-from benchmarks.browser import Browser, find_chromium
+from benchmarks.browser import Browser, Tab, find_chromium
 from docs.site.page import COURSE, pages, read_page
 
 CHROMIUM = find_chromium()
@@ -29,6 +38,8 @@ return shape('锥') !== shape('力') && shape('锥') !== shape('\\ue123'); })()"
 
 @pytest.fixture(scope="module")
 def html(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    if "SUREFOOT_SITE" in os.environ:
+        return Path(os.environ["SUREFOOT_SITE"]).resolve()
     pytest.importorskip("sphinx", reason="the site needs Sphinx: pip install 'surefoot[docs]', or make docs")
     pytest.importorskip("furo", reason="the site needs its theme: pip install 'surefoot[docs]', or make docs")
     from docs.site import render
@@ -47,43 +58,83 @@ def html(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for language, code in (("en", "en"), ("zh", "zh_CN")):
         tree = trees[language] / "course"
         (tree / "index.md").write_text(contents(chosen, language), encoding="utf-8")
-        assert sphinx(tree, place / "html" / language, code, 1, ["-D", PARTIAL]) == 0
+        out = place / "html" / ("zh" if language == "zh" else "")
+        assert sphinx(trees[language], out, code, 1, ["-D", PARTIAL, "-D", "root_doc=course/index"]) == 0
     return place / "html"
 
 
-@pytest.mark.parametrize("width", [400, 800, 1300])
-def test_pages_fit_and_say_no_error(html: Path, width: int) -> None:
+@pytest.fixture
+def tab(request: pytest.FixtureRequest) -> Iterator[Tab]:
+    """A tab of a width; what the browser itself reports on a page is among its errors, too."""
     assert CHROMIUM is not None
+    width = getattr(request, "param", 800)
     with Browser(CHROMIUM, width, 850) as browser:
         tab = browser.open("about:blank")
+        heard = tab.heard
+
+        def hear(event: dict[str, Any]) -> None:
+            if event["method"] == "Log.entryAdded" and event["params"]["entry"]["level"] == "error":
+                tab.errors.append(event["params"]["entry"]["text"])
+            heard(event)
+
+        tab.heard = hear  # type: ignore[method-assign]
         tab.call("Log.enable")
-        for language in ("en", "zh"):
-            for name in NAMES:
-                address = (html / language / f"{name}.html").as_uri()
-                tab.call("Page.navigate", url=address)
-                tab.wait_for(f"location.href === {address!r} && document.readyState === 'complete'")
-                assert tab.ask(WIDE) <= 0, (language, name)
-                assert tab.ask("[...document.images].every(i => i.complete && i.naturalWidth > 300)")
-        assert not tab.errors
+        metrics = {"width": width, "height": 850, "deviceScaleFactor": 1, "mobile": False}
+        tab.call("Emulation.setDeviceMetricsOverride", **metrics)  # Chromium's window is never below 500
+        assert tab.ask("innerWidth") == width
+        yield tab
 
 
-def test_chinese_is_drawn(html: Path) -> None:
-    assert CHROMIUM is not None
+def visit(tab: Tab, address: str) -> None:
+    tab.call("Page.navigate", url=address)
+    tab.wait_for(f"location.href === {address!r} && document.readyState === 'complete'")
+
+
+@pytest.mark.parametrize("tab", [400, 800, 1300], indirect=True)
+def test_pages_fit_and_say_no_error(html: Path, tab: Tab) -> None:
+    built = [page for page in html.rglob("*.html") if not {"_static", "_downloads"} & {*page.parts}]
+    assert len(built) >= 2 * len(NAMES)
+    for page in built:
+        visit(tab, page.as_uri())
+        assert tab.ask(WIDE) <= 0, page
+        assert not tab.errors, page
+        tab.wait_for(
+            "[...document.images].every(i => (i.loading = 'eager', i.complete && i.naturalWidth > 0))"
+        )
+    assert not [address for address in tab.requests if not address.startswith("file:")]
+
+
+@pytest.mark.parametrize(("tree", "words"), [("", "cone"), ("zh/", "锥"), ("zh/", "力矩"), ("zh/", "摩擦锥")])
+def test_the_search_finds_every_page_from_a_disk(html: Path, tab: Tab, tree: str, words: str) -> None:
+    """In Chinese as many pages as hold the words anywhere in their text: there is nothing between them."""
+    visit(tab, f"{(html / tree / 'search.html').as_uri()}?q={quote(words)}")
+    tab.wait_for("/[0-9]/.test(document.querySelector('.search-summary')?.innerText)")
+    found = set(tab.ask("[...document.querySelectorAll('ul.search li a')].map(a => a.href.split(/[?#]/)[0])"))
+    sources = [p for p in (html / tree / "course").glob("*.html") if words in article(p)]
+    assert sources
+    assert {page.as_uri() for page in sources} <= found
+    assert not tab.errors
+
+
+def article(page: Path) -> str:
+    """What stands on a page, without its menus."""
+    text = page.read_text(encoding="utf-8").split("<article", 1)[1].split("</article>", 1)[0]
+    return re.sub(r"<(style|script).*?</\1>|<[^>]*>", "", text, flags=re.DOTALL)
+
+
+def test_chinese_is_drawn(html: Path, tab: Tab) -> None:
     fonts = subprocess.run(["fc-list", ":lang=zh"], capture_output=True, check=False).stdout
     if not fonts:
         pytest.skip("no font with Chinese: apt install fonts-wqy-microhei")
-    with Browser(CHROMIUM) as browser:
-        tab = browser.open((html / "zh" / "theory-2-cones.html").as_uri())
-        tab.wait_for("document.readyState === 'complete' && document.querySelector('article p') !== null")
-        assert tab.ask(GLYPHS)
+    visit(tab, (html / "zh" / "course" / "theory-2-cones.html").as_uri())
+    assert tab.ask(GLYPHS)
 
 
-def test_every_page_is_a_notebook_of_its_code(html: Path) -> None:
-    import json
-
-    assert len(pages()) > 60
-    for name in NAMES:
-        text = (html.parent / "zh" / "course" / "notebooks" / f"{name}.ipynb").read_text(encoding="utf-8")
+def test_every_page_is_a_notebook_that_runs(html: Path) -> None:
+    found = {path.stem: path for path in (html / "zh" / "_downloads").glob("*/*.ipynb")}
+    assert {*found} >= ({page.name for page in pages()} if "SUREFOOT_SITE" in os.environ else {*NAMES})
+    for name, path in found.items():
+        text = path.read_text(encoding="utf-8")
         names: dict[str, object] = {"__name__": "__main__"}
         for cell in json.loads(text)["cells"]:
             if cell["cell_type"] == "code":
