@@ -19,7 +19,6 @@ from surefoot.control.foothold import catching_place, step_place
 from surefoot.control.force_planner import ForcePlanner
 from surefoot.control.gait_choice import choose_gait
 from surefoot.control.load_adaptation import LoadAdaptation
-from surefoot.control.look_ahead import plane_ahead
 from surefoot.control.step_phase import StepPhase
 from surefoot.control.touch_sense import touch_sense
 from surefoot.control.walker import Walker
@@ -35,6 +34,7 @@ from surefoot.robot.centroidal import composite_inertia
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import FlatTerrain, Terrain
+from surefoot.terrain.plane_ahead import plane_ahead
 
 LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
