@@ -41,7 +41,7 @@ def plan(
     direction: Annotated[float, typer.Option(help="Where to jump, from ahead to the left [deg].")] = 0.0,
     turn: Annotated[float, typer.Option(help="By how much to turn left in a jump [deg].")] = 0.0,
     terrain: Annotated[
-        str | None, typer.Option(help="Ground of a jump: slope:DEG, stairs:HEIGHT,DEPTH, ...")
+        str | None, typer.Option(help="Ground of a jump, a plane: flat or slope:DEG.")
     ] = None,
     execute: Annotated[
         str | None, typer.Option(help="World to carry it out in: mujoco. The audit judges the run.")
