@@ -104,7 +104,7 @@ def test_there_are_200_of_them() -> None:
 
 
 NONSENSE: list[Any] = [3, "x", None, np.nan, [1, 2], {}, np.zeros(3), np.full((3, 3), np.nan), object(), -1]
-MADE_BY_US = {"Status", "Robot", "Controller", "identify", "read_tosses"}
+MADE_BY_US = {"Status", "Robot", "Controller"}
 """Names that are not called by users: an enum, what `load_robot` makes, a protocol."""
 PUBLIC = [n for n in sf.__all__ if callable(getattr(sf, n)) and n not in MADE_BY_US]
 

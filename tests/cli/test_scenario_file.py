@@ -109,7 +109,7 @@ def test_the_true_state_and_other_solvers_are_chosen(
     assert "estimate" not in known
     assert estimated["estimate"]["velocity_rms"] < 0.01
     assert estimated["velocity"]["forward"] != known["velocity"]["forward"]
-    for text in ("facets: 8", "facets: 4\nfit: outer\nsolver: quadprog", "solver: clarabel"):
+    for text in ("facets: 8", "facets: 4\nfit: outer\nsolver: daqp", "solver: admm"):
         code, _ = summary(capsys, tmp_path, written(tmp_path, text), "stand", "--duration", "0.2")
         assert code == 0
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from surefoot.control.controller import HeightScan, RobotState
-from surefoot.control.look_ahead import plane_ahead
 from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.touch_sense import sort_touches
 from surefoot.control.walking_feet import Feet
@@ -21,6 +20,7 @@ from surefoot.robot import load_robot
 from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor
 from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
+from surefoot.terrain.plane_ahead import plane_ahead
 
 HEIGHT = 0.3
 HIPS = np.array([[0.19, 0.14], [0.19, -0.14], [-0.19, 0.14], [-0.19, -0.14]])

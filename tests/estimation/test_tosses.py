@@ -101,5 +101,5 @@ def test_other_files_are_named(tmp_path: Path) -> None:
     for name in ("text.npz", "empty.npz", "one.npy", "objects.npz", "cut.npz"):
         with pytest.raises(ProblemError, match=name):
             read_tosses(tmp_path / name)
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(ProblemError, match="No such file"):
         read_tosses(tmp_path / "none.npz")

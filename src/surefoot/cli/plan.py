@@ -40,9 +40,7 @@ def plan(
     payload: Annotated[float, typer.Option(help="Mass on the base that the plan knows of [kg].")] = 0.0,
     direction: Annotated[float, typer.Option(help="Where to jump, from ahead to the left [deg].")] = 0.0,
     turn: Annotated[float, typer.Option(help="By how much to turn left in a jump [deg].")] = 0.0,
-    terrain: Annotated[
-        str | None, typer.Option(help="Ground of a jump: slope:DEG, stairs:HEIGHT,DEPTH, ...")
-    ] = None,
+    terrain: Annotated[str | None, typer.Option(help="Ground of a jump, a plane: flat or slope:DEG.")] = None,
     execute: Annotated[
         str | None, typer.Option(help="World to carry it out in: mujoco. The audit judges the run.")
     ] = None,

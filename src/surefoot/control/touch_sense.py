@@ -30,7 +30,7 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.behaviours.behaviour import FootSearch, Request
+from surefoot.control.behaviours.behaviour import NOTHING, FootSearch, Request
 from surefoot.control.controller import RobotState
 from surefoot.control.walking_feet import SEARCH_SPEED, Feet
 from surefoot.control.whole_body_tasks import Kinematics
@@ -78,6 +78,11 @@ class TouchSense:
         m g [N], and of the centre of mass [m].
     dt
         Time between steps [s].
+
+    Attributes
+    ----------
+    asked
+        What behaviours agreed on in the last step.
     """
 
     def __init__(self, belief: BeliefTerrain, weight: float, height: float, dt: float) -> None:
@@ -85,16 +90,17 @@ class TouchSense:
         self._weight, self._height = weight, height
         self._fall, self._root = math.sqrt(height / GRAVITY), math.sqrt(GRAVITY * height)
         self._waited = self._lead = 0.0
+        self.asked: Request = NOTHING
 
     def begin(self, state: RobotState, centres: FloatArray, radii: FloatArray) -> None:
         """Start a walk with feet of `radii` (n,) at (n, 3) `centres` [m]."""
-        self._waited = 0.0
+        self._waited, self.asked = 0.0, NOTHING
         self._landings = LandingWatch(len(radii), self.dt)
         self.belief.radius = float(radii.mean())
         self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self._height)
 
     def sort(
-        self, state: RobotState, feet: Feet, sensed: BoolArray, clock: float, now: Kinematics, last: Request
+        self, state: RobotState, feet: Feet, sensed: BoolArray, clock: float, now: Kinematics
     ) -> BoolArray:
         """Return which feet stand on the ground, (n,); those that have struck an edge begin their swing anew.
 
@@ -108,12 +114,10 @@ class TouchSense:
             On the schedule [s].
         now
             Where the robot is.
-        last
-            What was asked for in the last step.
         """
-        self._seek(state, feet, clock, last.search or USUAL)
-        if not last.hold:
-            feet.schedule.release(last.leading or 0)
+        self._seek(state, feet, clock, self.asked.search or USUAL)
+        if not self.asked.hold:
+            feet.schedule.release(self.asked.leading or 0)
         elif clock >= 0.0:
             feet.schedule.hold(clock)
         if state.forces is None:

@@ -19,7 +19,6 @@ from surefoot.control.foothold import catching_place, step_place
 from surefoot.control.force_planner import ForcePlanner
 from surefoot.control.gait_choice import choose_gait
 from surefoot.control.load_adaptation import LoadAdaptation
-from surefoot.control.look_ahead import plane_ahead
 from surefoot.control.step_phase import StepPhase
 from surefoot.control.touch_sense import touch_sense
 from surefoot.control.walker import Walker
@@ -35,6 +34,7 @@ from surefoot.robot.centroidal import composite_inertia
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import FlatTerrain, Terrain
+from surefoot.terrain.plane_ahead import plane_ahead
 
 LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
@@ -195,7 +195,7 @@ class WalkingController(Walker):
         """Return which feet stand; on ground that is only believed a touch may be none."""
         if self._touch is None or self.feet is None:
             return sensed
-        return self._touch.sort(state, self.feet, sensed, clock, now, self.arbiter.request)
+        return self._touch.sort(state, self.feet, sensed, clock, now)
 
     def _move_feet(self, now: Kinematics, standing: BoolArray, clock: float) -> bool:
         """Bring the feet up to the clock; return whether one has lifted or landed."""
@@ -213,6 +213,8 @@ class WalkingController(Walker):
         if self._steps is not None:
             pace = self._steps.pace(math.hypot(velocity[0], velocity[1]), self.dt)
             velocity = velocity * [pace, pace, 1.0]
+        if self._touch is not None:
+            self._touch.asked = request
         if request.mu < math.inf:
             self.whole_body.set_friction(request.mu)
         body.acceleration, body.ceiling = min(body.change, request.acceleration), request.height

@@ -86,7 +86,7 @@ def first_impacts(
     tosses, scene
         What was recorded, and its scene.
     model, values
-        What is judged.
+        What is judged, and its (k,) parameters.
     noise
         Standard deviations of a recorded coordinate [m] and angle [rad].
     seed

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.errors import ProblemError
+from surefoot.text_files import path_of
 
 UNIT = 1e-3
 """How far a quaternion's length may be from one."""
@@ -190,7 +191,7 @@ def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
         If it is no such file; one line that names the file and what is wrong.
     """
     try:
-        with Path(path).open("rb") as file:
+        with path_of(path).open("rb") as file:
             archive = np.load(file, allow_pickle=False)
             if not isinstance(archive, np.lib.npyio.NpzFile):
                 raise ProblemError("it is a single array, not an .npz archive")
@@ -208,6 +209,8 @@ def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
         return Tosses(held["states"], held["starts"], float(held["dt"]), ids, cube or Cube(**given))
     except (ProblemError, TypeError) as error:
         raise ProblemError(f"{path} holds no tosses: {error}") from error
+    except OSError as error:
+        raise ProblemError(f"cannot read {path}: {error.strerror}") from error
     except (ValueError, EOFError, zipfile.BadZipFile, KeyError, NotImplementedError) as error:
         raise ProblemError(
             f"{path} is no .npz file of tosses, which `identify` takes: plain arrays "

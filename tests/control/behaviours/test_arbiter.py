@@ -58,19 +58,20 @@ def test_every_quantity_but_the_note_has_a_rule() -> None:
     ],
 )
 def test_who_gets_his_way(quantity: str, high: object, low: object, winner: int) -> None:
-    arbiter = merged(Asking("high", **{quantity: high}), Asking("none"), Asking("low", **{quantity: low}))
-    assert getattr(arbiter.request, quantity) is (low if winner else high)
+    asking = Asking("high", **{quantity: high}), Asking("none"), Asking("low", **{quantity: low})
+    arbiter = merged(*asking)
+    assert getattr(arbiter.merge(view_of()), quantity) is (low if winner else high)
     assert asked_by(arbiter, quantity) == 2 * winner
     assert sum(rank >= 0 for rank in arbiter.asked_by) == 1
     alone = merged(Asking("none"), Asking("low", **{quantity: low}))
-    assert getattr(alone.request, quantity) is low
+    assert getattr(alone.merge(view_of()), quantity) is low
     assert asked_by(alone, quantity) == 1
 
 
 def test_the_velocity_is_the_command_within_caps_at_the_pace() -> None:
     free = merged(Asking("none"))
     assert free.velocity.tolist() == free.asked.tolist() == [0.4, 0.0, 0.0]
-    assert free.request is NOTHING
+    assert free.merge(view_of()) is NOTHING
     command = (0.3, 0.4, 1.0)
     capped = merged(Asking("cap", speed_cap=0.3), Asking("slow", pace=0.5), command=command)
     size = math.hypot(*command[:2]) + RADIUS

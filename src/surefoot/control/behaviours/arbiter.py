@@ -56,8 +56,6 @@ class Arbiter:
 
     Attributes
     ----------
-    request
-        What has been agreed on in the last step.
     asked
         (3,) velocity that is commanded, or asked for in its place, within the caps [m/s, m/s, rad/s].
     velocity
@@ -77,7 +75,6 @@ class Arbiter:
             behaviour.reset()
         self.notes[:] = [note for note in self.notes if note not in self._said]
         self._said.clear()
-        self.request = NOTHING
         self.asked, self.velocity = np.zeros(3), np.zeros(3)
         self.asked_by: IntArray = np.full(len(LOGGED), -1)
 
@@ -88,7 +85,7 @@ class Arbiter:
             request = behaviour.propose(view)
             if request is not NOTHING:
                 merged = self._take(merged, request, rank, asked_by)
-        self.request, self.asked_by = merged, asked_by
+        self.asked_by = asked_by
         self.asked = self._within_caps(view.command, merged)
         self.velocity = self._at_pace(self.asked, view.velocity, merged)
         return merged

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.terrain import Terrain
+from surefoot.terrain.terrain import Terrain
 
 HALF_LENGTH = 2.0
 """Half of the window's length along the heading, in heights of the centre of mass."""
