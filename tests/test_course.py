@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from docs.site import labels
-from docs.site.execute import filled, run_page
+from docs.site.execute import filled, make_legible, run_page
 from docs.site.labels import label, left_in_english
 from docs.site.page import COURSE, LANGUAGES, Page, pages, read_page
 
@@ -147,6 +147,22 @@ def test_a_figure_is_drawn_in_chinese_where_a_font_is(
     assert dict(ran.pieces["en"])["figure"] == "page-1.png"
     assert dict(ran.pieces["zh"])["figure"] == ("page-1.png" if font is None else "page-1-zh.png")
     assert len({path.read_bytes() for path in tmp_path.glob("*.png")}) == (1 if font is None else 2)
+
+
+@pytest.mark.parametrize("width", [4.6, 7.0, 10.4])
+def test_small_texts_are_raised_to_12_pixels_as_shown(width: float) -> None:
+    from matplotlib.figure import Figure
+    from matplotlib.text import Text
+
+    figure = Figure(figsize=(width, 3.0), dpi=110)
+    axis = figure.add_subplot(xlabel="x", title="t")
+    axis.plot([1.0, 2.0], label="a")
+    axis.legend(fontsize=6)
+    make_legible(figure)
+    figure.canvas.draw()
+    shown = min(110 * width, 753.0) / (110 * width)  # a column is 753 px on a window of 800
+    sizes = [t.get_fontsize() for t in figure.findobj(Text) if t.get_text()]
+    assert len(sizes) > 10 and min(sizes) * 110 / 72 * shown >= 12.0 - 1e-9
 
 
 def test_labels_take_the_longest_phrase_and_whole_words_alone() -> None:

@@ -21,6 +21,9 @@ _STYLE = {
     "axes.axisbelow": True,
 }
 
+_LEAST, _COLUMN = 12.0, 753.0
+"""Height of the smallest text, and width of a page's column on a window of 800 [px]."""
+
 
 @dataclass
 class Ran:
@@ -73,6 +76,8 @@ def run_page(page: Page, figures: Path | None = None) -> Ran:
 def _keep_figure(ran: Ran, figure: Any, name: str, folder: Path | None) -> None:
     """Save a figure as it is, and again in Chinese where a font for it is installed."""
     font, files = labels.chinese_font(), {"en": f"{name}.png", "zh": f"{name}.png"}
+    if ran.page.name.startswith("theory-"):
+        make_legible(figure)
     if folder is not None:
         figure.savefig(folder / files["en"])
     ran.labels += labels.translate(figure, font)
@@ -82,6 +87,18 @@ def _keep_figure(ran: Ran, figure: Any, name: str, folder: Path | None) -> None:
             figure.savefig(folder / files["zh"])
     for language in LANGUAGES:
         ran.pieces[language].append(("figure", files[language]))
+
+
+def make_legible(figure: Any) -> None:
+    """Raise texts to what is 12 px on a window of 800, where the page shrinks a figure to its column."""
+    from matplotlib.text import Text
+
+    width = figure.get_figwidth()
+    least = _LEAST * 72.0 * width / min(_COLUMN, width * figure.dpi)
+    for axes in figure.axes:
+        axes.tick_params(labelsize=max([least, *(tick.get_fontsize() for tick in axes.get_xticklabels())]))
+    for text in figure.findobj(Text):
+        text.set_fontsize(max(text.get_fontsize(), least))
 
 
 def _execute(page: Page, code: str, line: int, names: dict[str, Any]) -> str:

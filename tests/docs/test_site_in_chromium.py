@@ -104,7 +104,9 @@ def test_pages_fit_and_say_no_error(html: Path, tab: Tab) -> None:
     assert not [address for address in tab.requests if not address.startswith("file:")]
 
 
-@pytest.mark.parametrize(("tree", "words"), [("", "cone"), ("zh/", "锥"), ("zh/", "力矩"), ("zh/", "摩擦锥")])
+@pytest.mark.parametrize(
+    ("tree", "words"), [("", "Coulomb"), ("zh/", "锥"), ("zh/", "力矩"), ("zh/", "摩擦锥")]
+)
 def test_the_search_finds_every_page_from_a_disk(html: Path, tab: Tab, tree: str, words: str) -> None:
     """In Chinese as many pages as hold the words anywhere in their text: there is nothing between them."""
     visit(tab, f"{(html / tree / 'search.html').as_uri()}?q={quote(words)}")
@@ -131,6 +133,8 @@ def test_chinese_is_drawn(html: Path, tab: Tab) -> None:
 
 
 def test_every_page_is_a_notebook_that_runs(html: Path) -> None:
+    from matplotlib import pyplot
+
     found = {path.stem: path for path in (html / "zh" / "_downloads").glob("*/*.ipynb")}
     assert {*found} >= ({page.name for page in pages()} if "SUREFOOT_SITE" in os.environ else {*NAMES})
     for name, path in found.items():
@@ -139,3 +143,4 @@ def test_every_page_is_a_notebook_that_runs(html: Path) -> None:
         for cell in json.loads(text)["cells"]:
             if cell["cell_type"] == "code":
                 exec(compile("".join(cell["source"]), f"{name}.ipynb", "exec"), names)
+        pyplot.close("all")
