@@ -162,7 +162,8 @@ def test_small_texts_are_raised_to_12_pixels_as_shown(width: float) -> None:
     figure.canvas.draw()
     shown = min(110 * width, 753.0) / (110 * width)  # a column is 753 px on a window of 800
     sizes = [t.get_fontsize() for t in figure.findobj(Text) if t.get_text()]
-    assert len(sizes) > 10 and min(sizes) * 110 / 72 * shown >= 12.0 - 1e-9
+    assert len(sizes) > 10
+    assert min(sizes) * 110 / 72 * shown >= 12.0 - 1e-9
 
 
 def test_labels_take_the_longest_phrase_and_whole_words_alone() -> None:
