@@ -31,6 +31,7 @@ from surefoot.planning import planner
 from surefoot.robot.catalog import find, robots_folder
 from surefoot.simulation.worlds import WORLDS
 from surefoot.solvers import solver as solvers
+from tests.estimation.hopper import write_hopper
 from tests.log.test_completed import write as write_table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -53,6 +54,8 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
         return words if "--quick" in words else (*words, "--quick")
     if words[0] == "lab":
         return (*words, "--port", "0", "--seconds", "0.2") if len(words) > 1 else words
+    if words[0] == "robot":  # it waits for somebody who drives it: tests/drive has both
+        return (*words, "--seconds", "0.2")
     if words[0] == "worlds":  # all of them in all worlds are tests/experiments/test_experiments.py's
         names = words if len(words) > 1 and not words[1].startswith("-") else (words[0], "slide", *words[1:])
         return (*names, "--no-pictures")
@@ -102,6 +105,8 @@ def all_shown() -> list[Any]:
     """Return (words as run, exit code), each once, the id naming page and command."""
     found: dict[Any, Any] = {}
     for shown in (s for page in PAGES for s in CHECK["shown_commands"](page)):
+        if shown.words[0] == "drive" and shown.code == 0:  # it needs a robot: tests/drive has both
+            continue
         words = as_run(shown.words)
         before = found.get((same_run(words), shown.code))
         if before is None or len(words) > len(before[0]):
@@ -138,7 +143,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "example-robot-data").symlink_to(robots_folder().parent)
     CleanRun(duration=0.3).make().save(place / "log.npz")
     CleanRun(duration=0.3).make().save(place / "crate.npz")
+    CleanRun(duration=0.3).make().save(place / "walk.mcap")
     write_table(CleanRun(duration=0.3), place)  # run.csv, run.yaml
+    write_hopper(place)
+    leg = sf.load_robot(place / "hopper.urdf", fixed_base=True)
+    sf.ForceModel.fit(leg, place / "hopper.csv").write(place / "force_model.json")
     (place / "raw.csv").write_text("".join(f"{0.01 * k},36.8,36.8\n" for k in range(50)))
     steps = (ROOT / "docs" / "first-steps.md").read_text(encoding="utf-8")
     (place / "mine.yaml").write_text(steps.split("```yaml\n")[1].split("```")[0])
