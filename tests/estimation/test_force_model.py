@@ -93,6 +93,8 @@ def test_the_command(made_up: Path, tmp_path: Path, capsys: pytest.CaptureFixtur
 def test_wrong_input_is_one_line(made_up: Path, fitted: sf.ForceModel, tmp_path: Path) -> None:
     with pytest.raises(ProblemError, match="needs a force sensor"):
         sf.ForceModel.fit(fitted.robot, made_up / "kept.csv")
+    with pytest.raises(ProblemError, match="a file is named by"):
+        sf.ForceModel.fit(fitted.robot, 3)  # type: ignore[arg-type]
     with pytest.raises(ProblemError, match="tau_NAME"):
         fitted.estimate(made_up / "truth.csv")
     with pytest.raises(ProblemError, match="floats"):

@@ -70,16 +70,16 @@ def stand(
     lifts = [parsing.lift(text) for text in lift or ()]
     parsing.within_run("--lift", lift or (), (one.start for one in lifts), duration)
     options.require(robot, WORLDS[obeyed.world][1], leaving)
-    setup = _set_up(robot, feet, on.read(), lifts)
-    if shown:
-        setup, happens = _with_events(setup, happens, console)
-    model, terrain, q, plan = setup
-    allocation = _allocation(setup, mu, said)
+    setup, shows = _set_up(robot, feet, on.read(), lifts), list[str]()
     with plain_console(stderr=True, quiet=leaving.as_json).status(
         "asking whether it can stand (a first run compiles)"
     ):
+        if shown:
+            setup, happens, shows = _with_events(setup, happens)
         statics = _statics(setup, mu, *carried)
-    say(console, *(phase["text"] for phase in statics))
+    model, terrain, q, plan = setup
+    allocation = _allocation(setup, mu, said)
+    say(console, *shows, *(phase["text"] for phase in statics))
     if not all(phase["possible"] for phase in statics) and not anyway:
         if leaving.as_json:
             named = {"robot": model.name, "mass": model.mass}
@@ -115,8 +115,8 @@ def _set_up(name: str | None, feet: str | None, terrain: Any, lifts: list[Any]) 
     return _Setup(robot, terrain, q, StandingPlan(robot, terrain, q, lifts))
 
 
-def _with_events(setup: _Setup, happens: Any, console: Any) -> tuple[_Setup, Any]:
-    """Return what a stand shows of which nothing is asked: cones at work under a push, and on fewer feet."""
+def _with_events(setup: _Setup, happens: Any) -> tuple[_Setup, Any, list[str]]:
+    """Return what a stand shows of which nothing is asked, also in words: a push, and a foot lifted."""
     from surefoot.control.standing_plan import Lift, StandingPlan
     from surefoot.simulation.scenario import Push
     from surefoot.spatial import GRAVITY
@@ -132,8 +132,8 @@ def _with_events(setup: _Setup, happens: Any, console: Any) -> tuple[_Setup, Any
         if all(phase["possible"] for phase in _statics(lifted, happens.mu, 0.0, (0.0, 0.0, 0.0))):
             setup = lifted
             text += f", {lift.foot} in the air from {lift.start:g} to {lift.end:g} s"
-    say(console, f"{text} (--push, --lift, --payload, --terrain or --scenario say what happens instead)")
-    return setup, replace(happens, pushes=[Push(start, (0.0, force, 0.0), seconds)])
+    text += " (--push, --lift, --payload, --terrain or --scenario say what happens instead)"
+    return setup, replace(happens, pushes=[Push(start, (0.0, force, 0.0), seconds)]), [text]
 
 
 def _allocation(setup: _Setup, mu: float, said: ScenarioFile) -> Any:

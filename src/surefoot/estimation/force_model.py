@@ -149,8 +149,9 @@ class ForceModel:
         if log.sensor is None:
             raise ProblemError("a fit needs a force sensor: columns NAME_x, NAME_y and NAME_z [N]")
         motion = leg_motion(robot, log)
-        turn, reading = _axes(motion, log), log.sensor
-        still = _statics(motion, log) @ turn.T
+        statics, reading = _statics(motion, log), log.sensor
+        turn = _axes(statics, reading)
+        still = statics @ turn.T
 
         def loss(X: FloatArray, late: int = 0) -> float:
             left, X = reading - _later(still, late), _later(X, late)
@@ -160,17 +161,18 @@ class ForceModel:
         length = min(LENGTHS, key=lambda one: loss(tried[one]))
         most = round(LATEST / log.dt)
         late = min(range(-most, most + 1), key=lambda rows: loss(tried[length], rows))
-        return cls._fitted(robot, motion, log, turn, length, late)
+        X, left = _later(tried[length], late), reading - _later(still, late)
+        model = cls._fitted(robot, motion.joints, X, left, turn, length, late * log.dt)
+        return dataclasses.replace(model, notes=model._told(motion, log))
 
     @classmethod
     def _fitted(
-        cls, robot: Robot, motion: LegMotion, log: LegLog, turn: FloatArray, length: float, late: int
-    ) -> ForceModel:
-        """Return the model with what parts of the recording say that are left out."""
-        X, y = _terms(motion, log, length), np.asarray(log.sensor)
-        X, left = _later(X, late), y - _later(_statics(motion, log) @ turn.T, late)
-        cuts = np.linspace(0, len(y), PARTS + 1).astype(int)
-        whole, free, unseen = _ridge(X, left), _ridge(X, left, FREE), np.empty_like(y)
+        cls, robot: Robot, joints: tuple[str, ...], X: FloatArray, left: FloatArray, turn: FloatArray,
+        length: float, delay: float,
+    ) -> ForceModel:  # fmt: skip
+        """Return the model of what statics leave over (T, 3), by terms (T, m), for all parts but one each."""
+        cuts = np.linspace(0, len(left), PARTS + 1).astype(int)
+        whole, free, unseen = _ridge(X, left), _ridge(X, left, FREE), np.empty_like(left)
         fits, others = [], []
         for a, b in pairwise(cuts):
             seen, target = (np.delete(values, slice(a, b), axis=0) for values in (X, left))
@@ -181,13 +183,12 @@ class ForceModel:
         doubt = _doubt(X, parts, noise)
         wandering = np.add.reduceat(unseen, cuts[:-1]) ** 2 / np.diff(cuts)[:, None] ** 2
         known = np.add.reduceat(doubt**2 - noise**2, cuts[:-1]) / np.diff(cuts)[:, None]
-        model = cls(
-            robot, turn, whole[:, -1], late * log.dt, length, whole, parts, noise,
+        return cls(
+            robot, turn, whole[:, -1], delay, length, whole, parts, noise,
             np.sqrt(np.maximum(0.0, (wandering - known).mean(axis=0))),
             np.sqrt((unseen**2).mean(axis=0)), np.quantile(np.abs(unseen) / doubt, 0.95, axis=0),
-            _joint_terms(free, np.array(others), X, turn, motion.joints),
+            _joint_terms(free, np.array(others), X, turn, joints),
         )  # fmt: skip
-        return dataclasses.replace(model, notes=model._told(motion, log))
 
     def _told(self, motion: LegMotion, log: LegLog) -> tuple[str, ...]:
         """Return what was found about the log, a line each."""
@@ -282,9 +283,8 @@ def _statics(motion: LegMotion, log: LegLog) -> FloatArray:
     return np.asarray(np.einsum("tij,tj->ti", motion.lever, motion.needed - log.smooth(log.tau, QUICK)))
 
 
-def _axes(motion: LegMotion, log: LegLog) -> FloatArray:
-    """Return (3, 3) the sensor's axes (the rotation that carries statics to its readings best [-])."""
-    f, y = _statics(motion, log), np.asarray(log.sensor)
+def _axes(f: FloatArray, y: FloatArray) -> FloatArray:
+    """Return (3, 3) the sensor's axes: the rotation that carries statics (T, 3) to readings (T, 3) best."""
     f, y = f - f.mean(axis=0), y - y.mean(axis=0)
     U, _, V = np.linalg.svd(y.T @ f)
     return np.asarray(U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V)

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.estimation.ground_plane import GroundPlane
-from surefoot.estimation.tosses import Tosses
+from surefoot.estimation.tosses import Tosses, pose_differences
 from surefoot.stepping import falling_impact as layout
 from surefoot.stepping.falling import throw
 from surefoot.stepping.falling_tree import FallingBody
@@ -87,18 +87,16 @@ class TossFlight:
 
     def corrected(self, tree: FallingBody, gravity: float) -> FloatArray:
         """Return the first states (B, nq + nv) of another body, by one more Gauss-Newton step."""
-        off = self._off(self.starts, tree, gravity)
-        moment = np.zeros((len(self.starts), 2 * self._nv))
-        np.add.at(moment, self._owner, np.einsum("nik,ni->nk", self._J, off))
-        change = -np.einsum("bkl,bl->bk", self.covariance, moment)
+        change = -self._told(self._off(self.starts, tree, gravity))
         change[self.used == 0] = 0.0
         return self._moved(self.starts, change)
 
     def apart(self, poses: FloatArray) -> FloatArray:
         """Return how far the first states (B, 2 nv) of other motions are, from poses in the rows used."""
-        recorded = self._tosses.poses[self._rows]
-        turn = Rotation.from_quat(poses[:, 3:7]) * Rotation.from_quat(recorded[:, 3:7]).inv()
-        off = np.hstack([poses[:, :3] - recorded[:, :3], turn.as_rotvec(), poses[:, 7:] - recorded[:, 7:]])
+        return self._told(pose_differences(poses, self._tosses.poses[self._rows]))
+
+    def _told(self, off: FloatArray) -> FloatArray:
+        """Return the change of the first states (B, 2 nv) that explains (rows, nv) differences best."""
         moment = np.zeros((len(self.starts), 2 * self._nv))
         np.add.at(moment, self._owner, np.einsum("nik,ni->nk", self._J, off))
         return np.asarray(np.einsum("bkl,bl->bk", self.covariance, moment))
@@ -162,10 +160,8 @@ class TossFlight:
         recorded = self._tosses.poses[self._rows]
         lost = ~np.isfinite(poses).all(axis=1)  # a step that went too far
         poses[lost] = recorded[lost] + np.eye(self._nv + 1)[0]
-        poses[lost, :3] += SKY
-        turn = Rotation.from_quat(poses[:, 3:7]) * Rotation.from_quat(recorded[:, 3:7]).inv()
-        away = poses[:, :3] - SKY - recorded[:, :3]
-        return np.hstack([away, turn.as_rotvec(), poses[:, 7:] - recorded[:, 7:]])
+        poses[~lost, :3] -= SKY
+        return pose_differences(poses, recorded)
 
     def _moved(self, starts: FloatArray, change: FloatArray) -> FloatArray:
         """Return states with (B, 2 nv) added, turns in world axes."""

@@ -228,27 +228,30 @@ def identify(
     if wide:
         notes.append(f"{simulator.name}: the tosses hardly tell {', '.join(wide)}")
     width, poses = found.body.width, simulator.rollout(values, scene)
-    test_poses = None if others is None else simulator.rollout(values, found.scene(others))
+    judged, test_scene, test_poses, test_errors = tosses, scene, None, None
+    if others is not None:
+        judged, test_scene = others, found.scene(others)
+        test_poses = simulator.rollout(values, test_scene)
+        test_errors = toss_errors(others, test_poses, width, found.before(others))
     return TossFit(
-        simulator.name, fitted | found.parameters, toss_errors(tosses, poses, width, before),
-        None if others is None or test_poses is None else toss_errors(
-            others, test_poses, width, found.before(others)
-        ),
-        poses, test_poses, found, _impacts(tosses, others, found, simulator, values),
+        simulator.name, fitted | found.parameters, toss_errors(tosses, poses, width, before), test_errors,
+        poses, test_poses, found,
+        _impacts((tosses, scene), (judged, test_scene), found.flight, simulator, values),
         found.flight.position_noise, found.flight.rotation_noise,
         count / len(tosses), time.perf_counter() - begin, tuple(notes),
     )  # fmt: skip
 
 
 def _impacts(
-    tosses: Tosses, others: Tosses | None, found: BodyFit, simulator: TossModel, values: FloatArray
-) -> ImpactFit | None:
-    """Judge a law by impacts; its own spread is fitted to the tosses that it was fitted to."""
-    noise = found.flight.position_noise, found.flight.rotation_noise
+    fitted: tuple[Tosses, TossScene], others: tuple[Tosses, TossScene], flight: TossFlight,
+    simulator: TossModel, values: FloatArray,
+) -> ImpactFit | None:  # fmt: skip
+    """Judge a law by impacts in other tosses, or the same; its own spread is that in the fitted ones."""
+    noise = flight.position_noise, flight.rotation_noise
     if not noise[0] > 0.0:
         return None
-    seen = first_impacts(tosses, found.scene(tosses), simulator, values, noise)
-    judged = seen if others is None else first_impacts(others, found.scene(others), simulator, values, noise)
+    seen = first_impacts(*fitted, simulator, values, noise)
+    judged = seen if others[0] is fitted[0] else first_impacts(*others, simulator, values, noise)
     if seen is None or judged is None or len(seen.which) < LEAST:
         return None
     logs = judged.likelihood(seen.spreads())

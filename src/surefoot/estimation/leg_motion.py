@@ -16,6 +16,7 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 from surefoot.log.csv_file import source
 from surefoot.robot import Robot
+from surefoot.text_files import path_of
 
 LEAST = 100
 """Rows of the shortest log."""
@@ -68,7 +69,7 @@ def read_leg_log(path: str | Path) -> LegLog:
         If columns are missing, rows are not evenly spaced, or numbers are not finite.
     """
     try:
-        columns = source(Path(path)).topics[""].fields
+        columns = source(path_of(path)).topics[""].fields
     except OSError as error:
         raise ProblemError(f"{path} cannot be read: {error.strerror}") from error
     names = tuple(name[2:] for name in columns if name.startswith("q_") and f"tau_{name[2:]}" in columns)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.errors import ProblemError
-from surefoot.estimation.tosses import Tosses
+from surefoot.estimation.tosses import Tosses, pose_differences
 
 LOST = 10.0
-"""Error in widths of a toss whose simulation did not stay finite."""
+"""Error, and deviation, in widths of what did not stay finite."""
 EARLY = 0.034
 """Time after the first touch at which errors are told [s]: five frames of a camera of 148 Hz."""
 
@@ -41,10 +40,9 @@ def deviations(tosses: Tosses, poses: FloatArray, width: float, arm: float) -> F
 
     A turn counts by the way of an arm [m], so that the square of a row is the corners' mean square distance.
     """
-    away = poses[:, :3] - tosses.states[:, :3]
-    turn = Rotation.from_quat(poses[:, 3:7]) * Rotation.from_quat(tosses.states[:, 3:7]).inv()
-    joints = poses[:, 7:] - tosses.poses[:, 7:]
-    return np.hstack([away, arm * turn.as_rotvec(), arm * joints]) / width
+    out = pose_differences(poses, tosses.poses)
+    out[:, 3:] *= arm
+    return out / width
 
 
 def toss_errors(

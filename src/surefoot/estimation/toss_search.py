@@ -20,6 +20,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.estimation.thrown_body import TossParameter
+from surefoot.estimation.toss_errors import LOST
 
 FLOOR = 1e-3
 """Least median error [widths] that the robust loss takes."""
@@ -29,8 +30,6 @@ SAME = 3e-4
 """Relative decrease of the loss that ends a search."""
 DAMP, LESS, MORE = 1e-3, 0.1, 10.0
 """First damping, and its change after a step that helped and one that did not."""
-LOST = 10.0
-"""Deviation in widths of what did not stay finite."""
 
 
 class SearchResult(NamedTuple):

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.errors import ProblemError
@@ -164,6 +165,12 @@ class Tosses:
         rows = np.concatenate([a + np.arange(n) for a, n in zip(self.starts[:-1], frames, strict=True)])
         cut = np.concatenate([[0], np.cumsum(frames)])
         return Tosses(self.states[rows], cut, self.dt, self.ids, self.cube)
+
+
+def pose_differences(poses: FloatArray, recorded: FloatArray) -> FloatArray:
+    """Return (N, 6 + joints) how far poses (N, 7 + joints) are from others: ways [m], turns, joints [rad]."""
+    turn = Rotation.from_quat(poses[:, 3:7]) * Rotation.from_quat(recorded[:, 3:7]).inv()
+    return np.hstack([poses[:, :3] - recorded[:, :3], turn.as_rotvec(), poses[:, 7:] - recorded[:, 7:]])
 
 
 def _indices(name: str, value: Any) -> IntArray:

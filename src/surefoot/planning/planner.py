@@ -73,7 +73,7 @@ def plan(
         Of a jump: where to, from straight ahead to the left, and by how much the robot turns to the left on
         the way [rad].
     terrain
-        Of a jump: a plane, stairs or a pit; None for flat ground.
+        Of a jump: a plane; None for flat ground.
     tell
         Called with every `Iteration`.
 

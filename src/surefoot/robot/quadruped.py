@@ -10,6 +10,8 @@ from surefoot.robot.robot import Robot
 
 TRUNK_DEPTH = 0.3
 """Half the height of the box that stands for the trunk, as a share of its half length."""
+NEAR, PARALLEL = 1e-3, 0.99
+"""How far a joint may be from the mirror image of another [m], and least cosine between their axes."""
 
 
 def quadruped_order(robot: Robot) -> list[int]:
@@ -89,7 +91,7 @@ def mirrored_joints(robot: Robot) -> tuple[IntArray, FloatArray]:
         turned = axis * [-1.0, 1.0, -1.0]
         far = np.linalg.norm(places - image[k], axis=1)
         along = axes @ turned
-        good = (far < 1e-3) & (np.abs(along) > 0.99)
+        good = (far < NEAR) & (np.abs(along) > PARALLEL)
         if not good.any():
             raise ModelError(f"{robot.name} is not symmetric: {robot.joint_names[k]} has no mirror image")
         other[k] = int(np.flatnonzero(good)[0])

@@ -66,38 +66,38 @@ def play(
         (slots + 2, `LANES`) to work in; its last two rows are zeros and ones.
     """
     count, size = given.shape[0], len(table)
-    held = np.empty(8)
-    for first in range(0, count, 8):
-        lanes = min(8, count - first)
+    held = np.empty(LANES)
+    for first in range(0, count, LANES):
+        lanes = min(LANES, count - first)
         for k in range(size):
             code, to, one, two = table[k, 0], table[k, 1], table[k, 2], table[k, 3]
             # into `held` first: what is read and what is written may be one row
             if code == 5:
-                for j in range(8):
+                for j in range(LANES):
                     held[j] = work[one, j] * work[two, j]
             elif code == 3:
-                for j in range(8):
+                for j in range(LANES):
                     held[j] = work[one, j] + work[two, j]
             elif code == 4:
-                for j in range(8):
+                for j in range(LANES):
                     held[j] = work[one, j] - work[two, j]
             elif code == 1:
                 for j in range(lanes):
                     found[first + j, to] = work[one, j]
                 continue
             elif code == 0:
-                for j in range(8):
+                for j in range(LANES):
                     held[j] = given[first + min(j, lanes - 1), one]
             elif code == 2:
                 held[:] = constants[k]
             elif code == 6:
-                for j in range(8):
+                for j in range(LANES):
                     held[j] = work[one, j] / work[two, j]
             else:
-                for j in range(8):
+                for j in range(LANES):
                     x = work[one, j]
                     held[j] = np.sqrt(x) if code == 7 else np.sin(x) if code == 8 else np.cos(x)
-            for j in range(8):
+            for j in range(LANES):
                 work[to, j] = held[j]
 
 

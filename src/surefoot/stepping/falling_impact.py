@@ -18,6 +18,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.cholesky import solve_lower, solve_upper
+from surefoot.numerics.vectors import advance
 from surefoot.solvers.compiled import UNSOLVED, solve_compiled
 
 MU, RESTITUTION, POISSON, TANGENTIAL, GROWTH = range(5)
@@ -77,10 +79,7 @@ def exchange(
         packed[m, 3 * i + 2] += _shift(law, gaps[near[i]], u[2], arrives, t)
         poisson |= arrives and law[POISSON] > 0.0
     for i in range(m):  # the rows of J L⁻ᵀ
-        for r in range(nv):
-            for c in range(r):
-                J[i, r] -= L[r, c] * J[i, c]
-            J[i, r] /= L[r, r]
+        solve_lower(L, J[i])
     for i in range(m):
         for j in range(i + 1):
             total = 0.0
@@ -94,13 +93,10 @@ def exchange(
         done = max(done, solve_compiled(packed[:m], packed[m:], TOLERANCE, ITERATIONS, 0, buffer))
         impulses += buffer[:n]
     change = np.zeros(nv)  # v += L⁻ᵀ Yᵀ λ
-    for r in range(nv - 1, -1, -1):
-        for i in range(m):
-            change[r] += J[i, r] * impulses[i // 3, i % 3]
-        for c in range(r + 1, nv):
-            change[r] -= L[c, r] * change[c]
-        change[r] /= L[r, r]
-        v[r] += change[r]
+    for i in range(m):
+        advance(change, impulses[i // 3, i % 3], J[i])
+    solve_upper(L, change)
+    advance(v, 1.0, change)
     return done < UNSOLVED
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
 
 
 class FallingBody(NamedTuple):
@@ -219,26 +220,15 @@ def dynamics(body: FallingBody, at: Placed, v: FloatArray, gravity: FloatArray) 
                 at.f[r] += m * at.Jc[k, r] * force[k] + at.Jw[k, r] * moment[k]
                 for c in range(r + 1):
                     at.M[r, c] += m * at.Jc[k, r] * at.Jc[k, c] + at.Jw[k, r] * turned[k, c]
-    for c in range(nv):  # M = L Lᵀ, in its lower half
-        for r in range(c, nv):
-            total = at.M[r, c]
-            for k in range(c):
-                total -= at.M[r, k] * at.M[c, k]
-            at.M[r, c] = math.sqrt(total) if r == c else total / at.M[c, c]
+    if not cholesky(at.M):  # a state that went too far: lost, and seen to be
+        at.M[:] = np.nan
 
 
 @inline_kernel
 def solve_mass(L: FloatArray, x: FloatArray) -> None:
     """Replace x (nv,) by M⁻¹ x."""
-    n = x.size
-    for r in range(n):
-        for c in range(r):
-            x[r] -= L[r, c] * x[c]
-        x[r] /= L[r, r]
-    for r in range(n - 1, -1, -1):
-        for c in range(r + 1, n):
-            x[r] -= L[c, r] * x[c]
-        x[r] /= L[r, r]
+    solve_lower(L, x)
+    solve_upper(L, x)
 
 
 @kernel

@@ -40,7 +40,7 @@ DESCENT = 0.06
 """Speed of a sole towards the ground at touchdown, as a share of sqrt(g h)."""
 REACH = 0.194
 """How far either side of its middle a flat foot goes while it carries, in heights of the centre of mass: with
-more its heel would have to rise (G1 walks at 0.6 m/s in 20 of 20 seeds, and falls at 0.62)."""
+more its heel would have to rise (of one seed each, G1 walks at 0.6 m/s and falls at 0.62)."""
 PERIOD = 2.0 * math.pi / 1.96
 """Length of a cycle of the gait, in units of sqrt(h / g)."""
 
