@@ -60,7 +60,8 @@ def test_a_flight_begins_no_faster_than_the_joints_allow(name, slow):
     rates = (legs.reach(feet, q[7:]) - q[7:]) / dt
     assert np.abs(rates / robot.speed_limits).max() == pytest.approx(1.0, rel=0.05)
     lift, land = jump(robot, 0.3, 0.0, 0.6).schedule.event_times
-    assert land - lift == pytest.approx(2.0 * QUICK * speed / 9.81 if slow else 0.3 * time_scale(robot))
+    wanted = 2.0 * QUICK * speed / 9.81 if slow else 0.3 * time_scale(robot)
+    assert land - lift == pytest.approx(wanted, rel=1e-3)
 
 
 @pytest.mark.long
