@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +11,6 @@ from surefoot.errors import ProblemError
 from surefoot.sweep import NumberRange, read_sweep, sweep_from_dict
 
 DROP = {"experiment": "drop", "ranges": {"mu": [0.2, 0.8]}}
-IDENTIFIED = {"fit": {"mu": {"value": 0.2, "low": 0.18, "high": 0.21, "unit": ""},
-                      "restitution": {"value": 0.1, "low": 0.0, "high": 0.3, "unit": ""},
-                      "odd": {"value": None, "low": None, "high": None}}}  # fmt: skip
 
 
 def drop(**ranges: Any) -> Any:
@@ -103,37 +99,6 @@ def test_files_that_are_no_sweep(text: str, told: str, tmp_path: Path) -> None:
         read_sweep(tmp_path / "a.yaml")
     with pytest.raises(ProblemError, match=r"cannot read .*b.yaml: No such file"):
         read_sweep(tmp_path / "b.yaml")
-
-
-def test_ranges_from_identification(tmp_path: Path) -> None:
-    (tmp_path / "fit.json").write_text(json.dumps(IDENTIFIED))
-    told = {"identified": "fit.json"}
-    config = sweep_from_dict(drop(mu={**told, "widen": 2}, restitution=told), tmp_path)
-    wide, plain = config.space.ranges["mu"], config.space.ranges["restitution"]
-    assert (wide.at(0.0), wide.at(1.0)) == pytest.approx((0.16, 0.22))
-    assert plain == NumberRange(0.0, 0.3)
-    cut = sweep_from_dict(drop(restitution={**told, "widen": 9}), tmp_path).space.ranges["restitution"]
-    assert cut == NumberRange(0.0, 1.0)
-    friction = sweep_from_dict(drop(slope={**told, "as": "mu"}), tmp_path).space.ranges["slope"]
-    assert friction == NumberRange(0.18, 0.21)
-
-
-@pytest.mark.parametrize(
-    ("entry", "told"),
-    [
-        ({"identified": "none.json"}, "cannot read"),
-        ({"identified": "text.json"}, "is not what surefoot identify --json writes"),
-        ({"identified": "fit.json", "as": "nu"}, "no value, low and high of nu"),
-        ({"identified": "fit.json", "as": "odd"}, "no value, low and high of odd"),
-        ({"identified": "fit.json", "widen": -1}, "mu.widen must be a number between 0 and 1000"),
-        ({"identified": "fit.json", "wide": 1}, "unknown key 'wide'"),
-    ],
-)
-def test_identification_that_does_not_serve(entry: Any, told: str, tmp_path: Path) -> None:
-    (tmp_path / "fit.json").write_text(json.dumps(IDENTIFIED))
-    (tmp_path / "text.json").write_text("[1]")
-    with pytest.raises(ProblemError, match=told):
-        sweep_from_dict(drop(mu=entry), tmp_path)
 
 
 def test_the_fingerprint_is_of_what_decides_the_results() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.audit.slides import WORST, slide_on, start_slides
 from surefoot.errors import ProblemError
 from surefoot.log import Log
@@ -177,12 +177,16 @@ def log_laws(log: Log) -> Laws:
     sinking, stopping, settling = (
         min(stated(log, name), SOFTEST[name][0]) for name in ("sinking", "stopping", "settling")
     )
-    settled = _SettledDepth(settling / dt)
+    depth, landed = 0.0, -math.inf
     for piece in log.chunks():
-        check.add(piece["forces"], piece["gaps"], piece["contact_velocities"], friction_of(piece), dt)
-        settled.add(piece["gaps"], piece["contact_velocities"])
+        gaps, velocities = piece["gaps"], piece["contact_velocities"]
+        check.add(piece["forces"], gaps, velocities, friction_of(piece), dt)
+        deep, landed = swinging(np.asarray(piece["time"]), gaps, velocities, settling, landed)
+        depth = max(
+            depth, float((-gaps.min(axis=1, initial=0.0) / np.where(deep, SWING_DEPTH, 1.0)).max(initial=0.0))
+        )
     laws = check.laws()
-    if settled.depth <= sinking:
+    if depth <= sinking:
         sinking = max(sinking, laws.penetration_max)
     return replace(laws, sinking=sinking, stopping=stopping)
 
@@ -206,24 +210,25 @@ def friction_of(rows: Any) -> FloatArray:
     return np.asarray(rows["contact_friction"] if "contact_friction" in rows else rows["mu"])
 
 
-class _SettledDepth:
-    """Depth of a motion that comes piece by piece, over `SWING_DEPTH` while contacts may swing [m].
+def swinging(
+    time: FloatArray, gaps: FloatArray, velocities: FloatArray, settling: float, before: float = -math.inf
+) -> tuple[BoolArray, float]:
+    """Return in which rows soft contacts may swing, (T,), and when one of them last landed hard [s].
 
-    They may for so many `rows` from a hard touchdown of one of them.
+    On a body that lands corner after corner each landing drives the others in, and slides them on.
+
+    Parameters
+    ----------
+    time, gaps, velocities
+        (T,) [s], (T, p) [m] and (T, p, 3) contact frames [m/s].
+    settling
+        How long they may from a hard touchdown on [s].
+    before
+        When the last one was before these rows [s].
     """
-
-    def __init__(self, rows: float) -> None:
-        self.rows, self.depth, self._last = rows, 0.0, -math.inf
-
-    def add(self, gaps: FloatArray, velocities: FloatArray) -> None:
-        """Take in the next rows, (T, p) [m] and (T, p, 3) [m/s]."""
-        row = np.arange(len(gaps))
-        hard = ((gaps <= 0.0) & (velocities[..., 2] < -HARD_TOUCHDOWN)).any(axis=1)
-        last = np.maximum.accumulate(np.append(self._last, np.where(hard, row, -math.inf)))[1:]
-        allowed = np.where((row - last <= self.rows) & (self.rows > 0.0), SWING_DEPTH, 1.0)
-        if gaps.size:
-            self.depth = max(self.depth, float((-gaps.min(axis=1) / allowed).max()))
-            self._last = last[-1] - len(gaps)
+    landed = ((gaps <= 0.0) & (velocities[..., 2] < -HARD_TOUCHDOWN)).any(axis=1)
+    last = np.maximum.accumulate(np.append(before, np.where(landed, time, -math.inf)))
+    return np.asarray((time - last[1:] <= settling) & (settling > 0.0)), float(last[-1])
 
 
 class _Check:

@@ -120,7 +120,7 @@ def sweep_from_dict(content: Any, folder: Path | None = None, allow_code: bool =
         if ":" in name
         else make_experiment(name, settings)
     )
-    read = {n: read_range(experiment, n, entry, folder or Path()) for n, entry in entries.items()}
+    read = {n: read_range(experiment, n, entry) for n, entry in entries.items()}
     ranges = {n: read[n] for n in experiment.parameters() if n in read}  # the file's order does not matter
     if isinstance(experiment, FunctionExperiment):
         replace(experiment, **{name: drawn.ends[0] for name, drawn in ranges.items()}).learn()

@@ -1,11 +1,9 @@
-"""Ranges as data: an interval, a choice, or the interval that `surefoot identify --json` wrote."""
+"""Ranges as data: an interval or a choice."""
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, TypeAlias
 
 from surefoot.arrays import real_number
@@ -59,7 +57,7 @@ class TextRange:
 Range: TypeAlias = NumberRange | TextRange
 
 
-def read_range(experiment: SweepExperiment, name: str, entry: Any, folder: Path) -> Range:
+def read_range(experiment: SweepExperiment, name: str, entry: Any) -> Range:
     """Return the range of a parameter as a sweep's file gives it.
 
     Parameters
@@ -67,10 +65,7 @@ def read_range(experiment: SweepExperiment, name: str, entry: Any, folder: Path)
     experiment, name
         Whose parameter it is, and which.
     entry
-        A number; [low, high]; {low, high, scale: linear | log}; {identified: FILE, as: NAME, widen: FACTOR};
-        for texts one of them or a list.
-    folder
-        That files are relative to.
+        A number; [low, high]; {low, high, scale: linear | log}; for texts one of them or a list.
 
     Raises
     ------
@@ -89,13 +84,7 @@ def read_range(experiment: SweepExperiment, name: str, entry: Any, folder: Path)
         raise ProblemError(f"{name} must be [low, high], got {entry!r:.60}")
     if not isinstance(entry, dict):
         entry = {"low": entry, "high": entry}
-    if "identified" in entry:
-        entry = _identified(experiment, name, entry, folder)
-    return _interval(name, entry)
-
-
-def _interval(name: str, entry: dict[str, Any]) -> NumberRange:
-    """Return the interval of {low, high, scale}; whether its ends make sense is the experiment's affair."""
+    # whether the ends make sense is the experiment's affair
     table_of(name, entry, ("low", "high", "scale"), required=("low", "high"))
     ends = [entry[key] for key in ("low", "high")]
     for end in ends:
@@ -109,24 +98,3 @@ def _interval(name: str, entry: dict[str, Any]) -> NumberRange:
     if scale == "log" and low <= 0.0:
         raise ProblemError(f"{name}: a log scale needs low > 0, got {low:g}")
     return NumberRange(low, high, str(scale))
-
-
-def _identified(
-    experiment: SweepExperiment, name: str, entry: dict[str, Any], folder: Path
-) -> dict[str, Any]:
-    """Return the 95 % interval of a fit, widened about its value and cut to what makes sense."""
-    table_of(name, entry, ("identified", "as", "widen", "scale"))
-    file, key = folder / str(entry["identified"]), str(entry.get("as", name))
-    widen = real_number(f"{name}.widen", entry.get("widen", 1.0), low=0.0, high=1e3)
-    try:
-        fit = json.loads(file.read_text(encoding="utf-8"))["fit"]
-        value, low, high = (float(fit[key][part]) for part in ("value", "low", "high"))
-    except OSError as error:
-        raise ProblemError(f"cannot read {file}: {error.strerror}") from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise ProblemError(
-            f"{name}: {file} is not what surefoot identify --json writes: no value, low and high of {key}"
-        ) from error
-    least, most = experiment.limits(name)
-    low, high = max(value - widen * (value - low), least), min(value + widen * (high - value), most)
-    return {"low": low, "high": high, "scale": entry.get("scale", "linear")}

@@ -17,7 +17,6 @@ from surefoot.viz.plots import (
     MOST_POINTS,
     draw_cone_use,
     draw_normal_forces,
-    draw_step_times,
     draw_torques,
     mark_events,
     thinned,
@@ -144,7 +143,6 @@ def draw_walk(log: Log, folder: Path) -> list[Path]:
         draw_normal_forces(_end(log), folder / "normal_forces.png"),
         draw_path(log, folder / "path.png"),
         draw_torques(log, folder / "torques.png"),
-        draw_step_times(log, folder / "step_times.png"),
     ]
 
 
