@@ -13,8 +13,7 @@ from surefoot.arrays import whole_number
 from surefoot.errors import ProblemError, check_name
 from surefoot.sweep.experiment import SweepExperiment, make_experiment
 from surefoot.sweep.function import FunctionExperiment, experiment_of
-from surefoot.sweep.ranges import read_range
-from surefoot.sweep.space import MOST, Space
+from surefoot.sweep.space import MOST, Space, read_range
 from surefoot.text_files import path_of, read_yaml, table_of
 
 _KEYS = ("experiment", "samples", "seed", "settings", "ranges", "maps")

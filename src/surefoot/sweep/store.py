@@ -15,7 +15,7 @@ from typing import Any
 
 from surefoot.errors import ProblemError, WriteError, needs
 from surefoot.sweep.config import SweepConfig
-from surefoot.sweep.ranges import TextRange
+from surefoot.sweep.space import TextRange
 from surefoot.sweep.worker import Row
 
 TABLE, ROWS = "samples.parquet", "sweep.sqlite"

@@ -12,7 +12,7 @@ from scipy.stats import binomtest
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.sweep.config import SweepConfig
-from surefoot.sweep.ranges import TextRange
+from surefoot.sweep.space import TextRange
 from surefoot.sweep.worker import CRASHED, DONE, ERROR
 
 BINS = 8

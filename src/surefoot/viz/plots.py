@@ -12,7 +12,6 @@ from surefoot.audit.motion import foot_forces, tilt_angles
 from surefoot.audit.pressure import sole_pressures
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
-from surefoot.viz.ranges import at_least, mark_worst, most_of
 from surefoot.viz.shapes import ring, runs_of
 from surefoot.viz.style import (
     BAD,
@@ -20,7 +19,10 @@ from surefoot.viz.style import (
     GROUND,
     INK,
     MUTED,
+    at_least,
     draw_columns,
+    mark_worst,
+    most_of,
     new_axis,
     new_figure,
     new_grid,

@@ -21,7 +21,6 @@ from surefoot.viz.plots import (
     mark_events,
     thinned,
 )
-from surefoot.viz.ranges import mark_worst, most_of
 from surefoot.viz.shapes import runs_of
 from surefoot.viz.style import (
     BAD,
@@ -30,6 +29,8 @@ from surefoot.viz.style import (
     INK,
     MUTED,
     draw_columns,
+    mark_worst,
+    most_of,
     new_axis,
     new_panels,
     save,
