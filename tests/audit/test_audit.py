@@ -267,20 +267,6 @@ def test_a_slow_slide_without_friction_is_found_however_slow() -> None:
     assert report.laws_broken == ("dissipation",)
 
 
-def test_friction_from_a_log() -> None:
-    log = _long(2000)
-    forces, v = np.array(log["forces"]), np.array(log["contact_velocities"])
-    forces[:1000, 0, 0] = 0.3 * GRAVITY  # sticks on 0.3
-    v[1000:, 0, 0], forces[1000:, 0, 0] = -0.1, 0.55 * GRAVITY  # slides on 0.55
-    slid = changed(log, forces=forces, contact_velocities=v, mu=np.full(2000, 0.55))
-    (interval,) = sf.audit_log(slid).friction
-    assert 0.546 <= interval.low <= 0.55 <= interval.high <= 0.554
-    assert interval.slid == pytest.approx(1.0, abs=2e-3)
-    (never,) = sf.audit_log(changed(slid, contact_velocities=np.zeros((2000, 1, 3)))).friction
-    assert never.high == np.inf
-    assert never.low == pytest.approx(0.55, abs=4e-3)
-
-
 def test_a_foot_that_comes_to_rest_tells_nothing_from_above() -> None:
     """MuJoCo stops a landing foot in a few milliseconds, with less than all of its friction (mu 0.6 here)."""
     log = _long(2000)
