@@ -66,7 +66,8 @@ class StopAtDrop:
         if drop.certain and not self._note:
             self._note = (
                 f"stopped from {view.time:.2f} s on: a foot found the ground {1e3 * drop.depth:.0f} mm "
-                f"lower, and drops of more than {1e3 * DROP * self._height:.0f} mm are not taken by touch alone"
+                f"lower, and drops of more than {1e3 * DROP * self._height:.0f} mm are not taken by "
+                "touch alone"
             )
         return Request(
             velocity=self._to_the_middle(view) if self._standing else np.zeros(3), hold=self._standing,
