@@ -6,6 +6,7 @@ pictures stay there to be looked at.
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -18,7 +19,6 @@ pytest.importorskip("viser", reason="viser is not installed: pip install -e '.[l
 
 import surefoot as sf
 from benchmarks.browser import Browser, Tab, find_chromium
-from benchmarks.lab import pixel, settled
 from benchmarks.problems.logged_runs import CleanRun
 from surefoot.audit import audit_log
 from surefoot.lab.cone import SCALE, ConePage
@@ -57,6 +57,33 @@ def folder(tmp_path: Path) -> Path:
 
 def shown(tab: Tab, text: str) -> None:
     tab.wait_for(f"document.body.innerText.includes({text!r})", PATIENCE)
+
+
+def settled(server: LabServer, seconds: float = 20.0) -> Session:
+    """Return the first viewer's session as soon as it has drawn."""
+    patience = time.monotonic() + seconds
+    while not (server.sessions and next(iter(server.sessions.values())).draws):
+        if time.monotonic() > patience:
+            raise TimeoutError("no viewer has come")
+        time.sleep(0.02)
+    return next(iter(server.sessions.values()))
+
+
+def pixel(tab: Tab, session: Session, place: np.ndarray) -> tuple[float, float]:
+    """Return where a (3,) place [m] is in the window of the browser [pixels]."""
+    camera = session.client.camera
+    forward = np.asarray(camera.look_at) - camera.position
+    forward = forward / np.linalg.norm(forward)
+    right = np.cross(forward, camera.up_direction)
+    right = right / np.linalg.norm(right)
+    ray = np.asarray(place) - camera.position
+    ahead, across, up = float(ray @ forward), float(ray @ right), float(ray @ np.cross(right, forward))
+    box = tab.ask(
+        "(() => { const b = document.querySelector('canvas').getBoundingClientRect();"
+        " return [b.left, b.top, b.width, b.height]; })()"
+    )
+    scale = 0.5 * box[3] / math.tan(0.5 * float(camera.fov)) / ahead
+    return box[0] + 0.5 * box[2] + scale * across, box[1] + 0.5 * box[3] - scale * up
 
 
 def drawn(tab: Tab, path: Path, colour: tuple[int, int, int], least: int) -> None:

@@ -28,7 +28,7 @@ def walk(
         str | None,
         typer.Option(
             help="stand, trot, walk, pace, bound, flying_trot (on two feet stand, walk), auto (by speed), "
-            "or one of the scenario's gait_file; None for trot, on two feet walk."
+            "None for trot, on two feet walk."
         ),
     ] = None,
     planner: Annotated[
@@ -140,8 +140,8 @@ def _contact_implicit(task: _WalkTask) -> Any:
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
     from surefoot.simulation.actuated import equipped
 
-    if task.gait not in (None, "trot") or task.said.gait_file is not None or task.said.period is not None:
-        raise ProblemError("--planner contact-implicit takes no --gait, gait_file or period")
+    if task.gait not in (None, "trot") or task.said.period is not None:
+        raise ProblemError("--planner contact-implicit takes no --gait or period")
     if not task.wired.plain:
         raise ProblemError(
             "--planner contact-implicit takes no --commands, --dropout, control_rate or latency"
@@ -154,12 +154,8 @@ def _learned(planner: str, learned: Learned, task: _WalkTask) -> Any:
     """Return a policy; it has a gait of its own."""
     from surefoot.simulation.actuated import equipped
 
-    if (
-        planner != "convex"
-        or task.gait is not None
-        or not {"gait_file", "period"}.isdisjoint(task.said.given)
-    ):
-        raise ProblemError("--policy takes no --planner, --gait, gait_file or period: it has its own gait")
+    if planner != "convex" or task.gait is not None or "period" in task.said.given:
+        raise ProblemError("--policy takes no --planner, --gait or period: it has its own gait")
     robot = equipped(task.robot, task.actuators)[0]
     return learned.controller(robot, task.command, task.ground, task.wired)
 
@@ -172,19 +168,10 @@ def _file_motors(robot: Any) -> Any:
 
 
 def _schedule(robot: Any, gait: str, said: ScenarioFile) -> Any:
-    """Return a gait's name, or the schedule of a file."""
-    from surefoot.interop.gait_files import read_gaits
-    from surefoot.stance.gait import Gait
+    """Return a gait's name, or the gait of that name with a period of its own."""
     from surefoot.stance.gait_library import named_gait
 
-    if said.gait_file is None:
-        return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)
-    gaits = read_gaits(said.gait_file, len(robot.feet))
-    check_name(f"gait in {said.gait_file}", gait, gaits)
-    schedule = gaits[gait]
-    return (
-        schedule.scaled(said.period) if said.period is not None and isinstance(schedule, Gait) else schedule
-    )
+    return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)
 
 
 def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
