@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from surefoot.arrays import real_number
+from surefoot.cli import parsing
 from surefoot.errors import ProblemError
 from surefoot.simulation.worlds import WORLDS
 
@@ -115,8 +116,6 @@ class Leaving:
 
 def check_numbers(mu: float, duration: float, shortest: float, seed: int | None) -> None:
     """Refuse numbers that no run can have; `shortest` is the least duration that says something [s]."""
-    from surefoot.cli import parsing
-
     parsing.friction("--mu", mu)
     parsing.duration(duration, shortest)
     parsing.seed(seed)
@@ -126,7 +125,6 @@ def scenario_of(
     duration: float, mu: float, push: list[str] | None, seed: int | None, said: ScenarioFile, **more: Any
 ) -> Scenario:
     """Return what happens to the robot, or raise for what lies past the end."""
-    from surefoot.cli import parsing
     from surefoot.simulation.scenario import Ice, IcePatch, Scenario
 
     pushes, given = [parsing.push(text) for text in push or ()], [parsing.ice(entry) for entry in said.ice]

@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import typer
 
-from surefoot.cli import live, options, physics
+from surefoot.cli import live, options, parsing, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.robots import load
@@ -48,7 +48,6 @@ def stand(
 
     Exit code 0 if it stood and no law or limit was broken, 1 if not, 2 for wrong input.
     """
-    from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.control.standing import StandingController
     from surefoot.simulation.faults import Faults

@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from surefoot.cli import live, options, physics, walk_options
+from surefoot.cli import live, options, parsing, physics, walk_options
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.policy import Learned
@@ -60,7 +60,6 @@ def walk(
 
     Exit code 0 if it walked to the end and no law or limit was broken, 1 if not, 2 for wrong input.
     """
-    from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
@@ -185,7 +184,6 @@ def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
 
 def _command(velocity: str, said: ScenarioFile) -> Any:
     """Return the commanded velocity over time."""
-    from surefoot.cli import parsing
     from surefoot.control.walking_body import VelocityCommand
 
     if said.velocity_file is not None:

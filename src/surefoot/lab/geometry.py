@@ -22,8 +22,6 @@ SIDES = 32
 """Sides of the polygon that stands for a circle."""
 CORNERS = 48
 """Corners that every polygon's mesh has: a polygon with fewer repeats its last one."""
-REACH = 1.5
-"""Half the length of the piece of ground that is drawn [m]."""
 CELLS = 60
 """Cells along a side of ground that is no plane."""
 NOTHING: tuple[FloatArray, IntArray] = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
