@@ -21,7 +21,7 @@ import surefoot as sf
 from benchmarks.browser import Browser, Tab, find_chromium
 from benchmarks.problems.logged_runs import CleanRun
 from surefoot.audit import audit_log
-from surefoot.lab.cone import SCALE, ConePage
+from surefoot.lab.cone import ConePage
 from surefoot.lab.controls import Button, Checkbox, Choice, Control, Slider
 from surefoot.lab.page import Page
 from surefoot.lab.push import PushPage
@@ -229,21 +229,3 @@ def test_the_stand_page_is_drawn_and_follows_the_mouse(browser: Browser, folder:
         tab.screenshot(folder / "lab-stand-tipped.png")
         assert tab.errors == []
         assert all(address.startswith(server.url) for address in tab.requests)
-
-
-def test_the_cone_page_is_drawn_and_its_force_is_dragged_out(browser: Browser, folder: Path) -> None:
-    with LabServer(ConePage, port=0) as server:
-        tab = browser.open(server.url)
-        shown(tab, "Sticks")
-        session = settled(server, PATIENCE)
-        assert tab.ask("document.querySelectorAll('svg polygon').length") >= 3
-        drawn(tab, folder / "lab-cone.png", (230, 153, 13), 300)
-        time.sleep(2.0)
-        here, there = (pixel(tab, session, SCALE * np.array([x, 20.0, 80.0])) for x in (35.0, 70.0))
-        path = [
-            (here[0] + s * (there[0] - here[0]), here[1] + s * (there[1] - here[1]))
-            for s in np.linspace(0, 1, 30)
-        ]
-        tab.drag(path, rate=20.0)
-        shown(tab, "Slides or pulls")
-        assert tab.errors == []

@@ -11,8 +11,9 @@ from surefoot.audit.laws import LOADED_SHARE
 from surefoot.audit.motion import foot_forces, tilt_angles
 from surefoot.audit.pressure import sole_pressures
 from surefoot.log import Log
+from surefoot.numerics.phases import runs_of
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
-from surefoot.viz.shapes import ring, runs_of
+from surefoot.viz.shapes import ring
 from surefoot.viz.style import (
     BAD,
     FOOT_COLOURS,
