@@ -1,4 +1,4 @@
-"""What compiled kernels promise by themselves: right derivatives, signs of bad input, one answer by two roads."""
+"""What kernels promise by themselves: right derivatives, signs of bad input, one answer by two ways."""
 
 from __future__ import annotations
 
