@@ -2,7 +2,7 @@
 
 from surefoot.audit.auditor import assert_lawful, audit_log
 from surefoot.audit.checks import CHECKS, Check
-from surefoot.audit.laws import Laws, check_laws, contact_use, log_laws
+from surefoot.audit.laws import Laws, contact_use, log_laws
 from surefoot.audit.pressure import SolePressure, sole_pressures
 from surefoot.audit.report import AuditReport, Finding, FrictionInterval, LawBroken, Violation
 from surefoot.audit.stand import StandSummary, summarise_stand
@@ -27,7 +27,6 @@ __all__ = [
     "WalkSummary",
     "assert_lawful",
     "audit_log",
-    "check_laws",
     "contact_use",
     "log_laws",
     "sole_pressures",

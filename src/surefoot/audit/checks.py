@@ -75,11 +75,6 @@ class Check:
     doubt: Callable[[Log, Setting], str] = lambda log, setting: ""
 
 
-def _no_soles(log: Log, setting: Setting) -> str:
-    soles = "contact_centres" in log.facts and max(np.bincount(setting.owner)) >= 3
-    return "" if soles else "no foot has three contact points"
-
-
 def _penetration(rows: Rows) -> Measured:
     """Depth [m]; while a body tumbles onto soft contacts they drive each other deeper."""
     limit = max(PENETRATION_LIMIT, rows.setting.sinking)
@@ -168,29 +163,6 @@ def _motion(rows: Rows) -> Measured:
     return over(np.nan_to_num(value), MOTION_LIMIT * weight)
 
 
-def _pressure(rows: Rows) -> Measured:
-    """Way of a sole's centre of pressure beyond its edge [m]; judged where a foot has three points."""
-    value = np.zeros((rows.count, rows.points))
-    centres = rows.log.facts.get("contact_centres")
-    for foot in np.unique(rows.setting.owner).tolist():
-        mine = np.flatnonzero(rows.setting.owner == foot)
-        if centres is None or len(mine) < 3:
-            continue
-        value[:, mine] = _beyond(rows.normal[:, mine], np.asarray(centres)[mine, :2], rows.setting.threshold)
-    return over(value, PENETRATION_LIMIT)
-
-
-def _beyond(normal: FloatArray, places: FloatArray, least: float) -> FloatArray:
-    """Return how far the centre of pressure lies outside the hull of (k, 2) places: (T, 1) [m]."""
-    from scipy.spatial import ConvexHull
-
-    total = normal.sum(axis=1)
-    centre = normal @ places / np.where(np.abs(total) > least, total, np.inf)[:, None]
-    hull = ConvexHull(places)
-    outside = (centre @ hull.equations[:, :2].T + hull.equations[:, 2]).max(axis=1)
-    return np.where(np.abs(total) > least, outside, 0.0)[:, None]
-
-
 def _chatter(rows: Rows) -> Measured:
     """Switches between loaded and unloaded in a window, or as many for a force that rings."""
     w = rows.window(CHATTER_WINDOW)
@@ -274,7 +246,6 @@ CHECKS = (
         "dissipation", "what slides is braked in full", "m", True, ("forces", "contact_velocities", "mu"),
         _sliding,
     ),
-    Check("pressure", "soles press inside their edges", "m", True, FORCES, _pressure, _no_soles),
     Check(
         "motion", "forces explain the motion", "N", True, ("forces", "q", "v"), _motion,
         lambda _, setting: setting.why_no_motion,

@@ -177,8 +177,6 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
             f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to "
             f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
         )
-    if "contact_centres" in log.facts and np.shape(log.fact("contact_centres"))[0] != count:
-        raise ProblemError(f"the fact contact_centres must have a row for each of {count} contacts")
     model, why = _robot(log, robot, doubts)
     weight = _weight(log, model, payload, notes, doubts)
     return Setting(

@@ -157,7 +157,7 @@ def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -
 
     On all feet and during every lift, in which the body leans as it would without the payload.
     """
-    from surefoot.cli.stand_output import statics_line
+    from surefoot.cli.run_output import statics_line
     from surefoot.equilibrium.statics import can_stand, friction_needed
     from surefoot.spatial import rotation_from_quaternion
 
@@ -183,13 +183,13 @@ def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -
 def _account(statics: list[dict[str, Any]]) -> Any:
     """Return how a stand is summed up."""
     from surefoot.audit import summarise_stand
-    from surefoot.cli import stand_output
+    from surefoot.cli.run_output import stand_headline, stand_lines, stand_tables
     from surefoot.cli.simulated_run import Account
     from surefoot.viz.plots import draw_run
     from surefoot.viz.report import paragraph
 
     said = "".join(paragraph(phase["text"]) for phase in statics)
     return Account(
-        "standing", summarise_stand, stand_output.headline, stand_output.tables, stand_output.figure_lines,
+        "standing", summarise_stand, stand_headline, stand_tables, stand_lines,
         draw_run, [("Is the stance possible?", said)], {"statics": statics},
     )  # fmt: skip

@@ -7,8 +7,7 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from surefoot.cli import command_options as wires
-from surefoot.cli import knowledge, live, options, physics
+from surefoot.cli import live, options, physics, walk_options
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.policy import Learned
@@ -29,7 +28,7 @@ def walk(
         str | None,
         typer.Option(
             help="stand, trot, walk, pace, bound, flying_trot (on two feet stand, walk), auto (by speed), "
-            "or one of the scenario's gait_file; None for trot, on two feet walk."
+            "None for trot, on two feet walk."
         ),
     ] = None,
     planner: Annotated[
@@ -39,7 +38,7 @@ def walk(
         str, typer.Option(help="VX,VY,WZ: forward, left [m/s], yaw rate [rad/s].")
     ] = "0.5,0,0",
     on: options.Ground,
-    terrain_knowledge: knowledge.TerrainKnowledge = "exact",
+    terrain_knowledge: walk_options.TerrainKnowledge = "exact",
     mu: options.Friction = 0.6,
     push: options.Pushes = None,
     payload: options.Payload = "0",
@@ -73,14 +72,14 @@ def walk(
     options.check_numbers(mu, duration, SHORTEST, seed)
     carried, dropouts = parsing.payload(payload), [parsing.dropout(text) for text in dropout or ()]
     said = ScenarioFile.read(scenario, WALK_KEYS)
-    belief = knowledge.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
+    belief = walk_options.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
     file = robot if physics.is_world(robot, obeyed.world) else None
     settings = physics.world_settings(obeyed, said, mu, file)
     ground = on.read()
     if obeyed.world == "mujoco" and file is None:
         settings.setdefault("substeps", substeps_of(ground, terrain_knowledge))
     command = _command(velocity, said)
-    wired = wires.wiring(commands, dropouts, said)
+    wired = walk_options.wiring(commands, dropouts, said)
     parsing.within_run("--dropout", dropout or (), (start for start, _ in dropouts), duration)
     level = (
         said.noise or 0.0 if said.estimator == "truth" else 0.0
@@ -109,9 +108,9 @@ class _WalkTask(NamedTuple):
     gait: str | None
     said: ScenarioFile
     command: Any
-    belief: knowledge.Beliefs
+    belief: walk_options.Beliefs
     actuators: Any
-    wired: wires.Wiring
+    wired: walk_options.Wiring
 
 
 def _controller(planner: str, task: _WalkTask) -> Any:
@@ -141,8 +140,8 @@ def _contact_implicit(task: _WalkTask) -> Any:
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
     from surefoot.simulation.actuated import equipped
 
-    if task.gait not in (None, "trot") or task.said.gait_file is not None or task.said.period is not None:
-        raise ProblemError("--planner contact-implicit takes no --gait, gait_file or period")
+    if task.gait not in (None, "trot") or task.said.period is not None:
+        raise ProblemError("--planner contact-implicit takes no --gait or period")
     if not task.wired.plain:
         raise ProblemError(
             "--planner contact-implicit takes no --commands, --dropout, control_rate or latency"
@@ -155,12 +154,8 @@ def _learned(planner: str, learned: Learned, task: _WalkTask) -> Any:
     """Return a policy; it has a gait of its own."""
     from surefoot.simulation.actuated import equipped
 
-    if (
-        planner != "convex"
-        or task.gait is not None
-        or not {"gait_file", "period"}.isdisjoint(task.said.given)
-    ):
-        raise ProblemError("--policy takes no --planner, --gait, gait_file or period: it has its own gait")
+    if planner != "convex" or task.gait is not None or "period" in task.said.given:
+        raise ProblemError("--policy takes no --planner, --gait or period: it has its own gait")
     robot = equipped(task.robot, task.actuators)[0]
     return learned.controller(robot, task.command, task.ground, task.wired)
 
@@ -173,19 +168,10 @@ def _file_motors(robot: Any) -> Any:
 
 
 def _schedule(robot: Any, gait: str, said: ScenarioFile) -> Any:
-    """Return a gait's name, or the schedule of a file."""
-    from surefoot.interop.gait_files import read_gaits
-    from surefoot.stance.gait import Gait
+    """Return a gait's name, or the gait of that name with a period of its own."""
     from surefoot.stance.gait_library import named_gait
 
-    if said.gait_file is None:
-        return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)
-    gaits = read_gaits(said.gait_file, len(robot.feet))
-    check_name(f"gait in {said.gait_file}", gait, gaits)
-    schedule = gaits[gait]
-    return (
-        schedule.scaled(said.period) if said.period is not None and isinstance(schedule, Gait) else schedule
-    )
+    return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)
 
 
 def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
@@ -219,9 +205,8 @@ def _start(robot: Any, ground: Any, mu: float, posture: Any) -> Any:
 def _account() -> Any:
     """Return how a walk is summed up."""
     from surefoot.audit import summarise_walk
-    from surefoot.cli import walk_output
+    from surefoot.cli.run_output import walk_headline, walk_lines, walk_tables
     from surefoot.cli.simulated_run import Account
     from surefoot.viz.walk_plots import draw_walk
 
-    said = (walk_output.headline, walk_output.tables, walk_output.figure_lines)
-    return Account("walking", summarise_walk, *said, draw_walk)
+    return Account("walking", summarise_walk, walk_headline, walk_tables, walk_lines, draw_walk)

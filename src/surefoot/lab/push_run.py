@@ -19,8 +19,7 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import SimulationError, SurefootError
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import LOOK_EVERY, TOUCH
-from surefoot.simulation.run_kernels import loaded_feet
+from surefoot.simulation.run import LOOK_EVERY, TOUCH, loaded_feet
 from surefoot.simulation.scenario import Fall
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.world import ContactReading

@@ -11,12 +11,11 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.errors import ProblemError
-from surefoot.log import units
 from surefoot.log.channels import CHANNELS, size_of
 from surefoot.log.doubts import find_doubts
 from surefoot.log.guesses import guess_mapping
 from surefoot.log.log import Log
-from surefoot.log.mapping import LogMapping, Take, mapping_from_yaml, read_mapping
+from surefoot.log.mapping import LogMapping, Take, mapping_from_yaml, read_mapping, unit_factor
 from surefoot.log.source import Source
 from surefoot.spatial import rotation_from_quaternion
 
@@ -129,7 +128,7 @@ class _Build:
         values = np.hstack([numbers for _, numbers in found])
         if self.known[name].shape == ("joints",):
             values = self._picked(name, topic, values)
-        return _Taken(topic, values * (take.scale * units.factor(take.unit, self.known[name])))
+        return _Taken(topic, values * (take.scale * unit_factor(take.unit, self.known[name])))
 
     def _joined(self, name: str, take: Take, found: list[tuple[str, FloatArray]]) -> _Taken:
         """Return numbers from several topics, such as one for each foot, on the clock of the first."""
@@ -139,7 +138,7 @@ class _Build:
         early = np.logical_or.reduce([_latest(self._times(topic), at)[1] for topic, _ in found])
         values = np.hstack(parts)
         values[early] = np.nan
-        return _Taken(first, values * (take.scale * units.factor(take.unit, self.known[name])))
+        return _Taken(first, values * (take.scale * unit_factor(take.unit, self.known[name])))
 
     def _picked(self, name: str, topic: str, values: FloatArray) -> FloatArray:
         """Return the numbers of the joints in the log's order, by the names that the messages bring."""

@@ -20,7 +20,7 @@ from surefoot.robot import Robot, load_robot
 from surefoot.robot.legs import Legs
 from surefoot.robot.motor_limits import MotorLimits, motor_limits
 from surefoot.simulation.faults import scaled_robot
-from surefoot.simulation.link_touches import LinkTouches
+from surefoot.simulation.observers import LinkTouches
 from surefoot.simulation.run import Scenario, run
 from surefoot.simulation.scenario import Fall
 from surefoot.simulation.world import World

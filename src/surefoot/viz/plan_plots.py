@@ -1,8 +1,7 @@
-"""Plots of a plan: who touches when, forces, the base's motion, torques, how the search went."""
+"""Plots of a plan: who touches when, forces, the base's motion, torques."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,12 +11,9 @@ from surefoot.viz.style import BAD, FOOT_COLOURS, INK, draw_columns, new_axis, n
 
 if TYPE_CHECKING:
     from surefoot.planning.plan import Plan
-    from surefoot.planning.tasks.task import Iteration
 
 LEAST_SPAN = 0.02
 """Least range of an axis of positions [m]: a motion of nothing should look like nothing."""
-LEAST_RESIDUAL = 1e-17
-"""Residuals below this are drawn there: a logarithm knows no zero."""
 
 
 def draw_contacts(plan: Plan, path: Path) -> Path:
@@ -97,23 +93,7 @@ def draw_plan_torques(plan: Plan, path: Path) -> Path:
     return save(figure, path)
 
 
-def draw_search(iterations: Sequence[Iteration], path: Path) -> Path:
-    """Draw cost and law residual over the iterations of a search."""
-    figure, (upper, lower) = new_panels(("cost", "law residual"), (8.0, 4.2), "The search", "iteration")
-    count = np.arange(1, len(iterations) + 1)
-    cost, residual = (
-        np.array([getattr(i, name) for i in iterations], dtype=np.float64)
-        for name in ("cost", "law_residual")
-    )
-    upper.plot(count, cost, color=INK, marker=".", ms=3)
-    if (cost > 0.0).all() and np.ptp(np.log10(cost)) > 1.5:
-        upper.set_yscale("log")
-    known = np.isfinite(residual)
-    lower.semilogy(count[known], np.maximum(residual[known], LEAST_RESIDUAL), color=BAD, marker=".", ms=3)
-    return save(figure, path)
-
-
-def draw_plan(plan: Plan, folder: Path, iterations: Sequence[Iteration] = ()) -> list[Path]:
+def draw_plan(plan: Plan, folder: Path) -> list[Path]:
     """Draw every plot of a plan into a folder and return their paths."""
     made = [
         draw_contacts(plan, folder / "contacts.png"),
@@ -122,8 +102,6 @@ def draw_plan(plan: Plan, folder: Path, iterations: Sequence[Iteration] = ()) ->
     ]
     if plan["torques"].shape[1]:
         made.append(draw_plan_torques(plan, folder / "torques.png"))
-    if len(iterations) > 1:
-        made.append(draw_search(iterations, folder / "search.png"))
     return made
 
 

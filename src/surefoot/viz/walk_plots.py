@@ -17,12 +17,10 @@ from surefoot.viz.plots import (
     MOST_POINTS,
     draw_cone_use,
     draw_normal_forces,
-    draw_step_times,
     draw_torques,
     mark_events,
     thinned,
 )
-from surefoot.viz.ranges import mark_worst, most_of
 from surefoot.viz.shapes import runs_of
 from surefoot.viz.style import (
     BAD,
@@ -31,6 +29,8 @@ from surefoot.viz.style import (
     INK,
     MUTED,
     draw_columns,
+    mark_worst,
+    most_of,
     new_axis,
     new_panels,
     save,
@@ -144,7 +144,6 @@ def draw_walk(log: Log, folder: Path) -> list[Path]:
         draw_normal_forces(_end(log), folder / "normal_forces.png"),
         draw_path(log, folder / "path.png"),
         draw_torques(log, folder / "torques.png"),
-        draw_step_times(log, folder / "step_times.png"),
     ]
 
 
