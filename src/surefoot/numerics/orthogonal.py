@@ -20,7 +20,7 @@ RANK_TOLERANCE = 1e-10
 
 @inline_kernel
 def remove_rows(Q: FloatArray, k: int) -> float:
-    """Take what lies along the rows before k, orthonormal, out of row k of Q; return what length is left."""
+    """Take what lies along the rows of Q (p, m) before k, orthonormal, out of row k; return its length."""
     row = Q[k]
     for j in range(k):
         advance(row, -dot(Q[j], row), Q[j])
