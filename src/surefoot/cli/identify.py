@@ -63,6 +63,9 @@ def identify(
     if tosses.suffix in (".csv", ".json"):
         from surefoot.cli.identify_forces import identify_forces
 
+        given = {"--law": law, "--rivals": rivals != NAMED, "--resamples": resamples != 1000, "--seed": seed}
+        if unused := [name for name, changed in given.items() if changed]:
+            raise ProblemError(f"{tosses} is a leg's log: {', '.join(unused)} are of tosses (.npz)")
         return identify_forces(tosses, model, test, out, as_json)
     from surefoot.estimation.toss_model import ThrownModel
     from surefoot.estimation.tosses import read_tosses

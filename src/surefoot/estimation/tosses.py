@@ -182,15 +182,13 @@ def _indices(name: str, value: Any) -> IntArray:
     return array.astype(np.int64)
 
 
-def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
+def read_tosses(path: str | Path) -> Tosses:
     """Read a file of tosses, see the module.
 
     Parameters
     ----------
     path
         The .npz file.
-    cube
-        What was thrown; None for what the file says, and `Cube()` where it says nothing.
 
     Raises
     ------
@@ -213,7 +211,7 @@ def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
             held["states"], held["starts"] = _in_rows(finite_array("states", held["states"], (None,) * 3))
         elif "starts" not in held:
             raise ProblemError("it has no starts, and its states are not (tosses, frames, numbers)")
-        return Tosses(held["states"], held["starts"], float(held["dt"]), ids, cube or Cube(**given))
+        return Tosses(held["states"], held["starts"], float(held["dt"]), ids, Cube(**given))
     except (ProblemError, TypeError) as error:
         raise ProblemError(f"{path} holds no tosses: {error}") from error
     except OSError as error:
