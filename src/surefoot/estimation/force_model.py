@@ -22,17 +22,15 @@ References
 from __future__ import annotations
 
 import dataclasses
-import json
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy import stats
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.errors import ProblemError, WriteError
+from surefoot.errors import ProblemError
 from surefoot.estimation.leg_motion import QUICK, SMOOTH, STEADY, LegLog, LegMotion, leg_motion, read_leg_log
 from surefoot.estimation.ripple import ripple_lines
 from surefoot.numerics.phases import debounced
@@ -53,8 +51,6 @@ SLOW = 0.5
 """Window [s] of what is no ripple."""
 PARTS = 10
 """Parts of the recording that are left out, one after the other."""
-PLAIN = ("delay", "length", "lines", "joints", "notes")
-"""Fields that are no arrays."""
 TOUCHING, LASTING = 2.0, 0.01
 """A foot touches that is pushed by more than this [N] for longer than this [s]."""
 SOON, SAME_POSE = 1.0, 0.01
@@ -261,48 +257,6 @@ class ForceModel:
         first, last = _ends(log)
         apart = min(abs(first[0] - self.ends[1, 0]), abs(last[0] - self.ends[0, 0]))
         return bool(apart < SOON or np.abs(first - self.ends[1])[1:].max() < SAME_POSE)
-
-    def write(self, path: str | Path) -> None:
-        """Write the model as JSON.
-
-        Raises
-        ------
-        WriteError
-            If the file cannot be written.
-        """
-        fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "robot"}
-        try:
-            Path(path).write_text(
-                json.dumps({"force_model": 1, **fields}, default=np.ndarray.tolist, indent=1) + "\n", "utf-8"
-            )
-        except OSError as error:
-            raise WriteError(path, error) from error
-
-    @classmethod
-    def read(cls, path: str | Path, robot: Robot) -> ForceModel:
-        """Return the model that `write` left, for the same robot.
-
-        Raises
-        ------
-        ProblemError
-            If the file is none of a model, or of other joints.
-        """
-        try:
-            held = json.loads(Path(path).read_text("utf-8"))
-            if held.pop("force_model") != 1 or not set(held["joints"]) <= set(robot.joint_names):
-                raise ProblemError(f"{path} is no force model of {robot.name}'s joints {robot.joint_names}")
-            fields: dict[str, Any] = {
-                name: np.array(value) for name, value in held.items() if name not in PLAIN
-            }
-            joints = {j: {t: tuple(v) for t, v in terms.items()} for j, terms in held["joints"].items()}
-            fields |= {
-                "joints": joints,
-                "notes": tuple(held["notes"]),
-                "lines": tuple(map(tuple, held["lines"])),
-            }
-            return cls(robot, **fields, delay=held["delay"], length=held["length"])
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            raise ProblemError(f"{path} holds no force model: {error}") from error
 
 
 def _statics(motion: LegMotion, log: LegLog) -> FloatArray:
