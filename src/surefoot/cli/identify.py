@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -65,9 +66,7 @@ def identify(
         from surefoot.cli.identify_forces import identify_forces
 
         given = {"--law": law, "--rivals": rivals != NAMED, "--resamples": resamples != 1000, "--seed": seed}
-        if unused := [name for name, changed in given.items() if changed]:
-            raise ProblemError(f"{tosses} is a leg's log: {', '.join(unused)} are of tosses (.npz)")
-        return identify_forces(tosses, model, test, out, as_json)
+        return identify_forces(tosses, model, test, out, as_json, given)
     from surefoot.estimation.toss_model import ThrownModel
     from surefoot.estimation.tosses import read_tosses
 
@@ -79,20 +78,20 @@ def identify(
     if others is not None and others.cube != recorded.cube:
         raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
     laws = list(dict.fromkeys(law or ["rigid"]))
-    simulators = [*map(ThrownModel, laws), *_rivals(rivals, test is not None)]
+    models = [*map(ThrownModel, laws), *_rivals(rivals, test is not None)]
     settings = {"model": model, "test": others, "resamples": resamples, "seed": seed}
-    fits = _fits(recorded, simulators, settings, not as_json)
+    fits = _fits(recorded, models, settings, not as_json)
     facts = _facts(fits, laws, recorded, others)
-
-    def draw(folder: Path) -> Path:
-        from surefoot.viz.toss_plots import draw_tosses
-
-        return draw_tosses(recorded, others, fits, folder / "tosses.png")
-
-    facts["picture"], note = drawn(picture, out, "identify", draw)
+    facts["picture"], note = drawn(picture, out, "identify", partial(_draw, recorded, others, fits))
     facts["notes"] += [note] if note else []
     show(facts, as_json, _print)
     return 0
+
+
+def _draw(recorded: Tosses, others: Tosses | None, fits: dict[str, TossFit], folder: Path) -> Path:
+    from surefoot.viz.toss_plots import draw_tosses
+
+    return draw_tosses(recorded, others, fits, folder / "tosses.png")
 
 
 def _rivals(names: str, testing: bool) -> list[Any]:

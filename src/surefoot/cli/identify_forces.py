@@ -19,8 +19,12 @@ if TYPE_CHECKING:
     from surefoot.estimation.leg_motion import LegLog
 
 
-def identify_forces(log: Path, model: Path | None, test: Path | None, out: Path, as_json: bool) -> int:
-    """Fit a leg's forces to a sensor, and tell those of another log."""
+def identify_forces(
+    log: Path, model: Path | None, test: Path | None, out: Path, as_json: bool, given: dict[str, Any]
+) -> int:
+    """Fit a leg's forces to a sensor, and tell those of another log; `given` options mean nothing to it."""
+    if unused := [name for name, changed in given.items() if changed]:
+        raise ProblemError(f"{log} is a leg's log: {', '.join(unused)} are of tosses (.npz)")
     if model is None:
         raise ProblemError(f"{log} is a leg's log: --model must name its URDF or MJCF file")
     require(robot_packages(str(model)))
