@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
 from surefoot.control.controller import Command, JointTargets, RobotState
+from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walker import Walker
 from surefoot.control.walkers import default_gait, walking_controller
 from surefoot.control.walking_body import VelocityCommand
@@ -61,7 +62,8 @@ class RobotLoop:
     mu
         Friction that is believed in [-].
     terrain
-        The ground that is believed in, where the robot stands up at the origin; None for flat.
+        The ground that is believed in, where the robot stands up at the origin; None for flat, "blind" for
+        the plane that its feet find.
     actuators
         What is believed of the motors, see `surefoot.robot.actuators`: "real", "ideal" or a value.
     latency
@@ -110,7 +112,7 @@ class RobotLoop:
         motors: Sequence[str] | None = None,
         gait: str | None = None,
         mu: float = 0.6,
-        terrain: Terrain | None = None,
+        terrain: Terrain | str | None = None,
         actuators: str | Actuators = "real",
         latency: float | None = None,
         limits: ReadingLimits | None = None,
@@ -121,10 +123,12 @@ class RobotLoop:
         self._order, self._back = motor_order(robot, motors)
         self.limits = limits or ReadingLimits()
         self.watch = ReadingWatch(robot, self.dt, self.limits)
-        self.terrain = FlatTerrain() if terrain is None else terrain
+        ground = FlatTerrain() if terrain is None else terrain
+        self.terrain = believed_ground(ground, FlatTerrain()) if isinstance(ground, str) else ground
         self._motors = actuators_of(robot, actuators)
         geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
-        self.tracker = StateTracker(geared, self.dt, None, self.terrain, imu_position, actuators=self._motors)
+        known = None if self.terrain.learns else self.terrain
+        self.tracker = StateTracker(geared, self.dt, None, known, imu_position, actuators=self._motors)
         self.postures, self.target_limits = BodyPostures(robot), TargetLimits(robot)
         self._damp = damping_targets(robot, self.dt)
         self._passive = JointTargets(*np.zeros((5, robot.joints)))
@@ -325,12 +329,13 @@ class RobotLoop:
         """Begin to balance where the robot stands."""
         last = self.watch.last
         assert last is not None
-        q = np.concatenate([np.zeros(3), last.quaternion / np.linalg.norm(last.quaternion), last.positions])
-        q[2] = -self.robot.foot_positions(q)[:, 2].mean() + self.robot.contact_points.foot_radii.mean()
-        self.tracker.begin(q)
         for walker, controller in self._balances.values():
             controller.reset()
             walker.steer(np.zeros(3))
+        q = np.concatenate([np.zeros(3), last.quaternion / np.linalg.norm(last.quaternion), last.positions])
+        feet = self.robot.foot_positions(q)
+        q[2] = (self.terrain.height(feet[:, :2]) + self.robot.contact_points.foot_radii - feet[:, 2]).mean()
+        self.tracker.begin(q)
         self.walker, self._controller = self._balances[Mode.STAND]
         self._began, self.mode, self._steered = self.time, Mode.STAND, ()
 

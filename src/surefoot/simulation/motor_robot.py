@@ -78,10 +78,7 @@ class MotorRobot:
 
     def lie_down(self) -> None:
         """Put the robot on its belly, legs folded."""
-        postures, q = BodyPostures(self.robot), self.robot.nominal.copy()
-        q[7:] = postures.way(postures.lie, postures.lie).points[0]
-        q[2] = -min(self.robot.sphere_bottoms(q)) + q[2] + DROP
-        self.reset(q)
+        self.reset(lying(self.robot, self.world.terrain))
 
     def take(self, targets: JointTargets | None) -> None:
         """Take (joints,) targets for the drives; None damps the joints, as when nothing comes any more."""
@@ -109,3 +106,14 @@ class MotorRobot:
         return RobotReadings(
             self.time, attitude, *reading, self.sensors.torques(self.torques)
         )  # fmt: skip
+
+
+def lying(robot: Robot, terrain: Terrain) -> FloatArray:
+    """Return the (nq,) configuration [m, -, rad] of a robot on its belly, just above the ground."""
+    postures, q = BodyPostures(robot), robot.nominal.copy()
+    q[7:] = postures.way(postures.lie, postures.lie).points[0]
+    q[2] = -min(robot.sphere_bottoms(q)) + q[2] + DROP
+    slope = terrain.frame([0.0, 0.0])
+    q[:3] = slope @ q[:3]
+    q[3:7] = quaternion_from_rotation(slope @ rotation_from_quaternion(q[3:7]))
+    return q
