@@ -155,7 +155,7 @@ class WatchedLoop(sf.RobotLoop):
 
 def _walk(end: Any, told: Any, out: Path) -> None:
     """Be the controller: stand up and walk whenever that is possible, until told to end."""
-    wired_loop.clock = SlowClock  # type: ignore[assignment]
+    wired_loop.clock = SlowClock  # type: ignore[attr-defined, assignment]
     robot = sf.load_robot("go2")
     dialect = dialect_of(robot)
     loop = WatchedLoop(robot, motors=dialect.motors)
@@ -209,7 +209,7 @@ def _go_wrong(wired: wired_robot.WiredRobot, fault: str, seed: int, other: int) 
 
 def _suffer(count: int, other: int, told: Any) -> None:
     """Be the robot: walk, let something go wrong, and begin anew."""
-    wired_robot.clock = SlowClock  # type: ignore[assignment]
+    wired_robot.clock = SlowClock  # type: ignore[attr-defined, assignment]
     robot = sf.load_robot("go2")
     dialect, body = dialect_of(robot), WatchedBody(robot)
     with FaultyEnd(dialect, True, "lo", DOMAIN) as wire:

@@ -101,6 +101,6 @@ def drive(
                 except OSError as error:
                     raise WriteError(out, error) from error
     told = f"ended by a fault: {fault}" if fault else f"stood, walked {duration:g} s, and went to {end}"
-    facts = {"fault": fault, "time": loop.time, "balanced": len(log.rows) * loop.dt}
+    facts = {"fault": fault, "balanced": len(log.rows) * loop.dt}
     show(facts, as_json, lambda console, _: say(console, told))
     return 1 if fault else 0

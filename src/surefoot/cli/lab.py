@@ -96,9 +96,9 @@ def _serve(
             if starting.done():
                 starting.result()
             with LabServer(lambda: starting.result()(), host, port) as server:
+                where = f"the page: {server.url}   (Ctrl-C ends)"
                 all_may = "" if host == LOCAL else "everyone who reaches this address can use the page"
-                where = f"the page: {server.url}   (Ctrl-C ends)", all_may
-                show({"url": server.url}, as_json, lambda console, _: say(console, *where))
+                show({"url": server.url}, as_json, lambda console, _: say(console, where, all_may))
                 sys.stdout.flush()
                 while not starting.done():  # in short waits, which a signal can end
                     wait([starting], AT_ONCE)

@@ -22,7 +22,7 @@ from surefoot.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, 
 from surefoot.drive.state_tracker import StateTracker
 from surefoot.drive.target_limits import TargetLimits
 from surefoot.drive.watchdog import damping_targets
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.estimation.state_estimator import Reading
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators, actuators_of
@@ -123,11 +123,11 @@ class RobotLoop:
         self._order, self._back = motor_order(robot, motors)
         self.limits = limits or ReadingLimits()
         self.watch = ReadingWatch(robot, self.dt, self.limits)
-        ground = FlatTerrain() if terrain is None else terrain
-        self.terrain = believed_ground(ground, FlatTerrain()) if isinstance(ground, str) else ground
+        told = terrain or "exact"
+        self.terrain = believed_ground(told, FlatTerrain()) if isinstance(told, str) else told
+        known = None if self.terrain.learns else self.terrain
         self._motors = actuators_of(robot, actuators)
         geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
-        known = None if self.terrain.learns else self.terrain
         self.tracker = StateTracker(geared, self.dt, None, known, imu_position, actuators=self._motors)
         self.postures, self.target_limits = BodyPostures(robot), TargetLimits(robot)
         self._damp = damping_targets(robot, self.dt)
@@ -138,8 +138,10 @@ class RobotLoop:
         made = {name: self._balance(name, mu, latency) for name in dict.fromkeys(names.values())}
         self._balances = {mode: made[name] for mode, name in names.items()}
         self.reset()
-        for walker, controller in made.values():
-            self._warm_up(walker, controller)
+        q, v = robot.nominal, np.zeros(robot.model.nv)
+        start = RobotState(q, v, 0.0, np.ones(len(robot.feet), dtype=bool), v[6:])
+        for _, controller in made.values():
+            controller.warm_up(start)  # compiles or loads all that a step may call
 
     def _balance(self, gait: str, mu: float, latency: float | None) -> tuple[Walker, LatencyCompensation]:
         """Return a controller that balances and what makes joint targets of its commands."""
@@ -148,11 +150,6 @@ class RobotLoop:
             robot, VelocityCommand.constant(0.0), gait, self.terrain, mu, self._motors, dt
         )
         return walker, LatencyCompensation(JointTargetController(walker, robot, dt), robot, dt, latency)
-
-    def _warm_up(self, walker: Walker, controller: LatencyCompensation) -> None:
-        """Compile or load all that a step may call."""
-        q, v = self.robot.nominal, np.zeros(self.robot.model.nv)
-        controller.warm_up(RobotState(q, v, 0.0, np.ones(len(self.robot.feet), dtype=bool), v[6:]))
 
     def reset(self) -> None:
         """Damp, and forget the past."""
@@ -188,9 +185,7 @@ class RobotLoop:
             For what may not follow, with what may; for a posture that is not reached yet, a robot that leans
             too much to stand up, or one whose readings cannot be used.
         """
-        names = ("stand", "walk", "sit", "lie", "damp", "passive")
-        if goal not in names:
-            raise ProblemError(unknown_name("mode", goal, names))
+        check_name("mode", goal, ("stand", "walk", "sit", "lie", "damp", "passive"))
         if goal not in FOLLOWS[self.mode] and goal != self.mode:
             raise ProblemError(f"{self.mode} is followed by {' or '.join(FOLLOWS[self.mode])}, not by {goal}")
         if goal not in POWERLESS:

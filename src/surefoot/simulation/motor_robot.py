@@ -103,9 +103,7 @@ class MotorRobot:
         q, v = self.world.state()
         reading = self.sensors.read(q, v)
         attitude = quaternion_from_rotation(self._error @ rotation_from_quaternion(q[3:7]))
-        return RobotReadings(
-            self.time, attitude, *reading, self.sensors.torques(self.torques)
-        )  # fmt: skip
+        return RobotReadings(self.time, attitude, *reading, self.sensors.torques(self.torques))
 
 
 def lying(robot: Robot, terrain: Terrain) -> FloatArray:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import time as clock
 
-import numpy as np
-
 from surefoot.control.controller import JointTargets
+from surefoot.drive.readings import motor_order
 from surefoot.drive.wire.dialect import Dialect
 from surefoot.drive.wire.link import WireEnd
 from surefoot.simulation.motor_robot import MotorRobot
@@ -41,9 +40,7 @@ class WiredRobot:
 
     def __init__(self, robot: MotorRobot, end: WireEnd, dialect: Dialect, slow: bool = False) -> None:
         self.robot, self.end, self.dialect, self.slow = robot, end, dialect, slow
-        joints = robot.robot.joint_names
-        self._order = np.array([joints.index(name) for name in dialect.motors])
-        self._back = np.argsort(self._order)
+        self._back, self._order = motor_order(robot.robot, dialect.motors)
         self._silent, self._heard, self.damped = 0.0, False, 0
         self._due = clock.perf_counter()
 
