@@ -231,8 +231,10 @@ def suffer(count: int, out: Path, said: Callable[[str], None]) -> dict[str, Any]
     end, (ours, theirs), (mine, his) = context.Event(), context.Pipe(), context.Pipe()
     controller = context.Process(target=_walk, args=(end, theirs, out), daemon=True)
     controller.start()
+    theirs.close()  # who dies ends the pipe
     robot = context.Process(target=_suffer, args=(count, controller.pid, his), daemon=True)
     robot.start()
+    his.close()
     rows = []
     for k in range(count):
         fault, walks, late, right = mine.recv()
