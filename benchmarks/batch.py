@@ -18,7 +18,6 @@ import numpy as np
 import surefoot as sf
 from benchmarks.batch_rivals import jax_sweeps, robots_together, step_derivatives
 from benchmarks.contact.rivals import ITERATIONS, PinocchioCall, Setting
-from benchmarks.mjx_rival import mjx_present, mjx_row
 from benchmarks.timing import least_time
 from surefoot.arrays import FloatArray
 from surefoot.batch.loops import derive_range, solve_range
@@ -169,5 +168,4 @@ def measure(quick: bool = False) -> dict[str, Any]:
     return {
         "problems": count, "modes": dict(modes), "times": times, "velocity_error": velocity,
         "gradient_error": gradient, "step": step, "step_ratio": rival / own, "robots": robots,
-        "mjx": mjx_row(64 if quick else 512, 3)._asdict() if mjx_present() else None,
     }  # fmt: skip

@@ -11,8 +11,7 @@ import mujoco
 import numpy as np
 
 from surefoot.collision import Sphere
-from surefoot.simulation.scene import Body, Scene
-from surefoot.simulation.scene_world import SceneWorld
+from surefoot.simulation.scene import Body, Scene, SceneWorld
 
 STEPS = 100
 

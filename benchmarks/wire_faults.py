@@ -26,8 +26,8 @@ from surefoot.drive.wire import wired_loop
 from surefoot.drive.wire.checksum import checksum
 from surefoot.drive.wire.dialect import dialect_of
 from surefoot.drive.wire.link import WireEnd
-from surefoot.simulation import wired_robot
-from surefoot.simulation.motor_robot import MotorRobot
+from surefoot.simulation import motor_robot
+from surefoot.simulation.motor_robot import MotorRobot, WiredRobot
 
 SLOWER, DOMAIN = 4.0, 94
 """Length of a second of both sides' clock [s], and DDS's domain."""
@@ -177,7 +177,7 @@ def _walk(end: Any, told: Any, out: Path) -> None:
     told.send(loop.torque_use)
 
 
-def _go_wrong(wired: wired_robot.WiredRobot, fault: str, seed: int, other: int) -> tuple[float, bool]:
+def _go_wrong(wired: WiredRobot, fault: str, seed: int, other: int) -> tuple[float, bool]:
     """Let one fault happen; return how long the joints stayed powered [s], and whether that was right."""
     body, end = wired.robot, wired.end
     assert isinstance(body, WatchedBody)
@@ -209,11 +209,11 @@ def _go_wrong(wired: wired_robot.WiredRobot, fault: str, seed: int, other: int) 
 
 def _suffer(count: int, other: int, told: Any) -> None:
     """Be the robot: walk, let something go wrong, and begin anew."""
-    wired_robot.clock = SlowClock  # type: ignore[attr-defined, assignment]
+    motor_robot.clock = SlowClock  # type: ignore[attr-defined, assignment]
     robot = sf.load_robot("go2")
     dialect, body = dialect_of(robot), WatchedBody(robot)
     with FaultyEnd(dialect, True, "lo", DOMAIN) as wire:
-        wired = wired_robot.WiredRobot(body, wire, dialect)
+        wired = WiredRobot(body, wire, dialect)
         for k in range(count):
             if not body.powered:
                 body.reset(robot.nominal)

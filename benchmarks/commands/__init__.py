@@ -10,7 +10,6 @@ from benchmarks.commands import (
     execution,
     faults,
     forces,
-    lab,
     plan,
     rigid,
     softening,
@@ -33,6 +32,6 @@ def bench() -> None:
 for _command in (
     statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
-    lab.lab, stacks.stacks, speeds.speeds, wire.wire,
+    stacks.stacks, speeds.speeds, wire.wire,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

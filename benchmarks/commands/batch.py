@@ -30,15 +30,6 @@ def _print(console: Console, found: dict[str, Any]) -> None:
     for what in ("velocity_error", "gradient_error"):
         errors = ", ".join(f"{name} {error:.1e}" for name, error in found[what].items())
         console.print(f"largest relative {what.replace('_', ' ')}: {errors}")
-    mjx = found["mjx"]
-    if mjx is None:
-        console.print("MJX is not here: pip install 'surefoot[mjx]'", markup=False)
-    else:
-        console.print(
-            f"MJX, a box on four contacts in a batch: a step {1e6 * mjx['step']:.0f} µs, with its Jacobian "
-            f"{1e6 * mjx['both']:.0f} µs; into the ground at {mjx['inward']:.2g} m/s after it; its Jacobian "
-            f"is off by {mjx['error']:.1e}, {mjx['nan']} with NaN, {mjx['zero']} zero"
-        )
     steps = [(name, f"{1e6 * seconds:.0f}") for name, seconds in found["step"].items()]
     console.print(table(("", "µs"), steps, "a step of Go2 on four feet and its derivative"))
     console.print(f"MuJoCo / Surefoot, derivative with its step: {found['step_ratio']:.2f}")

@@ -19,13 +19,13 @@ WIDTH = 126
 QUICK_COUNT, QUICK_INSTANCES, QUICK_STAND = 4, 2, 1.0
 """Of --quick: allocations of each class, instances checked, length of the stand [s]."""
 WEIGHTS = (1e-1, 1e-2, 1e-4)
-"""Force weights of the check against Clarabel."""
+"""Force weights of the check in fifty digits."""
 
 
 def forces(
     quick: Annotated[bool, typer.Option("--quick", help="Few instances, one short stand: seconds.")] = False,
     count: Annotated[int, typer.Option("--count", min=2, help="Allocations of each class.")] = 200,
-    instances: Annotated[int, typer.Option(min=0, help="Random instances checked against Clarabel.")] = 300,
+    instances: Annotated[int, typer.Option(min=0, help="Random instances checked in fifty digits.")] = 300,
     stands: Annotated[
         bool, typer.Option("--stands/--no-stands", help="Simulate stands, to time warm starts along them.")
     ] = True,
@@ -34,7 +34,6 @@ def forces(
     """Compare exact force distribution with cone solvers, and with QP solvers on 4, 8 and 16 facets."""
     from benchmarks.forces.accuracy import measure_accuracy
     from benchmarks.forces.race import run_all
-    from benchmarks.forces.torques import time_torque_limits
     from benchmarks.forces.warm import measure_all
     from benchmarks.problems.allocations import random_instances
 
@@ -46,8 +45,7 @@ def forces(
     with progress.status("timing") as status:
         rows = run_all(count, steps, status.update)
         warm = list(measure_all(_trajectories(steps, stands, quick, progress), status.update))
-        torques = time_torque_limits(count)
-        status.update("checking against Clarabel")
+        status.update("checking in fifty digits")
         checks = {
             weight: measure_accuracy(random_instances(instances), weight) if instances else None
             for weight in WEIGHTS
@@ -56,9 +54,8 @@ def forces(
     def in_words(console: Console) -> None:
         _print(console, rows, checks)
         _print_warm(console, warm)
-        _print_torques(console, torques)
 
-    tables: dict[str, list[Any]] = {"rows": rows, "warm": warm, "torques": torques}
+    tables: dict[str, list[Any]] = {"rows": rows, "warm": warm}
     record: dict[str, Any] = {name: [asdict(row) for row in own] for name, own in tables.items()}
     record["accuracy"] = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
     report(record, json, in_words, WIDTH)
@@ -81,7 +78,7 @@ def _trajectories(
 
 
 def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
-    """Print one table per class of instances, then the check against Clarabel."""
+    """Print one table per class of instances, then the check in fifty digits."""
     names = (
         "cone", "solver", "tol", "median [µs]", "p99", "worst", "solved", "off the cone [N]",
         "lost friction", "from exact [N]", "worst", "wrench error",
@@ -100,15 +97,10 @@ def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
         console.print(table(names, cells, kind, left=2))
     for weight, found in checks.items():
         if found is not None:
-            apart, mine, its = (
-                " / ".join(f"{v:.1e}" for v in values)
-                for values in (found.force_distance, found.error, found.error_clarabel)
-            )
+            error = " / ".join(f"{value:.1e}" for value in found.error)
             console.print(
                 f"{found.instances} random instances, force weight {weight:g}: {found.not_solved} unsolved; "
-                f"objective above Clarabel's by at most {found.objective_excess:.1e} (relative); "
-                f"forces apart by {apart} N (median, p99, worst), more than 1e-5 N in {found.far}; "
-                f"from the optimum in fifty digits {mine} N, Clarabel's {its} N; "
+                f"from the optimum in fifty digits {error} N (median, p99, worst); "
                 f"off the cone by at most {found.cone_violation:.1e} N"
             )
 
@@ -135,13 +127,3 @@ def _print_warm(console: Console, rows: list[Any]) -> None:
 def _times(timing: Any) -> str:
     """Return median and 99th percentile in microseconds."""
     return f"{1e6 * timing.median:.2f}/{1e6 * timing.p99:.2f}"
-
-
-def _print_torques(console: Console, rows: list[Any]) -> None:
-    """Print what torque limits cost, a line per limit."""
-    for row in rows:
-        console.print(
-            f"torque limit {row.limit:g} N·m: binds in {row.binding:.0%}, solved {row.solved:.0%}, "
-            f"worst excess {row.excess:.1e} N·m, {1e6 * row.timing.median:.1f} µs median, "
-            f"{1e6 * row.timing.p99:.1f} µs p99"
-        )

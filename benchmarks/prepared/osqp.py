@@ -66,9 +66,7 @@ class PreparedOsqp(Backend):
             solver.update(Px=P.data, Ax=rows, q=q, l=low, u=high)
             self._rows[key] = rows
 
-    def _run(self, solver: Any, start: FloatArray | None) -> Any:
-        if start is not None:
-            solver.warm_start(x=start)
+    def _run(self, solver: Any) -> Any:
         return solver.solve(raise_error=False)
 
     def read(self, answer: Any) -> Outcome:

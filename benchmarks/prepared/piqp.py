@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import FloatArray
 from surefoot.solvers.backends.backend import Backend
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, dense, pattern
 
@@ -49,7 +48,7 @@ class PreparedPiqp(Backend):
     def _update(self, solver: Any, change: Any) -> None:
         solver.update(*change[1:])
 
-    def _run(self, solver: Any, start: FloatArray | None) -> Any:
+    def _run(self, solver: Any) -> Any:
         return solver.solve(), solver.result
 
     def read(self, answer: Any) -> Outcome:

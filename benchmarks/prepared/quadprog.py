@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
 from surefoot.solvers.backends.backend import Backend
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, dense
 
@@ -25,12 +24,12 @@ class PreparedQuadprog(Backend):
 
     def ready(self, program: ConeProgram) -> Any:
         """Return the pattern, and G, a, C, b and the number of equations as `solve_qp` wants them."""
-        if program.second_order or program.semidefinite:
+        if program.second_order:
             program.two_sided()  # says so
         C = np.ascontiguousarray(-dense(program.A).T)  # its rows are Cᵀx >= b, equations first
         return None, dense(program.P), -program.q, C, -program.b, program.zero
 
-    def _run(self, solver: Any, start: FloatArray | None) -> Any:
+    def _run(self, solver: Any) -> Any:
         _, P, a, C, b, equations = solver
         try:
             return self.module.solve_qp(P, a, C, b, equations)

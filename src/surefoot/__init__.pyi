@@ -83,7 +83,7 @@ from .simulation.scenario import Push as Push
 from .simulation.scenario import Scenario as Scenario
 from .simulation.scene import Body as Body
 from .simulation.scene import Scene as Scene
-from .simulation.scene_world import SceneWorld as SceneWorld
+from .simulation.scene import SceneWorld as SceneWorld
 from .simulation.sensors import SensorModel as SensorModel
 from .simulation.trajectory_gradient import trajectory_gradient as trajectory_gradient
 from .solvers.contact_solver import ContactSolver as ContactSolver

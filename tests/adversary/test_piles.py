@@ -10,8 +10,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.collision import Box, Capsule, Sphere
-from surefoot.simulation.scene import Body, Scene
-from surefoot.simulation.scene_world import SceneWorld
+from surefoot.simulation.scene import Body, Scene, SceneWorld
 
 
 def thrown(rng, count, **surface):

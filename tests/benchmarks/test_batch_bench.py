@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from benchmarks.mjx_rival import mjx_present, mjx_row
 from surefoot.cli.main import main
 
 
@@ -19,11 +18,3 @@ def test_json_is_the_only_output(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["times"]["compiled loop, solve"] > 0.0
     assert found["step_ratio"] > 0.0
     assert set(found["robots"]) == {"1", "2"}
-
-
-def test_mjx_has_a_row_where_it_is() -> None:
-    if not mjx_present():
-        pytest.skip("MJX is not here (extra mjx)")
-    row = mjx_row(4, 1)
-    assert row.both > row.step > 0.0
-    assert row.error < 1e-4

@@ -1,4 +1,4 @@
-"""The judges of force distribution: decimal arithmetic, refined Clarabel, and the table that they fill."""
+"""The judges of force distribution: decimal arithmetic, and the table that it fills."""
 
 from decimal import Decimal, localcontext
 from itertools import islice
@@ -9,22 +9,17 @@ import pytest
 import surefoot as sf
 from benchmarks.forces.accuracy import measure_accuracy
 from benchmarks.forces.digits import DIGITS, exact_forces, exactly, project
-from benchmarks.forces.refined import fixed_point_residual
 from benchmarks.problems.allocation_program import cone_violation, contact_problem, objective, program
 from benchmarks.problems.allocations import WRENCH_WEIGHTS, random_instances
 
 
 @pytest.mark.parametrize("force_weight", [1e-1, 1e-2, 1e-4])
-def test_ours_and_clarabel_are_both_near_the_exact_forces(force_weight):
+def test_ours_are_near_the_exact_forces(force_weight):
     """A sample of the ten thousand instances of `surefoot bench forces --instances 10000`."""
     found = measure_accuracy(islice(random_instances(10_000), 120), force_weight)
     assert found.instances == 120
     assert found.not_solved == 0
-    assert found.objective_excess <= 1e-9
-    assert found.far == 0
-    assert found.force_distance[2] <= 1e-5
     assert found.error[2] <= 1e-7
-    assert found.error_clarabel[2] <= 2e-6
     assert found.cone_violation <= 1e-9
 
 
@@ -32,7 +27,6 @@ def test_exact_forces_are_optimal_by_the_problem_alone():
     for instance in random_instances(20, seed=6):
         f = exact_forces(instance, np.zeros((instance.mu.size, 3)), 0.1)
         assert sf.residuals(contact_problem(instance, 0.1), f).velocity_error < 1e-9
-        assert fixed_point_residual(instance, f, 0.1) < 1e-8
         assert cone_violation(instance, f) < 1e-12
         p = program(instance, force_weight=0.1)
         least = objective(p, f.ravel())

@@ -78,8 +78,7 @@ def test_a_stack_carries_the_same_forces_and_sinks_only_in_mujoco():
     import mujoco
 
     from surefoot.collision import Box
-    from surefoot.simulation.scene import Body, Scene
-    from surefoot.simulation.scene_world import SceneWorld
+    from surefoot.simulation.scene import Body, Scene, SceneWorld
 
     bodies = "".join(
         f'<body name="b{k}" pos="0 0 {0.1 + 0.2 * k}"><freejoint/>'

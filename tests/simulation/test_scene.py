@@ -12,8 +12,7 @@ import surefoot as sf
 from surefoot.collision import Box, Capsule, Sphere
 from surefoot.errors import ProblemError
 from surefoot.simulation.rigid import RigidWorld
-from surefoot.simulation.scene import Body, Scene
-from surefoot.simulation.scene_world import SceneWorld
+from surefoot.simulation.scene import Body, Scene, SceneWorld
 from surefoot.spatial import GRAVITY
 
 CUBE = Box((0.2, 0.2, 0.2))

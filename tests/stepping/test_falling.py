@@ -89,8 +89,7 @@ def test_a_flat_drop_bounces_and_slides_as_the_books_say(height: float, speed: f
 
 
 def test_a_slide_ends_where_friction_stops_it_with_our_own_step() -> None:
-    from surefoot.simulation.scene import Scene
-    from surefoot.simulation.scene_world import SceneWorld
+    from surefoot.simulation.scene import Scene, SceneWorld
 
     a, cube = Cube().half_side, Cube()
     edge = 2.0 * a

@@ -31,8 +31,7 @@ def robot(
     It lies on its belly, and damps its joints while no command comes. Exit code 0 unless the input is wrong.
     """
     from surefoot.cli.signals import ends_softly
-    from surefoot.simulation.motor_robot import MotorRobot
-    from surefoot.simulation.wired_robot import WiredRobot
+    from surefoot.simulation.motor_robot import MotorRobot, WiredRobot
     from surefoot.terrain import read_terrain
 
     extras.require(["mujoco"])

@@ -44,7 +44,7 @@ def translate(
     """Print a contact's parameters as another simulator takes them, what agrees and what is lost."""
     from surefoot.contact.engines import combination_rules
     from surefoot.contact.engines import translate as translated
-    from surefoot.contact.engines.reading import read_contact
+    from surefoot.contact.engines.translation import read_contact
 
     contact = read_contact(source, _values(values or []), mass=mass, speed=1.0)
     found = translated(contact, to, mass, dt=dt, area=area, thickness=thickness, keep=keep)

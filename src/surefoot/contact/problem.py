@@ -20,9 +20,9 @@ from surefoot.contact.blocks import (
 from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
 from surefoot.contact.matrix import checked_sparse, read_compliance, read_dense, spectral_norm
 from surefoot.contact.scales import scales_blocks, scales_dense
+from surefoot.contact.set_residuals import set_scales
 from surefoot.contact.sets.contact import ContactKind
 from surefoot.contact.sets.contact_set import ContactSet, set_of
-from surefoot.contact.sets.scales import set_scales
 from surefoot.errors import ProblemError
 
 Fit = Literal["inner", "outer"]

@@ -19,7 +19,7 @@ import scipy.sparse as sp
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, of_kind
 from surefoot.contact.problem import ContactProblem
-from surefoot.contact.sets.scales import block_sizes, parts_of
+from surefoot.contact.set_residuals import block_sizes, parts_of
 
 MEANT = 1e6
 """Forces beyond this many times s / ||G_kk||, the force that stops the fastest contact, are never meant."""

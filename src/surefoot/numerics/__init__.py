@@ -5,7 +5,6 @@ Every public kernel here is tested against NumPy. Sizes decide which file serves
 =================  =====================================================================================
 `six`              vectors and symmetric matrices of six, as scalars in registers
 `cholesky`         definite matrices of up to some dozens of unknowns, in the lower triangle
-`factorisation`    definite matrices of a hundred unknowns, four pivots at a time, in the upper triangle
 `elimination`      systems of a few dozen unknowns, solved once
 `orthogonal`       Gram-Schmidt and reflections: rows to orthonormal form, their rank
 `projection`       the nearest point of a truncated friction cone, and its generalised Jacobian

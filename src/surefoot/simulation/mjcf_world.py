@@ -17,8 +17,8 @@ from surefoot.robot.actuators import told_actuators
 from surefoot.robot.mjcf import mujoco_line
 from surefoot.robot.rotors import with_rotors
 from surefoot.simulation.mujoco import HEAVIEST, MujocoWorld, add_ground
-from surefoot.simulation.mujoco_drives import Drives
-from surefoot.simulation.mujoco_robot import add_payload, compiled, import_mujoco
+from surefoot.simulation.mujoco_actuators import Drives
+from surefoot.simulation.mujoco_spec import add_payload, compiled, import_mujoco
 from surefoot.simulation.record_softness import world_softness
 from surefoot.simulation.world import ground_of
 from surefoot.spatial import GRAVITY

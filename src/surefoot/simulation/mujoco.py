@@ -29,13 +29,12 @@ from surefoot.simulation.mujoco_contacts import (
     to_pinocchio,
 )
 from surefoot.simulation.mujoco_contacts import pinocchio_state as pinocchio_state
-from surefoot.simulation.mujoco_ground import CONTACT_TIME, set_point_friction, surface_of
-from surefoot.simulation.mujoco_ground import add_ground as add_ground
 from surefoot.simulation.mujoco_links import LinkContacts, add_links, generalised, owners
-from surefoot.simulation.mujoco_robot import FRICTION_RATIO as FRICTION_RATIO
-from surefoot.simulation.mujoco_robot import compiled
-from surefoot.simulation.mujoco_robot import import_mujoco as import_mujoco
-from surefoot.simulation.mujoco_robot import robot_spec as robot_spec
+from surefoot.simulation.mujoco_spec import CONTACT_TIME, compiled, set_point_friction, surface_of
+from surefoot.simulation.mujoco_spec import FRICTION_RATIO as FRICTION_RATIO
+from surefoot.simulation.mujoco_spec import add_ground as add_ground
+from surefoot.simulation.mujoco_spec import import_mujoco as import_mujoco
+from surefoot.simulation.mujoco_spec import robot_spec as robot_spec
 from surefoot.simulation.mujoco_substeps import checked_substeps, mean_reading
 from surefoot.simulation.record_softness import world_softness
 from surefoot.simulation.rigid import chosen_geometry

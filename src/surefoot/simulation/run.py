@@ -11,25 +11,24 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState, as_controller
 from surefoot.drive.standstill import Standstill
 from surefoot.errors import ProblemError, SurefootError, WriteError
+from surefoot.kernels import kernel
 from surefoot.log import CHANNELS, Ending, Log
 from surefoot.log.channels import Channel
 from surefoot.log.recorder import Recorder
 from surefoot.simulation.actuated import given_by
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.ground_friction import GroundFriction
-from surefoot.simulation.link_touches import LinkTouches
-from surefoot.simulation.observers import Moment, Observer
-from surefoot.simulation.outward import Outward
-from surefoot.simulation.run_kernels import any_reached, loaded_feet
+from surefoot.simulation.observers import LinkTouches, Moment, Observer
 from surefoot.simulation.scenario import Ice as Ice
 from surefoot.simulation.scenario import IcePatch as IcePatch
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
-from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, TrueState
+from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Outward, Sensing, TrueState
 from surefoot.simulation.world import World
 from surefoot.simulation.world_facts import facts_before, softness_of
 from surefoot.spatial import GRAVITY
@@ -271,3 +270,30 @@ def _wrong_rows(rows: Iterable[str], channels: Iterable[str]) -> ProblemError:
     """Return the error that a command's own rows are not the controller's channels."""
     given, said = (", ".join(sorted(some)) or "none" for some in (rows, channels))
     return ProblemError(f"a command has rows for {given}, its controller has the channels {said}")
+
+
+@kernel
+def loaded_feet(contact_foot: IntArray, forces: FloatArray, feet: int, least: float) -> BoolArray:
+    """Return which feet (feet,) have a contact point with more than the least normal force [N].
+
+    Parameters
+    ----------
+    contact_foot, forces
+        (p,) foot of each contact point, and (p, 3) forces in contact frames [N].
+    feet, least
+        Number of feet, and the force.
+    """
+    out = np.zeros(feet, dtype=np.bool_)
+    for k in range(len(contact_foot)):
+        if forces[k, 2] > least:
+            out[contact_foot[k]] = True
+    return out
+
+
+@kernel
+def any_reached(torques: FloatArray, limits: FloatArray) -> bool:
+    """Return whether a torque (joints,) is at its limit (joints,), of either sign [N m]."""
+    out = False
+    for j in range(len(torques)):
+        out = out or abs(torques[j]) >= limits[j]
+    return out

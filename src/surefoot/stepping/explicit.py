@@ -13,7 +13,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact import ContactProblem
-from surefoot.contact.laws.soft.stability import stable_step_together
+from surefoot.contact.laws.soft.behaviour import stable_step_together
 from surefoot.solvers.solver import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surefoot.contact.engines import ENGINES, EngineContact, combination_rules, combine_friction, translate
-from surefoot.contact.engines.reading import read_contact
+from surefoot.contact.engines.translation import read_contact
 from surefoot.contact.laws.soft import Hertz, HuntCrossley, MujocoLaw, SpringDamper
 from surefoot.errors import ProblemError
 

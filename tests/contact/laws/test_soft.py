@@ -18,7 +18,6 @@ from surefoot.contact.laws.soft import (
     SpringDamper,
     behaviour,
     rebound,
-    validate_law,
 )
 from surefoot.errors import ProblemError
 
@@ -37,56 +36,29 @@ LAWS: dict[str, SoftLaw] = {
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
-@pytest.mark.parametrize("seed", [0, 1])
-def test_law_is_lawful(law: SoftLaw, seed: int) -> None:
-    validate_law(law, seed=seed)
-
-
-class Pulling(SpringDamper):
-    """Forgets to stop at zero."""
-
-    def _normal(self, gap, speed):  # type: ignore[no-untyped-def]
-        apart, parting = np.broadcast_arrays(np.asarray(gap, float), np.asarray(speed, float))
-        on = apart < 0.0
-        force = -self.stiffness * apart - self.damping * parting
-        return np.where(on, force, 0.0), np.where(on, -self.stiffness, 0.0), np.where(on, -self.damping, 0.0)
-
-
-class WrongSlope(SpringDamper):
-    """Claims another stiffness."""
-
-    def pressed(self, depth, rate):  # type: ignore[no-untyped-def]
-        force, by_depth, by_rate = super().pressed(depth, rate)
-        return force, 1.001 * by_depth, by_rate
-
-
-class WrongEnergy(SpringDamper):
-    """Stores too much."""
-
-    def stored(self, depth):  # type: ignore[no-untyped-def]
-        return 0.51 * self.stiffness * depth**2
-
-
-class Sticky(SpringDamper):
-    """Its damping helps the mass away."""
-
-    def pressed(self, depth, rate):  # type: ignore[no-untyped-def]
-        force = self.stiffness * depth - self.damping * rate
-        return force, np.full(force.shape, self.stiffness), np.full(force.shape, -self.damping)
-
-
-@pytest.mark.parametrize(
-    ("broken", "words"),
-    [
-        (Pulling(1e4, 20.0), "pulls"),
-        (WrongSlope(1e4, 20.0), "derivative by the gap"),
-        (WrongEnergy(1e4, 20.0), "energy is not"),
-        (Sticky(1e4, 2.0), "gives energy"),
-    ],
-)
-def test_validation_finds_broken_laws(broken: SoftLaw, words: str) -> None:
-    with pytest.raises(ProblemError, match=words):
-        validate_law(broken)
+def test_law_is_lawful(law: SoftLaw) -> None:
+    """No pull, no force across a gap, friction within its cone, no energy made, true derivatives."""
+    rng = np.random.default_rng(0)
+    gaps, velocities = -1e-3 * rng.uniform(0.02, 2.0, 200), rng.normal(size=(200, 3))
+    forces = law.force(gaps, velocities)
+    assert (forces[:, 2] >= 0.0).all()
+    assert not law.force(-gaps, velocities).any()
+    assert (np.hypot(forces[:, 0], forces[:, 1]) <= law.friction.mu * forces[:, 2] * (1.0 + 1e-12)).all()
+    assert ((forces[:, :2] * velocities[:, :2]).sum(axis=1) <= 1e-12 * forces[:, 2]).all()
+    damping = forces[:, 2] - law.normal(gaps, 0.0)
+    assert (damping * velocities[:, 2] <= 1e-12 * forces[:, 2]).all()
+    far = (law.normal(gaps + 1e-8, velocities[:, 2] + 1e-5) > 0.0) | (
+        forces[:, 2] == 0.0
+    )  # from a pull's onset
+    gaps, velocities, forces = gaps[far], velocities[far], forces[far]
+    slopes = law.jacobian(gaps, velocities)
+    by_gap = (law.force(gaps + 1e-9, velocities) - law.force(gaps - 1e-9, velocities)) / 2e-9
+    np.testing.assert_allclose(slopes.gap, by_gap, rtol=1e-5, atol=1e-4 * np.abs(forces).max() / 1e-3)
+    for axis, step in enumerate(1e-6 * np.eye(3)):
+        by_axis = (law.force(gaps, velocities + step) - law.force(gaps, velocities - step)) / 2e-6
+        np.testing.assert_allclose(
+            slopes.velocity[..., axis], by_axis, rtol=1e-5, atol=1e-4 * np.abs(forces).max()
+        )
 
 
 @pytest.mark.parametrize("ratio", [0.05, 0.3, 0.9, 1.0, 1.1, 4.0])

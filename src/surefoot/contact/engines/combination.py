@@ -4,55 +4,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
 
 from surefoot.arrays import real_number
 from surefoot.errors import ProblemError, check_name
 
-
-class CombinationRule(NamedTuple):
-    """One engine's rule.
-
-    Attributes
-    ----------
-    combine
-        (mu of one surface, mu of the other) -> mu of the contact.
-    words
-        The rule, and what overrides it.
-    """
-
-    combine: Callable[[float, float], float]
-    words: str
-
-
-_RULES: dict[str, CombinationRule] = {
-    "mujoco": CombinationRule(
-        max, "the larger one; the geom of higher priority decides alone; a <pair> sets its own"
-    ),
-    "drake": CombinationRule(
+_RULES: dict[str, tuple[Callable[[float, float], float], str]] = {
+    "mujoco": (max, "the larger one; the geom of higher priority decides alone; a <pair> sets its own"),
+    "drake": (
         lambda a, b: 2.0 * a * b / (a + b) if a + b else 0.0, "2 a b / (a + b), static and dynamic alike"
     ),
-    "physx": CombinationRule(
-        lambda a, b: 0.5 * (a + b), "average by default; see physx-min, -multiply, -max"
-    ),
-    "physx-min": CombinationRule(
+    "physx": (lambda a, b: 0.5 * (a + b), "average by default; see physx-min, -multiply, -max"),
+    "physx-min": (
         min, "the smaller one; of two materials' modes the later of average < min < multiply < max holds"
     ),
-    "physx-multiply": CombinationRule(lambda a, b: a * b, "the product"),
-    "physx-max": CombinationRule(max, "the larger one"),
-    "bullet": CombinationRule(lambda a, b: a * b, "the product, at most 10 (a callback may replace it)"),
-    "ode": CombinationRule(
+    "physx-multiply": (lambda a, b: a * b, "the product"),
+    "physx-max": (max, "the larger one"),
+    "bullet": (
+        lambda a, b: min(a * b, 10.0), "the product, at most 10 (a callback may replace it)"
+    ),
+    "ode": (
         min, "none: the caller sets mu of each contact joint; many wrappers take the smaller (Gazebo Classic)"
     ),
-    "surefoot": CombinationRule(
-        lambda a, b: b, "the contact carries one coefficient, that of the pair, as tables give it"
-    ),
-}
+    "surefoot": (lambda a, b: b, "the contact carries one coefficient, that of the pair, as tables give it"),
+}  # fmt: skip
+"""Engine -> how the robot's and the ground's coefficient become one, and in words what overrides that."""
 
 
 def combination_rules() -> dict[str, str]:
     """Return every engine's rule in words."""
-    return {name: rule.words for name, rule in _RULES.items()}
+    return {name: words for name, (_, words) in _RULES.items()}
 
 
 def combine_friction(engine: str, first: float, second: float) -> float:
@@ -79,5 +59,4 @@ def combine_friction(engine: str, first: float, second: float) -> float:
     a, b = (real_number("friction", mu, low=0.0) for mu in (first, second))
     if math.isinf(a) or math.isinf(b):
         raise ProblemError("friction must be finite")
-    value = _RULES[engine].combine(a, b)
-    return min(value, 10.0) if engine == "bullet" else value
+    return _RULES[engine][0](a, b)

@@ -1,15 +1,54 @@
-"""Two numbers for a law: a spring and a damper, or Hunt and Crossley's, and what that loses."""
+"""Two numbers for a law in a situation: a spring and a damper, or Hunt and Crossley's; and what is lost."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.contact.engines.situation import Situation
 from surefoot.contact.laws.soft.behaviour import rebound
 from surefoot.contact.laws.soft.hunt_crossley import HuntCrossley
 from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.spatial import GRAVITY
+
+
+@dataclass(frozen=True)
+class Situation:
+    """The situation in which a translation is asked.
+
+    Attributes
+    ----------
+    mass
+        Effective mass of the contact, 1 / G_nn [kg]: of a robot on four feet about a quarter of its own.
+    gravity
+        [m/s²].
+    speed
+        Impact speed at which bounces are compared [m/s].
+    dt
+        The engine's step [s].
+    area, thickness
+        Of a flat compliant layer, for hydroelastic moduli [m²], [m]; 0 if unknown.
+    keep
+        What is kept where rest depth and motion cannot both be: "motion" or "rest".
+    impedance
+        MuJoCo's d of the translated contact.
+    """
+
+    mass: float
+    gravity: float = GRAVITY
+    speed: float = 1.0
+    dt: float = 1e-3
+    area: float = 0.0
+    thickness: float = 0.0
+    keep: str = "motion"
+    impedance: float = 1e-3
+
+    @property
+    def weight(self) -> float:
+        """Return what the contact carries at rest [N]."""
+        return self.mass * self.gravity
+
 
 STICKIEST = 20.0
 """Largest dissipation times impact speed that is looked for: 5 % of the speed comes back."""

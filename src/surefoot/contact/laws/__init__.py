@@ -1,10 +1,8 @@
-"""Contact laws as values: rigid ones here, one file and one line in `LAWS` each; soft ones in `soft/`."""
+"""Contact laws as values: rigid ones here, one line in `LAWS` each; soft ones in `soft/`."""
 
 from __future__ import annotations
 
-from surefoot.contact.laws.convex import CONVEX
-from surefoot.contact.laws.coulomb import COULOMB
-from surefoot.contact.laws.law import Law
+from surefoot.contact.laws.law import CONVEX, COULOMB, Law
 from surefoot.errors import ProblemError, unknown_name
 
 LAWS: dict[str, Law] = {law: law for law in (COULOMB, CONVEX)}

@@ -48,3 +48,19 @@ class Law(str):
 
     def __getnewargs__(self) -> tuple[str, float]:  # type: ignore[override]
         return str(self), self.shift
+
+
+COULOMB = Law("coulomb", shift=1.0)
+"""K ∋ λ ⟂ u + Γ(u) ∈ K*, exact; no minimum of any energy.
+
+Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988 (maximum
+dissipation); De Saxcé and Feng 1998 (the shift); Acary, Cadoux, Lemaréchal, Malick 2011 (existence).
+"""
+
+
+CONVEX = Law("convex", shift=0.0)
+"""K ∋ λ ⟂ u ∈ K*: a sliding contact opens by mu ||u_t||, the price of convexity.
+
+Source: M. Anitescu, "Optimization-based simulation of nonsmooth rigid multibody dynamics", Math. Programming
+105, 2006.
+"""

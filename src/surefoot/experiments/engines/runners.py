@@ -21,9 +21,8 @@ from surefoot.collision import Box, Sphere
 from surefoot.errors import MissingExtra, ModelError
 from surefoot.experiments.engines.scripts import timed
 from surefoot.simulation import drake_python
-from surefoot.simulation.mujoco_robot import import_mujoco
-from surefoot.simulation.scene import Body, Scene
-from surefoot.simulation.scene_world import SceneWorld
+from surefoot.simulation.mujoco_spec import import_mujoco
+from surefoot.simulation.scene import Body, Scene, SceneWorld
 from surefoot.terrain import SlopeTerrain
 
 NEWTON_PYTHON = "SUREFOOT_NEWTON_PYTHON"

@@ -12,7 +12,7 @@ from surefoot.arrays import FloatArray
 from surefoot.collision import Solid
 from surefoot.estimation.thrown_body import ThrownBody, TossParameter
 from surefoot.estimation.toss_model import FRICTION, TossScene
-from surefoot.simulation.mujoco_robot import import_mujoco
+from surefoot.simulation.mujoco_spec import import_mujoco
 from surefoot.spatial import quaternion_wxyz, quaternion_xyzw
 
 LONGEST_STEP = 1e-3

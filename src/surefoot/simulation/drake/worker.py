@@ -1,6 +1,6 @@
 """Run by an interpreter that has pydrake: a scene, then step after step, as lines of JSON; nothing of ours.
 
-Joints come as a tree (`engine_scene.py`), the contact's numbers are Drake's own. An answer holds places and
+Joints come as a tree (`engine_world.py`), the contact's numbers are Drake's own. An answer holds places and
 velocities joint by joint as Drake has them, and the forces of the contact points.
 """
 

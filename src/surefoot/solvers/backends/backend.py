@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra
 from surefoot.solvers.backends.program import ConeProgram, Outcome
 
@@ -99,9 +98,9 @@ class Backend(ABC):
         for name, value in self._words().items():
             setattr(settings, name, value)
 
-    def solve(self, program: ConeProgram, start: FloatArray | None = None) -> Outcome:
-        """Solve a program, from a first guess (n,) of x where the solver can use one."""
-        return self.read(self.call(self.ready(program), start)())
+    def solve(self, program: ConeProgram) -> Outcome:
+        """Solve a program."""
+        return self.read(self.call(self.ready(program))())
 
     @abstractmethod
     def ready(self, program: ConeProgram) -> Any:
@@ -113,8 +112,8 @@ class Backend(ABC):
             If the solver does not take one of its cones.
         """
 
-    def call(self, item: Any, start: FloatArray | None = None) -> Call:
-        """Return the call that hands a ready program over and solves it from (n,); item[0] is its pattern."""
+    def call(self, item: Any) -> Call:
+        """Return the call that hands a ready program over and solves it; item[0] is its pattern."""
         keep = self.options.keep and self.keeps_workspace
         solver = self._kept.get(item[0]) if keep else None
         if solver is not None:
@@ -122,7 +121,7 @@ class Backend(ABC):
 
             def again() -> Any:
                 self._update(solver, change)
-                return self._run(solver, None)
+                return self._run(solver)
 
             return again
 
@@ -130,7 +129,7 @@ class Backend(ABC):
             made = self._set_up(item)
             if keep:
                 self._kept[item[0]] = made
-            return self._run(made, start)
+            return self._run(made)
 
         return fresh
 
@@ -139,7 +138,7 @@ class Backend(ABC):
         return item
 
     @abstractmethod
-    def _run(self, solver: Any, start: FloatArray | None) -> Any:
+    def _run(self, solver: Any) -> Any:
         """Solve what is in a workspace and return the library's answer."""
 
     @abstractmethod

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import FloatArray
 from surefoot.solvers.backends.backend import Backend, Options
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, pattern, upper_triangle
 
@@ -30,7 +29,7 @@ ENDS = {
 
 
 class Clarabel(Backend):
-    """Takes every cone, exactly; keeps its workspace, but has no use for an old answer."""
+    """Takes second-order cones; keeps its workspace, but has no use for an old answer."""
 
     name = package = "clarabel"
     takes_cones = keeps_workspace = True
@@ -50,7 +49,6 @@ class Clarabel(Backend):
         cones = [kinds.ZeroConeT(program.zero)] if program.zero else []
         cones += [kinds.NonnegativeConeT(program.nonneg)] if program.nonneg else []
         cones += [kinds.SecondOrderConeT(k) for k in program.second_order]
-        cones += [kinds.PSDTriangleConeT(k) for k in program.semidefinite]
         P, A = upper_triangle(program.P), sp.csc_matrix(program.A)
         return pattern(P, A), P, program.q, A, program.b, cones
 
@@ -61,7 +59,7 @@ class Clarabel(Backend):
         _, P, q, A, b, _ = change
         solver.update(P=P.data, q=q, A=A.data, b=b)
 
-    def _run(self, solver: Any, start: FloatArray | None) -> Any:
+    def _run(self, solver: Any) -> Any:
         return solver.solve()
 
     def read(self, answer: Any) -> Outcome:

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
 from surefoot.solvers.backends.backend import Backend, Call
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, dense
 
@@ -46,10 +45,10 @@ class Daqp(Backend):
         kinds[most.size - e.size :] = EQUATION
         return (rows.shape, most.size), dense(program.P), program.q, rows, most, least, kinds
 
-    def call(self, item: Any, start: FloatArray | None = None) -> Call:
+    def call(self, item: Any) -> Call:
         """Return the call, see `Backend.call`; without a workspace the library's shortest."""
         if self.options.keep and self.options.warm:  # a kept one starts at its last active set
-            return super().call(item, start)
+            return super().call(item)
         solve, data, words = self.module.solve, item[1:], self._words()
 
         return lambda: solve(*data, **words)
@@ -64,7 +63,7 @@ class Daqp(Backend):
     def _update(self, solver: Any, change: Any) -> None:
         solver.update(*change[1:])
 
-    def _run(self, solver: Any, start: FloatArray | None) -> Any:
+    def _run(self, solver: Any) -> Any:
         return solver.solve()
 
     def read(self, answer: Any) -> Outcome:

@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import FloatArray
-from surefoot.errors import ProblemError
 from surefoot.solvers.backends.backend import Backend
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, dense
 
@@ -29,8 +27,6 @@ class Ecos(Backend):
 
     def ready(self, program: ConeProgram) -> Any:
         """Return the pattern, n, and what `ecos.solve` wants: ½ xᵀP x + qᵀx becomes a bound t on its root."""
-        if program.semidefinite:
-            raise ProblemError("ecos takes no semidefinite cones")
         n, z = program.q.size, program.zero
         A, P = dense(program.A), dense(program.P)
         E: Any = sp.csc_matrix(A[:z]) if z else None
@@ -48,7 +44,7 @@ class Ecos(Backend):
             E = sp.hstack([E, sp.csc_matrix((z, 1))], format="csc") if z else None
         return None, n, objective, sp.csc_matrix(rows), right, {"l": program.nonneg, "q": sizes}, E, e
 
-    def _run(self, solver: Any, start: FloatArray | None) -> Any:
+    def _run(self, solver: Any) -> Any:
         _, n, *data = solver
         return n, self.module.solve(*data, **{"verbose": False, **self._words()})
 

@@ -81,7 +81,7 @@ class TwoSided(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ConeProgram:
-    """min ½ xᵀP x + qᵀx subject to A x + s = b, s in {0} × non-negative × second-order × semidefinite cones.
+    """min ½ xᵀP x + qᵀx subject to A x + s = b, s in {0} × non-negative × second-order cones.
 
     Attributes
     ----------
@@ -93,9 +93,6 @@ class ConeProgram:
         Numbers of rows with s = 0 and s >= 0.
     second_order
         Rows of each cone s_0 >= ||(s_1, ...)||.
-    semidefinite
-        Side of each cone of positive semidefinite matrices: upper triangle column by column, off-diagonal
-        entries times √2.
     """
 
     P: Any
@@ -105,11 +102,9 @@ class ConeProgram:
     zero: int = 0
     nonneg: int = 0
     second_order: tuple[int, ...] = ()
-    semidefinite: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         rows = self.zero + self.nonneg + sum(self.second_order)
-        rows += sum(k * (k + 1) // 2 for k in self.semidefinite)
         n = np.size(self.q)
         for name, matrix, shape in (("P", self.P, (n, n)), ("A", self.A, (rows, n))):
             if matrix.shape != shape:
@@ -162,10 +157,10 @@ class ConeProgram:
         Raises
         ------
         ProblemError
-            If there are second-order or semidefinite cones.
+            If there are second-order cones.
         """
-        if self.second_order or self.semidefinite:
-            raise ProblemError("a QP solver takes linear rows only, no second-order or semidefinite cones")
+        if self.second_order:
+            raise ProblemError("a QP solver takes linear rows only, no second-order cones")
         A = self.A if isinstance(self.A, np.ndarray) else sp.csr_matrix(self.A)
         rows, limits = A[self.zero :], self.b[self.zero :]
         keep, low = _paired(sp.csr_matrix(rows), limits)

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import FloatArray
 from surefoot.solvers.backends.backend import Backend, Options
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, dense, pattern
 
@@ -45,7 +44,6 @@ class ProxQp(Backend):
         self._qp = (proxqp.sparse if self.options.sparse else proxqp.dense).QP
         self._cold = guess.EQUALITY_CONSTRAINED_INITIAL_GUESS
         self._again = guess.WARM_START_WITH_PREVIOUS_RESULT if self.options.warm else self._cold
-        self._from_start = guess.WARM_START
         self._ends = {getattr(proxqp.QPSolverOutput, name, None): end for name, end in ENDS.items()}
 
     def _words(self) -> dict[str, Any]:
@@ -77,12 +75,8 @@ class ProxQp(Backend):
     def _update(self, solver: Any, change: Any) -> None:
         solver.update(**change)
 
-    def _run(self, solver: Any, start: FloatArray | None) -> Any:
-        if start is not None:
-            solver.settings.initial_guess = self._from_start
-            solver.solve(start, None, None)
-        else:
-            solver.solve()
+    def _run(self, solver: Any) -> Any:
+        solver.solve()
         solver.settings.initial_guess = self._again
         return solver.results
 

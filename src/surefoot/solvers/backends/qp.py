@@ -24,7 +24,6 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra
 from surefoot.solvers.backends.backend import Backend, Options
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, dense
@@ -69,12 +68,12 @@ class QpSolvers(Backend):
             *((shape(E), e) if e.size else (None, None)), lower, upper,
         )  # fmt: skip
 
-    def _run(self, solver: Any, start: FloatArray | None) -> Any:
+    def _run(self, solver: Any) -> Any:
         words = {**self.fixed, **self._words()}
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # how it ended is in `end`
-                return self.module.solve_problem(solver[1], self.name, initvals=start, **words)
+                return self.module.solve_problem(solver[1], self.name, **words)
         except (self.module.exceptions.QPError, ValueError, ArithmeticError):
             return None
 

@@ -13,8 +13,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import FloatArray
-from surefoot.errors import ProblemError
 from surefoot.solvers.backends.backend import Backend
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, pattern, upper_triangle
 
@@ -31,8 +29,6 @@ class Scs(Backend):
 
     def ready(self, program: ConeProgram) -> Any:
         """Return the pattern, and data and cones as `scs.SCS` wants them."""
-        if program.semidefinite:
-            raise ProblemError("scs orders semidefinite cones otherwise: lower triangles; not supported here")
         P, A = upper_triangle(program.P), sp.csc_matrix(program.A)
         data = {"P": P, "A": A, "b": program.b, "c": program.q}
         cone = {"z": program.zero, "l": program.nonneg, "q": list(program.second_order)}
@@ -45,7 +41,7 @@ class Scs(Backend):
     def _update(self, solver: Any, change: Any) -> None:
         solver["made"] = self._set_up(change)["made"]
 
-    def _run(self, solver: Any, start: FloatArray | None) -> Any:
+    def _run(self, solver: Any) -> Any:
         old = solver["last"] if self.options.warm else None
         words = {} if old is None else {"warm_start": True, **{name: old[name] for name in ("x", "y", "s")}}
         found = solver["last"] = solver["made"].solve(**words)

@@ -14,11 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.contact.laws.pressure.ground import Facet, facets
-from surefoot.contact.laws.pressure.patch import PressurePatch
-from surefoot.contact.laws.pressure.polygons import clipped, fans, nodes, nodes_about
-from surefoot.contact.laws.pressure.solid import CompliantSolid
-from surefoot.contact.laws.soft.friction import ExactFriction, Friction, as_friction
+from surefoot.contact.laws.pressure.pieces import (
+    CompliantSolid,
+    Facet,
+    clipped,
+    facets,
+    nodes,
+    nodes_about,
+)
+from surefoot.contact.laws.soft.law import ExactFriction, Friction, as_friction
 from surefoot.errors import ProblemError
 from surefoot.terrain import FlatTerrain, Terrain
 
@@ -36,6 +40,52 @@ class Wetted(NamedTuple):
     normal: FloatArray
     gradient: FloatArray
     constant: float
+
+
+class PressurePatch(NamedTuple):
+    """The contact of a compliant body with the ground; forces on the body, world axes.
+
+    Attributes
+    ----------
+    force
+        (3,) pressure and friction [N].
+    moment
+        (3,) of all of it about `centre` [N m].
+    normal_force
+        Pressure integrated over the area, whatever its directions [N].
+    centre
+        (3,) centre of pressure [m]; NaN without contact.
+    area
+        Wetted, in the ground's surface [m²].
+    largest
+        Largest pressure at a corner of the wetted polygons, damping included [Pa].
+    friction_force, friction_torque
+        (3,) [N], and about the mean normal at the centre [N m].
+    spin_limit
+        Largest torque about the mean normal at the centre that friction gives to a body that only turns
+        there [N m].
+    polygons, pressures
+        The wetted pieces (k, 3) [m] with the pressures at their corners (k,) [Pa].
+    """
+
+    force: FloatArray
+    moment: FloatArray
+    normal_force: float
+    centre: FloatArray
+    area: float
+    largest: float
+    friction_force: FloatArray
+    friction_torque: float
+    spin_limit: float
+    polygons: list[FloatArray]
+    pressures: list[FloatArray]
+
+    def wrench(self, about: FloatArray) -> FloatArray:
+        """Return (6,) [force; moment about a point (3,) [m]] [N, N m], zeros without contact."""
+        if not self.normal_force > 0.0:
+            return np.zeros(6)
+        lever = self.centre - np.asarray(about, dtype=np.float64)
+        return np.concatenate([self.force, self.moment + np.cross(lever, self.force)])
 
 
 @dataclass(frozen=True)
@@ -93,12 +143,12 @@ class PressureField:
             Exact friction is zero where nothing slides: how much of it a foot at rest takes is another
             problem's answer.
         terrain
-            Rigid ground of planes or smooth height fields; None for flat.
+            Rigid ground of planes; None for flat.
 
         Raises
         ------
         ProblemError
-            For input that is not finite, a rotation that is none, or ground with edges.
+            For input that is not finite, a rotation that is none, or ground that is not of planes.
         """
         R, p = finite_array("rotation", rotation, (3, 3)), finite_array("position", position, (3,))
         if not (np.abs(R @ R.T - np.eye(3)).max() < 1e-6 and np.linalg.det(R) > 0.0):
@@ -160,9 +210,9 @@ class PressureField:
         total, moment = 0.0, np.zeros(3)  # moments are about p
         corners = []
         for piece in pieces:
-            points, weights = nodes(fans([piece.corners]))
+            points, weights = nodes(piece.corners)
             load = weights * self._pressure(piece, points, p, twist)
-            push, mean = float(load.sum()), np.einsum("tn,tnd->d", load, points)
+            push, mean = float(load.sum()), load @ points
             total, first, area = total + push, first + mean, area + float(weights.sum())
             normal += push * piece.normal
             moment += np.cross(mean - push * p, piece.normal)
@@ -220,7 +270,6 @@ def _sliding_nodes(piece: Wetted, p: FloatArray, twist: FloatArray) -> tuple[Flo
     velocity = velocity - (velocity @ piece.normal) * piece.normal
     size = float(np.linalg.norm(piece.corners - middle, axis=1).max())
     if abs(spin) * size * FAR <= float(np.linalg.norm(velocity)):
-        points, weights = nodes(fans([piece.corners]))
-        return points.reshape(-1, 3), weights.ravel()
+        return nodes(piece.corners)
     centre = middle + np.cross(piece.normal, velocity) / spin
     return nodes_about(centre, piece.corners, piece.normal)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.contact.laws.pressure.patch import PressurePatch
-from surefoot.contact.laws.pressure.solid import CompliantSolid
+from surefoot.contact.laws.pressure.field import PressurePatch
+from surefoot.contact.laws.pressure.pieces import CompliantSolid
 from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
     from surefoot.contact.laws.pressure.field import PressureField
-
-HALVINGS, NEWTON = 30, 60
 
 
 def resting_pose(
@@ -39,6 +36,8 @@ def resting_pose(
         If the load lies outside the underside, so near its edge that the overlap would exceed the body, or is
         more than it can carry.
     """
+    from scipy.optimize import root
+
     weight = real_number("load", load, low=np.finfo(float).tiny, high=1e300)
     low = solid.corners[:, 2].min()
     rim = solid.corners[solid.corners[:, 2] <= low + 1e-12 + 1e-9 * np.ptp(solid.corners[:, 2])]
@@ -57,45 +56,18 @@ def resting_pose(
         return R, position, field.contact(solid, R, position)
 
     def off(x: FloatArray) -> FloatArray:
+        """Return what force and centre are off, in units of the load and the size; of no force -1, 0, 0."""
         R, position, patch = laid(x)
-        if not patch.normal_force > 0.0:
-            return np.full(3, np.inf)
-        place = (R.T @ (patch.centre - position))[:2] - wanted
-        return np.array([patch.normal_force / weight - 1.0, *(patch.normal_force / weight * place / size)])
+        share = patch.normal_force / weight
+        place = (R.T @ (patch.centre - position))[:2] - wanted if share > 0.0 else np.zeros(2)
+        return np.array([share - 1.0, *(share * place / size)])
 
-    x = _newton(off, np.array([1.0, 0.0, 0.0]))
-    if x is None:
+    found = root(off, [1.0, 0.0, 0.0], tol=1e-14)
+    if not np.abs(found.fun).max() < 1e-9:
         raise ProblemError(
             f"no pose carries {weight:g} N at {wanted.tolist()}: it is too near the edge, or too much"
         )
-    return laid(x)
-
-
-def _newton(off: Callable[[FloatArray], FloatArray], x: FloatArray) -> FloatArray | None:
-    """Return the root of three functions by Newton's method with differences, halving; None without."""
-    now = off(x)
-    if not np.isfinite(now).all():
-        return None
-    for _ in range(NEWTON):
-        if np.abs(now).max() < 1e-12:
-            return x
-        h = 1e-6 * max(float(np.abs(x).max()), 1.0)
-        ends = np.array([[off(x + h * e), off(x - h * e)] for e in np.eye(3)])
-        if not np.isfinite(ends).all():
-            return None
-        slope = (ends[:, 0] - ends[:, 1]).T / (2.0 * h)
-        if np.linalg.matrix_rank(slope) < 3:
-            return None
-        step, share = np.linalg.solve(slope, now), 1.0
-        for _ in range(HALVINGS):
-            ahead = off(x - share * step)
-            if np.abs(ahead).max() < np.abs(now).max():
-                break
-            share *= 0.5
-        else:
-            return x if np.abs(now).max() < 1e-9 else None
-        x, now = x - share * step, ahead
-    return x if np.abs(now).max() < 1e-9 else None
+    return laid(found.x)
 
 
 def _levelling(normal: FloatArray) -> FloatArray:

@@ -1,13 +1,22 @@
 """Compliant contact laws as values; each in a file of its own."""
 
-from surefoot.contact.laws.soft.behaviour import MassOnContact, behaviour, rebound
-from surefoot.contact.laws.soft.friction import ExactFriction, Friction, RegularisedFriction
+from surefoot.contact.laws.soft.behaviour import (
+    MassOnContact,
+    behaviour,
+    rebound,
+    stable_step,
+    stable_step_together,
+)
 from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
-from surefoot.contact.laws.soft.law import ForceJacobian, SoftLaw
+from surefoot.contact.laws.soft.law import (
+    ExactFriction,
+    ForceJacobian,
+    Friction,
+    RegularisedFriction,
+    SoftLaw,
+)
 from surefoot.contact.laws.soft.mujoco import MujocoLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper
-from surefoot.contact.laws.soft.stability import stable_step, stable_step_together
-from surefoot.contact.laws.soft.validation import validate_law
 
 __all__ = [
     "ExactFriction",
@@ -24,5 +33,4 @@ __all__ = [
     "rebound",
     "stable_step",
     "stable_step_together",
-    "validate_law",
 ]
