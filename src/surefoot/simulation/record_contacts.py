@@ -277,7 +277,7 @@ def _frame_of(normal: FloatArray) -> FloatArray:
     """Return Surefoot's contact frame (3, 3) of a unit normal (3,), the normal last."""
     frames = np.empty((1, 3, 3))
     surface_frames(np.ascontiguousarray(normal[None]), frames)
-    return frames[0]
+    return np.asarray(frames[0])
 
 
 def _point(data: Any, slot: Slot) -> FloatArray:
