@@ -1,35 +1,25 @@
-"""A gait of one's own: as phases, as mode numbers, as a file for OCS2; and what is refused.
+"""A gait of one's own: as phases, as mode numbers; and what is refused.
 
-Run: python examples/31_own_gait.py [FOLDER]
+Run: python examples/31_own_gait.py
 """
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
 import surefoot as sf
-from surefoot.interop.gait_files import mode_name, read_gaits, write_gaits
 
 
-def main(folder: Path, duration: float = 4.0) -> dict[str, float]:
-    """Return the mean velocities of an amble made from phases and of the same one read from a file."""
+def main(duration: float = 4.0) -> dict[str, float]:
+    """Return the mean velocities of an amble made from phases and of the same one made from mode numbers."""
     # an amble: the feet touch down one after the other, a quarter of a cycle apart, with little overlap
     amble = sf.Gait.from_phases("amble", period=0.5, duty=0.6, offset=[0.25, 0.75, 0.0, 0.5])
     for begin, end, mode in zip(amble.switching, amble.switching[1:], amble.modes, strict=False):
-        print(f"{begin:.3f} s to {end:.3f} s: mode {mode:2d} {mode_name(int(mode))}")
-
-    out = folder / "31_own_gait"
-    out.mkdir(parents=True, exist_ok=True)
-    path = out / "gait.info"
-    if not path.exists():
-        write_gaits({"amble": amble}, path)
-    print(f"written: {path}")
+        print(f"{begin:.3f} s to {end:.3f} s: mode {mode:2d}, {mode:04b}")
+    same = sf.Gait("amble", amble.switching, amble.modes, feet=4)
 
     robot, speeds = sf.load_robot("go2"), {}
-    for name, gait in (("phases", amble), ("file", read_gaits(path)["amble"])):
+    for name, gait in (("phases", amble), ("modes", same)):
         controller = sf.WalkingController(robot, sf.VelocityCommand.constant(0.4), gait)
         log = sf.run(sf.MujocoWorld(robot), controller, sf.Scenario(duration, mu=0.6))
         speeds[name] = sf.summarise_walk(log).velocity.forward.measured
@@ -44,4 +34,4 @@ def main(folder: Path, duration: float = 4.0) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("runs"))
+    main()

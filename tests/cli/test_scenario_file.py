@@ -114,13 +114,11 @@ def test_the_true_state_and_other_solvers_are_chosen(
         assert code == 0
 
 
-def test_velocities_and_gaits_come_from_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_velocities_come_from_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "speeds.txt").write_text("0 0.2 0 0\n0.5 0 0.1 0.2\n")
-    gaits = (ROOT / "examples" / "scenarios" / "gait.info").read_text().replace("trot", "mine")
-    (tmp_path / "gait.info").write_text(gaits)
-    files = written(tmp_path, "velocity_file: speeds.txt\ngait_file: gait.info")
-    code, found = summary(capsys, tmp_path, files, "walk", "--gait", "mine", "--duration", "1.2")
-    assert (code, found["gait"]) == (0, "mine")
+    files = written(tmp_path, "velocity_file: speeds.txt")
+    code, _ = summary(capsys, tmp_path, files, "walk", "--duration", "1.2")
+    assert code == 0
     (folder,) = (tmp_path / "runs").iterdir()
     command = read_log(folder / "log.npz")["command"]
     assert command[600, 0] > 0.1
@@ -171,12 +169,11 @@ OF_WALK = [
     ("believed_mu: much", [], "believed_mu must be a number from 0 to 1000, got 'much'"),
     ("period: 0", [], "period must be"),
     ("velocity_file: none.txt", [], "cannot read the velocity file"),
-    ("gait_file: none.info", [], "cannot read the gait file"),
     ("control_rate: 333", [], "control_rate must be 1000 over a whole number"),
     ("control_rate: 0", [], "control_rate must be a number from 20 to 1000"),
     ("latency: fast", [], "latency must be a number from 0 to 0.03, got 'fast'"),
     ("latency: 1", [], "latency must be a number from 0 to 0.03, got 1"),
-    ("period: 0.4", ["--planner", "contact-implicit"], "takes no --gait, gait_file or period"),
+    ("period: 0.4", ["--planner", "contact-implicit"], "takes no --gait or period"),
     ("latency: 0.01", ["--planner", "contact-implicit"], "takes no --commands"),
     ("facets: 8", [], "unknown key for this command 'facets'; valid names: believed_mu"),
 ]

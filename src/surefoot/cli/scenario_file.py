@@ -24,7 +24,7 @@ FAULTS = frozenset({"delay", "weak_joint", "torque_loss"})
 """Keys of what is wrong between robot and controller."""
 STAND_KEYS = GROUND | FAULTS | {"solver", "facets", "fit"}
 WALK_KEYS = GROUND | FAULTS | {
-    "estimator", "noise", "believed_mu", "gait_file", "period", "velocity_file", "control_rate", "latency",
+    "estimator", "noise", "believed_mu", "period", "velocity_file", "control_rate", "latency",
 }  # fmt: skip
 
 
@@ -44,7 +44,6 @@ class ScenarioFile:
     estimator: str = "inekf"
     noise: float | None = None
     believed_mu: float | str | None = None
-    gait_file: Path | None = None
     period: float | None = None
     velocity_file: Path | None = None
     control_rate: float = 1000.0
@@ -72,9 +71,8 @@ class ScenarioFile:
                 check_name("key for this command", key, keys)
         except ProblemError as error:
             raise ProblemError(f"{path}: {error}") from error
-        for key in ("gait_file", "velocity_file"):
-            if key in said:
-                said[key] = path.parent / said[key]
+        if "velocity_file" in said:
+            said["velocity_file"] = path.parent / said["velocity_file"]
         return ScenarioFile(**said)
 
     @property

@@ -20,7 +20,6 @@ from surefoot.stepping.derivative_first_order import FirstOrderStages
 from surefoot.stepping.derivative_impact import TOUCHING
 from surefoot.stepping.derivative_located import LocatedStages
 from surefoot.stepping.derivative_stages import Stages, StepArguments
-from surefoot.stepping.knot import Knot, Outputs
 from surefoot.stepping.state import State, Step
 from surefoot.stepping.stepper import Stepper
 
@@ -78,17 +77,8 @@ class StepDerivative:
             )
         if stepper.geometry is not None:
             raise ProblemError("a step is differentiated with feet on the ground alone, not with a geometry")
-        self._stepper, self._request, self._dt = stepper, request, stepper.options.dt
-        self.smoothing = request.smoothing
-        self._take()
-
-    def _take(self) -> None:
-        """Take the step, which may fail."""
-        self._stages  # noqa: B018
-
-    @cached_property
-    def _stages(self) -> Stages:
-        return stages_of(self._stepper, self._request)
+        self._stepper, self._dt, self.smoothing = stepper, stepper.options.dt, request.smoothing
+        self._stages = stages_of(stepper, request)
 
     @property
     def step(self) -> Step:
@@ -279,39 +269,6 @@ class StepDerivative:
         return np.split(rows, np.cumsum([nv, nv, rest]))
 
 
-class FirstOrderDerivative(StepDerivative):
-    """The derivative of a first-order step: A, B and mu at once, from `Knot`, the rest when asked for."""
-
-    def __init__(self, stepper: Stepper, request: StepArguments, out: Outputs | None) -> None:
-        self._out = out
-        super().__init__(stepper, request)
-
-    def _take(self) -> None:
-        stepper, (state, torques, push, mu, smoothing) = self._stepper, self._request[:5]
-        knot = stepper.kept.get(Knot)
-        if knot is None:
-            knot = stepper.kept[Knot] = Knot(stepper)
-        if not knot.step(state.q, state.v, torques, mu, push):
-            super()._take()  # says why
-        self._dense = knot.derivative(smoothing, self._out)
-        self._by_mu = knot.by_mu
-
-    @property
-    def A(self) -> FloatArray:
-        """See `StepDerivative.A`: (2nv, 2nv)."""
-        return self._dense[0]
-
-    @property
-    def B(self) -> FloatArray:
-        """See `StepDerivative.B`: (2nv, joints)."""
-        return self._dense[1]
-
-    @property
-    def mu(self) -> FloatArray:
-        """See `StepDerivative.mu`: (2nv,)."""
-        return self._by_mu
-
-
 def stages_of(stepper: Stepper, request: StepArguments) -> Stages:
     """Return the stages of a step, of the kind that it was taken in; its outcome may be known."""
     step = request.step
@@ -328,7 +285,6 @@ def step_derivative(
     push: FloatArray | None = None,
     mu: float = 0.6,
     smoothing: float = 0.0,
-    out: Outputs | None = None,
     step: Step | None = None,
 ) -> StepDerivative:
     """Take a step and return its derivative; the arguments are those of `Stepper.step`.
@@ -338,8 +294,6 @@ def step_derivative(
     smoothing
         0 for the laws themselves; else normal force times normal velocity on the central path [W], in
         impulses per step: N s · m/s. See `ContactDerivative`.
-    out
-        With `StepOptions(order=1)`: arrays for A (2nv, 2nv) and B (2nv, joints) to be filled.
     step
         Its outcome where that is known, so that it need not be taken once more.
 
@@ -364,11 +318,6 @@ def step_derivative(
     mu = real_number("mu", mu, low=0.0)
     if smoothing > 0.0:
         step = None
-    elif step is None and (stepper.options.order == 2 or stepper.locates(mu)):
+    elif step is None:
         step = stepper.step(state, torques, push, mu)
-    request = StepArguments(state, torques, push, mu, smoothing, step)
-    if stepper.options.order == 1 and (step is None or not (step.pieces or step.impact is None)):
-        return FirstOrderDerivative(stepper, request, out)
-    if out is not None:
-        raise ProblemError("out goes with StepOptions(order=1)")
-    return StepDerivative(stepper, request)
+    return StepDerivative(stepper, StepArguments(state, torques, push, mu, smoothing, step))

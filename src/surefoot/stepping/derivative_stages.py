@@ -133,7 +133,8 @@ class Stages:
         state, push, mu = request.state, request.push, request.mu
         self.step: Step = request.step or stepper.step(state, request.torques, push, mu)
         if request.smoothing > 0.0 and (self.step.pieces or self.step.impact is None):  # all take part
-            self.step = stepper.meet_ground(state, self.effort, push, mu)
+            retake = stepper.take_first_order if stepper.options.order == 1 else stepper.meet_ground
+            self.step = retake(state, self.effort, push, mu)
         self.dt = self.step.dt
         self._retrace(self.step.impact)
 

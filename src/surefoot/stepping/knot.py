@@ -81,6 +81,7 @@ class Knot:
         self.stepper, bodies, options = stepper, stepper.bodies, stepper.options
         points = stepper.robot.contact_points
         self._model = model = bodies.model
+        self._dt = options.dt
         ordered(model)
         self._data = data = model.createData()
         n, p = model.nv, len(points)
@@ -192,7 +193,7 @@ class Knot:
 
     def _gone(self) -> FloatArray:
         """Return where the velocity after the step leads (nq,)."""
-        return np.asarray(self._integrate(self._model, self._q, self._settings[kernels.DT] * self.v))
+        return np.asarray(self._integrate(self._model, self._q, self._dt * self.v))
 
     @property
     def residual(self) -> float:
@@ -256,18 +257,17 @@ class Knot:
         n = self._first.size
         A, B = _outputs(out, (2 * n, 2 * n), (2 * n, n - self._base))
         near, Y, by_g, impulses, after = self._answer() if smoothing == 0.0 else self._smoothed(smoothing)
-        dt, data = float(self._settings[kernels.DT]), self._data
+        dt, data = self._dt, self._data
         if self._curved:
             self._look_below()
-        self._rate = (after - self._v) / dt
-        self._inverse(self._model, data, self._q, self._v, self._rate)
+        self._inverse(self._model, data, self._q, self._v, (after - self._v) / dt)
         self._correct_rates(after)
         if self._push is not None and self._base:  # turns with the base's axes
             turn = skew(data.oMi[1].rotation.T @ self._push)
             self._by_q[:3, 3:6] -= turn
             self._by_q[3:6, 3:6] -= skew(self.stepper.bodies.lever) @ turn
         self._moved = self._way_rates(after)
-        self.by_mu, self._response = kernels.first_order_blocks(
+        self.by_mu = kernels.first_order_blocks(
             (self._twists, self._first, self._support, self._positions, self._radii, self._frames,
              self._turns),
             (self.gaps, self._slopes, self._J), (self._v, self._free, after),
@@ -280,7 +280,7 @@ class Knot:
 
     def _way_rates(self, after: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the derivatives (nv, nv) of the way by q and by the way that (nv,) `after` goes."""
-        by_q, by_way = self._d_integrate(self._model, self._q, self._settings[kernels.DT] * after)
+        by_q, by_way = self._d_integrate(self._model, self._q, self._dt * after)
         return by_q, by_way
 
     def _answer(self) -> Linearisation:
@@ -320,18 +320,6 @@ class Knot:
         contacts = Contacts(self.gaps, self._positions, self._frames, self._J)
         ground = GroundTurn.below(self.stepper.terrain, contacts, self._radii)
         self._turns, self._slopes = ground.turns, ground.slopes
-
-    def inertia(self) -> FloatArray:
-        """Return (2nv, bodies, 10): (q, v) by every body's inertial parameters, see `StepDerivative.inertia`.
-
-        Of the step and the smoothing of the last call of `derivative`.
-        """
-        import pinocchio
-
-        Y = pinocchio.computeJointTorqueRegressor(self._model, self._data, self._q, self._v, self._rate)
-        dt = float(self._settings[kernels.DT])
-        speed = -dt * self._response @ Y
-        return np.vstack([dt * self._moved[1] @ speed, speed]).reshape(2 * len(speed), -1, 10)
 
 
 def _outputs(out: Outputs | None, *shapes: tuple[int, int]) -> Outputs:

@@ -275,8 +275,8 @@ def first_order_blocks(
     near: IntArray, Y: FloatArray, by_g: FloatArray, impulses: FloatArray, settings: FloatArray,
     L: FloatArray, dynamics: tuple[FloatArray, FloatArray], moved: tuple[FloatArray, FloatArray],
     A: FloatArray, B: FloatArray,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Fill A (2nv, 2nv) and B (2nv, joints) of a first-order step; return by mu (2nv,), and K (nv, nv).
+) -> FloatArray:  # fmt: skip
+    """Fill A (2nv, 2nv) and B (2nv, joints) of a first-order step; return by mu (2nv,).
 
     Parameters
     ----------
@@ -345,7 +345,7 @@ def first_order_blocks(
                 total += by_g[r, m + c]
             by_mu[n + i] += W[r, i] * total
     _advance(moved, velocity, K, by_mu, dt, A, B)
-    return by_mu, K
+    return by_mu
 
 
 @inline_kernel

@@ -30,10 +30,8 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.errors import ProblemError
 from surefoot.robot.centroidal import carried_momentum
 from surefoot.spatial import GRAVITY, skew
-from surefoot.stepping import knot_kernels as kernels
 from surefoot.stepping.knot import Knot
 from surefoot.stepping.stepper import Stepper
 
@@ -45,7 +43,7 @@ class MomentumKnot(Knot):
     """Takes first-order steps that keep the momentum of the whole robot; else as `Knot`.
 
     For robots that nothing carries: with a free flyer, or on slides along the world's axes. Others have no
-    momentum of their own, and take the plain step. Rates by inertial parameters are of `Knot` alone.
+    momentum of their own, and take the plain step.
     """
 
     def __init__(self, stepper: Stepper) -> None:
@@ -58,10 +56,6 @@ class MomentumKnot(Knot):
         self._ways = np.flatnonzero(self._rows < 3)
         self._other, self._still = model.createData(), np.zeros(model.nv)
         self._more = np.zeros(len(self._rows))
-
-    @property
-    def _dt(self) -> float:
-        return float(self._settings[kernels.DT])
 
     def _less_bias(self, effort: FloatArray) -> FloatArray:
         out, n = super()._less_bias(effort), len(self._rows)
@@ -105,16 +99,6 @@ class MomentumKnot(Knot):
             X = _rigid_motion(other, n)
             out[:n] = np.linalg.solve(X.T @ A[:, :n], X.T @ (self._A @ self.v - A[:, n:] @ out[n:]))
         return out
-
-    def inertia(self) -> FloatArray:
-        """Not known here: the momentum of a way has rates (6, k) of its own by k inertial parameters.
-
-        Raises
-        ------
-        ProblemError
-            Always.
-        """
-        raise ProblemError("derivatives by inertial parameters are of plain first-order steps, see Knot")
 
     def _correct_rates(self, after: FloatArray) -> None:
         """Write the base's rows: those of momentum, divided by dt, in the base's axes."""

@@ -10,12 +10,13 @@ ground (`t_R_w` is the identity, `setSurfaceNormalInWorld` throws), without boun
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from surefoot.errors import ProblemError
-from surefoot.interop.gait_files import QUADRUPED, block, listed, named_mode
 from surefoot.interop.sequence import ContactSequence
 from surefoot.stance import Contact, PointContact
 
+FEET = ("LF", "RF", "LH", "RH")
 FRICTION = """; Of task.info: replaces the block of this name.
 ; The largest cone about the world's z axis that is inside the cones of all contacts{lean}.
 frictionConeSoftConstraint
@@ -37,25 +38,42 @@ def files(sequence: ContactSequence) -> dict[str, str]:
     ProblemError
         For other feet, and a cone that no upright one is inside of.
     """
-    if len(sequence.frames) != len(QUADRUPED):
+    if len(sequence.frames) != len(FEET):
         raise ProblemError(f"OCS2's modes name 4 feet, the sequence has {len(sequence.frames)} frames")
     contacts = [contact for phase in sequence.phases for contact in phase.stance]
     for contact in contacts:
         if not isinstance(contact, PointContact):
             raise ProblemError(f"OCS2's legged robot has point feet, {contact.name} is a patch")
-    modes = [named_mode([name in p.names for name in sequence.frames], QUADRUPED) for p in sequence.phases]
+    modes = [_mode([name in p.names for name in sequence.frames]) for p in sequence.phases]
     times = [f"{time:.12g}" for time in sequence.switching]
     gait = [
-        *(f"; {label} is {name}" for name, label in zip(sequence.frames, QUADRUPED, strict=True)),
-        *listed("list", ["sequence"]),
-        *block("sequence", listed("modeSequence", modes) + listed("switchingTimes", times)),
+        *(f"; {label} is {name}" for name, label in zip(sequence.frames, FEET, strict=True)),
+        *_listed("list", ["sequence"]),
+        *_block("sequence", _listed("modeSequence", modes) + _listed("switchingTimes", times)),
         # a schedule goes on for ever on both sides: there its first and last modes hold
-        *block("initialModeSchedule", listed("modeSequence", modes) + listed("eventTimes", times[1:-1])),
+        *_block("initialModeSchedule", _listed("modeSequence", modes) + _listed("eventTimes", times[1:-1])),
     ]
     mu = min((_upright_friction(contact) for contact in contacts), default=0.0)
     lean = max((_lean(contact) for contact in contacts), default=0.0)
     said = f", which lean by up to {math.degrees(lean):.3g} deg" if lean > 1e-9 else ""
     return {"gait.info": "\n".join(gait) + "\n", "friction.info": FRICTION.format(mu=mu, lean=said)}
+
+
+def _mode(stands: Sequence[bool]) -> str:
+    """Return the name of the mode in which the feet stand that are said to."""
+    if all(stands):
+        return "STANCE"
+    return "_".join(foot for foot, on in zip(FEET, stands, strict=True) if on) or "FLY"
+
+
+def _listed(name: str, entries: Sequence[str]) -> list[str]:
+    """Return the lines of a list in INFO notation: ``[0] a``, ``[1] b`` and so on."""
+    return _block(name, [f"[{k}] {entry}" for k, entry in enumerate(entries)])
+
+
+def _block(name: str, lines: Sequence[str]) -> list[str]:
+    """Return the lines of a block in INFO notation."""
+    return [name, "{", *("  " + line for line in lines), "}"]
 
 
 def _lean(contact: Contact) -> float:
