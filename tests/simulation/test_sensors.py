@@ -11,7 +11,7 @@ import pytest
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
 from surefoot.simulation.sensor_kernels import mean_readings
-from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors
+from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 DT = 0.001
@@ -105,6 +105,21 @@ def test_numbers_come_late_in_steps_and_within_range(robot: Robot) -> None:
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
 
 
+def test_touches_are_missed_and_invented(robot: Robot) -> None:
+    sensors = Sensors(SensorModel(touch=TouchModel(missed=0.3, false=2.0, false_time=0.02)), robot, DT, 1)
+    missed = np.zeros(4)
+    for _ in range(200):  # contacts of 50 ms, 50 ms apart
+        for _ in range(50):
+            assert sensors.touches(np.zeros(4, dtype=bool)) is not None
+        told = np.array([sensors.touches(np.ones(4, dtype=bool)) for _ in range(50)])
+        missed += ~told[25:].all(axis=0)
+    assert missed.mean() / 200 == pytest.approx(0.3 * np.exp(-2.0 * 0.025), abs=0.04)
+    idle = np.array([sensors.touches(np.zeros(4, dtype=bool)) for _ in range(20000)])
+    assert idle.mean() == pytest.approx(1.0 - np.exp(-2.0 * 0.02), rel=0.2)
+    exact = Sensors(SensorModel(), robot, DT, 1)
+    assert exact.touches(np.array([True, False, True, False])).tolist() == [True, False, True, False]
+
+
 def test_a_start_is_tilted_and_runs_are_seeded(robot: Robot) -> None:
     q = robot.nominal
     tilts = []
@@ -124,6 +139,7 @@ def test_a_start_is_tilted_and_runs_are_seeded(robot: Robot) -> None:
     [
         (SensorModel(imu=ImuModel(gyro_noise=-1.0)), "gyro noise must be"),
         (SensorModel(encoders=EncoderModel(latency=2.0)), "latency must be"),
+        (SensorModel(touch=TouchModel(missed=1.5)), "missed must be"),
         (SensorModel(imu=ImuModel(gyro_range=0.0)), "ranges of an IMU must be positive"),
     ],
 )

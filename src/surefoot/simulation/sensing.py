@@ -107,7 +107,7 @@ class EstimatedState(Sensing):
             self._started = True
         reading = self.sensors.read(q, v)
         start = clock.perf_counter()
-        self._reported = tracker.state(reading, time)
+        self._reported = tracker.state(reading, time, self.sensors.touches)
         self._spent = clock.perf_counter() - start
         if tracker.lost and not self.lost:
             self.lost = f"the state estimate was lost at {time:.3f} s: {tracker.lost}"

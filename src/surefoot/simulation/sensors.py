@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation.inekf import FilterNoise
 from surefoot.estimation.state_estimator import Reading
@@ -93,10 +93,19 @@ class TouchModel:
         the number of joints: what a joint's torque is like while the robot stands.
     torque_scale
         Standard deviation of each motor's factor between torque and current, off 1.
+    missed
+        Share of the contacts whose force is never sensed.
+    false
+        How often a foot feels a force that is none, for `false_time` [1/s].
+    false_time
+        Length of such a false force [s].
     """
 
     torque_noise: float = 0.05
     torque_scale: float = 0.03
+    missed: float = 0.0
+    false: float = 0.0
+    false_time: float = 0.02
 
 
 @dataclass(frozen=True)
@@ -167,6 +176,7 @@ class SensorModel:
                     real_number("latency", value, low=0.0, high=0.1)
                 else:
                     real_number(one.name.replace("_", " "), value, low=0.0)
+        real_number("missed", self.touch.missed, high=1.0)
         if self.imu.gyro_range <= 0.0 or self.imu.accelerometer_range <= 0.0:
             raise ProblemError("the ranges of an IMU must be positive")
 
@@ -213,8 +223,13 @@ class Sensors:
         self._imu: deque[FloatArray] = deque(maxlen=1 + late[0])
         self._legs: deque[FloatArray] = deque(maxlen=1 + late[1])
         self._motion, self._first, self._joints = np.zeros(13), True, joints
+        self._mixed = touch.missed > 0.0 or touch.false > 0.0  # other random numbers come in between
         self._drawn: FloatArray = np.zeros(AT_ONCE * (12 + 3 * joints))
         self._used = len(self._drawn)
+        n = len(robot.feet)
+        self._touched, self._hidden = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+        self._false_until = np.zeros(n)
+        self._time = 0.0
 
     @property
     def biases(self) -> FloatArray:
@@ -252,6 +267,8 @@ class Sensors:
 
     def _normal(self, count: int) -> FloatArray:
         """Return the next normal random numbers; they are drawn for several steps at once."""
+        if self._mixed:
+            return self._random.standard_normal(count)
         start, numbers = self._used, self._drawn
         if start + count > len(numbers):
             left = len(numbers) - start
@@ -260,3 +277,18 @@ class Sensors:
             start = 0
         self._used = start + count
         return numbers[start : start + count]
+
+    def touches(self, contact: BoolArray) -> BoolArray:
+        """Return (n,) which feet feel a force, some missed and some false, one step after the last call."""
+        touch, n = self.model.touch, len(contact)
+        self._time += self.dt
+        if not self._mixed:
+            return contact
+        if touch.missed > 0.0:
+            fresh = contact & ~self._touched
+            self._hidden = np.where(fresh, self._random.random(n) < touch.missed, self._hidden)
+        if touch.false > 0.0:
+            starts = self._random.random(n) < touch.false * self.dt
+            self._false_until = np.where(starts, self._time + touch.false_time, self._false_until)
+        self._touched = contact.copy()
+        return np.asarray((contact & ~self._hidden) | (self._false_until > self._time))
