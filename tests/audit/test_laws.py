@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from surefoot.audit import Laws, audit_log, contact_use, log_laws
-from surefoot.audit.laws import LAWS, LEAST_FRICTION, LOADED_SHARE
+from surefoot.audit.laws import LAWS, LEAST_FRICTION
 from surefoot.audit.slides import LAG
 from surefoot.errors import ProblemError
 from surefoot.log import CHANNELS, Log
@@ -163,12 +163,6 @@ def test_no_contacts_at_all_is_no_verdict() -> None:
     laws = check_laws(np.zeros((0, 4, 3)), np.zeros((0, 4)), np.zeros((0, 4, 3)), np.zeros(0), WEIGHT, 1e-3)
     assert laws.broken(WEIGHT) == []
     assert laws.judged == ()
-
-
-def test_loaded_starts_above_a_thousandth_of_the_weight() -> None:
-    barely = LOADED_SHARE * WEIGHT
-    assert still([0.0, 0.0, barely], velocity=(1.0, 0.0, 0.0)).dissipation_max == 0.0
-    assert still([0.0, 0.0, 1.01 * barely], velocity=(1.0, 0.0, 0.0)).dissipation_max > 0.0
 
 
 @pytest.mark.parametrize("spoilt", [None, "forces", "gaps", "contact_velocities", "large"])

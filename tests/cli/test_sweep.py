@@ -65,13 +65,6 @@ def test_wrong_options(
     assert told in capfd.readouterr().err
 
 
-def test_another_sweep_in_the_folder(balls: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    words = ["sweep", str(balls), "--out", str(tmp_path / "a"), "--backend", "serial", "--no-picture"]
-    assert main(words) == 0
-    assert main([*words, "--seed", "4"]) == 2
-    assert "holds another sweep (seed is 0 there, 4 here); name another folder" in capfd.readouterr().err
-
-
 def test_samples_with_errors_are_told(
     tmp_path: Path, balls: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

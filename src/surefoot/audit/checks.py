@@ -25,7 +25,7 @@ from surefoot.audit.laws import (
     SLIDE_LIMIT,
     SWING_DEPTH,
 )  # fmt: skip
-from surefoot.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
+from surefoot.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
 from surefoot.audit.setting import DEEP, Setting
 from surefoot.audit.touches import rebound, sparse
 from surefoot.log import Log
@@ -190,26 +190,22 @@ def _blow(rows: Rows) -> Measured:
 
 def _unconverged(rows: Rows) -> Measured:
     """Error of a contact force as the world's solver left it [N], a mean of some time."""
-    value = np.zeros((rows.count, rows.points + 1))
-    value[:, -1] = sliding_mean(rows.numbers("solver_error"), rows.window(SMOOTH))
-    return over(value, MOTION_LIMIT * rows.setting.weight)
+    value = sliding_mean(rows.numbers("solver_error"), rows.window(SMOOTH))
+    return over(on_body(rows, value), MOTION_LIMIT * rows.setting.weight)
 
 
 def _idle(rows: Rows) -> Measured:
     """Time during which nothing carries the robot though a foot touches the ground, or it does not fall."""
     w = rows.window(IDLE_TIME)
-    none = np.abs(rows.forces).max(axis=(1, 2)).reshape(-1, 1) <= rows.setting.threshold
-    closed = np.zeros((rows.count, 1), dtype=bool)
+    idle = np.zeros(rows.count, dtype=bool)
     if rows.has("gaps"):
-        closed[:, 0] |= (rows.gaps <= 1e-4).any(axis=1)
+        idle |= (rows.gaps <= 1e-4).any(axis=1)
     if rows.unexplained is not None:
         force = np.nan_to_num(rows.unexplained.force)
-        closed[:, 0] |= np.linalg.norm(force, axis=1) > 0.3 * rows.setting.weight
-    on = (none & closed).astype(np.float64)
-    value = np.zeros((rows.count, rows.points + 1))
-    value[:, -1:] = sliding_sum(on, w) / w
-    out = over(value, 0.95)
-    return out[0], out[1], out[2] & (none & closed)
+        idle |= np.linalg.norm(force, axis=1) > 0.3 * rows.setting.weight
+    idle &= np.abs(rows.forces).max(axis=(1, 2)) <= rows.setting.threshold
+    value, limit, bad = over(on_body(rows, sliding_sum(idle.astype(np.float64), w) / w), 0.95)
+    return value, limit, bad & idle[:, None]
 
 
 def _frozen(rows: Rows) -> Measured:

@@ -245,6 +245,13 @@ def over(value: FloatArray, limit: FloatArray | float) -> Measured:
     return value, bound, value > bound
 
 
+def on_body(rows: Rows, value: FloatArray) -> FloatArray:
+    """Return (T,) values of the body in the last of p + 1 columns, the contacts' zero."""
+    out = np.zeros((rows.count, rows.points + 1))
+    out[:, -1] = value
+    return out
+
+
 def sliding_sum(values: FloatArray, rows: int) -> FloatArray:
     """Return the sum over a window of so many rows about each row: shape and unit of (T, ...) values."""
     total = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])

@@ -10,6 +10,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.log import Log
+from surefoot.numerics.phases import runs_of
 from surefoot.spatial import GRAVITY
 
 LENGTH = 0.12
@@ -56,8 +57,7 @@ class LogCopy:
         """Return a foot and rows, so long at least, where (T, n) flags are on; away from the log's ends."""
         need, found = max(3, round(seconds / self.dt)), []
         for foot in range(on.shape[1]):
-            edges = np.flatnonzero(np.diff(np.concatenate([[0], on[:, foot].astype(int), [0]])))
-            for a, b in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+            for a, b in runs_of(on[:, foot]):
                 low, high = max(a, 50), min(b, self.rows - 50)
                 if high - low >= need:
                     found.append((foot, low, high - need))

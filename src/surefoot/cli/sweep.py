@@ -13,7 +13,6 @@ from surefoot.cli import options
 from surefoot.cli.console import plain_console, progress_bar, say, show, table
 from surefoot.cli.extras import missing
 from surefoot.cli.signals import INTERRUPTED, ends_softly
-from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -51,8 +50,6 @@ def sweep(
 
     planned = read_sweep(config, allow_code).with_numbers(samples, seed)
     folder = Path("runs") / f"sweep-{config.stem}" if out is None else out
-    if backend == "loky" and address is not None:
-        raise ProblemError("--address is of --backend ray or dask: loky runs on this machine")
     with ends_softly() as stop, progress_bar(not as_json, planned.name, float(planned.samples)) as moved:
         try:
             result = run_sweep(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from surefoot.cli import options, parsing
 from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:
@@ -18,12 +18,6 @@ if TYPE_CHECKING:
 KNOWLEDGE = ("exact", "map", "blind")
 ASSUMED = 0.6
 """Friction that is believed in until a foot slides, with `believed_mu: auto`."""
-TerrainKnowledge: TypeAlias = Annotated[
-    str,
-    typer.Option(
-        help="exact: the controller knows the terrain; map: a height map from a sensor; blind: touch."
-    ),
-]
 
 
 @dataclass(frozen=True)
@@ -43,24 +37,6 @@ class Beliefs:
     mu: float
     watch: bool
     terrain: str
-
-    @staticmethod
-    def read(believed_mu: float | str | None, mu: float, terrain: str, planner: str) -> Beliefs:
-        """Return the beliefs that options and scenario say, `mu` [-] being the ground's own.
-
-        Raises
-        ------
-        ProblemError
-            For an unknown word, or a planner that cannot do with less than the truth.
-        """
-        check_name("--terrain-knowledge", terrain, KNOWLEDGE)
-        watch = isinstance(believed_mu, str)
-        if planner != "convex" and (watch or terrain != "exact"):
-            given = "believed_mu: auto" if watch else f"--terrain-knowledge {terrain}"
-            raise ProblemError(f"{given} goes with --planner convex")
-        if isinstance(believed_mu, str):
-            return Beliefs(ASSUMED, True, terrain)
-        return Beliefs(mu if believed_mu is None else believed_mu, False, terrain)
 
     def ground(self, terrain: Terrain) -> Terrain:
         """Return the ground that the controller plans on."""
@@ -135,13 +111,71 @@ class Wiring:
         return controller
 
 
-def wiring(commands: str, dropouts: Sequence[tuple[float, float]], said: ScenarioFile) -> Wiring:
-    """Return what options and scenario say, or raise for what they cannot mean."""
-    check_name("--commands", commands, KINDS)
-    every = round(WORLD_RATE / said.control_rate)
-    if abs(every * said.control_rate - WORLD_RATE) > 1e-6 * WORLD_RATE:
-        raise ProblemError(
-            f"control_rate must be 1000 over a whole number, as 500 or 250, got {said.control_rate:g}"
-        )
-    latency = None if isinstance(said.latency, str) else said.latency
-    return Wiring(commands == "targets", every, latency, tuple(dropouts))
+@dataclass(frozen=True, kw_only=True)
+class WalkOptions(options.RunOptions):
+    """What a walk is asked for."""
+
+    gait: Annotated[
+        str | None,
+        typer.Option(
+            help="stand, trot, walk, pace, bound, flying_trot (on two feet stand, walk), auto (by speed); "
+            "None for trot, on two feet walk."
+        ),
+    ] = None
+    planner: Annotated[
+        str, typer.Option(help="convex, which follows the gait, or contact-implicit, which takes none.")
+    ] = "convex"
+    velocity: Annotated[str, typer.Option(help="VX,VY,WZ: forward, left [m/s], yaw rate [rad/s].")] = (
+        "0.5,0,0"
+    )
+    terrain_knowledge: Annotated[
+        str,
+        typer.Option(
+            help="exact: the controller knows the terrain; map: a height map from a sensor; blind: touch."
+        ),
+    ] = "exact"
+    dropout: Annotated[
+        list[str] | None, typer.Option(help="T:DURATION without a fresh state [s]; repeatable.")
+    ] = None
+    commands: Annotated[
+        str, typer.Option(help="torques, or targets: joint angles, speeds, gains and torques for the drives.")
+    ] = "torques"
+
+    def command(self, said: ScenarioFile) -> Any:
+        """Return the commanded velocity over time."""
+        from surefoot.control.walking_body import VelocityCommand
+
+        if said.velocity_file is not None:
+            return VelocityCommand.read(said.velocity_file)
+        return VelocityCommand.constant(*parsing.velocity(self.velocity))
+
+    def beliefs(self, said: ScenarioFile) -> Beliefs:
+        """Return what the controller believes.
+
+        Raises
+        ------
+        ProblemError
+            For an unknown word, or a planner that cannot do with less than the truth.
+        """
+        check_name("--terrain-knowledge", self.terrain_knowledge, KNOWLEDGE)
+        watch, believed = isinstance(said.believed_mu, str), said.believed_mu
+        if self.planner != "convex" and (watch or self.terrain_knowledge != "exact"):
+            given = "believed_mu: auto" if watch else f"--terrain-knowledge {self.terrain_knowledge}"
+            raise ProblemError(f"{given} goes with --planner convex")
+        if isinstance(believed, str):
+            return Beliefs(ASSUMED, True, self.terrain_knowledge)
+        return Beliefs(self.mu if believed is None else believed, False, self.terrain_knowledge)
+
+    def wiring(self, said: ScenarioFile) -> Wiring:
+        """Return how commands reach the motors, or raise for what options and scenario cannot mean."""
+        texts = self.dropout or ()
+        dropouts = tuple(parsing.dropout(text) for text in texts)
+        parsing.within_run("--dropout", texts, (start for start, _ in dropouts), self.duration)
+        check_name("--commands", self.commands, KINDS)
+        every = round(WORLD_RATE / said.control_rate)
+        if abs(every * said.control_rate - WORLD_RATE) > 1e-6 * WORLD_RATE:
+            raise ProblemError(
+                f"control_rate must be 1000 over a whole number, as 500 or 250, got {said.control_rate:g}"
+            )
+        latency = None if isinstance(said.latency, str) else said.latency
+        return Wiring(self.commands == "targets", every, latency, dropouts)

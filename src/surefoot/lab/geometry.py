@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
@@ -22,8 +22,6 @@ SIDES = 32
 """Sides of the polygon that stands for a circle."""
 CORNERS = 48
 """Corners that every polygon's mesh has: a polygon with fewer repeats its last one."""
-REACH = 1.5
-"""Half the length of the piece of ground that is drawn [m]."""
 CELLS = 60
 """Cells along a side of ground that is no plane."""
 NOTHING: tuple[FloatArray, IntArray] = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
@@ -82,6 +80,11 @@ def ground_surface(terrain: Terrain, middle: FloatArray, reach: float) -> tuple[
     about = np.asarray(middle, dtype=np.float64)
     parts = [_BUILDERS[type(shape)](shape, terrain, about, reach) for shape in terrain.shapes()]
     parts = [part for part in parts if len(part[0])] or [NOTHING]
+    return joined(parts)
+
+
+def joined(parts: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
+    """Return several surfaces, (n, 3) vertices [m] and (m, 3) triangles each, as one."""
     offsets = np.cumsum([0, *(len(vertices) for vertices, _ in parts[:-1])])
     faces = [faces + offset for (_, faces), offset in zip(parts, offsets, strict=True)]
     return np.vstack([vertices for vertices, _ in parts]), np.vstack(faces)
@@ -100,12 +103,15 @@ def _grid(shape: Grid, terrain: Terrain, middle: FloatArray, reach: float) -> tu
 
 
 def _block(shape: Box, terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
-    half = 0.5 * shape.size
-    low = np.maximum(shape.centre[:2] - half[:2], middle - reach)
-    high = np.minimum(shape.centre[:2] + half[:2], middle + reach)
+    from trimesh import creation  # viser brings it
+
+    half, near = 0.5 * shape.size, np.array([reach, reach, np.inf])
+    about = np.append(middle, 0.0)
+    low, high = np.maximum(shape.centre - half, about - near), np.minimum(shape.centre + half, about + near)
     if (high <= low).any():
         return NOTHING
-    return _box(low, high, float(shape.centre[2] - half[2]), float(shape.centre[2] + half[2]))
+    box = creation.box(bounds=[low, high])
+    return np.array(box.vertices), np.array(box.faces)
 
 
 _BUILDERS: dict[type, Callable[..., tuple[FloatArray, IntArray]]] = {
@@ -127,17 +133,6 @@ def _sheet(
     a, b, c, d = k[:-1, :-1].ravel(), k[1:, :-1].ravel(), k[1:, 1:].ravel(), k[:-1, 1:].ravel()
     faces = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
     return np.column_stack([places, terrain.height(places)]), faces
-
-
-def _box(low: FloatArray, high: FloatArray, bottom: float, top: float) -> tuple[FloatArray, IntArray]:
-    """Return top and walls of a box; nobody sees what is below."""
-    (x, y), (X, Y) = low, high
-    ring = [(x, y), (X, y), (X, Y), (x, Y)]
-    vertices = np.array([(*p, z) for z in (bottom, top) for p in ring])
-    walls = [(k, (k + 1) % 4, (k + 1) % 4 + 4) for k in range(4)] + [
-        (k, (k + 1) % 4 + 4, k + 4) for k in range(4)
-    ]
-    return vertices, np.array([(4, 5, 6), (4, 6, 7), *walls], dtype=np.int64)
 
 
 AROUND = 2.0

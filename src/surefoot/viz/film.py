@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import BoolArray
 from surefoot.errors import needs
 from surefoot.log import Log
 from surefoot.robot import Robot
@@ -98,27 +98,10 @@ class Overlay:
         else:
             draw.line([(left, text), (right, text)], fill=shade, width=max(text // 4, 2))
 
-    def over(
-        self, picture: Any, time: float, arrows: Sequence[tuple[FloatArray, FloatArray]], colour: Any
-    ) -> Any:
-        """Return a (height, width, 3) picture with title, legend, clock and flat arrows over it.
-
-        Parameters
-        ----------
-        picture
-            (height, width, 3) pixels.
-        time
-            For the clock [s].
-        arrows
-            Start and end of each arrow [pixels].
-        colour
-            Of the arrows.
-        """
+    def over(self, picture: Any, time: float) -> Any:
+        """Return a (height, width, 3) picture with title, legend and a clock at `time` [s] over it."""
         image = self._image.fromarray(picture)
         draw = self._draw.Draw(image)
-        shade = tuple(round(255 * c) for c in colour[:3])
-        for start, end in arrows:
-            draw.polygon(_arrow(start, end, 0.25 * self._text), fill=shade, outline=PAPER)
         image.paste(self._strip, (0, 0), self._strip)
         corner = (self._size[0] - self._text, self._size[1] - self._text)
         draw.text((self._text, corner[1]), self._title, fill=INK, font=self._font, anchor="lm")
@@ -160,10 +143,13 @@ class FilmScene:
         The ground.
     scale
         Length of a newton [m/N].
+    height
+        Of the base, by which a push is drawn above it [m].
     """
 
-    def __init__(self, log: Log, terrain: Terrain, scale: float) -> None:
+    def __init__(self, log: Log, terrain: Terrain, scale: float, height: float = 0.3) -> None:
         self.log, self.terrain, self.scale = log, terrain, scale
+        self._above = np.array([0.0, 0.0, 0.4 * height])
         self.edges = edge_lines(terrain)
         self._slides = self._sliding()
         self._marks: list[Arrow] = []
@@ -194,8 +180,9 @@ class FilmScene:
         return entries
 
     def arrows(self, step: int) -> list[Arrow]:
-        """Return the forces of a step."""
-        return log_arrows(self.log, step, self.terrain, self.scale)
+        """Return the forces of a step, and the push on the base, above it so that it can be seen."""
+        push = (self.log["q"][step, :3] + self._above, 2.0 * self.scale * self.log["push"][step], PUSH_COLOUR)
+        return [*log_arrows(self.log, step, self.terrain, self.scale), push]
 
     def lines(self, step: int) -> list[Arrow]:
         """Return cones whose rims hold the forces' tips, the slips up to a step, and the ground's edges."""
@@ -215,14 +202,6 @@ class FilmScene:
         self._last = step
         return self._marks
 
-    def push(self, step: int) -> list[tuple[FloatArray, FloatArray]]:
-        """Return start and tip (3,) of the push's arrow, if there is one: its tip is at the base [m]."""
-        push = self.log["push"][step]
-        if not np.any(push):
-            return []
-        tip = self.log["q"][step, :3]
-        return [(tip - 2.0 * self.scale * push, tip)]
-
 
 def frames_of(
     log: Log, robot: Robot, terrain: Terrain, rate: float = RATE, size: tuple[int, int] = (WIDTH, HEIGHT)
@@ -238,14 +217,13 @@ def frames_of(
     try:
         dt = float(log.facts["dt"])
         every = 1.0 / (rate * dt)
-        scene = FilmScene(log, terrain, ARROW_LENGTH * renderer.size / (robot.mass * GRAVITY))
+        scene = FilmScene(log, terrain, ARROW_LENGTH * renderer.size / (robot.mass * GRAVITY), renderer.size)
         title = f"{robot.name}, ground of friction {float(log['mu'][0]):.2g}"
         overlay = Overlay(*size, title, scene.legend())
         for k in range(int(len(log) / every)):
             step = int(k * every)
             picture = renderer.frame(log["q"][step], scene.arrows(step), scene.lines(step))
-            flat = [(renderer.pixels(a), renderer.pixels(b)) for a, b in scene.push(step)]
-            yield overlay.over(picture, float(log["time"][step]), flat, PUSH_COLOUR)
+            yield overlay.over(picture, float(log["time"][step]))
     finally:
         renderer.close()
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from surefoot.viz.style import BAD, FOOT_COLOURS, INK, draw_columns, new_axis, new_figure, new_panels, save
+from surefoot.viz.plots import draw_cone_use, draw_normal_forces, draw_torques
+from surefoot.viz.style import FOOT_COLOURS, INK, draw_columns, new_axis, new_figure, save
 
 if TYPE_CHECKING:
     from surefoot.planning.plan import Plan
@@ -28,21 +29,6 @@ def draw_contacts(plan: Plan, path: Path) -> Path:
     axis.set_yticks(range(len(names)), names[::-1])
     axis.set(ylim=(-0.7, len(names) - 0.3), xlim=(0.0, _ends(plan)[-1]))
     axis.grid(axis="y", visible=False)
-    return save(figure, path)
-
-
-def draw_plan_forces(plan: Plan, path: Path) -> Path:
-    """Draw normal and tangential forces of every foot; each is constant over its knot."""
-    labels = ("normal force [N]", "tangential force [N]")
-    figure, axes = new_panels(labels, (8.0, 4.6), "Forces of the ground as planned")
-    foot = np.asarray(plan.facts["contact_foot"])
-    names = plan.facts["feet"]
-    loads = np.stack([plan["forces"][:, foot == k].sum(axis=1) for k in range(len(names))], axis=1)
-    tangential = np.hypot(loads[..., 0], loads[..., 1])
-    for axis, values in zip(axes, (loads[..., 2], tangential), strict=True):
-        draw_columns(axis, plan["time"], values, names, drawstyle="steps-post")
-        axis.set_ylim(0.0, 1.08 * max(1.0, float(loads.max(initial=0.0))))
-    axes[0].legend(ncols=max(1, len(names)), fontsize=8)
     return save(figure, path)
 
 
@@ -74,34 +60,16 @@ def draw_plan_motion(plan: Plan, path: Path) -> Path:
     return save(figure, path)
 
 
-def draw_plan_torques(plan: Plan, path: Path) -> Path:
-    """Draw the joint torques as shares of their limits."""
-    limits = np.asarray(plan.facts["effort_limits"], dtype=np.float64)
-    known = np.isfinite(limits) & (limits > 0.0)
-    figure, axis = new_axis(
-        (8.0, 3.4), "Joint torques as planned", xlabel="time [s]", ylabel="share of limit"
-    )
-    shares = plan["torques"][:, known] / limits[known]
-    axis.plot(plan["time"], shares, color=INK, lw=0.5, alpha=0.5, drawstyle="steps-post")
-    if shares.size:
-        worst = np.abs(shares).max(axis=1)
-        axis.plot(plan["time"], worst, color=FOOT_COLOURS[1], drawstyle="steps-post", label="largest")
-        axis.legend(fontsize=8)
-    for edge in (-1.0, 1.0):
-        axis.axhline(edge, color=BAD, lw=0.9, ls="--")
-    axis.set_ylim(-1.15, 1.15)
-    return save(figure, path)
-
-
 def draw_plan(plan: Plan, folder: Path) -> list[Path]:
     """Draw every plot of a plan into a folder and return their paths."""
     made = [
         draw_contacts(plan, folder / "contacts.png"),
-        draw_plan_forces(plan, folder / "forces.png"),
+        draw_normal_forces(plan, folder / "normal_forces.png"),
+        draw_cone_use(plan, folder / "cone_use.png"),
         draw_plan_motion(plan, folder / "motion.png"),
     ]
     if plan["torques"].shape[1]:
-        made.append(draw_plan_torques(plan, folder / "torques.png"))
+        made.append(draw_torques(plan, folder / "torques.png"))
     return made
 
 

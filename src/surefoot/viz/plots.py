@@ -11,8 +11,9 @@ from surefoot.audit.laws import LOADED_SHARE
 from surefoot.audit.motion import foot_forces, tilt_angles
 from surefoot.audit.pressure import sole_pressures
 from surefoot.log import Log
+from surefoot.numerics.phases import runs_of
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
-from surefoot.viz.shapes import ring, runs_of
+from surefoot.viz.shapes import ring
 from surefoot.viz.style import (
     BAD,
     FOOT_COLOURS,
@@ -43,7 +44,7 @@ def thinned(count: int) -> slice:
 
 def draw_normal_forces(log: Log, path: Path) -> Path:
     """Draw every foot's normal force over time, against an equal share of the weight."""
-    title = "Normal forces as the world reports them"
+    title = "Normal forces of the ground"
     figure, axis = new_axis((8.0, 3.6), title, xlabel="time [s]", ylabel="normal force [N]")
     thin, forces = thinned(len(log)), foot_forces(log)
     draw_columns(axis, log["time"][thin], forces[thin, :, 2], log.facts["feet"])
@@ -58,7 +59,7 @@ def draw_normal_forces(log: Log, path: Path) -> Path:
 
 
 def draw_cone_use(log: Log, path: Path) -> Path:
-    """Draw every measured force in its cone's cross-section, scaled so that the cone is the unit circle."""
+    """Draw every force in its cone's cross-section, scaled so that the cone is the unit circle."""
     names = log.facts["feet"]
     figure, axes = new_grid(len(names), 4, (2.4, 2.6), (0.0, 0.3), sharex=True, sharey=True)
     angle = np.linspace(0.0, 2.0 * np.pi, 200)

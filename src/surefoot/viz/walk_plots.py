@@ -11,6 +11,7 @@ from surefoot.arrays import BoolArray
 from surefoot.audit import contact_use
 from surefoot.audit.motion import foot_forces, heading_velocity, touching
 from surefoot.log import Log
+from surefoot.numerics.phases import runs_of
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import read_terrain
 from surefoot.viz.plots import (
@@ -21,7 +22,6 @@ from surefoot.viz.plots import (
     mark_events,
     thinned,
 )
-from surefoot.viz.shapes import runs_of
 from surefoot.viz.style import (
     BAD,
     FOOT_COLOURS,
