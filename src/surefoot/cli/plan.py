@@ -150,6 +150,7 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
         "law_residual": made.law_residual,
         "momentum_error": made.facts.get("momentum_error"),
         "replay_apart": made.facts.get("replay_apart"),
+        "replay_speed": made.facts.get("replay_speed"),
         "replay_time": made.facts.get("replay_time"),
         "iterations": made.iterations,
         "time": made.time,
@@ -195,6 +196,7 @@ def _certificate(facts: dict[str, Any]) -> list[list[str]]:
     return [
         ["momentum off the impulses, of the largest", f"{facts['momentum_error']:.1e}"],
         ["replay at a tenth of the step ends off by [cm]", f"{100.0 * facts['replay_apart']:.2g}"],
+        ["fastest joint of the replay, share of its limit", f"{facts['replay_speed']:.2f}"],
         ["CPU time of the replay [s]", f"{facts['replay_time']:.2f}"],
     ]
 
