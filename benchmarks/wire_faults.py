@@ -228,7 +228,7 @@ def _suffer(count: int, other: int, told: Any, lost: Any) -> None:
         told.recv()
         wired = SlowRobot(body, wire, dialect)
         for k in range(count):
-            if not body.powered:
+            if not body.powered or FAULTS[(k - 1) % len(FAULTS)] not in BEARABLE:
                 body.reset(robot.nominal)
             begin, start = body.time, float(body.world.state()[0][0])
             while body.world.state()[0][0] < start + ON_THE_WAY and body.time < begin + LONGEST:
