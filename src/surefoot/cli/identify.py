@@ -15,7 +15,7 @@ from surefoot.cli import options
 from surefoot.cli.console import progress_bar, say, show, table
 from surefoot.cli.extras import drawn
 from surefoot.cli.output import check_out
-from surefoot.errors import ProblemError
+from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:  # the other commands need no compiled code
     from rich.console import Console
@@ -93,13 +93,15 @@ def identify(
 
 def _rivals(names: str, testing: bool) -> list[Any]:
     """Return the model of each rival."""
-    from surefoot.experiments.tosses.rivals import make_rival, present_rivals
+    from surefoot.experiments.tosses import RIVALS, present_rivals
 
     if names == NAMED:
         wanted = present_rivals() if testing else []
     else:
         wanted = [] if names == "none" else [name.strip() for name in names.split(",")]
-    return [make_rival(name) for name in dict.fromkeys(wanted)]
+    for name in wanted:
+        check_name("rival", name, RIVALS)
+    return [RIVALS[name]() for name in dict.fromkeys(wanted)]
 
 
 def _fits(recorded: Tosses, simulators: list[Any], settings: dict[str, Any], bar: bool) -> dict[str, TossFit]:

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import inspect
-import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from rich.console import Console
-
-from surefoot.cli.console import say
 from surefoot.cli.robots import is_file
 from surefoot.cli.scenario_file import schema
-from surefoot.errors import ProblemError, StiffContactWarning, check_name, unknown_name
+from surefoot.errors import ProblemError, check_name, unknown_name
 from surefoot.simulation.worlds import WORLDS
 
 if TYPE_CHECKING:
@@ -81,10 +77,6 @@ def world_settings(
             raise ProblemError(f"{robot} is a world of its own: it goes without {option}")
     if said.law is not None:
         settings["law"] = contact_law(said.law, mu)
-    if said.integration != "implicit":
-        if said.law is None:
-            raise ProblemError("integration goes with law")
-        settings["integration"] = said.integration
     return settings
 
 
@@ -103,27 +95,20 @@ def build_world(
     mu: float,
     payload: tuple[float, tuple[float, float, float]],
     settings: dict[str, Any],
-    console: Console,
 ) -> World:
-    """Return the world, `payload` being mass and place; what it says about the chosen step is printed.
-
-    Where `file` is given, it is robot and world.
-    """
+    """Return the world, `payload` being mass and place. Where `file` is given, it is robot and world."""
     from surefoot.simulation.worlds import make_world
 
     mass, place = payload
     parts = settings.pop("substeps", 1)
     at = {"payload_position": place} if any(place) else {}
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always", StiffContactWarning)
-        if file is None:
-            world = make_world(name, robot, terrain, mu, payload=mass, **at, **settings)
-        else:
-            from surefoot.simulation.mjcf_world import MjcfWorld
+    if file is None:
+        world = make_world(name, robot, terrain, mu, payload=mass, **at, **settings)
+    else:
+        from surefoot.simulation.mjcf_world import MjcfWorld
 
-            settings = {"collision": "feet", "payload_position": place, **settings}
-            world = MjcfWorld(robot, file, terrain, mu, payload=mass, **settings)
+        settings = {"collision": "feet", "payload_position": place, **settings}
+        world = MjcfWorld(robot, file, terrain, mu, payload=mass, **settings)
     if parts != 1 or file is not None:  # only MuJoCo's is asked
         cast("MujocoWorld", world).divide(parts)
-    say(console, *(str(warning.message) for warning in said))
     return world

@@ -86,7 +86,7 @@ def stand(
             print(to_json({**named, "stood": False, "outcome": "impossible", "statics": statics}))
         return 1
     controller = StandingController(model, plan, terrain, q, mu, allocation=allocation)
-    world = physics.build_world(obeyed.world, model, file, terrain, mu, carried, settings, console)
+    world = physics.build_world(obeyed.world, model, file, terrain, mu, carried, settings)
     folder = new_run_folder(leaving.out, f"stand-{model.name}")
     run = SimulatedRun(model, terrain, folder, leaving, console)
     watching = live.watching(model, terrain) if view else []

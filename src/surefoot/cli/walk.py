@@ -93,7 +93,7 @@ def walk(
     task = _WalkTask(model, belief.ground(ground), gait, said, command, belief, motors, wired)
     controller = _controller(planner, task) if learned.policy is None else _learned(planner, learned, task)
     q = _start(model, ground, mu, getattr(controller, "posture", None))
-    world = physics.build_world(obeyed.world, model, file, ground, mu, carried, settings, console)
+    world = physics.build_world(obeyed.world, model, file, ground, mu, carried, settings)
     say(console, *controller.facts.get("notes", ()))
     folder = new_run_folder(leaving.out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, leaving, console)
