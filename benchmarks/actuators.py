@@ -16,7 +16,7 @@ from rich.table import Table
 from benchmarks import walks
 from benchmarks.printing import options, show
 from benchmarks.printing import table as table_of
-from surefoot.cli.command_options import Wiring
+from surefoot.cli.walk_options import Wiring
 from surefoot.control.controller import Controller
 from surefoot.control.walkers import walking_controller
 from surefoot.robot import Robot

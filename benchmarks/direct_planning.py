@@ -21,8 +21,6 @@ from surefoot.audit import audit_log
 from surefoot.planning.direct import (
     DirectPlan,
     DirectProblem,
-    Facets,
-    RoundCone,
     finer,
     plan_direct,
     planar_biped,
@@ -31,10 +29,8 @@ from surefoot.planning.direct import (
 )
 from surefoot.planning.direct.planner import SMOOTHINGS
 from surefoot.planning.trajectory import Trajectory
-from surefoot.planning.transcription.contact_rows import ContactLaw
 from surefoot.planning.transcription.follow import follow
 from surefoot.planning.transcription.judge import departure
-from surefoot.robot import load_robot
 from surefoot.simulation.rigid import RigidWorld
 
 AGAIN, LAST = (1e-2, 1e-4, 1e-6, 1e-8), 1e-8
@@ -55,13 +51,10 @@ def cases(quick: bool) -> list[Case]:
     out = [Case("hopper, 0.3 m on", rest_to_rest(planar_hopper(), 0.3), 3)]
     if quick:
         return out
-    go2 = load_robot("go2")
     return [
         *out,
         Case("hopper, 0.3 m on, up by 0.15 m", rest_to_rest(planar_hopper(), 0.3, 0.15), 3),
         Case("biped, 0.4 m on", rest_to_rest(planar_biped(), 0.4), 3),
-        Case("Go2, up by 0.12 m", rest_to_rest(go2, 0.0, 0.12, knots=20), 2),
-        Case("Go2, 0.3 m on", rest_to_rest(go2, 0.3, 0.0, knots=20), 2),
     ]
 
 
@@ -92,7 +85,7 @@ def row_of(name: str, problem: DirectProblem, found: DirectPlan, spent: float) -
     )
     return [
         name, f"{problem.knots} x {1e3 * problem.dt:.0f} ms", plan.status.value, f"{spent:.1f}",
-        str(plan.iterations), f"{plan.cost:.4g}", f"{plan.law_residual:.1e}", f"{found.products:.1e}",
+        str(plan.iterations), f"{plan.cost:.4g}", f"{plan.law_residual:.1e}",
         f"{found.departure:.1e}", f"{departure(problem.robot, found.motion, alone):.1e}",
         f"{replayed(problem, motion, problem.dt, 1):.1e}", f"{replayed(problem, motion, 1e-3, 2):.2g}",
         f"{report.verdict} {worst}".strip(), feet,
@@ -114,7 +107,7 @@ def _figures(found: DirectPlan, spent: float) -> tuple[str, ...]:
 def plan_table(chosen: Sequence[Case]) -> Table:
     """Return the table of plans, coarse and fine."""
     columns = (
-        "motion", "knots", "status", "CPU s", "iterations", "cost", "law residual", "min(phi dt, impulse)",
+        "motion", "knots", "status", "CPU s", "iterations", "cost", "law residual",
         "off with feedback", "off without", "rigid world, same step", "rigid world, 1 ms", "audit",
         "contacts [s]",
     )  # fmt: skip
@@ -138,17 +131,6 @@ def start_table(problem: DirectProblem, firsts: Sequence[float]) -> Table:
     return table(columns, rows, "the first smoothing decides which motion is found")
 
 
-def friction_table(problem: DirectProblem, laws: Sequence[ContactLaw]) -> Table:
-    """Return what comes of the ways to write friction."""
-    rows = []
-    for law in laws:
-        found, spent = timed(problem, law=law)
-        name = type(law).__name__ + f"({getattr(law, 'count', '')})"
-        rows.append((name, *_figures(found, spent), f"{found.departure:.1e}"))
-    columns = ("friction", "status", "iterations", "cost", "CPU s", "off with feedback")
-    return table(columns, rows, "friction in space: the round cone, or pyramids")
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables."""
     given = options(__doc__, "the hopper only").parse_args(arguments)
@@ -159,9 +141,6 @@ def _tables(quick: bool) -> Iterator[Table]:
     yield plan_table(cases(quick))
     firsts = (1.0, 1e-8) if quick else (1.0, 1e-2, 1e-4, 1e-8)
     yield start_table(rest_to_rest(planar_hopper(), 0.3), firsts)
-    if not quick:
-        jump = rest_to_rest(load_robot("go2"), 0.0, 0.12, knots=20)
-        yield friction_table(jump, (RoundCone(), Facets(4), Facets(8)))
 
 
 if __name__ == "__main__":

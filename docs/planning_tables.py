@@ -152,7 +152,6 @@ def _searches(told: Any) -> Rows:
 
 DIRECT = "python -m benchmarks.direct_planning"
 HOPPER = "python -m benchmarks.three_roads"
-GO2 = "python -m benchmarks.three_roads --task go2 --starts 3"
 GRADIENTS = "python -m benchmarks.gradients"
 SOFTENING = "surefoot bench softening --table race --table recommended --starts 5"
 PLAN = "surefoot bench plan"
@@ -172,7 +171,6 @@ MOTIONS = (
 SEARCHES = ("motion", "search", "from", "found", "iterations until near", "in all", "CPU s", "cost")
 EXECUTED = ("plan", "motors", "landed", "lawful", "torque use", "speed use", "moved", "turned")
 FIRST = ("first eps [J]", "status", "iterations", "cost")
-FRICTION = ("friction", "status", "iterations", "cost", "CPU s", "off with feedback")
 
 TABLES = {
     "race": Table(SOFTENING, "softening.md", BY_PROBLEM, lambda told: _softening(told, "race")),
@@ -193,9 +191,6 @@ TABLES = {
     "direct_first": Table(
         DIRECT, "direct-planning.md", FIRST, lambda told: printed(told, "first smoothing", *FIRST)
     ),
-    "direct_friction": Table(
-        DIRECT, "direct-planning.md", FRICTION, lambda told: printed(told, "friction in space", *FRICTION)
-    ),
     "roads": Table(HOPPER, "three-roads.md", FROM_STARTS, lambda told: printed(told, "from its own start")),
     "changes": Table(
         HOPPER, "three-roads.md", ("change", *ROADS), lambda told: printed(told, "task is changed")
@@ -203,12 +198,6 @@ TABLES = {
     "by_hand": Table(
         HOPPER, "three-roads.md", ("take-off", "touchdown", "given schedule"),
         lambda told: printed(told, "schedules by hand"),
-    ),
-    "go2_roads": Table(
-        GO2, "three-roads.md", FROM_STARTS, lambda told: printed(told, "from its own start"), long=True
-    ),
-    "go2_changes": Table(
-        GO2, "three-roads.md", ("change", *ROADS), lambda told: printed(told, "task is changed"), long=True
     ),
     "bias": Table(
         GRADIENTS, "gradients.md", FIVE_TASKS, lambda told: _slopes(told, "slopes at", "bias, exact slope")

@@ -324,7 +324,7 @@ TABLES = {
         _timid, long=True,
     ),
     "soft_ground": Table(
-        f"{SWEEP}/soft.yaml --over time_constant", "sweeps.md",
+        f"{SWEEP}/soft.yaml --json", "sweeps.md",
         ("time constant [s]", "sink [mm]", "ground's work [J]", "slip [mm]", "laws broken"), _soft,
     ),
 }  # fmt: skip

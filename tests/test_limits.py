@@ -18,8 +18,6 @@ SOURCE = Path(surefoot.__file__).parent
 FILE_LINES, FUNCTION_LINES, PARAMETERS, KERNEL_PARAMETERS = 400, 60, 10, 14
 
 EXCEPTED = {
-    # a command's parameters are its options
-    ("lines", "surefoot/cli/walk.py", "walk"),
     # the short form of a contact problem is a contract: every argument has its name there
     ("parameters", "surefoot/contact/problem.py", "__init__"),
     ("parameters", "surefoot/planning/planner.py", "plan"),  # and what can be asked of a plan

@@ -62,11 +62,10 @@ class MujocoHorizon(Horizon):
         data.ctrl[:], data.qacc_warmstart[:] = self.torques[k], 0.0
 
     def run(
-        self, start: tuple[FloatArray, FloatArray], policy: FeedbackPolicy, share: float, limits: FloatArray,
-        close: bool = False,
-    ) -> bool:  # fmt: skip
+        self, start: tuple[FloatArray, FloatArray], policy: FeedbackPolicy, share: float, limits: FloatArray
+    ) -> bool:
         """Step from a state under a policy; see `Horizon.run`."""
-        self.q[0], self.v[0], self.gaps[:], self.defect = *start, 0.0, 0.0
+        self.q[0], self.v[0], self.gaps[:] = *start, 0.0
         for k in range(len(self)):
             here = self.q[k], self.v[k]
             feedback(
@@ -78,10 +77,10 @@ class MujocoHorizon(Horizon):
 
     def take(self, q: FloatArray, v: FloatArray, torques: FloatArray) -> bool:
         """Take a motion as it is; see `Horizon.take`."""
-        self.q[:], self.v[:], self.torques[:], self.defect = q, v, torques, 0.0
+        self.q[:], self.v[:], self.torques[:] = q, v, torques
         for k in range(len(self)):
             end = self._step(k)
-            self.defect += defect(self.floating, (q[k + 1], v[k + 1]), end, self.gaps[k])
+            defect(self.floating, (q[k + 1], v[k + 1]), end, self.gaps[k])
         return True
 
     def differentiate(self, smoothing: float) -> bool:

@@ -107,7 +107,7 @@ def chase(small: SmallProblem, variant: Variant, seed: int) -> Answer:
     begun, problem = time.process_time(), small.problem
     if variant.planned:
         return _planned(small, variant, seed)
-    nlp, z = DirectNlp(problem, Facets(2, variant.form, problem.dt)), small.guess(seed)
+    nlp, z = DirectNlp(problem, Facets(variant.form, problem.dt)), small.guess(seed)
     variables, multipliers, stages = nlp.pack(z), None, list[Stage]()
     for eps in variant.smoothings:
         left = variant.most - sum(stage.iterate.iterations for stage in stages)
@@ -134,10 +134,10 @@ def _polished(nlp: DirectNlp, motion: Guess) -> tuple[Guess, Stage]:
     """Return a motion with its contacts' modes held, and how that went: nothing is soft."""
     problem, law = nlp.problem, GivenModes()
     modes = read_modes(motion.impulses, *nlp.contact_speeds(motion), problem.frictions)
-    held, d, mu = DirectNlp(problem, law), problem.tangents - 1, problem.frictions
+    held, mu = DirectNlp(problem, law), problem.frictions
     found = held.solve(
-        held.pack(motion), 0.0, contact_bounds=law.bounds(modes, d, mu),
-        row_bounds=law.row_bounds(modes, d, mu),
+        held.pack(motion), 0.0, contact_bounds=law.bounds(modes, mu),
+        row_bounds=law.row_bounds(modes, mu),
         max_iter=EACH, **(IPOPT | {"mu_init": 1e-4, "bound_push": 1e-6, "bound_frac": 1e-6}),
     )  # fmt: skip
     better = held.unpack(found.variables)

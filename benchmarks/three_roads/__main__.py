@@ -1,6 +1,6 @@
 """Print the tables of docs/three-roads.md.
 
-Run: python -m benchmarks.three_roads [--task hopper|go2] [--starts N] [--quick] [--json].
+Run: python -m benchmarks.three_roads [--starts N] [--quick] [--json].
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from rich.table import Table
 
 from benchmarks.printing import options, show, table
 from benchmarks.three_roads.roads import ROADS, Outcome, travel
-from benchmarks.three_roads.task import IN_LESS_TIME, SHORT, TASKS, JumpTask
+from benchmarks.three_roads.task import IN_LESS_TIME, SHORT, JumpTask, hopper_jump
 
 
 def start_table(task: JumpTask, starts: int) -> Table:
@@ -70,16 +70,15 @@ def _median(values: Sequence[float], form: str) -> str:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables."""
     parser = options(__doc__, "two random starts, one change")
-    parser.add_argument("--task", choices=sorted(TASKS), default="hopper")
     parser.add_argument("--starts", type=int, default=10)
     given = parser.parse_args(arguments)
-    show(_tables(TASKS[given.task](), given.starts, given.quick), given.json, Console(width=160))
+    show(_tables(hopper_jump(), given.starts, given.quick), given.json, Console(width=160))
 
 
 def _tables(task: JumpTask, starts: int, quick: bool) -> Iterator[Table]:
     yield start_table(task, 2 if quick else starts)
     yield change_table(task, 1 if quick else None)
-    if IN_LESS_TIME in task.variations and not quick:
+    if not quick:
         yield schedule_table(task, SHORT)
 
 

@@ -77,7 +77,13 @@ def travel(road: Road, task: JumpTask, problem: DirectProblem, seed: int | None)
 def _guess(task: JumpTask, problem: DirectProblem, rng: np.random.Generator | None) -> Guess:
     """Return the straight way to the goal, or one with noise on every state."""
     straight = Guess.between(problem)
-    return straight if rng is None else straight.noisy(problem, rng, task.noise)
+    if rng is None:
+        return straight
+    q, v = straight.q.copy(), straight.v.copy()
+    q[1:] += task.noise * rng.normal(size=q[1:].shape)
+    v[1:] += 10.0 * task.noise * rng.normal(size=v[1:].shape)
+    share = rng.uniform(0.0, 2.0, size=straight.impulses.shape[:2])
+    return Guess(q, v, straight.torques, share[..., None] * straight.impulses)
 
 
 def given_schedule(
@@ -100,10 +106,8 @@ def shooting(
     """Shoot: exact steps forward, smoothed derivatives backward; bounds of the goal are prices that rise."""
     limits = np.maximum(_limits(problem), 1e-9)
     torques = np.tile(np.clip(holding(problem), -limits, limits), (problem.knots, 1))
-    states = None
-    if rng is not None or not _led(problem, torques).lawful:
-        guess = _guess(task, problem, rng)  # as on the other roads: knots are open at first
-        states = guess.q, guess.v
+    if rng is not None:
+        torques += task.noise * limits * rng.normal(size=torques.shape)
     iterations = 0
     for price in PRICES:
         costs = Costs(_states(problem, price), TorqueCost(2.0 * problem.dt * problem.weights.torque))
@@ -113,10 +117,10 @@ def shooting(
         )  # fmt: skip
         settings = ShootingSettings(max_iterations=MOST)
         try:
-            found = Shooting(shot).solve(problem.q, problem.v, torques, states, settings)
+            found = Shooting(shot).solve(problem.q, problem.v, torques, settings)
         except ProblemError:  # it cannot begin where the steps of its guess are lost
             return _led(problem, torques), iterations
-        torques, states, iterations = found.trajectory.torques, None, iterations + found.iterations
+        torques, iterations = found.trajectory.torques, iterations + found.iterations
         if not found.trajectory.lawful:
             break
     return found.trajectory, iterations

@@ -13,12 +13,11 @@ from surefoot.planning.trajectory import TOLERANCE, Trajectory
 from surefoot.planning.transcription.contact_rows import OPEN, STICK
 from surefoot.planning.transcription.judge import window_miss
 from surefoot.planning.transcription.planar import RADIUS
-from surefoot.robot import load_robot
 from surefoot.terrain import SlopeTerrain
 
 NEAR = 0.02
 """The goal is reached where no bound is missed by more [m, rad; ten times as many m/s and rad/s]."""
-WEIGHTS, GO2_WEIGHTS = Weights(change=0.0), Weights(torque=1e-4, change=0.0)
+WEIGHTS = Weights(change=0.0)
 """What all roads can write: torques, velocities and posture."""
 
 IN_LESS_TIME = "in 24 knots"
@@ -98,23 +97,6 @@ def hopper_jump() -> JumpTask:
     )  # fmt: skip
 
 
-def go2_jump() -> JumpTask:
-    """Return Go2's jump: 0.2 m on and 0.1 m up, from rest to rest in 0.6 s."""
-    robot = load_robot("go2")
-
-    def jump(distance: float = 0.2, rise: float = 0.1, mu: float = 0.6) -> DirectProblem:
-        return loosened(rest_to_rest(robot, distance, rise, mu=mu, knots=20, weights=GO2_WEIGHTS))
-
-    return JumpTask(
-        "Go2: 0.2 m on, 0.1 m up", jump(), 8, 14, 0.03,
-        {
-            "0.4 m on": lambda p: jump(0.4),
-            "mu 0.3": lambda p: jump(mu=0.3),
-            "starts 0.1 m over the ground": lambda p: moved(p, {2: 0.1}),
-        },
-    )  # fmt: skip
-
-
 def loosened(problem: DirectProblem) -> DirectProblem:
     """Return a problem whose end is met within 1 cm and 0.01 rad, 0.1 m/s and 0.1 rad/s."""
     rest = np.zeros(int(problem.robot.model.nv))
@@ -127,6 +109,3 @@ def moved(problem: DirectProblem, by: Mapping[int, float]) -> DirectProblem:
     for entry, change in by.items():
         q[entry] += change
     return replace(problem, q=q)
-
-
-TASKS: dict[str, Callable[[], JumpTask]] = {"hopper": hopper_jump, "go2": go2_jump}

@@ -1,8 +1,8 @@
 """Derivatives of contact problems in 50-digit arithmetic, without a formula for one.
 
 The natural map λ - P_K(λ - (u + Γ(u)) / w) is solved in decimals, at the problem and at one that is moved by
-1e-22 along a direction: the difference is the derivative to about 20 digits. Projections try every face, edge
-and corner (`admissible`). Newton's matrix is a difference quotient, rounded to doubles; its steps are those
+1e-22 along a direction: the difference is the derivative to about 20 digits. Projections are those of
+`admissible`. Newton's matrix is a difference quotient, rounded to doubles; its steps are those
 of least squares, since redundant contacts make it singular.
 
 The problems are of two kinds: `regular` ones with a full-rank G and a lawful state of chosen modes, and
@@ -18,8 +18,8 @@ from decimal import Context, Decimal, localcontext
 from typing import Any
 
 import numpy as np
-from admissible import nearest, norm, rays
-from building import corners, unit
+from admissible import nearest, norm
+from building import unit
 from numpy.random import Generator
 
 DIGITS = Context(prec=80, Emin=-999_999, Emax=999_999)
@@ -59,31 +59,14 @@ def decimals(array: np.ndarray) -> np.ndarray:
 # ------------------------------------------------------------------------------------------------ problems
 
 
-def _state(rng: Generator, kind: str, mu: float, section: np.ndarray | None, convex: bool) -> tuple[Any, ...]:
+def _state(rng: Generator, kind: str, mu: float, convex: bool) -> tuple[Any, ...]:
     """Return λ, u and the normal bounds of a contact of a kind, away from every change of it."""
     height, low, high = float(rng.uniform(0.5, 2.0)), 0.0, np.inf
     slip = unit(rng, 2) * rng.uniform(0.2, 1.0)
     if kind == "held":
         return rng.normal(size=3), np.zeros(3), 0.0, np.inf
-    if section is None:
-        against, most = -mu * slip / np.linalg.norm(slip), mu * float(np.linalg.norm(slip))
-        inside = mu * rng.uniform(0.0, 0.8) * unit(rng, 2)
-    else:
-        best = int(np.argmax(-section @ slip))
-        if rng.random() < 0.5:  # on a face
-            other = section[(best + 1) % len(section)]
-            middle = section[best] + other
-            slip = -middle / np.linalg.norm(middle) * rng.uniform(0.2, 1.0)
-            against = section[best] + rng.uniform(0.2, 0.8) * (other - section[best])
-        else:  # well inside the normal cone of a corner
-            corner = section[best] / np.linalg.norm(section[best])
-            slip = -corner * rng.uniform(0.2, 1.0)
-            slip = slip + 0.3 * np.tan(np.pi / len(section)) * rng.uniform(-1, 1) * np.array(
-                [-slip[1], slip[0]]
-            )
-            against = section[best]
-        most = float(np.max(-section @ slip))
-        inside = rng.dirichlet(np.full(len(section), 3.0)) @ section
+    against, most = -mu * slip / np.linalg.norm(slip), mu * float(np.linalg.norm(slip))
+    inside = mu * rng.uniform(0.0, 0.8) * unit(rng, 2)
     lift = most if convex else 0.0
     if kind == "open":
         return np.zeros(3), np.array([*slip, lift + rng.uniform(0.2, 1.0)]), low, high
@@ -101,8 +84,6 @@ def regular(rng: Generator, contacts: int, plain: bool = False) -> Moving:
     """A problem with a full-rank G and a solution of random modes."""
     n = contacts
     convex = rng.random() < 0.4
-    facets = None if plain or rng.random() < 0.7 else int(rng.choice([3, 4, 6, 8]))
-    fit = str(rng.choice(["inner", "outer"])) if facets else "inner"
     mu = rng.uniform(0.2, 0.9, n)
     kinds = rng.choice(KINDS, n, p=[0.25, 0.25, 0.3, 0.03, 0.04, 0.03, 0.04, 0.06])
     if plain:
@@ -110,10 +91,7 @@ def regular(rng: Generator, contacts: int, plain: bool = False) -> Moving:
     J = rng.normal(size=(3 * n, 3 * n + 4))
     G = J @ J.T / (3 * n + 4)
     G = 0.5 * (G + G.T)
-    parts = []
-    for k in range(n):
-        section = corners(float(mu[k]), facets, fit == "inner") if facets else None
-        parts.append(_state(rng, str(kinds[k]), float(mu[k]), section, convex))
+    parts = [_state(rng, str(kinds[k]), float(mu[k]), convex) for k in range(n)]
     λ, u = np.array([p[0] for p in parts]), np.array([p[1] for p in parts])
     g = u.ravel() - G @ λ.ravel()
     R = rng.uniform(0.0, 0.3, 3 * n) if rng.random() < 0.3 else np.zeros(3 * n)
@@ -121,7 +99,7 @@ def regular(rng: Generator, contacts: int, plain: bool = False) -> Moving:
     low, high = np.array([p[2] for p in parts]), np.array([p[3] for p in parts])
     arguments = {
         "G": G, "g": g, "mu": mu, "normal_min": low, "normal_max": high, "compliance": R,
-        "law": "convex" if convex else "coulomb", "facets": facets, "fit": fit, "bilateral": kinds == "held",
+        "law": "convex" if convex else "coulomb", "bilateral": kinds == "held",
     }  # fmt: skip
     dG = rng.normal(size=G.shape)
     rates = {
@@ -199,8 +177,6 @@ class Reference:
         self.low, self.high = at("normal_min", 0.0), at("normal_max", np.inf)
         self.convex = a["law"] == "convex"
         self.held = a.get("bilateral", np.zeros(n, dtype=bool))
-        facets = a.get("facets")
-        self.corners = [rays(m, facets, a["fit"] == "inner") if facets else None for m in self.mu]
         blocks = self.G.astype(float)
         self.w = [
             Decimal(float(np.linalg.norm(blocks[3 * k : 3 * k + 3, 3 * k : 3 * k + 3], 2))) for k in range(n)
@@ -212,15 +188,11 @@ class Reference:
             return u
         shift = Decimal(0)
         if not self.convex:
-            section = self.corners[k]
-            if section is None:
-                shift = self.mu[k] * norm(tuple(u[:2]))
-            else:
-                shift = max(-(c[0] * u[0] + c[1] * u[1]) for c in section)
+            shift = self.mu[k] * norm(tuple(u[:2]))
         w = self.w[k]
         z = (λ[0] - u[0] / w, λ[1] - u[1] / w, λ[2] - (u[2] + shift) / w)
         high = None if self.high[k].is_infinite() else self.high[k]
-        near = nearest(z, self.mu[k], self.low[k], high, self.corners[k])
+        near = nearest(z, self.mu[k], self.low[k], high, None)
         return w * (λ - np.array(near, dtype=object))
 
     def value(self, λ: np.ndarray, u: np.ndarray) -> np.ndarray:
@@ -234,7 +206,7 @@ class Reference:
         G, out = self.G.astype(float), np.zeros((m, m))
         for k in range(self.n):
             own = slice(3 * k, 3 * k + 3)
-            for a in range(3):  # central: on a face two corners tie in Coulomb's shift
+            for a in range(3):
                 step = np.array([NUDGE if b == a else Decimal(0) for b in range(3)], dtype=object)
                 ahead, behind = (self.contact(k, λ[own] + s * step, u[own]) for s in (1, -1))
                 out[own, 3 * k + a] += ((ahead - behind) / (2 * NUDGE)).astype(float)

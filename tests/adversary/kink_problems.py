@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from building import corners, unit
+from building import unit
 from numpy.random import Generator
 
 KINDS = ("grazing", "at rest", "edge stick", "low stick", "low edge", "high slide", "open", "stick", "slide")
@@ -17,19 +17,16 @@ def kinky(rng: Generator, contacts: int) -> tuple[dict[str, Any], np.ndarray, di
     """Arguments of a problem, the (n, 3) forces that solve it, and rates of everything."""
     n = contacts
     convex = rng.random() < 0.4
-    facets = None if rng.random() < 0.6 else int(rng.choice([3, 4, 6, 8]))
-    fit = str(rng.choice(["inner", "outer"])) if facets else "inner"
     mu = rng.uniform(0.2, 0.9, n)
     J = rng.normal(size=(3 * n, 3 * n + 4))
     G = J @ J.T / (3 * n + 4)
     G = 0.5 * (G + G.T)
     λ, u, low, high = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.full(n, np.inf)
     for k in range(n):
-        section = corners(float(mu[k]), facets, fit == "inner") if facets else None
-        λ[k], u[k], low[k], high[k] = _state(rng, str(rng.choice(KINDS)), float(mu[k]), section, convex)
+        λ[k], u[k], low[k], high[k] = _state(rng, str(rng.choice(KINDS)), float(mu[k]), convex)
     arguments = {
         "G": G, "g": u.ravel() - G @ λ.ravel(), "mu": mu, "normal_min": low, "normal_max": high,
-        "law": "convex" if convex else "coulomb", "facets": facets, "fit": fit,
+        "law": "convex" if convex else "coulomb",
     }  # fmt: skip
     dG = rng.normal(size=G.shape)
     rates = {
@@ -39,24 +36,11 @@ def kinky(rng: Generator, contacts: int) -> tuple[dict[str, Any], np.ndarray, di
     return arguments, λ, rates
 
 
-def _state(
-    rng: Generator, kind: str, mu: float, section: np.ndarray | None, convex: bool
-) -> tuple[np.ndarray, np.ndarray, float, float]:
+def _state(rng: Generator, kind: str, mu: float, convex: bool) -> tuple[np.ndarray, np.ndarray, float, float]:
     """λ, u and normal bounds of one contact."""
     height, slip = float(rng.uniform(0.5, 2.0)), unit(rng, 2) * rng.uniform(0.2, 1.0)
-    if section is None:
-        speed = float(np.linalg.norm(slip))
-        against, most, inside = -mu * slip / speed, mu * speed, 0.5 * mu * unit(rng, 2)
-    else:
-        best = int(np.argmax(-section @ slip))
-        against = section[best]
-        if rng.random() < 0.5:  # straight against a face: inside it, or at its end
-            other = section[(best + 1) % len(section)]
-            middle = section[best] + other
-            slip = -0.5 * middle / np.linalg.norm(middle)
-            along = rng.uniform(0.2, 0.8) if rng.random() < 0.7 else 0.0
-            against = section[best] + along * (other - section[best])
-        most, inside = float(np.max(-section @ slip)), rng.dirichlet(np.full(len(section), 3.0)) @ section
+    speed = float(np.linalg.norm(slip))
+    against, most, inside = -mu * slip / speed, mu * speed, 0.5 * mu * unit(rng, 2)
     lift = most if convex else 0.0
     none, moving = np.zeros(3), np.array([*slip, lift])
     loaded, held = np.array([*(height * against), height]), np.array([*(height * inside), height])

@@ -30,7 +30,7 @@ def test_derivatives_are_those_of_fifty_digits(sample: list[Comparison]) -> None
 
 def test_the_sample_has_every_kind(sample: list[Comparison]) -> None:
     modes = {mode for one in sample for mode in one.modes}
-    assert {"open", "stick", "slide", "face", "edge", "bilateral"} <= modes
+    assert {"open", "stick", "slide", "bilateral"} <= modes
     assert {"slide at normal_min", "stick at normal_max"} <= modes
     assert max(one.contacts for one in sample) == 12
     assert sum(one.forces is None for one in sample) >= 5  # redundant ones

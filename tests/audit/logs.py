@@ -7,7 +7,9 @@ from functools import cache
 import numpy as np
 
 from benchmarks.problems.logged_runs import CleanRun
+from surefoot.audit import Laws, log_laws
 from surefoot.log import Log
+from surefoot.spatial import GRAVITY
 
 TROT = CleanRun(gait="trot", velocity=(0.4, 0.0, 0.0), duration=1.2)
 STAND = CleanRun(world="rigid", duration=0.6, seed=1)
@@ -31,3 +33,13 @@ def changed(
     everything = {name: np.array(array) for name, array in log.arrays.items()} | arrays
     chosen = {k: a for k, a in everything.items() if not keep or k in (*keep, "time")}
     return Log(chosen, {**log.facts, **(facts or {})}, channels=log.channels)
+
+
+def check_laws(
+    forces: object, gaps: object, velocities: object, mu: object, weight: float, dt: float = 1e-3
+) -> Laws:
+    """Return the laws of a motion as numbers; friction is one number, one per time or one per contact."""
+    f, friction = np.asarray(forces, dtype=np.float64), np.asarray(mu, dtype=np.float64)
+    own = np.broadcast_to(friction[:, None] if friction.ndim == 1 else friction, f.shape[:2])
+    arrays = {"forces": f, "gaps": gaps, "contact_velocities": velocities, "contact_friction": own}
+    return log_laws(Log({"time": dt * np.arange(len(f)), **arrays}, {"mass": weight / GRAVITY, "dt": dt}))

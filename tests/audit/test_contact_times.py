@@ -55,16 +55,6 @@ def test_the_scale_is_that_which_was_put_in(seed: int) -> None:
     assert sensor_scale(log).scale == pytest.approx(2 * SCALE, rel=0.02)
 
 
-def test_forces_serve_as_well() -> None:
-    log = trot(noise=0.0)
-    forces = np.zeros((len(log), 4, 3))
-    forces[..., 2] = SCALE * (log["foot_sensors"] - OFFSETS)
-    facts = {"feet": ["FL", "FR", "RL", "RR"], "contact_foot": [0, 1, 2, 3], "mass": MASS}
-    times = sf.contact_times(sf.Log({"time": log["time"], "forces": forces}, facts))
-    assert times.channel == "forces"
-    assert [f.duty_factor for f in times.feet] == pytest.approx([DUTY] * 4, abs=0.02)
-
-
 def change(log: sf.Log, foot: int, values: Any) -> sf.Log:
     raw = log["foot_sensors"].copy()
     raw[:, foot] = values

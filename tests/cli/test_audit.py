@@ -88,12 +88,3 @@ def test_a_log_without_motion_or_places_is_drawn_too(folder: Path, tmp_path: Pat
     assert main(["audit", str(tmp_path / "contacts.npz"), "--out", str(tmp_path / "runs")]) == 1
     (made,) = (tmp_path / "runs").iterdir()
     assert (made / "timeline.png").exists()
-
-
-def test_columns_of_a_table_without_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    table = np.column_stack([np.arange(0.0, 1.0, 0.01), np.full((100, 2), 40.0)])
-    np.savetxt(tmp_path / "raw.csv", table, delimiter=",")
-    assert main(["audit", str(tmp_path / "raw.csv")]) == 2
-    assert "columns" in capsys.readouterr().err
-    assert main(["audit", str(tmp_path / "raw.csv"), "--columns", "time, FL_force,FR_force"]) == 3
-    assert "cannot tell" in capsys.readouterr().out

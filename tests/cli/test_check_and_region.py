@@ -104,13 +104,3 @@ def test_region_draws_and_says_where_the_weight_is(capsys, slides, tmp_path):
     assert "friction is not enough" in found["differences"][0]
     assert main(["region", str(EXAMPLES / "chimney.yaml"), "--no-picture"]) == 0
     assert "beyond the support polygon" in " ".join(capsys.readouterr().out.split())
-
-
-def test_bench_statics_prints_a_table_against_rivals(capsys):
-    pytest.importorskip("clarabel")
-    pytest.importorskip("cdd")
-    code, found = facts(capsys, "bench", "statics", "--cases", "12", "--calls", "20")
-    assert code == 0
-    assert [row["disagreed"] for row in found["agreement"]] == [0, 0]
-    assert {row["who"].split()[0] for row in found["speed"]} >= {"surefoot,", "Clarabel,", "SciPy", "cddlib,"}
-    assert all(row["timing"]["median"] > 0.0 for row in found["speed"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
@@ -9,37 +10,14 @@ import socket
 import subprocess
 import sys
 import urllib.request
-from pathlib import Path
 
-import numpy as np
 import pytest
 
-import surefoot as sf
 from surefoot.cli.main import main
-from surefoot.planning import rollout
-from surefoot.planning.plan import PlanSearch, plan_from
 
 pytest.importorskip("viser", reason="viser is not installed: pip install -e '.[lab]'")
 
 QUICK = ["--port", "0", "--seconds", "0.2"]
-
-
-@pytest.fixture(scope="module")
-def plan_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    robot = sf.load_robot("go2")
-    motion = rollout(robot, sf.place(robot), np.zeros(18), np.zeros((10, 12)), dt=0.01)
-    search = PlanSearch("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
-    path = tmp_path_factory.mktemp("plan") / "plan.npz"
-    plan_from(motion, robot, search).save(path)
-    return path
-
-
-@pytest.mark.parametrize("page", ["stand", "cone", "push", "plan", "audit"])
-def test_every_page_is_served(page: str, plan_file: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    what = [str(plan_file)] if page in ("plan", "audit") else []
-    assert main(["lab", page, *what, *QUICK]) == 0
-    out = capfd.readouterr()
-    assert re.fullmatch(r"the page: http://127\.0\.0\.1:\d+   \(Ctrl-C ends\)\n", out.out)
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 143)])
@@ -71,6 +49,8 @@ def test_a_port_in_use_is_one_line(capfd: pytest.CaptureFixture[str]) -> None:
 def test_another_host_is_warned_of(capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["lab", "cone", "--host", "0.0.0.0", *QUICK]) == 0
     assert "everyone who reaches this address can use the page" in capfd.readouterr().out
+    assert main(["lab", "cone", "--json", *QUICK]) == 0
+    assert json.loads(capfd.readouterr().out)["url"].startswith("http://127.0.0.1:")
 
 
 def test_without_viser_one_line_says_what_to_install(

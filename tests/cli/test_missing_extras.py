@@ -75,23 +75,6 @@ def test_a_run_without_pictures_says_so_in_one_line(
     assert len(list(tmp_path.rglob("report.html"))) == 2
 
 
-@pytest.mark.parametrize("name", ["contact", "forces", "rigid", "walk", "faults"])
-def test_benchmarks_ask_before_they_work(
-    name: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    hide(monkeypatch, "pinocchio")
-    assert main(["bench", name]) == 2
-    assert "pin is not installed; run: pip install -e '.[robot]'" in capfd.readouterr().err
-
-
-def test_worlds_on_a_base_install_is_one_line(
-    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    hide(monkeypatch, "pinocchio", "mujoco", "matplotlib")
-    assert main(["worlds", "drop"]) == 2
-    assert capfd.readouterr().err == "surefoot: pin is not installed; run: pip install -e '.[robot]'\n"
-
-
 def test_a_full_disk_leaves_no_empty_picture(
     tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,7 +5,6 @@ import json
 import pytest
 
 from surefoot.cli.main import main
-from surefoot.robot.catalog import find, robots_folder
 
 
 def facts(capsys, *arguments):
@@ -37,12 +36,6 @@ def test_fixed_arm_without_feet(capsys):
     assert found["feet"] == []
     assert not found["floating_base"]
     assert found["contact_jacobian"]["rank"] == 0
-
-
-def test_urdf_with_feet(capsys):
-    path = str(robots_folder() / find("solo12").urdf)
-    found = facts(capsys, path, "--feet", "FL_FOOT,HR_FOOT")
-    assert [f["name"] for f in found["feet"]] == ["FL_FOOT", "HR_FOOT"]
 
 
 @pytest.mark.parametrize("name", ["go2", "g1", "ur5"])

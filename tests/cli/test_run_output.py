@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from surefoot.audit import WalkSummary
-from surefoot.cli.run_output import busy_line
-from surefoot.cli.walk_output import load_lines
+from surefoot.cli.run_output import busy_line, load_lines
 from surefoot.log import Log
 
 

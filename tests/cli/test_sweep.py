@@ -41,12 +41,8 @@ def test_table_pictures_and_json(balls: Path, tmp_path: Path, capfd: pytest.Capt
     assert facts["share"]["low"] <= facts["share"]["value"] <= facts["share"]["high"]
     assert [Path(p).name for p in facts["pictures"]] == ["survival.png", "survival-map.png"]
     assert all(Path(p).stat().st_size > 5000 for p in facts["pictures"])
-    assert main([*words, "--no-picture", "--over", "mu", "--over", "terrain"]) == 0
+    assert main([*words, "--no-picture"]) == 0
     said = capfd.readouterr().out
-    assert "Medians over mu" in said
-    first = next(line for line in said[said.index("Medians over terrain") :].splitlines() if "flat" in line)
-    flat = facts["parameters"]["terrain"][0]
-    assert f" {flat['medians']['force_max']:.3g} " in first
     assert "0 samples in" in said
     assert "30 were there before" in said
     assert "rested over" in said
@@ -59,7 +55,6 @@ def test_table_pictures_and_json(balls: Path, tmp_path: Path, capfd: pytest.Capt
         (["--seed", "-1"], "seed must be a whole number >= 0, got -1"),
         (["--backend", "slurm"], "unknown backend 'slurm'; valid names: dask, loky, ray, serial"),
         (["--address", "x:1"], "--address is of --backend ray or dask"),
-        (["--over", "mass"], "unknown parameter that varies 'mass'; valid names: mu, restitution, terrain"),
         (["--workers", "0"], "workers must be a whole number >= 1, got 0"),
     ],
 )
@@ -68,13 +63,6 @@ def test_wrong_options(
 ) -> None:
     assert main(["sweep", str(balls), "--out", str(tmp_path / "a"), *options]) == 2
     assert told in capfd.readouterr().err
-
-
-def test_another_sweep_in_the_folder(balls: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    words = ["sweep", str(balls), "--out", str(tmp_path / "a"), "--backend", "serial", "--no-picture"]
-    assert main(words) == 0
-    assert main([*words, "--seed", "4"]) == 2
-    assert "holds another sweep (seed is 0 there, 4 here); name another folder" in capfd.readouterr().err
 
 
 def test_samples_with_errors_are_told(

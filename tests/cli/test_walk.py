@@ -1,4 +1,4 @@
-"""`surefoot walk` and `surefoot bench faults` at the command line: files, JSON, exit codes, wrong input."""
+"""`surefoot walk` at the command line: files, JSON, exit codes."""
 
 from __future__ import annotations
 
@@ -77,14 +77,3 @@ def test_a_fall_is_exit_code_one(tmp_path: Path, capfd: pytest.CaptureFixture[st
     code = main(["walk", *options, "--out", str(tmp_path)])
     assert code == 1
     assert "go2 fell after" in capfd.readouterr().out
-
-
-def test_bench_faults_prints_what_was_survived(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    options = ["--fault", "payload", "--seeds", "1", "--duration", "2.5", "--json", "--out", str(tmp_path)]
-    assert main(["bench", "faults", *options]) == 0
-    (row,) = json.loads(capfd.readouterr().out)["faults"]
-    assert row["name"] == "payload"
-    assert row["survived"] >= 0.2
-    for _, survivors, trials in row["tried"]:
-        assert survivors <= trials == 1
-    assert len(list(tmp_path.rglob("faults.json"))) == 1

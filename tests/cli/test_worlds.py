@@ -33,13 +33,6 @@ def test_rigid_world_slides_as_it_should(capsys: pytest.CaptureFixture[str], tmp
     assert picture.stat().st_size > 10_000
 
 
-def test_several_experiments_get_one_picture(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    code, found = asked(capsys, "drop", "slide", "--world", "rigid", "--out", str(tmp_path))
-    assert code == 0
-    assert [Path(p).name for p in found["pictures"]] == ["overview.png"]
-    assert Path(found["pictures"][-1]).stat().st_size > 10_000
-
-
 def test_tables_are_printed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "140")
     assert main(["worlds", "drop", "--world", "rigid", "--no-pictures"]) == 0

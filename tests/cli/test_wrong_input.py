@@ -99,8 +99,6 @@ CASES = [
     *((f"{c} sticky.yaml", "mu must be a number between 0 and 1000") for c in ("check", "region")),
     *((f"{c} stance.yaml --mu {n}", "--mu must be") for c in ("check", "region") for n in NOT_FINITE),
     *((f"{c} stance.yaml --lift {n}", "") for c in ("check", "region") for n in ("toe", "''")),
-    *((f"{c} solo12 --slope {n}", "--slope must be") for c in ("check", "region") for n in ("nan", "89")),
-    *((f"{c} dog", "unknown robot 'dog'") for c in ("check", "region")),
     *((f"cone {o} {n}", o) for o in ("--mu",) for n in ("nan", "inf", "1e300")),
     *(
         (f"{c} --facets 1000000", "facets must be up to 1000 (then take the exact cone)")
@@ -113,7 +111,6 @@ CASES = [
     *((f"solve good.npz --tol {n}", "--tol") for n in NOT_FINITE),
     *((f"identify {f}", "surefoot: ") for f in ("empty.npz", "noise.dat", "folder.npz", "none.npz")),
     ("identify good.npz", "good.npz holds no tosses: it has no states"),
-    ("identify tosses.npz --test good.npz", "good.npz holds no tosses"),
     ("identify tosses.npz --test other.npz", "other.npz holds tosses of another cube than tosses.npz"),
     ("identify tosses.npz --law hertz", "unknown contact law 'hertz'; valid names: growing-friction, newton"),
     ("identify tosses.npz --model none.urdf", "no URDF file at none.urdf"),
@@ -124,8 +121,6 @@ CASES = [
     ("identify tosses.npz --out good.npz/x", "cannot write to --out good.npz/x"),
     ("identify few.npz", "a fit needs 8 tosses or more, got 2"),
     ("bench contact --quick --tol 0", "--tol must be"),
-    ("bench contact --quick --tol nan", "--tol must be"),
-    ("bench contact --quick --seed -1", "--seed must be"),
     ("bench statics --quick --seed -1", "--seed must be"),
     *((f"bench {b} --out good.npz/x", "cannot write to --out good.npz/x") for b in ("contact", "faults")),
     ("bench rigid --seconds inf", "--seconds must be"),
@@ -137,7 +132,6 @@ CASES = [
 RUNS = [
     ("stand dog", "unknown robot 'dog'; valid names: a1,"),
     ("stand none.urdf --feet a", "no URDF file at"),
-    ("stand none.urdf", "no URDF file at"),
     ("stand --feet toe", "unknown foot frame of go2.urdf 'toe'; valid names:"),
     ("stand --push 1:2", "--push '1:2' is not of the form T:FX,FY,FZ:DURATION"),
     ("stand --push 1:a,0,0:1", "--push: 'a' is not a finite number"),
@@ -153,7 +147,6 @@ RUNS = [
     ("walk --gait hop", "unknown gait for 4 feet 'hop'"),
     ("walk g1 --gait trot", "unknown gait for 2 feet 'trot'; valid names: stand, walk"),
     ("walk --velocity fast", "--velocity: 'fast' is not a finite number"),
-    ("walk --terrain moon", "--terrain 'moon' is not one of: flat, slope:DEG"),
     ("walk --terrain rough:0.5,0.04", "seed must be a whole number"),
     ("walk --terrain stairs:0.08,0", "tread must be positive"),
     ("walk --terrain stairs:0.25,0.3", "steps of 0.25 m, its legs take"),
@@ -183,8 +176,6 @@ RUNS = [
     ("bench walk --scene moon", "unknown scene 'moon'; valid names:"),
     ("bench softening --problem cube", "valid names: ball"),
     ("bench stacks --stack moon", "unknown stack 'moon'"),
-    ("bench stacks --task moon", "unknown task 'moon'"),
-    ("bench stacks --estimator moon", "unknown estimator 'moon'"),
     (
         "bench stacks --stack go2-convex-mpc",
         "set --go2-convex-mpc or SUREFOOT_GO2_CONVEX_MPC to a checkout of",
@@ -196,16 +187,13 @@ OTHERS = [
     ("stnd", "No such command 'stnd'"),
     ("check", "Missing argument"),
     ("check nowhere.yaml", "cannot read nowhere.yaml"),
-    ("check stance.yaml --slope 5", "--slope"),
     ("check stance.yaml --fit middle", "inner, outer"),
     ("check stance.yaml --lift tail", "valid names: FL, FR, RL, RR"),
     ("region stance.yaml --tol 0", "--tol"),
     ("region stance.yaml --lift FL,FR,RL,RR", "no contacts"),
-    ("solve none.dat", "no such file: none.dat"),
     ("solve good.npz --solver simplex", "unknown solver 'simplex'; valid names:"),
     ("solve good.npz --solver lemke", "takes pyramids only"),
     ("model go2 --feet paw", "unknown foot frame"),
-    ("model x.urdf", "surefoot: "),
     *((f"cone {o}", "surefoot: ") for o in ("--mu -1", "--facets 2", "--facets a", "--fit x")),
     *(
         (f"audit {f}", "surefoot: ")
@@ -233,10 +221,8 @@ OTHERS = [
 NEEDS = {"plan": "casadi", "lab": "viser"}
 PLAN = [
     ("plan fly", "valid names: " + ", ".join(sorted(task_names()))),
-    ("plan jump far", "AMOUNT"),
     ("plan jump 99", "distance [m]"),
     ("plan g1 jump", "four feet"),
-    ("plan robodog jump", "robodog"),
     ("plan jump --turn 400", "turn"),
     ("plan jump --terrain stairs:0.1,0.3", "takes a plane"),
     ("plan backflip --turn 30", "takes no turn"),
@@ -244,7 +230,6 @@ PLAN = [
     ("plan jump --dt 0", "dt"),
     ("plan jump --execute gazebo", "mujoco"),
     ("plan backflip 0.3", "takes no number"),
-    ("plan go2 ball", "robot of its own"),
     ("plan jump --max-iterations 0", "max_iterations"),
     ("plan jump --seed -1", "seed"),
     ("plan hopper 7", "hopper takes a number from -1 to 1, its distance [m], got 7"),
@@ -256,7 +241,6 @@ LAB = [
     ("lab stand --host no.such.host.invalid --port 0", "is no address of this machine"),
     ("lab stand --seconds -1 --port 0", "--seconds must be"),
     ("lab plan nothing --port 0", "unknown task 'nothing'"),
-    ("lab plan nothing.npz --port 0", "nothing.npz"),
     ("lab audit nothing.npz --port 0", "nothing.npz"),
     ("lab cone go2 --port 0", "lab cone takes no subject"),
     ("lab stand --robot go2 --port 0", "lab stand takes no --robot"),
@@ -299,13 +283,6 @@ def test_what_mujoco_warns_of_is_a_line_of_ours(
     assert "MuJoCo: " in out.out
     assert out.err == ""
     assert [path.name for path in tmp_path.iterdir()] == ["runs"]
-
-
-def test_many_facets_are_shown_in_part(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["cone", "--facets", "1000", "--no-picture"]) == 0
-    out = capfd.readouterr().out
-    assert "and 968 more, see --json" in out
-    assert out.count("\n") < 100
 
 
 def test_the_shortest_run_is_judged(tmp_path: Path) -> None:

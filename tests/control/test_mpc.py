@@ -178,7 +178,6 @@ def test_two_feet_and_six_feet():
         ({"inertia": -np.eye(3)}, "inertia"),
         ({"inertia": np.eye(2)}, "inertia"),
         ({"horizon": 0}, "horizon"),
-        ({"passes": 0}, "passes"),
         ({"dt": -0.1}, "dt"),
         ({"mu": -0.1}, "mu"),
         ({"mu": [0.1, 0.2]}, "mu"),

@@ -21,7 +21,7 @@ import surefoot as sf
 from benchmarks.browser import Browser, Tab, find_chromium
 from benchmarks.problems.logged_runs import CleanRun
 from surefoot.audit import audit_log
-from surefoot.lab.cone import SCALE, ConePage
+from surefoot.lab.cone import ConePage
 from surefoot.lab.controls import Button, Checkbox, Choice, Control, Slider
 from surefoot.lab.page import Page
 from surefoot.lab.push import PushPage
@@ -37,9 +37,6 @@ pytestmark = pytest.mark.skipif(
 )
 PATIENCE = 180.0
 """How long a loaded machine may take to draw in software [s]."""
-
-LIT_FORCE = (204, 142, 160)
-"""How the page's lights show an arrow of the colour `surefoot.lab.drawing.FORCE`."""
 
 
 @pytest.fixture
@@ -232,56 +229,3 @@ def test_the_stand_page_is_drawn_and_follows_the_mouse(browser: Browser, folder:
         tab.screenshot(folder / "lab-stand-tipped.png")
         assert tab.errors == []
         assert all(address.startswith(server.url) for address in tab.requests)
-
-
-def test_the_cone_page_is_drawn_and_its_force_is_dragged_out(browser: Browser, folder: Path) -> None:
-    with LabServer(ConePage, port=0) as server:
-        tab = browser.open(server.url)
-        shown(tab, "Sticks")
-        session = settled(server, PATIENCE)
-        assert tab.ask("document.querySelectorAll('svg polygon').length") >= 3
-        drawn(tab, folder / "lab-cone.png", (230, 153, 13), 300)
-        time.sleep(2.0)
-        here, there = (pixel(tab, session, SCALE * np.array([x, 20.0, 80.0])) for x in (35.0, 70.0))
-        path = [
-            (here[0] + s * (there[0] - here[0]), here[1] + s * (there[1] - here[1]))
-            for s in np.linspace(0, 1, 30)
-        ]
-        tab.drag(path, rate=20.0)
-        shown(tab, "Slides or pulls")
-        assert tab.errors == []
-
-
-def test_the_push_page_is_drawn(browser: Browser, folder: Path) -> None:
-    run = WalkRun(sf.load_robot("go2"))
-    shared = SharedRun(run)
-    try:
-        with LabServer(lambda: PushPage(shared, run.contact_names, run.names), port=0) as server:
-            tab = browser.open(server.url)
-            shown(tab, "It walks")
-            session = settled(server, PATIENCE)
-            drawn(tab, folder / "lab-push.png", LIT_FORCE, 50)
-            session.queue("press", "kick")
-            deadline = time.monotonic() + PATIENCE
-            while not run.force.any():
-                assert time.monotonic() < deadline
-                time.sleep(0.05)
-            assert tab.errors == []
-    finally:
-        shared.close()
-
-
-def test_the_audit_page_is_drawn(browser: Browser, folder: Path) -> None:
-    made = CleanRun(gait="trot", velocity=(0.3, 0.0, 0.0), duration=1.0).log()
-    forces = np.array(made["forces"])
-    forces[700:740, 0, 0] += 80.0
-    log = sf.Log({**made.arrays, "forces": forces}, made.facts, channels=made.channels)
-    recording, report = RecordedMotion(log), audit_log(log)
-    with LabServer(lambda: audit_page(recording, report), port=0) as server:
-        tab = browser.open(server.url)
-        shown(tab, "Audit: broken")
-        session = settled(server, PATIENCE)
-        session.queue("press", "next")
-        shown(tab, f"row {recording.row_at(report.violations[0].start)} of")
-        drawn(tab, folder / "lab-audit.png", LIT_FORCE, 30)
-        assert tab.errors == []

@@ -30,7 +30,7 @@ def test_the_page_runs(
 
 def test_the_page_names_every_unit_and_alias_rightly() -> None:
     from surefoot.log.arrays_in import ALIASES
-    from surefoot.log.units import UNITS
+    from surefoot.log.mapping import UNITS
 
     page = PAGE.read_text()
     line = next(x for x in page.splitlines() if x.startswith("| `unit`"))

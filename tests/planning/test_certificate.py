@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -71,6 +72,16 @@ def test_an_end_that_a_finer_run_does_not_reach_is_noticed(go2, standing) -> Non
     made = plan_from(replace(standing, q=moved), go2, FOUND)
     assert made.status is Status.ALMOST
     assert "ends 3 cm off" in made.facts["goal"]
+
+
+def test_joints_that_a_replay_drives_too_fast_are_noticed(go2, standing) -> None:
+    """ANYmal's turn of 90 degrees: lawful and at its goal, and thrown over in four of four executions."""
+    slow = copy(go2)
+    slow.speed_limits = np.full(go2.joints, 0.1 * np.abs(standing.v[:, 6:]).max())
+    said = certify(standing, slow, FlatTerrain())
+    assert said.apart < 1e-4
+    assert not said.holds
+    assert "its joints run at" in str(said)
 
 
 def test_links_that_hit_are_noticed(go2, standing) -> None:

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.planning.schedule.motions import landed
+from surefoot.planning.schedule.motions import QUICK, jump, landed, lift_speed, time_scale
 from surefoot.planning.tasks.scheduled import mover
 from surefoot.planning.tasks.task import PlanRequest
 from surefoot.robot.actuators import unknown_limits
+from surefoot.robot.legs import Legs
 from surefoot.simulation.plan_execution import execute
 from surefoot.terrain import PitTerrain
 
@@ -50,6 +51,25 @@ def test_where_a_jump_ends_is_turned_about_the_middle_of_the_feet(go2):
     assert turned[:, 1] == pytest.approx(arms[:, 0])
 
 
+@pytest.mark.parametrize(("name", "slow"), [("anymal_c", True), ("go2", False)])
+def test_a_flight_begins_no_faster_than_the_joints_allow(name, slow):
+    robot = sf.load_robot(name)
+    q, speed, dt = sf.place(robot), lift_speed(robot, robot.nominal), 1e-4
+    legs = Legs(robot)
+    feet = legs.feet(q[7:]) - [0.0, 0.0, speed * dt]  # the body lifted over standing feet
+    rates = (legs.reach(feet, q[7:]) - q[7:]) / dt
+    assert np.abs(rates / robot.speed_limits).max() == pytest.approx(1.0, rel=0.05)
+    lift, land = jump(robot, 0.3, 0.0, 0.6).schedule.event_times
+    wanted = 2.0 * QUICK * speed / 9.81 if slow else 0.3 * time_scale(robot)
+    assert land - lift == pytest.approx(wanted, rel=1e-3)
+
+
+@pytest.mark.long
+def test_a_robot_with_slow_joints_jumps():
+    plan = sf.plan(sf.load_robot("anymal_c"), "jump", 0.3)
+    assert plan.status.value == "solved", plan.facts["goal"]
+
+
 def test_limits_that_no_motor_has_are_unknown(go2):
     solo12 = sf.load_robot("solo12")
     assert unknown_limits(solo12) == ("torque", "speed")
@@ -64,6 +84,7 @@ def test_limits_that_no_motor_has_are_unknown(go2):
     ("task", "asked", "told"),
     [
         ("ball", {"payload": 1.0}, "takes no payload"),
+        ("stand-up", {"payload": 1.0}, "takes no payload; it takes none of these"),
         ("backflip", {"turn": 1.0}, "takes no turn; it takes start, payload"),
         ("jump", {"terrain": "flat"}, "terrain"),
         ("jump", {"terrain": PitTerrain(0.5, 0.2, 0.3)}, "takes a plane"),

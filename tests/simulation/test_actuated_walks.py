@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surefoot.audit.dynamics import unexplained
-from surefoot.cli.walk_output import headline
+from surefoot.cli.run_output import headline
 from surefoot.control.walking import WalkSettings
 from surefoot.log import Log
 from surefoot.simulation.run import Push

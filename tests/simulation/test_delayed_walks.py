@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from surefoot.audit import WalkSummary
-from surefoot.cli.command_options import Wiring
-from surefoot.cli.walk_output import figure_lines, headline
+from surefoot.cli.run_output import figure_lines, headline
+from surefoot.cli.walk_options import Wiring
 from surefoot.control.walking import WalkSettings
 from surefoot.errors import ProblemError
 from surefoot.log import Log

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from surefoot.audit import WalkSummary
-from surefoot.cli.walk_output import estimate_lines, headline
+from surefoot.cli.run_output import estimate_lines, headline
 from surefoot.log import Ending, Log
 from surefoot.simulation.run import Push
 from surefoot.simulation.sensing import STOP_TIME

@@ -10,7 +10,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.audit import summarise_walk
-from surefoot.cli.walk_output import headline
+from surefoot.cli.run_output import headline
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ModelError, ProblemError

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.planning import Plan, PlanSearch, plan_from, rollout
 from surefoot.planning.tracking import Reference
+from surefoot.robot.actuators import limited_robot
 from surefoot.robot.motor_limits import motor_limits
 from surefoot.simulation.plan_execution import (
     FRICTION_ERROR,
@@ -72,6 +76,15 @@ def test_motors_cannot_give_what_a_weaker_robot_has_not(jump: Reference) -> None
     assert not done.landed
     assert done.why
     assert done.torque_use_max == pytest.approx(0.2, abs=1e-9)
+
+
+def test_a_plan_from_a_file_has_the_same_limits(tmp_path: Path) -> None:
+    """Solo12's model gives 1000 N m: a saved jump was executed with them, and burst."""
+    robot = limited_robot(sf.load_robot("solo12"))
+    motion = rollout(robot, sf.place(robot), np.zeros(18), np.zeros((6, 12)), dt=0.01)
+    plan_from(motion, robot, PlanSearch("fall", "none", 0.0, True, 0, 0.0)).save(tmp_path / "fall.npz")
+    done = execute(Plan.read(tmp_path / "fall.npz"), "mujoco", dt=1e-3, settle=0.01)
+    np.testing.assert_allclose(done.log.fact("effort_limits"), robot.effort_limits)
 
 
 def test_what_is_refused(jump: Reference) -> None:

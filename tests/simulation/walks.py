@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from surefoot.audit import WalkSummary, summarise_walk
-from surefoot.cli.command_options import Wiring
+from surefoot.cli.walk_options import Wiring
 from surefoot.control.controller import Controller
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand

@@ -2,76 +2,17 @@
 
 from __future__ import annotations
 
-from collections import deque
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from surefoot.errors import ProblemError
 from surefoot.sweep import run_sweep
-from surefoot.sweep.driver import ChunkQueue
-from surefoot.sweep.pools import Chunk, Pool
-from surefoot.sweep.worker import Row, SweepTask, run_chunk
+from surefoot.sweep.pools import Pool
+from surefoot.sweep.worker import SweepTask
 from tests.sweep.deadly import deadly
 
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")
-
-
-class Fragile(Pool):
-    """Runs chunks here; loses all that are waiting whenever a killer is among them, or at given times."""
-
-    def __init__(self, config: Any, workers: int, killers: set[int], mishaps: set[int]) -> None:
-        self.workers, self.given = workers, list[Chunk]()
-        self._task, self._killers, self._mishaps = (
-            SweepTask(config.experiment, config.space),
-            killers,
-            mishaps,
-        )
-        self._waiting: deque[Chunk] = deque()
-        self._looks = 0
-
-    @property
-    def waiting(self) -> int:
-        return len(self._waiting)
-
-    def submit(self, chunk: Chunk) -> None:
-        self.given.append(chunk)
-        self._waiting.append(chunk)
-
-    def wait(self, seconds: float) -> list[tuple[Chunk, list[Row] | None]]:
-        self._looks += 1
-        chunk = self._waiting.popleft()
-        if not self._killers.intersection(chunk) and self._looks not in self._mishaps:
-            return [(chunk, run_chunk(self._task, chunk))]
-        lost = [chunk, *self._waiting]
-        self._waiting.clear()
-        return [(one, None) for one in lost]
-
-    def close(self) -> None:
-        return
-
-
-@pytest.mark.parametrize("workers", [1, 2, 5])
-@pytest.mark.parametrize(
-    ("killers", "mishaps"),
-    [(set(), set()), ({3}, set()), ({0, 7, 19}, set()), (set(), {1, 4, 6, 9, 12}), ({5}, {2, 9})],
-)
-def test_killers_are_found_and_bystanders_get_their_rows(
-    workers: int, killers: set[int], mishaps: set[int]
-) -> None:
-    config = deadly(20)
-    pool = Fragile(config, workers, killers, mishaps)
-    crew = ChunkQueue(pool, config, list(range(20)))
-    found = [row for rows in crew.rows() for row in rows]
-    assert sorted(row["index"] for row in found) == list(range(20))
-    assert {row["index"] for row in found if row["status"] == "crashed"} == killers
-    for row in found:
-        if row["status"] == "done":
-            assert row["twice"] == 2.0 * row["mu"]
-    for killer in killers:
-        assert sum(chunk == (killer,) for chunk in pool.given) >= 3
-    assert (crew.lost == 0) == (not killers and not mishaps)
 
 
 def test_a_sample_that_fails_is_recorded(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from surefoot.sweep.worker import SweepTask, run_chunk
 
 def partly_done(folder: Path, config: Any, *parts: range) -> None:
     """Leave what a driver leaves that was killed after some writings."""
-    with Store(folder, config) as store:
+    with closing(Store(folder, config)) as store:
         for part in parts:
             store.add(run_chunk(SweepTask(config.experiment, config.space), part))
 
@@ -107,7 +108,7 @@ def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
 
 def test_two_drivers_do_not_share_a_folder(tmp_path: Path) -> None:
     with (
-        Store(tmp_path / "a", deadly()),
+        closing(Store(tmp_path / "a", deadly())),
         pytest.raises(ProblemError, match=r"another sweep is writing to .*: wait for it or end it"),
     ):
         run_sweep(deadly(), tmp_path / "a", backend="serial")
@@ -129,7 +130,7 @@ def test_rows_that_cannot_be_read_are_told(damage: str, tmp_path: Path) -> None:
 def test_a_full_disk_is_told_and_what_was_written_kept(tmp_path: Path) -> None:
     config = deadly(4000)
     partly_done(tmp_path / "a", config, range(5))
-    with Store(tmp_path / "a", config) as store:
+    with closing(Store(tmp_path / "a", config)) as store:
         (pages,) = store._rows.execute("PRAGMA page_count").fetchone()
         store._rows.execute(f"PRAGMA max_page_count = {pages + 1}")  # SQLite's own word for a full disk
         with pytest.raises(WriteError, match=r"cannot write .*sweep.sqlite: database or disk is full"):

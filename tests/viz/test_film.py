@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.errors import SurefootError
 from surefoot.viz.film import SLIP_COLOUR, FilmScene
-from surefoot.viz.video import BONE_COLOUR, CONE_COLOUR, Renderer, edge_lines
+from surefoot.viz.video import CONE_COLOUR, PUSH_COLOUR, edge_lines
 
 STEPS = 30
 
@@ -39,6 +38,13 @@ def test_the_legend_tells_only_what_happens() -> None:
     assert all_of_it == [*plain, "push, up to 30 N", "slip"]
 
 
+def test_a_push_is_an_arrow_from_the_base() -> None:
+    (arrow,) = [
+        a for a in FilmScene(made(pushed=True), sf.FlatTerrain(), 0.01).arrows(5) if a[2] == PUSH_COLOUR
+    ]
+    assert arrow[1].tolist() == pytest.approx([0.6, 0.0, 0.0])
+
+
 def test_a_slip_leaves_a_mark_where_it_happened() -> None:
     scene = FilmScene(made(slides=True), sf.FlatTerrain(), 0.01)
     assert all(colour != SLIP_COLOUR for _, _, colour in scene.lines(5))
@@ -63,21 +69,3 @@ def test_steps_have_edges_and_planes_have_none() -> None:
     assert edge_lines(sf.FlatTerrain()) == []
     heights = {round(float(start[2]), 6) for start, _, _ in edge_lines(sf.StairsTerrain(0.1, 0.3))}
     assert {0.1, 0.2} <= heights
-
-
-def test_a_place_in_the_world_has_its_pixel() -> None:
-    robot = sf.load_robot("go2")
-    try:
-        renderer = Renderer(robot, sf.FlatTerrain(), 320, 180)
-    except SurefootError as error:
-        pytest.skip(str(error))
-    q = sf.place(robot)
-    place = q[:3] + np.array([0.0, 0.0, 0.3])
-    without = renderer.frame(q, []).astype(int)
-    ball = renderer.frame(
-        q, [], [(place - [0.0, 0.0, 0.01], np.array([0.0, 0.0, 0.02]), BONE_COLOUR)]
-    ).astype(int)
-    seen = np.argwhere(np.abs(ball - without).sum(axis=2) > 30)
-    x, y = renderer.pixels(place)
-    renderer.close()
-    assert seen.mean(axis=0) == pytest.approx([y, x], abs=2.0)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.audit.motion import foot_forces
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.errors import ProblemError, SurefootError
@@ -36,12 +35,6 @@ def test_every_plot_is_a_picture(log: Log, tmp_path: Path) -> None:
         pixels = imread(path)
         assert min(pixels.shape[:2]) > 200
         assert pixels.std() > 0.02  # something is on it
-
-
-def test_foot_forces_add_up_the_corners(log: Log) -> None:
-    total = foot_forces(log)
-    assert total.shape[1] == 2
-    np.testing.assert_allclose(total.sum(axis=1), log["forces"].sum(axis=1), atol=1e-9)
 
 
 def test_a_run_is_filmed(log: Log, tmp_path: Path) -> None:

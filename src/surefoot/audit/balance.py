@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.audit.rows import Measured, Rows, over, sliding_mean
+from surefoot.audit.rows import Measured, Rows, on_body, over, sliding_mean
 from surefoot.spatial import GRAVITY
 
 SMOOTH = 0.01
@@ -52,6 +52,4 @@ def balance(rows: Rows) -> Measured:
     force, moment = (np.linalg.norm(sliding_mean(part, w), axis=-1) for part in (rest[:, :3], rest[:, 3:]))
     rings = np.sqrt(sliding_mean((rest[:, :3] ** 2).sum(axis=1), long))
     value = np.fmax(np.fmax(force, moment * (LIMIT / ARM)), rings * (LIMIT / RINGING_LIMIT))
-    out = np.zeros((rows.count, rows.points + 1))
-    out[:, -1] = np.nan_to_num(value)
-    return over(out, LIMIT * weight)
+    return over(on_body(rows, np.nan_to_num(value)), LIMIT * weight)

@@ -25,7 +25,7 @@ from surefoot.audit.laws import (
     SLIDE_LIMIT,
     SWING_DEPTH,
 )  # fmt: skip
-from surefoot.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
+from surefoot.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
 from surefoot.audit.setting import DEEP, Setting
 from surefoot.audit.touches import rebound, sparse
 from surefoot.log import Log
@@ -73,11 +73,6 @@ class Check:
     needs: tuple[str, ...]
     measure: Callable[[Rows], Measured]
     doubt: Callable[[Log, Setting], str] = lambda log, setting: ""
-
-
-def _no_soles(log: Log, setting: Setting) -> str:
-    soles = "contact_centres" in log.facts and max(np.bincount(setting.owner)) >= 3
-    return "" if soles else "no foot has three contact points"
 
 
 def _penetration(rows: Rows) -> Measured:
@@ -168,29 +163,6 @@ def _motion(rows: Rows) -> Measured:
     return over(np.nan_to_num(value), MOTION_LIMIT * weight)
 
 
-def _pressure(rows: Rows) -> Measured:
-    """Way of a sole's centre of pressure beyond its edge [m]; judged where a foot has three points."""
-    value = np.zeros((rows.count, rows.points))
-    centres = rows.log.facts.get("contact_centres")
-    for foot in np.unique(rows.setting.owner).tolist():
-        mine = np.flatnonzero(rows.setting.owner == foot)
-        if centres is None or len(mine) < 3:
-            continue
-        value[:, mine] = _beyond(rows.normal[:, mine], np.asarray(centres)[mine, :2], rows.setting.threshold)
-    return over(value, PENETRATION_LIMIT)
-
-
-def _beyond(normal: FloatArray, places: FloatArray, least: float) -> FloatArray:
-    """Return how far the centre of pressure lies outside the hull of (k, 2) places: (T, 1) [m]."""
-    from scipy.spatial import ConvexHull
-
-    total = normal.sum(axis=1)
-    centre = normal @ places / np.where(np.abs(total) > least, total, np.inf)[:, None]
-    hull = ConvexHull(places)
-    outside = (centre @ hull.equations[:, :2].T + hull.equations[:, 2]).max(axis=1)
-    return np.where(np.abs(total) > least, outside, 0.0)[:, None]
-
-
 def _chatter(rows: Rows) -> Measured:
     """Switches between loaded and unloaded in a window, or as many for a force that rings."""
     w = rows.window(CHATTER_WINDOW)
@@ -218,26 +190,22 @@ def _blow(rows: Rows) -> Measured:
 
 def _unconverged(rows: Rows) -> Measured:
     """Error of a contact force as the world's solver left it [N], a mean of some time."""
-    value = np.zeros((rows.count, rows.points + 1))
-    value[:, -1] = sliding_mean(rows.numbers("solver_error"), rows.window(SMOOTH))
-    return over(value, MOTION_LIMIT * rows.setting.weight)
+    value = sliding_mean(rows.numbers("solver_error"), rows.window(SMOOTH))
+    return over(on_body(rows, value), MOTION_LIMIT * rows.setting.weight)
 
 
 def _idle(rows: Rows) -> Measured:
     """Time during which nothing carries the robot though a foot touches the ground, or it does not fall."""
     w = rows.window(IDLE_TIME)
-    none = np.abs(rows.forces).max(axis=(1, 2)).reshape(-1, 1) <= rows.setting.threshold
-    closed = np.zeros((rows.count, 1), dtype=bool)
+    idle = np.zeros(rows.count, dtype=bool)
     if rows.has("gaps"):
-        closed[:, 0] |= (rows.gaps <= 1e-4).any(axis=1)
+        idle |= (rows.gaps <= 1e-4).any(axis=1)
     if rows.unexplained is not None:
         force = np.nan_to_num(rows.unexplained.force)
-        closed[:, 0] |= np.linalg.norm(force, axis=1) > 0.3 * rows.setting.weight
-    on = (none & closed).astype(np.float64)
-    value = np.zeros((rows.count, rows.points + 1))
-    value[:, -1:] = sliding_sum(on, w) / w
-    out = over(value, 0.95)
-    return out[0], out[1], out[2] & (none & closed)
+        idle |= np.linalg.norm(force, axis=1) > 0.3 * rows.setting.weight
+    idle &= np.abs(rows.forces).max(axis=(1, 2)) <= rows.setting.threshold
+    value, limit, bad = over(on_body(rows, sliding_sum(idle.astype(np.float64), w) / w), 0.95)
+    return value, limit, bad & idle[:, None]
 
 
 def _frozen(rows: Rows) -> Measured:
@@ -274,7 +242,6 @@ CHECKS = (
         "dissipation", "what slides is braked in full", "m", True, ("forces", "contact_velocities", "mu"),
         _sliding,
     ),
-    Check("pressure", "soles press inside their edges", "m", True, FORCES, _pressure, _no_soles),
     Check(
         "motion", "forces explain the motion", "N", True, ("forces", "q", "v"), _motion,
         lambda _, setting: setting.why_no_motion,

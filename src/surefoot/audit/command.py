@@ -19,7 +19,7 @@ from surefoot.audit.episode import LONGEST
 from surefoot.audit.intervals import Interval, Track
 from surefoot.audit.laws import CONE_LIMIT, PULL_LIMIT
 from surefoot.audit.report import Finding, Task
-from surefoot.audit.rows import Rows, pieces, sliding_mean
+from surefoot.audit.rows import Rows, on_body, pieces, sliding_mean
 from surefoot.audit.setting import Setting
 from surefoot.audit.stand import displaced
 from surefoot.audit.symptoms.fits import pyramid_facets, rotation_between, turned_by
@@ -96,13 +96,6 @@ def _active(rows: Rows) -> BoolArray:
     return np.ones((rows.count, rows.points), dtype=bool)
 
 
-def _on_body(rows: Rows, value: FloatArray) -> FloatArray:
-    """Return (T,) values in the last of p + 1 columns."""
-    out = np.zeros((rows.count, rows.points + 1))
-    out[:, -1] = value
-    return out
-
-
 def _commanded_pull(rows: Rows) -> tuple[FloatArray, float]:
     return -rows.numbers("forces_commanded")[..., 2], PULL_LIMIT * rows.setting.weight
 
@@ -122,18 +115,18 @@ def _may_not_push(rows: Rows) -> tuple[FloatArray, float]:
     near = (rows.gaps <= 1e-3).any(axis=1) if rows.has("gaps") else rows.loaded.any(axis=1)
     idle = np.abs(rows.numbers("forces_commanded")).max(axis=(1, 2)) <= rows.setting.threshold
     none = (~_active(rows).any(axis=1) | idle) & near
-    return _on_body(rows, sliding_mean(none.astype(np.float64), rows.window(AT_ONCE))), NEARLY_ALL
+    return on_body(rows, sliding_mean(none.astype(np.float64), rows.window(AT_ONCE))), NEARLY_ALL
 
 
 def _impossible(rows: Rows) -> tuple[FloatArray, float]:
     lost = 1.0 - np.asarray(rows.log["attained"], dtype=np.float64)
-    return _on_body(rows, sliding_mean(lost, rows.window(WINDOW))), NEARLY_ALL
+    return on_body(rows, sliding_mean(lost, rows.window(WINDOW))), NEARLY_ALL
 
 
 def _other_torques(rows: Rows) -> tuple[FloatArray, float]:
     asked, given = rows.numbers("torques_commanded"), rows.numbers("torques")
     off = np.abs(sliding_mean(given - asked, rows.window(WINDOW))).max(axis=1)
-    return _on_body(rows, off / max(float(np.abs(asked).max(initial=0.0)), 1e-9)), TORQUE_MISMATCH
+    return on_body(rows, off / max(float(np.abs(asked).max(initial=0.0)), 1e-9)), TORQUE_MISMATCH
 
 
 def _answer(rows: Rows) -> FloatArray:

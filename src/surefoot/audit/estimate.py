@@ -1,4 +1,4 @@
-"""How well a run's state estimate held, against the true state of its world."""
+"""What a controller found out in a run: its state, against the true one of its world, and its load."""
 
 from __future__ import annotations
 
@@ -79,3 +79,39 @@ def _turns(log: Log) -> FloatArray:
 
     true, told = (Rotation.from_quat(log[name][:, 3:7]) for name in ("q", "q_estimated"))
     return np.asarray((told * true.inv()).as_rotvec())
+
+
+LAST = 1.0
+"""Length of the end of a run over which the estimates are averaged [s]."""
+LIGHT = 0.05
+"""Share of the robot's mass below which a payload's place is not told."""
+
+
+@dataclass(frozen=True)
+class LoadEstimate:
+    """The payload and the wrench that were estimated, means of the last `LAST` seconds.
+
+    Attributes
+    ----------
+    mass
+        Beyond the controller's model [kg].
+    place
+        (3,) base axes [m], the third seen only while the base leans; None for a mass too light to have one.
+    force, moment
+        (3,) what else pushed from outside, world axes, the moment about the base's origin [N, N m].
+    """
+
+    mass: float
+    place: list[float] | None
+    force: list[float]
+    moment: list[float]
+
+
+def load_estimate(log: Log) -> LoadEstimate:
+    """Return the mean of a log's ``load_estimated`` and ``wrench_estimated`` at its end."""
+    rows = max(1, round(LAST / float(log.fact("dt"))))
+    mass, *moment = log["load_estimated"][-rows:].mean(axis=0).tolist()
+    wrench = log["wrench_estimated"][-rows:].mean(axis=0)
+    light = abs(mass) < LIGHT * float(log.fact("mass_controller"))
+    place = None if light else (np.array(moment) / mass).tolist()
+    return LoadEstimate(mass, place, wrench[:3].tolist(), wrench[3:].tolist())

@@ -22,6 +22,7 @@ from surefoot.audit.laws import SLIDING_SPEED
 from surefoot.audit.report import FrictionInterval
 from surefoot.audit.rows import Rows
 from surefoot.audit.setting import Setting
+from surefoot.numerics.phases import runs_of
 
 ENOUGH = 0.02
 """Share of m g from which a foot's force tells of friction."""
@@ -158,8 +159,7 @@ def _steady(sliding: BoolArray, rows: int) -> BoolArray:
     """Return which rows (T, p) lie in slides of at least so many rows, half as many from their ends."""
     inside = np.zeros_like(sliding)
     for k in range(sliding.shape[1]):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], sliding[:, k], [False]]).astype(np.int8)))
-        for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        for start, stop in runs_of(sliding[:, k]):
             if stop - start >= rows:
                 inside[start + rows // 2 : stop - rows // 2, k] = True
     return inside

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.audit.slides import WORST, slide_on, start_slides
 from surefoot.errors import ProblemError
 from surefoot.log import Log
@@ -37,9 +36,10 @@ SOFTEST = {
     "sinking": (0.05, "m"), "creep": (0.1, "m/s"), "stopping": (0.1, "m"), "settling": (0.1, "s"),
 }  # fmt: skip
 """A world that declares more than this may hide anything: nothing is lawful there."""
-_MEASURED = ("forces", "gaps", "velocities", "friction")
 LAWS = ("unilateral", "Coulomb", "dissipation")
 """The names of the three laws."""
+_OF_SLIDES = {"forces", "velocities", "friction"}
+"""Measurements without which no slide can be judged."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,9 @@ class Laws:
         a foot that touches down is stopped with less than all its friction.
     free_slide_max
         Longest way that a contact slid in one stance as if without friction [m]: the friction's missing work
-        over the friction, see `surefoot.audit.slides`; NaN when the time between the measurements was not
-        given.
+        over the friction, see `surefoot.audit.slides`.
     judged
-        Which of `LAWS` were judged: none for a motion without contacts, two without a time step.
+        Which of `LAWS` were judged: none for a motion without contacts.
     not_finite
         What was not finite, one line for each measurement.
     sinking, stopping
@@ -82,7 +81,7 @@ class Laws:
     separation_max: float
     dissipation_max: float
     free_slide_max: float = math.nan
-    judged: tuple[str, ...] = LAWS[:2]
+    judged: tuple[str, ...] = LAWS
     not_finite: tuple[str, ...] = ()
     sinking: float = 0.0
     stopping: float = 0.0
@@ -92,7 +91,9 @@ class Laws:
 
         What is not finite is broken. Empty means that no law in `judged` was.
         """
-        weight = _weight(weight)
+        weight = real_number("weight", weight, low=0.0, high=1e300)
+        if weight == 0.0:
+            raise ProblemError("weight must be positive, got 0")
         out = list(self.not_finite)
         depth, way = max(PENETRATION_LIMIT, self.sinking), SLIDE_LIMIT + self.stopping
         if self.penetration_max > depth:
@@ -103,88 +104,71 @@ class Laws:
             out.append(f"{self.cone_use_max:.3f} times the friction that the cone allows")
         if self.separation_max > depth:
             out.append(f"a force {1e3 * self.separation_max:.2f} mm off the ground (limit {1e3 * depth:.3g})")
-        if "dissipation" in self.judged and self.free_slide_max > way:
+        if self.free_slide_max > way:
             out.append(
                 f"a slide of {1e3 * self.free_slide_max:.2f} mm without friction (limit {1e3 * way:.3g})"
             )
         return out
 
 
-def contact_use(forces: ArrayLike, mu: ArrayLike, threshold: float) -> FloatArray:
+def contact_use(forces: FloatArray, mu: FloatArray, threshold: float) -> FloatArray:
     """Return ||f_t|| / (mu f_n) of (T, p, 3) forces: (T, p).
 
     A normal force below `threshold` [N] counts as that much: a contact with hardly any is allowed the noise
-    of its friction, and no more. `mu` is a number, (T,) or (T, p), taken as `LEAST_FRICTION` at least. NaN
-    where a force is.
+    of its friction, and no more. `mu` is (T,) or (T, p), taken as `LEAST_FRICTION` at least. NaN where a
+    force is.
     """
-    f = _motion("forces", forces, 3)
-    friction = _friction(mu, f.shape[:2])
-    least = max(real_number("threshold", threshold), np.finfo(np.float64).tiny)
-    limit = np.maximum(friction, LEAST_FRICTION) * np.maximum(f[..., 2], least)
+    normal = np.maximum(forces[..., 2], max(threshold, np.finfo(np.float64).tiny))
+    limit = np.maximum(_of_each(mu, normal.shape), LEAST_FRICTION) * normal
     with np.errstate(invalid="ignore", over="ignore"):
-        return np.asarray(np.hypot(f[..., 0], f[..., 1]) / limit)
-
-
-def check_laws(
-    forces: ArrayLike,
-    gaps: ArrayLike,
-    velocities: ArrayLike,
-    mu: ArrayLike,
-    weight: float,
-    dt: ArrayLike | None = None,
-) -> Laws:
-    """Return the laws as numbers for a motion.
-
-    Parameters
-    ----------
-    forces
-        (T, p, 3) measured contact forces on the robot, contact frames [N].
-    gaps
-        (T, p) distances to the ground [m].
-    velocities
-        (T, p, 3) velocities of the feet's material at the contacts [m/s].
-    mu
-        Friction of the ground: a number, (T,) or (T, p), >= 0.
-    weight
-        m g of the robot [N]; says what is small.
-    dt
-        Time from each measurement to the next: a number or (T,), > 0 [s]. Without it the third law, that of
-        maximum dissipation, is not judged.
-
-    Raises
-    ------
-    ProblemError
-        For shapes that do not fit, negative friction, a weight or step that is not positive. Measurements
-        that are not finite are broken laws and no error, see `Laws.broken`.
-    """
-    check = _Check(_weight(weight), dt is not None)
-    check.add(forces, gaps, velocities, mu, dt)
-    return check.laws()
+        return np.asarray(np.hypot(forces[..., 0], forces[..., 1]) / limit)
 
 
 def log_laws(log: Log) -> Laws:
-    """Return the laws as numbers for a log, in bounded memory: those of `check_laws` for all of it.
+    """Return the laws as numbers for a log, in bounded memory.
 
-    Needs the channels forces, gaps, contact_velocities and mu, and the facts mass and dt.
+    Needs the channels forces, gaps, contact_velocities and mu, and the facts mass and dt. Measurements that
+    are not finite are broken laws and no error, see `Laws.broken`.
 
     Raises
     ------
     ProblemError
-        If the log lacks one of them, or they do not fit.
+        If the log lacks one of them, or has negative friction.
     """
-    dt = log.fact("dt")
-    check = _Check(log.fact("mass") * GRAVITY, True)
+    weight, dt = float(log.fact("mass")) * GRAVITY, log.fact("dt")
     sinking, stopping, settling = (
         min(stated(log, name), SOFTEST[name][0]) for name in ("sinking", "stopping", "settling")
     )
-    settled = _SettledDepth(settling / dt)
+    worst, slides = np.full(6, -np.inf), start_slides(log["forces"].shape[1])
+    lost: dict[str, tuple[int, int, int]] = {}
+    rows, depth, landed = 0, 0.0, -math.inf
     for piece in log.chunks():
-        check.add(piece["forces"], piece["gaps"], piece["contact_velocities"], friction_of(piece), dt)
-        settled.add(piece["gaps"], piece["contact_velocities"])
-    laws = check.laws()
-    if settled.depth <= sinking:
-        sinking = max(sinking, laws.penetration_max)
-    return replace(laws, sinking=sinking, stopping=stopping)
+        motion = _motion(piece)
+        f, gap, v, mu = motion.values()
+        for name, values in motion.items():
+            _lose(lost, name, values, rows)
+        if f.size:
+            with np.errstate(invalid="ignore", over="ignore"):
+                worst = np.maximum(worst, _figures(f, gap, v, mu, weight))  # NaN stays
+            rows += len(f)
+        if not lost.keys() & _OF_SLIDES:
+            slide_on(slides, f, v, mu, np.full(len(f), dt), LOADED_SHARE * weight, weight)
+        deep, landed = swinging(np.asarray(piece["time"]), gap, v, settling, landed)
+        over = -gap.min(axis=1, initial=0.0) / np.where(deep, SWING_DEPTH, 1.0)
+        depth = max(depth, float(over.max(initial=0.0)))
+    if not rows:
+        return Laws(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, judged=())
+    deepest, pull, use, across, apart, power = worst.tolist()
+    slide = math.nan if lost.keys() & _OF_SLIDES else float(slides[:, WORST].max())
+    said = tuple(
+        "{} not finite in {} places, first in row {} at contact {}".format(name, *lost[name])
+        for name in motion
+        if name in lost
+    )
+    if not said and not np.isfinite([*worst, slide]).all():
+        said = ("forces, gaps or velocities too large to multiply",)
+    soft = max(sinking, deepest) if depth <= sinking else sinking
+    return Laws(deepest, -pull, use, across, apart, power, slide, LAWS, said, soft, stopping)
 
 
 def stated(log: Log, name: str) -> float:
@@ -206,93 +190,65 @@ def friction_of(rows: Any) -> FloatArray:
     return np.asarray(rows["contact_friction"] if "contact_friction" in rows else rows["mu"])
 
 
-class _SettledDepth:
-    """Depth of a motion that comes piece by piece, over `SWING_DEPTH` while contacts may swing [m].
+def swinging(
+    time: FloatArray, gaps: FloatArray, velocities: FloatArray, settling: float, before: float = -math.inf
+) -> tuple[BoolArray, float]:
+    """Return in which rows soft contacts may swing, (T,), and when one of them last landed hard [s].
 
-    They may for so many `rows` from a hard touchdown of one of them.
+    On a body that lands corner after corner each landing drives the others in, and slides them on.
+
+    Parameters
+    ----------
+    time, gaps, velocities
+        (T,) [s], (T, p) [m] and (T, p, 3) contact frames [m/s].
+    settling
+        How long they may from a hard touchdown on [s].
+    before
+        When the last one was before these rows [s].
     """
-
-    def __init__(self, rows: float) -> None:
-        self.rows, self.depth, self._last = rows, 0.0, -math.inf
-
-    def add(self, gaps: FloatArray, velocities: FloatArray) -> None:
-        """Take in the next rows, (T, p) [m] and (T, p, 3) [m/s]."""
-        row = np.arange(len(gaps))
-        hard = ((gaps <= 0.0) & (velocities[..., 2] < -HARD_TOUCHDOWN)).any(axis=1)
-        last = np.maximum.accumulate(np.append(self._last, np.where(hard, row, -math.inf)))[1:]
-        allowed = np.where((row - last <= self.rows) & (self.rows > 0.0), SWING_DEPTH, 1.0)
-        if gaps.size:
-            self.depth = max(self.depth, float((-gaps.min(axis=1) / allowed).max()))
-            self._last = last[-1] - len(gaps)
+    landed = ((gaps <= 0.0) & (velocities[..., 2] < -HARD_TOUCHDOWN)).any(axis=1)
+    last = np.maximum.accumulate(np.append(before, np.where(landed, time, -math.inf)))
+    return np.asarray((time - last[1:] <= settling) & (settling > 0.0)), float(last[-1])
 
 
-class _Check:
-    """The laws of a motion that comes piece by piece; a figure does not depend on where it is cut."""
+def _of_each(mu: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """Return friction (T,) or (T, p) for every contact at every time: (T, p)."""
+    return np.broadcast_to(mu[:, None] if np.ndim(mu) == 1 else mu, shape)
 
-    def __init__(self, weight: float, dissipation: bool) -> None:
-        self.weight, self.threshold = weight, LOADED_SHARE * weight
-        self.judged = LAWS if dissipation else LAWS[:2]
-        self._rows, self._worst = 0, np.full(6, -np.inf)
-        self._slides: FloatArray | None = None
-        self._lost: dict[str, tuple[int, tuple[int, int]]] = {}
-        self._slides_lost = False
 
-    def add(
-        self, forces: ArrayLike, gaps: ArrayLike, velocities: ArrayLike, mu: ArrayLike, dt: ArrayLike | None
-    ) -> None:
-        """Judge the next rows; see `check_laws`."""
-        f = _motion("forces", forces, 3)
-        shape, threshold = f.shape[:2], self.threshold
-        gap, v = _numbers("gaps", gaps, shape), _numbers("velocities", velocities, f.shape)
-        friction = _friction(mu, shape)
-        step = None if dt is None else _steps(dt, shape[0])
-        if f.size == 0:
-            return
-        given = {"forces": f, "gaps": gap, "velocities": v, "friction": friction}
-        finite = {name: self._finite(name, array) for name, array in given.items()}
-        with np.errstate(invalid="ignore", over="ignore"):
-            figures = (
-                max(0.0, -float(gap.min())) if finite["gaps"] else math.nan,
-                -float(f[..., 2].min()),
-                float(contact_use(f, friction, threshold).max()),
-                float(np.abs(f[..., 2] * gap).max()),
-                _apart(f, gap, threshold),
-                _power_missing(f, v, friction, threshold) / self.weight,
-            )
-        self._worst = np.maximum(self._worst, figures)  # NaN stays
-        self._rows += len(f)
-        self._slides_lost |= not (finite["forces"] and finite["velocities"] and finite["friction"])
-        if step is not None and not self._slides_lost:
-            self._slides = start_slides(shape[1]) if self._slides is None else self._slides
-            slide_on(self._slides, f, v, friction, step, threshold, self.weight)
+def _motion(rows: Log) -> dict[str, FloatArray]:
+    """Return forces (T, p, 3), gaps (T, p), velocities (T, p, 3) and friction (T, p) in rows of a log."""
+    mu = friction_of(rows)
+    if (mu < 0.0).any():
+        raise ProblemError(f"mu must be >= 0, got {mu.min():g}")
+    friction = _of_each(mu, rows["forces"].shape[:2])
+    given = {"forces": rows["forces"], "gaps": rows["gaps"], "velocities": rows["contact_velocities"]}
+    whole = {**given, "friction": friction}
+    return {name: np.ascontiguousarray(array, dtype=np.float64) for name, array in whole.items()}
 
-    def _finite(self, name: str, values: FloatArray) -> bool:
-        """Tell whether a measurement is finite, and remember where it is not."""
-        bad = ~np.isfinite(values)
-        if not bad.any():
-            return True
+
+def _lose(lost: dict[str, tuple[int, int, int]], name: str, values: FloatArray, first: int) -> None:
+    """Count what is not finite in rows from `first` on, and remember the first row and contact of it."""
+    bad = ~np.isfinite(values)
+    if bad.any():
         row, contact = (int(k) for k in np.argwhere(bad)[0][:2])
-        count, first = self._lost.get(name, (0, (self._rows + row, contact)))
-        self._lost[name] = count + int(bad.sum()), first
-        return False
+        count, row, contact = lost.get(name, (0, first + row, contact))
+        lost[name] = count + int(bad.sum()), row, contact
 
-    def laws(self) -> Laws:
-        """Return the laws of the rows so far."""
-        if self._rows == 0:
-            return Laws(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, judged=())
-        slide = math.nan
-        if self._slides is not None and not self._slides_lost:
-            slide = float(self._slides[:, WORST].max())
-        lost = tuple(
-            f"{name} not finite in {count} places, first in row {row} at contact {contact}"
-            for name, (count, (row, contact)) in ((n, self._lost[n]) for n in _MEASURED if n in self._lost)
-        )
-        worst = [-x if k == 1 else x for k, x in enumerate(self._worst.tolist())]  # the least normal force
-        figures = worst if self.judged is not LAWS else [*worst, slide]
-        if not lost and not all(map(math.isfinite, figures)):
-            lost = ("forces, gaps or velocities too large to multiply",)
-        depth, least, use, across, apart, power = worst
-        return Laws(depth, least, use, across, apart, power, slide, self.judged, lost)
+
+def _figures(
+    f: FloatArray, gap: FloatArray, v: FloatArray, mu: FloatArray, weight: float
+) -> tuple[float, ...]:
+    """Return the first six figures of `Laws` for some rows, the least normal force with its sign turned."""
+    threshold = LOADED_SHARE * weight
+    return (
+        max(0.0, -float(gap.min())) if np.isfinite(gap).all() else math.nan,
+        -float(f[..., 2].min()),
+        float(contact_use(f, mu, threshold).max()),
+        float(np.abs(f[..., 2] * gap).max()),
+        _apart(f, gap, threshold),
+        _power_missing(f, v, mu, threshold) / weight,
+    )
 
 
 def _apart(f: FloatArray, gap: FloatArray, threshold: float) -> float:
@@ -310,56 +266,3 @@ def _power_missing(f: FloatArray, v: FloatArray, mu: FloatArray, threshold: floa
     unknown = ~np.isfinite(missing)
     sliding = (speed > SLIDING_SPEED) & (f[..., 2] > threshold)
     return float(np.where(unknown, np.nan, np.where(sliding, missing, 0.0)).max())
-
-
-def _weight(weight: float) -> float:
-    """Return a robot's weight, checked."""
-    number = real_number("weight", weight, low=0.0, high=1e300)
-    if number == 0.0:
-        raise ProblemError("weight must be positive, got 0")
-    return number
-
-
-def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...] | None = None) -> FloatArray:
-    """Return a measurement as an array, NaN and infinity allowed, the shape checked."""
-    try:
-        if np.iscomplexobj(value):
-            raise TypeError
-        array = np.array(value, dtype=np.float64, order="C")
-    except (TypeError, ValueError) as error:
-        raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
-    if shape is not None and array.shape != shape:
-        raise ProblemError(f"{name} must have shape {shape} to fit the forces, got {array.shape}")
-    return array
-
-
-def _motion(name: str, value: ArrayLike, width: int) -> FloatArray:
-    """Return a measurement of shape (T, p, width)."""
-    array = _numbers(name, value)
-    if array.ndim != 3 or array.shape[2] != width:
-        raise ProblemError(f"{name} must have shape (T, p, {width}), got {array.shape}")
-    return array
-
-
-def _friction(mu: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
-    """Return friction for every contact at every time: (T, p)."""
-    array = _numbers("mu", mu)
-    steps, contacts = shape
-    if array.shape not in ((), (steps,), (steps, contacts)):
-        raise ProblemError(
-            f"mu must be a number or have shape ({steps},) or ({steps}, {contacts}), got {array.shape}"
-        )
-    if (array < 0.0).any():
-        raise ProblemError(f"mu must be >= 0, got {array.min():g}")
-    column = array[:, None] if array.ndim == 1 else array
-    return np.ascontiguousarray(np.broadcast_to(column, shape))
-
-
-def _steps(dt: ArrayLike, count: int) -> FloatArray:
-    """Return the time of every step: (T,) [s]."""
-    array = _numbers("dt", dt)
-    if array.shape not in ((), (count,)):
-        raise ProblemError(f"dt must be a number or have shape ({count},), got {array.shape}")
-    if not ((array > 0.0) & np.isfinite(array)).all():
-        raise ProblemError("dt must be positive and finite")
-    return np.ascontiguousarray(np.broadcast_to(array, (count,)))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.audit import state_faults
+from surefoot.audit import spoiling
 from surefoot.audit.spoiling import FaultyLog, LogCopy, Spoil, everywhere, on_flight, on_stance
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.log import Log
@@ -347,16 +347,16 @@ LOG_FAULTS: tuple[LogFault, ...] = (
     ),
     LogFault("diagonal", "one diagonal of feet favoured", 0.5, "m g", "solver asymmetry", _diagonal),
     LogFault("torques", "joint torques in another order", 1.0, "", "wrong torques", _permute_torques),
-    LogFault("teleport", "the base jumps aside", 0.02, "m", "teleport", state_faults.teleport),
-    LogFault("encoder", "a joint's angle jumps", 0.3, "rad", "teleport", state_faults.encoder_jump),
-    LogFault("stopped", "velocities are zero", 0.2, "s", "other velocities", state_faults.no_velocities),
-    LogFault("kick", "the base's velocity jumps", 0.3, "m/s", "velocity jump", state_faults.velocity_jump),
-    LogFault("held", "rows held", 0.06, "s", "held rows", state_faults.held_rows),
-    LogFault("motor", "a knee without torque", 1.0, "", "dead torque", on_stance(state_faults.dead_torque)),
+    LogFault("teleport", "the base jumps aside", 0.02, "m", "teleport", spoiling.teleport),
+    LogFault("encoder", "a joint's angle jumps", 0.3, "rad", "teleport", spoiling.encoder_jump),
+    LogFault("stopped", "velocities are zero", 0.2, "s", "other velocities", spoiling.no_velocities),
+    LogFault("kick", "the base's velocity jumps", 0.3, "m/s", "velocity jump", spoiling.velocity_jump),
+    LogFault("held", "rows held", 0.06, "s", "held rows", spoiling.held_rows),
+    LogFault("motor", "a knee without torque", 1.0, "", "dead torque", on_stance(spoiling.dead_torque)),
     LogFault("tilt", "all forces in a frame a little off", 10.0, "deg", "wrong frame", everywhere(_turn_all)),
-    LogFault("nan", "numbers that are none", 1.0, "", "", on_stance(state_faults.not_finite)),
-    LogFault("twice", "a time stamp twice", 1.0, "row", "", state_faults.clock(state_faults.twice)),
-    LogFault("backward", "a clock set back", 0.05, "s", "", state_faults.clock(state_faults.back)),
-    LogFault("lost", "rows lost", 0.1, "s", "", state_faults.clock(state_faults.gap_in_time)),
+    LogFault("nan", "numbers that are none", 1.0, "", "", on_stance(spoiling.not_finite)),
+    LogFault("twice", "a time stamp twice", 1.0, "row", "", spoiling.clock(spoiling.twice)),
+    LogFault("backward", "a clock set back", 0.05, "s", "", spoiling.clock(spoiling.back)),
+    LogFault("lost", "rows lost", 0.1, "s", "", spoiling.clock(spoiling.gap_in_time)),
 )
 """Every kind of fault, with its amplitude."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit.dynamics import MOTOR_FACTS, Unexplained, balanced_forces, unexplained
-from surefoot.audit.laws import HARD_TOUCHDOWN
+from surefoot.audit.laws import swinging
 from surefoot.audit.setting import PER_POINT, Setting
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY
@@ -190,14 +190,7 @@ class Rows:
         Of feet with one contact point; NaN for others, and where it cannot be told.
         """
         rest = self.unexplained
-        if rest is None:
-            return None
-        out = np.full(self.forces.shape, np.nan)
-        for k in range(self.points):
-            if self.setting.single(k):
-                foot = rest.feet[:, self.setting.owner[k]]
-                out[:, k] = np.einsum("tji,tj->ti", self.frames[:, k], foot)
-        return out
+        return None if rest is None else self._at_points(rest.feet)
 
     @cached_property
     def balanced(self) -> FloatArray | None:
@@ -208,29 +201,26 @@ class Rows:
         robot = self.setting.robot
         if robot is None or "torques" not in self.log:
             return None
-        feet = balanced_forces(robot, Log({name: self.numbers(name) for name in _BALANCE}, {}))
+        return self._at_points(
+            balanced_forces(robot, Log({name: self.numbers(name) for name in _BALANCE}, {}))
+        )
+
+    def _at_points(self, feet: FloatArray) -> FloatArray:
+        """Return forces (T, n, 3) on feet, world axes, in the frames of their contacts: (T, p, 3) [N].
+
+        NaN for the contacts of feet with several.
+        """
         out = np.full(self.forces.shape, np.nan)
-        for k in range(self.points):
-            if self.setting.single(k):
-                out[:, k] = np.einsum("tji,tj->ti", self.frames[:, k], feet[:, self.setting.owner[k]])
+        for k in filter(self.setting.single, range(self.points)):
+            out[:, k] = np.einsum("tji,tj->ti", self.frames[:, k], feet[:, self.setting.owner[k]])
         return out
 
     @cached_property
     def swinging(self) -> BoolArray:
-        """(T, 1) whether soft contacts may still swing from a hard touchdown of one of them.
-
-        On a body that lands corner after corner each landing drives the others in, and slides them on.
-        """
-        out = np.zeros((self.count, 1), dtype=bool)
+        """(T, 1) whether soft contacts may still swing from a hard touchdown of one of them."""
         if self.setting.settling <= 0.0 or not self.has("gaps", "contact_velocities"):
-            return out
-        landed = (self.gaps <= 0.0) & (self.velocities[..., 2] < -HARD_TOUCHDOWN)
-        hits = np.flatnonzero(landed.any(axis=1))
-        if hits.size:
-            last = np.searchsorted(self.time[hits], self.time, side="right") - 1
-            since = self.time - self.time[hits[np.maximum(last, 0)]]
-            out[:, 0] = (last >= 0) & (since <= self.setting.settling)
-        return out
+            return np.zeros((self.count, 1), dtype=bool)
+        return swinging(self.time, self.gaps, self.velocities, self.setting.settling)[0][:, None]
 
     def window(self, seconds: float) -> int:
         """Return how many rows a time [s] has, one at least."""
@@ -253,6 +243,13 @@ def over(value: FloatArray, limit: FloatArray | float) -> Measured:
     """Return a measure (T, c) with its limit and where it exceeds it."""
     bound = np.broadcast_to(limit, value.shape)
     return value, bound, value > bound
+
+
+def on_body(rows: Rows, value: FloatArray) -> FloatArray:
+    """Return (T,) values of the body in the last of p + 1 columns, the contacts' zero."""
+    out = np.zeros((rows.count, rows.points + 1))
+    out[:, -1] = value
+    return out
 
 
 def sliding_sum(values: FloatArray, rows: int) -> FloatArray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +11,7 @@ from surefoot.arrays import FloatArray, IntArray, finite_array
 from surefoot.audit.laws import LOADED_SHARE, SLIDE_LIMIT, SOFTEST, stated
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.log import Log
+from surefoot.log.scene import point_names
 from surefoot.robot import Robot, load_robot
 from surefoot.spatial import GRAVITY
 
@@ -146,7 +146,7 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     doubts: list[str] = []
     count = max((log[name].shape[1] for name in PER_POINT if name in log), default=0)
     feet, owner = _feet(log, count)
-    names = tuple(_point_names(feet, owner))
+    names = tuple(point_names(feet, owner.tolist()))
     steps = np.diff(np.asarray(log["time"][: 1 << 16]))
     good = steps[np.isfinite(steps) & (steps > 0.0)]
     told = float(log.fact("dt")) if "dt" in log.facts else 0.0
@@ -177,8 +177,6 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
             f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to "
             f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
         )
-    if "contact_centres" in log.facts and np.shape(log.fact("contact_centres"))[0] != count:
-        raise ProblemError(f"the fact contact_centres must have a row for each of {count} contacts")
     model, why = _robot(log, robot, doubts)
     weight = _weight(log, model, payload, notes, doubts)
     return Setting(
@@ -233,13 +231,6 @@ def _feet(log: Log, count: int) -> tuple[tuple[str, ...], IntArray]:
     if count and (owner.shape != (count,) or not np.isin(owner, np.arange(len(feet))).all()):
         raise ProblemError(f"the fact contact_foot must name one of {len(feet)} feet for {count} contacts")
     return feet, owner.astype(np.int64)
-
-
-def _point_names(feet: tuple[str, ...], owner: IntArray) -> Iterator[str]:
-    seen: dict[int, int] = {}
-    for k in owner.tolist():
-        at = seen[k] = seen.get(k, -1) + 1
-        yield feet[k] if (owner == k).sum() == 1 else f"{feet[k]}:{at}"
 
 
 def _weight(log: Log, model: Robot | None, payload: float, notes: list[str], doubts: list[str]) -> float:

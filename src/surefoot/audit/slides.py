@@ -35,37 +35,6 @@ def start_slides(contacts: int) -> FloatArray:
     return state
 
 
-def free_slides(
-    forces: FloatArray,
-    velocities: FloatArray,
-    mu: FloatArray,
-    dt: FloatArray,
-    threshold: float,
-    weight: float,
-) -> FloatArray:
-    """Return the longest way without friction in a stance of each contact: (p,) [m].
-
-    That is the work missing in a stance so far over the greatest friction mu f_n in it, but at most m g. A
-    stance's way is cut into pieces of `PIECE` net displacement, each of which lacks its displacement times
-    the friction missing on the mean of its way: so shaking on the spot costs nothing, however long, and a
-    creep counts in full, however slow. NaN or infinite where numbers are too large to multiply.
-
-    Parameters
-    ----------
-    forces, velocities
-        (T, p, 3) in contact frames [N, m/s].
-    mu, dt
-        (T, p) friction and (T,) step [s].
-    threshold
-        Normal force from which a contact is loaded [N].
-    weight
-        m g [N].
-    """
-    state = start_slides(forces.shape[1])
-    slide_on(state, forces, velocities, mu, dt, threshold, weight)
-    return state[:, WORST]
-
-
 @kernel
 def slide_on(
     state: FloatArray,
@@ -76,7 +45,26 @@ def slide_on(
     threshold: float,
     weight: float,
 ) -> None:
-    """Move the state (p, 9) of `start_slides` on by some rows; its column `WORST` is `free_slides` so far."""
+    """Move the state on by some rows; its column `WORST` is the longest way without friction in a stance [m].
+
+    That is the work missing in a stance so far over the greatest friction mu f_n in it, but at most m g. A
+    stance's way is cut into pieces of `PIECE` net displacement, each of which lacks its displacement times
+    the friction missing on the mean of its way: so shaking on the spot costs nothing, however long, and a
+    creep counts in full, however slow. NaN or infinite where numbers are too large to multiply.
+
+    Parameters
+    ----------
+    state
+        (p, 9) of `start_slides`, overwritten.
+    forces, velocities
+        (T, p, 3) in contact frames [N, m/s].
+    mu, dt
+        (T, p) friction and (T,) step [s].
+    threshold
+        Normal force from which a contact is loaded [N].
+    weight
+        m g [N].
+    """
     for c in range(forces.shape[1]):
         if state[c, BEYOND] != 0.0:
             continue

@@ -7,8 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from surefoot.audit.estimate import EstimateErrors, estimate_errors
-from surefoot.audit.load import LoadEstimate, load_estimate
+from surefoot.audit.estimate import EstimateErrors, LoadEstimate, estimate_errors, load_estimate
 from surefoot.audit.motion import commanded_excess, heading_velocity
 from surefoot.audit.summary import RunSummary, ending_of, shared_fields
 from surefoot.log import Ending, Log

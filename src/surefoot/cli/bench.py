@@ -1,4 +1,7 @@
-"""`surefoot bench ...`: the benchmarks that lie beside the source tree, where there is one."""
+"""Measure Surefoot against its rivals in the same run.
+
+The benchmarks lie beside the source tree, where there is one.
+"""
 
 from __future__ import annotations
 

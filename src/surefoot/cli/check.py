@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.console import Console
 
-from surefoot.cli import options
+from surefoot.cli import options, parsing
 from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import drawn
 from surefoot.cli.stance_input import StanceOptions
@@ -34,7 +34,6 @@ def check(
     as_json: options.AsJson = False,
 ) -> int:
     """Tell whether a stance can hold its robot at rest. Exit code 0 possible, 1 impossible, 2 bad input."""
-    from surefoot.cli import parsing
     from surefoot.cones.polyhedral import checked_fit
 
     side = checked_fit(fit)

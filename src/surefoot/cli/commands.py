@@ -1,10 +1,12 @@
-"""The commands by name, each imported when it is called: a list of them all needs one line of each."""
+"""The commands by name, each imported when it is called: a list of them all needs one paragraph of each."""
 
 from __future__ import annotations
 
+import ast
 import importlib
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, cast
 
 import typer
@@ -15,36 +17,11 @@ from surefoot.cli.typer_command import LiteralHelpCommand, ungrouped
 
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 """Click's class for wrong usage, whether Typer brings Click along or depends on it."""
-SUMMARIES = {
-    "stand": "Let a robot stand in simulation and account for every contact force.",
-    "walk": "Let a robot walk in simulation and account for every contact force.",
-    "cone": "Print the half-spaces, the rays and the exact fit errors of a friction pyramid, and draw it.",
-    "check": "Tell whether a stance can hold its robot at rest. "
-    "Exit code 0 possible, 1 impossible, 2 bad input.",
-    "region": "Draw where the centre of mass and the zero-moment point may be, "
-    "and say where they differ and why.",
-    "model": "Print masses, joints and limits, feet, ranks of the contact Jacobian and "
-    "the centroidal inertia.",
-    "solve": "Solve the problems in files, contacts or LCPs, and print a certificate for each.",
-    "translate": "Print a contact's parameters as another simulator takes them, what agrees "
-    "and what is lost.",
-    "identify": "Fit a body, a contact law and the ground to tosses, or a leg's joints to a force sensor.",
-    "sweep": "Run an experiment over samples of ranges, write a Parquet table, and draw what survives.",
-    "audit": "Tell which law of contact a log broke, when, where, and what the likely cause is.",
-    "worlds": "Run the same experiments in every world that is here and hold them against closed forms.",
-    "plan": "Plan a motion through contact that obeys the laws, and carry it out if asked to.",
-    "policy": "Print what is understood of a learned policy, from where, and what is missing.",
-    "export": "Write the contacts of a log, a plan or a sequence for other tools: data, "
-    "and scripts that hold it.",
-    "warmup": "Compile everything that the commands need, once per machine, and say where it is kept.",
-    "doctor": "Say what of Surefoot works on this machine, and what would make the rest work.",
-    "lab": "Open a page in a browser: a stance, a cone, a robot to push, a plan, a log; Ctrl-C ends it.",
-    "drive": "Stand a robot up over DDS, walk it, stop it and sit it down; Ctrl-C damps it.",
-    "robot": "Be a robot on the wire: MuJoCo behind Unitree's topics, with noisy sensors, motors' limits, "
-    "a delay.",
-    "bench": "Measure Surefoot against its rivals in the same run.",
-}
-"""Command to the first paragraph of its help (a test compares them)."""
+NAMES = (
+    "stand", "walk", "cone", "check", "region", "model", "solve", "translate", "identify", "sweep", "audit",
+    "worlds", "plan", "policy", "export", "warmup", "doctor", "lab", "drive", "robot", "bench",
+)  # fmt: skip
+"""The commands in the order of the list; each has a file of its name."""
 HELP = {"help_option_names": ["--help", "-h"]}
 
 
@@ -58,18 +35,28 @@ def load(name: str) -> Any:
     return typer.main.get_command(one)
 
 
+def summary(name: str) -> str:
+    """Return the first paragraph of a command's docstring, read from its file, which is not imported."""
+    module = ast.parse(Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8"))
+    own = (part for part in module.body if isinstance(part, ast.FunctionDef) and part.name == name)
+    return " ".join((ast.get_docstring(next(own, module)) or "").split("\n\n")[0].split())
+
+
 class LazyGroup(TyperGroup):
     """A group that lists commands by their summaries and imports the one that is called."""
 
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(**settings)
-        for name, summary in SUMMARIES.items():
-            self.add_command(LiteralHelpCommand(name, help=summary))
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of the commands."""
+        return [*NAMES]
+
+    def get_command(self, ctx: Any, name: str) -> Any:
+        """Return a command of which nothing but its summary is known."""
+        return LiteralHelpCommand(name, help=summary(name)) if name in NAMES else None
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that is called, and its arguments."""
-        if args and args[0] in SUMMARIES:
-            self.add_command(load(args[0]), args[0])
+        if args[0] in NAMES:
+            return args[0], load(args[0]), args[1:]
         return super().resolve_command(ctx, args)
 
 

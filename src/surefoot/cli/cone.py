@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from surefoot.cli import options
+from surefoot.cli import options, parsing
 from surefoot.cli.console import say, show, table
 from surefoot.cli.extras import drawn
 
@@ -27,7 +27,6 @@ def cone(
     as_json: options.AsJson = False,
 ) -> int:
     """Print the half-spaces, the rays and the exact fit errors of a friction pyramid, and draw it."""
-    from surefoot.cli import parsing
     from surefoot.cones import FrictionCone
     from surefoot.cones.polyhedral import checked_fit
 

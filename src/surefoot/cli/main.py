@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from typing import Any, TextIO, cast
 
 from surefoot import __version__
 
@@ -14,8 +15,6 @@ PIPE_WIDTH = "120"
 
 def run(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; bad input is one line on stderr and exit code 2."""
-    from surefoot.cli.closed_pipes import heard
-
     sys.stdout, sys.stderr = heard(sys.stdout), heard(sys.stderr)
     if (sys.argv[1:] if arguments is None else arguments) == ["--version"]:  # asked by scripts, often
         print(f"surefoot {__version__}", flush=True)
@@ -57,3 +56,39 @@ def main(arguments: list[str] | None = None) -> int:
 def _bad_input(message: str) -> int:
     print("surefoot: " + " ".join(message.split()), file=sys.stderr)
     return EXIT_BAD_INPUT
+
+
+class _Pipe:
+    """A text stream that goes on into nothing once its reader is gone, as `head` is after ten lines."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        """Write, or drop what nobody reads."""
+        try:
+            return self._stream.write(text)
+        except BrokenPipeError:
+            self._drop()
+            return len(text)
+
+    def flush(self) -> None:
+        """Flush, or drop what nobody reads."""
+        try:
+            self._stream.flush()
+        except BrokenPipeError:
+            self._drop()
+
+    def _drop(self) -> None:
+        with open(os.devnull, "w", encoding="utf-8") as nowhere:
+            os.dup2(nowhere.fileno(), self._stream.fileno())
+
+
+def heard(stream: TextIO | None) -> TextIO:
+    """Return a stream for output that takes all, also where the shell (None) or its reader closed it."""
+    if stream is None:
+        return open(os.devnull, "w", encoding="utf-8")
+    return cast("TextIO", _Pipe(stream))

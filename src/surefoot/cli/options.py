@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from surefoot.arrays import real_number
+from surefoot.cli import parsing
+from surefoot.cli.robots import is_file
 from surefoot.errors import ProblemError
 from surefoot.simulation.worlds import WORLDS
 
@@ -35,25 +37,8 @@ Picture: TypeAlias = Annotated[bool, typer.Option("--picture/--no-picture", help
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Friction: TypeAlias = Annotated[float, typer.Option(help="Friction of the ground.")]
 Duration: TypeAlias = Annotated[float, typer.Option(help="Simulated time [s].")]
-Payload: TypeAlias = Annotated[
-    str,
-    typer.Option(help="KG or KG@X,Y,Z: mass and its place on the base, which no controller knows [kg], [m]."),
-]
-Pushes: TypeAlias = Annotated[
-    list[str] | None, typer.Option(help="T:FX,FY,FZ:DURATION [s, N, s]; repeatable.")
-]
 Seed: TypeAlias = Annotated[
     int | None, typer.Option(help="Seed of a small random velocity at the start and of all noise.")
-]
-ScenarioPath: TypeAlias = Annotated[
-    Path | None,
-    typer.Option("--scenario", help="A YAML file of ice, faults, soft ground, ...; see docs/scenarios.md."),
-]
-View: TypeAlias = Annotated[
-    bool,
-    typer.Option(
-        "--view", help="Show it in a window, in real time; arrows or WASD, Q, E and space steer a walk."
-    ),
 ]
 
 
@@ -113,29 +98,77 @@ class Leaving:
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json and nothing else.")] = False
 
 
-def check_numbers(mu: float, duration: float, shortest: float, seed: int | None) -> None:
-    """Refuse numbers that no run can have; `shortest` is the least duration that says something [s]."""
-    from surefoot.cli import parsing
+@dataclass(frozen=True, kw_only=True)
+class RunOptions(Ground, Physics, Leaving):
+    """What a simulated run is of: a robot on its ground, and what happens to it."""
 
-    parsing.friction("--mu", mu)
-    parsing.duration(duration, shortest)
-    parsing.seed(seed)
+    robot: RobotName = None
+    feet: FootFrames = None
+    mu: Friction = 0.6
+    push: Annotated[list[str] | None, typer.Option(help="T:FX,FY,FZ:DURATION [s, N, s]; repeatable.")] = None
+    payload: Annotated[
+        str,
+        typer.Option(
+            help="KG or KG@X,Y,Z: mass and its place on the base, which no controller knows [kg], [m]."
+        ),
+    ] = "0"
+    seed: Seed = None
+    scenario: Annotated[
+        Path | None,
+        typer.Option(help="A YAML file of ice, faults, soft ground, ...; see docs/scenarios.md."),
+    ] = None
+    duration: Duration = 10.0
+    view: Annotated[
+        bool,
+        typer.Option(
+            "--view", help="Show it in a window, in real time; arrows or WASD, Q, E and space steer a walk."
+        ),
+    ] = False
 
+    @property
+    def carried(self) -> tuple[float, tuple[float, float, float]]:
+        """Mass of the payload [kg] and its place in base axes [m]."""
+        return parsing.payload(self.payload)
 
-def scenario_of(
-    duration: float, mu: float, push: list[str] | None, seed: int | None, said: ScenarioFile, **more: Any
-) -> Scenario:
-    """Return what happens to the robot, or raise for what lies past the end."""
-    from surefoot.cli import parsing
-    from surefoot.simulation.scenario import Ice, IcePatch, Scenario
+    @property
+    def world_file(self) -> str | None:
+        """The robot's file where that is the world, too: MJCF, in MuJoCo."""
+        from surefoot.robot.mjcf import is_mjcf
 
-    pushes, given = [parsing.push(text) for text in push or ()], [parsing.ice(entry) for entry in said.ice]
-    changes = [one for one in given if isinstance(one, Ice)]
-    patches = [one for one in given if isinstance(one, IcePatch)]
-    parsing.within_run("--push", push or (), (event.start for event in pushes), duration)
-    begins = [one.start for one in changes]
-    parsing.within_run("ice", [f"from {start:g}" for start in begins], begins, duration)
-    return Scenario(duration, mu, pushes, changes, seed, patches=patches, **more)
+        mjcf = self.robot is not None and is_file(self.robot) and is_mjcf(Path(self.robot))
+        return self.robot if mjcf and self.world == "mujoco" else None
+
+    def check(self, shortest: float, planner: str = "convex") -> None:
+        """Refuse, before any work, numbers that no run can have, and what cannot be shown.
+
+        Parameters
+        ----------
+        shortest
+            Least duration that says something [s].
+        planner
+            Who would be steered from a window.
+        """
+        if self.view:
+            from surefoot.cli import live
+
+            live.check(planner)
+        parsing.friction("--mu", self.mu)
+        parsing.duration(self.duration, shortest)
+        parsing.seed(self.seed)
+        _ = self.carried
+
+    def happening(self, said: ScenarioFile, **more: Any) -> Scenario:
+        """Return what happens to the robot, or raise for what lies past the end."""
+        from surefoot.simulation.scenario import Ice, IcePatch, Scenario
+
+        texts, given = self.push or (), [parsing.ice(entry) for entry in said.ice]
+        pushes = [parsing.push(text) for text in texts]
+        changes = [one for one in given if isinstance(one, Ice)]
+        patches = [one for one in given if isinstance(one, IcePatch)]
+        parsing.within_run("--push", texts, (event.start for event in pushes), self.duration)
+        begins = [one.start for one in changes]
+        parsing.within_run("ice", [f"from {start:g}" for start in begins], begins, self.duration)
+        return Scenario(self.duration, self.mu, pushes, changes, self.seed, patches=patches, **more)
 
 
 def require(robot: str | None, packages: Sequence[str], leaving: Leaving) -> None:

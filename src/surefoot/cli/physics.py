@@ -5,16 +5,14 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from surefoot.cli.robots import is_file
 from surefoot.cli.scenario_file import schema
 from surefoot.errors import ProblemError, check_name, unknown_name
 from surefoot.simulation.worlds import WORLDS
 
 if TYPE_CHECKING:
-    from surefoot.cli.options import Physics
+    from surefoot.cli.options import RunOptions
     from surefoot.cli.scenario_file import ScenarioFile
     from surefoot.laws import SoftLaw
     from surefoot.robot import Robot
@@ -58,52 +56,32 @@ def contact_law(said: Mapping[str, Any], mu: float) -> SoftLaw:
     return cast("SoftLaw", replace(maker(**values), friction=laws.ExactFriction(mu)))
 
 
-def world_settings(
-    physics: Physics, said: ScenarioFile, mu: float, robot: str | None = None
-) -> dict[str, Any]:
-    """Return what options and scenario say to the world, or raise for what it does not have.
-
-    `robot` is a file where an MJCF file is the world, too.
-    """
-    check_name("world", physics.world, WORLDS)
-    given = {name: getattr(physics if name in _PLAIN else said, name) for name in _OWNERS}
+def world_settings(asked: RunOptions, said: ScenarioFile) -> dict[str, Any]:
+    """Return what options and scenario say to the world, or raise for what it does not have."""
+    check_name("world", asked.world, WORLDS)
+    given = {name: getattr(asked if name in _PLAIN else said, name) for name in _OWNERS}
     settings = {name: value for name, value in given.items() if value != _PLAIN.get(name)}
     for name, value in settings.items():
         option = f"--{name} {value}" if name in _PLAIN else name
-        if physics.world not in _OWNERS[name]:
+        if asked.world not in _OWNERS[name]:
             owners = " or ".join(_OWNERS[name])
-            raise ProblemError(f"{option} is of --world {owners}, got --world {physics.world}")
-        if is_world(robot, physics.world) and name not in _IN_A_FILE:
-            raise ProblemError(f"{robot} is a world of its own: it goes without {option}")
+            raise ProblemError(f"{option} is of --world {owners}, got --world {asked.world}")
+        if asked.world_file is not None and name not in _IN_A_FILE:
+            raise ProblemError(f"{asked.robot} is a world of its own: it goes without {option}")
     if said.law is not None:
-        settings["law"] = contact_law(said.law, mu)
+        settings["law"] = contact_law(said.law, asked.mu)
     return settings
 
 
-def is_world(robot: str | None, world: str) -> bool:
-    """Tell whether a robot's file is the world, too: MJCF, in MuJoCo."""
-    from surefoot.robot.mjcf import is_mjcf
-
-    return robot is not None and is_file(robot) and world == "mujoco" and is_mjcf(Path(robot))
-
-
-def build_world(
-    name: str,
-    robot: Robot,
-    file: str | None,
-    terrain: Terrain,
-    mu: float,
-    payload: tuple[float, tuple[float, float, float]],
-    settings: dict[str, Any],
-) -> World:
-    """Return the world, `payload` being mass and place. Where `file` is given, it is robot and world."""
+def build_world(asked: RunOptions, robot: Robot, terrain: Terrain, settings: dict[str, Any]) -> World:
+    """Return the world; `settings` are those of `world_settings`."""
     from surefoot.simulation.worlds import make_world
 
-    mass, place = payload
+    (mass, place), file, mu = asked.carried, asked.world_file, asked.mu
     parts = settings.pop("substeps", 1)
     at = {"payload_position": place} if any(place) else {}
     if file is None:
-        world = make_world(name, robot, terrain, mu, payload=mass, **at, **settings)
+        world = make_world(asked.world, robot, terrain, mu, payload=mass, **at, **settings)
     else:
         from surefoot.simulation.mjcf_world import MjcfWorld
 

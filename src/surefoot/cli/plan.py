@@ -71,12 +71,12 @@ def plan(
     }  # fmt: skip
     with ends_softly() as stop:
         screen = plain_console(stderr=True, quiet=leaving.as_json)
-        made, iterations = _search(screen, who, task, amount, numbers)
+        made = _search(screen, who, task, amount, numbers)
         if execute is not None:
             console.print(f"{made.task}: {made.status.value}; {made.facts['goal']}")
         folder = new_run_folder(leaving.out, f"plan-{task}")
         executed = None if execute is None else _execute(made, execute, seed, folder)
-        good = _write(made, executed, iterations, folder, leaving, console)
+        good = _write(made, executed, folder, leaving, console)
         if made.facts.get("interrupted", False):
             return stop.code
     return 0 if good else 1
@@ -105,20 +105,12 @@ def _robot(name: str | None, feet: str | None, task: Any) -> Any:
     return load(name, feet, feet_needed=True)
 
 
-def _search(
-    console: Any, robot: Any, task: str, amount: float | None, numbers: dict[str, Any]
-) -> tuple[Plan, list[Iteration]]:
-    """Return the plan, after Ctrl-C the best so far, and the iterations; on a terminal they are shown."""
+def _search(console: Any, robot: Any, task: str, amount: float | None, numbers: dict[str, Any]) -> Plan:
+    """Return the plan, after Ctrl-C the best so far; on a terminal the iterations are shown."""
     from surefoot.planning.planner import plan
 
-    iterations: list[Iteration] = []
     with console.status(f"planning {task}") as status:
-
-        def show(iteration: Iteration) -> None:
-            iterations.append(iteration)
-            status.update(_line(task, iteration))
-
-        return plan(robot, task, amount, tell=show, **numbers), iterations
+        return plan(robot, task, amount, tell=lambda one: status.update(_line(task, one)), **numbers)
 
 
 def _line(task: str, iteration: Iteration) -> str:
@@ -158,6 +150,7 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
         "law_residual": made.law_residual,
         "momentum_error": made.facts.get("momentum_error"),
         "replay_apart": made.facts.get("replay_apart"),
+        "replay_speed": made.facts.get("replay_speed"),
         "replay_time": made.facts.get("replay_time"),
         "iterations": made.iterations,
         "time": made.time,
@@ -168,14 +161,7 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
     }
 
 
-def _write(
-    made: Plan,
-    executed: Any,
-    iterations: list[Iteration],
-    folder: Path,
-    leaving: options.Leaving,
-    console: Any,
-) -> bool:
+def _write(made: Plan, executed: Any, folder: Path, leaving: options.Leaving, console: Any) -> bool:
     """Write all that a plan leaves, say what it is, and return whether all went well."""
     from surefoot.cli.run_files import RunFiles
     from surefoot.contact import Status
@@ -198,7 +184,7 @@ def _write(
         headline += f"; carried out: {'landed' if done['landed'] else 'did not land: ' + done['why']}, {laws}"
     files.publish(
         console, f"Plan: {made.task}", (headline, good), (_tables(made, facts), []),
-        (lambda log, where: draw_plan(made, where, iterations)) if leaving.report else None,
+        (lambda log, where: draw_plan(made, where)) if leaving.report else None,
     )  # fmt: skip
     return good and not files.unwritten
 
@@ -210,6 +196,7 @@ def _certificate(facts: dict[str, Any]) -> list[list[str]]:
     return [
         ["momentum off the impulses, of the largest", f"{facts['momentum_error']:.1e}"],
         ["replay at a tenth of the step ends off by [cm]", f"{100.0 * facts['replay_apart']:.2g}"],
+        ["fastest joint of the replay, share of its limit", f"{facts['replay_speed']:.2f}"],
         ["CPU time of the replay [s]", f"{facts['replay_time']:.2f}"],
     ]
 

@@ -16,7 +16,7 @@ from surefoot.cli.console import say, show, table
 from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:
-    from surefoot.cli.command_options import Wiring
+    from surefoot.cli.walk_options import Wiring
 
 ACTIONS = ("describe",)
 Spec = Annotated[

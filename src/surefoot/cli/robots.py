@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from surefoot.cli import parsing
 from surefoot.errors import ProblemError
 
 DEFAULT = "go2"
@@ -29,7 +30,6 @@ def load(name: str | None, feet: str | None = None, *, feet_needed: bool = False
     ModelError
         For an unknown or broken robot, or unknown feet.
     """
-    from surefoot.cli import parsing
     from surefoot.robot import load_robot
 
     source = DEFAULT if name is None else Path(name).absolute() if is_file(name) else name

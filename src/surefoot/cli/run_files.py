@@ -34,7 +34,6 @@ CAPTIONS = {
         "Where in its sole the ground pushes on a foot.",
     ),
     "torques": ("Joint torques", "What the motors gave, against what they can."),
-    "step_times": ("Controller step", "How long the controller thought for each of its commands."),
     "velocity": ("Velocity", "What was commanded, and how the robot moved."),
     "footfalls": ("Footfalls", "Which feet were on the ground, and when."),
     "cone_over_time": ("Use of the cones over time", "The share of its friction that a foot used; 1 is all."),

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import typer
 
-from surefoot.cli import live, options, physics
+from surefoot.cli import live, options, parsing, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.robots import load
@@ -27,69 +27,60 @@ SHOWN_LEAST = (5.0, 0.5)
 """Duration [s] and friction that both take."""
 
 
-def stand(
-    *,
-    robot: options.RobotName = None,
-    feet: options.FootFrames = None,
-    mu: options.Friction = 0.6,
-    on: options.Ground,
-    duration: options.Duration = 5.0,
-    payload: options.Payload = "0",
-    push: options.Pushes = None,
-    lift: Annotated[list[str] | None, typer.Option(help="FOOT:T0:T1, foot in the air; repeatable.")] = None,
-    seed: options.Seed = None,
-    obeyed: options.Physics,
-    scenario: options.ScenarioPath = None,
-    anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
-    view: options.View = False,
-    leaving: options.Leaving,
-) -> int:
+@dataclass(frozen=True, kw_only=True)
+class StandOptions(options.RunOptions):
+    """What a stand is asked for."""
+
+    lift: Annotated[list[str] | None, typer.Option(help="FOOT:T0:T1, foot in the air; repeatable.")] = None
+    duration: options.Duration = 5.0
+    anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False
+
+    @property
+    def shown(self) -> bool:
+        """Whether nothing is asked, and there is room to show something."""
+        said = (self.push, self.lift, self.scenario, self.carried[0])
+        least = self.duration >= SHOWN_LEAST[0] and self.mu >= SHOWN_LEAST[1]
+        return self.unsaid and said == (None, None, None, 0.0) and least
+
+
+def stand(*, asked: StandOptions) -> int:
     """Let a robot stand in simulation and account for every contact force.
 
     Exit code 0 if it stood and no law or limit was broken, 1 if not, 2 for wrong input.
     """
-    from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.control.standing import StandingController
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 
-    console = plain_console(quiet=leaving.as_json)
-    if view:
-        live.check("convex")
-    options.check_numbers(mu, duration, SHORTEST, seed)
-    carried = parsing.payload(payload)
-    said = ScenarioFile.read(scenario, STAND_KEYS)
-    file = robot if physics.is_world(robot, obeyed.world) else None
-    settings = physics.world_settings(obeyed, said, mu, file)
-    shown = on.unsaid and (push, lift, scenario, payload) == (None, None, None, "0")
-    shown &= duration >= SHOWN_LEAST[0] and mu >= SHOWN_LEAST[1]
+    console = plain_console(quiet=asked.as_json)
+    asked.check(SHORTEST)
+    said = ScenarioFile.read(asked.scenario, STAND_KEYS)
+    settings = physics.world_settings(asked, said)
     faults = Faults(0.0, said.delay, said.weak_joint, said.torque_loss) if FAULTS & {*said.given} else None
-    more: dict[str, Any] = {"depth": START_DEPTH, "fall": STANDING_FALL, "faults": faults}
-    happens = options.scenario_of(duration, mu, push, seed, said, **more)
-    lifts = [parsing.lift(text) for text in lift or ()]
-    parsing.within_run("--lift", lift or (), (one.start for one in lifts), duration)
-    options.require(robot, WORLDS[obeyed.world][1], leaving)
-    setup, shows = _set_up(robot, feet, on.read(), lifts), list[str]()
-    with plain_console(stderr=True, quiet=leaving.as_json).status(
+    happens = asked.happening(said, depth=START_DEPTH, fall=STANDING_FALL, faults=faults)
+    lifts = [parsing.lift(text) for text in asked.lift or ()]
+    parsing.within_run("--lift", asked.lift or (), (one.start for one in lifts), asked.duration)
+    options.require(asked.robot, WORLDS[asked.world][1], asked)
+    setup, shows = _set_up(asked, lifts), list[str]()
+    with plain_console(stderr=True, quiet=asked.as_json).status(
         "asking whether it can stand (a first run compiles)"
     ):
-        if shown:
+        if asked.shown:
             setup, happens, shows = _with_events(setup, happens)
-        statics = _statics(setup, mu, *carried)
+        statics = _statics(setup, asked.mu, *asked.carried)
     model, terrain, q, plan = setup
-    allocation = _allocation(setup, mu, said)
+    allocation = _allocation(setup, asked.mu, said)
     say(console, *shows, *(phase["text"] for phase in statics))
-    if not all(phase["possible"] for phase in statics) and not anyway:
-        if leaving.as_json:
+    if not all(phase["possible"] for phase in statics) and not asked.anyway:
+        if asked.as_json:
             named = {"robot": model.name, "mass": model.mass}
             print(to_json({**named, "stood": False, "outcome": "impossible", "statics": statics}))
         return 1
-    controller = StandingController(model, plan, terrain, q, mu, allocation=allocation)
-    world = physics.build_world(obeyed.world, model, file, terrain, mu, carried, settings)
-    folder = new_run_folder(leaving.out, f"stand-{model.name}")
-    run = SimulatedRun(model, terrain, folder, leaving, console)
-    watching = live.watching(model, terrain) if view else []
+    controller = StandingController(model, plan, terrain, q, asked.mu, allocation=allocation)
+    world = physics.build_world(asked, model, terrain, settings)
+    run = SimulatedRun(model, terrain, new_run_folder(asked.out, f"stand-{model.name}"), asked, console)
+    watching = live.watching(model, terrain) if asked.view else []
     return run.carry_out(world, controller, replace(happens, start=q), _account(statics), watching)
 
 
@@ -102,12 +93,13 @@ class _Setup(NamedTuple):
     plan: Any
 
 
-def _set_up(name: str | None, feet: str | None, terrain: Any, lifts: list[Any]) -> _Setup:
+def _set_up(asked: StandOptions, lifts: list[Any]) -> _Setup:
     """Return the robot in its stance, or raise for what cannot be."""
     from surefoot.control.standing_plan import StandingPlan
     from surefoot.robot import place
 
-    robot = load(name, feet, feet_needed=True)
+    terrain = asked.read()
+    robot = load(asked.robot, asked.feet, feet_needed=True)
     if robot.feet and sum(len(foot.centres) for foot in robot.feet) < 3:
         count = len(robot.feet)
         raise ProblemError(f"{robot.name} cannot stand still: {count} point feet span no area to stand on")
@@ -157,7 +149,7 @@ def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -
 
     On all feet and during every lift, in which the body leans as it would without the payload.
     """
-    from surefoot.cli.stand_output import statics_line
+    from surefoot.cli.run_output import statics_line
     from surefoot.equilibrium.statics import can_stand, friction_needed
     from surefoot.spatial import rotation_from_quaternion
 
@@ -183,13 +175,13 @@ def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -
 def _account(statics: list[dict[str, Any]]) -> Any:
     """Return how a stand is summed up."""
     from surefoot.audit import summarise_stand
-    from surefoot.cli import stand_output
+    from surefoot.cli.run_output import stand_headline, stand_lines, stand_tables
     from surefoot.cli.simulated_run import Account
     from surefoot.viz.plots import draw_run
     from surefoot.viz.report import paragraph
 
     said = "".join(paragraph(phase["text"]) for phase in statics)
     return Account(
-        "standing", summarise_stand, stand_output.headline, stand_output.tables, stand_output.figure_lines,
+        "standing", summarise_stand, stand_headline, stand_tables, stand_lines,
         draw_run, [("Is the stance possible?", said)], {"statics": statics},
     )  # fmt: skip

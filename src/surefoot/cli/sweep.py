@@ -13,7 +13,6 @@ from surefoot.cli import options
 from surefoot.cli.console import plain_console, progress_bar, say, show, table
 from surefoot.cli.extras import missing
 from surefoot.cli.signals import INTERRUPTED, ends_softly
-from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -36,9 +35,6 @@ def sweep(
     backend: Annotated[str, typer.Option(help="Where samples run: loky, ray, dask or serial.")] = "loky",
     workers: Annotated[int | None, typer.Option(help="Number of workers; None for one per core.")] = None,
     address: Annotated[str | None, typer.Option(help="Of a running Ray or Dask cluster.")] = None,
-    over: Annotated[
-        list[str] | None, typer.Option(help="Print results' medians over this parameter too; repeatable.")
-    ] = None,
     allow_code: Annotated[
         bool, typer.Option("--allow-code", help="Let the file's experiment be a function, MODULE:FUNCTION.")
     ] = False,
@@ -51,14 +47,9 @@ def sweep(
     results, 1 if some ended with an error or crashed their worker, 2 for wrong input.
     """
     from surefoot.sweep import read_sweep, run_sweep
-    from surefoot.sweep.survival import check_varying
 
     planned = read_sweep(config, allow_code).with_numbers(samples, seed)
-    for name in over or ():
-        check_varying(planned, name)
     folder = Path("runs") / f"sweep-{config.stem}" if out is None else out
-    if backend == "loky" and address is not None:
-        raise ProblemError("--address is of --backend ray or dask: loky runs on this machine")
     with ends_softly() as stop, progress_bar(not as_json, planned.name, float(planned.samples)) as moved:
         try:
             result = run_sweep(
@@ -77,7 +68,7 @@ def sweep(
 
         drawn = draw_sweep(result.config, result.table, result.folder)
         facts["pictures"] = [str(path) for path in drawn]
-    show(facts, as_json, partial(_print, config=result.config, found=found, over=over or []))
+    show(facts, as_json, partial(_print, config=result.config, found=found))
     return 1 if facts["errors"] or facts["crashed"] else 0
 
 
@@ -128,9 +119,7 @@ def _quantiles(table: Any, name: str) -> dict[str, float] | None:
     return {"median": middle, "p5": low, "p95": high}
 
 
-def _print(
-    console: Console, facts: dict[str, Any], config: SweepConfig, found: list[Margin], over: list[str]
-) -> None:
+def _print(console: Console, facts: dict[str, Any], config: SweepConfig, found: list[Margin]) -> None:
     for margin in found[:SHOWN]:
         rows = [
             (name, f"{count}", f"{share.value:.3f}", f"{share.low:.3f} to {share.high:.3f}")
@@ -138,8 +127,6 @@ def _print(
         ]
         title = f"{facts['goal']} over {config.label(margin.name)}"
         console.print(table(("", "samples", "share", "95 % interval"), rows, title))
-    for name in over:
-        console.print(_medians_table(config, name, facts))
     results = [
         (name, *(f"{values[part]:.4g}" for part in ("median", "p5", "p95")))
         for name, values in facts["results"].items()
@@ -147,17 +134,6 @@ def _print(
     ]
     console.print(table(("", "median", "5 %", "95 %"), results, "Results"))
     say(console, *_lines(facts))
-
-
-def _medians_table(config: SweepConfig, name: str, facts: dict[str, Any]) -> Any:
-    """Return the table of results' medians over a parameter."""
-    bins = facts["parameters"][name]
-    results = [column for column in facts["results"] if any(b["medians"][column] is not None for b in bins)]
-    rows = []
-    for b in bins:
-        values = (b["medians"][column] for column in results)
-        rows.append((b["bin"], f"{b['samples']}", *("" if v is None else f"{v:.3g}" for v in values)))
-    return table(("", "samples", *results), rows, f"Medians over {config.label(name)}", overflow="fold")
 
 
 def _lines(facts: dict[str, Any]) -> list[str]:

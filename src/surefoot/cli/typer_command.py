@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Callable
 from dataclasses import is_dataclass
 from functools import wraps
-from typing import Any
+from typing import Any, get_type_hints
 
 from rich.markup import escape
 from typer.core import TyperCommand
@@ -25,6 +25,10 @@ PANELS = {
 PANEL_OF = {name: panel for panel, names in PANELS.items() for name in names}
 
 
+ORDER = [*PANEL_OF]
+"""In which the help has them."""
+
+
 class LiteralHelpCommand(TyperCommand):
     """A command whose help is no markup: Rich would take `[deg]` for a style and leave it out."""
 
@@ -34,8 +38,10 @@ class LiteralHelpCommand(TyperCommand):
                 if part.get("help"):
                     part["help"] = escape(part["help"])
         if name in ("stand", "walk"):
-            for part in settings.get("params") or ():
+            params = settings.setdefault("params", [])
+            for part in params:
                 part.rich_help_panel = PANEL_OF.get(part.name)
+            params.sort(key=lambda part: ORDER.index(part.name) if part.name in ORDER else -1)
         super().__init__(name, **settings)
 
 
@@ -48,9 +54,13 @@ def ungrouped(command: Callable[..., int]) -> Callable[..., int]:
         if not is_dataclass(kind):
             options.append(parameter)
             continue
-        fields = [*inspect.signature(kind, eval_str=True).parameters.values()]  # type: ignore[arg-type]
+        types = get_type_hints(kind, include_extras=True)  # each class's words by its own module
+        fields = inspect.signature(kind).parameters.values()  # type: ignore[arg-type]
         groups[parameter.name] = kind, [field.name for field in fields]
-        options += [field.replace(kind=inspect.Parameter.KEYWORD_ONLY) for field in fields]
+        options += [
+            inspect.Parameter(f.name, f.KEYWORD_ONLY, default=f.default, annotation=types[f.name])
+            for f in fields
+        ]
     if not groups:
         return command
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any, NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
-import typer
-
-from surefoot.cli import command_options as wires
-from surefoot.cli import knowledge, live, options, physics
+from surefoot.cli import live, options, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.policy import Learned
 from surefoot.cli.robots import load
 from surefoot.cli.scenario_file import WALK_KEYS, ScenarioFile
+from surefoot.cli.walk_options import Beliefs, WalkOptions, Wiring
 from surefoot.errors import ProblemError, check_name
 from surefoot.simulation.worlds import WORLDS
 
@@ -21,83 +20,39 @@ SHORTEST = 0.5
 """Length of a walk that says something [s]: about a cycle of a trot."""
 
 
-def walk(
-    *,
-    robot: options.RobotName = None,
-    feet: options.FootFrames = None,
-    gait: Annotated[
-        str | None,
-        typer.Option(
-            help="stand, trot, walk, pace, bound, flying_trot (on two feet stand, walk), auto (by speed), "
-            "None for trot, on two feet walk."
-        ),
-    ] = None,
-    planner: Annotated[
-        str, typer.Option(help="convex, which follows the gait, or contact-implicit, which takes none.")
-    ] = "convex",
-    velocity: Annotated[
-        str, typer.Option(help="VX,VY,WZ: forward, left [m/s], yaw rate [rad/s].")
-    ] = "0.5,0,0",
-    on: options.Ground,
-    terrain_knowledge: knowledge.TerrainKnowledge = "exact",
-    mu: options.Friction = 0.6,
-    push: options.Pushes = None,
-    payload: options.Payload = "0",
-    dropout: Annotated[
-        list[str] | None, typer.Option(help="T:DURATION without a fresh state [s]; repeatable.")
-    ] = None,
-    commands: Annotated[
-        str, typer.Option(help="torques, or targets: joint angles, speeds, gains and torques for the drives.")
-    ] = "torques",
-    obeyed: options.Physics,
-    learned: Learned,
-    duration: options.Duration = 10.0,
-    seed: options.Seed = None,
-    scenario: options.ScenarioPath = None,
-    view: options.View = False,
-    leaving: options.Leaving,
-) -> int:
+def walk(*, asked: WalkOptions, learned: Learned) -> int:
     """Let a robot walk in simulation and account for every contact force.
 
     Exit code 0 if it walked to the end and no law or limit was broken, 1 if not, 2 for wrong input.
     """
-    from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
 
-    console = plain_console(quiet=leaving.as_json)
-    robot = learned.robot(robot)
-    if view:
-        live.check(planner)
-    options.check_numbers(mu, duration, SHORTEST, seed)
-    carried, dropouts = parsing.payload(payload), [parsing.dropout(text) for text in dropout or ()]
-    said = ScenarioFile.read(scenario, WALK_KEYS)
-    belief = knowledge.Beliefs.read(said.believed_mu, mu, terrain_knowledge, planner)
-    file = robot if physics.is_world(robot, obeyed.world) else None
-    settings = physics.world_settings(obeyed, said, mu, file)
-    ground = on.read()
-    if obeyed.world == "mujoco" and file is None:
-        settings.setdefault("substeps", substeps_of(ground, terrain_knowledge))
-    command = _command(velocity, said)
-    wired = wires.wiring(commands, dropouts, said)
-    parsing.within_run("--dropout", dropout or (), (start for start, _ in dropouts), duration)
-    level = (
-        said.noise or 0.0 if said.estimator == "truth" else 0.0
-    )  # of the true state; sensors have their own
+    console = plain_console(quiet=asked.as_json)
+    asked = replace(asked, robot=learned.robot(asked.robot))
+    asked.check(SHORTEST, asked.planner)
+    said = ScenarioFile.read(asked.scenario, WALK_KEYS)
+    belief, command, wired = asked.beliefs(said), asked.command(said), asked.wiring(said)
+    settings, ground = physics.world_settings(asked, said), asked.read()
+    of_file = asked.world_file is not None
+    if asked.world == "mujoco" and not of_file:
+        settings.setdefault("substeps", substeps_of(ground, asked.terrain_knowledge))
+    # of the true state; sensors have their own
+    level = said.noise or 0.0 if said.estimator == "truth" else 0.0
     faults = Faults(level, said.delay, said.weak_joint, said.torque_loss, dropouts=wired.dropouts)
-    happens = options.scenario_of(duration, mu, push, seed, said, faults=faults, **belief.senses(said))
-    options.require(robot, WORLDS[obeyed.world][1], leaving)
-    model = load(robot, feet, feet_needed=True)
-    motors = obeyed.actuators if file is None else _file_motors(model)
-    task = _WalkTask(model, belief.ground(ground), gait, said, command, belief, motors, wired)
-    controller = _controller(planner, task) if learned.policy is None else _learned(planner, learned, task)
-    q = _start(model, ground, mu, getattr(controller, "posture", None))
-    world = physics.build_world(obeyed.world, model, file, ground, mu, carried, settings)
+    happens = asked.happening(said, faults=faults, **belief.senses(said))
+    options.require(asked.robot, WORLDS[asked.world][1], asked)
+    model = load(asked.robot, asked.feet, feet_needed=True)
+    motors = _file_motors(model) if of_file else asked.actuators
+    task = _WalkTask(model, belief.ground(ground), asked.gait, said, command, belief, motors, wired)
+    made = _controller if learned.policy is None else partial(_learned, learned)
+    controller = made(asked.planner, task)
+    q = _start(model, ground, asked.mu, getattr(controller, "posture", None))
+    world = physics.build_world(asked, model, ground, settings)
     say(console, *controller.facts.get("notes", ()))
-    folder = new_run_folder(leaving.out, f"walk-{model.name}")
-    run = SimulatedRun(model, ground, folder, leaving, console)
-    watching = live.watching(model, ground, controller) if view else []
+    run = SimulatedRun(model, ground, new_run_folder(asked.out, f"walk-{model.name}"), asked, console)
+    watching = live.watching(model, ground, controller) if asked.view else []
     return run.carry_out(world, controller, replace(happens, start=q), _account(), watching)
 
 
@@ -109,9 +64,9 @@ class _WalkTask(NamedTuple):
     gait: str | None
     said: ScenarioFile
     command: Any
-    belief: knowledge.Beliefs
+    belief: Beliefs
     actuators: Any
-    wired: wires.Wiring
+    wired: Wiring
 
 
 def _controller(planner: str, task: _WalkTask) -> Any:
@@ -151,7 +106,7 @@ def _contact_implicit(task: _WalkTask) -> Any:
     return ContactImplicitMpc(robot, task.command, task.ground, settings)
 
 
-def _learned(planner: str, learned: Learned, task: _WalkTask) -> Any:
+def _learned(learned: Learned, planner: str, task: _WalkTask) -> Any:
     """Return a policy; it has a gait of its own."""
     from surefoot.simulation.actuated import equipped
 
@@ -184,16 +139,6 @@ def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
         raise ProblemError(f"gait {name!r} takes no steps: it goes with --velocity 0")
 
 
-def _command(velocity: str, said: ScenarioFile) -> Any:
-    """Return the commanded velocity over time."""
-    from surefoot.cli import parsing
-    from surefoot.control.walking_body import VelocityCommand
-
-    if said.velocity_file is not None:
-        return VelocityCommand.read(said.velocity_file)
-    return VelocityCommand.constant(*parsing.velocity(velocity))
-
-
 def _start(robot: Any, ground: Any, mu: float, posture: Any) -> Any:
     """Return the configuration to start from, in the nominal pose or a controller's own."""
     from surefoot.simulation.walk_terrain import check_ground, start_pose
@@ -206,9 +151,8 @@ def _start(robot: Any, ground: Any, mu: float, posture: Any) -> Any:
 def _account() -> Any:
     """Return how a walk is summed up."""
     from surefoot.audit import summarise_walk
-    from surefoot.cli import walk_output
+    from surefoot.cli.run_output import walk_headline, walk_lines, walk_tables
     from surefoot.cli.simulated_run import Account
     from surefoot.viz.walk_plots import draw_walk
 
-    said = (walk_output.headline, walk_output.tables, walk_output.figure_lines)
-    return Account("walking", summarise_walk, *said, draw_walk)
+    return Account("walking", summarise_walk, walk_headline, walk_tables, walk_lines, draw_walk)

@@ -95,6 +95,8 @@ class ContactDerivative:
     ) -> None:
         if problem.g.size != 3 * problem.contacts:
             raise ProblemError("derivatives take contacts of three rows each")
+        if problem.facets is not None:
+            raise ProblemError("derivatives take exact cones: solve the problem with facets=None")
         self.problem, self.smoothing = problem, smoothing
         self.kinks: tuple[Kink, ...] = ()
         self._choices: list[Continuation] = []

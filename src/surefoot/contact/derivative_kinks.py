@@ -22,8 +22,6 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.derivative_modes import (
-    EDGE,
-    FACE,
     FREE,
     HELD,
     HIGH,
@@ -32,9 +30,8 @@ from surefoot.contact.derivative_modes import (
     STICK,
     ContactState,
     Mode,
-    Section,
-    piece,
     slide_mode,
+    stick_mode,
 )
 from surefoot.contact.derivative_system import ActiveSystem, move
 from surefoot.contact.problem import ContactProblem
@@ -57,8 +54,6 @@ class Continuation:
         The least misfit of a mode that is not the present one; see `Kink.distance`.
     point
         Whether neither a tangential force nor a slip gives the direction of sliding.
-    faces
-        Faces of a pyramid that the force lies on.
     unit, tol
         s_k [m/s] (1 where that is zero), and what is taken for zero in units of it.
     """
@@ -66,7 +61,6 @@ class Continuation:
     modes: tuple[Mode, ...]
     distance: float
     point: bool
-    faces: tuple[int, ...]
     unit: float
     tol: float
 
@@ -82,7 +76,7 @@ def choices_of(
 
 def _choice(contact: ContactState, mode: Mode, unit: float, tol: float) -> Continuation:
     if mode.normal == HELD:
-        return Continuation((mode,), np.inf, False, (), unit, tol)
+        return Continuation((mode,), np.inf, False, unit, tol)
     force = contact.weight / unit
     height, lift = float(contact.force[2]), abs(contact.lift) / unit
     misfits = {FREE: lift, LOW: (height - contact.low) * force, HIGH: (contact.high - height) * force}
@@ -97,27 +91,26 @@ def _choice(contact: ContactState, mode: Mode, unit: float, tol: float) -> Conti
     ready = contact.radius * force > tol
     slip = float(np.hypot(*contact.velocity[:2])) / unit
     point = slip <= tol and not ready
-    pieces = _round_pieces(contact, mode, unit) if contact.section is None else _faces(contact, unit)
-    near = [key for key, misfit in pieces.items() if misfit <= tol or key == mode.key[1:]]
-    near.sort(key=lambda key: key != mode.key[1:])
+    room = (contact.radius - float(np.hypot(*contact.force[:2]))) * contact.weight / unit
+    pieces = {STICK: slip, SLIDE: max(room, 0.0)}
+    pieces[mode.tangent] = 0.0
+    near = sorted((t for t, misfit in pieces.items() if misfit <= tol), key=lambda t: t != mode.tangent)
     if ready:
-        own = [misfit for key, misfit in pieces.items() if key != mode.key[1:]]
-        distance = min([distance, *own])
+        distance = min(distance, *(misfit for t, misfit in pieces.items() if t != mode.tangent))
     elif height * force > tol:  # no friction: which way it would act is open where nothing slips
         distance = min(distance, slip)
     found: list[Mode] = []
     for normal in normals:
-        for tangent, index in near:
+        for tangent in near:
             if tangent == SLIDE and point:  # in no direction: `directional` finds one for every rate
                 found.append(slide_mode(contact, normal, np.zeros(2), 0.0))
-            elif (normal, tangent, index) == mode.key and not (tangent == SLIDE and slip <= tol):
+            elif (normal, tangent) == (mode.normal, mode.tangent) and not (tangent == SLIDE and slip <= tol):
                 found.append(mode)
             elif tangent == SLIDE:
                 found.append(slide_mode(contact, normal, *_heading(contact, ready)))
             else:
-                found.append(piece(contact, normal, tangent, index))
-    active = () if contact.section is None else tuple(np.flatnonzero(_slacks(contact, unit) <= tol).tolist())
-    return Continuation(tuple(found), distance, point, active, unit, tol)
+                found.append(stick_mode(normal))
+    return Continuation(tuple(found), distance, point, unit, tol)
 
 
 def _heading(contact: ContactState, ready: bool) -> tuple[FloatArray, float]:
@@ -129,41 +122,6 @@ def _heading(contact: ContactState, ready: bool) -> tuple[FloatArray, float]:
         return (force / size if size > 0.0 else np.array([1.0, 0.0])), reach / (reach + speed)
     speed = float(np.hypot(*slip))
     return (-slip / speed if speed > 0.0 else np.array([1.0, 0.0])), 0.0
-
-
-def _round_pieces(contact: ContactState, mode: Mode, unit: float) -> dict[tuple[str, int], float]:
-    """Return the misfit of sticking and sliding on a round cone."""
-    slip = float(np.hypot(*contact.velocity[:2])) / unit
-    room = (contact.radius - float(np.hypot(*contact.force[:2]))) * contact.weight / unit
-    pieces = {(STICK, 0): slip, (SLIDE, 0): max(room, 0.0)}
-    pieces[mode.key[1:]] = 0.0
-    return pieces
-
-
-def _slacks(contact: ContactState, unit: float) -> FloatArray:
-    """Return the distance of the force to every face of the pyramid, as a velocity over the unit."""
-    section = contact.section
-    assert section is not None
-    gaps = contact.radius * section.apothem - section.normals @ contact.force[:2]
-    return np.asarray(gaps * contact.weight / unit)
-
-
-def _shares(section: Section, corner: int, vector: FloatArray) -> FloatArray:
-    """Return the (2,) shares of a vector in the normals of the two faces that meet in a corner."""
-    return np.asarray(np.linalg.solve(section.normals[[corner - 1, corner]].T, vector))
-
-
-def _faces(contact: ContactState, unit: float) -> dict[tuple[str, int], float]:
-    """Return the misfit of sticking, of every face and of every edge of a pyramid."""
-    section, slacks = contact.section, _slacks(contact, unit)
-    assert section is not None
-    slip = contact.velocity[:2] / unit
-    pieces = {(STICK, 0): float(np.hypot(*slip))}
-    for i, m in enumerate(section.normals):
-        pieces[FACE, i] = max(float(slacks[i]), abs(float(slip @ [-m[1], m[0]])), float(slip @ m))
-        least = float(_shares(section, i, -slip).min())
-        pieces[EDGE, i] = max(float(slacks[i - 1]), float(slacks[i]), -least, 0.0)
-    return pieces
 
 
 def directional(
@@ -286,9 +244,7 @@ def _fault(
             faults += [w * float(rates[1][k] - force[2])] if LOW in normals else []
             faults += [w * float(force[2] - rates[2][k])] if HIGH in normals else []
     radius = _radius_rate(contact, k, forces, rates)
-    if contact.section is not None:
-        faults += _section_faults(contact, choice, mode, force, velocity, radius)
-    elif len({m.tangent for m in choice.modes}) > 1:
+    if len({m.tangent for m in choice.modes}) > 1:
         e = mode.direction if mode.tangent == SLIDE else _heading(contact, not choice.point)[0]
         if mode.tangent == SLIDE:
             faults.append(float(e @ velocity[:2]))
@@ -305,39 +261,6 @@ def _lift_rate(contact: ContactState, choice: Continuation, velocity: FloatArray
         return float(velocity[2])
     slip, rate = contact.velocity[:2], velocity[:2]
     speed = float(np.hypot(*slip))
-    if contact.section is None:
-        if speed <= choice.tol * choice.unit:
-            return float(velocity[2] - contact.mu * np.hypot(*rate))
-        return float(velocity[2] - contact.mu * (slip @ rate) / speed - mu_rate * speed)
-    reach = -contact.section.corners @ slip
-    best = reach >= reach.max() - choice.tol * choice.unit
-    most = float(np.max(-(contact.section.corners @ rate)[best]))
-    return float(velocity[2]) - contact.mu * most - mu_rate * float(reach.max())
-
-
-def _section_faults(
-    contact: ContactState,
-    choice: Continuation,
-    mode: Mode,
-    force: FloatArray,
-    velocity: FloatArray,
-    radius: float,
-) -> list[float]:
-    """Return the faults of a contact on a pyramid: faces that are crossed, slip against a face."""
-    section = contact.section
-    assert section is not None
-    if len({m.key[1:] for m in choice.modes}) < 2:
-        return []
-    small = choice.tol * choice.unit
-    over = contact.weight * (section.normals @ force[:2] - section.apothem * radius)
-    own = {FACE: {mode.index}, EDGE: {mode.index, (mode.index - 1) % len(over)}, STICK: set()}[mode.tangent]
-    faults = [float(over[i]) for i in choice.faces if i not in own]
-    if mode.tangent == FACE:
-        m = section.normals[mode.index]
-        if -float(m @ contact.velocity[:2]) <= small:
-            faults.append(float(m @ velocity[:2]))
-    if mode.tangent == EDGE:
-        now = _shares(section, mode.index, -contact.velocity[:2])
-        rate = _shares(section, mode.index, -velocity[:2])
-        faults += [-float(r) for s, r in zip(now, rate, strict=True) if s <= small]
-    return faults
+    if speed <= choice.tol * choice.unit:
+        return float(velocity[2] - contact.mu * np.hypot(*rate))
+    return float(velocity[2] - contact.mu * (slip @ rate) / speed - mu_rate * speed)

@@ -49,10 +49,6 @@ class _Path:
 
     @classmethod
     def of(cls, problem: ContactProblem, kappa: float) -> _Path:
-        if problem.facets is not None:
-            raise ProblemError(
-                "smoothing takes exact cones; differentiate the pyramid with smoothing=0, or its cone"
-            )
         fixed = (problem.normal_min == problem.normal_max) & (problem.normal_max > 0.0)
         if fixed.any():
             k = int(np.argmax(fixed))
@@ -120,7 +116,7 @@ def central_path(problem: ContactProblem, forces: FloatArray, kappa: float) -> S
     Raises
     ------
     ProblemError
-        For pyramids, and for normal bounds that leave no room.
+        For normal bounds that leave no room.
     NoSolution
         If the path is not reached.
     """

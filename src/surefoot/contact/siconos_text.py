@@ -180,32 +180,13 @@ def _read_blocks(numbers: _Numbers, rows: int, columns: int) -> sp.csr_matrix:
 
 
 def write(problem: ContactProblem, path: Path) -> None:
-    """Write a contact problem as a Siconos friction file, in blocks if G is sparse."""
+    """Write a contact problem as a Siconos friction file."""
     n = problem.contacts
     back = np.argsort(turned(n))
-    lines = ["3", str(n)]
-    blocks = problem.blocks
-    if n >= 8 and blocks.density < 0.4:
-        lines += _block_lines(problem)
-    else:
-        W = problem.G[np.ix_(back, back)]
-        lines += ["0", str(3 * n), str(3 * n), f"{3 * n}\t{3 * n}"]
-        lines += [" ".join(f"{x:.17e}" for x in row) for row in W]
+    W = problem.G[np.ix_(back, back)]
+    lines = ["3", str(n), "0", str(3 * n), str(3 * n), f"{3 * n}\t{3 * n}"]
+    lines += [" ".join(f"{x:.17e}" for x in row) for row in W]
     lines.append(" ".join(f"{x:.17e}" for x in problem.g[back]))
     lines.append(" ".join(f"{x:.17e}" for x in problem.mu))
     with path.open("x", encoding="utf-8") as file:
         file.write("\n".join(lines) + "\n")
-
-
-def _block_lines(problem: ContactProblem) -> list[str]:
-    n, b = problem.contacts, problem.blocks
-    count = b.columns.size
-    ends = "\t".join(str(3 * (k + 1)) for k in range(n))
-    lines = ["1", str(3 * n), str(3 * n), str(count), str(n), str(n), ends, ends, str(n + 1), str(count)]
-    lines += ["\t".join(map(str, b.starts)), "\t".join(map(str, b.columns))]
-    normal_first = np.array([2, 0, 1])
-    for at in range(count):
-        block = b.values[at][np.ix_(normal_first, normal_first)]
-        lines.append(str(at))
-        lines += [f"{x:.17e}" for x in block.T.ravel()]
-    return lines

@@ -68,11 +68,7 @@ class ConvexMpc:
     tol
         Wanted bound on the error of all forces together [N].
     max_iterations
-        Bound on the Newton steps of a pass.
-    passes
-        Convex programs per plan: from the second on, the levers of the forces are those of the plan before,
-        which makes the predicted orientation right to a few hundredths of a radian after a push (with one
-        pass it can be off by several tenths at the end of the horizon).
+        Bound on the Newton steps of a plan.
 
     Attributes
     ----------
@@ -108,12 +104,11 @@ class ConvexMpc:
     weights: MpcWeights = field(default_factory=MpcWeights)
     tol: float = 1e-2
     max_iterations: int = 100
-    passes: int = 1
 
     def __post_init__(self, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike) -> None:
         real_number("mass", self.mass, low=1e-6, high=1e9)
         real_number("tol", self.tol, low=0.0, high=1e9)
-        for name in ("horizon", "feet", "passes"):
+        for name in ("horizon", "feet"):
             if getattr(self, name) < 1:
                 raise ProblemError(f"{name} must be >= 1, got {getattr(self, name)}")
         inertia = finite_array("inertia", self.inertia, (3, 3))
@@ -194,7 +189,7 @@ class ConvexMpc:
                 raise ProblemError(f"normal_share must have shape {given.contacts.shape}, got {share.shape}")
             given = given._replace(bounds=_lowered(given.bounds, share))
         verdict, total, error, forces, world, motion, turn = plan_forces(
-            given, self._body(), self._points, self.passes, self.tol, PATIENCE, self.max_iterations
+            given, self._body(), self._points, self.tol, PATIENCE, self.max_iterations
         )
         if verdict == mpc_model.NOT_ROTATION:
             raise ProblemError(NO_ROTATION)
@@ -215,7 +210,7 @@ class ConvexMpc:
         *,
         mu: ArrayLike | None = None,
     ) -> HorizonProgram:
-        """Return the program of the first pass, for another solver; parameters and errors as for `solve`."""
+        """Return the program of a plan, for another solver; parameters and errors as for `solve`."""
         given = self._read(state, reference, foot_positions, contacts, frames, mu)
         sway = mpc_model.expected_sway(given.motion, given.reference, self.dt)
         built = mpc_model.build(given, self._body(), sway)

@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections import deque
-from typing import Protocol, cast
+from typing import cast
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.estimation.robot_state import RobotState
 from surefoot.terrain import Terrain
 
 LANDINGS = 3
@@ -30,46 +31,6 @@ STRIKE_REACH = 0.25
 """A foot over known ground strikes what is so near before it, in heights of the centre of mass."""
 LOW = 0.22
 """Steps lower than this share of the height of the centre of mass need nothing."""
-
-
-class Scan(Protocol):
-    """What a range sensor has seen, as `surefoot.control.controller.HeightScan` has it."""
-
-    @property
-    def time(self) -> float:
-        """When it looked [s]."""
-
-    @property
-    def points(self) -> FloatArray:
-        """(k, 3) in base axes at that time, from the base's origin [m]."""
-
-    @property
-    def variances(self) -> FloatArray:
-        """(k,) of their heights [m²]."""
-
-    @property
-    def origin(self) -> FloatArray | None:
-        """(3,) where its rays begin, likewise; None where that is not known [m]."""
-
-
-class Sensed(Protocol):
-    """What a belief learns from, as `surefoot.control.controller.RobotState` has it."""
-
-    @property
-    def q(self) -> FloatArray:
-        """(nq,) configuration [m, -, rad], Pinocchio's order."""
-
-    @property
-    def v(self) -> FloatArray:
-        """(nv,) velocity [m/s, rad/s]."""
-
-    @property
-    def time(self) -> float:
-        """Since the run began [s]."""
-
-    @property
-    def scan(self) -> Scan | None:
-        """What a range sensor has seen, at the steps at which it says so."""
 
 
 class BeliefTerrain(Terrain):
@@ -93,7 +54,7 @@ class BeliefTerrain(Terrain):
     radius: float = 0.0
     struck_at: float = -math.inf
 
-    def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
+    def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
         """Start from where the robot stands.
 
         Parameters
@@ -114,7 +75,7 @@ class BeliefTerrain(Terrain):
         self._fit()
 
     def observe(
-        self, state: Sensed, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
+        self, state: RobotState, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """Learn from a step.
 
@@ -152,11 +113,6 @@ class BeliefTerrain(Terrain):
     def bumps(self) -> float:
         """How far the ground may stick out between places where it is known [m]."""
         return BUMPS * max(self._spread - SMOOTH, 0.0)
-
-    @property
-    def edges_known(self) -> bool:
-        """Whether what feet may strike is known as an edge."""
-        return False
 
     def stumbled(self, time: float) -> None:
         """Learn that a foot struck an edge at a time [s]."""

@@ -127,8 +127,9 @@ class InvariantFilter(Bound):
         self.standing: BoolArray = self.flags[0]
         self.used: BoolArray = self.flags[1]
         parts = np.split(self.memory, np.cumsum(self._sizes)[:-1])
-        self._X, self._bias, self._covariance = parts[0].reshape(3, 5 + n), parts[1], parts[2]
-        self._covariance = self._covariance.reshape(15 + 3 * n, 15 + 3 * n)
+        self.X: FloatArray = parts[0].reshape(3, 5 + n)
+        self.bias: FloatArray = parts[1]
+        self.covariance: FloatArray = parts[2].reshape(15 + 3 * n, 15 + 3 * n)
         self._densities, self._walks, self._gate, self.distances = parts[3:]
 
     def reset(
@@ -164,7 +165,7 @@ class InvariantFilter(Bound):
         self.bias[:] = np.zeros(6) if bias is None else finite_array("bias", bias, (6,))
         small = self._start(v, p) if covariance is None else finite_array("covariance", covariance, (15, 15))
         known = np.r_[0:9, 9 + 3 * self.n : 15 + 3 * self.n]
-        self._covariance[:] = 0.0
+        self.covariance[:] = 0.0
         self.covariance[np.ix_(known, known)] = small
         self.standing[:] = False
         w = self.noise
@@ -183,21 +184,6 @@ class InvariantFilter(Bound):
         P[9:12, 9:12] = w.gyro_bias**2 * np.eye(3)
         P[12:, 12:] = w.accelerometer_bias**2 * np.eye(3)
         return P
-
-    @property
-    def X(self) -> FloatArray:
-        """(3, 5 + n) state [R | v | p | d_1 ... d_n] [-, m/s, m]."""
-        return self._X
-
-    @property
-    def bias(self) -> FloatArray:
-        """(6,) of the gyro [rad/s] and the accelerometer [m/s²]."""
-        return self._bias
-
-    @property
-    def covariance(self) -> FloatArray:
-        """(15 + 3n, 15 + 3n) of the errors [rad, m/s, m, rad/s, m/s²]."""
-        return self._covariance
 
     @property
     def rotation(self) -> FloatArray:

@@ -26,8 +26,6 @@ LIKE = 0.5
 """A stand is one before the drop or beyond it if it is off by no more than this share of its depth."""
 REACH = 0.1
 """Feet beyond the edge stand no nearer to it [m]: shins lean back over it."""
-AWAY = 0.3
-"""The drop is left behind once all feet are so far before it, in heights of the centre of mass."""
 
 
 class Ledge:
@@ -109,29 +107,15 @@ class Ledge:
             self._beyond = max(min(self._beyond, along), self._before)
             self._farthest = max(self._farthest, along)
 
-    def struck(self, along: float) -> None:
-        """Learn that a foot on its way back has struck the riser, its sole at a place along the way [m]."""
-        edge = along - self._radius
-        if self._before <= edge <= self._beyond:
-            self._before = self._beyond = edge
-
     def height(self, along: ArrayLike) -> FloatArray:
         """Return the height of the ground at (...) places along the way [m]: (...)."""
         return np.where(np.asarray(along, dtype=np.float64) < self.edge, self.level, self.level - self.depth)
 
-    def nearest(self, along: float, start: float, stood: bool) -> float:
-        """Return the nearest place to one along the way at which a foot that lifted at `start` may stand [m].
-
-        Once the robot has `stood` still no foot goes beyond the edge any more.
-        """
+    def nearest(self, place: FloatArray) -> FloatArray:
+        """Return the (2,) place nearest to one at which a foot may stand: where feet have stood [m]."""
+        along = float(place @ self.along)
         top = self._before - 0.5 * self._radius
-        if along <= top or (stood and start < self.edge):
-            return min(along, top)
         sure = self._beyond + SURE_TREAD * self._height - 2.0 * self._radius
-        low, high = max(self._beyond, self.edge + REACH), max(self._farthest, sure)
-        below = min(max(along, low), high)
-        return top if along - top < below - along else below
-
-    def left(self, feet: FloatArray) -> bool:
-        """Return whether all feet have gone back from the drop: they stand at (n, 3) `feet` [m]."""
-        return bool((feet[:, :2] @ self.along).max() < self.edge - AWAY * self._height)
+        below = min(max(along, self._beyond, self.edge + REACH), max(self._farthest, sure))
+        goal = along if along <= top else top if along - top < below - along else below
+        return place + (goal - along) * self.along

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.estimation.elevation_kernels import flight_heights
 from surefoot.estimation.elevation_map import ElevationMap, MapSettings
-from surefoot.estimation.ground_belief import BeliefTerrain, Sensed
+from surefoot.estimation.ground_belief import BeliefTerrain
+from surefoot.estimation.robot_state import RobotState
 from surefoot.estimation.step_detection import StepWatch
 from surefoot.spatial import rotation_from_quaternion
 
@@ -53,7 +54,7 @@ class MappedGround(BeliefTerrain):
     def __repr__(self) -> str:
         return f"MappedGround({self.map!r})"
 
-    def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
+    def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
         """See `BeliefTerrain.begin`."""
         self.map.begin(ground[:, :2].mean(axis=0), 0.0, np.zeros(2))
         self._poses.clear()
@@ -65,7 +66,7 @@ class MappedGround(BeliefTerrain):
         self.map.refresh()
 
     def observe(
-        self, state: Sensed, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
+        self, state: RobotState, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """See `BeliefTerrain.observe`; a scan goes where the base was believed to be when it was taken."""
         self._poses.append((state.time, state.q[:7].copy()))

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.estimation.ground_belief import BeliefTerrain, Sensed
+from surefoot.estimation.ground_belief import BeliefTerrain
 from surefoot.estimation.ledge import Ledge
+from surefoot.estimation.robot_state import RobotState
 from surefoot.spatial import base_velocity, heading_of
 
 BIAS_GAIN, LARGEST_BIAS = 0.3, 0.3
@@ -55,11 +56,10 @@ class TouchedGround(BeliefTerrain):
     def __repr__(self) -> str:
         return "TouchedGround()"
 
-    def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
+    def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
         """See `BeliefTerrain.begin`."""
         self.drop, self._bias = None, 0.0
         self._heading = np.array([1.0, 0.0])
-        self._struck: FloatArray | None = None
         self._expected: dict[int, float] = {}
         self._slid: set[int] = set()
         super().begin(state, ground, height)
@@ -69,37 +69,15 @@ class TouchedGround(BeliefTerrain):
         """See `BeliefTerrain.unsure`: near a drop."""
         return self.drop is not None
 
-    @property
-    def edges_known(self) -> bool:
-        """See `BeliefTerrain.edges_known`."""
-        return self.drop is not None
-
-    def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
-        """See `BeliefTerrain.may_strike`: near a drop only a riser that is higher than the foot."""
-        if self.drop is not None:
-            ahead = self.height(self._path_ahead(sole, velocity))
-            if float(ahead.max()) < sole[2] + 0.5 * self.radius:
-                return False
-        self._struck = sole[:2].copy()
-        return True
-
-    def stumbled(self, time: float) -> None:
-        """See `BeliefTerrain.stumbled`: what a foot strikes near a drop is its riser."""
-        super().stumbled(time)
-        if self.drop is not None and self._struck is not None:
-            self.drop.struck(float(self._struck @ self.drop.along))
-        self._struck = None
-
     def observe(
-        self, state: Sensed, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
+        self, state: RobotState, ground: FloatArray, stance: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """See `BeliefTerrain.observe`."""
         self._heading = heading_of(state.q[3:7])
         if self._expected or sought.any():
             self._look_down(base_velocity(state.q, state.v), ground, stance, sought, soles)
         super().observe(state, ground, stance, sought, soles)
-        drop = self.drop
-        if drop is not None and (drop.left(ground) or (stance.all() and not drop.found)):
+        if self.drop is not None and stance.all() and not self.drop.found:
             self.drop = None
 
     def _look_down(
@@ -126,14 +104,10 @@ class TouchedGround(BeliefTerrain):
                 depth = level - float(sole[2])
                 self.drop = Ledge(along, max(before, last), beyond, level, depth, self._height, self.radius)
 
-    @property
-    def axes(self) -> FloatArray:
-        """The body's axes forward and left in the ground's plane, (2, 2) by rows."""
-        return np.array([self._heading, [-self._heading[1], self._heading[0]]])
-
     def _way(self, moved: FloatArray) -> FloatArray:
         """Return the body's axis (2,) nearest to a way (2,) [m]."""
-        axis = max(self.axes, key=lambda a: abs(float(moved @ a)))
+        axes = np.array([self._heading, [-self._heading[1], self._heading[0]]])
+        axis = max(axes, key=lambda a: abs(float(moved @ a)))
         return np.asarray(math.copysign(1.0, float(moved @ axis)) * axis)
 
     def _touched(self, point: FloatArray) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.lab import drawing as draw
 from surefoot.lab.drawing import Shape
-from surefoot.lab.geometry import pose_of
+from surefoot.lab.geometry import joined, pose_of
 from surefoot.robot import Robot
 from surefoot.viz.meshes import triangles
 from surefoot.viz.shapes import bones
@@ -21,8 +21,6 @@ CELL = 0.006
 """Vertices nearer to each other than this are drawn as one [m]."""
 SPECK = 0.03
 """Radius of what has neither shapes nor bones [m]."""
-CIRCLE = 16
-"""Sides of what is round."""
 SHADES = ((64, 71, 82), (115, 125, 138), (84, 94, 107))
 
 
@@ -85,14 +83,7 @@ def links_of(robot: Robot) -> tuple[Link, ...]:
         if made is not None:
             local = made[0] @ np.array(item.placement.rotation).T + np.array(item.placement.translation)
             parts.setdefault(int(item.parentJoint), []).append((local, made[1]))
-    return tuple(Link(joint, *_joined(pieces)) for joint, pieces in sorted(parts.items()))
-
-
-def _joined(pieces: list[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
-    """Return several surfaces as one."""
-    offsets = np.cumsum([0, *(len(vertices) for vertices, _ in pieces[:-1])])
-    faces = [faces + offset for (_, faces), offset in zip(pieces, offsets, strict=True)]
-    return np.vstack([vertices for vertices, _ in pieces]), np.vstack(faces)
+    return tuple(Link(joint, *joined(pieces)) for joint, pieces in sorted(parts.items()))
 
 
 def coarse(vertices: FloatArray, faces: IntArray, cell: float) -> tuple[FloatArray, IntArray]:
@@ -116,38 +107,19 @@ def _surface(item: Any) -> tuple[FloatArray, IntArray] | None:
     kind, shape = type(item.geometry).__name__, item.geometry
     if kind.startswith("BVHModel"):
         return coarse(*triangles(item), CELL) if shape.num_vertices > 3 else None
-    points = _POINTS.get(kind)
-    return None if points is None else _hull(points(shape))
+    if kind not in _FORMS:
+        return None
+    from trimesh import creation  # viser brings it
+
+    form, sizes = _FORMS[kind]
+    mesh = getattr(creation, form)(**sizes(shape))
+    return np.array(mesh.vertices), np.array(mesh.faces)
 
 
-def _hull(points: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the convex hull of (n, 3) points as a surface."""
-    from scipy.spatial import ConvexHull
-
-    return points, np.array(ConvexHull(points).simplices, dtype=np.int64)
-
-
-def _ring(radius: float, height: float) -> FloatArray:
-    angle = 2.0 * np.pi * np.arange(CIRCLE) / CIRCLE
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(CIRCLE, height)])
-
-
-def _ball(radius: float, stretch: float = 0.0) -> FloatArray:
-    """Return points of a ball whose halves are `stretch` above and below its middle [m]."""
-    angles = np.linspace(-0.5 * np.pi, 0.5 * np.pi, CIRCLE)
-    rings = [
-        _ring(max(radius * np.cos(a), 1e-4 * radius), radius * np.sin(a) + np.sign(a) * stretch)
-        for a in angles
-    ]
-    return np.vstack(rings)
-
-
-_POINTS: dict[str, Callable[[Any], FloatArray]] = {
-    "Box": lambda s: (
-        np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * np.array(s.halfSide)
-    ),
-    "Sphere": lambda s: _ball(s.radius),
-    "Cylinder": lambda s: np.vstack([_ring(s.radius, -s.halfLength), _ring(s.radius, s.halfLength)]),
-    "Capsule": lambda s: _ball(s.radius, s.halfLength),
+_FORMS: dict[str, tuple[str, Callable[[Any], dict[str, Any]]]] = {
+    "Box": ("box", lambda s: {"extents": 2.0 * np.array(s.halfSide)}),
+    "Sphere": ("icosphere", lambda s: {"radius": s.radius, "subdivisions": 2}),
+    "Cylinder": ("cylinder", lambda s: {"radius": s.radius, "height": 2.0 * s.halfLength}),
+    "Capsule": ("capsule", lambda s: {"radius": s.radius, "height": 2.0 * s.halfLength, "count": (16, 16)}),
 }
-"""Points whose convex hull is a shape, by the name of coal's class."""
+"""Class of coal to trimesh's function that makes its surface, about the shape's own frame, and its sizes."""

@@ -1,25 +1,27 @@
-"""Surfaces of what pages draw: cones, polygons, grounds. Their triangles do not depend on the numbers."""
+"""Surfaces of what pages draw: cones, polygons, and the ground, which passes below a robot that goes far."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.cones import FrictionCone
+from surefoot.errors import ProblemError
+from surefoot.lab import drawing as draw
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
 from surefoot.terrain import Terrain
-from surefoot.terrain.shapes import Box, Grid, Plane, Shape
+from surefoot.terrain.shapes import Box, Grid, Plane
 from surefoot.viz.shapes import cone_rim
 
 SIDES = 32
 """Sides of the polygon that stands for a circle."""
 CORNERS = 48
 """Corners that every polygon's mesh has: a polygon with fewer repeats its last one."""
-REACH = 1.5
-"""Half the length of the piece of ground that is drawn [m]."""
 CELLS = 60
 """Cells along a side of ground that is no plane."""
 NOTHING: tuple[FloatArray, IntArray] = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
@@ -67,7 +69,7 @@ def pose_of(rotation: FloatArray) -> tuple[float, float, float, float]:
     return w, x, y, z
 
 
-def ground_surface(terrain: Terrain, middle: FloatArray, reach: float = REACH) -> tuple[FloatArray, IntArray]:
+def ground_surface(terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
     """Return (n, 3) vertices [m] and (m, 3) triangles of the ground within `reach` of a (2,) place [m].
 
     Raises
@@ -78,6 +80,11 @@ def ground_surface(terrain: Terrain, middle: FloatArray, reach: float = REACH) -
     about = np.asarray(middle, dtype=np.float64)
     parts = [_BUILDERS[type(shape)](shape, terrain, about, reach) for shape in terrain.shapes()]
     parts = [part for part in parts if len(part[0])] or [NOTHING]
+    return joined(parts)
+
+
+def joined(parts: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
+    """Return several surfaces, (n, 3) vertices [m] and (m, 3) triangles each, as one."""
     offsets = np.cumsum([0, *(len(vertices) for vertices, _ in parts[:-1])])
     faces = [faces + offset for (_, faces), offset in zip(parts, offsets, strict=True)]
     return np.vstack([vertices for vertices, _ in parts]), np.vstack(faces)
@@ -96,15 +103,18 @@ def _grid(shape: Grid, terrain: Terrain, middle: FloatArray, reach: float) -> tu
 
 
 def _block(shape: Box, terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
-    half = 0.5 * shape.size
-    low = np.maximum(shape.centre[:2] - half[:2], middle - reach)
-    high = np.minimum(shape.centre[:2] + half[:2], middle + reach)
+    from trimesh import creation  # viser brings it
+
+    half, near = 0.5 * shape.size, np.array([reach, reach, np.inf])
+    about = np.append(middle, 0.0)
+    low, high = np.maximum(shape.centre - half, about - near), np.minimum(shape.centre + half, about + near)
     if (high <= low).any():
         return NOTHING
-    return _box(low, high, float(shape.centre[2] - half[2]), float(shape.centre[2] + half[2]))
+    box = creation.box(bounds=[low, high])
+    return np.array(box.vertices), np.array(box.faces)
 
 
-_BUILDERS: dict[type[Shape], Callable[..., tuple[FloatArray, IntArray]]] = {
+_BUILDERS: dict[type, Callable[..., tuple[FloatArray, IntArray]]] = {
     Plane: _plane, Grid: _grid, Box: _block,
 }  # fmt: skip
 
@@ -125,12 +135,44 @@ def _sheet(
     return np.column_stack([places, terrain.height(places)]), faces
 
 
-def _box(low: FloatArray, high: FloatArray, bottom: float, top: float) -> tuple[FloatArray, IntArray]:
-    """Return top and walls of a box; nobody sees what is below."""
-    (x, y), (X, Y) = low, high
-    ring = [(x, y), (X, y), (X, Y), (x, Y)]
-    vertices = np.array([(*p, z) for z in (bottom, top) for p in ring])
-    walls = [(k, (k + 1) % 4, (k + 1) % 4 + 4) for k in range(4)] + [
-        (k, (k + 1) % 4 + 4, k + 4) for k in range(4)
-    ]
-    return vertices, np.array([(4, 5, 6), (4, 6, 7), *walls], dtype=np.int64)
+AROUND = 2.0
+"""How far around a path the ground is drawn [m]."""
+LINES = 0.25
+"""Distance of the lines on flat ground [m]."""
+SQUARE = 1.5
+"""Half the side of the piece of flat ground that is drawn [m]."""
+
+
+class MovingGround:
+    """Draws the ground where a robot goes, seen from the robot.
+
+    Parameters
+    ----------
+    terrain
+        That is drawn; one without shapes is not.
+    path
+        (k, 2) places that the robot passes [m]; flat ground has no end.
+    """
+
+    def __init__(self, terrain: Terrain, path: FloatArray) -> None:
+        self._flat = terrain.planar and not np.any(terrain.gradient(np.zeros(2)))
+        low, high = path.min(axis=0), path.max(axis=0)
+        reach = SQUARE if self._flat else AROUND + 0.5 * float((high - low).max())
+        middle = np.zeros(2) if self._flat else 0.5 * (low + high)
+        self._mesh: draw.Mesh | None = None
+        with suppress(ProblemError):
+            self._mesh = draw.Mesh(*ground_surface(terrain, middle, reach), draw.GROUND)
+
+    def shapes(self, origin: FloatArray) -> dict[str, draw.Shape]:
+        """Return the ground with a (2,) place of it in the middle [m]."""
+        if self._mesh is None:
+            return {}
+        if not self._flat:
+            x, y = origin.tolist()
+            return {"/ground": replace(self._mesh, position=(-x, -y, 0.0))}
+        above = float(self._mesh.vertices[0, 2]) + 1e-3
+        places = np.arange(-SQUARE, SQUARE + LINES, LINES) - np.fmod(origin, LINES)[:, None]
+        across, along = np.clip(places, -SQUARE, SQUARE).tolist()
+        lines = [[(x, -SQUARE, above), (x, SQUARE, above)] for x in across]
+        lines += [[(-SQUARE, y, above), (SQUARE, y, above)] for y in along]
+        return {"/ground": self._mesh, "/grid": draw.Lines(np.array(lines), draw.GRID, 1.0)}

@@ -14,7 +14,7 @@ from surefoot.lab.contacts import contact_shapes, force_rows
 from surefoot.lab.controls import Button, Choice, Slider, Values
 from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.figure import strip
-from surefoot.lab.ground import MovingGround
+from surefoot.lab.geometry import MovingGround
 from surefoot.lab.page import Grip, Page
 from surefoot.lab.push_run import HARDEST, KICK, SharedRun, Snapshot
 from surefoot.lab.words import heading, paragraph, text
@@ -53,7 +53,7 @@ class PushPage(Page):
     def __init__(self, shared: SharedRun, names: tuple[str, ...], gaits: tuple[str, ...]) -> None:
         self._shared, self._names = shared, names
         self._robot = RobotBody(shared.robot)
-        self._ground = MovingGround(FlatTerrain())
+        self._ground = MovingGround(FlatTerrain(), np.zeros((1, 2)))
         self._pull: tuple[FloatArray, FloatArray] | None = None
         moment, _ = shared.look()
         w = moment.choices

@@ -17,6 +17,7 @@ from surefoot.control.controller import RobotState
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import SimulationError, SurefootError
+from surefoot.log.scene import point_names
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import LOOK_EVERY, TOUCH, loaded_feet
@@ -214,8 +215,7 @@ class WalkRun:
     @property
     def contact_names(self) -> tuple[str, ...]:
         """Name of the foot of every contact point, with a number where a foot has several."""
-        names = [self.robot.foot_names[int(k)] for k in self.world.contact_foot]
-        return tuple(n if names.count(n) == 1 else f"{n}:{names[:k].count(n)}" for k, n in enumerate(names))
+        return tuple(point_names(self.robot.foot_names, self.world.contact_foot.tolist()))
 
 
 class SharedRun:

@@ -17,7 +17,7 @@ from surefoot.lab.contacts import contact_shapes, force_rows
 from surefoot.lab.controls import Button, Checkbox, Choice, Control, Slider, Values
 from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.figure import strip
-from surefoot.lab.ground import MovingGround
+from surefoot.lab.geometry import MovingGround
 from surefoot.lab.page import Page
 from surefoot.lab.words import heading, paragraph, text
 from surefoot.log import Log

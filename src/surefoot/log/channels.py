@@ -122,7 +122,7 @@ _TABLE = (
     Channel("mu", (), "1", meaning="friction of the ground"),
     Channel("planned", ("n",), flag=True, meaning="whether the gait wants a foot on the ground"),
     Channel("command", (3,), "m/s, rad/s", "heading", meaning="wanted velocity: forward, left, yaw rate"),
-    Channel("asked_by", (14,), "1", meaning="rank of the behaviour that each quantity is by; -1 for none"),
+    Channel("asked_by", (13,), "1", meaning="rank of the behaviour that each quantity is by; -1 for none"),
     Channel("contact_friction", ("p",), "1", meaning="friction of each contact, where they differ"),
     Channel("foot_sensors", ("n",), "raw", meaning="readings of the feet's sensors, not calibrated"),
     Channel("joint_positions", ("joints",), "rad, m", meaning="in the order of the fact joints"),

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from surefoot.errors import ProblemError
-from surefoot.log.mapping import LogMapping, Take
+from surefoot.log.mapping import UNITS, LogMapping, Take
 from surefoot.log.source import Source, Topic, full_name
-from surefoot.log.units import UNITS
 
 _FOOT = r"(?P<foot>[FRHL][FRHL]|left|right|foot_?\d|leg_?\d)"
 _JOINT = r"(?P<joint>\w*?[A-Za-z]\w*?)"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +10,11 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.errors import ProblemError
-from surefoot.log import units
 from surefoot.log.channels import CHANNELS, size_of
 from surefoot.log.doubts import find_doubts
 from surefoot.log.guesses import guess_mapping
 from surefoot.log.log import Log
-from surefoot.log.mapping import LogMapping, Take, mapping_from_yaml, read_mapping
+from surefoot.log.mapping import LogMapping, Take, mapping_from_yaml, read_mapping, unit_factor
 from surefoot.log.source import Source
 from surefoot.spatial import rotation_from_quaternion
 
@@ -61,14 +59,6 @@ def log_from_source(source: Source, mapping: LogMapping | Path | str | None = No
     return log
 
 
-@dataclass
-class _Taken:
-    """A channel's numbers as they came: in its unit, with the stamps of its topic."""
-
-    topic: str
-    values: FloatArray
-
-
 class _Build:
     """The channels of one source under one mapping."""
 
@@ -77,8 +67,7 @@ class _Build:
         self.doubts: list[str] = []
         self.known = {**CHANNELS, **mapping.define}
         self.joints = mapping.joints
-        taken = {name: self._take(name, take) for name, take in mapping.channels.items()}
-        self.taken = taken
+        self.taken = {name: self._take(name, take) for name, take in mapping.channels.items()}
         self.time, self._rows = self._clock()
 
     def arrays(self) -> dict[str, Any]:
@@ -86,7 +75,9 @@ class _Build:
         out: dict[str, Any] = {"time": self.time}
         for name, taken in self.taken.items():
             if name != "time":
-                out[name] = self._shaped(name, taken.values[self._rows[taken.topic]])
+                out[name] = self._shaped(
+                    name, np.hstack([numbers[self._rows[topic]] for topic, numbers in taken])
+                )
         for name, take in self.mapping.channels.items():
             if take.quaternion == "wxyz":
                 out[name] = _wxyz_to_xyzw(name, out[name])
@@ -116,30 +107,18 @@ class _Build:
             out["joints"] = list(self.joints)
         return out
 
-    def _take(self, name: str, take: Take) -> _Taken:
-        """Return a channel's numbers in its own unit."""
+    def _take(self, name: str, take: Take) -> list[tuple[str, FloatArray]]:
+        """Return a channel's numbers in its own unit as they came, each field's with its topic."""
         fields = take.expanded(self.mapping.feet, self.mapping.joints)
         if not fields:
             raise ProblemError(f"channel {name} is taken from no field")
         found = [self.source.find(f) for f in fields]
-        topics = dict.fromkeys(topic for topic, _ in found)
-        if len(topics) > 1:
-            return self._joined(name, take, found)
-        topic = next(iter(topics))
-        values = np.hstack([numbers for _, numbers in found])
-        if self.known[name].shape == ("joints",):
-            values = self._picked(name, topic, values)
-        return _Taken(topic, values * (take.scale * units.factor(take.unit, self.known[name])))
-
-    def _joined(self, name: str, take: Take, found: list[tuple[str, FloatArray]]) -> _Taken:
-        """Return numbers from several topics, such as one for each foot, on the clock of the first."""
-        first = found[0][0]
-        at = self._times(first)
-        parts = [numbers[_latest(self._times(topic), at)[0]] for topic, numbers in found]
-        early = np.logical_or.reduce([_latest(self._times(topic), at)[1] for topic, _ in found])
-        values = np.hstack(parts)
-        values[early] = np.nan
-        return _Taken(first, values * (take.scale * units.factor(take.unit, self.known[name])))
+        topics = {topic for topic, _ in found}
+        if self.known[name].shape == ("joints",) and len(topics) == 1:
+            topic, values = found[0][0], np.hstack([numbers for _, numbers in found])
+            found = [(topic, self._picked(name, topic, values))]
+        factor = take.scale * unit_factor(take.unit, self.known[name])
+        return [(topic, numbers * factor) for topic, numbers in found]
 
     def _picked(self, name: str, topic: str, values: FloatArray) -> FloatArray:
         """Return the numbers of the joints in the log's order, by the names that the messages bring."""
@@ -162,11 +141,11 @@ class _Build:
 
     def _clock(self) -> tuple[FloatArray, dict[str, Any]]:
         """Return the times of the rows and which message of every topic is in force at each."""
-        topics = dict.fromkeys(t.topic for n, t in self.taken.items() if n != "time")
+        topics = dict.fromkeys(t for n, taken in self.taken.items() if n != "time" for t, _ in taken)
         if not topics:
             raise ProblemError("the mapping takes no channel")
         if "time" in self.taken:
-            clock, values = self.taken["time"].topic, self.taken["time"].values
+            clock, values = self.taken["time"][0][0], np.hstack([v for _, v in self.taken["time"]])
             if values.shape[1] != 1:
                 raise ProblemError(f"the time is one number per row, got {values.shape[1]}")
             time = values[:, 0]
@@ -193,14 +172,15 @@ class _Build:
         times, at = self._times(topic), self._times(clock)
         if len(times) == len(at) and np.array_equal(times, at):
             return np.arange(len(at)), np.zeros(len(at), dtype=bool)
-        which, early = _latest(times, at)
+        order = np.argsort(times, kind="stable")
+        place = np.searchsorted(times[order], at, side="right") - 1  # the last message not after each row
         period = (times.max() - times.min()) / max(len(times) - 1, 1)
         own = (at.max() - at.min()) / max(len(at) - 1, 1)
         if period > HELD * own:
             self.doubts.append(
                 f"{topic} comes every {1e3 * period:.3g} ms and is held for rows every {1e3 * own:.3g} ms"
             )
-        return which, early | (at > times.max() + 2.0 * period)
+        return order[np.maximum(place, 0)], (place < 0) | (at > times.max() + 2.0 * period)
 
     def _shaped(self, name: str, values: FloatArray) -> Any:
         """Return a channel's rows in its shape."""
@@ -259,13 +239,6 @@ def _rotations(quaternion: FloatArray) -> FloatArray:
     norm = np.linalg.norm(quaternion, axis=1, keepdims=True)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(rotation_from_quaternion(np.where(norm > 0.0, quaternion / norm, np.nan)))
-
-
-def _latest(times: FloatArray, at: FloatArray) -> tuple[Any, BoolArray]:
-    """Return the last message not after each row, and the rows before the first message."""
-    order = np.argsort(times, kind="stable")
-    place = np.searchsorted(times[order], at, side="right") - 1
-    return order[np.maximum(place, 0)], np.asarray(place < 0)
 
 
 def _wxyz_to_xyzw(name: str, values: FloatArray) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -43,12 +44,17 @@ def weight_of(log: Log) -> float:
 
 
 def contact_names(log: Log) -> list[str]:
-    """Return a name for each contact point: its foot's, with a number where a foot has several."""
+    """Return a name for each contact point, see `point_names`; numbers where the log names no feet."""
     count = next((log[n].shape[1] for n in ("forces", "gaps") if n in log), 0)
     owner, feet = log.facts.get("contact_foot"), log.facts.get("feet")
     if owner is None or feet is None or np.size(owner) != count:
         return [f"contact {k}" for k in range(count)]
-    names = [str(feet[int(k)]) for k in np.atleast_1d(owner)]
+    return point_names(feet, np.atleast_1d(owner).astype(int).tolist())
+
+
+def point_names(feet: Sequence[object], owner: Sequence[int]) -> list[str]:
+    """Return the names of the feet of contact points, with a number where a foot has several."""
+    names = [str(feet[k]) for k in owner]
     return [n if names.count(n) == 1 else f"{n}:{names[:k].count(n)}" for k, n in enumerate(names)]
 
 

@@ -25,3 +25,9 @@ def debounced(time: FloatArray, touch: BoolArray, shortest: float) -> BoolArray:
     for begin, finish in pairwise(edges):
         out[begin:finish], state = state, not state
     return out
+
+
+def runs_of(on: BoolArray) -> list[tuple[int, int]]:
+    """Return (first, last + 1) of the runs where a (T,) flag is set."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(int), [0]]))).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))

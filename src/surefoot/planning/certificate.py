@@ -11,6 +11,7 @@ Three checks that share no arithmetic with the knots of a plan:
       tau = tau_k + K (q_k + s (q_{k+1} - q_k) - q) + D ((q_{k+1} - q_k) / dt - v),
       K = effort / 0.2,    D = 0.02 s K
 
+  Its joints must not run beyond their speed limits: where they do, landings in another world throw the robot.
   s is the share of the way that is over, K and D are of every joint with a motor: its whole effort at
   0.2 rad (or m), and 20 ms of damping. Torques stay within the limits. A knot's velocity is the one half-way
   to the next: so are its torques those from half a knot before it to half a knot after.
@@ -42,9 +43,9 @@ from surefoot.terrain import Terrain
 if TYPE_CHECKING:
     from surefoot.planning.direct.problem import DirectProblem
 
-MOMENTUM, APART = 0.01, 0.02
-"""Most that momentum may be off the impulses, as a share of the largest; and most that the replay may end off
-the plan [m]."""
+MOMENTUM, APART, FAST = 0.01, 0.02, 1.05
+"""Most that momentum may be off the impulses, as a share of the largest; most that the replay may end off the
+plan [m]; and largest mean speed of a joint over a knot's length of it, over its limit."""
 DEEP = 5e-3
 """How far links may be in each other [m]: boxes and capsules stand for their shapes."""
 TOLD = 2
@@ -65,6 +66,8 @@ class Certificate:
         Largest disagreement of momentum and impulses, over the largest momentum [-].
     apart
         How far from the plan's the replay's centre of mass ends [m], infinite where the replay was lost.
+    speed
+        Largest speed of a joint in the replay, as the mean over a knot's length, over its limit [-].
     hits
         What touches beside feet on the ground, by name, and how deep [m].
     seconds
@@ -73,26 +76,32 @@ class Certificate:
 
     momentum: float
     apart: float
+    speed: float
     hits: dict[tuple[str, str], float]
     seconds: float
 
     @property
     def holds(self) -> bool:
-        """Whether momentum and replay are within `MOMENTUM` and `APART`, and nothing hits."""
-        return self.momentum <= MOMENTUM and self.apart <= APART and not self.hits
+        """Whether momentum and replay are within `MOMENTUM`, `APART` and `FAST`, and nothing hits."""
+        close = self.momentum <= MOMENTUM and self.apart <= APART
+        return close and self.speed <= FAST and not self.hits
 
     @property
     def facts(self) -> dict[str, float]:
         """By name, for a log."""
-        return {"momentum_error": self.momentum, "replay_apart": self.apart, "replay_time": self.seconds}
+        return {
+            "momentum_error": self.momentum, "replay_apart": self.apart, "replay_speed": self.speed,
+            "replay_time": self.seconds,
+        }  # fmt: skip
 
     def __str__(self) -> str:
         said = "" if self.momentum <= MOMENTUM else f"momentum is {self.momentum:.1%} off the impulses, "
         said += f"a replay at a tenth of the step ends {100.0 * self.apart:.2g} cm off"
+        fast = [f"its joints run at {self.speed:.2g} times their limits"] if self.speed > FAST else []
         deepest = sorted(self.hits.items(), key=lambda hit: -hit[1])
         hits = [f"{a} goes {1e3 * depth:.0f} mm into {b}" for (a, b), depth in deepest[:TOLD]]
         more = [f"{len(deepest) - TOLD} more hits"] if len(deepest) > TOLD else []
-        return ", ".join([f"forecast: {said}", *hits, *more])
+        return ", ".join([f"forecast: {said}", *fast, *hits, *more])
 
 
 def certify(
@@ -100,12 +109,10 @@ def certify(
 ) -> Certificate:
     """Return what the checks say of a lawful motion; `problem` where more touches than feet the ground."""
     begun = time.process_time()
-    momentum, apart = (
-        momentum_error(trajectory, robot, terrain),
-        replayed(trajectory, robot, terrain, problem),
-    )
+    momentum = momentum_error(trajectory, robot, terrain)
+    apart, speed = replayed(trajectory, robot, terrain, problem)
     hits = link_hits(trajectory, robot, terrain)
-    return Certificate(momentum, apart, hits, time.process_time() - begun)
+    return Certificate(momentum, apart, speed, hits, time.process_time() - begun)
 
 
 def link_hits(trajectory: Trajectory, robot: Robot, terrain: Terrain) -> dict[tuple[str, str], float]:
@@ -204,8 +211,10 @@ def feedback(trajectory: Trajectory, robot: Robot) -> TorquePolicy:
 
 def replayed(
     trajectory: Trajectory, robot: Robot, terrain: Terrain, problem: DirectProblem | None = None
-) -> float:
-    """Return how far from the plan's end a replay by steps of second order ends [m]: see `Certificate`.
+) -> tuple[float, float]:
+    """Return how far from the plan's end a replay by steps of second order ends [m], and its joints' speed.
+
+    The speed is the largest over its limit, see `Certificate`; infinite both where the replay is lost.
 
     Where bodies touch beside feet on the ground (`problem`), by first-order steps of a tenth of the knot:
     what touches there are points on slides, whose motion between impulses has nothing of second order.
@@ -216,15 +225,21 @@ def replayed(
         from surefoot.planning.transcription.touches import touching_rollout
 
         finer = replace(problem, dt=fine, knots=steps, reference=None, windows={})
-        end = touching_rollout(finer, torques).q[-1]
+        motion = touching_rollout(finer, torques)
+        end, angles = motion.q[-1], motion.q[:, -robot.joints :]
     else:
         stepper = Stepper(robot, terrain, StepOptions(dt=fine))
-        state = stepper.start(t.q[0], t.v[0])
+        state, angles = stepper.start(t.q[0], t.v[0]), np.empty((steps, robot.joints))
         try:
             for k in range(steps):
                 state = stepper.step(state, torques(k, state.q, state.v), mu=t.mu).state
+                angles[k] = state.q[-robot.joints :]
         except SimulationError:
-            return np.inf
+            return np.inf, np.inf
         end = state.q
     apart = float(np.linalg.norm(robot.com(end) - robot.com(t.q[-1])))
-    return apart if np.isfinite(apart) else np.inf
+    ways = (
+        np.abs(angles[FINER:] - angles[:-FINER]) / t.dt
+    )  # in coarse knots the feedback makes joints tremble
+    use = float((ways / robot.speed_limits).max())
+    return (apart, use) if np.isfinite(apart) else (np.inf, np.inf)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from surefoot.arrays import FloatArray, of_kind
@@ -26,23 +24,6 @@ def equipped(robot: Robot, actuators: str | Actuators) -> tuple[Robot, Actuators
     of_kind("robot", robot, Robot)
     chosen = actuators_of(robot, actuators)
     return (robot, None) if chosen is None else (with_rotors(robot, chosen.armature), chosen)
-
-
-def given_by(world: Any, torques: FloatArray) -> FloatArray:
-    """Return the (joints,) torques [N m] that a world's motors gave last; those asked for if it has none."""
-    return np.asarray(getattr(world, "applied", torques))
-
-
-def facts_of(world: Any) -> dict[str, Any]:
-    """Return what a log says about a world's motors: speed limits, name and curve."""
-    out: dict[str, Any] = {"speed_limits": world.robot.speed_limits}
-    actuators: Actuators | None = getattr(world, "actuators", None)
-    if actuators is not None:
-        limits = actuators.limits
-        out |= {"actuators": actuators.name, "speed_limits": limits.speed, "effort_limits": limits.effort}
-        out |= {"motor_knee": limits.knee, "motor_driving": limits.driving, "armature": actuators.armature}
-        out |= {"viscous_friction": actuators.damping, "dry_friction": actuators.friction}
-    return out
 
 
 class JointFriction:

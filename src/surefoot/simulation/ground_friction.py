@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Protocol, cast
+from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 from surefoot.log import CHANNELS
 from surefoot.log.channels import Channel
-from surefoot.simulation.scenario import IcePatch, Scenario
+from surefoot.simulation.scenario import Scenario
 from surefoot.simulation.world import ContactReading, World
-
-
-class PatchyWorld(World, Protocol):
-    """A world whose friction differs from contact point to contact point."""
-
-    def set_point_friction(self, mu: FloatArray) -> None:
-        """Change the friction [-] under each of the (p,) contact points, from the next step on."""
 
 
 class GroundFriction:
@@ -53,7 +45,8 @@ class GroundFriction:
         mu = getattr(world, "mu", None) if scenario.mu is None else scenario.mu
         if mu is None:
             raise ProblemError(f"a {type(world).__name__} does not tell its friction: give the scenario mu")
-        self.world, self.mu = world, float(mu)
+        self._world: Any = world
+        self.mu = float(mu)
         self._patches = tuple(scenario.patches)
         self._changes = sorted(scenario.ice, key=lambda change: change.start)
         self.channels: tuple[Channel, ...] = (CHANNELS["contact_friction"],) if self._patches else ()
@@ -64,27 +57,14 @@ class GroundFriction:
         """Set the friction of the step that begins now [s], the contact points being where they were read."""
         while self._changes and now >= self._changes[0].start - 1e-9:
             self.mu = self._changes.pop(0).mu
-            self.world.set_friction(self.mu)
+            self._world.set_friction(self.mu)
         if self._patches:
-            self._under = friction_at(self._patches, reading.positions[:, :2], self.mu)
-            cast(PatchyWorld, self.world).set_point_friction(self._under)
+            self._under = np.full(len(reading.positions), self.mu)
+            for patch in self._patches:
+                xy = reading.positions[:, :2]
+                self._under[(xy >= patch.lower).all(axis=1) & (xy < patch.upper).all(axis=1)] = patch.mu
+            self._world.set_point_friction(self._under)
 
     def rows(self) -> Mapping[str, Any]:
         """Return the values of its channels at this step."""
         return {"contact_friction": self._under} if self._patches else {}
-
-
-def friction_at(patches: tuple[IcePatch, ...], xy: FloatArray, beside: float) -> FloatArray:
-    """Return the friction (k,) at (k, 2) places [m]: of the last patch there, else `beside`.
-
-    Examples
-    --------
-    >>> patch = IcePatch((1.0, -1.0), (2.0, 1.0), 0.1)
-    >>> friction_at((patch,), np.array([[0.5, 0.0], [1.5, 0.0]]), 0.6)
-    array([0.6, 0.1])
-    """
-    out = np.full(len(xy), beside)
-    for patch in patches:
-        inside = (xy >= patch.lower).all(axis=1) & (xy < patch.upper).all(axis=1)
-        out[inside] = patch.mu
-    return out

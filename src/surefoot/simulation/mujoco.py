@@ -345,7 +345,7 @@ class MujocoWorld:
         if links is None:
             return ContactReading(forces, gaps, velocities, positions, None, normals)
         if beside or data.nl:  # joints at their stops count, too
-            others = links.force(data, links.addresses(data, self._frames))
+            others = links.force(data, self._frames)
         return ContactReading(forces, gaps, velocities, positions, others, normals)
 
     def _blank(self) -> tuple[FloatArray, ...]:

@@ -11,34 +11,41 @@ from surefoot.collision import Geometry
 from surefoot.collision.shapes import Box, Capsule, Shape
 from surefoot.kernels import kernel
 from surefoot.robot import Robot
-from surefoot.simulation.mujoco_contacts import SAME_FACE
+from surefoot.simulation.mujoco_contacts import SAME_FACE, toward
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz, rotation_from_quaternion
 
 LINK, FOOT = "link:", "foot:"
 
 
 @kernel
-def feet_on_ground(pairs: IntArray, role: IntArray, rows: IntArray) -> None:
+def feet_on_ground(
+    pairs: IntArray, contact_frames: FloatArray, owner: IntArray, frames: FloatArray, rows: IntArray
+) -> None:
     """Set the rows (c,) of all contacts but those of a foot and the ground to -1.
 
     Parameters
     ----------
-    pairs
-        (c, 2) geoms.
-    role
-        (geoms,) 1 for a foot, 2 for the ground, 0 for anything else.
+    pairs, contact_frames
+        (c, 2) geoms, (c, 9) frames.
+    owner
+        (geoms,) see `owners`.
+    frames
+        (p, 3, 3) frames of the feet's spheres: contacts that face another way are no foot's; or none.
     rows
         (c,) first constraint row of each contact; changed.
     """
     for c in range(len(rows)):
-        if role[pairs[c, 0]] + role[pairs[c, 1]] != 3:
+        first, second = owner[pairs[c, 0]], owner[pairs[c, 1]]
+        k, sign = max(first, second), (1.0 if second >= 0 else -1.0)
+        foot = min(first, second) == -1 and k >= 0
+        if not foot or (len(frames) and toward(contact_frames[c], sign, frames[k, :, 2]) < SAME_FACE):
             rows[c] = -1
 
 
 @kernel
 def other_rows(
     types: IntArray, ids: IntArray, forces: FloatArray, first: IntArray, on_ground: IntArray,
-    kinds: IntArray, stop: int,
+    touch: int, stop: int,
 ) -> IntArray:  # fmt: skip
     """Return the constraint rows (k,) of joints at their stops and of contacts but the feet's on the ground.
 
@@ -50,17 +57,16 @@ def other_rows(
         (c,) first row of each contact, -1 for none.
     on_ground
         (c,) the same for the feet's on the ground, -1 for all others.
-    kinds, stop
-        Which types are contacts, and which joints at their stops.
+    touch, stop
+        The first type of a contact, and which joints at their stops.
     """
     out = np.empty(len(types), dtype=np.int64)
     count = 0
     for r in range(len(types)):
         taken = types[r] == stop
-        for kind in kinds:
-            if types[r] == kind:
-                c = ids[r]
-                taken = on_ground[c] < 0 and first[c] >= 0 and forces[first[c]] > 0.0
+        if types[r] >= touch:
+            c = ids[r]
+            taken = on_ground[c] < 0 and first[c] >= 0 and forces[first[c]] > 0.0
         if taken:
             out[count] = r
             count += 1
@@ -145,47 +151,26 @@ class LinkContacts:
     def __init__(self, mujoco: Any, model: Any, owner: IntArray) -> None:
         self._nv = int(model.nv)
         kinds = mujoco.mjtConstraint
-        contacts = (kinds.mjCNSTR_CONTACT_FRICTIONLESS, kinds.mjCNSTR_CONTACT_PYRAMIDAL)
-        self._kinds = np.array([int(kind) for kind in (*contacts, kinds.mjCNSTR_CONTACT_ELLIPTIC)])
+        self._touch = int(kinds.mjCNSTR_CONTACT_FRICTIONLESS)  # and all kinds after it
         self._stop = int(kinds.mjCNSTR_LIMIT_JOINT)
         self._owner = owner
-        self._role = np.select([owner >= 0, owner == -1], [1, 2], 0)
         self._still = np.zeros(self._nv)
 
-    def addresses(self, data: Any, frames: FloatArray | None = None) -> IntArray:
-        """Return the first constraint row of the contacts of feet on the ground (c,), -1 for all others.
-
-        With (p, 3, 3) `frames` those of feet with another surface than that of their frame are others, too.
-        """
-        contact = data.contact
-        rows = contact.efc_address.copy()
-        feet_on_ground(contact.geom, self._role, rows)
-        if frames is None:
-            return np.asarray(rows)
-        for c in np.flatnonzero(rows >= 0).tolist():
-            first, second = self._owner[contact.geom[c]].tolist()
-            along = float(contact.frame[c, :3] @ frames[max(first, second), :, 2])
-            if (along if second >= 0 else -along) < SAME_FACE:
-                rows[c] = -1
+    def _on_ground(self, data: Any, frames: FloatArray) -> IntArray:
+        """Return the first constraint row of the contacts of feet on the ground (c,), -1 for all others."""
+        rows = data.contact.efc_address.copy()
+        feet_on_ground(data.contact.geom, data.contact.frame, self._owner, frames, rows)
         return np.asarray(rows)
 
-    def others(self, data: Any) -> IntArray:
-        """Return the indices (k,) of the contacts that carry a force and are no foot's on the ground."""
-        contact = data.contact
-        first = np.asarray(contact.efc_address)
-        out = np.flatnonzero((self.addresses(data) < 0) & (first >= 0))
-        return np.asarray(out[data.efc_force[first[out]] > 0.0])
-
-    def force(self, data: Any, addresses: IntArray | None = None) -> FloatArray:
+    def force(self, data: Any, frames: FloatArray) -> FloatArray:
         """Return their generalised force and that of joints at their stops (nv,), in Pinocchio's axes.
 
-        `addresses` are those of the method, if they are known.
+        With the (p, 3, 3) `frames` of the feet's spheres: contacts of feet with another surface are others.
         """
-        contact = data.contact
-        given = self.addresses(data) if addresses is None else addresses
         rows = other_rows(
-            data.efc_type, data.efc_id, data.efc_force, contact.efc_address, given, self._kinds, self._stop
-        )
+            data.efc_type, data.efc_id, data.efc_force, data.contact.efc_address,
+            self._on_ground(data, frames), self._touch, self._stop,
+        )  # fmt: skip
         if not len(rows):
             return self._still.copy()
         jacobian = np.asarray(data.efc_J).reshape(-1, self._nv)
@@ -193,9 +178,10 @@ class LinkContacts:
 
     def names(self, data: Any, model: Any) -> list[tuple[str, str]]:
         """Return the names of what touches, pair by pair, without their kind."""
-        pairs = data.contact.geom[self.others(data)].tolist()
-        first, second = ([_title(model, pair[k]) for pair in pairs] for k in (0, 1))
-        return list(zip(first, second, strict=True))
+        first = np.asarray(data.contact.efc_address)
+        others = np.flatnonzero((self._on_ground(data, np.empty((0, 3, 3))) < 0) & (first >= 0))
+        pressed = others[data.efc_force[first[others]] > 0.0]
+        return [(_title(model, a), _title(model, b)) for a, b in data.contact.geom[pressed].tolist()]
 
 
 def generalised(

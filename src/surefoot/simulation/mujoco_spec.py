@@ -186,10 +186,26 @@ def add_ground(
     Raises
     ------
     ProblemError
-        If this world has no shape for the terrain, or for numbers that are no softness.
+        If this world has no shape for the terrain, a grid is too large, or for numbers that are no softness.
     """
-    common = {"contype": 1, "conaffinity": 0, "condim": 3, "priority": 1, "rgba": [0.91, 0.89, 0.85, 1.0]}
-    add_shapes(import_mujoco(), spec, terrain, {**common, **surface_of(mu, solref, solimp)})
+    common: dict[str, Any] = {
+        "contype": 1,
+        "conaffinity": 0,
+        "condim": 3,
+        "priority": 1,
+        "rgba": [0.91, 0.89, 0.85, 1.0],
+    }
+    common |= surface_of(mu, solref, solimp)
+    mujoco, shapes = import_mujoco(), terrain.shapes()
+    for k, shape in enumerate(shapes):
+        name = f"ground:{k}" if len(shapes) > 1 else "ground"
+        if type(shape) not in _GEOMS:
+            raise ProblemError(
+                f"the MuJoCo world takes planes, boxes and grids, a {type(terrain).__name__} is made of a "
+                f"{type(shape).__name__}"
+            )
+        geom = _GEOMS[type(shape)](mujoco, spec, name, shape)
+        spec.worldbody.add_geom(name=name, **geom, **common)
 
 
 def surface_of(mu: float, solref: Sequence[float] | None, solimp: Sequence[float] | None) -> dict[str, Any]:
@@ -203,26 +219,6 @@ def surface_of(mu: float, solref: Sequence[float] | None, solimp: Sequence[float
         "solref": list(softness.solref),
         "solimp": list(softness.solimp),
     }
-
-
-def add_shapes(mujoco: Any, spec: Any, terrain: Terrain, common: dict[str, Any]) -> None:
-    """Add a terrain to an MjSpec as geoms named ``ground...`` with the `common` attributes.
-
-    Raises
-    ------
-    ProblemError
-        If the terrain has no shapes, or others than these, or a grid is too large.
-    """
-    shapes = terrain.shapes()
-    for k, shape in enumerate(shapes):
-        name = f"ground:{k}" if len(shapes) > 1 else "ground"
-        if type(shape) not in _GEOMS:
-            raise ProblemError(
-                f"the MuJoCo world takes planes, boxes and grids, a {type(terrain).__name__} is made of a "
-                f"{type(shape).__name__}"
-            )
-        geom = _GEOMS[type(shape)](mujoco, spec, name, shape)
-        spec.worldbody.add_geom(name=name, **geom, **common)
 
 
 def _plane(mujoco: Any, spec: Any, name: str, plane: Plane) -> dict[str, Any]:

@@ -15,8 +15,9 @@ from surefoot.errors import ProblemError
 from surefoot.log import Ending, Log
 from surefoot.planning.plan import Plan, planned_ground
 from surefoot.planning.stand_up.controller import controller_of
-from surefoot.planning.tracking import Reference, TrackSettings
+from surefoot.planning.tracking import Reference
 from surefoot.robot import Robot, load_robot
+from surefoot.robot.actuators import limited_robot
 from surefoot.robot.legs import Legs
 from surefoot.robot.motor_limits import MotorLimits, motor_limits
 from surefoot.simulation.faults import scaled_robot
@@ -127,7 +128,6 @@ def execute(
     *,
     robot: Robot | None = None,
     mu: float | None = None,
-    settings: TrackSettings | None = None,
     surprise: Surprise | None = None,
     dt: float | None = None,
     settle: float | None = None,
@@ -151,8 +151,6 @@ def execute(
         Who executes it; None for the robot that the plan names.
     mu
         Friction of the ground, before the surprise; None for the plan's own.
-    settings
-        Of the tracking controller.
     surprise
         In place of a seed.
     dt
@@ -173,7 +171,7 @@ def execute(
     if isinstance(plan, Log):
         planned = plan.robot if isinstance(plan, Plan) and robot is None else None
         given = planned or robot or load_robot(str(plan.fact("robot")))
-        robot = planned or loaded_robot(given, float(plan.facts.get("payload", 0.0)))
+        robot = planned or limited_robot(loaded_robot(given, float(plan.facts.get("payload", 0.0))))
     reference = plan if isinstance(plan, Reference) else Reference.of(plan, _known(robot))
     robot = robot or reference.robot
     if mu is None:
@@ -182,7 +180,7 @@ def execute(
     standing = reference.begins_standing
     dt = STEP if dt is None else dt
     settle = (SETTLE if standing else AGAIN) if settle is None else settle
-    controller = controller_of(plan, robot, settings, dt)
+    controller = controller_of(plan, robot, dt)
     motors = motor_limits(robot, limits) if isinstance(limits, str) else limits
     own: dict[str, Any] = {"solref": (STIFF[0] * dt, STIFF[1])} if world == "mujoco" else {}
     there = make_world(

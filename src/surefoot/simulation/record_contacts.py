@@ -18,6 +18,10 @@ _WHERE = slice(3, 12)
 _GAP, _MU, _MOMENTS, _TURN, _CREEP = 12, 13, slice(14, 17), 17, 18
 """A contact as a row: force, velocity, position, normal (three each), gap, friction, moments (three), turn of
 its friction pyramid, creep."""
+_CHANNELS: dict[str, Any] = {
+    "forces": slice(0, 3), "contact_velocities": slice(3, 6), "contact_positions": slice(6, 9),
+    "normals": slice(9, 12), "gaps": _GAP, "contact_friction": _MU,
+}  # fmt: skip
 
 
 @dataclass
@@ -28,6 +32,8 @@ class Slot:
     ----------
     pair
         Geoms of the robot, and of what it touches.
+    bodies
+        Theirs.
     place
         Where the last contact was, in the axes of the robot's geom (3,) [m].
     friction
@@ -37,15 +43,16 @@ class Slot:
     rolling
         (3,) friction of its moments about the contact axes: rolling, rolling, torsional [m].
     soft
-        What the model declares of its softness; None as long as nothing is known.
+        What the model declares of its softness, None for what is no softness.
     """
 
     pair: tuple[int, int]
+    bodies: tuple[int, int]
     place: FloatArray
     friction: float
     margin: float
     rolling: FloatArray
-    soft: SoftContact | None = None
+    soft: SoftContact | None
 
 
 class Slots:
@@ -92,10 +99,9 @@ class Slots:
             elif self._robot[first] or self._robot[second]:
                 self._mujoco.mj_contactForce(self._model, data, c, force)
                 pair = (second, first) if self._robot[second] else (first, second)
-                row = self._row(data, contact, force, pair)
+                row = self._row(data, contact, force, pair, joints)
                 k = self._slot(data, contact, pair, row, taken)
                 self._now.setdefault(k, []).append((weight, self._with_creep(data, contact, row, k)))
-                self._pull(data, contact, force, pair, joints)
         return joints
 
     def close(self, step: int) -> None:
@@ -125,28 +131,21 @@ class Slots:
         table[..., :3] = 0.0
         if self._rows:
             table[tuple(np.transpose(self._found))] = self._rows
-        return {
-            "forces": table[..., :3].copy(),
-            "contact_velocities": table[..., 3:6].copy(),
-            "contact_positions": table[..., 6:9].copy(),
-            "normals": table[..., 9:12].copy(),
-            "gaps": table[..., _GAP].copy(),
-            "contact_friction": table[..., _MU].copy(),
-        } | {name: np.nan_to_num(part) for name, part in self._more(table).items()}
-
-    def _more(self, table: FloatArray) -> dict[str, Any]:
-        """Return the channels that some models have, of a (steps, count, fields) table."""
-        out = {"contact_creep": table[..., _CREEP]}
+        out = {name: table[..., part].copy() for name, part in _CHANNELS.items()}
+        more: dict[str, Any] = {"contact_creep": _CREEP}
         if any(slot.rolling.any() for slot in self._slots):
-            out["contact_moments"] = table[..., _MOMENTS]
+            more["contact_moments"] = _MOMENTS
         if self._pyramids:
-            out["pyramid_turn"] = table[..., _TURN]
-        return out
+            more["pyramid_turn"] = _TURN
+        return out | {name: np.nan_to_num(table[..., part]) for name, part in more.items()}
 
     def facts(self) -> dict[str, Any]:
         """Return what the model says of the contacts, point by point."""
+        names = [[self._name(geom) for geom in slot.pair] for slot in self._slots]
+        feet = list(dict.fromkeys(own for own, _ in names))
         out: dict[str, Any] = {
-            "feet": self.feet(), "contact_foot": self.foot_of(), "contact_with": self.others(),
+            "feet": feet, "contact_foot": [feet.index(own) for own, _ in names],
+            "contact_with": [other for _, other in names],
             "cone": "pyramidal" if self._pyramids else "elliptic",
         }  # fmt: skip
         if any(slot.rolling.any() for slot in self._slots):
@@ -158,15 +157,22 @@ class Slots:
         out["critically_damped"] = np.array([float(one is not None and not one.rebounds) for one in soft])
         return out
 
-    def _row(self, data: Any, contact: Any, force: FloatArray, pair: tuple[int, int]) -> FloatArray:
-        """Return a contact as a row; MuJoCo's force acts on its second geom, along its normal first."""
+    def _row(
+        self, data: Any, contact: Any, force: FloatArray, pair: tuple[int, int], joints: FloatArray
+    ) -> FloatArray:
+        """Return a contact as a row, and add what its force puts on the joints (nv,).
+
+        MuJoCo's force acts on its second geom, along its normal first.
+        """
         axes = contact.frame.reshape(3, 3)
         sign = 1.0 if pair[0] == int(contact.geom[1]) else -1.0
         normal = sign * axes[0]
         velocity = relative_velocity(self._model, data, pair, contact.pos)
-        frame = frames_of(normal[None])[0]
+        frame = _frame_of(normal)
+        world, body = sign * (axes.T @ force[:3]), int(self._model.geom_bodyid[pair[0]])
+        self._mujoco.mj_applyFT(self._model, data, world, np.zeros(3), contact.pos, body, joints)
         row = np.zeros(_FIELDS)
-        row[:3] = frame.T @ (sign * (axes.T @ force[:3]))
+        row[:3] = frame.T @ world
         row[3:6] = frame.T @ velocity
         row[6:9], row[9:12] = contact.pos, normal
         row[_GAP] = contact.dist
@@ -179,21 +185,10 @@ class Slots:
     def _with_creep(self, data: Any, contact: Any, row: FloatArray, k: int) -> FloatArray:
         """Return a row with R f_t / b, the speed of a contact that MuJoCo's friction holds."""
         slot, at = self._slots[k], int(contact.efc_address)
-        if slot.soft is None:
-            slot.soft = soft_contact(self._mujoco, self._model, self._bodies_of(slot), contact)
         if slot.soft is not None and at >= 0 and contact.dim > 1 and slot.soft.friction_damping > 0.0:
             R = float(data.efc_R[at] / (2.0 * row[_MU] ** 2) if self._pyramids else data.efc_R[at + 1])
             row[_CREEP] = R * np.hypot(row[0], row[1]) / slot.soft.friction_damping
         return row
-
-    def _pull(
-        self, data: Any, contact: Any, force: FloatArray, pair: tuple[int, int], joints: FloatArray
-    ) -> None:
-        """Add what a contact's force puts on the joints."""
-        sign = 1.0 if pair[0] == int(contact.geom[1]) else -1.0
-        world = sign * (contact.frame.reshape(3, 3).T @ force[:3])
-        body = int(self._model.geom_bodyid[pair[0]])
-        self._mujoco.mj_applyFT(self._model, data, world, np.zeros(3), contact.pos, body, joints)
 
     def _slot(self, data: Any, contact: Any, pair: tuple[int, int], row: FloatArray, taken: set[int]) -> int:
         """Return the free contact point of two geoms that was last nearest on the robot's, or a new one."""
@@ -209,18 +204,16 @@ class Slots:
             known.append(slot)
             friction, dim = contact.friction, int(contact.dim)
             rolling = np.array([friction[3], friction[4], friction[2]]) * [dim > 4, dim > 4, dim > 3]
-            self._slots.append(Slot(pair, place, float(row[_MU]), float(contact.includemargin), rolling))
+            bodies = int(self._model.geom_bodyid[pair[0]]), int(self._model.geom_bodyid[pair[1]])
+            soft = soft_contact(self._mujoco, self._model, bodies, contact)
+            margin = float(contact.includemargin)
+            self._slots.append(Slot(pair, bodies, place, float(row[_MU]), margin, rolling, soft))
         taken.add(slot)
         return slot
 
-    def _bodies_of(self, slot: Slot) -> tuple[int, int]:
-        """Return the bodies of the robot's geom and of what it touches."""
-        of = self._model.geom_bodyid
-        return int(of[slot.pair[0]]), int(of[slot.pair[1]])
-
     def softness(self, qpos: FloatArray, points: dict[str, Any], load: float) -> dict[str, float]:
         """Return the facts `sinking`, `creep` and `stopping` under a load [N], see `record_softness`."""
-        pairs = [self._bodies_of(slot) for slot in self._slots]
+        pairs = [slot.bodies for slot in self._slots]
         landing = hardest_landing(self._mujoco, self._model, pairs, qpos, points)
         return declared([slot.soft for slot in self._slots if slot.soft is not None], load, landing)
 
@@ -251,7 +244,7 @@ class Slots:
                 place, normal, gap = self._beside(data, slot, partner, row)
             row["contact_positions"][k], row["normals"][k], row["gaps"][k] = place, normal, gap
             velocity = relative_velocity(self._model, data, slot.pair, place)
-            row["contact_velocities"][k] = frames_of(normal[None])[0].T @ velocity
+            row["contact_velocities"][k] = _frame_of(normal).T @ velocity
 
     def _apart(self, data: Any, slot: Slot) -> tuple[FloatArray, FloatArray, float]:
         """Return the nearest point of the robot's geom, the direction to it, and the gap."""
@@ -274,30 +267,17 @@ class Slots:
         over = float(normal @ (place - row["contact_positions"][partner]) + row["gaps"][partner])
         return place, normal, over
 
-    def feet(self) -> list[str]:
-        """Return the names of the robot's geoms that touched something."""
-        return list(dict.fromkeys(self._name(slot.pair[0]) for slot in self._slots))
-
-    def foot_of(self) -> list[int]:
-        """Return the index in `feet` of every contact point."""
-        feet = self.feet()
-        return [feet.index(self._name(slot.pair[0])) for slot in self._slots]
-
-    def others(self) -> list[str]:
-        """Return the names of what every contact point touches."""
-        return [self._name(slot.pair[1]) for slot in self._slots]
-
     def _name(self, geom: int) -> str:
         model = self._model
         body = str(model.body(int(model.geom_bodyid[geom])).name)
         return str(model.geom(geom).name) or f"{body or 'body'}:{geom}"
 
 
-def frames_of(normals: FloatArray) -> FloatArray:
-    """Return Surefoot's contact frames of (n, 3) unit normals: (n, 3, 3), the normal last."""
-    frames = np.empty((len(normals), 3, 3))
-    surface_frames(np.ascontiguousarray(normals), frames)
-    return frames
+def _frame_of(normal: FloatArray) -> FloatArray:
+    """Return Surefoot's contact frame (3, 3) of a unit normal (3,), the normal last."""
+    frames = np.empty((1, 3, 3))
+    surface_frames(np.ascontiguousarray(normal[None]), frames)
+    return np.asarray(frames[0])
 
 
 def _point(data: Any, slot: Slot) -> FloatArray:
@@ -308,13 +288,8 @@ def _point(data: Any, slot: Slot) -> FloatArray:
 
 def relative_velocity(model: Any, data: Any, pair: tuple[int, int], place: FloatArray) -> FloatArray:
     """Return the velocity of a geom's material at a place over another's, world axes: (3,) [m/s]."""
-    mine, theirs = (material_velocity(model, data, geom, place) for geom in pair)
-    return np.asarray(mine - theirs)
-
-
-def material_velocity(model: Any, data: Any, geom: int, place: FloatArray) -> FloatArray:
-    """Return the velocity of a geom's material at a place, world axes: (3,) [m/s]."""
-    body = int(model.geom_bodyid[geom])
-    turn = data.cvel[body]
-    arm = place - data.subtree_com[model.body_rootid[body]]
-    return np.asarray(turn[3:] + np.cross(turn[:3], arm))
+    moving = []
+    for body in model.geom_bodyid[list(pair)].tolist():
+        turn, arm = data.cvel[body], place - data.subtree_com[model.body_rootid[body]]
+        moving.append(turn[3:] + np.cross(turn[:3], arm))
+    return np.asarray(moving[0] - moving[1])

@@ -82,30 +82,15 @@ class TreeForces:
     ----------
     outside
         What the model puts on the whole robot that is neither contact nor push: name to the largest [N].
-    solver_error
-        (T,) largest error of a contact force, as the solver left it, by a converged solution [N].
     """
 
     def __init__(self, mujoco: Any, model: Any, tree: BodyTree) -> None:
         self._mujoco, self._model, self._tree = mujoco, model, tree
-        kinds = mujoco.mjtConstraint
-        self._touches = [
-            int(kind)
-            for kind in (
-                kinds.mjCNSTR_CONTACT_FRICTIONLESS, kinds.mjCNSTR_CONTACT_PYRAMIDAL,
-                kinds.mjCNSTR_CONTACT_ELLIPTIC,
-            )
-        ]  # fmt: skip
+        self._touch = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)  # and all kinds after it
         self._damped = _damping(mujoco, model)
         self._rest = model.jnt_actgravcomp[model.dof_jntid] == 0
-        self._other: list[FloatArray] = []
-        self._applied: list[FloatArray] = []
-        self._rates: list[FloatArray] = []
-        self._centres: list[FloatArray] = []
-        self._momenta: list[FloatArray] = []
-        self._energies: list[float] = []
+        self._rows: list[dict[str, Any]] = []
         self.outside: dict[str, float] = {}
-        self.solver_error: list[float] = []
         self._sure = _sure_model(mujoco, model)
         self._check = None if self._sure is None else mujoco.MjData(self._sure)
 
@@ -115,13 +100,11 @@ class TreeForces:
         own[tree.dofs] = v[tree.dofs]
         momentum = self._times_mass(data, own)
         weight, centre = tree.mass * self._model.opt.gravity, data.subtree_com[tree.root].copy()
-        self._energies.append(float(0.5 * own @ momentum - weight @ centre))
-        self._momenta.append(tree.wrench(data, momentum))
-        self._centres.append(centre)
-        self._rates.append(np.zeros(6))
-        self._other.append(np.zeros(len(tree.dofs)))
-        self._applied.append(np.zeros(6))
-        self.solver_error.append(self._error(data))
+        self._rows.append({
+            "other_forces": np.zeros(len(tree.dofs)), "solver_error": self._error(data),
+            "momentum": tree.wrench(data, momentum), "momentum_rate": np.zeros(6), "com": centre,
+            "energy": float(0.5 * own @ momentum - weight @ centre), "wrench_applied": np.zeros(6),
+        })  # fmt: skip
 
     def add(self, data: Any, weight: float, change: FloatArray, rate: FloatArray, logged: FloatArray) -> None:
         """Add what acts at an instant of the step.
@@ -139,7 +122,7 @@ class TreeForces:
         logged
             (nv,) what the forces of the contacts in the log put on the joints.
         """
-        model, tree = self._model, self._tree
+        model, tree, row = self._model, self._tree, self._rows[-1]
         pushed, push = self._pushed(data)
         compensated = np.where(self._rest, data.qfrc_gravcomp, 0.0)
         contact, rest = self._constraints(data)
@@ -149,14 +132,14 @@ class TreeForces:
         base = tree.base
         thrust, unlogged = data.qfrc_actuator[base], (contact - logged)[base]
         joints[base] = data.qfrc_fluid[base] + tree.unpowered * thrust + unlogged + pushed[base]
-        self._other[-1] += weight * tree.turned(data, joints)
+        row["other_forces"] += weight * tree.turned(data, joints)
         if tree.free is None:
             return
-        shift = data.subtree_com[tree.root] - self._centres[-1]  # an instant's wrench is about its own centre
-        self._rates[-1] += weight * _about(self._momentum_rate(data, rate), shift)
+        shift = data.subtree_com[tree.root] - row["com"]  # an instant's wrench is about its own centre
+        row["momentum_rate"] += weight * _about(self._momentum_rate(data, rate), shift)
         whole = np.zeros(model.nv)
         whole[base] = data.qfrc_fluid[base] + thrust
-        self._applied[-1] += weight * _about(tree.wrench(data, whole) + push, shift)
+        row["wrench_applied"] += weight * _about(tree.wrench(data, whole) + push, shift)
         passive = data.qfrc_passive - compensated - data.qfrc_fluid
         for name, force in (
             ("gravity is compensated (gravcomp)", compensated),
@@ -171,13 +154,11 @@ class TreeForces:
 
     def rows(self) -> dict[str, Any]:
         """Return the channels."""
-        out: dict[str, Any] = {"other_forces": np.array(self._other)}
-        if self._tree.free is not None:
-            parts = self._momenta, self._energies, self._rates, self._centres, self._applied
-            names = ("momentum", "energy", "momentum_rate", "com", "wrench_applied")
-            out |= {name: np.array(part) for name, part in zip(names, parts, strict=True)}
-        if any(self.solver_error):
-            out["solver_error"] = np.array(self.solver_error)
+        out: dict[str, Any] = {name: np.array([row[name] for row in self._rows]) for name in self._rows[0]}
+        if self._tree.free is None:
+            out = {name: out[name] for name in ("other_forces", "solver_error")}
+        if not out["solver_error"].any():
+            del out["solver_error"]
         return out
 
     def _momentum_rate(self, data: Any, rate: FloatArray) -> FloatArray:
@@ -210,7 +191,7 @@ class TreeForces:
         """Return what contacts put on the joints, and what limits, friction and equalities do: (nv,) each."""
         contact = np.zeros(self._model.nv)
         if data.nefc:
-            touches = np.isin(data.efc_type, self._touches)
+            touches = data.efc_type >= self._touch
             if touches.any():
                 self._mujoco.mj_mulJacTVec(self._model, data, contact, np.where(touches, data.efc_force, 0.0))
         return contact, data.qfrc_constraint - contact

@@ -10,6 +10,8 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import ModelError, ProblemError, unknown_name
 from surefoot.spatial import quaternion_xyzw, rotation_from_quaternion
 
+_WIDTHS = {"free": 6, "ball": 3, "one": 1}
+"""Velocities of a joint."""
 UNNAMED = "MuJoCo Model"
 """What MuJoCo calls a model without a name."""
 
@@ -66,27 +68,21 @@ class BodyTree:
         model_name = bytes(model.names).split(b"\0", 1)[0].decode(errors="replace").removesuffix(" scene")
         named = model_name not in ("", UNNAMED) and robot is None and not self.others
         self.title = model_name if named else self.name
-        kinds = mujoco.mjtJoint
+        known = {int(mujoco.mjtJoint.mjJNT_FREE): "free", int(mujoco.mjtJoint.mjJNT_BALL): "ball"}
         self._plan: list[tuple[str, int, int]] = []
         self.joint_names: list[str] = []
         self.joint_dofs: list[int] = []
         for j in range(model.njnt):
             if int(model.jnt_bodyid[j]) not in below:
                 continue
-            kind, at, dof = model.jnt_type[j], int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
-            if kind == kinds.mjJNT_FREE:
-                self._plan.append(("free", at, dof))
-            elif kind == kinds.mjJNT_BALL:
-                self._plan.append(("ball", at, dof))
-            else:
-                self._plan.append(("one", at, dof))
+            kind = known.get(int(model.jnt_type[j]), "one")
+            self._plan.append((kind, int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])))
+            if kind == "one":
                 self.joint_names.append(str(model.joint(j).name) or f"joint {j}")
-                self.joint_dofs.append(dof)
+                self.joint_dofs.append(self._plan[-1][2])
         self.joints = len(self.joint_dofs)
-        widths = {"free": 6, "ball": 3, "one": 1}
-        self.dofs = np.array(
-            [dof + k for kind, _, dof in self._plan for k in range(widths[kind])], dtype=np.int64
-        )
+        dofs = [dof + k for kind, _, dof in self._plan for k in range(_WIDTHS[kind])]
+        self.dofs = np.array(dofs, dtype=np.int64)
         own = [j for j in range(model.njnt) if int(model.jnt_bodyid[j]) == root]
         self._roots = [(int(model.jnt_type[j]), j, int(model.jnt_dofadr[j])) for j in own]
         bodies = model.dof_bodyid[self.dofs]
@@ -138,7 +134,7 @@ class BodyTree:
         for kind, _, _ in self._plan:
             if kind == "free":
                 out[at : at + 3] = data.xmat[self.root].reshape(3, 3).T @ out[at : at + 3]
-            at += {"free": 6, "ball": 3, "one": 1}[kind]
+            at += _WIDTHS[kind]
         return out
 
     def torques(self, data: Any) -> FloatArray:

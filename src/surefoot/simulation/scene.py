@@ -150,17 +150,8 @@ class Scene(Robot):
             self._joint[body.name] = joint
             place = Pose(np.array(body.position, dtype=np.float64), body.rotation)
             here = place if body.fixed else Pose(np.zeros(3), np.eye(3))
-            solids.append(
-                Solid(
-                    body.name,
-                    body.shape,
-                    joint,
-                    here.rotation,
-                    here.position,
-                    body.friction,
-                    body.restitution,
-                )
-            )
+            at = here.rotation, here.position, body.friction, body.restitution
+            solids.append(Solid(body.name, body.shape, joint, *at))
             if not body.fixed:
                 start.append(np.array([*body.position, *body.orientation], dtype=np.float64))
         apart = frozenset() if own is None else own.apart

@@ -75,51 +75,6 @@ def _stepped(value: float, step: float) -> float:
 
 
 @kernel
-def imu_reading(
-    rate: FloatArray, force: FloatArray, biases: FloatArray, noise: FloatArray, scales: FloatArray,
-    steps: FloatArray, ranges: FloatArray,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return what an IMU makes of its true motion, (3,) [rad/s] and (3,) [m/s²]; its biases walk.
-
-    Parameters
-    ----------
-    rate, force
-        (3,) [rad/s], (3,) [m/s²] true means.
-    biases
-        (2, 3) of both [rad/s], [m/s²]; changed.
-    noise
-        (4, 3) standard normal numbers: for the walks of the biases, then for the readings.
-    scales
-        (4,) that they are multiplied by.
-    steps, ranges
-        (2,) smallest difference and largest value of both.
-    """
-    gyro, accelerometer = np.empty(3), np.empty(3)
-    for r in range(3):
-        for i in range(2):
-            biases[i, r] += scales[i] * noise[i, r]
-            true = rate[r] if i == 0 else force[r]
-            told = _stepped(true + biases[i, r] + scales[2 + i] * noise[2 + i, r], steps[i])
-            told = min(max(told, -ranges[i]), ranges[i])
-            if i == 0:
-                gyro[r] = told
-            else:
-                accelerometer[r] = told
-    return gyro, accelerometer
-
-
-@kernel
-def counted(
-    true: FloatArray, offsets: FloatArray, scale: float, noise: FloatArray, step: float
-) -> FloatArray:
-    """Return what encoders make of (joints,) angles or speeds: off, noisy, in steps [rad] or [rad/s]."""
-    out = np.empty(len(true))
-    for j in range(len(true)):
-        out[j] = _stepped(true[j] + offsets[j] + scale * noise[j], step)
-    return out
-
-
-@kernel
 def sense(
     memory: FloatArray, motion: FloatArray, q: FloatArray, v: FloatArray, noise: FloatArray, first: bool,
     out: FloatArray,
@@ -131,9 +86,10 @@ def sense(
     Parameters
     ----------
     memory
-        Biases of gyro and accelerometer (2, 3) [rad/s], [m/s²], which walk; place of the IMU (3,) [m]; what
-        `imu_reading` takes, 4 scales, 2 steps and 2 ranges; noise and step of an angle [rad] and of a speed
-        [rad/s]; dt [s]; the offsets of the angles (joints,) [rad], and zeros, those of the speeds.
+        Biases of gyro and accelerometer (2, 3) [rad/s], [m/s²], which walk; place of the IMU (3,) [m]; of
+        both 2 scales of that walk, 2 of their noise, 2 steps and 2 ranges; noise and step of an angle [rad]
+        and of a speed [rad/s]; dt [s]; the offsets of the angles (joints,) [rad], and zeros, those of the
+        speeds.
     motion
         (13,) place, attitude and velocity of the base at the state before; those of this one afterwards.
     noise
@@ -150,17 +106,15 @@ def sense(
     else:
         mean_readings(motion[:7], motion[7:], q, v, figures[12], arm, rate, force)
     motion[:7], motion[7:] = q[:7], v[:6]
-    gyro, accelerometer = imu_reading(
-        rate, force, biases, window(noise, 0, 4, 3), figures[:4], figures[4:6], figures[6:8]
-    )
-    out[:3], out[3:6] = gyro, accelerometer
+    for i in range(2):
+        # a bias that walks, white noise, steps, and a range
+        true = rate if i == 0 else force
+        for r in range(3):
+            biases[i, r] += figures[i] * noise[3 * i + r]
+            value = true[r] + biases[i, r] + figures[2 + i] * noise[6 + 3 * i + r]
+            out[3 * i + r] = min(max(_stepped(value, figures[4 + i]), -figures[6 + i]), figures[6 + i])
     offsets = memory[22:]
-    out[6 : 6 + joints] = counted(q[7:], offsets[:joints], figures[8], noise[12 : 12 + joints], figures[9])
-    out[6 + joints :] = counted(v[6:], offsets[joints:], figures[10], noise[12 + joints :], figures[11])
-
-
-@kernel
-def heard(torques: FloatArray, factors: FloatArray, scale: float, noise: FloatArray, out: FloatArray) -> None:
-    """Fill (joints,) torques as currents tell them [N m]: off by factors, and noisy by `scale` [N m]."""
-    for j in range(torques.shape[0]):
-        out[j] = factors[j] * torques[j] + scale * noise[j]
+    for j in range(joints):
+        angle = q[7 + j] + offsets[j] + figures[8] * noise[12 + j]
+        speed = v[6 + j] + offsets[joints + j] + figures[10] * noise[12 + joints + j]
+        out[6 + j], out[6 + joints + j] = _stepped(angle, figures[9]), _stepped(speed, figures[11])

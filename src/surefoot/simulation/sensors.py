@@ -13,7 +13,7 @@ from surefoot.errors import ProblemError
 from surefoot.estimation.inekf import FilterNoise
 from surefoot.estimation.state_estimator import Reading
 from surefoot.robot import Robot
-from surefoot.simulation.sensor_kernels import heard, sense
+from surefoot.simulation.sensor_kernels import sense
 from surefoot.spatial import GRAVITY
 
 AT_ONCE = 8
@@ -263,9 +263,7 @@ class Sensors:
 
     def torques(self, true: FloatArray) -> FloatArray:
         """Return (joints,) torques as the motors' currents tell them [N m]."""
-        out = np.empty(self._joints)
-        heard(true, self._factors, self._torque_noise, self._normal(self._joints), out)
-        return out
+        return np.asarray(self._factors * true + self._torque_noise * self._normal(self._joints))
 
     def _normal(self, count: int) -> FloatArray:
         """Return the next normal random numbers; they are drawn for several steps at once."""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.log import Log
-from surefoot.simulation.actuated import facts_of
+from surefoot.robot.actuators import Actuators
 from surefoot.simulation.world import World
 
 
@@ -23,8 +23,14 @@ def facts_before(world: World) -> dict[str, Any]:
         "feet": list(robot.foot_names), "joints": list(robot.joint_names),
         "contact_foot": world.contact_foot,
         "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
-        "mass": robot.mass + payload, "payload": payload, **facts_of(world),
+        "mass": robot.mass + payload, "payload": payload, "speed_limits": robot.speed_limits,
     }  # fmt: skip
+    actuators: Actuators | None = getattr(world, "actuators", None)
+    if actuators is not None:
+        limits = actuators.limits
+        out |= {"actuators": actuators.name, "speed_limits": limits.speed, "effort_limits": limits.effort}
+        out |= {"motor_knee": limits.knee, "motor_driving": limits.driving, "armature": actuators.armature}
+        out |= {"viscous_friction": actuators.damping, "dry_friction": actuators.friction}
     if payload > 0.0:
         out["payload_position"] = np.array(getattr(world, "payload_position", np.zeros(3)))
     parts = int(getattr(world, "substeps", 1))

@@ -3,8 +3,7 @@
 from surefoot.sweep.config import SweepConfig, read_sweep, sweep_from_dict
 from surefoot.sweep.driver import SweepResult, run_sweep
 from surefoot.sweep.experiment import EXPERIMENTS, SweepExperiment, number
-from surefoot.sweep.ranges import NumberRange, TextRange
-from surefoot.sweep.space import Space, SweepSample
+from surefoot.sweep.space import NumberRange, Space, TextRange
 
 __all__ = [
     "EXPERIMENTS",
@@ -13,7 +12,6 @@ __all__ = [
     "SweepConfig",
     "SweepExperiment",
     "SweepResult",
-    "SweepSample",
     "TextRange",
     "number",
     "read_sweep",

@@ -13,8 +13,7 @@ from surefoot.arrays import whole_number
 from surefoot.errors import ProblemError, check_name
 from surefoot.sweep.experiment import SweepExperiment, make_experiment
 from surefoot.sweep.function import FunctionExperiment, experiment_of
-from surefoot.sweep.ranges import read_range
-from surefoot.sweep.space import MOST, Space
+from surefoot.sweep.space import MOST, Space, read_range
 from surefoot.text_files import path_of, read_yaml, table_of
 
 _KEYS = ("experiment", "samples", "seed", "settings", "ranges", "maps")
@@ -120,7 +119,7 @@ def sweep_from_dict(content: Any, folder: Path | None = None, allow_code: bool =
         if ":" in name
         else make_experiment(name, settings)
     )
-    read = {n: read_range(experiment, n, entry, folder or Path()) for n, entry in entries.items()}
+    read = {n: read_range(experiment, n, entry) for n, entry in entries.items()}
     ranges = {n: read[n] for n in experiment.parameters() if n in read}  # the file's order does not matter
     if isinstance(experiment, FunctionExperiment):
         replace(experiment, **{name: drawn.ends[0] for name, drawn in ranges.items()}).learn()

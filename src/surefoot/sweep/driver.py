@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -91,7 +92,7 @@ def run_sweep(
     """
     of_kind("config", config, SweepConfig)
     begin = clock.perf_counter()
-    with Store(folder, config) as store:
+    with closing(Store(folder, config)) as store:
         resumed, lost = len(store.done), 0
         todo = store.missing()
         if todo:

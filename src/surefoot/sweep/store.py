@@ -15,7 +15,7 @@ from typing import Any
 
 from surefoot.errors import ProblemError, WriteError, needs
 from surefoot.sweep.config import SweepConfig
-from surefoot.sweep.ranges import TextRange
+from surefoot.sweep.space import TextRange
 from surefoot.sweep.worker import Row
 
 TABLE, ROWS = "samples.parquet", "sweep.sqlite"
@@ -24,7 +24,7 @@ MARK = b"surefoot.sweep"
 
 
 class Store:
-    """The folder of a sweep, locked until `close`; use it in a with statement.
+    """The folder of a sweep, locked until `close`; use it in `contextlib.closing`.
 
     Parameters
     ----------
@@ -46,7 +46,9 @@ class Store:
 
     def __init__(self, folder: str | Path, config: SweepConfig) -> None:
         self.folder, self.config = Path(folder), config
-        self._arrow = _import_pyarrow()
+        with needs("pyarrow", "sweep"):
+            import pyarrow.parquet
+        self._arrow: Any = pyarrow
         self._schema = _schema(self._arrow, config)
         path = self.folder / ROWS
         try:
@@ -70,12 +72,6 @@ class Store:
         except BaseException:
             self.close()
             raise
-
-    def __enter__(self) -> Store:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def close(self) -> None:
         """Give the folder free."""
@@ -146,13 +142,6 @@ class Store:
         except OSError as error:
             raise WriteError(path, error) from error
         return path
-
-
-def _import_pyarrow() -> Any:
-    with needs("pyarrow", "sweep"):
-        import pyarrow
-        import pyarrow.parquet
-    return pyarrow
 
 
 def _schema(arrow: Any, config: SweepConfig) -> Any:

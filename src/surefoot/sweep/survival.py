@@ -8,15 +8,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.stats import binomtest
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.errors import check_name
 from surefoot.sweep.config import SweepConfig
-from surefoot.sweep.ranges import TextRange
+from surefoot.sweep.space import TextRange
 from surefoot.sweep.worker import CRASHED, DONE, ERROR
 
-Z95 = 1.959963984540054
-"""Of a normal distribution, 95 % lie within this many standard deviations."""
 BINS = 8
 """Bins of a parameter's range."""
 
@@ -73,15 +71,13 @@ def wilson(hits: int, count: int) -> Share:
 
     .. [1] E. B. Wilson, "Probable inference, the law of succession, ...", JASA 22 (1927).
 
-    >>> wilson(10, 10).low
-    0.7224672001371107
+    >>> round(wilson(10, 10).low, 6)
+    0.722467
     """
     if count == 0:
         return Share(math.nan, math.nan, math.nan)
-    share, z2 = hits / count, Z95 * Z95
-    middle = (share + z2 / (2.0 * count)) / (1.0 + z2 / count)
-    half = Z95 * math.sqrt(share * (1.0 - share) / count + z2 / (4.0 * count * count)) / (1.0 + z2 / count)
-    return Share(share, min(max(0.0, middle - half), share), max(min(1.0, middle + half), share))  # rounding
+    found = binomtest(hits, count).proportion_ci(method="wilson")
+    return Share(hits / count, float(found.low), float(found.high))
 
 
 def margins(config: SweepConfig, table: Any) -> list[Margin]:
@@ -122,17 +118,6 @@ def survival_grid(
     return x, y, number, survived
 
 
-def check_varying(config: SweepConfig, name: str) -> None:
-    """Refuse a name that is not a parameter, or has the same value in all samples.
-
-    Raises
-    ------
-    ProblemError
-        Listing those that vary.
-    """
-    check_name("parameter that varies", name, config.space.varying)
-
-
 def _done(table: Any) -> Any:
     """Return the rows that have results."""
     return table.filter(np.array([status == DONE for status in table["status"].to_pylist()], dtype=np.bool_))
@@ -159,9 +144,5 @@ def _bins(
 
 def _medians(rows: Any, results: list[str], chosen: BoolArray) -> dict[str, float | None]:
     """Return the median of each result over the chosen rows, without those that have none."""
-    out: dict[str, float | None] = {}
-    for name in results:
-        values = _values(rows, name)[chosen]
-        values = values[~np.isnan(values)]
-        out[name] = float(np.median(values)) if values.size else None
-    return out
+    known = {name: _values(rows, name)[chosen] for name in results}
+    return {n: None if np.isnan(v).all() else float(np.nanmedian(v)) for n, v in known.items()}

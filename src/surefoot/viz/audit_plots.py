@@ -9,10 +9,10 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.audit import AuditReport, Violation
-from surefoot.audit.rows import Rows
-from surefoot.audit.setting import BODY, setting_of
+from surefoot.audit.laws import LOADED_SHARE
+from surefoot.audit.setting import BODY
 from surefoot.log import Log
-from surefoot.log.scene import robot_of
+from surefoot.log.scene import frames_of, friction_of, robot_of
 from surefoot.viz.shapes import bones, cone_rim
 from surefoot.viz.style import BAD, FOOT_COLOURS, FORCE, GROUND, INK, MUTED, new_axis, new_figure, save
 
@@ -53,7 +53,7 @@ def _loaded(log: Log, report: AuditReport) -> list[list[tuple[float, float]]]:
     starts = np.unique(np.linspace(0, count - 1, min(COLUMNS, count)).astype(int))
     on = np.empty((len(starts), len(report.contacts)), dtype=bool)
     for i, (a, b) in enumerate(zip(starts, [*starts[1:], count], strict=True)):
-        on[i] = (np.asarray(log["forces"][a:b, :, 2]) > 1e-3 * report.weight).any(axis=0)
+        on[i] = (np.asarray(log["forces"][a:b, :, 2]) > LOADED_SHARE * report.weight).any(axis=0)
     edges = np.append(time[starts], time[-1])
     width = np.maximum(np.nan_to_num(np.diff(edges)), 0.0)
     return [
@@ -81,24 +81,21 @@ def draw_moment(log: Log, report: AuditReport, moment: Violation, path: Path) ->
         return None
     time = np.asarray(log["time"], dtype=np.float64)
     row = int(np.nanargmin(np.abs(time - 0.5 * (moment.start + moment.end))))
-    setting = setting_of(log, None)
-    rows = Rows(log, setting, row, row + 1)
-    at = rows.core.start
     places = np.nan_to_num(np.asarray(log["contact_positions"][row], dtype=np.float64))
-    frames = rows.frames[at] if "normals" in log else np.broadcast_to(np.eye(3), (len(places), 3, 3))
-    mu = float(rows.mu[at, 0]) if "mu" in log else 0.0
+    forces = np.nan_to_num(np.asarray(log["forces"][row], dtype=np.float64))
+    frames, mu = frames_of(log, row), friction_of(log, row)
     figure, axes = new_figure(size=(6.0, 5.0), subplot_kw={"projection": "3d"})
     axis = axes[0, 0]
     robot = robot_of(log)
     for bone in [] if robot is None else bones(robot, np.nan_to_num(np.asarray(log["q"][row]))):
         axis.plot(*bone.T, color=INK, lw=2.5, solid_capstyle="round")
     for k, place in enumerate(places):
-        force = frames[k] @ rows.forces[at, k] * (ARROW / setting.weight)
-        colour = BAD if setting.names[k] == moment.contact else FORCE
-        if rows.loaded[at, k] and mu > 0.0:
-            _cone(axis, place, frames[k], mu)
+        force = frames[k] @ forces[k] * (ARROW / report.weight)
+        colour = BAD if report.contacts[k] == moment.contact else FORCE
+        if forces[k, 2] > LOADED_SHARE * report.weight and 0.0 < mu[k] < np.inf:
+            _cone(axis, place, frames[k], mu[k])
         axis.quiver(*place, *force, color=colour, lw=1.8, arrow_length_ratio=0.15)
-        axis.text(*place, f" {setting.names[k]}", fontsize=7, color=colour)
+        axis.text(*place, f" {report.contacts[k]}", fontsize=7, color=colour)
     _ground(axis, places)
     axis.set_title(f"{moment.law} of {moment.contact} at {time[row]:.3f} s: {moment.value:.3g} {moment.unit}")
     axis.set_aspect("equal")

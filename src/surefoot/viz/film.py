@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import BoolArray
 from surefoot.errors import needs
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
-from surefoot.viz.overlay import Entry, Overlay
 from surefoot.viz.video import (
     ARROW_LENGTH,
     CONE_COLOUR,
@@ -29,6 +29,98 @@ from surefoot.viz.video import (
     log_arrows,
     wanted_differs,
 )
+
+INK, PAPER = (34, 48, 60), (255, 255, 255)
+TEXT_SHARE = 0.026
+"""Height of the text as a share of the picture's."""
+
+
+class Entry(NamedTuple):
+    """Part of the legend: "arrow", "cone" or "line", its colour (red, green, blue, opacity), its words."""
+
+    sign: str
+    colour: tuple[float, ...]
+    words: str
+
+
+class Overlay:
+    """Writes over pictures of one size.
+
+    Parameters
+    ----------
+    width, height
+        Of the pictures [pixels].
+    title
+        What stands at the bottom.
+    legend
+        What the drawn things are, in their order; it stands at the top.
+
+    Raises
+    ------
+    MissingExtra
+        If Pillow, which imageio brings, is not installed.
+    """
+
+    def __init__(self, width: int, height: int, title: str, legend: Sequence[Entry]) -> None:
+        with needs("imageio", "sim"):
+            from PIL import Image, ImageDraw, ImageFont
+        self._image, self._draw = Image, ImageDraw
+        self._size, self._title = (width, height), title
+        self._text = max(round(TEXT_SHARE * height), 9)
+        self._font = ImageFont.load_default(size=self._text)
+        self._strip = self._legend(legend)
+
+    def _legend(self, legend: Sequence[Entry]) -> Any:
+        """Return the legend on a strip as wide as the pictures."""
+        width, text = self._size[0], self._text
+        strip = self._image.new("RGBA", (width, 2 * text), (*PAPER, 205))
+        draw = self._draw.Draw(strip)
+        lengths = [draw.textlength(entry.words, font=self._font) for entry in legend]
+        room = max((width - sum(lengths) - 2.9 * text * len(legend)) / max(len(legend), 1), 0.0)
+        at = float(text)
+        for (sign, colour, words), length in zip(legend, lengths, strict=True):
+            self._sign(draw, at, sign, colour)
+            draw.text((at + 1.9 * text, text), words, fill=(*INK, 255), font=self._font, anchor="lm")
+            at += length + 2.9 * text + min(room, 2.0 * text)
+        return strip
+
+    def _sign(self, draw: Any, at: float, sign: str, colour: tuple[float, ...]) -> None:
+        """Draw what stands before a legend's words."""
+        text = self._text
+        shade = tuple(round(255 * c) for c in colour[:3])
+        left, right, low, high = at, at + 1.4 * text, 1.5 * text, 0.5 * text
+        if sign == "arrow":
+            draw.polygon(_arrow((left, text), (right, text), 0.22 * text), fill=shade)
+        elif sign == "cone":
+            middle = 0.5 * (left + right)
+            draw.line([(left, high), (middle, low), (right, high)], fill=shade, width=2)
+            draw.ellipse([left, high - 0.2 * text, right, high + 0.2 * text], outline=shade, width=2)
+        else:
+            draw.line([(left, text), (right, text)], fill=shade, width=max(text // 4, 2))
+
+    def over(self, picture: Any, time: float) -> Any:
+        """Return a (height, width, 3) picture with title, legend and a clock at `time` [s] over it."""
+        image = self._image.fromarray(picture)
+        draw = self._draw.Draw(image)
+        image.paste(self._strip, (0, 0), self._strip)
+        corner = (self._size[0] - self._text, self._size[1] - self._text)
+        draw.text((self._text, corner[1]), self._title, fill=INK, font=self._font, anchor="lm")
+        draw.text(corner, f"{time:.2f} s", fill=INK, font=self._font, anchor="rm")
+        return np.asarray(image)
+
+
+def _arrow(start: Any, end: Any, width: float) -> list[tuple[float, float]]:
+    """Return the outline of an arrow [pixels]; its shaft is twice the width, its head three times that."""
+    (x, y), (u, v) = (float(start[0]), float(start[1])), (float(end[0]), float(end[1]))
+    length = math.hypot(u - x, v - y) or 1.0
+    a, b = (u - x) / length, (v - y) / length
+    head = min(4.0 * width, 0.7 * length)
+    neck = (u - head * a, v - head * b)
+    sides = ((x, y, width), (*neck, width), (*neck, 2.4 * width))
+    left = [(p - w * b, q + w * a) for p, q, w in sides]
+    right = [(p + w * b, q - w * a) for p, q, w in reversed(sides)]
+    return [*left, (u, v), *right]
+
 
 WIDTH, HEIGHT, RATE = 1280, 720, 25
 SLIP_COLOUR = (0.55, 0.0, 0.1, 1.0)
@@ -51,10 +143,13 @@ class FilmScene:
         The ground.
     scale
         Length of a newton [m/N].
+    height
+        Of the base, by which a push is drawn above it [m].
     """
 
-    def __init__(self, log: Log, terrain: Terrain, scale: float) -> None:
+    def __init__(self, log: Log, terrain: Terrain, scale: float, height: float = 0.3) -> None:
         self.log, self.terrain, self.scale = log, terrain, scale
+        self._above = np.array([0.0, 0.0, 0.4 * height])
         self.edges = edge_lines(terrain)
         self._slides = self._sliding()
         self._marks: list[Arrow] = []
@@ -85,8 +180,9 @@ class FilmScene:
         return entries
 
     def arrows(self, step: int) -> list[Arrow]:
-        """Return the forces of a step."""
-        return log_arrows(self.log, step, self.terrain, self.scale)
+        """Return the forces of a step, and the push on the base, above it so that it can be seen."""
+        push = (self.log["q"][step, :3] + self._above, 2.0 * self.scale * self.log["push"][step], PUSH_COLOUR)
+        return [*log_arrows(self.log, step, self.terrain, self.scale), push]
 
     def lines(self, step: int) -> list[Arrow]:
         """Return cones whose rims hold the forces' tips, the slips up to a step, and the ground's edges."""
@@ -106,14 +202,6 @@ class FilmScene:
         self._last = step
         return self._marks
 
-    def push(self, step: int) -> list[tuple[FloatArray, FloatArray]]:
-        """Return start and tip (3,) of the push's arrow, if there is one: its tip is at the base [m]."""
-        push = self.log["push"][step]
-        if not np.any(push):
-            return []
-        tip = self.log["q"][step, :3]
-        return [(tip - 2.0 * self.scale * push, tip)]
-
 
 def frames_of(
     log: Log, robot: Robot, terrain: Terrain, rate: float = RATE, size: tuple[int, int] = (WIDTH, HEIGHT)
@@ -129,14 +217,13 @@ def frames_of(
     try:
         dt = float(log.facts["dt"])
         every = 1.0 / (rate * dt)
-        scene = FilmScene(log, terrain, ARROW_LENGTH * renderer.size / (robot.mass * GRAVITY))
+        scene = FilmScene(log, terrain, ARROW_LENGTH * renderer.size / (robot.mass * GRAVITY), renderer.size)
         title = f"{robot.name}, ground of friction {float(log['mu'][0]):.2g}"
         overlay = Overlay(*size, title, scene.legend())
         for k in range(int(len(log) / every)):
             step = int(k * every)
             picture = renderer.frame(log["q"][step], scene.arrows(step), scene.lines(step))
-            flat = [(renderer.pixels(a), renderer.pixels(b)) for a, b in scene.push(step)]
-            yield overlay.over(picture, float(log["time"][step]), flat, PUSH_COLOUR)
+            yield overlay.over(picture, float(log["time"][step]))
     finally:
         renderer.close()
 

@@ -1,23 +1,20 @@
-"""Plots of a plan: who touches when, forces, the base's motion, torques, how the search went."""
+"""Plots of a plan: who touches when, forces, the base's motion, torques."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from surefoot.viz.style import BAD, FOOT_COLOURS, INK, draw_columns, new_axis, new_figure, new_panels, save
+from surefoot.viz.plots import draw_cone_use, draw_normal_forces, draw_torques
+from surefoot.viz.style import FOOT_COLOURS, INK, draw_columns, new_axis, new_figure, save
 
 if TYPE_CHECKING:
     from surefoot.planning.plan import Plan
-    from surefoot.planning.tasks.task import Iteration
 
 LEAST_SPAN = 0.02
 """Least range of an axis of positions [m]: a motion of nothing should look like nothing."""
-LEAST_RESIDUAL = 1e-17
-"""Residuals below this are drawn there: a logarithm knows no zero."""
 
 
 def draw_contacts(plan: Plan, path: Path) -> Path:
@@ -32,21 +29,6 @@ def draw_contacts(plan: Plan, path: Path) -> Path:
     axis.set_yticks(range(len(names)), names[::-1])
     axis.set(ylim=(-0.7, len(names) - 0.3), xlim=(0.0, _ends(plan)[-1]))
     axis.grid(axis="y", visible=False)
-    return save(figure, path)
-
-
-def draw_plan_forces(plan: Plan, path: Path) -> Path:
-    """Draw normal and tangential forces of every foot; each is constant over its knot."""
-    labels = ("normal force [N]", "tangential force [N]")
-    figure, axes = new_panels(labels, (8.0, 4.6), "Forces of the ground as planned")
-    foot = np.asarray(plan.facts["contact_foot"])
-    names = plan.facts["feet"]
-    loads = np.stack([plan["forces"][:, foot == k].sum(axis=1) for k in range(len(names))], axis=1)
-    tangential = np.hypot(loads[..., 0], loads[..., 1])
-    for axis, values in zip(axes, (loads[..., 2], tangential), strict=True):
-        draw_columns(axis, plan["time"], values, names, drawstyle="steps-post")
-        axis.set_ylim(0.0, 1.08 * max(1.0, float(loads.max(initial=0.0))))
-    axes[0].legend(ncols=max(1, len(names)), fontsize=8)
     return save(figure, path)
 
 
@@ -78,52 +60,16 @@ def draw_plan_motion(plan: Plan, path: Path) -> Path:
     return save(figure, path)
 
 
-def draw_plan_torques(plan: Plan, path: Path) -> Path:
-    """Draw the joint torques as shares of their limits."""
-    limits = np.asarray(plan.facts["effort_limits"], dtype=np.float64)
-    known = np.isfinite(limits) & (limits > 0.0)
-    figure, axis = new_axis(
-        (8.0, 3.4), "Joint torques as planned", xlabel="time [s]", ylabel="share of limit"
-    )
-    shares = plan["torques"][:, known] / limits[known]
-    axis.plot(plan["time"], shares, color=INK, lw=0.5, alpha=0.5, drawstyle="steps-post")
-    if shares.size:
-        worst = np.abs(shares).max(axis=1)
-        axis.plot(plan["time"], worst, color=FOOT_COLOURS[1], drawstyle="steps-post", label="largest")
-        axis.legend(fontsize=8)
-    for edge in (-1.0, 1.0):
-        axis.axhline(edge, color=BAD, lw=0.9, ls="--")
-    axis.set_ylim(-1.15, 1.15)
-    return save(figure, path)
-
-
-def draw_search(iterations: Sequence[Iteration], path: Path) -> Path:
-    """Draw cost and law residual over the iterations of a search."""
-    figure, (upper, lower) = new_panels(("cost", "law residual"), (8.0, 4.2), "The search", "iteration")
-    count = np.arange(1, len(iterations) + 1)
-    cost, residual = (
-        np.array([getattr(i, name) for i in iterations], dtype=np.float64)
-        for name in ("cost", "law_residual")
-    )
-    upper.plot(count, cost, color=INK, marker=".", ms=3)
-    if (cost > 0.0).all() and np.ptp(np.log10(cost)) > 1.5:
-        upper.set_yscale("log")
-    known = np.isfinite(residual)
-    lower.semilogy(count[known], np.maximum(residual[known], LEAST_RESIDUAL), color=BAD, marker=".", ms=3)
-    return save(figure, path)
-
-
-def draw_plan(plan: Plan, folder: Path, iterations: Sequence[Iteration] = ()) -> list[Path]:
+def draw_plan(plan: Plan, folder: Path) -> list[Path]:
     """Draw every plot of a plan into a folder and return their paths."""
     made = [
         draw_contacts(plan, folder / "contacts.png"),
-        draw_plan_forces(plan, folder / "forces.png"),
+        draw_normal_forces(plan, folder / "normal_forces.png"),
+        draw_cone_use(plan, folder / "cone_use.png"),
         draw_plan_motion(plan, folder / "motion.png"),
     ]
     if plan["torques"].shape[1]:
-        made.append(draw_plan_torques(plan, folder / "torques.png"))
-    if len(iterations) > 1:
-        made.append(draw_search(iterations, folder / "search.png"))
+        made.append(draw_torques(plan, folder / "torques.png"))
     return made
 
 

@@ -1,4 +1,4 @@
-"""Plots of a logged run: forces, cones, base, torques, time per step."""
+"""Plots of a logged run: forces, cones, base, torques, centres of pressure."""
 
 from __future__ import annotations
 
@@ -9,17 +9,23 @@ import numpy as np
 
 from surefoot.audit.laws import LOADED_SHARE
 from surefoot.audit.motion import foot_forces, tilt_angles
+from surefoot.audit.pressure import sole_pressures
 from surefoot.log import Log
+from surefoot.numerics.phases import runs_of
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
-from surefoot.viz.ranges import at_least, mark_worst, most_of
-from surefoot.viz.shapes import runs_of
+from surefoot.viz.shapes import ring
 from surefoot.viz.style import (
     BAD,
     FOOT_COLOURS,
+    GROUND,
     INK,
     MUTED,
+    at_least,
     draw_columns,
+    mark_worst,
+    most_of,
     new_axis,
+    new_figure,
     new_grid,
     new_panels,
     save,
@@ -38,7 +44,7 @@ def thinned(count: int) -> slice:
 
 def draw_normal_forces(log: Log, path: Path) -> Path:
     """Draw every foot's normal force over time, against an equal share of the weight."""
-    title = "Normal forces as the world reports them"
+    title = "Normal forces of the ground"
     figure, axis = new_axis((8.0, 3.6), title, xlabel="time [s]", ylabel="normal force [N]")
     thin, forces = thinned(len(log)), foot_forces(log)
     draw_columns(axis, log["time"][thin], forces[thin, :, 2], log.facts["feet"])
@@ -53,7 +59,7 @@ def draw_normal_forces(log: Log, path: Path) -> Path:
 
 
 def draw_cone_use(log: Log, path: Path) -> Path:
-    """Draw every measured force in its cone's cross-section, scaled so that the cone is the unit circle."""
+    """Draw every force in its cone's cross-section, scaled so that the cone is the unit circle."""
     names = log.facts["feet"]
     figure, axes = new_grid(len(names), 4, (2.4, 2.6), (0.0, 0.3), sharex=True, sharey=True)
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
@@ -128,24 +134,35 @@ def draw_torques(log: Log, path: Path) -> Path:
     return save(figure, path)
 
 
-def draw_step_times(log: Log, path: Path) -> Path:
-    """Draw the histogram of the controller's time per step."""
-    labels = {"xlabel": "controller step [µs], longer ones in the last bar", "ylabel": "steps"}
-    figure, axis = new_axis((8.0, 2.8), "Time of the controller's step", **labels)
-    micro = 1e6 * np.asarray(log["controller_time"])
-    median, p99 = float(np.median(micro)), float(np.percentile(micro, 99))
-    axis.hist(np.clip(micro, 0.0, 2.0 * p99), bins=80, color=FOOT_COLOURS[0], alpha=0.75)
-    for value, name, dashes in ((median, "median", "--"), (p99, "99th percentile", ":")):
-        axis.axvline(value, color=INK, lw=1.0, ls=dashes, label=f"{name} {value:.0f} µs")
-    axis.set_yscale("log")
-    axis.legend(fontsize=8)
+def draw_pressure(log: Log, path: Path) -> Path | None:
+    """Draw the centre of pressure of every flat foot in its sole; None if no foot is flat."""
+    soles = sole_pressures(log)
+    if not soles:
+        return None
+    figure, axes = new_figure(1, len(soles), size=(4.2 * len(soles), 2.4), sharex=True, sharey=True)
+    pushed = np.any(log["push"] != 0.0, axis=1)
+    for axis, sole in zip(axes[0], soles, strict=True):
+        colour = FOOT_COLOURS[sole.foot % 8]
+        closed = 1e3 * ring(sole.outline)
+        axis.fill(*closed.T, color=GROUND, lw=0)
+        axis.plot(*closed.T, color=INK, lw=1.1)
+        trace = 1e3 * sole.centres
+        axis.plot(*trace[thinned(len(log))].T, color=colour, lw=0.9)
+        axis.scatter(*trace[pushed].T, s=6, color=FOOT_COLOURS[3], lw=0, zorder=3)
+        loaded = trace[np.isfinite(trace[:, 0])]
+        if len(loaded):
+            axis.scatter(*loaded[-1], s=22, color=colour, edgecolor="white", zorder=4)
+        name = log.facts["feet"][sole.foot]
+        axis.set_title(f"{name}: at least {1e3 * abs(sole.margin):.0f} mm from the edge", fontsize=9)
+        axis.set_aspect("equal")
+        axis.tick_params(colors=MUTED)
+    figure.supxlabel("along the foot [mm]", fontsize=9)
+    figure.supylabel("across [mm]", fontsize=9)
     return save(figure, path)
 
 
 def draw_run(log: Log, folder: Path) -> list[Path]:
     """Draw every plot of a run into a folder and return their paths."""
-    from surefoot.viz.pressure_plots import draw_pressure
-
     pressure = draw_pressure(log, folder / "pressure.png")
     return [
         *([] if pressure is None else [pressure]),
@@ -153,7 +170,6 @@ def draw_run(log: Log, folder: Path) -> list[Path]:
         draw_cone_use(log, folder / "cone_use.png"),
         draw_base(log, folder / "base.png"),
         draw_torques(log, folder / "torques.png"),
-        draw_step_times(log, folder / "step_times.png"),
     ]
 
 

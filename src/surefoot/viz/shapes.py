@@ -1,4 +1,4 @@
-"""Outlines that several pictures draw: closed polygons, cones, runs of a flag."""
+"""Outlines that several pictures draw: closed polygons, cones, bones."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import FloatArray
 
 if TYPE_CHECKING:
     from surefoot.robot import Robot
@@ -41,12 +41,6 @@ def along_path(places: FloatArray) -> FloatArray:
     way = places[-1] - places[0]
     length = float(np.linalg.norm(way))
     return np.asarray(way / length) if length > 1e-9 else np.array([1.0, 0.0])
-
-
-def runs_of(on: BoolArray) -> list[tuple[int, int]]:
-    """Return (first, last + 1) of the runs where a (T,) flag is set."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(int), [0]]))).tolist()
-    return list(zip(edges[::2], edges[1::2], strict=True))
 
 
 def bones(robot: Robot, q: FloatArray) -> FloatArray:

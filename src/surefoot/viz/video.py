@@ -113,18 +113,6 @@ class Renderer:
                 self._arrow(start, vector, colour, line)
         return self._renderer.render()
 
-    def pixels(self, place: FloatArray) -> FloatArray:
-        """Return where a (3,) place [m] is in the last frame: (2,) to the right and down [pixels]."""
-        left, right = self._renderer.scene.camera
-        eye = 0.5 * (np.array(left.pos) + np.array(right.pos))
-        ahead, up = np.array(left.forward, dtype=np.float64), np.array(left.up, dtype=np.float64)
-        view = np.asarray(place) - eye
-        depth = max(float(view @ ahead), 1e-6)
-        share = float(left.frustum_near) / (depth * float(left.frustum_top))  # half a picture's height is one
-        half = 0.5 * self._renderer.height
-        x, y = share * float(view @ np.cross(ahead, up)), share * float(view @ up)
-        return np.array([0.5 * self._renderer.width + half * x, half * (1.0 - y)])
-
     def _arrow(
         self, start: FloatArray, vector: FloatArray, colour: tuple[float, ...], line: bool = False
     ) -> None:

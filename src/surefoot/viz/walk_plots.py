@@ -11,19 +11,17 @@ from surefoot.arrays import BoolArray
 from surefoot.audit import contact_use
 from surefoot.audit.motion import foot_forces, heading_velocity, touching
 from surefoot.log import Log
+from surefoot.numerics.phases import runs_of
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import read_terrain
 from surefoot.viz.plots import (
     MOST_POINTS,
     draw_cone_use,
     draw_normal_forces,
-    draw_step_times,
     draw_torques,
     mark_events,
     thinned,
 )
-from surefoot.viz.ranges import mark_worst, most_of
-from surefoot.viz.shapes import runs_of
 from surefoot.viz.style import (
     BAD,
     FOOT_COLOURS,
@@ -31,6 +29,8 @@ from surefoot.viz.style import (
     INK,
     MUTED,
     draw_columns,
+    mark_worst,
+    most_of,
     new_axis,
     new_panels,
     save,
@@ -144,7 +144,6 @@ def draw_walk(log: Log, folder: Path) -> list[Path]:
         draw_normal_forces(_end(log), folder / "normal_forces.png"),
         draw_path(log, folder / "path.png"),
         draw_torques(log, folder / "torques.png"),
-        draw_step_times(log, folder / "step_times.png"),
     ]
 
 

@@ -54,7 +54,6 @@ def test_every_quantity_but_the_note_has_a_rule() -> None:
         ("search", FootSearch(0.1), FootSearch(0.4), 0),
         ("velocity", np.ones(3), np.zeros(3), 0),
         ("foot_goals", min, max, 0),
-        ("leading", 2, 1, 0),
     ],
 )
 def test_who_gets_his_way(quantity: str, high: object, low: object, winner: int) -> None:

@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surefoot.errors import ProblemError
 from surefoot.planning import rollout
-from surefoot.planning.direct import BodyTouch, DirectProblem, Facets, plan_direct
+from surefoot.planning.direct import DirectProblem, Facets, plan_direct
 from surefoot.planning.direct.textbook import pushed_block, sliding_point
 from surefoot.planning.direct.transcribe import DirectNlp
 from surefoot.planning.planner import plan
@@ -17,7 +16,6 @@ from surefoot.planning.transcription.follow import follow
 from surefoot.planning.transcription.guess import Guess
 from surefoot.planning.transcription.judge import complementarity, window_miss
 from surefoot.planning.transcription.touches import touching_rollout
-from surefoot.robot import load_robot
 
 pytest.importorskip("casadi")
 
@@ -75,7 +73,7 @@ def test_exact_steps_with_touches_obey_the_rows() -> None:
     assert motion.touch_impulses is not None
     guess = Guess(motion.q, motion.v, motion.torques, np.hstack([motion.impulses, motion.touch_impulses]))
     free = replace(problem, end=type(problem.end)(), joint_limits=False)
-    nlp = DirectNlp(free, Facets(2))
+    nlp = DirectNlp(free, Facets())
     settings = dict.fromkeys(("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac"), 1e-16)
     assert nlp.solve(nlp.pack(guess), 1e-8, max_iter=0, **settings).violation < 1e-6
     weak = replace(guess, impulses=guess.impulses * np.array([1.0, 1.0, 0.5])[:, None])
@@ -86,10 +84,3 @@ def test_exact_steps_with_touches_obey_the_rows() -> None:
     spoilt[3, 0, 2] += 0.1  # more load than its friction goes with
     assert complementarity(spoilt, problem.dt * closing, sliding, problem.frictions) > 1e-3
     assert np.array_equal(follow(problem, guess).q, motion.q)
-
-
-def test_touches_are_of_planar_robots() -> None:
-    robot = load_robot("go2")
-    touch = BodyTouch("a", lambda q: (q[0], q[1]), 0.3)
-    with pytest.raises(ProblemError, match="touches are of planar robots"):
-        DirectProblem(robot, robot.nominal, np.zeros(18), 4, 0.03, touches=(touch,))

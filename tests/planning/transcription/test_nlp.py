@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.planning.direct import DirectProblem, Facets, GivenModes, RoundCone, planar_hopper
-from surefoot.planning.direct.transcribe import transcribe
+from surefoot.planning.direct import DirectProblem, Facets, GivenModes, planar_hopper
+from surefoot.planning.direct.transcribe import DirectNlp
 from surefoot.planning.transcription.nlp import build_nlp
 
 casadi = pytest.importorskip("casadi")
-LAWS = (Facets(2), RoundCone(), GivenModes(), Facets(2, "fischer-burmeister"))
+LAWS = (Facets(), GivenModes(), Facets("fischer-burmeister"))
 
 
 @pytest.mark.parametrize("law", LAWS, ids=str)
 def test_gradient_jacobian_and_hessian(law) -> None:
     hopper = planar_hopper()
     problem = DirectProblem(hopper, hopper.nominal, np.zeros(5), knots=3, dt=0.03)
-    nlp, own = build_nlp(transcribe(problem, law).block, 3)
+    nlp, own = build_nlp(DirectNlp(problem, law).block, 3)
     x, p, f, g = (nlp[k] for k in "xpfg")
     weight, weights = casadi.MX.sym("a"), casadi.MX.sym("b", g.shape[0])
     whole = casadi.Function(

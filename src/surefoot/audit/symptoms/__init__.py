@@ -17,7 +17,7 @@ SYMPTOMS: tuple[Symptom, ...] = (
     measured.dropout, measured.frozen, measured.clipped, measured.wrong_scale, measured.bias,
     measured.delayed, measured.swapped_feet, contact.friction_drives, contact.frictionless_slide,
     body.outside_force, body.unconverged_solver, body.wrong_mass, contact.pyramid_bias,
-    measured.wrong_torques, measured.unexplained_motion, contact.odd_pressure,
+    measured.wrong_torques, measured.unexplained_motion,
 )  # fmt: skip
 """In the order of the table on the page; what explains an episode best is named, whatever its place.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from surefoot.arrays import FloatArray
@@ -13,15 +15,15 @@ from surefoot.spatial import GRAVITY
 
 HELD = 0.3
 """A body is held up by an unexplained force from this share of m g on."""
+of_body = partial(symptom, body=True)
 
 
-@symptom(
+@of_body(
     "no forces",
     "idle",
     cause="the schedule says swing, the Jacobian's frame makes J^T f vanish, or the forces were never read",
     confirm="print the contact schedule and the force buffer while the robot stands",
     cure="read the forces after the step; check body names and the frame of the Jacobian",
-    body=True,
 )
 def no_forces(e: Episode) -> Evidence | None:
     """Tell whether the ground gives nothing, and the robot does not fall."""
@@ -30,12 +32,11 @@ def no_forces(e: Episode) -> Evidence | None:
     return Evidence(1.0, "no contact carries anything though feet touch the ground")
 
 
-@symptom(
+@of_body(
     "infeasible",
     cause="the motion is not one that contacts can give: wrong mode, or gap and force demanded at once",
     confirm="look which contacts are closed while the body is held",
     cure="relax the complementarity step by step; check modes and the ground's height",
-    body=True,
 )
 def infeasible(e: Episode) -> Evidence | None:
     """Tell whether the motion needs forces where nothing touches the ground."""
@@ -49,12 +50,11 @@ def infeasible(e: Episode) -> Evidence | None:
     return Evidence(0.99, "the body is held up while every foot is off the ground")
 
 
-@symptom(
+@of_body(
     "outside force",
     cause="a push, a cable or a hand; compensated gravity; or a contact of another part of the robot",
     confirm="look at the robot at that time: what touches it? what does the simulator put on its root?",
     cure="log pushes; give every geom that may touch; leave gravity as it is",
-    body=True,
 )
 def outside_force(e: Episode) -> Evidence | None:
     """Tell whether something pushes the body that the log does not know."""
@@ -74,13 +74,12 @@ def _triple(force: FloatArray) -> str:
     return "({:.3g}, {:.3g}, {:.3g})".format(*(force + 0.0))
 
 
-@symptom(
+@of_body(
     "unconverged solver",
     "unconverged",
     cause="the contact solver stops before its law holds: too few iterations, or PGS on a hard problem",
     confirm="double the iterations: the forces change",
     cure="Newton's method with 50 iterations or more, a smaller tolerance",
-    body=True,
 )
 def unconverged_solver(e: Episode) -> Evidence | None:
     """Tell whether the world's solver left forces that are not its own law's."""
@@ -88,13 +87,12 @@ def unconverged_solver(e: Episode) -> Evidence | None:
     return Evidence(1.0, f"forces up to {size:.3g} N off its law")
 
 
-@symptom(
+@of_body(
     "wrong mass",
     "motion",
     cause="a payload, another mass than the model's, or a constant vertical force on the body",
     confirm="weigh the robot; a force does not grow with the acceleration",
     cure="correct the mass; estimate the payload while standing",
-    body=True,
 )
 def wrong_mass(e: Episode) -> Evidence | None:
     """Tell whether the robot weighs something else than the log says."""
@@ -112,13 +110,12 @@ def wrong_mass(e: Episode) -> Evidence | None:
     return Evidence(0.9, f"the forces carry {-mean[2] / GRAVITY:+.3g} kg against the log's mass")
 
 
-@symptom(
+@of_body(
     "held rows",
     "state",
     cause="rows are repeated: the state was read less often than the log was written",
     confirm="count rows that are equal to the one before",
     cure="log only what is new, with its own time",
-    body=True,
 )
 def held_rows(e: Episode) -> Evidence | None:
     """Tell whether the same state is logged again and again while it moves."""
@@ -129,13 +126,12 @@ def held_rows(e: Episode) -> Evidence | None:
     return Evidence(1.0, f"{int(same.sum())} rows repeat the one before, with velocities that are not zero")
 
 
-@symptom(
+@of_body(
     "teleport",
     "state",
     cause="a reset, a loop closure of the estimator, or a state written into the simulator",
     confirm="compare the step of q with dt v at that row",
     cure="mark resets; correct estimates slowly",
-    body=True,
 )
 def teleport(e: Episode) -> Evidence | None:
     """Tell whether positions jump in a row or two."""
@@ -146,13 +142,12 @@ def teleport(e: Episode) -> Evidence | None:
     return Evidence(0.999, f"positions jump by {1e3 * jump:.3g} mm (angles on a lever of 0.1 m)")
 
 
-@symptom(
+@of_body(
     "other velocities",
     "state",
     cause="velocities are zeroed, late, in another unit or frame, or filtered",
     confirm="add up v dt and compare with the change of q",
     cure="log q and v of one instant; base velocities in base axes",
-    body=True,
 )
 def other_velocities(e: Episode) -> Evidence | None:
     """Tell whether positions and velocities are not those of one motion."""
@@ -160,13 +155,12 @@ def other_velocities(e: Episode) -> Evidence | None:
     return Evidence(0.998, f"positions go {way:.3g} mm beside their velocities in 50 ms")
 
 
-@symptom(
+@of_body(
     "velocity jump",
     "motion",
     cause="an impulse that no contact gave: a velocity written into the simulator, a reset, an estimator",
     confirm="compare m dv with the forces at that row",
     cure="mark resets; log pushes",
-    body=True,
 )
 def velocity_jump(e: Episode) -> Evidence | None:
     """Tell whether the velocity changes in a row or two by what no force explains."""

@@ -289,15 +289,3 @@ def solver_asymmetry(e: Episode) -> Evidence | None:
     """Tell whether one diagonal of feet carries more than the other, for no reason of the motion's."""
     text = f"one diagonal carries {e.failed['lean'].value:.2g} m g more than the other"
     return Evidence(0.9 if e.consistent else 0.6, text)
-
-
-@symptom(
-    "odd pressure",
-    "pressure",
-    cause="pulling corners, or a wrench about another point than is told",
-    confirm="print the corner forces",
-    cure="take moments about the sole's own frame",
-)
-def odd_pressure(e: Episode) -> Evidence | None:
-    """Tell whether the centre of pressure lies outside the sole."""
-    return Evidence(0.9, f"{1e3 * e.failed['pressure'].value:.3g} mm beyond the edge")

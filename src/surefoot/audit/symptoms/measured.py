@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.audit.episode import Episode
 from surefoot.audit.symptoms.fits import best_shift, rotation_between, turned_by
-from surefoot.audit.symptoms.symptom import Evidence, symptom
+from surefoot.audit.symptoms.symptom import Evidence, Judge, symptom
 
 _SIGNS = np.array([[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
 AT_STOP = 0.01
 """A joint is at its stop within this [rad, m]."""
+
+
+def compared(judge: Callable[[Episode, FloatArray], Evidence | None]) -> Judge:
+    """Return a judge that is asked where the force (m, 3) [N] that the joint torques ask for is known."""
+    return lambda e: None if e.true is None else judge(e, e.true)
 
 
 @symptom(
@@ -21,11 +28,9 @@ AT_STOP = 0.01
     confirm="the power test f . J v = tau . v, in each frame",
     cure="state the frame in the name and rotate once, at the door",
 )
-def wrong_frame(e: Episode) -> Evidence | None:
+@compared
+def wrong_frame(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is the true one, turned."""
-    true = e.true
-    if true is None:
-        return None
     turn = rotation_between(true, e.force)
     angle = turned_by(turn)
     share = e.explained(true @ turn.T)
@@ -58,11 +63,9 @@ def _same_turn(e: Episode, turn: FloatArray) -> bool:
     confirm="push the robot sideways and compare the sign of the forces",
     cure="build the frame from the normal and a heading, right-handed",
 )
-def mirrored(e: Episode) -> Evidence | None:
+@compared
+def mirrored(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is the true one in a mirror."""
-    true = e.true
-    if true is None:
-        return None
     best, which = max((e.explained(true * sign), k) for k, sign in enumerate(_SIGNS))
     if best < 0.9:
         return None
@@ -97,11 +100,9 @@ def reversed_force(e: Episode) -> Evidence | None:
     confirm="a standing robot's forces must add up to m g",
     cure="convert once, where the log is read",
 )
-def wrong_scale(e: Episode) -> Evidence | None:
+@compared
+def wrong_scale(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is a multiple of the true one."""
-    true = e.true
-    if true is None:
-        return None
     known = np.isfinite(true).all(axis=1)
     factor = float((e.force[known] * true[known]).sum() / max(float((true[known] ** 2).sum()), 1e-12))
     share = e.explained(factor * true)
@@ -119,11 +120,9 @@ def wrong_scale(e: Episode) -> Evidence | None:
     confirm="read the sensor with the foot in the air",
     cure="zero it in flight",
 )
-def bias(e: Episode) -> Evidence | None:
+@compared
+def bias(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether a constant has been added to the force."""
-    true = e.true
-    if true is None:
-        return None
     offset = np.nanmean(e.force - true, axis=0)
     share = e.explained(true + offset)
     if share < 0.9:
@@ -164,10 +163,9 @@ def delayed(e: Episode) -> Evidence | None:
     confirm="lift one foot: which channel goes to zero?",
     cure="map by name, never by position",
 )
-def swapped_feet(e: Episode) -> Evidence | None:
+@compared
+def swapped_feet(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the force belongs to another foot."""
-    if e.true is None:
-        return None
     fits = []
     for other in range(e.rows.points):
         theirs = None if other == e.column else e.true_of(other)
@@ -189,11 +187,9 @@ def swapped_feet(e: Episode) -> Evidence | None:
     confirm="compare with the leg's torques: they carry on",
     cure="hold or flag lost samples; check the contact filter",
 )
-def dropout(e: Episode) -> Evidence | None:
+@compared
+def dropout(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether a foot that carries reports nothing."""
-    true = e.true
-    if true is None:
-        return None
     none = np.linalg.norm(e.force, axis=1) <= e.rows.setting.threshold
     carried = np.nan_to_num(true[:, 2]) > 0.04 * e.weight
     share = float((none & carried).mean())
@@ -227,17 +223,13 @@ def frozen(e: Episode) -> Evidence | None:
     confirm="load the foot by hand beyond it",
     cure="a larger range; treat the limit as unknown, not as a value",
 )
-def clipped(e: Episode) -> Evidence | None:
+@compared
+def clipped(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the force stops at a value that it never exceeds."""
     whole = e.rows.normal[:, e.column]
     top = float(whole.max())
     at = np.isclose(e.force[:, 2], top, rtol=1e-9)
-    if (
-        e.true is None
-        or top <= 0.0
-        or at.mean() < 0.3
-        or float(np.nanmin(e.true[at, 2] - top)) < -0.01 * e.weight
-    ):
+    if top <= 0.0 or at.mean() < 0.3 or float(np.nanmin(true[at, 2] - top)) < -0.01 * e.weight:
         return None
     return Evidence(0.985, f"stays at {top:.4g} N in {100 * at.mean():.0f} % of the rows, none is higher")
 
@@ -250,12 +242,11 @@ def clipped(e: Episode) -> Evidence | None:
     confirm="lift the foot by hand: it should read zero",
     cure="zero the sensors in flight",
 )
-def phantom_force(e: Episode) -> Evidence | None:
+@compared
+def phantom_force(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether a sensor reports force on a foot that is in the air."""
-    if e.true is None:
-        return None
     air = e.gap > 1e-3
-    none = np.linalg.norm(e.true[air], axis=1) < 0.03 * e.weight
+    none = np.linalg.norm(true[air], axis=1) < 0.03 * e.weight
     if air.mean() < 0.5 or none.mean() < 0.8:
         return None
     return Evidence(0.98, f"{float(np.abs(e.force[air, 2]).max()):.3g} N while the leg carries nothing")

@@ -28,7 +28,6 @@ RULES: dict[str, tuple[str, Callable[[Any, Any], bool]]] = {
     "pace": ("the least", operator.lt),
     "step_times": ("by rank", _first),
     "hold": ("by rank", _first),
-    "leading": ("by rank", _first),
     "clearance": ("the greatest", operator.gt),
     "foot_goals": ("by rank", _first),
     "search": ("by rank", _first),
@@ -61,7 +60,7 @@ class Arbiter:
     velocity
         (3,) that the body goes at: the same at the pace that is asked for, likewise.
     asked_by
-        (14,) rank of the behaviour that has got its way with each quantity of `LOGGED`; -1 for none.
+        (13,) rank of the behaviour that has got its way with each quantity of `LOGGED`; -1 for none.
     """
 
     def __init__(self, behaviours: Sequence[Behaviour], radius: float, notes: list[str]) -> None:

@@ -140,8 +140,6 @@ class Request(NamedTuple):
         (3,) velocity that the steps of a body at rest should suit, likewise.
     hold
         Whether all feet that stand should stay on the ground.
-    leading
-        A foot that is to be among the first to lift when a walk begins again.
     clearance
         By how much more than the gait asks for feet are lifted [m].
     foot_goals
@@ -164,7 +162,6 @@ class Request(NamedTuple):
     pace: float = 1.0
     step_times: FloatArray | None = None
     hold: bool = False
-    leading: int | None = None
     clearance: float = 0.0
     foot_goals: FootGoals | None = None
     search: FootSearch | None = None

@@ -41,7 +41,7 @@ class Stumble:
 
     def propose(self, view: WalkView) -> Request:
         """Ask for a higher swing."""
-        if self._belief.edges_known:  # feet are lifted over these already
+        if self._belief.unsure:  # near a drop feet are lifted over what is known of it
             return NOTHING
         calm = max(0.0, 1.0 - (view.time - self._belief.struck_at) / MEMORY)
         stumble = LIFT * self._height * min(2.0 * calm, 1.0)

@@ -26,7 +26,7 @@ from surefoot.control.mpc import BodyReference, BodyState, MpcPlan
 from surefoot.control.walker import Walker
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
 from surefoot.control.walking_feet import LEAST_CLEARANCE, Feet
-from surefoot.control.walking_kernels import slope_frames
+from surefoot.control.walking_kernels import follow, slope_frames
 from surefoot.control.whole_body import Kinematics, Tasks
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot
@@ -227,10 +227,13 @@ class BipedController(Walker):
         spin = now.angular_velocity + self._leg_spin[0]
         state = BodyState(now.rotation @ self._upright.T, now.com, now.com_velocity, spin)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
-        self._plan_made = self.mpc.solve(
+        self._plan_made = plan = self.mpc.solve(
             state, reference, places, contacts, soles.feet.frames[self._point_foot]
         )
-        self._planned_at, self._from = time, now
+        linear, angular, legs = (np.diff(v[:2], axis=0)[0] / dt for v in
+                                 (plan.linear_velocity, plan.angular_velocity, self._leg_spin))  # fmt: skip
+        self._motion = np.array([now.com, now.com_velocity, now.angular_velocity, linear, angular - legs])
+        self._planned_at, self._rotation = time, now.rotation
 
     def _reference(self, now: Kinematics, steps: list[Footstep], clock: float) -> BodyReference:
         """Return the reference: the pendulum over the footsteps, upright along the heading.
@@ -275,19 +278,11 @@ class BipedController(Walker):
 
     def _tasks(self, state: RobotState, now: Kinematics, clock: float) -> Tasks:
         """Return the whole-body tasks: the plan's motion now, feedback on it, feet in the air, posture."""
-        soles, plan, begin, time = self.soles, self._plan_made, self._from, state.time
+        soles, feet, plan = self.soles, self.soles.feet, self._plan_made
         assert plan is not None
-        feet, t, dt = soles.feet, time - self._planned_at, self._mpc_dt
-        acceleration = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
-        turning = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
-        turning -= (self._leg_spin[1] - self._leg_spin[0]) / dt
-        kp, kd = self._gain(self.settings.body_stiffness)
-        miss = begin.com + t * begin.com_velocity + 0.5 * t * t * acceleration - now.com
-        com = acceleration + kp * miss + kd * (begin.com_velocity + t * acceleration - now.com_velocity)
-        turned = rotation_log(now.rotation @ begin.rotation.T) if t > 0.0 else np.zeros(3)
-        spin = begin.angular_velocity
-        turn = turning + kp * (t * spin + 0.5 * t * t * turning - turned)
-        turn += kd * (spin + t * turning - now.angular_velocity)
+        motion = np.array([now.com, now.com_velocity, now.angular_velocity])
+        since, gain = state.time - self._planned_at, self._gain(self.settings.body_stiffness)
+        com, turn = follow(self._motion, self._rotation, since, motion, now.rotation, *gain)
         swing = self._gain(self.settings.swing_stiffness)
         wanted = feet.accelerations(clock, now.centres, now.twists, swing)
         ks, ds = swing

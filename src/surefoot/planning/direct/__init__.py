@@ -3,7 +3,7 @@
 from surefoot.planning.direct.motions import finer, rest_to_rest
 from surefoot.planning.direct.planner import DirectPlan, plan_direct, plan_with_modes
 from surefoot.planning.direct.problem import DirectProblem, Weights
-from surefoot.planning.transcription.contact_rows import Facets, GivenModes, RoundCone
+from surefoot.planning.transcription.contact_rows import Facets, GivenModes
 from surefoot.planning.transcription.guess import Guess
 from surefoot.planning.transcription.planar import planar_biped, planar_hopper
 from surefoot.planning.transcription.touches import BodyTouch
@@ -17,7 +17,6 @@ __all__ = [
     "Facets",
     "GivenModes",
     "Guess",
-    "RoundCone",
     "StateWindow",
     "SymbolicBody",
     "Weights",

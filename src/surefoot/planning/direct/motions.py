@@ -7,19 +7,15 @@ from dataclasses import replace
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number, whole_number
-from surefoot.errors import ProblemError
 from surefoot.planning.direct.problem import DirectProblem, Weights
-from surefoot.planning.transcription.planar import is_planar
 from surefoot.planning.transcription.window import StateWindow
-from surefoot.robot import Robot, place
+from surefoot.robot import Robot
 from surefoot.terrain import FlatTerrain, Terrain
 
 WITHIN, SPEED = 1e-3, 1e-2
 """How near the end is to be met: of q [m, rad], of v [m/s, rad/s]."""
 TOP = 0.55
 """Share of the time at which a jump is to be at its height: a robot pushes off more slowly than it lands."""
-WEIGHTS = Weights(torque=1e-4, velocity=1e-2, posture=1e-1, change=1e-4)
-"""Of a robot of some 15 kg; those of `Weights` itself suit the planar ones."""
 
 
 def rest_to_rest(
@@ -39,7 +35,7 @@ def rest_to_rest(
     Parameters
     ----------
     robot
-        With a free base, or one of `planar`, whose q begins with x and z.
+        One of `planar`, whose q begins with x and z.
     distance
         [m].
     rise
@@ -47,12 +43,12 @@ def rest_to_rest(
     knots, dt, mu, terrain, weights
         See `DirectProblem`.
     q
-        (nq,) the pose; None for the nominal one, placed on the terrain.
+        (nq,) the pose; None for the nominal one.
 
     Raises
     ------
     ProblemError
-        For a robot of another kind, and numbers out of range.
+        For numbers out of range, and what `DirectProblem` refuses.
 
     Examples
     --------
@@ -65,20 +61,16 @@ def rest_to_rest(
     real_number("rise", rise, low=0.0, high=1e3)
     whole_number("knots", knots, low=2)
     ground = FlatTerrain() if terrain is None else terrain
-    height = 2 if robot.floating else 1
-    if not (robot.floating or is_planar(robot)):
-        raise ProblemError(f"{robot.name} is bolted to the world: it cannot go anywhere")
-    if q is None:
-        q = place(robot, ground) if robot.floating else robot.nominal
+    q = robot.nominal if q is None else q
     there = robot.configuration(q)
     there[0] += distance
-    there[height] += float(ground.height([there[0], 0.0]) - ground.height([there[0] - distance, 0.0]))
+    there[1] += float(ground.height([there[0], 0.0]) - ground.height([there[0] - distance, 0.0]))
     windows = {}
     if rise > 0.0:
         low = np.full(len(there), -np.inf)
-        low[height] = q[height] + rise
+        low[1] = q[1] + rise
         windows[round(TOP * knots)] = StateWindow(q_low=low)
-    chosen = (WEIGHTS if robot.floating else Weights()) if weights is None else weights
+    chosen = Weights() if weights is None else weights
     rest = np.zeros(int(robot.model.nv))
     end = StateWindow.at(there, rest, WITHIN, SPEED)
     return DirectProblem(robot, q, rest, knots, dt, there, end, windows, chosen, mu, ground)

@@ -13,7 +13,7 @@ solution is a motion of the exact step. The road:
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,10 +31,8 @@ from surefoot.planning.transcription.contact_rows import (
     OPEN,
     SLIDE,
     STICK,
-    ContactLaw,
     Facets,
     GivenModes,
-    RoundCone,
     read_modes,
 )
 from surefoot.planning.transcription.follow import follow
@@ -87,8 +85,6 @@ class DirectPlan:
         Ipopt's runs.
     departure
         Largest distance of a position or angle of the exact motion from the optimiser's [m, rad].
-    products
-        Largest |min(φ dt, λ_n)| of the optimiser's motion [m or N s]: how far from complementary it is.
     miss
         How far outside its windows the exact motion is at worst: [m, rad], or in tenths of m/s.
     """
@@ -98,14 +94,12 @@ class DirectPlan:
     trajectory: Trajectory
     stages: tuple[IpoptRun, ...]
     departure: float
-    products: float
     miss: float
 
 
 def plan_direct(
     problem: DirectProblem,
     *,
-    law: ContactLaw | None = None,
     guess: Guess | Trajectory | None = None,
     smoothings: Sequence[float] = SMOOTHINGS,
     max_iterations: int = MAX_ITERATIONS,
@@ -120,9 +114,6 @@ def plan_direct(
     ----------
     problem
         See `DirectProblem`.
-    law
-        How the laws are written: `Facets` or `RoundCone`; None for Facets(2) in the plane and RoundCone() in
-        space.
     guess
         What to start from: a motion of any number of knots. None for the straight way to the reference.
     smoothings
@@ -165,9 +156,8 @@ def plan_direct(
     Not SOLVED, since the feedback of joints alone, see `certify`, does not balance a body on one point.
     """
     began = time.perf_counter()
-    law = (Facets(2) if problem.planar else RoundCone()) if law is None else law
     most = whole_number("max_iterations", max_iterations, low=1)
-    nlp, stages = DirectNlp(problem, law), _Runs(tell, total)
+    nlp, stages = DirectNlp(problem, Facets()), _Runs(tell, total)
     found = []
     soft = _soften_less(nlp, nlp.pack(_start(problem, guess)), smoothings, most, stages)
     if soft.finite:
@@ -177,7 +167,7 @@ def plan_direct(
             modes = read_modes(motion.impulses, *nlp.contact_speeds(motion), problem.frictions)
             held = DirectNlp(problem, GivenModes())
             found = [*_with_modes(held, motion, modes, stages.left(most), stages, **NEAR), motion]
-    return _made_exact(problem, nlp.contact_speeds, found, (task, "direct"), stages, began, within)
+    return _made_exact(problem, found, (task, "direct"), stages, began, within)
 
 
 def plan_with_modes(
@@ -215,7 +205,7 @@ def plan_with_modes(
     stages = _Runs(tell)
     nlp = DirectNlp(problem, GivenModes())
     found = _with_modes(nlp, _start(problem, guess), modes, max_iterations, stages)
-    return _made_exact(problem, nlp.contact_speeds, found, (task, "given modes"), stages, began)
+    return _made_exact(problem, found, (task, "given modes"), stages, began)
 
 
 class _Runs(list[IpoptRun]):
@@ -278,10 +268,10 @@ def _with_modes(
     nlp: DirectNlp, motion: Guess, modes: IntArray, most: int, stages: _Runs, **start: Any
 ) -> list[Guess]:
     """Return the motion that obeys the equations of modes (N, p), from one that need not; none if lost."""
-    law, d, mu = GivenModes(), nlp.problem.tangents - 1, nlp.problem.frictions
+    law, mu = GivenModes(), nlp.problem.frictions
     found = nlp.solve(
-        nlp.pack(motion), 0.0, contact_bounds=law.bounds(modes, d, mu),
-        row_bounds=law.row_bounds(modes, d, mu),
+        nlp.pack(motion), 0.0, contact_bounds=law.bounds(modes, mu),
+        row_bounds=law.row_bounds(modes, mu),
         max_iter=most, tol=1e-9, bound_relax_factor=0.0, **start,
     )  # fmt: skip
     stages.note(0.0, found)
@@ -290,7 +280,6 @@ def _with_modes(
 
 def _made_exact(
     problem: DirectProblem,
-    contact_speeds: Callable[[Guess], tuple[FloatArray, FloatArray]],
     found: Sequence[Guess],
     names: tuple[str, str],
     stages: _Runs,
@@ -309,8 +298,6 @@ def _made_exact(
         trajectory = follow(problem, motion, feedback=False)
         best = window_miss(problem, trajectory), motion, trajectory
     miss, motion, trajectory = best
-    closing, _ = contact_speeds(motion)
-    products = np.minimum(closing * problem.dt, motion.impulses[..., 2])
     off = departure(problem.robot, motion, trajectory)
     cost, reached = exact_cost(problem, trajectory), miss <= REACH and off <= within
     goal = f"ends {miss:.2g} outside its windows (allowed {REACH:g}), {off:.1e} from the optimiser's motion"
@@ -324,5 +311,5 @@ def _made_exact(
         facts["touch_impulses"] = trajectory.touch_impulses
     return DirectPlan(
         plan_from(trajectory, problem.robot, search, problem.terrain, problem, **facts), motion, trajectory,
-        tuple(stages), off, float(np.abs(products).max(initial=0.0)), miss,
+        tuple(stages), off, miss,
     )  # fmt: skip

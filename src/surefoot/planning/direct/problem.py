@@ -48,12 +48,12 @@ class Weights:
 
 @dataclass(frozen=True, eq=False)
 class DirectProblem:
-    """A motion to be found; no contact is given.
+    """A motion of a robot in the plane to be found; no contact is given.
 
     Attributes
     ----------
     robot
-        Whose feet may touch the ground.
+        One of `transcription.planar`, whose feet may touch the ground.
     q, v
         (nq,), (nv,) the start.
     knots, dt
@@ -72,15 +72,13 @@ class DirectProblem:
         (joints,) [N m]; None for the robot's own, zero where a joint has no motor.
     joint_limits
         Whether the model's limits on joint positions and speeds hold.
-    planar
-        Whether all contacts move in the plane y = 0; None where the robot is one of `transcription.planar`.
     touches
-        Contacts between bodies of a planar robot, beside those of its feet with the ground.
+        Contacts between bodies of the robot, beside those of its feet with the ground.
 
     Raises
     ------
     ProblemError
-        For arrays that do not fit, numbers out of range, ground that is no plane.
+        For arrays that do not fit, numbers out of range, ground that is no plane, a robot that is not planar.
     """
 
     robot: Robot
@@ -96,7 +94,6 @@ class DirectProblem:
     terrain: Terrain = field(default_factory=FlatTerrain)
     torque_limits: FloatArray | None = None
     joint_limits: bool = True
-    planar: bool | None = None
     touches: tuple[BodyTouch, ...] = ()
 
     def __post_init__(self) -> None:
@@ -106,8 +103,8 @@ class DirectProblem:
         real_number("mu", self.mu, low=0.0, high=1e6)
         if not self.terrain.planar:
             raise ProblemError(f"the direct method takes a plane for ground, got {self.terrain!r}")
-        if not len(robot.contact_points):
-            raise ProblemError(f"{robot.name} has no feet: there is no contact to plan with")
+        if not is_planar(robot):
+            raise ProblemError(f"the direct method is for robots in a plane, {robot.name} is none")
         given = {"q": robot.configuration(self.q), "v": finite_array("v", self.v, (model.nv,))}
         reference = given["q"] if self.reference is None else real_array("reference", self.reference)
         if reference.shape not in ((model.nq,), (self.knots + 1, model.nq)):
@@ -121,10 +118,6 @@ class DirectProblem:
         for k in self.windows:
             if not 0 < k <= self.knots:
                 raise ProblemError(f"windows are of knots 1 to {self.knots}, got {k}")
-        if self.planar is None:
-            object.__setattr__(self, "planar", is_planar(robot))
-        if self.touches and not (self.planar and model.nq == model.nv):
-            raise ProblemError(f"touches are of planar robots, {robot.name} is none")
 
     @property
     def references(self) -> FloatArray:
@@ -137,11 +130,6 @@ class DirectProblem:
         """(p,) of all contacts: the feet's points, then the touches."""
         feet = np.full(len(self.robot.contact_points), self.mu)
         return np.concatenate([feet, [touch.mu for touch in self.touches]])
-
-    @property
-    def tangents(self) -> int:
-        """Directions of space that a contact point can move in, 2 or 3."""
-        return 2 if self.planar else 3
 
     def state_bounds(self) -> tuple[FloatArray, FloatArray]:
         """Return the bounds (knots + 1, nq + nv) of all states; the start is fixed."""

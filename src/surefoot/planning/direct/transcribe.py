@@ -6,89 +6,17 @@ u = J(q) v⁺: see `contact_rows`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.planning.direct.problem import DirectProblem
-from surefoot.planning.transcription.contact_rows import AXES, ContactLaw, ContactRows
+from surefoot.planning.transcription.contact_rows import ContactLaw
 from surefoot.planning.transcription.guess import Guess
 from surefoot.planning.transcription.knot import SymbolicKnot, stacked
 from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, Sides, pack, unpack
 from surefoot.robot.libraries import import_casadi
-
-
-@dataclass(frozen=True)
-class Transcription:
-    """A knot in symbols, with the bounds of its variables and rows.
-
-    Attributes
-    ----------
-    block
-        Of `Nlp`; its parameter is eps [J], its data the reference posture of the knot.
-    contacts
-        Variables and bounds of the contacts, the last ones of the block's u; torques come before.
-    row_bounds
-        (knots, m) of the block's rows.
-    law_rows
-        Number of rows of the contact laws, the last ones.
-    impulses
-        Function of the contacts' variables: (3, p) [N s].
-    seen
-        Function of (q, v⁺): φ (p, 1) and u_t (d - 1, p) [m/s].
-    """
-
-    block: Block
-    contacts: ContactRows
-    row_bounds: Sides
-    law_rows: int
-    impulses: Any
-    seen: Any
-
-
-def transcribe(problem: DirectProblem, law: ContactLaw) -> Transcription:
-    """Return the block of a problem's knots under a way to write the contact laws."""
-    ca, dt = import_casadi(), problem.dt
-    knot = SymbolicKnot(problem.robot, problem.terrain, dt)
-    body, v_after = knot.body, knot.v_after
-    torques, eps = ca.SX.sym("torques", problem.robot.joints), ca.SX.sym("eps")
-    reference = ca.SX.sym("reference", body.nq + 1)
-    touches = [touch.at(knot.q) for touch in problem.touches]
-    closing, sliding = _contact_speeds(problem, knot, touches)
-    contacts = law.write(closing, sliding, problem.frictions, eps)
-    forces = knot.world(contacts.impulses[:, : body.points]) / dt
-    moved = dt * knot.missing_effort(forces, torques)
-    for k, (_, J) in enumerate(touches):
-        moved -= ca.mtimes(J.T, contacts.impulses[[0, 2], body.points + k])
-    equal = ca.vertcat(moved, knot.missed_way())
-    rows, bounds = stacked([(equal, 0.0, 0.0), *contacts.rows], problem.knots)
-    w = problem.weights
-    off = knot.q_after - reference[: body.nq]
-    cost = dt * (w.torque * ca.sumsqr(torques) + w.velocity * ca.sumsqr(v_after) + w.posture * ca.sumsqr(off))
-    cost += w.change / dt * ca.sumsqr(v_after - knot.v)
-    cost += reference[body.nq] * w.end * (ca.sumsqr(off) + ca.sumsqr(v_after))  # 1 in the last knot
-    u = ca.vertcat(torques, contacts.variables)
-    block = Block(knot.x, u, knot.after, eps, rows, cost + contacts.cost, reference)
-    impulses = ca.Function("impulses", [contacts.variables], [contacts.impulses])
-    seen = ca.Function("seen", [knot.q, v_after], [closing, sliding])
-    return Transcription(block, contacts, bounds, int(rows.shape[0] - equal.shape[0]), impulses, seen)
-
-
-def _contact_speeds(
-    problem: DirectProblem, knot: SymbolicKnot, touches: list[tuple[Any, Any]]
-) -> tuple[Any, Any]:
-    """Return φ (p, 1) and u_t (d - 1, p)."""
-    ca = import_casadi()
-    gaps, speeds = knot.gaps(knot.q), knot.point_speeds(knot.q, knot.v_after)
-    closing = [gaps.T / problem.dt + speeds[2, :].T]
-    sliding = [speeds[list(AXES[problem.tangents]), :]]
-    for gap, J in touches:
-        rate = ca.mtimes(J, knot.v_after)
-        closing.append(gap / problem.dt + rate[1])
-        sliding.append(rate[0])
-    return ca.vertcat(*closing), ca.horzcat(*sliding)
 
 
 class DirectNlp:
@@ -100,20 +28,50 @@ class DirectNlp:
         See `DirectProblem`.
     law
         See `contact_rows`.
+
+    Attributes
+    ----------
+    block
+        Of `Nlp`; its parameter is eps [J], its data the reference posture of the knot.
+    contacts
+        Variables and bounds of the contacts, the last ones of the block's u; torques come before.
+    rows
+        Bounds (knots, m) of the block's rows; those of the laws are the last.
     """
 
     def __init__(self, problem: DirectProblem, law: ContactLaw) -> None:
+        ca, dt, w = import_casadi(), problem.dt, problem.weights
         self.problem, self.law = problem, law
-        self.transcription = transcribe(problem, law)
-        self._nlp = Nlp(self.transcription.block, problem.knots)
+        knot = SymbolicKnot(problem.robot, problem.terrain, dt)
+        body, v_after = knot.body, knot.v_after
+        torques, eps = ca.SX.sym("torques", problem.robot.joints), ca.SX.sym("eps")
+        reference = ca.SX.sym("reference", body.nq + 1)
+        touches = [touch.at(knot.q) for touch in problem.touches]
+        closing, sliding = _contact_speeds(problem, knot, touches)
+        self.contacts = contacts = law.write(closing, sliding, problem.frictions, eps)
+        forces = knot.world(contacts.impulses[:, : body.points]) / dt
+        moved = dt * knot.missing_effort(forces, torques)
+        for k, (_, J) in enumerate(touches):
+            moved -= ca.mtimes(J.T, contacts.impulses[[0, 2], body.points + k])
+        equal = ca.vertcat(moved, knot.missed_way())
+        rows, self.rows = stacked([(equal, 0.0, 0.0), *contacts.rows], problem.knots)
+        off, moving = knot.q_after - reference[: body.nq], ca.sumsqr(v_after)
+        cost = dt * (w.torque * ca.sumsqr(torques) + w.velocity * moving + w.posture * ca.sumsqr(off))
+        cost += w.change / dt * ca.sumsqr(v_after - knot.v)
+        cost += reference[body.nq] * w.end * (ca.sumsqr(off) + moving)  # 1 in the last knot
+        u = ca.vertcat(torques, contacts.variables)
+        self.block = Block(knot.x, u, knot.after, eps, rows, cost + contacts.cost, reference)
+        self._impulses = ca.Function("impulses", [contacts.variables], [contacts.impulses])
+        self._seen = ca.Function("seen", [knot.q, v_after], [closing, sliding])
+        self._law_rows = int(rows.shape[0] - equal.shape[0])
+        self._nlp = Nlp(self.block, problem.knots)
 
     def bounds(self, contact_bounds: Sides | None = None) -> Sides:
         """Return the bounds of all variables; those of the contacts (N, m) where they differ by knot."""
-        t, n = self.transcription, self.problem.knots
-        limits = self.problem.torque_limits
+        n, limits = self.problem.knots, self.problem.torque_limits
         assert limits is not None
         states = self.problem.state_bounds()
-        contacts = (t.contacts.low, t.contacts.high) if contact_bounds is None else contact_bounds
+        contacts = (self.contacts.low, self.contacts.high) if contact_bounds is None else contact_bounds
         out = []
         for sign, state, contact in zip((-1.0, 1.0), states, contacts, strict=True):
             own = np.broadcast_to(contact, (n, np.shape(contact)[-1]))
@@ -128,15 +86,15 @@ class DirectNlp:
     def unpack(self, variables: FloatArray) -> Guess:
         """Return the motion that the NLP's variables (n,) mean."""
         nq, joints = int(self.problem.robot.model.nq), self.problem.robot.joints
-        states, inputs = unpack(variables, int(self.transcription.block.x.shape[0]), self.problem.knots)
-        impulses = np.array([np.array(self.transcription.impulses(row)).T for row in inputs[:, joints:]])
+        states, inputs = unpack(variables, int(self.block.x.shape[0]), self.problem.knots)
+        impulses = np.array([np.array(self._impulses(row)).T for row in inputs[:, joints:]])
         return Guess(states[:, :nq].copy(), states[:, nq:].copy(), inputs[:, :joints].copy(), impulses)
 
     def contact_speeds(self, guess: Guess) -> tuple[FloatArray, FloatArray]:
-        """Return φ (N, p) and u_t (N, p, d - 1) of a motion [m/s]."""
+        """Return φ (N, p) and u_t (N, p, 1) of a motion [m/s]."""
         closing, sliding = [], []
         for q, v in zip(guess.q[:-1], guess.v[1:], strict=True):
-            phi, u = self.transcription.seen(q, v)
+            phi, u = self._seen(q, v)
             closing.append(np.array(phi).ravel())
             sliding.append(np.array(u).T)
         return np.array(closing), np.array(sliding)
@@ -164,11 +122,25 @@ class DirectNlp:
         options
             Ipopt's.
         """
-        t, n = self.transcription, self.problem.knots
-        rows = t.row_bounds[0].copy(), t.row_bounds[1].copy()
+        n, rows = self.problem.knots, (self.rows[0].copy(), self.rows[1].copy())
         if row_bounds is not None:
-            rows[0][:, -t.law_rows :], rows[1][:, -t.law_rows :] = row_bounds
+            rows[0][:, -self._law_rows :], rows[1][:, -self._law_rows :] = row_bounds
         last = np.zeros((n, 1))
         last[-1] = 1.0
         data = np.hstack([self.problem.references[1:], last])
         return self._nlp.solve(start, data, self.bounds(contact_bounds), rows, (eps,), multipliers, **options)
+
+
+def _contact_speeds(
+    problem: DirectProblem, knot: SymbolicKnot, touches: list[tuple[Any, Any]]
+) -> tuple[Any, Any]:
+    """Return φ (p, 1) and u_t (1, p)."""
+    ca = import_casadi()
+    gaps, speeds = knot.gaps(knot.q), knot.point_speeds(knot.q, knot.v_after)
+    closing = [gaps.T / problem.dt + speeds[2, :].T]
+    sliding = [speeds[0, :]]
+    for gap, J in touches:
+        rate = ca.mtimes(J, knot.v_after)
+        closing.append(gap / problem.dt + rate[1])
+        sliding.append(rate[0])
+    return ca.vertcat(*closing), ca.horzcat(*sliding)

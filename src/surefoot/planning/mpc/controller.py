@@ -198,7 +198,7 @@ class ContactImplicitMpc(Controller):
         legs = np.diag(inertia)[n - m :]
         soft = _springs(N, n, SOFTNESS * legs / dt**2, 2.0 * SOFTNESS * legs / dt)
         q, hold = np.tile(self._pose, (N + 1, 1)), np.tile(self._hold, (N, 1))
-        standing = FeedbackPolicy(q, np.zeros((N + 1, n)), hold, soft, np.zeros((N, m)), np.zeros((N, 2 * n)))
+        standing = FeedbackPolicy(q, np.zeros((N + 1, n)), hold, soft, np.zeros((N, m)))
         return _springs(N, n, np.full(m, STIFFNESS), np.full(m, DAMPING)), standing
 
     def reset(self) -> None:
@@ -318,7 +318,6 @@ class ContactImplicitMpc(Controller):
             move_on(now.floating, now.q, now.v, now.torques, min(left, 1.0), dt)
             left -= 1.0
         now.q[0], now.v[0] = state.q, state.v
-        engine.price = 0.0
         return engine.take(now.q, now.v, now.torques)
 
     def _iterate(self) -> bool:

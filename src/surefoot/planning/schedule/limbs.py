@@ -8,6 +8,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.planning.schedule.problem import ScheduleProblem
+from surefoot.planning.schedule.search import way_speeds
 from surefoot.planning.transcription.guess import Guess
 from surefoot.robot.legs import Legs
 from surefoot.spatial import rotation_from_quaternion
@@ -56,11 +57,7 @@ def whole_body_guess(problem: ScheduleProblem, motion: CentroidalMotion) -> Gues
     for j in range(joints):
         at = np.flatnonzero(known[:, j])
         q[:, 7 + j] = np.interp(np.arange(N + 1), at, q[at, 7 + j])
-    v = np.zeros((N + 1, model.nv))
-    v[0] = problem.v
-    for k in range(N):
-        v[k + 1] = pinocchio.difference(model, q[k], q[k + 1]) / problem.dt
-    return _with_forces(problem, motion, data, q, v)
+    return _with_forces(problem, motion, data, q, way_speeds(problem, q))
 
 
 def _with_forces(

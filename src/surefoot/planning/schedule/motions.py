@@ -14,6 +14,7 @@ from surefoot.arrays import FloatArray
 from surefoot.planning.schedule.problem import ScheduleProblem, ScheduleWeights
 from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot, place
+from surefoot.robot.legs import Legs
 from surefoot.robot.motor_limits import motor_limits
 from surefoot.robot.quadruped import quadruped_order
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about, rotation_from_quaternion
@@ -24,12 +25,15 @@ LEG = 0.33
 """Height of the base that the times below are for [m]."""
 PUSH, LAND = 0.4, 0.5
 """Time on the ground before and after a flight [s]."""
-FLIGHT = 0.3
-"""Of a jump forward [s]."""
+FLIGHT, QUICK = 0.3, 0.75
+"""Longest flight of a jump forward [s], and share of the speed at which the legs can lift the body that a
+flight may begin with: joints that are at their limits push no more."""
 REAR, TURN, FRONT = 0.24, 0.34, 0.24
 """Time on the rear feet, in the air, and on the front feet, of a backflip [s]."""
 RISE = 0.3
 """How much higher than where it stands the base is expected in the middle of a backflip [m]."""
+QUIET = 1e-2
+"""Weight of changes of velocity in a jump up: with ten times less its search takes twice as long."""
 KNOT = 0.01
 """Length of a knot [s]."""
 REST = 0.01
@@ -57,6 +61,15 @@ BODY, KNEE = 0.18, 0.15
 def time_scale(robot: Robot) -> float:
     """Return by how much motions take longer than a robot's of Go2's size: sqrt(h / `LEG`)."""
     return math.sqrt(float(robot.nominal[2]) / LEG)
+
+
+def lift_speed(robot: Robot, q: FloatArray) -> float:
+    """Return how fast legs in the pose of (nq,) q can lift the body from standing feet [m/s].
+
+    Straight up in the base's axes; the joint that first runs at its limit decides.
+    """
+    rates = [np.linalg.pinv(slope)[:, 2] for slope in Legs(robot).slopes(q[7:])]
+    return float(1.0 / np.abs(np.array(rates) / robot.speed_limits).max())
 
 
 def modes(robot: Robot, phases: list[tuple[float, str]]) -> tuple[ModeSchedule, float]:
@@ -100,7 +113,8 @@ def jump(
     scale, ground = time_scale(robot), FlatTerrain() if terrain is None else terrain
     q = place(robot, ground) if q is None else q
     end = landed(robot, q, distance, way, ground)
-    flight = max(FLIGHT * scale, 2.0 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY))
+    longest = min(FLIGHT * scale, 2.0 * QUICK * lift_speed(robot, q) / GRAVITY)
+    flight = max(longest, 2.0 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY))
     dt = round(KNOT * scale, 3) if dt is None else dt
     push, land = PUSH * scale, LAND * scale
     schedule, length = modes(robot, [(push, "all"), (flight, "none"), (land, "all")])
@@ -116,9 +130,10 @@ def jump(
     windows = {knots: StateWindow.at(reference[-1], np.zeros(robot.model.nv), within, REST)}
     if height > 0.0:
         windows[round((push + 0.5 * flight) / dt)] = _above(q, height)
+    weights = ScheduleWeights(change=QUIET) if height > 0.0 else ScheduleWeights()
     reach = float(robot.nominal[2])
     return ScheduleProblem(
-        robot, schedule, dt, knots, q, np.zeros(robot.model.nv), reference, windows, ScheduleWeights(),
+        robot, schedule, dt, knots, q, np.zeros(robot.model.nv), reference, windows, weights,
         LIKELY * mu, ground, torque_share=0.8, speed_share=0.8, motors=motor_limits(robot, "curve"),
         clearance=0.06 * reach, force_min=LOAD * robot.mass * GRAVITY, leg_gap=APART * reach,
         leg_spread=SPREAD * reach, body_clearance=BODY * reach, knee_clearance=KNEE * reach,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -39,17 +40,20 @@ class ScheduledMotion(Guess):
 
 def guess_from(problem: ScheduleProblem) -> Guess:
     """Return what to start from: the reference with the weight on the feet that stand."""
-    import pinocchio
-
     robot, n, stance = problem.robot, problem.knots, problem.stance
-    speeds = np.zeros((n + 1, robot.model.nv))
-    for k in range(n):
-        way = pinocchio.difference(robot.model, problem.reference[k], problem.reference[k + 1])
-        speeds[k + 1] = way / problem.dt
+    speeds = way_speeds(problem, problem.reference)
     impulses = np.zeros((n, *stance.shape[1:], 3))
     share = stance / np.maximum(stance.sum(axis=1, keepdims=True), 1)
     impulses[:, :, 2] = share * (problem.weight * problem.dt)
     return Guess(problem.reference, speeds, np.zeros((n, robot.joints)), impulses)
+
+
+def way_speeds(problem: ScheduleProblem, q: FloatArray) -> FloatArray:
+    """Return the velocities (knots + 1, nv) of the ways between configurations (knots + 1, nq)."""
+    import pinocchio
+
+    ways = [pinocchio.difference(problem.robot.model, a, b) for a, b in pairwise(q)]
+    return np.vstack([problem.v, np.array(ways) / problem.dt])
 
 
 def pack_guess(problem: ScheduleProblem, guess: Guess) -> FloatArray:

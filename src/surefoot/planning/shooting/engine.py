@@ -14,8 +14,6 @@ from surefoot.planning.shooting.riccati import backward_pass
 
 ARMIJO = 1e-4
 """Share of the predicted decrease that a step has to bring."""
-PENALTY = 1.2
-"""Price of an open gap over the largest slope of the value, with which closing it always pays."""
 
 
 class Engine:
@@ -56,7 +54,7 @@ class Engine:
         self._low, self._high = np.zeros((N, m)), np.zeros((N, m))
         limits = np.asarray(p.limits)
         self.bounds = np.tile(np.array([-limits, limits]), (N, 1, 1))
-        self.damping, self.price = 0.0, 0.0
+        self.damping = 0.0
         self._scale = float(np.trace(self.tables.torque[0])) / max(m, 1)
 
     def horizon(self, tol: float) -> Horizon:
@@ -79,7 +77,7 @@ class Engine:
 
         Where one is not, the motion stays as it was.
         """
-        done = self._next.run((q, v), self.policy, 0.0, self.bounds, close=True)
+        done = self._next.run((q, v), self.policy, 0.0, self.bounds)
         if done:
             self.now, self._next = self._next, self.now
         self._settle(done)
@@ -113,23 +111,15 @@ class Engine:
         return bool(done)
 
     def search(self, shares: Sequence[float]) -> float:
-        """Try shares of the step on the exact cost; return the one that was taken, 0 for none.
-
-        Gaps that are open have a price above the largest slope of the value: an exact penalty.
-        """
-        now = self.now
-        if now.defect > 0.0:
-            self.price = max(self.price, PENALTY * float(np.abs(self._slopes).max()))
-        merit, policy = now.cost + self.price * now.defect, self.policy
-        taken = 0.0
+        """Try shares of the step on the exact cost; return the one that was taken, 0 for none."""
+        now, policy, taken = self.now, self.policy, 0.0
         for share in shares:
             first = (now.q[0], now.v[0])
             if not self._next.run(first, policy, share, self.bounds):
                 continue
             cost = self._next.price(self.tables)
             gain = -share * (self._predicted[0] + 0.5 * share * self._predicted[1])
-            least = ARMIJO * (max(gain, 0.0) + share * self.price * now.defect)
-            if cost + self.price * self._next.defect <= merit - least:
+            if cost <= now.cost - ARMIJO * max(gain, 0.0):
                 self.now, self._next = self._next, now
                 taken = share
                 break
@@ -151,7 +141,7 @@ class Engine:
         first = (self.now.q[0].copy(), self.now.v[0].copy())
         best, least = -1, np.inf
         for number, (policy, share) in enumerate(candidates):
-            if not self._next.run(first, policy, share, self.bounds, close=True):
+            if not self._next.run(first, policy, share, self.bounds):
                 continue
             cost = self._next.price(self.tables)
             if cost < least:
@@ -167,4 +157,4 @@ class Engine:
     def policy(self) -> FeedbackPolicy:
         """The current motion with the gains and steps of the last backward pass."""
         now = self.now
-        return FeedbackPolicy(now.q, now.v, now.torques, self.gains, self.steps, now.gaps)
+        return FeedbackPolicy(now.q, now.v, now.torques, self.gains, self.steps)

@@ -14,7 +14,7 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import ModelError, NoSolution
 from surefoot.planning.shooting.cost_kernels import motion_cost
 from surefoot.planning.shooting.costs import Tables
-from surefoot.planning.shooting.state_space import defect, feedback, retract
+from surefoot.planning.shooting.state_space import defect, feedback
 from surefoot.robot import Robot
 from surefoot.robot.centroidal import carried_momentum
 from surefoot.stepping.knot import Knot
@@ -36,8 +36,6 @@ class FeedbackPolicy(NamedTuple):
         (N + 1, nq), (N + 1, nv) and (N, m) x̄ and u.
     gains, steps
         (N, m, 2nv) K and (N, m) k.
-    gaps
-        (N, 2nv) of the motion.
     """
 
     q: FloatArray
@@ -45,7 +43,6 @@ class FeedbackPolicy(NamedTuple):
     torques: FloatArray
     gains: FloatArray
     steps: FloatArray
-    gaps: FloatArray
 
 
 class Horizon:
@@ -76,8 +73,6 @@ class Horizon:
         ground (N, p) at the knots' starts.
     cost
         Of the motion; infinite where a step failed.
-    defect
-        Sum of |gaps|.
     A, B, moved
         Derivatives (N, 2nv, 2nv) and (N, 2nv, m) of the steps, and (N, 2, b, w) of their ways, see `riccati`.
 
@@ -115,19 +110,17 @@ class Horizon:
         self.heights, self.impulses = np.zeros((knots, p)), np.zeros((knots, p, 3))
         self.A, self.B = np.zeros((knots, 2 * nv, 2 * nv)), np.zeros((knots, 2 * nv, m))
         self.moved = np.zeros((knots, 2, block, nv if momentum else block))
-        self.cost = self.defect = np.inf
+        self.cost = np.inf
 
     def __len__(self) -> int:
         return len(self.torques)
 
     def run(
-        self, start: tuple[FloatArray, FloatArray], policy: FeedbackPolicy, share: float, limits: FloatArray,
-        close: bool = False,
-    ) -> bool:  # fmt: skip
-        """Step from a state under a policy; return whether every contact problem is solved.
+        self, start: tuple[FloatArray, FloatArray], policy: FeedbackPolicy, share: float, limits: FloatArray
+    ) -> bool:
+        """Step from a state under a policy, without gaps; return whether every contact problem is solved.
 
-        The torques are u + share k + K (x ⊖ x̄), and of every gap of the policy's motion a part 1 - share
-        stays open.
+        The torques are u + share k + K (x ⊖ x̄).
 
         Parameters
         ----------
@@ -139,11 +132,9 @@ class Horizon:
             0 to 1.
         limits
             (N, 2, m) bounds on the torques [N m].
-        close
-            Whether to leave no gap open.
         """
         self.q[0], self.v[0] = start
-        self.defect, left = 0.0, 0.0 if close else share - 1.0
+        self.gaps[:] = 0.0
         for k, knot in enumerate(self._knots):
             here = self.q[k], self.v[k]
             feedback(
@@ -154,27 +145,18 @@ class Horizon:
                 self.cost = np.inf
                 return False
             self._keep(k, knot)
-            if left == 0.0:
-                self.q[k + 1], self.v[k + 1], self.gaps[k] = knot.q, knot.v, 0.0
-                continue
-            opened = left * policy.gaps[k]
-            retract(self.floating, knot.q, opened[: len(knot.v)], self.q[k + 1])
-            self.v[k + 1] = knot.v + opened[len(knot.v) :]
-            self.defect += defect(
-                self.floating, (self.q[k + 1], self.v[k + 1]), (knot.q, knot.v), self.gaps[k]
-            )
+            self.q[k + 1], self.v[k + 1] = knot.q, knot.v
         return True
 
     def take(self, q: FloatArray, v: FloatArray, torques: FloatArray) -> bool:
         """Take states (N + 1, nq), (N + 1, nv) and torques (N, m) as they are, gaps and all."""
         self.q[:], self.v[:], self.torques[:] = q, v, torques
-        self.defect = 0.0
         for k, knot in enumerate(self._knots):
             if not knot.step(q[k], v[k], torques[k], self.mu):
                 self.cost = np.inf
                 return False
             self._keep(k, knot)
-            self.defect += defect(self.floating, (q[k + 1], v[k + 1]), (knot.q, knot.v), self.gaps[k])
+            defect(self.floating, (q[k + 1], v[k + 1]), (knot.q, knot.v), self.gaps[k])
         return True
 
     def _keep(self, k: int, knot: Knot) -> None:

@@ -132,8 +132,6 @@ class ShootingResult:
         After every iteration.
     iterations
         Backward passes.
-    defect
-        Sum of the gaps that the last candidate had open, before its torques were rolled out.
     distance
         From the goal, in its own unit; zero without one.
     """
@@ -144,7 +142,6 @@ class ShootingResult:
     cost: float
     costs: tuple[float, ...]
     iterations: int
-    defect: float
     distance: float
 
     @property

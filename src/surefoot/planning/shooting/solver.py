@@ -1,10 +1,10 @@
-"""Multiple shooting by Gauss-Newton DDP with bounded torques: hard contact forward, smoothed backward.
+"""Shooting by Gauss-Newton DDP with bounded torques: hard contact forward, smoothed backward.
 
 Every iteration differentiates the knots' steps where contacts lie on the central path with parameter κ
 (`Knot.derivative`), runs a Riccati recursion over the linearised motion (`riccati`) and searches along its
 step on the exact cost: the motion tried is always one of exact steps, with rigid contact and exact Coulomb
-friction. κ goes down by stages. After [1]_ (hard contact forward, relaxed gradients backward), [2]_ (gaps
-between knots) and [3]_ (bounds).
+friction. κ goes down by stages. After [1]_ (hard contact forward, relaxed gradients backward) and [2]_
+(bounds).
 
 Where the smoothed slope does not lead downhill on the exact cost the damping is raised; a stage ends when no
 step helps, or when the cost stands still.
@@ -14,9 +14,7 @@ References
 .. [1] G. Kim, D. Kang, J.-H. Kim, S. Hong, H.-W. Park, "Contact-implicit model predictive control:
    controlling diverse quadruped motions without pre-planned contact modes or trajectories", IJRR 2024, arXiv
    2312.08961.
-.. [2] C. Mastalli, W. Merkt, J. Marti-Saumell, H. Ferrolho, J. Solà, N. Mansard, S. Vijayakumar, "A
-   feasibility-driven approach to control-limited DDP", Autonomous Robots 46, 2022.
-.. [3] Y. Tassa, N. Mansard, E. Todorov, "Control-limited differential dynamic programming", ICRA 2014.
+.. [2] Y. Tassa, N. Mansard, E. Todorov, "Control-limited differential dynamic programming", ICRA 2014.
 """
 
 from __future__ import annotations
@@ -40,8 +38,6 @@ from surefoot.stepping.momentum_knot import velocity_of_way
 
 STANDING_STILL = 3
 """Iterations without progress after which a stage ends."""
-CLOSED = 1e-12
-"""Sum of gaps that counts as none."""
 
 
 class Shooting:
@@ -72,7 +68,6 @@ class Shooting:
         q: FloatArray,
         v: FloatArray,
         torques: FloatArray | None = None,
-        states: tuple[FloatArray, FloatArray] | None = None,
         settings: ShootingSettings | None = None,
         tell: Callable[[Iteration], None] | None = None,
     ) -> ShootingResult:
@@ -84,14 +79,11 @@ class Shooting:
             (nq,), (nv,) the first state.
         torques
             (N, m) to start from [N m]; None for none.
-        states
-            (N + 1, nq), (N + 1, nv) to start from; the knots are open where the torques do not lead there.
-            None for where the torques lead.
         settings
             See `ShootingSettings`.
         tell
-            Called after every iteration; its law residual is the sum of the open gaps. A KeyboardInterrupt
-            ends the search with what it has.
+            Called after every iteration, with a law residual of zero: all motions are lawful. A
+            KeyboardInterrupt ends the search with what it has.
 
         Raises
         ------
@@ -99,8 +91,8 @@ class Shooting:
             For arrays of the wrong shape, or not finite, and a guess whose steps cannot be solved.
         """
         settings, engine = settings or ShootingSettings(), self.engine
-        engine.damping, engine.price = settings.damping, 0.0
-        self._start(q, v, torques, states)
+        engine.damping = settings.damping
+        self._start(q, v, torques)
         costs: list[float] = [engine.now.cost]
         ended = Status.STALLED
         try:
@@ -114,16 +106,10 @@ class Shooting:
             ended = Status.MAX_TIME
         return self._result(costs, ended)
 
-    def _start(
-        self,
-        q: FloatArray,
-        v: FloatArray,
-        torques: FloatArray | None,
-        states: tuple[FloatArray, FloatArray] | None,
-    ) -> None:
+    def _start(self, q: FloatArray, v: FloatArray, torques: FloatArray | None) -> None:
         """Put the guess into the engine."""
         p, model = self.problem, self.problem.robot.model
-        N, nq, nv, m = p.knots, int(model.nq), int(model.nv), p.robot.joints
+        N, nv, m = p.knots, int(model.nv), p.robot.joints
         q, v = p.robot.configuration(q), finite_array("v", v, (nv,))
         self._first = v
         if p.momentum:
@@ -131,18 +117,9 @@ class Shooting:
         u = np.zeros((N, m)) if torques is None else finite_array("torques", torques, (N, m))
         engine = self.engine
         engine.gains[:] = engine.steps[:] = 0.0
-        if states is None:
-            engine.now.torques[:] = u
-            engine.now.q[:], engine.now.v[:] = q, v
-            started = engine.restart(q, v)
-        else:
-            qs, vs = (
-                finite_array("states[0]", states[0], (N + 1, nq)),
-                finite_array("states[1]", states[1], (N + 1, nv)),
-            )
-            qs[0], vs[0] = q, v
-            started = engine.take(qs, vs, u)
-        if not started:
+        engine.now.torques[:] = u
+        engine.now.q[:], engine.now.v[:] = q, v
+        if not engine.restart(q, v):
             raise ProblemError("the guess cannot be stepped: a contact problem of it has no solution found")
 
     def _descend(
@@ -152,14 +129,14 @@ class Shooting:
         """Iterate at one smoothing until the cost stands still."""
         engine, still = self.engine, 0
         while len(costs) <= settings.max_iterations:
-            before = engine.now.cost + engine.price * engine.now.defect
+            before = engine.now.cost
             taken = engine.differentiate(smoothing) and self._step(settings)
             now = engine.now
             costs.append(now.cost)
-            tell(Iteration(len(costs) - 1, now.cost, now.defect, note))
+            tell(Iteration(len(costs) - 1, now.cost, 0.0, note))
             if not taken:
                 return Status.STALLED
-            change = before - now.cost - engine.price * now.defect
+            change = before - now.cost
             still = still + 1 if change <= settings.tol * abs(before) else 0
             if still >= (STANDING_STILL if last else 1):
                 return Status.SOLVED
@@ -182,10 +159,7 @@ class Shooting:
     def _result(self, costs: list[float], ended: Status) -> ShootingResult:
         """Return what was found: the rollout of the torques, judged."""
         engine, p = self.engine, self.problem
-        now, gap = engine.now, engine.now.defect
-        if gap > CLOSED:  # the policy, not the bare torques: it closes the gaps where it can
-            engine.restart(now.q[0].copy(), now.v[0].copy())
-            now = engine.now
+        now = engine.now
         trajectory = rollout(p.robot, now.q[0], self._first, now.torques, dt=p.dt, mu=p.mu, terrain=p.terrain)
         distance = 0.0 if p.goal is None else float(p.goal.distance(trajectory))
         status: Status = Status.STALLED if ended is Status.SOLVED else ended
@@ -193,7 +167,7 @@ class Shooting:
         if lawful and distance <= (0.0 if p.goal is None else p.goal.tolerance):
             status = Status.SOLVED
         return ShootingResult(
-            trajectory, engine.gains.copy(), status, now.cost, tuple(costs), len(costs) - 1, gap, distance,
+            trajectory, engine.gains.copy(), status, now.cost, tuple(costs), len(costs) - 1, distance,
         )  # fmt: skip
 
 

@@ -14,13 +14,12 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
-from surefoot.control.whole_body import TaskWeights, WholeBodyController
 from surefoot.log import Log
 from surefoot.planning.stand_up.lying import upright
 from surefoot.planning.stand_up.postures import Postures
 from surefoot.planning.tracking.landing import Landing
 from surefoot.planning.tracking.reference import Reference
-from surefoot.planning.tracking.tracker import BAUMGARTE, TrackCommand, TrackingController, TrackSettings
+from surefoot.planning.tracking.tracker import FRICTION, TrackCommand, TrackingController, whole_body
 from surefoot.robot import Robot
 
 ROLLING, RISING, STANDING, FOLDING = 0.0, 1.0, 2.0, 3.0
@@ -42,22 +41,17 @@ class StandUpController(Controller):
         Who gets up, as the controller knows it.
     plan
         Of the task `stand-up`.
-    settings
-        Of the whole-body control once it stands; None for the defaults.
     """
 
     channels = TrackingController.channels
 
-    def __init__(self, robot: Robot, plan: Log, settings: TrackSettings | None = None) -> None:
-        s = settings or TrackSettings()
+    def __init__(self, robot: Robot, plan: Log) -> None:
         self.robot, self.law = robot, Postures.read(plan, robot)
         reference = Reference.of(plan, robot)
         self._lying = reference.start[7:]
-        self.whole_body = WholeBodyController(
-            robot, s.mu, weights=TaskWeights(force=s.force_share), baumgarte=BAUMGARTE
-        )
-        self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
-        self.facts = {"kind": "track", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": s.mu}
+        self.whole_body = whole_body(robot)
+        self.landing = Landing(robot, reference)
+        self.facts = {"kind": "track", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": FRICTION}
         self._rolled = float(self.law.times[-STAGES - 1])
         self.reset()
 
@@ -128,11 +122,9 @@ class StandUpController(Controller):
         return TrackCommand(torques, forces, stance[point_foot], phase=self.phase)
 
 
-def controller_of(
-    plan: Log | Reference, robot: Robot, settings: TrackSettings | None = None, dt: float = 1e-3
-) -> Controller:
+def controller_of(plan: Log | Reference, robot: Robot, dt: float = 1e-3) -> Controller:
     """Return who executes a plan: one that has postures by them, any other by tracking its motion."""
     if isinstance(plan, Log) and "posture_times" in plan.facts:
-        return StandUpController(robot, plan, settings)
+        return StandUpController(robot, plan)
     reference = plan if isinstance(plan, Reference) else Reference.of(plan, robot)
-    return TrackingController(robot, reference, settings, dt)
+    return TrackingController(robot, reference, dt)

@@ -54,7 +54,7 @@ class StandUp:
     amount: str = "roll angle of the lying start, 180 for the back [deg]"
     default: float | None = 180.0
     robots: bool = True
-    roads: tuple[str, ...] = ("sampling",)
+    takes: tuple[str, ...] = ()
     model: ForwardModel | None = field(default=None, compare=False)
 
     def plan(self, request: PlanRequest, tell: Tell) -> Plan:

@@ -15,8 +15,8 @@ from surefoot.planning.trajectory import Trajectory
 from surefoot.robot import Robot
 from surefoot.spatial import rotation_from_quaternion, rotation_log
 
-MORE = 0.03
-"""What is planned beyond what is asked for [m]: an execution loses a little."""
+MORE, HIGHER = 0.03, 0.015
+"""What is planned beyond what is asked for, along the ground and up [m]: an execution loses a little."""
 SHORT = 0.01
 """How much less than asked for still is a jump of that length or height [m]."""
 ASIDE = 0.05
@@ -43,7 +43,7 @@ class Jump:
         real_number(self.amount, asked, low=0.0 if self.up else -reach, high=reach)
         if self.up and asked < 0.02:
             raise ProblemError(f"height [m] must be at least 0.02, got {asked:g}")
-        more = MORE * time_scale(robot) ** 2
+        more = (HIGHER if self.up else MORE) * time_scale(robot) ** 2
         far = 0.0 if self.up or not asked else asked + math.copysign(more, asked)
         rise = asked + more if self.up else 0.0
         way = request.direction, request.turn
@@ -61,7 +61,7 @@ class Jump:
             said = f"{words} {got:.3f} m of {asked:g} asked for, {said}"
             return bool(enough and still and flown), said
 
-        return scheduled_plan(self.name, problem, request, tell, goal)
+        return scheduled_plan(self.name, problem, request, tell, goal, light=self.up)
 
 
 class JumpUp(Jump):

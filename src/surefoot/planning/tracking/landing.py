@@ -12,6 +12,8 @@ from surefoot.planning.tracking.reference import Reference
 from surefoot.robot import Robot
 from surefoot.spatial import rotation_about, rotation_log
 
+HEIGHT, TURN, SWAY = 14.0, 14.0, 7.0
+"""Natural frequencies of the height, the attitude and the place along the ground, of Go2's size [rad/s]."""
 DESCENT = 0.6
 """Speed with which feet that have not found the ground yet are sent down [m/s]."""
 DEPTH = 3e-4
@@ -32,14 +34,14 @@ class Landing:
     ----------
     robot, reference
         Who lands, and the plan.
-    height, turn, sway
-        Natural frequencies of the height, the attitude and the place along the ground [rad/s].
+    quick
+        How much quicker than one of Go2's size it is.
     """
 
-    def __init__(self, robot: Robot, reference: Reference, height: float, turn: float, sway: float) -> None:
+    def __init__(self, robot: Robot, reference: Reference, quick: float = 1.0) -> None:
         self.robot = robot
-        self._omega = np.array([sway, sway, height])
-        self._turn = turn
+        self._omega = quick * np.array([SWAY, SWAY, HEIGHT])
+        self._turn = quick * TURN
         feet, com = reference.feet[-1], reference.com[-1]
         rotation = reference.rotation[-1]
         yaw = math.atan2(rotation[1, 0], rotation[0, 0])

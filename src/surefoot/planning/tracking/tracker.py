@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.whole_body import Kinematics, Tasks, TaskWeights, WholeBodyController
-from surefoot.errors import ProblemError
 from surefoot.log.channels import Channel
+from surefoot.planning.schedule.motions import time_scale
 from surefoot.planning.tracking.flight import FlightControl, Targets, touchdowns
 from surefoot.planning.tracking.landing import Landing, gently, lowered, pressed
 from surefoot.planning.tracking.reference import Reference
@@ -27,6 +27,15 @@ from surefoot.robot import Robot
 from surefoot.robot.motor_limits import motor_limits
 from surefoot.spatial import GRAVITY, rotation_log
 
+FRICTION = 0.5
+"""What the controller counts on."""
+BODY, TURN, SWING, JOINTS = 20.0, 20.0, 40.0, 60.0
+"""Natural frequencies of critically damped feedback, of a robot of Go2's size: of the centre of mass and the
+base's attitude on the ground, of feet in the air while others stand, of the joints in flight [rad/s]."""
+CAPTURE = 0.7
+"""Share of the capture point's offset that feet are moved by before they land."""
+FORCE_SHARE = 0.01
+"""Weight of the plan's forces, see `TaskWeights.force`."""
 GROUND, FLYING, LANDED = 0.0, 1.0, 2.0
 """Values of the channel `phase`."""
 LOST_TIME = 0.02
@@ -46,50 +55,12 @@ LEAST = 0.03
 """Least normal force of a stance foot, over m g: one without leaves the ground as soon as the body turns."""
 AROUND = (0.03, 0.05)
 """How much earlier and later than the plan's end of a flight its next stance may begin [s]."""
-LEAST_FLIGHT = 0.3
-"""Share of the planned flight in which touch is not yet a landing: feet scrape as they leave."""
 
 
-@dataclass(frozen=True)
-class TrackSettings:
-    """How a plan is followed; frequencies are natural frequencies of critically damped feedback.
-
-    Attributes
-    ----------
-    mu
-        Friction that the controller counts on.
-    body, turn
-        Of the centre of mass and of the base's attitude on the ground [rad/s].
-    swing
-        Of feet in the air while others stand [rad/s].
-    joints
-        Of the joints in flight [rad/s].
-    landing, landing_turn
-        Of the body's height and of its attitude from touchdown on [rad/s].
-    sway
-        Of its place along the ground from touchdown on [rad/s].
-    capture
-        Share of the capture point's offset that feet are moved by before they land.
-    force_share
-        Weight of the plan's forces, see `TaskWeights.force`.
-    """
-
-    mu: float = 0.5
-    body: float = 20.0
-    turn: float = 20.0
-    swing: float = 40.0
-    joints: float = 60.0
-    landing: float = 14.0
-    landing_turn: float = 14.0
-    sway: float = 7.0
-    capture: float = 0.7
-    force_share: float = 0.01
-
-    def __post_init__(self) -> None:
-        for name in self.__dataclass_fields__:
-            real_number(name, getattr(self, name), low=0.0)
-        if not self.force_share > 0.0:
-            raise ProblemError(f"force_share must be positive, got {self.force_share:g}")
+def whole_body(robot: Robot, least: float = 0.0) -> WholeBodyController:
+    """Return the control of a robot on the ground, its stance feet with a `least` normal force [N]."""
+    weights = TaskWeights(force=FORCE_SHARE)
+    return WholeBodyController(robot, FRICTION, least, weights=weights, baumgarte=BAUMGARTE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,27 +85,21 @@ class TrackingController(Controller):
         Who executes the plan, as the controller knows it.
     reference
         The motion; its flight ends where the feet feel the ground.
-    settings
-        None for the defaults.
     dt
         Time between steps [s].
     """
 
     channels = (Channel("phase", (), "1", meaning="0 on the ground, 1 in flight, 2 landed or at the end"),)
 
-    def __init__(
-        self, robot: Robot, reference: Reference, settings: TrackSettings | None = None, dt: float = 1e-3
-    ) -> None:
+    def __init__(self, robot: Robot, reference: Reference, dt: float = 1e-3) -> None:
         self.robot, self.planned, self.dt = robot, reference, dt
-        self.settings = s = settings or TrackSettings()
+        quick = self._quick = 1.0 / time_scale(robot)  # small robots are quicker
         least = LEAST * robot.mass * GRAVITY
-        self.whole_body = WholeBodyController(
-            robot, s.mu, least, weights=TaskWeights(force=s.force_share), baumgarte=BAUMGARTE
-        )
+        self.whole_body = whole_body(robot, least)
         self.motors = motor_limits(robot, "curve")
-        self.flight = FlightControl(robot, s.joints, s.capture)
-        self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
-        self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": s.mu}
+        self.flight = FlightControl(robot, quick * JOINTS, CAPTURE)
+        self.landing = Landing(robot, reference, quick)
+        self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": FRICTION}
         self._radii = robot.contact_points.foot_radii
         self._support = robot.contact_points.foot_support[:, 6:]
         self._speed_limits = robot.speed_limits
@@ -206,7 +171,7 @@ class TrackingController(Controller):
                 self._land(now)
         elif self.phase == FLYING:
             goal = flights[self._next]
-            if sensed.any() and clock - goal.start > LEAST_FLIGHT * (goal.end - goal.start):
+            if sensed.any() and now.com_velocity[2] < 0.0:  # while it rises, feet scrape as they leave
                 self._next += 1
                 if self._next == len(flights) and goal.landing.all():
                     self._land(now)
@@ -244,18 +209,19 @@ class TrackingController(Controller):
     def _follow(self, now: Kinematics, stance: BoolArray) -> Tasks:
         """Return the tasks of the plan at this moment."""
         assert self._reference is not None
-        s, want = self.settings, self._reference.at(self._clock)
-        com = want.com_acceleration + s.body**2 * (want.com - now.com)
-        com = com + 2.0 * s.body * (want.com_velocity - now.com_velocity)
-        turn = want.turn_acceleration + s.turn**2 * rotation_log(want.rotation @ now.rotation.T)
-        turn = turn + 2.0 * s.turn * (want.turn_rate - now.angular_velocity)
+        body, turning, swing = self._quick * BODY, self._quick * TURN, self._quick * SWING
+        want = self._reference.at(self._clock)
+        com = want.com_acceleration + body**2 * (want.com - now.com)
+        com = com + 2.0 * body * (want.com_velocity - now.com_velocity)
+        turn = want.turn_acceleration + turning**2 * rotation_log(want.rotation @ now.rotation.T)
+        turn = turn + 2.0 * turning * (want.turn_rate - now.angular_velocity)
         feet = np.zeros((len(stance), 6))
         if not stance.all():
             places, speeds = self._reference.feet_at(self._clock)
             # around the weight as it is, not as it was planned
             miss = places - want.com - (now.centres - now.com)
             slow = speeds - want.com_velocity - (now.twists[:, :3] - now.com_velocity)
-            feet[:, :3] = want.com_acceleration + s.swing**2 * miss + 2.0 * s.swing * slow
+            feet[:, :3] = want.com_acceleration + swing**2 * miss + 2.0 * swing * slow
             if self._next > 0:
                 feet[:, 2] = np.maximum(feet[:, 2], gently(now, self._radii))
             lost = self._planned_stance() & ~stance

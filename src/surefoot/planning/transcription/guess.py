@@ -1,4 +1,4 @@
-"""Where a search starts: a motion between two postures, a plan there is already, or noise about either."""
+"""Where a search starts: a motion between two postures, or a plan there is already."""
 
 from __future__ import annotations
 
@@ -40,14 +40,10 @@ class Guess:
 
         The robot's weight rests on all contact points alike.
         """
-        import pinocchio
-
         model, n = problem.robot.model, problem.knots
-        way = pinocchio.difference(model, problem.q, problem.references[-1])
-        states = np.array(
-            [pinocchio.integrate(model, problem.q, s * way) for s in np.linspace(0.0, 1.0, n + 1)]
-        )
-        v = np.broadcast_to(way / (n * problem.dt), (n + 1, model.nv)).copy()
+        way = problem.references[-1] - problem.q
+        states = problem.q + np.linspace(0.0, 1.0, n + 1)[:, None] * way
+        v = np.tile(way / (n * problem.dt), (n + 1, 1))
         v[0] = problem.v
         points = len(problem.robot.contact_points)
         impulses = np.zeros((n, len(problem.frictions), 3))
@@ -80,27 +76,6 @@ class Guess:
         nearest = np.minimum(((at[:-1] + at[1:]) / 2.0).astype(np.int64), have - 1)
         scale = have / knots / rate
         return Guess(q, rate * v, self.torques[nearest].copy(), scale * self.impulses[nearest])
-
-    def noisy(self, problem: DirectProblem, rng: np.random.Generator, size: float = 0.1) -> Guess:
-        """Return the guess with noise on its motion after the start, and none on what it stands on.
-
-        Parameters
-        ----------
-        problem
-            Whose robot moves.
-        rng
-            Where the noise comes from.
-        size
-            Standard deviation of q's tangent [m, rad]; of v ten times as much [m/s, rad/s].
-        """
-        import pinocchio
-
-        model = problem.robot.model
-        moved = [pinocchio.integrate(model, q, size * rng.normal(size=model.nv)) for q in self.q[1:]]
-        v = self.v.copy()
-        v[1:] += 10.0 * size * rng.normal(size=v[1:].shape)
-        scale = rng.uniform(0.0, 2.0, size=self.impulses.shape[:2])
-        return Guess(np.vstack([self.q[:1], moved]), v, self.torques.copy(), scale[..., None] * self.impulses)
 
     def checked(self, problem: DirectProblem) -> Guess:
         """Return the guess if it fits a problem.

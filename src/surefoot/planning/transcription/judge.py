@@ -62,14 +62,13 @@ def complementarity(impulses: FloatArray, gaps: FloatArray, sliding: FloatArray,
     gaps
         (N, p) at the ends of the knots as their velocities predict them [m].
     sliding
-        (N, p, 1 or 2) tangential velocities [m/s].
+        (N, p, 1) tangential velocities [m/s].
     mu
         (p,) friction.
     """
-    normal, friction = impulses[..., 2], impulses[..., : sliding.shape[-1]]
-    speed = np.linalg.norm(sliding, axis=-1)
-    spare = mu * normal - np.linalg.norm(friction, axis=-1)
-    against = np.maximum(np.sum(friction * sliding, axis=-1) / np.maximum(speed, 1e-300), 0.0)
+    normal, friction, slide = impulses[..., 2], impulses[..., 0], sliding[..., 0]
+    speed, spare = np.abs(slide), mu * normal - np.abs(friction)
+    against = np.maximum(friction * np.sign(slide), 0.0)
     pairs = (np.minimum(gaps, normal), np.minimum(speed, spare), np.minimum(speed, against))
     if not all(np.isfinite(pair).all() for pair in pairs):
         return np.inf
