@@ -13,7 +13,7 @@ from surefoot.estimation.ground_plane import GroundPlane
 from surefoot.estimation.thrown_body import ThrownBody, cube_body, thrown_body
 from surefoot.estimation.toss_model import ThrownModel, TossModel, TossScene
 from surefoot.estimation.tosses import Cube
-from surefoot.experiments.tosses import RIVALS, present_rivals
+from surefoot.experiments.tosses import RIVALS
 
 STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99]}
 
@@ -28,8 +28,7 @@ def scene(
 
 
 def rival(name: str) -> TossModel:
-    if name not in present_rivals():
-        pytest.skip(f"{name} is not installed here")
+    pytest.importorskip(name)
     return RIVALS[name]()
 
 

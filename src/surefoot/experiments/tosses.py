@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from surefoot.arrays import FloatArray
 from surefoot.collision import Solid
 from surefoot.estimation.thrown_body import ThrownBody, TossParameter
-from surefoot.estimation.toss_model import FRICTION, TossModel, TossScene
+from surefoot.estimation.toss_model import FRICTION, TossScene
 from surefoot.simulation.mujoco_spec import import_mujoco
 from surefoot.spatial import quaternion_wxyz, quaternion_xyzw
 
@@ -123,10 +121,5 @@ def _geom(solid: Solid, scale: float) -> str:
     return f'<geom type="{kind}" size="{_text(size)}" pos="{place}" quat="{_turn(solid.rotation)}"/>'
 
 
-RIVALS: dict[str, Callable[[], TossModel]] = {"mujoco": MujocoBody}
-"""Name, which is that of the simulator's package as well, to what makes it: what `--rivals` chooses from."""
-
-
-def present_rivals() -> list[str]:
-    """Return the names of the rivals that can be run here."""
-    return [name for name in RIVALS if find_spec(name) is not None]
+RIVALS = {MujocoBody.name: MujocoBody}
+"""Rivals by name, which is that of the simulator's package as well: what `--rivals` chooses from."""
