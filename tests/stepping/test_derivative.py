@@ -21,28 +21,10 @@ from surefoot.stepping import State, Step, StepOptions, Stepper, step_derivative
 from surefoot.stepping import motion as rules
 from surefoot.stepping.state import StepRemainder
 from surefoot.terrain import Terrain
+from tests.stepping.waves import ROUGH
 
 STEP, NEAR = 1e-6, 2e-6
 EXACT = StepOptions(solver_tol=1e-12)
-
-
-class Waves(Terrain):
-    """Rough ground whose curvature is smooth everywhere."""
-
-    def __repr__(self):
-        return "Waves()"
-
-    def height(self, xy):
-        x, y = np.moveaxis(np.asarray(xy, dtype=float), -1, 0)
-        return 0.03 * np.sin(9.0 * x + 1.0) * np.cos(7.0 * y + 2.0)
-
-    def gradient(self, xy):
-        x, y = np.moveaxis(np.asarray(xy, dtype=float), -1, 0)
-        along = 9.0 * np.cos(9.0 * x + 1.0) * np.cos(7.0 * y + 2.0)
-        return 0.03 * np.stack([along, -7.0 * np.sin(9.0 * x + 1.0) * np.sin(7.0 * y + 2.0)], axis=-1)
-
-
-ROUGH = Waves()
 
 
 def outcome(stepper: Stepper, a: Step, b: Step) -> np.ndarray:

@@ -22,7 +22,8 @@ from surefoot.spatial import GRAVITY
 from surefoot.stepping import Knot, State, StepOptions, Stepper, step_derivative
 from surefoot.terrain import Terrain
 from tests.robot.constraints import constraints
-from tests.stepping.test_derivative import ROUGH, paired_arms
+from tests.stepping.test_derivative import paired_arms
+from tests.stepping.waves import ROUGH
 
 STEP, NEAR, CURVED = 1e-6, 1e-6, 1e-5
 """Over curved ground the rates of its normals are differences themselves, over 1e-5 m."""
