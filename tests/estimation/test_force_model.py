@@ -128,9 +128,7 @@ def test_the_recorded_hopper_across_parts(parts: int, first: bool) -> None:
     model = sf.ForceModel.fit(robot, seen)
     found = model.estimate(kept)
     error = np.sqrt(((found.forces - kept.sensor) ** 2).mean(axis=0))
-    assert {161, 107} <= {
-        int(line) for line in model.lines[1]
-    }  # both halves agree
+    assert {161, 107} <= {int(line) for line in model.lines[1]}  # both halves agree
     assert error[2] < 0.45  # regression on q, dq, ddq, tau: 0.63 to 0.70
     assert (error[:2] < [0.3, 0.5]).all()
     inside = ((kept.sensor >= found.low) & (kept.sensor <= found.high)).mean(axis=0)
