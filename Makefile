@@ -2,7 +2,10 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-INSTALL := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt
+# modules are compiled when they are imported first: most never are
+INSTALL := $(BIN)/python -m pip install --disable-pip-version-check --no-compile -c constraints.txt
+# Pinocchio's C++ headers and CMake files, 0.25 GB that nobody here compiles against
+TRIM = rm -rf $(VENV)/lib/python3*/site-packages/cmeel.prefix/include $(VENV)/lib/python3*/site-packages/cmeel.prefix/share/cmake
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadgroup -q
 .DEFAULT_GOAL := help
 .PHONY: help setup stand lint test test-all test-extras test-release bench docs clean
@@ -17,13 +20,15 @@ $(BIN)/python:
 
 # What standing needs; what tests, plans, files and frameworks need comes with $(VENV)/.installed, stamps of their own.
 $(VENV)/.stand: pyproject.toml constraints.txt | $(BIN)/python
-	@echo "setting up: downloading and installing what standing needs (extras robot, sim, viz: 1.7 GB on disk)"
+	@echo "setting up: downloading and installing what standing needs (extras robot, sim, viz: 1.4 GB on disk)"
 	@$(INSTALL) -e '.[robot,sim,viz]'
+	@$(TRIM)
 	@touch $@
 
 $(VENV)/.installed: pyproject.toml constraints.txt | $(BIN)/python
 	@echo "setting up: downloading and installing everything (extras all, dev: 3 GB on disk)"
 	@$(INSTALL) -e '.[all,dev]'
+	@$(TRIM)
 	@touch $@ $(VENV)/.stand
 
 setup: $(VENV)/.installed ## make the whole virtual environment: what `make test` needs

@@ -31,7 +31,7 @@ DEFAULT: dict[str, Any] = {"dt": 4e-3, "solref": (0.02, 1.0), "solimp": (0.9, 0.
 STIFF, SOFT = (0.002, 1.0), (0.08, 1.0)
 """solref of stiff and soft ground."""
 ELSEWHERE: dict[str, dict[str, Any]] = {
-    "ice 0.2": {"mu": 0.2}, "slope 15": {"terrain": sf.SlopeTerrain(np.radians(15.0))},
+    "ice 0.2": {"mu": 0.2}, "slope 15": {"terrain": sf.SlopeTerrain(15.0)},
     "stiff": {"solref": STIFF}, "delay 20 ms": {"delay": 0.02},
 }  # fmt: skip
 GUARDED: dict[str, dict[str, Any]] = {

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import multiprocessing
+import tempfile
 import time
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -12,7 +14,8 @@ from rich.console import Console
 
 from benchmarks.printing import table
 from surefoot.cli import extras
-from surefoot.cli.console import show
+from surefoot.cli.console import plain_console, say, show
+from surefoot.log.formats import read_log
 
 SHARES = (50.0, 99.0, 99.9, 100.0)
 DOMAIN = 93
@@ -20,11 +23,14 @@ DOMAIN = 93
 
 def wire(
     seconds: Annotated[float, typer.Option(min=1.0, help="Length of the walk that is measured [s].")] = 20.0,
-    quick: Annotated[bool, typer.Option("--quick", help="Two seconds.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Two seconds, or two faults.")] = False,
+    faults: Annotated[int, typer.Option(min=0, help="Let so many things go wrong in place of it.")] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> int:
     """Time the answers of a controller that walks a Go2 over loopback, and of an echo in the same run."""
     extras.require(["cyclonedds", "mujoco", "pin", "example-robot-data"])
+    if faults:
+        return _suffer(min(faults, 2) if quick else faults, json)
     context = multiprocessing.get_context("spawn")
     servers = [context.Process(target=_serve, args=(kind,), daemon=True) for kind in ("loop", "echo")]
     for server in servers:
@@ -41,6 +47,23 @@ def wire(
 
     show(rows, json, in_words)
     return 0
+
+
+def _suffer(count: int, as_json: bool) -> int:
+    """Let things go wrong on the wire, and return the exit code."""
+    from benchmarks.wire_faults import suffer
+
+    console = plain_console(quiet=as_json)
+    with tempfile.TemporaryDirectory() as folder:
+        told = suffer(count, Path(folder) / "walk.npz", lambda line: say(console, line))
+        rows = len(read_log(told["log"]))
+    last = (
+        f"{told['right']} of {count} right; torque asked at most {told['torque_asked']:.3f} of its limit, "
+        f"given {told['torque_given']:.3f}; exit codes {told['exit_codes']}; {rows} rows in the log"
+    )
+    show(told, as_json, lambda console, _: say(console, last))
+    within = max(told["torque_asked"], told["torque_given"]) <= 1.0 + 1e-9
+    return 0 if told["right"] == count and within and not any(told["exit_codes"]) else 1
 
 
 def _end(kind: str, robot_side: bool) -> tuple[Any, Any, Any]:

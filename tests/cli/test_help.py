@@ -48,6 +48,8 @@ def test_there_are_22_commands_and_180_options_at_most(capfd: pytest.CaptureFixt
         print(f"\n{len(ours)} commands with {total} options, {len(options['walk'])} of them of walk")
     assert len(ours) <= 22
     assert total <= 180
+    mute = [name for name, given in options.items() if not any("--json" in option.opts for option in given)]
+    assert not mute, "every command prints JSON when it is asked to"
     kept = "feet gait planner velocity terrain terrain-knowledge mu push payload dropout commands actuators"
     kept += " collision world duration seed scenario view out no-video no-report json"
     names = {name for option in options["walk"] for name in (*option.opts, *option.secondary_opts)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
@@ -48,6 +49,8 @@ def test_a_port_in_use_is_one_line(capfd: pytest.CaptureFixture[str]) -> None:
 def test_another_host_is_warned_of(capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["lab", "cone", "--host", "0.0.0.0", *QUICK]) == 0
     assert "everyone who reaches this address can use the page" in capfd.readouterr().out
+    assert main(["lab", "cone", "--json", *QUICK]) == 0
+    assert json.loads(capfd.readouterr().out)["url"].startswith("http://127.0.0.1:")
 
 
 def test_without_viser_one_line_says_what_to_install(

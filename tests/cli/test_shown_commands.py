@@ -146,8 +146,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     CleanRun(duration=0.3).make().save(place / "walk.mcap")
     write_table(CleanRun(duration=0.3), place)  # run.csv, run.yaml
     write_hopper(place)
-    leg = sf.load_robot(place / "hopper.urdf", fixed_base=True)
-    sf.ForceModel.fit(leg, place / "hopper.csv").write(place / "force_model.json")
     (place / "raw.csv").write_text("".join(f"{0.01 * k},36.8,36.8\n" for k in range(50)))
     steps = (ROOT / "docs" / "first-steps.md").read_text(encoding="utf-8")
     (place / "mine.yaml").write_text(steps.split("```yaml\n")[1].split("```")[0])

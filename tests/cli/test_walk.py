@@ -42,20 +42,6 @@ def test_every_quadruped_walks_as_a_new_user_calls_it(
     assert "state estimate: velocity off by" in said.out
 
 
-def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    code = main(["walk", *QUICK, "--no-report", "--json", "--out", str(tmp_path)])
-    out = capfd.readouterr()
-    summary = json.loads(out.out)
-    assert (code, out.err) == (0, "")
-    assert set(summary["velocity"]) == {"forward", "left", "turn", "within"}
-    assert summary["feet"][0]["footfalls"] >= 1
-    assert summary["commanded_cone_excess"] == 0.0
-    assert summary["gait"] == "trot"
-    assert not list(tmp_path.rglob("*.html"))
-    assert abs(summary["load"]["mass"]) < 0.3  # there is no payload, so no place is found
-    assert "place" not in summary["load"]
-
-
 def test_an_impossible_speed_is_slowed_and_said(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     main(
         ["walk", "--duration", "0.5", "--no-video", "--no-report", "--velocity", "9", "--out", str(tmp_path)]

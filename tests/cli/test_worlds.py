@@ -93,10 +93,3 @@ def test_engines_at_their_defaults(
     assert "SUREFOOT_NEWTON_PYTHON" in found["absent"]["newton"]
     (picture,) = tmp_path.glob("*/defaults.png")
     assert picture.stat().st_size > 10_000
-
-
-def test_what_defaults_do_not_know_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["worlds", "--defaults", "tip"]) == 2
-    assert "unknown scene of --defaults 'tip'; valid names: creep on a slope" in capsys.readouterr().err
-    assert main(["worlds", "--defaults", "--world", "moon"]) == 2
-    assert "unknown engine 'moon'" in capsys.readouterr().err

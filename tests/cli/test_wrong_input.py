@@ -201,6 +201,8 @@ OTHERS = [
     ),
     ("worlds drip", "unknown experiment 'drip'"),
     ("worlds --world moon", "unknown world 'moon'"),
+    ("worlds --defaults tip", "unknown scene of --defaults 'tip'; valid names: creep on a slope"),
+    ("worlds --defaults --world moon", "unknown engine 'moon'"),
     *((f"worlds drop --dt {n}", "--dt must be between") for n in ("0", "nan")),
     ("worlds drop --world rigid --out /dev/null", "cannot write to --out"),
     *(

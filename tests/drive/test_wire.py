@@ -108,12 +108,15 @@ def test_two_processes_walk(tmp_path: os.PathLike[str]) -> None:
         [*start, "robot", "go2", "--seconds", "16.0", "--json", *wire], stdout=subprocess.PIPE, text=True
     )
     try:
-        drive = [*start, "drive", "go2", "--duration", "4", "--out", log, *wire]
+        drive = [*start, "drive", "go2", "--duration", "4", "--out", log, "--json", *wire]
         done = subprocess.run(drive, capture_output=True, text=True, check=False, timeout=300)
         said = json.loads(robot.communicate(timeout=120)[0])
     finally:
         robot.kill()
     assert done.returncode == 0, done.stdout + done.stderr
+    told = json.loads(done.stdout)
+    assert not told["fault"]
+    assert told["balanced"] > 4.0
     assert said["place"][0] > 1.6
     assert said["highest"] > 0.32
     assert said["torque_use"] <= 1.0 + 1e-9

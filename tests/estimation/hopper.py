@@ -15,6 +15,7 @@ FRICTION, LOADED, LENGTH, ROTOR = (0.04, 0.05), 0.06, 0.002, 0.0008
 GAIN, CUBIC, OFFSET = -0.05, -0.02, np.array([0.8, -0.6, 1.4])
 TURN = Rotation.from_euler("zx", [0.45, 0.12]).as_matrix()
 LATE = 2
+RIPPLE, LINE = 0.03, 108.0
 NOISE = 0.15
 UP = np.array([0.0, 9.81])
 
@@ -53,6 +54,7 @@ def write_hopper(folder: Path, seconds: float = 24.0, seed: int = 0) -> Path:
         step = DT * v[k]
         z[k] = np.sign(step) + (z[k - 1] - np.sign(step)) * np.exp(-np.abs(step) / LENGTH)
     given = (1 + GAIN) * motor + CUBIC * motor**3 - (FRICTION + LOADED * np.abs(motor)) * z - ROTOR * a
+    given[:, 1] += RIPPLE * np.sin(LINE * q[:, 1] + 1.0)
     force = _ground(q, given, height)
     sensor = (np.roll(force, LATE, axis=0) @ TURN.T) + OFFSET + NOISE * rng.normal(size=force.shape)
     q, motor = q + 2e-5 * rng.normal(size=q.shape), motor + 0.01 * rng.normal(size=q.shape)

@@ -58,7 +58,6 @@ def test_errors_on_other_tosses_are_as_small_and_noise_is_measured(fit: TossFit)
     assert fit.train.position.shape == (16,)
     assert np.median(fit.test.position) < 0.03
     assert np.median(fit.test.rotation) < 3.0
-    assert fit.test.early is not None
     assert np.median(fit.test.early) < 0.01
     assert fit.position_noise == pytest.approx(POSITION_NOISE, rel=0.3)
     assert fit.rotation_noise == pytest.approx(ROTATION_NOISE, rel=0.3)
@@ -146,7 +145,9 @@ def test_errors_of_a_shifted_copy() -> None:
     np.testing.assert_allclose(errors.early, 0.1)
     np.testing.assert_allclose(errors.rotation, 0.0, atol=1e-6)
     poses[tosses.starts[1]] = np.nan
-    assert toss_errors(tosses, poses, WIDTH).position[1] == pytest.approx((10.0 + 0.1 * 109) / 110)
+    assert toss_errors(tosses, poses, WIDTH, np.full(3, 20)).position[1] == pytest.approx(
+        (10.0 + 0.1 * 109) / 110
+    )
 
 
 def test_paired_differences_have_their_sign_and_their_interval() -> None:

@@ -9,12 +9,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from benchmarks.problems.tosses import ELBOW
-from surefoot.errors import ProblemError
 from surefoot.estimation.ground_plane import GroundPlane
 from surefoot.estimation.thrown_body import ThrownBody, cube_body, thrown_body
 from surefoot.estimation.toss_model import ThrownModel, TossModel, TossScene
 from surefoot.estimation.tosses import Cube
-from surefoot.experiments.tosses.rivals import RIVALS, make_rival, present_rivals
+from surefoot.experiments.tosses.mujoco_body import RIVALS
 
 STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99]}
 
@@ -29,9 +28,8 @@ def scene(
 
 
 def rival(name: str) -> TossModel:
-    if name not in present_rivals():
-        pytest.skip(f"{name} is not installed here")
-    return make_rival(name)
+    pytest.importorskip(name)
+    return RIVALS[name]()
 
 
 @pytest.mark.parametrize("name", RIVALS)
@@ -76,8 +74,3 @@ def test_a_flat_slide_is_the_same(name: str, slope: float) -> None:
     theirs = rival(name).rollout(np.array(STIFF[name]), given)
     assert np.linalg.norm(ours[-1, :2] - ours[0, :2]) > 0.05
     np.testing.assert_allclose(theirs[:, :3], ours[:, :3], atol=4e-3)
-
-
-def test_unknown_rivals_are_named() -> None:
-    with pytest.raises(ProblemError, match="unknown rival 'bullet'; valid names: mujoco"):
-        make_rival("bullet")

@@ -207,15 +207,6 @@ def test_a_full_disk_keeps_what_fits(tmp_path: Path, monkeypatch: pytest.MonkeyP
     check(read_log(tmp_path / "parts"), 2 * CHUNK)
 
 
-def test_what_is_no_log_is_told(tmp_path: Path) -> None:
-    np.save(tmp_path / "array.npy", np.zeros(3))
-    (tmp_path / "text.npz").write_text("no log")
-    (tmp_path / "empty").mkdir()
-    for name in ("array.npy", "text.npz", "empty", "missing.npz"):
-        with pytest.raises(ProblemError, match="not a Surefoot log"):
-            read_log(tmp_path / name)
-
-
 def test_a_killed_run_loses_a_tenth_of_a_second_at_most(tmp_path: Path) -> None:
     code = f"""
 import os, signal

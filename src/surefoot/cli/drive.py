@@ -12,7 +12,7 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli import extras, options, parsing
-from surefoot.cli.console import plain_console, say
+from surefoot.cli.console import plain_console, say, show
 from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, WriteError, check_name
 
@@ -60,6 +60,7 @@ def drive(
         bool, typer.Option("--yes-real-robot", help="The robot hangs on a frame, and nobody is in its reach.")
     ] = False,
     out: Annotated[Path | None, typer.Option(help="Log of the balanced part: .npz, .mcap or .csv.")] = None,
+    as_json: options.AsJson = False,
 ) -> int:
     """Stand a robot up over DDS, walk it, stop it and sit it down; Ctrl-C damps it.
 
@@ -79,7 +80,7 @@ def drive(
         raise ProblemError(f"--out {out} exists already")
     check_name("--end", end, ("sit", "lie"))
     real_number("--duration", duration, low=0.0)
-    wanted, console = parsing.velocity(velocity), plain_console()
+    wanted = parsing.velocity(velocity)
     model = load(robot, None, feet_needed=True)
     with wire_end(model, False, interface, domain) as (wire, dialect):
         loop = RobotLoop(model, motors=dialect.motors, mu=mu)
@@ -87,7 +88,7 @@ def drive(
         wired = WiredLoop(loop, wire, dialect, slow_motion, log.note)
         gc.freeze()
         wired.wait(30.0)
-        say(console, f"{model.name} speaks on {interface}: standing up")
+        say(plain_console(quiet=as_json), f"{model.name} speaks on {interface}: standing up")
         try:
             fault = wired.outing(wanted, duration, end)
         except KeyboardInterrupt:
@@ -99,7 +100,7 @@ def drive(
                     log.log().save(out)
                 except OSError as error:
                     raise WriteError(out, error) from error
-    say(
-        console, f"ended by a fault: {fault}" if fault else f"stood, walked {duration:g} s, and went to {end}"
-    )
+    told = f"ended by a fault: {fault}" if fault else f"stood, walked {duration:g} s, and went to {end}"
+    facts = {"fault": fault, "balanced": len(log.rows) * loop.dt}
+    show(facts, as_json, lambda console, _: say(console, told))
     return 1 if fault else 0

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,7 +17,7 @@ from surefoot.cli import options
 from surefoot.cli.console import progress_bar, say, show, table
 from surefoot.cli.extras import drawn
 from surefoot.cli.output import check_out
-from surefoot.errors import ProblemError
+from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:  # the other commands need no compiled code
     from rich.console import Console
@@ -60,10 +62,11 @@ def identify(
     as_json: options.AsJson = False,
 ) -> int:
     """Fit a body, a contact law and the ground to tosses, or a leg's joints to a force sensor."""
-    if tosses.suffix in (".csv", ".json"):
+    if tosses.suffix == ".csv":
         from surefoot.cli.identify_forces import identify_forces
 
-        return identify_forces(tosses, model, test, out, as_json)
+        given = {"--law": law, "--rivals": rivals != NAMED, "--resamples": resamples != 1000, "--seed": seed}
+        return identify_forces(tosses, model, test, out, as_json, given)
     from surefoot.estimation.toss_model import ThrownModel
     from surefoot.estimation.tosses import read_tosses
 
@@ -75,31 +78,33 @@ def identify(
     if others is not None and others.cube != recorded.cube:
         raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
     laws = list(dict.fromkeys(law or ["rigid"]))
-    simulators = [*map(ThrownModel, laws), *_rivals(rivals, test is not None)]
+    models = [*map(ThrownModel, laws), *_rivals(rivals, test is not None)]
     settings = {"model": model, "test": others, "resamples": resamples, "seed": seed}
-    fits = _fits(recorded, simulators, settings, not as_json)
+    fits = _fits(recorded, models, settings, not as_json)
     facts = _facts(fits, laws, recorded, others)
-
-    def draw(folder: Path) -> Path:
-        from surefoot.viz.toss_plots import draw_tosses
-
-        return draw_tosses(recorded, others, fits, folder / "tosses.png")
-
-    facts["picture"], note = drawn(picture, out, "identify", draw)
+    facts["picture"], note = drawn(picture, out, "identify", partial(_draw, recorded, others, fits))
     facts["notes"] += [note] if note else []
     show(facts, as_json, _print)
     return 0
 
 
+def _draw(recorded: Tosses, others: Tosses | None, fits: dict[str, TossFit], folder: Path) -> Path:
+    from surefoot.viz.toss_plots import draw_tosses
+
+    return draw_tosses(recorded, others, fits, folder / "tosses.png")
+
+
 def _rivals(names: str, testing: bool) -> list[Any]:
     """Return the model of each rival."""
-    from surefoot.experiments.tosses.rivals import make_rival, present_rivals
+    from surefoot.experiments.tosses.mujoco_body import RIVALS
 
     if names == NAMED:
-        wanted = present_rivals() if testing else []
+        wanted = [name for name in RIVALS if testing and find_spec(name)]
     else:
         wanted = [] if names == "none" else [name.strip() for name in names.split(",")]
-    return [make_rival(name) for name in dict.fromkeys(wanted)]
+    for name in wanted:
+        check_name("rival", name, RIVALS)
+    return [RIVALS[name]() for name in dict.fromkeys(wanted)]
 
 
 def _fits(recorded: Tosses, simulators: list[Any], settings: dict[str, Any], bar: bool) -> dict[str, TossFit]:
@@ -110,19 +115,15 @@ def _fits(recorded: Tosses, simulators: list[Any], settings: dict[str, Any], bar
     found = None
     for simulator in simulators:
         with progress_bar(bar, f"{simulator.name}: simulating tosses", 1.0) as moved:
-            progress = _progress(len(recorded), moved)
+            progress = _progress(EXPECTED * len(recorded), moved)
             fits[simulator.name] = fit(recorded, simulator, found=found, progress=progress, **settings)
         found = fits[simulator.name].found
     return fits
 
 
-def _progress(tosses: int, moved: Any) -> Callable[[float], None] | None:
+def _progress(expected: float, moved: Any) -> Any:
     """Return what moves the bar when it is told how many tosses have been simulated."""
-    return (
-        None
-        if moved is None
-        else lambda simulated: moved(1.0 - math.exp(-2.0 * simulated / EXPECTED / tosses))
-    )
+    return moved and (lambda simulated: moved(min(1.0, simulated / expected)))
 
 
 def _facts(
@@ -152,10 +153,7 @@ def _facts(
 
 def _numbers(fit: TossFit) -> dict[str, Any]:
     """Return the fitted numbers as the JSON has them."""
-    return {
-        name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
-        for name, e in fit.parameters.items()
-    }
+    return {name: vars(e) for name, e in fit.parameters.items()}
 
 
 def _impacts(fit: TossFit) -> dict[str, Any] | None:
@@ -178,7 +176,7 @@ def _part(fits: dict[str, TossFit], name: str, rivals: list[str], part: str) -> 
 
 def _errors(errors: Any) -> dict[str, Any]:
     """Return means, medians and errors toss by toss."""
-    each = {"position": errors.position, "rotation": errors.rotation, "early": errors.early}
+    each = vars(errors)
     means = {f"{kind}_error_mean": float(values.mean()) for kind, values in each.items()}
     middles = {f"{kind}_error_median": float(np.median(values)) for kind, values in each.items()}
     return {**means, **middles, **{f"{kind}_error": values for kind, values in each.items()}}

@@ -19,8 +19,12 @@ if TYPE_CHECKING:
     from surefoot.estimation.leg_motion import LegLog
 
 
-def identify_forces(log: Path, model: Path | None, test: Path | None, out: Path, as_json: bool) -> int:
-    """Fit a leg's forces to a sensor, or read a fit, and tell those of another log."""
+def identify_forces(
+    log: Path, model: Path | None, test: Path | None, out: Path, as_json: bool, given: dict[str, Any]
+) -> int:
+    """Fit a leg's forces to a sensor, and tell those of another log; `given` options mean nothing to it."""
+    if unused := [name for name, changed in given.items() if changed]:
+        raise ProblemError(f"{log} is a leg's log: {', '.join(unused)} are of tosses (.npz)")
     if model is None:
         raise ProblemError(f"{log} is a leg's log: --model must name its URDF or MJCF file")
     require(robot_packages(str(model)))
@@ -31,23 +35,19 @@ def identify_forces(log: Path, model: Path | None, test: Path | None, out: Path,
     check_out(out)
     robot = load_robot(model, fixed_base=True)
     other = None if test is None else read_leg_log(test)
-    found = ForceModel.read(log, robot) if log.suffix == ".json" else ForceModel.fit(robot, log)
+    found = ForceModel.fit(robot, log)
     forces = None if other is None else found.estimate(other)
-    folder = new_run_folder(out, "identify")
-    found.write(folder / "force_model.json")
+    keys = ("value", "low", "high", "unit")
     joints = {
-        joint: {
-            t: {"value": v, "low": low, "high": high, "unit": TERMS[t]} for t, (v, low, high) in terms.items()
-        }
+        joint: {t: dict(zip(keys, (*e, TERMS[t]), strict=True)) for t, e in terms.items()}
         for joint, terms in found.joints.items()
     }
     facts: dict[str, Any] = {
         "fit": joints, "axes": found.axes, "offset": found.offset, "delay": found.delay, "test": None,
         "hysteresis": found.length, "unseen_error_rms": found.rms, "notes": found.notes,
-        "model": str(folder / "force_model.json"),
     }  # fmt: skip
     if other is not None and forces is not None:
-        written = str(_written(folder / "forces.csv", forces))
+        written = str(_written(new_run_folder(out, "identify") / "forces.csv", forces))
         facts["test"] = {"forces": written, **_judged(found, other, forces)}
     show(facts, as_json, _print)
     return 0
@@ -94,7 +94,7 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
     ]
     header = ("", "value", "95 % interval", "unit")
     console.print(table(header, rows, "what the joints keep to themselves", left=4))
-    say(console, *facts["notes"], f"model: {facts['model']}")
+    say(console, *facts["notes"])
     test = facts["test"]
     if test is None:
         return

@@ -14,7 +14,7 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli import extras, options, parsing
-from surefoot.cli.console import plain_console, say
+from surefoot.cli.console import plain_console, say, show
 from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, check_name
 
@@ -50,6 +50,7 @@ def lab(
     seconds: Annotated[
         float | None, typer.Option("--seconds", help="Serve so long [s]; None for until Ctrl-C.")
     ] = None,
+    as_json: options.AsJson = False,
 ) -> int:
     """Open a page in a browser: a stance, a cone, a robot to push, a plan, a log; Ctrl-C ends it."""
     from surefoot.lab.server import check_free
@@ -80,10 +81,12 @@ def lab(
 
         Thread(target=prepare, name="lab-start", daemon=True).start()
         wait([starting], AT_ONCE)
-        return _serve(starting, host, port, seconds)
+        return _serve(starting, host, port, seconds, as_json)
 
 
-def _serve(starting: Future[Callable[[], Page]], host: str, port: int, seconds: float | None) -> int:
+def _serve(
+    starting: Future[Callable[[], Page]], host: str, port: int, seconds: float | None, as_json: bool
+) -> int:
     """Serve a page until Ctrl-C, or so many seconds; one that is not ready says so in the browser."""
     from surefoot.cli.signals import ends_softly
     from surefoot.lab.server import LabServer
@@ -93,10 +96,9 @@ def _serve(starting: Future[Callable[[], Page]], host: str, port: int, seconds: 
             if starting.done():
                 starting.result()
             with LabServer(lambda: starting.result()(), host, port) as server:
-                console = plain_console()
-                say(console, f"the page: {server.url}   (Ctrl-C ends)")
-                if host != LOCAL:
-                    say(console, "everyone who reaches this address can use the page")
+                where = f"the page: {server.url}   (Ctrl-C ends)"
+                all_may = "" if host == LOCAL else "everyone who reaches this address can use the page"
+                show({"url": server.url}, as_json, lambda console, _: say(console, where, all_may))
                 sys.stdout.flush()
                 while not starting.done():  # in short waits, which a signal can end
                     wait([starting], AT_ONCE)

@@ -54,10 +54,9 @@ def robot(
                 largest = max(largest, float((abs(body.torques) / model.effort_limits).max()))
         except KeyboardInterrupt:
             pass
-    q = body.world.state()[0]
     said = {
-        "time": body.time, "place": q[:3].tolist(), "highest": highest, "torque_use": largest,
-        "damped_steps": wired.damped,
+        "time": body.time, "place": body.world.state()[0][:3].tolist(), "highest": highest,
+        "torque_use": largest, "damped_steps": wired.damped,
     }  # fmt: skip
     show(said, as_json, lambda console, facts: say(console, *(f"{k}: {v}" for k, v in facts.items())))
     return 0

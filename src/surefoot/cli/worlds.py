@@ -68,21 +68,21 @@ def worlds(
         _print(outcomes[-1], console)
     for name, why in absent.items():
         console.print(f"{name}: not here: {why}")
-    paths: list[str] = []
 
     def draw(folder: Path) -> Path:
-        paths.extend(_draw(outcomes, folder))
-        return folder
+        from surefoot.viz.world_plots import draw_overview
 
-    folder, note = extras.drawn(pictures, out, "worlds", draw)
-    if pictures:
-        console.print(note or f"pictures: {folder}")
+        return draw_overview(outcomes, folder / "overview.png")
+
+    path, note = extras.drawn(pictures and any(o.rows for o in outcomes), out, "worlds", draw)
+    if path or note:
+        console.print(note or f"picture: {path}")
     agrees = all(outcome.agrees for outcome in outcomes)
     if as_json:
         print(to_json({
             "dt": dt, "worlds": here, "absent": {name: str(error) for name, error in absent.items()},
             "agrees": agrees, "experiments": {o.experiment.name: _facts(o) for o in outcomes},
-            "pictures": paths,
+            "pictures": [path] if path else [],
         }))  # fmt: skip
     console.print(_headline(outcomes, agrees))
     return 0 if agrees else 1
@@ -166,13 +166,6 @@ def _print(outcome: WorldsOutcome, console: Console) -> None:
         console.print(table(header, rows, title, left=("quantity", "world", "")))
     for world, why in outcome.failures.items():
         console.print(f"{outcome.experiment.name} in {world}: {why}")
-
-
-def _draw(outcomes: list[WorldsOutcome], folder: Path) -> list[str]:
-    """Draw the picture and return its path, nothing where no world reached an end."""
-    from surefoot.viz.world_plots import draw_overview
-
-    return [str(draw_overview(outcomes, folder / "overview.png"))] if any(o.rows for o in outcomes) else []
 
 
 def _facts(outcome: WorldsOutcome) -> dict[str, Any]:

@@ -35,9 +35,8 @@ class LoopLog:
         state, last = loop.state, loop.watch.last
         if loop.mode in CONTROLLED and state is not None and state.forces is not None and last is not None:
             touching = np.array(state.contact)
-            pushing = touching & (
-                state.forces[:, 2] > 0.0
-            )  # estimates are noisy where a foot has just landed
+            # estimates are noisy where a foot has just landed
+            pushing = touching & (state.forces[:, 2] > 0.0)
             self.rows.append({
                 "time": loop.time, "q": state.q, "v": state.v, "torques": last.torques,
                 "forces": state.forces * pushing[:, None], "contact_estimated": touching,

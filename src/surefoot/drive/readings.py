@@ -146,6 +146,7 @@ class ReadingWatch:
         self._said = np.zeros(0)
         self._repeated = np.zeros(0, dtype=np.int64)
         self._drift, self._turn = np.zeros(len(self._low)), np.zeros(3)
+        self._slack, self._room = np.zeros(len(self._low)), 0.0
         self._contradictions = 0
 
     @property
@@ -211,21 +212,21 @@ class ReadingWatch:
             return "a sensor is frozen"
         elapsed = self.silent + self.dt
         keep = FORGET ** (elapsed / self.dt)
-        # the trapezoid's error is within half the change of the speed
+        # the trapezoid's error is within half the change of the speed, and is kept as long as the drift
         drift = keep * self._drift + now.positions - last.positions
         drift -= 0.5 * elapsed * (now.speeds + last.speeds)
-        slack = limits.mismatch + 0.5 * elapsed * np.abs(now.speeds - last.speeds)
+        slack = keep * self._slack + 0.5 * elapsed * np.abs(now.speeds - last.speeds)
         before, after = (rotation_from_quaternion(r.quaternion) for r in (last, now))
         rate = 0.5 * (last.gyro + now.gyro)
         turn = keep * self._turn + rotation_log(rotation_exp(-elapsed * rate) @ before.T @ after)
-        room = limits.turned + 0.5 * elapsed * float(np.abs(now.gyro - last.gyro).max())
-        if (np.abs(drift) > slack).any():
+        room = keep * self._room + 0.5 * elapsed * float(np.abs(now.gyro - last.gyro).max())
+        if (np.abs(drift) > limits.mismatch + slack).any():
             self._contradictions += 1
             return "a joint's angles contradict its speeds"
-        if float(np.abs(turn).max()) > room:
+        if float(np.abs(turn).max()) > limits.turned + room:
             self._contradictions += 1
             return "the attitude contradicts the gyro"
-        self._drift, self._turn = drift, turn
+        self._drift, self._turn, self._slack, self._room = drift, turn, slack, room
         return ""
 
     def _frozen(self, now: RobotReadings, said: FloatArray) -> bool:

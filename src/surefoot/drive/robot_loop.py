@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
 from surefoot.control.controller import Command, JointTargets, RobotState
+from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walker import Walker
 from surefoot.control.walkers import default_gait, walking_controller
 from surefoot.control.walking_body import VelocityCommand
@@ -21,7 +22,7 @@ from surefoot.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, 
 from surefoot.drive.state_tracker import StateTracker
 from surefoot.drive.target_limits import TargetLimits
 from surefoot.drive.watchdog import damping_targets
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.estimation.state_estimator import Reading
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators, actuators_of
@@ -61,7 +62,8 @@ class RobotLoop:
     mu
         Friction that is believed in [-].
     terrain
-        The ground that is believed in, where the robot stands up at the origin; None for flat.
+        The ground that is believed in, where the robot stands up at the origin; None for flat, "blind" for
+        the plane that its feet find.
     actuators
         What is believed of the motors, see `surefoot.robot.actuators`: "real", "ideal" or a value.
     latency
@@ -110,7 +112,7 @@ class RobotLoop:
         motors: Sequence[str] | None = None,
         gait: str | None = None,
         mu: float = 0.6,
-        terrain: Terrain | None = None,
+        terrain: Terrain | str | None = None,
         actuators: str | Actuators = "real",
         latency: float | None = None,
         limits: ReadingLimits | None = None,
@@ -121,10 +123,12 @@ class RobotLoop:
         self._order, self._back = motor_order(robot, motors)
         self.limits = limits or ReadingLimits()
         self.watch = ReadingWatch(robot, self.dt, self.limits)
-        self.terrain = FlatTerrain() if terrain is None else terrain
+        told = terrain or "exact"
+        self.terrain = believed_ground(told, FlatTerrain()) if isinstance(told, str) else told
+        known = None if self.terrain.learns else self.terrain
         self._motors = actuators_of(robot, actuators)
         geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
-        self.tracker = StateTracker(geared, self.dt, None, self.terrain, imu_position, actuators=self._motors)
+        self.tracker = StateTracker(geared, self.dt, None, known, imu_position, actuators=self._motors)
         self.postures, self.target_limits = BodyPostures(robot), TargetLimits(robot)
         self._damp = damping_targets(robot, self.dt)
         self._passive = JointTargets(*np.zeros((5, robot.joints)))
@@ -134,8 +138,10 @@ class RobotLoop:
         made = {name: self._balance(name, mu, latency) for name in dict.fromkeys(names.values())}
         self._balances = {mode: made[name] for mode, name in names.items()}
         self.reset()
-        for walker, controller in made.values():
-            self._warm_up(walker, controller)
+        q, v = robot.nominal, np.zeros(robot.model.nv)
+        start = RobotState(q, v, 0.0, np.ones(len(robot.feet), dtype=bool), v[6:])
+        for _, controller in made.values():
+            controller.warm_up(start)  # compiles or loads all that a step may call
 
     def _balance(self, gait: str, mu: float, latency: float | None) -> tuple[Walker, LatencyCompensation]:
         """Return a controller that balances and what makes joint targets of its commands."""
@@ -144,11 +150,6 @@ class RobotLoop:
             robot, VelocityCommand.constant(0.0), gait, self.terrain, mu, self._motors, dt
         )
         return walker, LatencyCompensation(JointTargetController(walker, robot, dt), robot, dt, latency)
-
-    def _warm_up(self, walker: Walker, controller: LatencyCompensation) -> None:
-        """Compile or load all that a step may call."""
-        q, v = self.robot.nominal, np.zeros(self.robot.model.nv)
-        controller.warm_up(RobotState(q, v, 0.0, np.ones(len(self.robot.feet), dtype=bool), v[6:]))
 
     def reset(self) -> None:
         """Damp, and forget the past."""
@@ -184,9 +185,7 @@ class RobotLoop:
             For what may not follow, with what may; for a posture that is not reached yet, a robot that leans
             too much to stand up, or one whose readings cannot be used.
         """
-        names = ("stand", "walk", "sit", "lie", "damp", "passive")
-        if goal not in names:
-            raise ProblemError(unknown_name("mode", goal, names))
+        check_name("mode", goal, ("stand", "walk", "sit", "lie", "damp", "passive"))
         if goal not in FOLLOWS[self.mode] and goal != self.mode:
             raise ProblemError(f"{self.mode} is followed by {' or '.join(FOLLOWS[self.mode])}, not by {goal}")
         if goal not in POWERLESS:
@@ -325,12 +324,13 @@ class RobotLoop:
         """Begin to balance where the robot stands."""
         last = self.watch.last
         assert last is not None
-        q = np.concatenate([np.zeros(3), last.quaternion / np.linalg.norm(last.quaternion), last.positions])
-        q[2] = -self.robot.foot_positions(q)[:, 2].mean() + self.robot.contact_points.foot_radii.mean()
-        self.tracker.begin(q)
         for walker, controller in self._balances.values():
             controller.reset()
             walker.steer(np.zeros(3))
+        q = np.concatenate([np.zeros(3), last.quaternion / np.linalg.norm(last.quaternion), last.positions])
+        feet = self.robot.foot_positions(q)
+        q[2] = (self.terrain.height(feet[:, :2]) + self.robot.contact_points.foot_radii - feet[:, 2]).mean()
+        self.tracker.begin(q)
         self.walker, self._controller = self._balances[Mode.STAND]
         self._began, self.mode, self._steered = self.time, Mode.STAND, ()
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.control.controller import Command, RobotState
+from surefoot.drive.watchdog import LARGEST_DAMPING
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
@@ -15,8 +16,6 @@ APPROACH = 0.4
 """Time in which the joints go to the nominal pose [s]."""
 DAMPING = 0.04
 """Ratio of a joint's damping to its stiffness [s]."""
-LARGEST_DAMPING = 0.2
-"""Share of a joint's speed that damping may take away in a step: more would shake light legs."""
 
 
 class Standstill:

@@ -2,10 +2,11 @@
 
 Statics, f = J⁻ᵀ (M v̇ + h - τ), miss what joints keep to themselves. What a joint gives its link is
 
-    τ_leg = τ + k τ + b + s τ³ - (c + μ |τ|) z - I q̈,    ż = (q̇ - |q̇| z) / length        (Dahl [1]_)
+    τ_leg = τ + k τ + b + s τ³ - (c + μ |τ|) z - I q̈ + r(q),    ż = (q̇ - |q̇| z) / length        (Dahl [1]_)
 
 an error k of the motor's constant, an offset b, a constant that changes with the current (s), friction c,
-more of it under load (μ), with its hysteresis, and the inertia I of the rotor. The sensor is turned and has
+more of it under load (μ), with its hysteresis, the inertia I of the rotor, and the ripple r that repeats with
+the motor's turn (`ripple`). The sensor is turned and has
 an offset. All of it is linear but the hysteresis' length and the sensor's delay, which are searched. Where
 the sensor's axes disagree about a joint (a bent rail, a foot that rolls) each keeps coefficients of its own,
 drawn towards the rigid body's statics by a ridge (hardly, where the joint itself is asked for). Intervals are
@@ -21,18 +22,17 @@ References
 from __future__ import annotations
 
 import dataclasses
-import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy import stats
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.errors import ProblemError, WriteError
-from surefoot.estimation.leg_motion import QUICK, STEADY, LegLog, LegMotion, leg_motion, read_leg_log
+from surefoot.errors import ProblemError
+from surefoot.estimation.leg_motion import QUICK, SMOOTH, STEADY, LegLog, LegMotion, leg_motion, read_leg_log
+from surefoot.estimation.ripple import ripple_lines
 from surefoot.numerics.phases import debounced
 from surefoot.robot import Robot
 
@@ -47,12 +47,14 @@ LATEST = 0.01
 RIDGE, FREE = 0.01, 1e-5
 """Weights of the rigid body's statics against the recording, per standard deviation of a term: for forces,
 which other motions ask for too, and for what a joint has."""
+SLOW = 0.5
+"""Window [s] of what is no ripple."""
 PARTS = 10
 """Parts of the recording that are left out, one after the other."""
-PLAIN = ("delay", "length", "joints", "notes")
-"""Fields that are no arrays."""
 TOUCHING, LASTING = 2.0, 0.01
 """A foot touches that is pushed by more than this [N] for longer than this [s]."""
+SOON, SAME_POSE = 1.0, 0.01
+"""Time [s], or difference of angles [rad], within which a recording goes on where another one ended."""
 SLIPPING = 0.3
 """Speed that no rail can give a foot on the ground [m/s]."""
 
@@ -101,9 +103,11 @@ class ForceModel:
         How much later than the torques the sensor tells [s].
     length
         Of the hysteresis of friction [rad].
+    lines
+        How often the motor's ripple repeats per radian, joint by joint [1/rad].
     coefficients, parts
-        (3, m) by sensor axis, of `TERMS` in their units, joint by joint and world axis, then an offset [N];
-        (PARTS, 3, m) the same without one part of the recording each.
+        (3, m) by sensor axis, of `TERMS` in their units, joint by joint and world axis, of the ripple's sines
+        and cosines [N m], then an offset [N]; (PARTS, 3, m) the same without one part of the recording each.
     noise, drift, rms
         (3,) [N] standard deviations of what the fit leaves over and of the offset from part to part, and the
         rms of errors in parts that a fit did not see.
@@ -111,6 +115,8 @@ class ForceModel:
         (3,) 95 % quantile of these errors over what noise and the disagreement of the parts' fits give [-].
     joints
         {joint: {term: (value, low, high)}}: what each keeps to itself and 95 % intervals [units of `TERMS`].
+    ends
+        (2, 1 + k) time [s] and pose [rad] at the recording's ends.
     notes
         What was found, a line each.
     """
@@ -120,6 +126,7 @@ class ForceModel:
     offset: FloatArray
     delay: float
     length: float
+    lines: tuple[tuple[float, ...], ...]
     coefficients: FloatArray
     parts: FloatArray
     noise: FloatArray
@@ -127,6 +134,7 @@ class ForceModel:
     rms: FloatArray
     scale: FloatArray
     joints: dict[str, dict[str, tuple[float, float, float]]]
+    ends: FloatArray = field(default_factory=lambda: np.zeros((2, 1)))
     notes: tuple[str, ...] = ()
 
     @classmethod
@@ -153,22 +161,23 @@ class ForceModel:
         turn = _axes(statics, reading)
         still = statics @ turn.T
 
-        def loss(X: FloatArray, late: int = 0) -> float:
-            left, X = reading - _later(still, late), _later(X, late)
-            return float(((left - X @ _ridge(X, left).T) ** 2).sum())
+        def left(X: FloatArray, late: int = 0) -> FloatArray:
+            target, X = reading - _later(still, late), _later(X, late)
+            return np.asarray(target - X @ _ridge(X, target).T)
 
-        tried = {length: _terms(motion, log, length) for length in LENGTHS}
-        length = min(LENGTHS, key=lambda one: loss(tried[one]))
+        lines = _ripple(motion, log, left(_terms(motion, log, LENGTHS[len(LENGTHS) // 2])) @ turn)
+        tried = {length: _terms(motion, log, length, lines) for length in LENGTHS}
+        length = min(LENGTHS, key=lambda one: (left(tried[one]) ** 2).sum())
         most = round(LATEST / log.dt)
-        late = min(range(-most, most + 1), key=lambda rows: loss(tried[length], rows))
-        X, left = _later(tried[length], late), reading - _later(still, late)
-        model = cls._fitted(robot, motion.joints, X, left, turn, length, late * log.dt)
-        return dataclasses.replace(model, notes=model._told(motion, log))
+        late = min(range(-most, most + 1), key=lambda rows: (left(tried[length], rows) ** 2).sum())
+        X, target = _later(tried[length], late), reading - _later(still, late)
+        model = cls._fitted(robot, motion.joints, X, target, turn, length, lines, late * log.dt)
+        return dataclasses.replace(model, ends=_ends(log), notes=model._told(motion, log))
 
     @classmethod
     def _fitted(
         cls, robot: Robot, joints: tuple[str, ...], X: FloatArray, left: FloatArray, turn: FloatArray,
-        length: float, delay: float,
+        length: float, lines: tuple[tuple[float, ...], ...], delay: float,
     ) -> ForceModel:  # fmt: skip
         """Return the model of what statics leave over (T, 3), by terms (T, m), for all parts but one each."""
         cuts = np.linspace(0, len(left), PARTS + 1).astype(int)
@@ -184,7 +193,7 @@ class ForceModel:
         wandering = np.add.reduceat(unseen, cuts[:-1]) ** 2 / np.diff(cuts)[:, None] ** 2
         known = np.add.reduceat(doubt**2 - noise**2, cuts[:-1]) / np.diff(cuts)[:, None]
         return cls(
-            robot, turn, whole[:, -1], delay, length, whole, parts, noise,
+            robot, turn, whole[:, -1], delay, length, lines, whole, parts, noise,
             np.sqrt(np.maximum(0.0, (wandering - known).mean(axis=0))),
             np.sqrt((unseen**2).mean(axis=0)), np.quantile(np.abs(unseen) / doubt, 0.95, axis=0),
             _joint_terms(free, np.array(others), X, turn, joints),
@@ -201,6 +210,8 @@ class ForceModel:
             "offsets " + ", ".join(f"{x:.2f}" for x in self.offset) + " N",
             f"the sensor is {1e3 * self.delay:.0f} ms later than the torques; "
             f"friction turns within {1e3 * self.length:g} mrad",
+            "ripple of the motors per radian: "
+            + "; ".join(", ".join(map(str, n)) or "none" for n in self.lines),
             "errors on parts that the fit did not see: " + ", ".join(f"{x:.2f}" for x in self.rms) + " N rms",
         )
 
@@ -220,15 +231,17 @@ class ForceModel:
         """
         log = log if isinstance(log, LegLog) else read_leg_log(log)
         motion = leg_motion(self.robot, log)
-        if len(motion.joints) * 3 * len(TERMS) + 1 != self.coefficients.shape[1]:
+        if len(motion.joints) != len(self.lines):
             raise ProblemError(f"the model is of {', '.join(self.joints)}, the log of {', '.join(log.names)}")
         late = round(self.delay / log.dt)
-        X = _later(_terms(motion, log, self.length), late)
+        X = _later(_terms(motion, log, self.length, self.lines), late)
         forces = _later(_statics(motion, log) @ self.axes.T, late) + X @ self.coefficients.T
         axis, up = self.vertical_axis
         vertical = up * forces[:, axis]
         doubt = _doubt(X, self.parts, self.noise)
-        half = np.hypot(self.scale * doubt, 1.96 * self.drift)
+        half = np.hypot(self.scale * doubt, stats.t.ppf(0.975, PARTS - 1) * self.drift)
+        if not self._goes_on(log):  # the sensor may have been zeroed anew
+            half = np.hypot(half, self.offset)
         touch = (vertical > TOUCHING) & (motion.slip < SLIPPING)
         contact = debounced(log.time, touch, LASTING)
         begins = 1 + np.flatnonzero(~contact[:-1] & contact[1:])
@@ -239,43 +252,11 @@ class ForceModel:
             log.time, forces, forces - half, forces + half, vertical, contact, log.time[begins], used
         )
 
-    def write(self, path: str | Path) -> None:
-        """Write the model as JSON.
-
-        Raises
-        ------
-        WriteError
-            If the file cannot be written.
-        """
-        fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "robot"}
-        try:
-            Path(path).write_text(
-                json.dumps({"force_model": 1, **fields}, default=np.ndarray.tolist, indent=1) + "\n", "utf-8"
-            )
-        except OSError as error:
-            raise WriteError(path, error) from error
-
-    @classmethod
-    def read(cls, path: str | Path, robot: Robot) -> ForceModel:
-        """Return the model that `write` left, for the same robot.
-
-        Raises
-        ------
-        ProblemError
-            If the file is none of a model, or of other joints.
-        """
-        try:
-            held = json.loads(Path(path).read_text("utf-8"))
-            if held.pop("force_model") != 1 or not set(held["joints"]) <= set(robot.joint_names):
-                raise ProblemError(f"{path} is no force model of {robot.name}'s joints {robot.joint_names}")
-            fields: dict[str, Any] = {
-                name: np.array(value) for name, value in held.items() if name not in PLAIN
-            }
-            joints = {j: {t: tuple(v) for t, v in terms.items()} for j, terms in held["joints"].items()}
-            fields |= {"joints": joints, "notes": tuple(held["notes"])}
-            return cls(robot, **fields, delay=held["delay"], length=held["length"])
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            raise ProblemError(f"{path} holds no force model: {error}") from error
+    def _goes_on(self, log: LegLog) -> bool:
+        """Return whether a recording is the rest of the fitted one, by its clock or its first pose."""
+        first, last = _ends(log)
+        apart = min(abs(first[0] - self.ends[1, 0]), abs(last[0] - self.ends[0, 0]))
+        return bool(apart < SOON or np.abs(first - self.ends[1])[1:].max() < SAME_POSE)
 
 
 def _statics(motion: LegMotion, log: LegLog) -> FloatArray:
@@ -290,7 +271,17 @@ def _axes(f: FloatArray, y: FloatArray) -> FloatArray:
     return np.asarray(U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V)
 
 
-def _terms(motion: LegMotion, log: LegLog, length: float) -> FloatArray:
+def _ripple(motion: LegMotion, log: LegLog, left: FloatArray) -> tuple[tuple[float, ...], ...]:
+    """Return the lines of each joint's ripple in forces (T, 3) that a model leaves over, world axes."""
+    torque = np.einsum("tji,ti->tj", np.linalg.pinv(motion.lever), left)
+    torque, speed = torque - log.smooth(torque, SLOW), log.smooth(log.q, SMOOTH, 1)
+    series = zip(log.q.T, speed.T, torque.T, strict=True)
+    return tuple(tuple(ripple_lines(q, v, tau, PARTS)) for q, v, tau in series)
+
+
+def _terms(
+    motion: LegMotion, log: LegLog, length: float, lines: tuple[tuple[float, ...], ...] = ()
+) -> FloatArray:
     """Return (T, m) forces [N] for one unit of each term of each joint along each world axis, and ones."""
     tau, step = log.smooth(log.tau, QUICK), log.smooth(log.q, STEADY, 1) * log.dt
     z, faded = np.zeros_like(step), np.exp(-np.abs(step) / length)
@@ -299,8 +290,11 @@ def _terms(motion: LegMotion, log: LegLog, length: float) -> FloatArray:
         z[t] = to + (z[t - 1] - to) * faded[t]
     a = log.smooth(log.q, QUICK, 2)
     terms = np.stack([-tau, -np.ones_like(tau), z, np.abs(tau) * z, -(tau**3), a], axis=2)
-    columns = np.einsum("tij,tjn->tjni", motion.lever, terms).reshape(len(tau), -1)
-    return np.column_stack([columns, np.ones(len(tau))])
+    columns = [np.einsum("tij,tjn->tjni", motion.lever, terms).reshape(len(tau), -1)]
+    for j, own in enumerate(lines):
+        for n in own:
+            columns += [motion.lever[:, :, j] * wave(n * log.q[:, [j]]) for wave in (np.sin, np.cos)]
+    return np.column_stack([*columns, np.ones(len(tau))])
 
 
 def _ridge(X: FloatArray, y: FloatArray, weight: float = RIDGE) -> FloatArray:
@@ -319,6 +313,11 @@ def _doubt(X: FloatArray, parts: FloatArray, noise: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(noise**2 + (PARTS - 1) / PARTS * (spread**2).sum(axis=1)))
 
 
+def _ends(log: LegLog) -> FloatArray:
+    """Return (2, 1 + k) time [s] and pose [rad] of the first row and the last."""
+    return np.column_stack([log.time, log.q])[[0, -1]]
+
+
 def _later(values: FloatArray, rows: int) -> FloatArray:
     """Return (T, ...) values that many rows later."""
     return values[np.clip(np.arange(len(values)) - rows, 0, len(values) - 1)] if rows else values
@@ -329,10 +328,11 @@ def _joint_terms(
 ) -> dict[str, dict[str, tuple[float, float, float]]]:
     """Return each joint's terms with intervals: the sensor's axes turned back, weighted by what they see."""
     shape = (len(names), len(TERMS), 3)
-    weight = X[:, :-1].var(axis=0).reshape(shape) + 1e-300
+    count = int(np.prod(shape))
+    weight = X[:, :count].var(axis=0).reshape(shape) + 1e-300
 
     def of(C: FloatArray) -> FloatArray:
-        seen = np.einsum("ic,i...c->...c", turn, C[:, :-1].reshape(3, *shape))
+        seen = np.einsum("ic,i...c->...c", turn, C[:, :count].reshape(3, *shape))
         return np.asarray((weight * seen).sum(axis=2) / weight.sum(axis=2))
 
     value, others = of(whole), np.array([of(part) for part in parts])

@@ -27,12 +27,12 @@ class TossErrors:
     rotation
         (B,) angle between the orientations of the first link [deg].
     early
-        (B,) the distance `EARLY` after the first touch, where the frames before it are given [-].
+        (B,) the distance `EARLY` after the first touch, of the same kind [-].
     """
 
     position: FloatArray
     rotation: FloatArray
-    early: FloatArray | None = None
+    early: FloatArray
 
 
 def deviations(tosses: Tosses, poses: FloatArray, width: float, arm: float) -> FloatArray:
@@ -45,9 +45,7 @@ def deviations(tosses: Tosses, poses: FloatArray, width: float, arm: float) -> F
     return out / width
 
 
-def toss_errors(
-    tosses: Tosses, poses: FloatArray, width: float, before: IntArray | None = None
-) -> TossErrors:
+def toss_errors(tosses: Tosses, poses: FloatArray, width: float, before: IntArray) -> TossErrors:
     """Return the errors of (N, nq) poses, row by row those of the tosses of a body so wide [m].
 
     `before` (B,) are the frames before the first touch.
@@ -57,14 +55,11 @@ def toss_errors(
     rows = deviations(tosses, poses, width, width)
     away = np.where(good, np.linalg.norm(rows[:, :3], axis=1), LOST)
     turned = np.degrees(np.linalg.norm(rows[:, 3:6], axis=1))
-    early = None
-    if before is not None:
-        late = np.minimum(before + round(EARLY / tosses.dt), tosses.frames - 1)
-        early = away[tosses.starts[:-1] + late]
+    late = np.minimum(before + round(EARLY / tosses.dt), tosses.frames - 1)
     position, rotation = (
         np.add.reduceat(e, tosses.starts[:-1]) / tosses.frames for e in (away, np.where(good, turned, 180.0))
     )
-    return TossErrors(position, rotation, early)
+    return TossErrors(position, rotation, away[tosses.starts[:-1] + late])
 
 
 def resample(tosses: int, count: int, seed: int) -> FloatArray:

@@ -73,16 +73,13 @@ class TossModel(Protocol):
     @property
     def name(self) -> str:
         """What it is called."""
-        ...
 
     @property
     def parameters(self) -> tuple[TossParameter, ...]:
         """What can be fitted."""
-        ...
 
     def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
         """Return (sum of frames, nq) poses, for (d,) values of the parameters."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -155,16 +155,17 @@ class Tosses:
         chosen = _indices("which", which)
         if chosen.size == 0 or chosen.min() < 0 or chosen.max() >= len(self):
             raise ProblemError(f"tosses are chosen from 0 to {len(self) - 1}, got {chosen.tolist()!r:.80}")
-        rows = np.concatenate([np.arange(self.starts[k], self.starts[k + 1]) for k in chosen])
-        ends = np.concatenate([[0], np.cumsum(self.frames[chosen])])
-        return Tosses(self.states[rows], ends, self.dt, self.ids[chosen], self.cube)
+        return self._part(chosen, self.frames[chosen])
 
     def until(self, ends: IntArray) -> Tosses:
         """Return the tosses cut before these (B,) frames."""
-        frames = np.minimum(np.maximum(ends, SHORTEST), self.frames)
-        rows = np.concatenate([a + np.arange(n) for a, n in zip(self.starts[:-1], frames, strict=True)])
-        cut = np.concatenate([[0], np.cumsum(frames)])
-        return Tosses(self.states[rows], cut, self.dt, self.ids, self.cube)
+        return self._part(np.arange(len(self)), np.minimum(np.maximum(ends, SHORTEST), self.frames))
+
+    def _part(self, which: IntArray, frames: IntArray) -> Tosses:
+        """Return the first (k,) frames of (k,) tosses."""
+        rows = np.concatenate([a + np.arange(n) for a, n in zip(self.starts[which], frames, strict=True)])
+        ends = np.concatenate([[0], np.cumsum(frames)])
+        return Tosses(self.states[rows], ends, self.dt, self.ids[which], self.cube)
 
 
 def pose_differences(poses: FloatArray, recorded: FloatArray) -> FloatArray:
@@ -182,15 +183,13 @@ def _indices(name: str, value: Any) -> IntArray:
     return array.astype(np.int64)
 
 
-def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
+def read_tosses(path: str | Path) -> Tosses:
     """Read a file of tosses, see the module.
 
     Parameters
     ----------
     path
         The .npz file.
-    cube
-        What was thrown; None for what the file says, and `Cube()` where it says nothing.
 
     Raises
     ------
@@ -213,7 +212,7 @@ def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
             held["states"], held["starts"] = _in_rows(finite_array("states", held["states"], (None,) * 3))
         elif "starts" not in held:
             raise ProblemError("it has no starts, and its states are not (tosses, frames, numbers)")
-        return Tosses(held["states"], held["starts"], float(held["dt"]), ids, cube or Cube(**given))
+        return Tosses(held["states"], held["starts"], float(held["dt"]), ids, Cube(**given))
     except (ProblemError, TypeError) as error:
         raise ProblemError(f"{path} holds no tosses: {error}") from error
     except OSError as error:

@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, real_number
 from surefoot.control.controller import JointTargets
 from surefoot.drive.postures import BodyPostures
-from surefoot.drive.readings import RobotReadings
+from surefoot.drive.readings import RobotReadings, motor_order
 from surefoot.drive.watchdog import damping_targets
 from surefoot.drive.wire.dialect import Dialect
 from surefoot.drive.wire.link import WireEnd
@@ -81,10 +81,7 @@ class MotorRobot:
 
     def lie_down(self) -> None:
         """Put the robot on its belly, legs folded."""
-        postures, q = BodyPostures(self.robot), self.robot.nominal.copy()
-        q[7:] = postures.way(postures.lie, postures.lie).points[0]
-        q[2] = -min(self.robot.sphere_bottoms(q)) + q[2] + DROP
-        self.reset(q)
+        self.reset(lying(self.robot, self.world.terrain))
 
     def take(self, targets: JointTargets | None) -> None:
         """Take (joints,) targets for the drives; None damps the joints, as when nothing comes any more."""
@@ -109,9 +106,18 @@ class MotorRobot:
         q, v = self.world.state()
         reading = self.sensors.read(q, v)
         attitude = quaternion_from_rotation(self._error @ rotation_from_quaternion(q[3:7]))
-        return RobotReadings(
-            self.time, attitude, *reading, self.sensors.torques(self.torques)
-        )  # fmt: skip
+        return RobotReadings(self.time, attitude, *reading, self.sensors.torques(self.torques))
+
+
+def lying(robot: Robot, terrain: Terrain) -> FloatArray:
+    """Return the (nq,) configuration [m, -, rad] of a robot on its belly, just above the ground."""
+    postures, q = BodyPostures(robot), robot.nominal.copy()
+    q[7:] = postures.way(postures.lie, postures.lie).points[0]
+    q[2] = -min(robot.sphere_bottoms(q)) + q[2] + DROP
+    slope = terrain.frame([0.0, 0.0])
+    q[:3] = slope @ q[:3]
+    q[3:7] = quaternion_from_rotation(slope @ rotation_from_quaternion(q[3:7]))
+    return q
 
 
 SILENCE = 0.02
@@ -144,9 +150,7 @@ class WiredRobot:
 
     def __init__(self, robot: MotorRobot, end: WireEnd, dialect: Dialect, slow: bool = False) -> None:
         self.robot, self.end, self.dialect, self.slow = robot, end, dialect, slow
-        joints = robot.robot.joint_names
-        self._order = np.array([joints.index(name) for name in dialect.motors])
-        self._back = np.argsort(self._order)
+        self._back, self._order = motor_order(robot.robot, dialect.motors)
         self._silent, self._heard, self.damped = 0.0, False, 0
         self._due = clock.perf_counter()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -36,9 +35,8 @@ TEXT_SHARE = 0.026
 
 
 class Entry(NamedTuple):
-    """Part of the legend: "arrow", "cone" or "line", its colour (red, green, blue, opacity), its words."""
+    """Part of the legend: a colour (red, green, blue, opacity) and its words."""
 
-    sign: str
     colour: tuple[float, ...]
     words: str
 
@@ -78,25 +76,12 @@ class Overlay:
         lengths = [draw.textlength(entry.words, font=self._font) for entry in legend]
         room = max((width - sum(lengths) - 2.9 * text * len(legend)) / max(len(legend), 1), 0.0)
         at = float(text)
-        for (sign, colour, words), length in zip(legend, lengths, strict=True):
-            self._sign(draw, at, sign, colour)
+        for (colour, words), length in zip(legend, lengths, strict=True):
+            shade = tuple(round(255 * c) for c in colour[:3])
+            draw.rounded_rectangle([at, 0.6 * text, at + 1.4 * text, 1.4 * text], 0.2 * text, fill=shade)
             draw.text((at + 1.9 * text, text), words, fill=(*INK, 255), font=self._font, anchor="lm")
             at += length + 2.9 * text + min(room, 2.0 * text)
         return strip
-
-    def _sign(self, draw: Any, at: float, sign: str, colour: tuple[float, ...]) -> None:
-        """Draw what stands before a legend's words."""
-        text = self._text
-        shade = tuple(round(255 * c) for c in colour[:3])
-        left, right, low, high = at, at + 1.4 * text, 1.5 * text, 0.5 * text
-        if sign == "arrow":
-            draw.polygon(_arrow((left, text), (right, text), 0.22 * text), fill=shade)
-        elif sign == "cone":
-            middle = 0.5 * (left + right)
-            draw.line([(left, high), (middle, low), (right, high)], fill=shade, width=2)
-            draw.ellipse([left, high - 0.2 * text, right, high + 0.2 * text], outline=shade, width=2)
-        else:
-            draw.line([(left, text), (right, text)], fill=shade, width=max(text // 4, 2))
 
     def over(self, picture: Any, time: float) -> Any:
         """Return a (height, width, 3) picture with title, legend and a clock at `time` [s] over it."""
@@ -107,19 +92,6 @@ class Overlay:
         draw.text((self._text, corner[1]), self._title, fill=INK, font=self._font, anchor="lm")
         draw.text(corner, f"{time:.2f} s", fill=INK, font=self._font, anchor="rm")
         return np.asarray(image)
-
-
-def _arrow(start: Any, end: Any, width: float) -> list[tuple[float, float]]:
-    """Return the outline of an arrow [pixels]; its shaft is twice the width, its head three times that."""
-    (x, y), (u, v) = (float(start[0]), float(start[1])), (float(end[0]), float(end[1]))
-    length = math.hypot(u - x, v - y) or 1.0
-    a, b = (u - x) / length, (v - y) / length
-    head = min(4.0 * width, 0.7 * length)
-    neck = (u - head * a, v - head * b)
-    sides = ((x, y, width), (*neck, width), (*neck, 2.4 * width))
-    left = [(p - w * b, q + w * a) for p, q, w in sides]
-    right = [(p + w * b, q - w * a) for p, q, w in reversed(sides)]
-    return [*left, (u, v), *right]
 
 
 WIDTH, HEIGHT, RATE = 1280, 720, 25
@@ -167,16 +139,16 @@ class FilmScene:
         """Return the legend: only what happens in this log."""
         log = self.log
         entries = [
-            Entry("arrow", FORCE_COLOUR, "force of the ground"),
-            Entry("cone", CONE_COLOUR, "friction cone, up to its normal part"),
+            Entry(FORCE_COLOUR, "force of the ground"),
+            Entry(CONE_COLOUR, "friction cone, up to its normal part"),
         ]
         if wanted_differs(log["forces_commanded"], log["forces"]).any():
-            entries.append(Entry("arrow", WANTED_COLOUR, "commanded, where it is another"))
+            entries.append(Entry(WANTED_COLOUR, "commanded, where it is another"))
         if np.any(log["push"]):
             largest = float(np.linalg.norm(log["push"], axis=-1).max())
-            entries.append(Entry("arrow", PUSH_COLOUR, f"push, up to {largest:.0f} N"))
+            entries.append(Entry(PUSH_COLOUR, f"push, up to {largest:.0f} N"))
         if self._slides.any():
-            entries.append(Entry("line", SLIP_COLOUR, "slip"))
+            entries.append(Entry(SLIP_COLOUR, "slip"))
         return entries
 
     def arrows(self, step: int) -> list[Arrow]:

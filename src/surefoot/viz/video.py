@@ -28,7 +28,7 @@ ARROW_LENGTH = 1.2
 """Length of the arrow of a force of m g, in base heights."""
 FORCE_COLOUR, WANTED_COLOUR, PUSH_COLOUR = (
     (0.82, 0.29, 0.36, 1.0),
-    (0.1, 0.4, 0.7, 0.35),
+    (0.44, 0.31, 0.61, 0.45),
     (0.9, 0.6, 0.05, 1.0),
 )
 

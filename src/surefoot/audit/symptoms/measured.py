@@ -30,7 +30,7 @@ def compared(judge: Callable[[Episode, FloatArray], Evidence | None]) -> Judge:
 )
 @compared
 def wrong_frame(e: Episode, true: FloatArray) -> Evidence | None:
-    """Tell whether the logged force is the true one, turned."""
+    """Tell whether the logged force is the true one, (m, 3) [N], turned."""
     turn = rotation_between(true, e.force)
     angle = turned_by(turn)
     share = e.explained(true @ turn.T)
@@ -65,7 +65,7 @@ def _same_turn(e: Episode, turn: FloatArray) -> bool:
 )
 @compared
 def mirrored(e: Episode, true: FloatArray) -> Evidence | None:
-    """Tell whether the logged force is the true one in a mirror."""
+    """Tell whether the logged force is the true one, (m, 3) [N], in a mirror."""
     best, which = max((e.explained(true * sign), k) for k, sign in enumerate(_SIGNS))
     if best < 0.9:
         return None
@@ -102,7 +102,7 @@ def reversed_force(e: Episode) -> Evidence | None:
 )
 @compared
 def wrong_scale(e: Episode, true: FloatArray) -> Evidence | None:
-    """Tell whether the logged force is a multiple of the true one."""
+    """Tell whether the logged force is a multiple of the true one, (m, 3) [N]."""
     known = np.isfinite(true).all(axis=1)
     factor = float((e.force[known] * true[known]).sum() / max(float((true[known] ** 2).sum()), 1e-12))
     share = e.explained(factor * true)
@@ -122,7 +122,7 @@ def wrong_scale(e: Episode, true: FloatArray) -> Evidence | None:
 )
 @compared
 def bias(e: Episode, true: FloatArray) -> Evidence | None:
-    """Tell whether a constant has been added to the force."""
+    """Tell whether a constant has been added to the true force, (m, 3) [N]."""
     offset = np.nanmean(e.force - true, axis=0)
     share = e.explained(true + offset)
     if share < 0.9:
@@ -165,7 +165,7 @@ def delayed(e: Episode) -> Evidence | None:
 )
 @compared
 def swapped_feet(e: Episode, true: FloatArray) -> Evidence | None:
-    """Tell whether the force belongs to another foot."""
+    """Tell whether the force is not this foot's true one, (m, 3) [N], but another's."""
     fits = []
     for other in range(e.rows.points):
         theirs = None if other == e.column else e.true_of(other)
@@ -189,7 +189,7 @@ def swapped_feet(e: Episode, true: FloatArray) -> Evidence | None:
 )
 @compared
 def dropout(e: Episode, true: FloatArray) -> Evidence | None:
-    """Tell whether a foot that carries reports nothing."""
+    """Tell whether a foot that carries its true force, (m, 3) [N], reports nothing."""
     none = np.linalg.norm(e.force, axis=1) <= e.rows.setting.threshold
     carried = np.nan_to_num(true[:, 2]) > 0.04 * e.weight
     share = float((none & carried).mean())
@@ -225,7 +225,7 @@ def frozen(e: Episode) -> Evidence | None:
 )
 @compared
 def clipped(e: Episode, true: FloatArray) -> Evidence | None:
-    """Tell whether the force stops at a value that it never exceeds."""
+    """Tell whether the force stops at a value that the true one, (m, 3) [N], exceeds."""
     whole = e.rows.normal[:, e.column]
     top = float(whole.max())
     at = np.isclose(e.force[:, 2], top, rtol=1e-9)
@@ -244,7 +244,7 @@ def clipped(e: Episode, true: FloatArray) -> Evidence | None:
 )
 @compared
 def phantom_force(e: Episode, true: FloatArray) -> Evidence | None:
-    """Tell whether a sensor reports force on a foot that is in the air."""
+    """Tell whether a sensor reports force in the air, where the true one, (m, 3) [N], is none."""
     air = e.gap > 1e-3
     none = np.linalg.norm(true[air], axis=1) < 0.03 * e.weight
     if air.mean() < 0.5 or none.mean() < 0.8:

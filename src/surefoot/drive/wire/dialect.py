@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -21,6 +20,7 @@ HEAD, LOW_LEVEL, ENABLED = [0xFE, 0xEF], 0xFF, 1
 TICK = 1e-3
 """Length of a tick of the robot's clock [s]."""
 LEGS, PARTS = ("FR", "FL", "RR", "RL"), ("hip", "thigh", "calf")
+QUADRUPED = tuple(f"{leg}_{part}_joint" for leg in LEGS for part in PARTS)
 
 
 def blank(kind: Any) -> Any:
@@ -119,17 +119,8 @@ class Dialect:
             return False
 
 
-def _quadruped(robot: Robot) -> Dialect:
-    motors = tuple(f"{leg}_{part}_joint" for leg in LEGS for part in PARTS)
-    return Dialect(motors, messages.GO_STATE, messages.GO_COMMAND, True)
-
-
-def _humanoid(robot: Robot) -> Dialect:
-    return Dialect(robot.joint_names, messages.HG_STATE, messages.HG_COMMAND, False)
-
-
-SPEAKERS: dict[str, Callable[[Robot], Dialect]] = {"go2": _quadruped, "b2": _quadruped, "g1": _humanoid}
-"""Robots that speak so."""
+MOTORS = {"go2": QUADRUPED, "b2": QUADRUPED, "g1": None}
+"""Robots that speak, and their motors; None for a humanoid, whose joints stand in the motors' order."""
 
 
 def dialect_of(robot: Robot) -> Dialect:
@@ -140,11 +131,14 @@ def dialect_of(robot: Robot) -> Dialect:
     ProblemError
         For a robot that is not known to, or whose joints have other names.
     """
-    if robot.name not in SPEAKERS:
+    if robot.name not in MOTORS:
         raise ProblemError(
-            f"{robot.name} speaks no language of the wire that is known here: {', '.join(SPEAKERS)} do"
+            f"{robot.name} speaks no language of the wire that is known here: {', '.join(MOTORS)} do"
         )
-    found = SPEAKERS[robot.name](robot)
+    motors = MOTORS[robot.name]
+    if motors is None:
+        return Dialect(robot.joint_names, messages.HG_STATE, messages.HG_COMMAND, False)
+    found = Dialect(motors, messages.GO_STATE, messages.GO_COMMAND, True)
     if sorted(found.motors) != sorted(robot.joint_names):
         raise ProblemError(
             f"the joints of {robot.name} are not those of its motors: {', '.join(found.motors)}"

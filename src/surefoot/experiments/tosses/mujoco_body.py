@@ -119,3 +119,7 @@ def _geom(solid: Solid, scale: float) -> str:
         )
     place = _text(scale * solid.position)
     return f'<geom type="{kind}" size="{_text(size)}" pos="{place}" quat="{_turn(solid.rotation)}"/>'
+
+
+RIVALS = {MujocoBody.name: MujocoBody}
+"""Rivals by name, which is that of the simulator's package as well: what `--rivals` chooses from."""
