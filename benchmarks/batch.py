@@ -8,7 +8,6 @@ printed too, and the gradients' error against the polished derivative.
 from __future__ import annotations
 
 import importlib.util
-from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import surefoot as sf
-from benchmarks.batch_rivals import jax_sweeps, robots_together, step_derivatives
+from benchmarks.batch_rivals import jax_sweeps, step_derivatives
 from benchmarks.contact.rivals import ITERATIONS, PinocchioCall, Setting
 from benchmarks.timing import least_time
 from surefoot.arrays import FloatArray
@@ -145,9 +144,6 @@ def measure(quick: bool = False) -> dict[str, Any]:
     count, repeats = (100, 5) if quick else (500, 60)
     G, g = go2_problems(count)
     weights = np.random.default_rng(1).normal(size=(count, 8, 3))
-    modes: Counter[str] = Counter()
-    for A, a in zip(G[:100], g[:100], strict=True):
-        modes.update(sf.solve(sf.ContactProblem(A, a, MU)).derivative().modes)
     few = sf.solve_batch(G, g, MU, tol=TOL)
     times = compiled_loop(G, g, weights, repeats) | through_python(G, g, weights, max(repeats // 3, 3))
     many = 8  # threads have something to do
@@ -164,8 +160,7 @@ def measure(quick: bool = False) -> dict[str, Any]:
         )
     step = step_derivatives(100 if quick else 1000)
     own, rival = step["step with A and B"], step["MuJoCo mjd_transitionFD, A alone"]
-    robots = {workers: robots_together(16, 20 if quick else 200, workers) for workers in (1, 2)}
     return {
-        "problems": count, "modes": dict(modes), "times": times, "velocity_error": velocity,
-        "gradient_error": gradient, "step": step, "step_ratio": rival / own, "robots": robots,
+        "problems": count, "times": times, "velocity_error": velocity,
+        "gradient_error": gradient, "step": step, "step_ratio": rival / own,
     }  # fmt: skip

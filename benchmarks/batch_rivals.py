@@ -100,19 +100,3 @@ def step_derivatives(calls: int) -> dict[str, float]:
         budget=1.0, most=calls,
     )  # fmt: skip
     return {name: timing.median for name, timing in found.items()}
-
-
-def robots_together(count: int, steps: int, workers: int) -> float:
-    """Return how many steps of Go2 a second a `RigidBatch` takes, all limp on the ground."""
-    import time
-
-    from surefoot.simulation.batch import RigidBatch
-
-    robot = sf.load_robot("go2")
-    with RigidBatch(robot, count=count, workers=workers) as batch:
-        batch.reset(sf.place(robot))
-        torques = np.zeros((count, robot.joints))
-        batch.step(torques, repeat=5)
-        start = time.perf_counter()
-        batch.step(torques, repeat=steps)
-        return count * steps / (time.perf_counter() - start)

@@ -96,16 +96,6 @@ def _without_gait(told: Any) -> Rows:
     return [*rows, *(row(name, "yes" if walk["done"] else "no", walk) for name, walk in named)]
 
 
-def _scheduled(told: Any) -> Rows:
-    return [
-        [
-            row["motion"], row["search"], row["start"], "yes" if row["found"] else "no", str(row["near"]),
-            str(row["iterations"]), f"{row['seconds']:.1f}", f"{row['cost']:.4f}",
-        ]
-        for row in told
-    ]  # fmt: skip
-
-
 def _plans(told: Any) -> Rows:
     names = ("`jump 0.4`", "`jump-up 0.2`", "`backflip`")
     return [
@@ -168,7 +158,6 @@ MOTIONS = (
     "motion", "knots", "status", "CPU s", "iterations", "law residual", "off with feedback", "off without",
     "rigid world, same step", "rigid world, 1 ms", "audit",
 )  # fmt: skip
-SEARCHES = ("motion", "search", "from", "found", "iterations until near", "in all", "CPU s", "cost")
 EXECUTED = ("plan", "motors", "landed", "lawful", "torque use", "speed use", "moved", "turned")
 FIRST = ("first eps [J]", "status", "iterations", "cost")
 
@@ -215,7 +204,6 @@ TABLES = {
         PLAN, "shooting.md", ("ms", "derivatives", "Riccati", "rollout", "iteration"), _iteration
     ),
     "costs": Table(PLAN, "shooting.md", ("processor time, one core", ""), _costs),
-    "scheduled": Table("python -m benchmarks.scheduled_motions", "schedules.md", SEARCHES, _scheduled),
     "plans": Table(
         "surefoot plan jump 0.4 --no-video --no-report; surefoot plan jump-up 0.2 --no-video --no-report; "
         "surefoot plan backflip --no-video --no-report", "schedules.md",

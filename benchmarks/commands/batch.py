@@ -24,7 +24,7 @@ def batch(
 
 
 def _print(console: Console, found: dict[str, Any]) -> None:
-    console.print(f"{found['problems']} problems of Go2 on four feet, modes {found['modes']}")
+    console.print(f"{found['problems']} problems of Go2 on four feet")
     rates = [(name, f"{1e6 * s:.2f}", f"{1e-6 / s:.3f}") for name, s in found["times"].items()]
     console.print(table(("", "µs", "million/s"), rates, "cold starts, tolerance 1e-8"))
     for what in ("velocity_error", "gradient_error"):
@@ -33,5 +33,3 @@ def _print(console: Console, found: dict[str, Any]) -> None:
     steps = [(name, f"{1e6 * seconds:.0f}") for name, seconds in found["step"].items()]
     console.print(table(("", "µs"), steps, "a step of Go2 on four feet and its derivative"))
     console.print(f"MuJoCo / Surefoot, derivative with its step: {found['step_ratio']:.2f}")
-    many = ", ".join(f"{workers} workers {rate:.0f}" for workers, rate in found["robots"].items())
-    console.print(f"RigidBatch of Go2, steps a second: {many}")

@@ -12,7 +12,6 @@ from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instan
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid
 from surefoot.cones.cone import Fit
-from surefoot.contact import ContactProblem
 from surefoot.solvers.backends import ConeProgram
 
 
@@ -66,14 +65,6 @@ def program(
             C[facets * k : facets * (k + 1), 3 * k : 3 * k + 3] = pyramid.halfspaces[:facets]
     h = -A.T @ (WRENCH_WEIGHTS * instance.wrench)
     return Program(instance, 0.5 * (H + H.T), h, C, low, high, instance.mu[on], columns)
-
-
-def contact_problem(instance: Instance, force_weight: float = FORCE_WEIGHT) -> ContactProblem:
-    """Return the same allocation as a contact problem with exact cones, for an independent certificate."""
-    A = instance.grasp_map
-    G = A.T @ (WRENCH_WEIGHTS[:, None] * A) + force_weight * np.eye(A.shape[1])
-    g = -A.T @ (WRENCH_WEIGHTS * instance.wrench)
-    return ContactProblem(G, g, instance.mu, instance.normal_min, instance.normal_max, law="convex")
 
 
 def cone_rows(p: Program) -> tuple[FloatArray, FloatArray]:

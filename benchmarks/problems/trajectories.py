@@ -30,16 +30,6 @@ class Scene:
     mu: float
     pushes: tuple[tuple[float, tuple[float, float, float], float], ...]
 
-    @property
-    def command(self) -> str:
-        """What to type to run it and see it."""
-        pushes = " ".join(
-            f"--push {t:g}:{','.join(f'{x:g}' for x in force)}:{length:g}" for t, force, length in self.pushes
-        )
-        return (
-            f"surefoot stand {ROBOT} --slope {self.slope:g} --mu {self.mu:g} {pushes} --duration {DURATION:g}"
-        )
-
 
 SCENES = (
     Scene("flat", 0.0, 0.6, ((1.0, (60.0, 30.0, 0.0), 0.2), (2.5, (-40.0, 60.0, 0.0), 0.2))),

@@ -17,4 +17,3 @@ def test_json_is_the_only_output(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["gradient_error"]["ours"] < 1e-6
     assert found["times"]["compiled loop, solve"] > 0.0
     assert found["step_ratio"] > 0.0
-    assert set(found["robots"]) == {"1", "2"}

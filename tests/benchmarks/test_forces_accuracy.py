@@ -9,7 +9,7 @@ import pytest
 import surefoot as sf
 from benchmarks.forces.accuracy import measure_accuracy
 from benchmarks.forces.digits import DIGITS, exact_forces, exactly, project
-from benchmarks.problems.allocation_program import cone_violation, contact_problem, objective, program
+from benchmarks.problems.allocation_program import cone_violation, objective, program
 from benchmarks.problems.allocations import WRENCH_WEIGHTS, random_instances
 
 
@@ -26,7 +26,10 @@ def test_ours_are_near_the_exact_forces(force_weight):
 def test_exact_forces_are_optimal_by_the_problem_alone():
     for instance in random_instances(20, seed=6):
         f = exact_forces(instance, np.zeros((instance.mu.size, 3)), 0.1)
-        assert sf.residuals(contact_problem(instance, 0.1), f).velocity_error < 1e-9
+        A, w, bounds = instance.grasp_map, instance.wrench, (instance.normal_min, instance.normal_max)
+        G = A.T @ (WRENCH_WEIGHTS[:, None] * A) + 0.1 * np.eye(A.shape[1])
+        asked = sf.ContactProblem(G, -A.T @ (WRENCH_WEIGHTS * w), instance.mu, *bounds, law="convex")
+        assert sf.residuals(asked, f).velocity_error < 1e-9
         assert cone_violation(instance, f) < 1e-12
         p = program(instance, force_weight=0.1)
         least = objective(p, f.ravel())

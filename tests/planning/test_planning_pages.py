@@ -1,8 +1,14 @@
-"""The Python on the pages about the shooting solver and the contact-implicit controller runs."""
+"""The Python on the pages about schedules, the shooting solver and the contact-implicit controller runs."""
 
 import pytest
 
 from tests.pages import run_page
+
+
+def test_the_python_of_the_page_on_schedules_runs() -> None:
+    pytest.importorskip("casadi")
+    names = run_page("schedules.md")
+    assert names["motion"].found
 
 
 @pytest.mark.long

@@ -201,25 +201,19 @@ class ForceDistributor:
             self.set_active(active)
         if reference is not None:
             self.set_reference(reference)
+        if jacobian is not None:
+            return self.solve_with_rows(A, w, *self._torque_rows(jacobian, torque_offset))
         forces = _empty(self._forces_shape)
-        if jacobian is None:
-            self._code = _distribute(A, w, self.work, forces)
-        else:
-            self._solve_with_torques(A, w, jacobian, torque_offset, forces)
+        self._code = _distribute(A, w, self.work, forces)
         return forces
 
-    def _solve_with_torques(
-        self,
-        grasp_map: FloatArray,
-        wrench: FloatArray,
-        jacobian: ArrayLike,
-        offset: ArrayLike | None,
-        forces: FloatArray,
-    ) -> None:
-        """Fill `forces` so that the joint torques stay within their limits."""
+    def _torque_rows(
+        self, jacobian: ArrayLike, offset: ArrayLike | None
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the limits on joint torques as rows on the forces."""
         if self._torque_limit is None:
             raise ProblemError("a Jacobian was given, but ForceDistributor was built without torque_limit")
-        J = np.ascontiguousarray(jacobian, _FLOAT)
+        J = np.asarray(jacobian, _FLOAT)
         limit = self._torque_limit
         shift = np.zeros_like(limit) if offset is None else np.asarray(offset, dtype=_FLOAT)
         if J.shape != (self._shape[1], limit.size) or shift.shape != limit.shape:
@@ -227,7 +221,7 @@ class ForceDistributor:
                 f"jacobian must have shape ({self._shape[1]}, {limit.size}) and torque_offset "
                 f"({limit.size},), got {J.shape} and {shift.shape}"
             )
-        self._keep_rows(grasp_map, wrench, J, -limit - shift, limit - shift, forces)
+        return J.T, -limit - shift, limit - shift
 
     def solve_with_rows(
         self,
@@ -275,25 +269,12 @@ class ForceDistributor:
                 f"got {C.shape}, {lower.shape} and {upper.shape}"
             )
         forces = np.empty(self._forces_shape)
-        self._keep_rows(A, w, np.ascontiguousarray(C.T), lower, upper, forces)
-        return forces
-
-    def _keep_rows(
-        self,
-        grasp_map: FloatArray,
-        wrench: FloatArray,
-        jacobian: FloatArray,
-        low: FloatArray,
-        high: FloatArray,
-        forces: FloatArray,
-    ) -> None:
-        """Fill `forces`; the work space is made anew only if the number of rows changes."""
-        if self._rows is None or self._rows[-1].shape[0] != low.size:
-            self._rows = rows_work(len(forces), low.size)
+        if self._rows is None or len(self._rows[-1]) != len(C):  # anew only for another number of rows
+            self._rows = rows_work(len(forces), len(C))
             self._results[layout.ROWS_WARM] = 0.0
-        self._code = distribute_with_rows(
-            grasp_map, wrench, jacobian, low, high, self.work, *self._rows, forces
-        )
+        J = np.ascontiguousarray(C.T)
+        self._code = distribute_with_rows(A, w, J, lower, upper, self.work, *self._rows, forces)
+        return forces
 
     def _fit(self, grasp_map: FloatArray, wrench: FloatArray) -> None:
         """Take the number of contacts from the first grasp map, or say which shape is wrong."""

@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.pyramid import project_any
 
@@ -93,10 +92,3 @@ def force_error(
     if not gap >= 0.0:
         return np.inf
     return math.sqrt(gap / scale) if scale > 0.0 else math.sqrt(gap)
-
-
-def measure_of(problem: ContactProblem) -> FloatArray:
-    """Return the (n, 2) measure of a problem."""
-    measure = np.empty((problem.contacts, 2))
-    fill_measure(problem.scales, measure)
-    return measure

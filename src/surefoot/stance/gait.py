@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
 from surefoot.errors import ProblemError
-from surefoot.kernels import kernel
 from surefoot.stance.contact_schedule import SAME_TIME, ContactSchedule
 
 MAX_FLIGHT = 0.35
@@ -210,10 +209,6 @@ class Gait(_ModeTable):
         t = np.mod(np.asarray(times, dtype=np.float64) + SAME_TIME, self.period)
         return np.asarray(self.table[self._starts.searchsorted(t, side="right") - 1])
 
-    def horizon(self, start: float, step: float, count: int) -> BoolArray:
-        """Return which feet carry in the middle of `count` steps of `step` [s]: (count, feet)."""
-        return mode_rows(self._starts, self.table, self.period, start + SAME_TIME, step, count)
-
     def phase(self, foot: int, time: float) -> tuple[bool, float, float]:
         """Return whether a foot carries at a time, and when that phase began and will end [s]."""
         last = self._last[foot]
@@ -343,20 +338,3 @@ def _mode_table(name: str, modes: ArrayLike, feet: int | None, count: int) -> Bo
     if feet is not None and table.shape[1] != feet:
         raise ProblemError(f"{name} must have {feet} feet, got {table.shape[1]}")
     return table.astype(bool)
-
-
-@kernel
-def mode_rows(
-    starts: FloatArray, table: BoolArray, period: float, start: float, step: float, count: int
-) -> BoolArray:
-    """Return the rows of a repeated table of modes in the middle of `count` steps [s] from `start` [s].
-
-    `starts` (m,) [s] are rising from 0, `table` is (m, feet); (count, feet).
-    """
-    out = np.empty((count, table.shape[1]), dtype=np.bool_)
-    for k in range(count):
-        t, row = (start + step * (k + 0.5)) % period, starts.size - 1
-        while row > 0 and starts[row] > t:
-            row -= 1
-        out[k] = table[row]
-    return out

@@ -15,7 +15,6 @@ from surefoot.planning.planner import plan
 from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
 from surefoot.planning.schedule.motions import backflip, jump, modes
 from surefoot.planning.schedule.search import guess_from, pack_guess
-from surefoot.planning.schedule.transcribe import swing_heights
 from surefoot.planning.tasks.backflip import turned
 from surefoot.robot import load_robot
 from surefoot.robot.motor_limits import motor_limits
@@ -160,15 +159,6 @@ def test_schedules_are_those_of_the_phases(go2) -> None:
     assert length == pytest.approx(1.4)
     seen = schedule.contacts([0.2, 0.5, 0.7, 1.0])
     assert seen.tolist() == [[True] * 4, [False, False, True, True], [False] * 4, [True] * 4]
-
-
-def test_swing_heights_rise_and_fall(go2) -> None:
-    problem = jump(go2, 0.2, 0.0, 0.6, 0.02)
-    height = swing_heights(problem)
-    assert np.isneginf(height[problem.stance]).all()
-    flight = height[~problem.stance[:, 0], 0]
-    assert (flight > 0.0).all()
-    assert flight.max() == pytest.approx(problem.clearance, rel=0.01)
 
 
 @pytest.mark.long

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from surefoot.errors import ProblemError
 from surefoot.planning.stand_up.cross_entropy import cross_entropy
 
 
@@ -50,10 +48,3 @@ def test_interrupted_it_returns_the_best_so_far() -> None:
 
     found = cross_entropy(cost, np.ones(2), np.ones(2))
     assert found.cost == min(seen)
-
-
-def test_what_is_no_search() -> None:
-    with pytest.raises(ProblemError, match="negative"):
-        cross_entropy(lambda x: 0.0, np.zeros(1), -np.ones(1))
-    with pytest.raises(ProblemError, match="best"):
-        cross_entropy(lambda x: 0.0, np.zeros(1), np.ones(1), samples=4, elites=5)

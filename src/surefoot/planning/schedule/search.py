@@ -12,7 +12,7 @@ from surefoot.arrays import FloatArray
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.transcribe import transcribe, variable_bounds
 from surefoot.planning.transcription.guess import Guess
-from surefoot.planning.transcription.nlp import Block, Iterate, Nlp, OnIteration, Sides, pack, unpack
+from surefoot.planning.transcription.nlp import Iterate, Nlp, OnIteration, pack, unpack
 
 OPTIONS: dict[str, Any] = {"tol": 1e-7, "mu_strategy": "adaptive"}
 """Of Ipopt: exact steps with a little feedback mend what its tolerance leaves."""
@@ -40,20 +40,15 @@ class ScheduledMotion(Guess):
 
 def guess_from(problem: ScheduleProblem) -> Guess:
     """Return what to start from: the reference with the weight on the feet that stand."""
+    import pinocchio
+
     robot, n, stance = problem.robot, problem.knots, problem.stance
-    speeds = way_speeds(problem, problem.reference)
+    ways = [pinocchio.difference(robot.model, a, b) for a, b in pairwise(problem.reference)]
+    speeds = np.vstack([problem.v, np.array(ways) / problem.dt])
     impulses = np.zeros((n, *stance.shape[1:], 3))
     share = stance / np.maximum(stance.sum(axis=1, keepdims=True), 1)
     impulses[:, :, 2] = share * (problem.weight * problem.dt)
     return Guess(problem.reference, speeds, np.zeros((n, robot.joints)), impulses)
-
-
-def way_speeds(problem: ScheduleProblem, q: FloatArray) -> FloatArray:
-    """Return the velocities (knots + 1, nv) of the ways between configurations (knots + 1, nq)."""
-    import pinocchio
-
-    ways = [pinocchio.difference(problem.robot.model, a, b) for a, b in pairwise(q)]
-    return np.vstack([problem.v, np.array(ways) / problem.dt])
 
 
 def pack_guess(problem: ScheduleProblem, guess: Guess) -> FloatArray:
@@ -92,26 +87,14 @@ def optimise(
     """
     block, rows = transcribe(problem)
     begin = pack_guess(problem, guess_from(problem) if guess is None else guess)
-    found = solve_scheduled(
-        block, problem.reference[1:], variable_bounds(problem), rows, begin, max_iterations, tell, **options
-    )
+    kept = np.flatnonzero((np.isfinite(rows[0]) | np.isfinite(rows[1])).ravel())  # the others bound nothing
+    found = Nlp(block, problem.knots, kept).solve(
+        begin, problem.reference[1:], variable_bounds(problem), rows, tell=tell,
+        **{**OPTIONS, "max_iter": max_iterations, **options},
+    )  # fmt: skip
     robot, model = problem.robot, problem.robot.model
     states, inputs = unpack(found.variables, int(model.nq + model.nv), problem.knots)
     q, v = np.split(states, [int(model.nq)], axis=1)
     torques = inputs[:, : robot.joints] * problem.torque_limits
     forces = inputs[:, robot.joints :].reshape(-1, len(robot.contact_points), 3) * problem.weight
     return ScheduledMotion(q.copy(), v.copy(), torques, forces * problem.dt, found)
-
-
-def solve_scheduled(
-    block: Block, data: FloatArray, variables: Sides, rows: Sides, begin: FloatArray, max_iterations: int,
-    tell: OnIteration | None = None, **options: Any,
-) -> Iterate:  # fmt: skip
-    """Return what Ipopt finds for blocks whose rows are bounded as a schedule says; see `Nlp.solve`.
-
-    Rows that nothing bounds are left out.
-    """
-    kept = np.flatnonzero((np.isfinite(rows[0]) | np.isfinite(rows[1])).ravel())
-    nlp = Nlp(block, len(data), kept)
-    given = {**OPTIONS, "max_iter": max_iterations, **options}
-    return nlp.solve(begin, data, variables, rows, tell=tell, **given)

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
-from surefoot.errors import ProblemError
+from surefoot.arrays import FloatArray
 
 KEPT = 0.2
 """Share of the old mean and deviation in the new ones."""
@@ -74,11 +73,6 @@ def cross_entropy(
     tell
         Called after every round with its number and the best cost so far.
 
-    Raises
-    ------
-    ProblemError
-        For deviations that are negative, or more elites than samples.
-
     Examples
     --------
     >>> wide = np.full(2, 4.0)
@@ -86,13 +80,6 @@ def cross_entropy(
     >>> found.point.round(2)
     array([3., 3.])
     """
-    mean = finite_array("mean", mean, (None,))
-    deviation = finite_array("deviation", deviation, (len(mean),))
-    if (deviation < 0.0).any():
-        raise ProblemError(f"deviations must not be negative, got {deviation.min():g}")
-    if whole_number("elites", elites, low=1) > whole_number("samples", samples, low=2):
-        raise ProblemError(f"of {samples} samples no {elites} can be the best")
-    real_number("enough", enough, low=-np.inf)
     generator = np.random.default_rng(seed)
     best, least, tried, done = mean, np.inf, 0, 0
     try:

@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.planning.plan import Plan
 from surefoot.planning.tasks.jump import at_rest
-from surefoot.planning.tasks.scheduled import mover, scheduled_plan
+from surefoot.planning.tasks.scheduled import PATIENCE, mover, scheduled_plan
 from surefoot.planning.tasks.task import PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory
 
@@ -37,7 +37,7 @@ class Backflip:
             whole = abs(angle + 2.0 * math.pi) <= OFF
             return bool(whole and still), f"turns by {math.degrees(angle):.0f} deg, {said}"
 
-        return scheduled_plan(self.name, problem, request, tell, goal, light=True)
+        return scheduled_plan(self.name, problem, request, tell, goal, 2.0 * PATIENCE)
 
 
 def turned(q: FloatArray) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.planning.plan import Plan
-from surefoot.planning.tasks.scheduled import mover, scheduled_plan
+from surefoot.planning.tasks.scheduled import PATIENCE, mover, scheduled_plan
 from surefoot.planning.tasks.task import PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory
 from surefoot.robot import Robot
@@ -61,7 +61,7 @@ class Jump:
             said = f"{words} {got:.3f} m of {asked:g} asked for, {said}"
             return bool(enough and still and flown), said
 
-        return scheduled_plan(self.name, problem, request, tell, goal, light=self.up)
+        return scheduled_plan(self.name, problem, request, tell, goal, PATIENCE * (1 + self.up))
 
 
 class JumpUp(Jump):

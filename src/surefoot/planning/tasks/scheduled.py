@@ -19,7 +19,6 @@ from surefoot.stepping.bodies import loaded_robot
 
 if TYPE_CHECKING:
     from surefoot.planning.schedule import ScheduleProblem
-    from surefoot.planning.schedule.search import ScheduledMotion
 
 ROAD = "schedule"
 FEEDBACK = 0.95
@@ -29,9 +28,9 @@ DRIFT = 5e-3
 OVER = 1e-3
 """By how much a joint may exceed a limit [N m, rad/s, rad]: rounding, and a little feedback."""
 PATIENCE = 20.0
-"""CPU time after which a search gives up [s]; twice that for one that starts from the centroidal motion."""
-LIGHT = 100
-"""Most iterations of the centroidal motion that a search starts from."""
+"""CPU time after which a search gives up [s]."""
+MOST = 600
+"""Iterations of a search."""
 Goal = Callable[[Trajectory], tuple[bool, str]]
 """Whether a motion does what it should, and what it does, in words."""
 
@@ -39,33 +38,6 @@ Goal = Callable[[Trajectory], tuple[bool, str]]
 def mover(request: PlanRequest) -> Robot:
     """Return who moves: the robot with its payload, and likely limits where its model has none."""
     return limited_robot(loaded_robot(request.robot or load_robot("go2"), request.payload))
-
-
-def best_motion(problem: ScheduleProblem, request: PlanRequest, tell: Tell, light: bool) -> ScheduledMotion:
-    """Return the motion that the optimiser finds over a schedule.
-
-    Parameters
-    ----------
-    problem, request, tell
-        See `scheduled_plan`.
-    light
-        Whether to start from the centroidal motion, where one is found, and not from the reference.
-    """
-    from surefoot.planning.schedule import optimise
-    from surefoot.planning.schedule.centroidal import optimise_centroidal
-    from surefoot.planning.schedule.limbs import whole_body_guess
-
-    most, before, guess = request.max_iterations or 600, 0, None
-
-    def heard(note: str) -> Callable[[int, float, float], None]:
-        return lambda number, cost, violation: tell(Iteration(before + number, cost, violation, note))
-
-    if light:
-        small = optimise_centroidal(problem, min(most, LIGHT), heard("centre of mass over the schedule"))
-        before = small.iterate.iterations
-        guess = whole_body_guess(problem, small) if small.found else None
-    patience = PATIENCE * (1 + light)
-    return optimise(problem, guess, most, heard("whole body over the schedule"), max_cpu_time=patience)
 
 
 def beyond_limits(robot: Robot, motion: Trajectory) -> str:
@@ -94,8 +66,9 @@ def judged(motion: Trajectory, robot: Robot, goal: Goal) -> tuple[bool, str]:
 
 
 def scheduled_plan(
-    task: str, problem: ScheduleProblem, request: PlanRequest, tell: Tell, goal: Goal, light: bool = False
-) -> Plan:
+    task: str, problem: ScheduleProblem, request: PlanRequest, tell: Tell, goal: Goal,
+    patience: float = PATIENCE,
+) -> Plan:  # fmt: skip
     """Return the plan of a problem: SOLVED where its exact rollout is lawful and does what the goal says.
 
     Parameters
@@ -106,14 +79,19 @@ def scheduled_plan(
         The schedule's.
     goal
         Of the exact motion: that of the optimiser's torques, with small corrections, through exact steps.
-    light
-        See `best_motion`.
+    patience
+        CPU time after which the search gives up [s].
     """
+    from surefoot.planning.schedule import optimise
     from surefoot.planning.transcription.follow import follow
     from surefoot.planning.transcription.judge import departure
 
     begun = time.perf_counter()
-    motion = best_motion(problem, request, tell, light)
+
+    def heard(number: int, cost: float, violation: float) -> None:
+        tell(Iteration(number, cost, violation, "whole body over the schedule"))
+
+    motion = optimise(problem, None, request.max_iterations or MOST, heard, max_cpu_time=patience)
     lost = not motion.iterate.finite
     trajectory = (
         Trajectory.blank(problem.robot, problem.knots, problem.dt, request.mu)
