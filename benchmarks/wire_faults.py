@@ -29,7 +29,7 @@ from surefoot.drive.wire.link import WireEnd
 from surefoot.simulation import motor_robot
 from surefoot.simulation.motor_robot import MotorRobot, WiredRobot
 
-SLOWER, DOMAIN = 4.0, 94
+SLOWER, DOMAIN = 16.0, 94
 """Length of a second of both sides' clock [s], and DDS's domain."""
 ALLOWED, LASTS, ON_THE_WAY = 0.02, 0.3, 0.2
 """Time until the joints are damped [s], length of a fault [s], and of the walk before it [m]."""
@@ -41,17 +41,28 @@ Spoiler = Callable[[Any, np.random.Generator, dict[str, Any]], None]
 
 
 class SlowClock:
-    """The machine's clock, slower."""
+    """A clock of two processes, slower than the machine's; it stands while the robot's is held up."""
 
-    @staticmethod
-    def perf_counter() -> float:
+    def __init__(self, lost: Any) -> None:
+        self.lost = lost
+
+    def perf_counter(self) -> float:
         """Return the time [s]."""
-        return time.perf_counter() / SLOWER
+        return float(time.perf_counter() / SLOWER - self.lost.value)
 
-    @staticmethod
-    def sleep(seconds: float) -> None:
+    def sleep(self, seconds: float) -> None:
         """Wait so long [s]."""
         time.sleep(seconds * SLOWER)
+
+
+class SlowRobot(WiredRobot):
+    """A robot whose steps are never behind the clock, as hardware's are not."""
+
+    def step(self) -> None:
+        """See `WiredRobot`."""
+        late = motor_robot.clock.perf_counter() - self._due  # type: ignore[attr-defined]
+        motor_robot.clock.lost.value += max(late, 0.0)  # type: ignore[attr-defined]
+        super().step()
 
 
 def _set(name: str, value: float) -> Spoiler:
@@ -153,9 +164,9 @@ class WatchedLoop(sf.RobotLoop):
         return targets
 
 
-def _walk(end: Any, told: Any, out: Path) -> None:
+def _walk(end: Any, told: Any, lost: Any, out: Path) -> None:
     """Be the controller: stand up and walk whenever that is possible, until told to end."""
-    wired_loop.clock = SlowClock  # type: ignore[attr-defined, assignment]
+    wired_loop.clock = SlowClock(lost)  # type: ignore[attr-defined, assignment]
     robot = sf.load_robot("go2")
     dialect = dialect_of(robot)
     loop = WatchedLoop(robot, motors=dialect.motors)
@@ -163,6 +174,7 @@ def _walk(end: Any, told: Any, out: Path) -> None:
     loop.steer([0.5, 0.0, 0.0])
     with FaultyEnd(dialect, False, "lo", DOMAIN) as wire:
         wired = wired_loop.WiredLoop(loop, wire, dialect, watch=log.note)
+        told.send(0.0)
         wired.wait(30.0)
         while not end.is_set():
             wired.step()
@@ -207,15 +219,16 @@ def _go_wrong(wired: WiredRobot, fault: str, seed: int, other: int) -> tuple[flo
     return late, late <= ALLOWED + 1e-9
 
 
-def _suffer(count: int, other: int, told: Any) -> None:
+def _suffer(count: int, other: int, told: Any, lost: Any) -> None:
     """Be the robot: walk, let something go wrong, and begin anew."""
-    motor_robot.clock = SlowClock  # type: ignore[attr-defined, assignment]
+    motor_robot.clock = SlowClock(lost)  # type: ignore[attr-defined, assignment]
     robot = sf.load_robot("go2")
     dialect, body = dialect_of(robot), WatchedBody(robot)
     with FaultyEnd(dialect, True, "lo", DOMAIN) as wire:
-        wired = WiredRobot(body, wire, dialect)
+        told.recv()
+        wired = SlowRobot(body, wire, dialect)
         for k in range(count):
-            if not body.powered:
+            if not body.powered or FAULTS[(k - 1) % len(FAULTS)] not in BEARABLE:
                 body.reset(robot.nominal)
             begin, start = body.time, float(body.world.state()[0][0])
             while body.world.state()[0][0] < start + ON_THE_WAY and body.time < begin + LONGEST:
@@ -228,13 +241,19 @@ def _suffer(count: int, other: int, told: Any) -> None:
 def suffer(count: int, out: Path, said: Callable[[str], None]) -> dict[str, Any]:
     """Return what came of so many faults; `said` is called with a line for each."""
     context = multiprocessing.get_context("spawn")
-    end, (ours, theirs), (mine, his) = context.Event(), context.Pipe(), context.Pipe()
-    controller = context.Process(target=_walk, args=(end, theirs, out), daemon=True)
+    end, lost, (ours, theirs), (mine, his) = (
+        context.Event(),
+        context.Value("d"),
+        context.Pipe(),
+        context.Pipe(),
+    )
+    controller = context.Process(target=_walk, args=(end, theirs, lost, out), daemon=True)
     controller.start()
     theirs.close()  # who dies ends the pipe
-    robot = context.Process(target=_suffer, args=(count, controller.pid, his), daemon=True)
+    robot = context.Process(target=_suffer, args=(count, controller.pid, his, lost), daemon=True)
     robot.start()
     his.close()
+    mine.send(ours.recv())
     rows = []
     for k in range(count):
         fault, walks, late, right = mine.recv()

@@ -33,7 +33,7 @@ IMPORTED = {
     "sweep": "pyarrow", "scale": "ray", "jax": "jax", "mjx": "mujoco.mjx", "torch": "torch",
     "plan": "casadi", "lab": "viser", "drake": "pydrake", "bullet": "pybullet", "policy": "onnxruntime",
     "wire": "cyclonedds",
-    "models": "robot_descriptions", "cdd": "cdd",
+    "cdd": "cdd",
     "all": "pinocchio", "dev": "pytest", "docs": "sphinx",
 }  # fmt: skip
 """A module that each extra brings."""

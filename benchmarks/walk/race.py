@@ -20,11 +20,12 @@ from benchmarks.problems.judge import STEPS_PER_DECADE, coarsest
 from benchmarks.problems.walking import TICK, MpcInput, MpcScene, choose_scenes, controller, record
 from benchmarks.timing import Timing, best_of, one_core
 from benchmarks.walk import rivals as mpc_rivals
+from benchmarks.walk.horizon import HorizonProgram, horizon_program
 from benchmarks.walk.rivals import Rival, Variant
 from benchmarks.walk.steps import StepRow, measure_steps
 from surefoot.arrays import FloatArray
 from surefoot.control import mpc_model
-from surefoot.control.mpc import ConvexMpc, HorizonProgram
+from surefoot.control.mpc import ConvexMpc
 
 ACCURACY = 0.1
 """Distance of all forces of the horizon together to the method's own optimum [N], in 95 of 100 inputs."""
@@ -124,7 +125,7 @@ def measure_scene(
     """Return our row and all rivals' rows for one scene."""
     inputs = record(scene, calls, horizon)
     mpc = controller(scene, horizon, tol=ACCURACY)
-    programs = [mpc.program(*given) for given in inputs]
+    programs = [horizon_program(mpc, *given) for given in inputs]
     exact = _references(mpc, programs, None)
     timing, forces = _time(_ours(mpc), list(zip(inputs, programs, strict=True)))
     rows = [

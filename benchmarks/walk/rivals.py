@@ -21,9 +21,10 @@ import scipy.sparse as sp
 
 from benchmarks.prepared import rival
 from benchmarks.walk import hpipm as mpc_hpipm
+from benchmarks.walk.horizon import HorizonProgram
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid
-from surefoot.control.mpc import ConvexMpc, HorizonProgram
+from surefoot.control.mpc import ConvexMpc
 from surefoot.solvers.backends import ConeProgram, Options, solve_program
 from surefoot.solvers.backends.program import stacked
 

@@ -119,23 +119,6 @@ class SimulationError(SurefootError, RuntimeError):
         self.time = time
 
 
-class StiffContactWarning(RuntimeWarning):
-    """An explicit step above the stability limit of a soft contact: it will chatter, or blow up.
-
-    Attributes
-    ----------
-    stable_step
-        Longest step that would be stable [s].
-    """
-
-    def __init__(self, dt: float, stable_step: float) -> None:
-        super().__init__(
-            f"dt = {dt:g} s is above the stability limit of the explicit step on this contact, "
-            f"{stable_step:.3g} s: it will chatter or blow up; take a smaller dt, or integration='implicit'"
-        )
-        self.stable_step = stable_step
-
-
 def unknown_name(kind: str, name: object, valid: Iterable[str]) -> str:
     """Return the one-line message for a name that is not in a list.
 

@@ -17,10 +17,10 @@ from surefoot.errors import SimulationError
 from surefoot.simulation.bodies import box, falling_cat
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
-from surefoot.terrain.heightfield import HeightfieldTerrain
+from surefoot.terrain import rough_ground
 
 BODIES = {"cat": falling_cat, "plank": lambda: box(0.7, (0.6, 0.1, 0.02)), "cube": lambda: box(2.0)}
-TERRAINS = (sf.FlatTerrain, lambda: sf.SlopeTerrain(20.0), lambda: HeightfieldTerrain.rough(seed=1))
+TERRAINS = (sf.FlatTerrain, lambda: sf.SlopeTerrain(20.0), lambda: rough_ground(1, 0.1))
 
 
 def robot_called(name: str) -> sf.Robot:

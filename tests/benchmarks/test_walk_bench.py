@@ -5,6 +5,7 @@ import pytest
 
 from benchmarks.problems.walking import SCENES, choose_scenes, controller, record
 from benchmarks.walk import race as walk
+from benchmarks.walk.horizon import horizon_program
 from benchmarks.walk.race import ACCURACY, measure
 from benchmarks.walk.rivals import Variant, matrices, rivals, solve_exact
 
@@ -15,7 +16,7 @@ NAMES = [f"{r.solver}-{r.facets}" for r in rivals()]
 def programs():
     scene = choose_scenes(["limit"])[0]
     mpc = controller(scene)
-    return mpc, [mpc.program(*inputs) for inputs in record(scene, 40)[18:40:7]]
+    return mpc, [horizon_program(mpc, *inputs) for inputs in record(scene, 40)[18:40:7]]
 
 
 @pytest.mark.parametrize("which", range(len(NAMES)), ids=NAMES)

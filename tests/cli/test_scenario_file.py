@@ -80,13 +80,9 @@ def test_stands_on_soft_ground(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     assert (code, found["stood"], found["laws_broken"]) == (0, True, [])
 
 
-def test_chatter_is_said_before_it_happens_and_breaks_laws(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_stiff_spring_carries(tmp_path: Path) -> None:
     stiff = ROOT / "examples" / "scenarios" / "stiff_spring.yaml"
     words = ["stand", "go2", "--world", "rigid", "--duration", "0.5", *FILES, "--out", str(tmp_path)]
-    assert main([*words, "--scenario", str(stiff.with_name("chattering.yaml"))]) == 1
-    assert "above the stability limit" in " ".join(capsys.readouterr().out.split())
     assert main([*words, "--scenario", str(stiff)]) == 0
 
 
@@ -154,7 +150,6 @@ WRONG = [
     ("law: {name: spring-damper, radius: 1}", ["--world", "rigid"], "'radius'; valid names: damping, stiff"),
     ("law: {name: spring-damper}", ["--world", "rigid"], "the law spring-damper needs stiffness"),
     ("law: {name: sphere, radius: .nan}", ["--world", "rigid"], "law radius must be a number >= 0, got nan"),
-    ("integration: explicit", ["--world", "rigid"], "integration goes with law"),
     ("delay: -1", [], "delay must be a number from 0 to 1, got -1"),
     ("delay: true", [], "delay must be a number from 0 to 1, got True"),
     ("substeps: 1.5", [], "substeps must be a whole number from 1 to 64, got 1.5"),

@@ -12,7 +12,7 @@ import pytest
 from surefoot.cli import worlds
 from surefoot.cli.main import main
 from surefoot.experiments import EXPERIMENTS
-from surefoot.experiments.experiment import ComparedQuantity, Measurement, WorldExperiment
+from surefoot.experiments.experiment import Measured, MeasuredQuantity, WorldExperiment
 from surefoot.simulation.drake_python import VARIABLE
 
 
@@ -45,8 +45,8 @@ def test_tables_are_printed(capsys: pytest.CaptureFixture[str], monkeypatch: pyt
 def test_a_world_that_does_not_keep_to_it_is_exit_1(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def wrong(world: str, dt: float) -> Measurement:
-        return Measurement((2.0,), (ComparedQuantity("x", "m", 1.0),))
+    def wrong(world: str, dt: float) -> Measured:
+        return (MeasuredQuantity("x", "m", 2.0, 1.0),)
 
     made = EXPERIMENTS["drop"]
     monkeypatch.setitem(EXPERIMENTS, "drop", WorldExperiment("drop", made.says, made.compares, wrong))

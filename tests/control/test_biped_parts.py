@@ -9,10 +9,10 @@ import pinocchio
 import pytest
 
 from surefoot.arrays import FloatArray
-from surefoot.control.biped.footsteps import Footstep, StepGeometry, pressure_path, stances
 from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
 from surefoot.control.biped.posture import Posture, stretching
+from surefoot.control.biped.step_planner import Footstep, StepGeometry, pressure_path, stances
 from surefoot.robot import load_robot, place
 from surefoot.robot.sole_plane import sole_plane
 from surefoot.stance.gait_library import named_gait

@@ -8,24 +8,28 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.control import foothold
-from surefoot.control.foothold import choose_foothold, raibert, step_shift
+from surefoot.control.foothold import choose_foothold, step_place
 from surefoot.control.walking_kernels import plane_through, slope_frames
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, rough_ground
 
 
+def step(velocity: tuple[float, float], wanted: tuple[float, float, float]) -> np.ndarray:
+    """Return where a foot below the centre of mass steps, at once."""
+    return step_place(
+        np.zeros(3), np.array([*velocity, 0.0]), np.zeros(2), 0.0, np.array(wanted), 0.0, 0.3, 0.25
+    )
+
+
 def test_a_body_at_its_wanted_speed_steps_half_a_stance_ahead() -> None:
-    v = np.array([0.8, -0.2])
-    assert raibert(np.zeros(2), v, v, 0.0, 0.3, 0.25) == pytest.approx(0.125 * v)
+    assert step((0.8, -0.2), (0.8, -0.2, 0.0)) == pytest.approx([0.1, -0.025])
 
 
 def test_a_body_that_is_too_fast_steps_further_towards_the_capture_point() -> None:
-    place = raibert(np.zeros(2), np.array([0.3, 0.0]), np.zeros(2), 0.0, 0.3, 0.25)
-    assert place == pytest.approx([0.3 * math.sqrt(0.3 / 9.81), 0.0])
+    assert step((0.3, 0.0), (0.0, 0.0, 0.0)) == pytest.approx([0.3 * math.sqrt(0.3 / 9.81), 0.0])
 
 
 def test_a_turning_body_leans_into_the_turn() -> None:
-    v = np.array([1.0, 0.0])
-    straight, turning = (raibert(np.zeros(2), v, v, w, 0.3, 0.25) for w in (0.0, 1.0))
+    straight, turning = (step((1.0, 0.0), (1.0, 0.0, w)) for w in (0.0, 1.0))
     # centripetal acceleration 1 m/s² to the left: feet go right of the path by half h/g times it
     assert turning - straight == pytest.approx([0.0, -0.5 * 0.3 / 9.81])
 
@@ -111,9 +115,13 @@ def test_without_edges_along_the_way_the_search_is_the_old_one() -> None:
 
 
 def test_a_tread_is_kept_only_if_it_is_not_much_farther() -> None:
-    stairs = StairsTerrain(0.12, 0.3)
-    place, along = np.array([0.29, 0.0]), np.array([1.0, 0.0])  # 1 cm before an edge
-    assert step_shift(stairs, place, along, 0.045) == pytest.approx(-0.035, abs=0.006)
-    assert step_shift(stairs, place, along, 0.045, 0.1) == pytest.approx(0.055, abs=0.006)
-    assert step_shift(stairs, place, along, 0.045, 0.1, 0.03) == pytest.approx(0.055, abs=0.006)
-    assert step_shift(stairs, place, along, 0.045, 0.1, 0.01) == pytest.approx(-0.035, abs=0.006)
+    stairs, way = StairsTerrain(0.12, 0.3), np.array([0.15, 0.0])
+    place, last = np.array([0.29, 0.0]), np.array([0.39, 0.0])  # 1 cm before an edge, and beyond it
+    for before, more, moved in (
+        (None, 1.0, -0.035),
+        (last, 1.0, 0.055),
+        (last, 0.03, 0.055),
+        (last, 0.01, -0.035),
+    ):
+        chosen = choose_foothold(stairs, place, 0.08, 0.045, way, before, more)
+        assert chosen[0] - place[0] == pytest.approx(moved, abs=0.006)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.control.force_planner import SAMPLES, ForcePlanner, mean_shares
+from surefoot.control.force_planner import SAMPLES, ForcePlanner
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc
 from surefoot.stance.gait import Gait
 
@@ -89,15 +89,3 @@ def test_the_plan_keeps_to_the_lowered_bounds() -> None:
     assert plan.forces[0, 0, 2] > 15.0
     assert plan.forces[4, 3] == pytest.approx(0.0)
     assert plan.forces[0, :, 2].sum() == pytest.approx(15.0 * 9.81, rel=0.05)
-
-
-def test_mean_shares_are_means() -> None:
-    stances = np.array([[0, -1.0, 0.11], [0, 0.2, 0.31], [2, 0.05, 0.07]])
-    times, out = np.linspace(0.0, 0.3, 24), np.zeros((6, 3))
-    mean_shares(stances, times, LENGTH, out)
-    shares = np.ones((24, 3))
-    for foot, begin, end in stances:
-        inside = (times >= begin) & (times < end)
-        ramp = np.clip(np.minimum(times - begin, end - times) / LENGTH, 0.0, 1.0)
-        shares[inside, int(foot)] = ramp[inside]
-    np.testing.assert_allclose(out, shares.reshape(6, 4, 3).mean(axis=1), atol=1e-12)

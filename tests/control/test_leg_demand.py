@@ -78,9 +78,3 @@ def test_what_legs_do_not_reach_is_infinite() -> None:
     table = LegDemand(go2(), np.array([1.0, 0.0, 0.0]), HEIGHT)
     assert np.isinf(table.speeds(Pace(0.5, 0.8, 0.05), 2.5)).any()
     assert np.isfinite(table.speeds(PACE)).all()
-
-
-def test_a_faster_gait_asks_for_more() -> None:
-    table = LegDemand(go2(), np.array([1.0, 0.0, 0.0]), HEIGHT)
-    assert table.speeds(PACE, 1.5).max() > table.speeds(PACE, 1.0).max() > table.speeds(PACE, 0.2).max()
-    assert table.speeds(Pace(0.36, 0.6, 0.05)).max() > table.speeds(PACE).max()

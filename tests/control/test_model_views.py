@@ -10,7 +10,6 @@ import pytest
 
 from surefoot.control.damping import LARGEST, computable
 from surefoot.control.model_views import ModelViews
-from surefoot.control.whole_body_step import exceeded
 from tests.robots import robot_of
 
 
@@ -47,11 +46,3 @@ def test_only_states_of_finite_size_are_computable() -> None:
         x = np.array([1.0, bad, 0.0])
         assert computable(np.ones(3), x) == computable(x, np.ones(3)) == bool(np.abs(x).max() <= LARGEST)
     assert computable(np.full(3, LARGEST), np.zeros(0))
-
-
-def test_excess_is_told_apart() -> None:
-    middle, half = np.array([0.5, 0.0, 0.0]), np.array([1.0, 2.0, np.inf])
-    loose = np.array([True, False, False])
-    light, heavy, most, finite = exceeded(np.array([-1.0, 1.0, 7.0]), middle, half, loose)
-    assert (light, heavy, most, finite) == (1.5, 0.5, 0.5, True)
-    assert not exceeded(np.array([0.0, np.nan, 0.0]), middle, half, loose)[3]

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.problems.walking import TICK, choose_scenes, controller, record
+from benchmarks.walk.horizon import horizon_program
 from surefoot.contact.solution import Status
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
 from surefoot.errors import ProblemError
@@ -152,23 +153,15 @@ def test_warm_starts_change_the_work_and_not_the_answer(name):
     assert saved >= 0.15 * total
 
 
-def test_the_same_call_again_takes_no_step():
-    mpc = make()
-    inputs = state_off((0.02, 0.05, 0), (0, 0.9, 0)), reference(), FEET, TROT
-    assert mpc.solve(*inputs).iterations > 2
-    assert mpc.solve(*inputs).iterations == 0
-    mpc.reset()
-    assert mpc.solve(*inputs).iterations > 2
-
-
-def test_two_feet_and_six_feet():
-    for n in (2, 6):
-        mpc = ConvexMpc(30.0, np.eye(3), n, horizon=6)
-        angle = 2.0 * np.pi * np.arange(n) / n
-        feet = np.column_stack([0.3 * np.cos(angle), 0.3 * np.sin(angle), np.zeros(n)])
-        plan = mpc.solve(state_off((0, 0.01, 0)), reference(horizon=6), feet, np.ones((6, n), dtype=bool))
-        assert plan.solved
-        assert plan.first[:, 2].sum() == pytest.approx(30.0 * 9.81, rel=0.05)
+def test_another_step_length_is_that_of_a_fresh_controller():
+    state, feet = state_off((0, 0.02, 0), (0.1, 0, 0)), np.ones((6, 4), dtype=bool)
+    paced, fresh = (make(horizon=6, dt=dt) for dt in (0.03, 0.05))
+    paced.solve(state, reference(horizon=6), FEET, feet)
+    paced.pace(0.05)
+    a, b = (mpc.solve(state, reference(horizon=6, dt=0.05), FEET, feet) for mpc in (paced, fresh))
+    np.testing.assert_allclose(a.forces, b.forces, rtol=0.0, atol=0.05)
+    with pytest.raises(ProblemError, match="dt"):
+        paced.pace(0.0)
 
 
 @pytest.mark.parametrize(
@@ -202,6 +195,7 @@ def test_settings_that_make_no_sense_are_named(changes, text):
         ({"frames": np.zeros((4, 3))}, "frames"),
         ({"frames": np.tile(-np.eye(3), (4, 1, 1))}, "right-handed"),
         ({"frames": np.tile(2.0 * np.eye(3), (4, 1, 1))}, "rotations"),
+        ({"normal_share": np.ones((3, 4))}, "normal_share"),
         ({"mu": -np.ones(4)}, "mu"),
         ({"mu": np.ones(3)}, "mu"),
         ({"mu": np.full(4, np.nan)}, "mu"),
@@ -216,4 +210,4 @@ def test_input_of_the_wrong_shape_is_named(changes, text):
 
 def test_a_program_needs_finite_input():
     with pytest.raises(ProblemError, match="finite"):
-        make().program(state_off((np.nan, 0, 0)), reference(), FEET, TROT)
+        horizon_program(make(), state_off((np.nan, 0, 0)), reference(), FEET, TROT)

@@ -10,10 +10,10 @@ import time
 import numpy as np
 import pytest
 
+from benchmarks.walk.horizon import horizon_program
 from benchmarks.walk.race import tracking_cost
 from benchmarks.walk.rivals import matrices, solve_exact
-from surefoot.cones import FrictionCone
-from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
+from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc
 from surefoot.numerics.projection import project_truncated
 from surefoot.spatial import rotation_about, rotation_from_normal
 
@@ -87,7 +87,7 @@ def test_forces_and_cost_are_clarabels(kind, deviation):
     for _ in range(INSTANCES // 2):
         mpc = controller(rng)
         given = instance(rng, kind, deviation=deviation)
-        plan, program = mpc.solve(*given), mpc.program(*given)
+        plan, program = mpc.solve(*given), horizon_program(mpc, *given)
         assert plan.solved
         if program.step.size == 0:
             continue
@@ -108,31 +108,10 @@ def test_other_horizons_are_solved_as_exactly(steps):
     for kind in ("stand", "trot", "flying"):
         mpc = controller(rng, steps)
         given = instance(rng, kind, steps)
-        plan, program = mpc.solve(*given), mpc.program(*given)
+        plan, program = mpc.solve(*given), horizon_program(mpc, *given)
         assert plan.solved
         wanted = solve_exact(matrices(mpc, program, None, sparse=True, dense=False), 1e-11)  # with states
         assert np.abs(forces_of(plan, program) - wanted).max(initial=0.0) <= 5e-3
-
-
-@pytest.mark.parametrize("force_weight", [1e-3, 1e-5, 1e-7])
-def test_projected_gradients_do_not_move_the_forces(force_weight):
-    """The optimality condition, read off the condensed matrices and the cones alone."""
-    rng = np.random.default_rng(11)
-    for kind in ("stand", "trot", "walk", "flying", "random"):
-        mpc = controller(rng, weights=MpcWeights(force=force_weight))
-        given = instance(rng, kind, deviation=2.0)
-        plan, program = mpc.solve(*given), mpc.program(*given)
-        H, g = program.condensed()
-        f = forces_of(plan, program)
-        slope = (H @ f.ravel() + g).reshape(-1, 3)
-        moved = f - slope / np.linalg.eigvalsh(H)[-1]
-        for i, (mu, low, high) in enumerate(program.bounds):
-            again = FrictionCone(float(mu)).project(moved[i])
-            if not low <= again[2] <= high:
-                z = np.clip(again[2], low, high)
-                side = moved[i, :2] * min(1.0, mu * z / np.linalg.norm(moved[i, :2]))
-                again = np.append(side, z)
-            assert np.linalg.norm(again - f[i]) <= 1e-6
 
 
 def test_the_bound_on_the_error_is_one():

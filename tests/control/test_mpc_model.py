@@ -5,8 +5,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from benchmarks.problems.walking import INERTIA, MASS, choose_scenes, controller, record
+from benchmarks.walk.horizon import horizon_program
 from surefoot.control import mpc_model
-from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
+from surefoot.control.mpc import BodyReference
 
 NAMES = ("trot", "walk", "slope", "rough")
 
@@ -14,24 +15,6 @@ NAMES = ("trot", "walk", "slope", "rough")
 @pytest.fixture(scope="module")
 def inputs():
     return {name: record(choose_scenes([name])[0], 45)[20:44:8] for name in NAMES}
-
-
-def test_the_hessian_is_that_of_simulated_errors():
-    weights, dt, steps, terminal = np.random.default_rng(0).uniform(0.1, 2.0, (2, 6)), 0.07, 5, 3.0
-    P = mpc_model.hessians(weights, terminal, steps, dt)
-    share = np.append(np.ones(steps - 1), terminal)
-    for j in range(6):
-        place, rate = np.zeros((steps, steps)), np.zeros((steps, steps))
-        for i in range(steps):
-            x = v = 0.0
-            for k in range(steps):
-                a = 1.0 if k == i else 0.0
-                x, v = x + dt * v + 0.5 * dt * dt * a, v + dt * a
-                place[k, i], rate[k, i] = x, v
-        wanted = (
-            place.T @ np.diag(share * weights[0, j]) @ place + rate.T @ np.diag(share * weights[1, j]) @ rate
-        )
-        assert np.allclose(P[j], wanted, rtol=1e-12)
 
 
 def march(mpc, given, forces):
@@ -85,7 +68,7 @@ def test_the_condensed_cost_is_the_cost_of_the_march(inputs, name, outside):
     mpc.outside, mpc.fading = outside * OUTSIDE, 0.2
     rng = np.random.default_rng(1)
     for given in inputs[name]:
-        program = mpc.program(*given)
+        program = horizon_program(mpc, *given)
         H, g = program.condensed()
         values = []
         for _ in range(4):
@@ -170,15 +153,3 @@ def test_cruise_moves_along_the_surface_and_turns_about_its_normal():
     assert np.allclose(turn, 0.8 * 1.0 * normal, atol=1e-12)
     speeds = np.diff(ref.position, axis=0) / 0.05  # central differences of an arc, second order in dt
     assert np.allclose(speeds, 0.5 * (ref.linear_velocity[1:] + ref.linear_velocity[:-1]), atol=1e-3)
-
-
-def test_a_body_at_rest_on_its_reference_is_held_by_its_weight():
-    mpc = ConvexMpc(MASS, INERTIA, weights=MpcWeights(terminal=2.0), tol=1e-8)
-    ref = BodyReference.cruise([0, 0, 0.3], 0.7)
-    state = BodyState(ref.rotation[0], ref.position[0], np.zeros(3), np.zeros(3))
-    feet = ref.position[0] + np.array(
-        [[0.2, 0.1, -0.3], [-0.2, 0.1, -0.3], [0.2, -0.1, -0.3], [-0.2, -0.1, -0.3]]
-    )
-    plan = mpc.solve(state, ref, feet, np.ones((10, 4), dtype=bool))
-    assert np.allclose(plan.forces, [0.0, 0.0, MASS * 9.81 / 4], atol=1e-6)
-    assert np.allclose(plan.position, ref.position, atol=1e-9)

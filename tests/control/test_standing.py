@@ -7,18 +7,12 @@ import pytest
 import surefoot as sf
 from surefoot.control.controller import RobotState
 from surefoot.control.standing import (
-    FORCE_WEIGHT,
     StandingController,
     default_normal_bounds,
-    wrench_weights,
-)
-from surefoot.control.standing_kernels import (
-    foot_impedance,
-    pd_wrench,
 )
 from surefoot.control.standing_plan import Lift, StandingPlan
 from surefoot.equilibrium.allocation import ExactAllocation, SolverAllocation
-from surefoot.spatial import GRAVITY, rotation_about, rotation_log
+from surefoot.spatial import GRAVITY
 
 
 def standing(name: str = "go2", mu: float = 0.6, lifts: tuple[Lift, ...] = (), **options: object):
@@ -97,16 +91,6 @@ def test_lifted_foot_gets_exactly_zero_force() -> None:
     assert np.all(command.forces[1:, 2] > 1.0)
 
 
-def test_pyramids_and_exact_agree_where_friction_does_not_bind() -> None:
-    robot, q, exact = standing()
-    weights = wrench_weights(robot, q)
-    pyramid = SolverAllocation(np.full(4, 0.6), weights, FORCE_WEIGHT, "auto", 8)
-    _, _, linear = standing(allocation=pyramid)
-    v = np.zeros(robot.model.nv)
-    state = RobotState(q, v, 0.0)
-    np.testing.assert_allclose(linear.step(state).forces, exact.step(state).forces, atol=1e-4)
-
-
 def test_light_robots_get_a_smaller_least_force() -> None:
     low, high = default_normal_bounds(sf.load_robot("go2"))
     assert low == 10.0
@@ -141,48 +125,6 @@ def test_the_grasp_map_of_a_command_is_that_of_its_stance() -> None:
         np.testing.assert_allclose(
             command.grasp_map, robot.stance(state).grasp_map(robot.com(state)), atol=1e-12
         )
-
-
-def test_pd_wrench_kernel_against_plain_numpy() -> None:
-    rng = np.random.default_rng(4)
-    for _ in range(20):
-        axis = rng.normal(size=3)
-        R = rotation_about(axis / np.linalg.norm(axis), rng.uniform(0.0, 1.0))
-        Rd = rotation_about([0.0, 0.0, 1.0], rng.uniform(-1.0, 1.0))
-        q, v, integral = rng.normal(size=7), rng.normal(size=6), rng.normal(size=6)
-        p, pd, pdd = rng.normal(size=(3, 3))
-        B = rng.normal(size=(3, 3))
-        inertia, mass, w, wt = B @ B.T, 12.0, 7.0, 9.0
-        wrench, pull = pd_wrench(R, Rd, q, v, p, pd, pdd, inertia, mass, w, wt, GRAVITY, integral)
-        world = R @ inertia @ R.T
-        force = mass * (w**2 * (p - q[:3]) + 2 * w * (pd - R @ v[:3]) + pdd + [0.0, 0.0, GRAVITY])
-        turn = world @ (wt**2 * rotation_log(Rd @ R.T) - 2 * wt * (R @ v[3:6]))
-        np.testing.assert_allclose(wrench, np.concatenate([force, turn]) + integral, rtol=1e-9, atol=1e-9)
-        np.testing.assert_allclose(pull[:3], mass * w**2 * (p - q[:3]), rtol=1e-12)
-        np.testing.assert_allclose(pull[3:], world @ (wt**2 * rotation_log(Rd @ R.T)), rtol=1e-9, atol=1e-9)
-
-
-def test_foot_impedance_kernel_against_plain_numpy() -> None:
-    robot, q, controller = standing()
-    rng = np.random.default_rng(5)
-    state, v = random_state(robot, q, rng)
-    controller.step(RobotState(state, v, 0.0))
-    model, data = robot.model, robot.data
-    M = pin.crba(model, data, state)
-    pin.computeJointJacobians(model, data, state)
-    pin.updateFramePlacements(model, data)
-    foot, legs, omega = robot.feet[1], slice(9, 12), 30.0
-    place = data.oMf[foot.frame].translation
-    J = pin.getFrameJacobian(model, data, foot.frame, pin.LOCAL_WORLD_ALIGNED)[:3]
-    miss, velocity = rng.normal(size=3), rng.normal(size=3)
-    got = foot_impedance(
-        np.asarray(data.J), controller._support[1], np.array(M), v, place, miss, velocity, omega
-    )
-    mobility = J[:, legs] @ np.linalg.inv(M[legs, legs]) @ J[:, legs].T
-    mobility += 1e-3 * np.trace(mobility) * np.eye(3)
-    force = np.linalg.solve(mobility, omega**2 * miss + 2 * omega * (velocity - J @ v))
-    np.testing.assert_allclose(got[3:6], J[:, legs].T @ force, rtol=1e-8)
-    assert np.all(np.delete(got, [3, 4, 5]) == 0.0)
 
 
 # margin to the cones, and states that no command can be computed for

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surefoot.control.foothold import SHIN, nearest_shift, step_windows
+from surefoot.control.foothold import SHIN, step_windows
 from surefoot.control.stair_gait import OFFSETS as STAIR_OFFSETS
 from surefoot.control.stair_gait import stair_gait
 from surefoot.control.step_phase import CHANGE, StepPhase
@@ -98,16 +98,6 @@ def test_windows_keep_from_edges_and_more_from_those_come_down_over() -> None:
     turned = step_windows(up, np.array([0.75, 0.1]), np.array([-1.0, 0.0]), MARGIN)  # down backwards
     assert turned is not None
     np.testing.assert_allclose(turned[0], [-np.inf, -0.15 + SHIN, 0.15 + SHIN], atol=0.004)
-
-
-def test_moves_lead_into_the_nearest_window() -> None:
-    windows = np.array([-np.inf, 0.1]), np.array([-0.04, 0.3])
-    ahead = np.random.default_rng(0).uniform(-0.5, 0.5, 200)
-    there = ahead + nearest_shift(windows, ahead)
-    assert ((there <= -0.04) | ((there >= 0.1) & (there <= 0.3))).all()
-    for a, b in zip(ahead, there, strict=True):
-        free = np.concatenate([np.linspace(-1.0, -0.04, 961), np.linspace(0.1, 0.3, 201)])
-        assert abs(b - a) == pytest.approx(np.abs(free - a).min(), abs=1e-3)
 
 
 @pytest.mark.parametrize("start", np.linspace(-0.75, -0.6, 4))

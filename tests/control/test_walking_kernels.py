@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from surefoot.control import walking_kernels as kernels
-from surefoot.control.foothold import raibert, step_place
+from surefoot.control.foothold import step_place
 from surefoot.control.swing import swing_motion
 
 SEEDS = range(4)
@@ -81,6 +81,7 @@ def test_a_step_goes_where_raibert_puts_it_about_the_coming_hip(turn: float) -> 
     com, v, arm = np.array([0.1, 0.2, 0.3]), np.array([0.5, -0.1, 0.0]), np.array([0.2, 0.15, -0.3])
     wanted, left, yaw = np.array([0.6, 0.1, turn]), 0.12, 0.4
     flow, hip = turned(wanted[:2], yaw + turn * left), turned(arm[:2], yaw + turn * left)
-    place = raibert(com[:2] + left * flow + hip, v[:2], flow, turn, 0.3, 0.2)
-    place = place + 0.1 * turn * np.array([-hip[1], hip[0]])
+    place = com[:2] + left * flow + hip + 0.1 * flow + math.sqrt(0.3 / 9.81) * (v[:2] - flow)
+    place += 0.5 * 0.3 / 9.81 * turn * np.array([flow[1], -flow[0]])
+    place += 0.1 * turn * np.array([-hip[1], hip[0]])
     assert step_place(com, v, arm, yaw, wanted, left, 0.3, 0.2) == pytest.approx(place)

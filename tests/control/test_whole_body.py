@@ -287,16 +287,6 @@ def test_no_foot_on_the_ground_leaves_the_body_to_gravity() -> None:
     assert data.acom[0] == pytest.approx([0.0, 0.0, -GRAVITY], abs=1e-8)
 
 
-def test_a_straight_leg_does_no_harm() -> None:
-    robot = robot_of("go2")
-    q = robot.nominal.copy()
-    q[9], q[8] = 0.0, 0.0  # the front left leg stretched out
-    _, _, v, tasks = random_case("go2", 4, feet_down=4)
-    command = WholeBodyController(robot).step(q, v, tasks)
-    assert np.isfinite(command.torques).all()
-    assert (np.abs(command.torques) <= robot.effort_limits).all()
-
-
 def test_the_centre_of_pressure_stays_in_the_soles() -> None:
     for seed in range(10):
         robot, q, v, tasks = random_case("g1", 400 + seed, feet_down=2)

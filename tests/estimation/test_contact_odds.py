@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from surefoot.errors import ProblemError
 from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.contact_odds import (
     BANDWIDTHS,
@@ -18,7 +17,7 @@ from surefoot.estimation.contact_odds import (
     observer_gain,
     quiet_bandwidth,
 )
-from surefoot.estimation.detection_kernels import LEAST_HEIGHT, LEAST_SPEED, MOST_FORCE, contact_odds
+from surefoot.estimation.detection_kernels import LEAST_HEIGHT, LEAST_SPEED, MOST_FORCE, decide_contacts
 from surefoot.robot import load_robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import SlopeTerrain
@@ -31,18 +30,22 @@ def test_odds_are_those_of_the_densities() -> None:
     up = random.normal(size=(n, 3))
     up /= np.linalg.norm(up, axis=1)[:, None]
     forces, velocities = 20.0 * random.normal(size=(n, 3)), 0.2 * random.normal(size=(n, 3))
-    gaps, prior = 0.01 * random.normal(size=n), random.normal(size=n)
-    deviations = 2.0 + random.random(n)
-    heavy, gap, clearance, still, swinging, hold = scales = np.array([80.0, 0.005, 0.08, 0.05, 1.0, 0.5])
-    before, odds = random.random(n) < 0.5, np.zeros(n)
+    points, heights = 0.01 * random.normal(size=(n, 3)), 0.01 * random.normal(size=n)
+    prior, deviations, felt = random.normal(size=n), 2.0 + random.random(n), random.random(n) < 0.5
+    told, memory = np.where(random.random(n) < 0.2, ~felt, felt), np.array([np.zeros(n), prior, deviations])
+    heavy, gap, clearance, still, swinging, hold, usual = 80.0, 0.005, 0.08, 0.05, 1.0, 0.5, 40.0
+    scales = np.array([heavy, gap, clearance, still, swinging, hold, usual])
+    before = random.random(n) < 0.5
     contact = before.copy()
-    contact_odds(forces, velocities, up, gaps, prior, deviations, scales, contact, odds)
+    decide_contacts(forces, velocities, points, up, heights, felt, told, scales, memory, contact)
     f, v = np.maximum((forces * up).sum(axis=1), 0.0), (velocities * up).sum(axis=1)
+    f = np.where(felt == told, f, usual * told)
     pushed = np.minimum(-np.log(heavy) - norm.logpdf(f, scale=deviations), MOST_FORCE)
+    gaps = (points[:, 2] - heights) * up[:, 2]
     near = np.maximum(norm.logpdf(gaps, scale=gap) + np.log(clearance), LEAST_HEIGHT)
     stopped = np.maximum(norm.logpdf(v, scale=still) - norm.logpdf(v, scale=swinging), LEAST_SPEED)
     expected = prior + pushed + near + stopped
-    np.testing.assert_allclose(odds, expected, atol=1e-12)
+    np.testing.assert_allclose(memory[0], expected, atol=1e-12)
     np.testing.assert_array_equal(contact, expected > np.where(before, -hold, hold))
     assert 0.1 < contact.mean() < 0.9
     assert (contact & (expected < hold)).any()  # held on
@@ -104,9 +107,3 @@ def test_ground_without_a_map_is_the_plane_under_the_feet() -> None:
     np.testing.assert_allclose(sensed.heights(places), slope.height(places[:, :2]) + 0.1, atol=1e-12)
     row = GroundLevel(None, np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.2]]))  # two feet: level across them
     np.testing.assert_allclose(row.heights(np.array([[0.5, 3.0, 0.0]])), [0.1])
-
-
-def test_wrong_settings() -> None:
-    with pytest.raises(ProblemError, match="clearance must be"):
-        TouchSettings(clearance=-1.0)
-    assert TouchSettings(swing=-3.0).swing == -3.0

@@ -10,9 +10,9 @@ from hypothesis.extra.numpy import arrays
 from scipy.linalg import expm
 
 from surefoot.arrays import FloatArray
-from surefoot.estimation.extended_poses import gammas, move
+from surefoot.estimation.extended_poses import gammas
 from surefoot.spatial import skew
-from tests.estimation.poses import exponential, inverse, product
+from tests.estimation.poses import exponential
 
 ALGEBRA = arrays(np.float64, 12, elements=st.floats(-3.0, 3.0))
 """ξ of SE_3(3): a rotation vector and three more."""
@@ -50,14 +50,3 @@ def test_gammas_on_both_sides_of_the_series(angle: float) -> None:
 @given(ALGEBRA)
 def test_the_exponential_is_that_of_the_matrix(xi: FloatArray) -> None:
     np.testing.assert_allclose(whole(exponential(xi)), expm(algebra_matrix(xi)), rtol=0.0, atol=1e-11)
-
-
-@settings(max_examples=100, deadline=None)
-@given(ALGEBRA, ALGEBRA)
-def test_product_inverse_and_move_are_the_matrices(a: FloatArray, b: FloatArray) -> None:
-    X, Y = exponential(a), exponential(b)
-    np.testing.assert_allclose(whole(product(X, Y)), whole(X) @ whole(Y), atol=1e-11)
-    np.testing.assert_allclose(whole(inverse(X)), np.linalg.inv(whole(X)), atol=1e-10)
-    moved = Y.copy()
-    move(moved, a)
-    np.testing.assert_allclose(moved, product(X, Y), atol=1e-12)

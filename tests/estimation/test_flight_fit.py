@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surefoot.estimation import elevation_kernels as kernels
-from surefoot.estimation.flight_fit import FlightFit, StairSteps, parting
+from surefoot.estimation.flight_fit import FlightFit, StairSteps
 from surefoot.spatial import rotation_about
 from surefoot.terrain import StairsTerrain
 
@@ -126,17 +126,6 @@ def test_stairs_that_are_gone_are_lost(moved: float) -> None:
     for _ in range(20):
         fit.see(origin, _scan(stairs, origin, 0.0, 45.0, 0.0, rng) + np.array([moved, 0.0, 0.0]))
     assert fit.lost == (moved > 0.0)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_the_parting_has_the_fewest_on_the_wrong_side(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    before, after = rng.normal(0.0, 1.0, 17), rng.normal(1.5, 1.0, 12)
-    found = parting(before, after)
-    wrong = [(before > t).sum() + (after < t).sum() for t in np.linspace(-4.0, 5.0, 9001)]
-    assert (before > found).sum() + (after < found).sum() <= min(wrong) + 2  # a mean of equally good ones
-    split = rng.uniform(0.0, 1.0, 40)
-    assert 0.9 * 0.5 < parting(split[split < 0.5], split[split > 0.5]) < 1.1 * 0.5
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -84,16 +84,6 @@ def test_propagation_is_that_of_plain_matrices(seed: int) -> None:
     np.testing.assert_array_equal(filter.X[:, 5:], feet)
 
 
-def test_the_state_alone_goes_on_as_with_its_covariance() -> None:
-    filter, h, random = random_filter(3), 0.002, np.random.default_rng(3)
-    gyros, forces = random.normal(size=(4, 3)), 9.0 * random.normal(size=(4, 3))
-    alone = filter.X.copy()
-    kernels.foresee(alone, filter.bias, gyros, forces, h)
-    for gyro, force in zip(gyros, forces, strict=True):
-        filter.predict(gyro, force, h)
-    np.testing.assert_array_equal(alone, filter.X)
-
-
 @settings(max_examples=50, deadline=None)
 @given(arrays(np.float64, 9, elements=st.floats(-1.5, 1.5)), st.integers(0, 100))
 def test_errors_of_any_size_move_linearly(xi: FloatArray, seed: int) -> None:
@@ -122,20 +112,6 @@ def observation(n: int) -> FloatArray:
     for k in range(n):
         H[3 * k : 3 * k + 3, 6:9], H[3 * k : 3 * k + 3, 9 + 3 * k : 12 + 3 * k] = -np.eye(3), np.eye(3)
     return H
-
-
-def test_the_observations_matrix_is_the_innovations_derivative() -> None:
-    """By central differences in the true state exp(δ) X̂, at the feet that this would show."""
-    filter, step = random_filter(3), 1e-6
-    found = np.zeros((9, 18))
-    for i in range(18):
-        ends = []
-        for sign in (1.0, -1.0):
-            true = product(exponential(sign * step * np.eye(18)[i]), filter.X)
-            seen = [true[:, :3].T @ (true[:, 5 + k] - true[:, 4]) for k in range(3)]
-            ends.append(innovations(filter.X, np.array(seen)))
-        found[:, i] = (ends[0] - ends[1]) / (2.0 * step)
-    np.testing.assert_allclose(found, observation(3)[:, :18], rtol=0.0, atol=1e-8)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -187,31 +163,6 @@ def test_a_known_height_is_a_correction_with_one_row() -> None:
     before = filter.covariance.copy()
     assert not filter.observe_height(k, normal, 1e3, 0.1)  # beyond belief: nothing changes
     np.testing.assert_array_equal(filter.covariance, before)
-
-
-def test_a_new_foots_error_is_that_of_its_place() -> None:
-    """Its covariance against differences of d = p + R y in state and measurement."""
-    filter, y, k, step = random_filter(2), np.array([0.2, -0.1, -0.3]), 2, 1e-7
-    root = 0.1 * np.random.default_rng(0).normal(size=(3, 3))
-    spread, X = root @ root.T, filter.X.copy()
-    kernels.forget_foot(filter.covariance, k)
-    P, j = filter.covariance.copy(), slice(9 + 3 * k, 12 + 3 * k)
-    assert not P[j].any()
-    assert not P[:, j].any()
-    kernels.add_foot(filter.X, filter.covariance, k, y, spread)
-    np.testing.assert_allclose(filter.X[:, 5 + k], X[:, 4] + X[:, :3] @ y, atol=1e-14)
-
-    def error(xi: FloatArray, noise: FloatArray) -> FloatArray:
-        """Return ξ after the foot was added to exp(ξ) X with the place y + noise, the truth being X and y."""
-        wrong, true = product(exponential(xi), X), X.copy()
-        wrong[:, 5 + k], true[:, 5 + k] = wrong[:, 4] + wrong[:, :3] @ (y + noise), X[:, 4] + X[:, :3] @ y
-        return logarithm(product(wrong, inverse(true)))
-
-    still = np.zeros(18), np.zeros(3)
-    by_state = np.array([error(step * e, still[1]) for e in np.eye(18)]).T / step
-    by_noise = np.array([error(still[0], step * e) for e in np.eye(3)]).T / step
-    expected = by_state @ P[:18, :18] @ by_state.T + by_noise @ spread @ by_noise.T
-    np.testing.assert_allclose(filter.covariance[:18, :18], expected, rtol=0.0, atol=1e-6)
 
 
 @dataclass

@@ -54,10 +54,10 @@ class Motion:
 
 
 def seen(robot: Robot, motion: Motion) -> np.ndarray:
-    wrench, points, now = np.empty(6), robot.contact_points, motion.instant
-    kernels.outside_wrench(
+    wrench, points, now = np.zeros(6), robot.contact_points, motion.instant
+    kernels.sum_wrench(
         now.M, now.bias, now.v, motion.after, DT, motion.torques, now.twists, points.foot_support, now.points,
-        points.flat, motion.touching, now.pose, wrench,
+        points.flat, motion.touching, now.pose, np.zeros(4), wrench,
     )  # fmt: skip
     return wrench
 

@@ -10,12 +10,7 @@ import pytest
 
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.experiments import EXPERIMENTS, bodies, carry_out
-from surefoot.experiments.experiment import (
-    ComparedQuantity,
-    Measurement,
-    WorldExperiment,
-    compare,
-)
+from surefoot.experiments.experiment import Measured, MeasuredQuantity, WorldExperiment, compare
 from surefoot.simulation import drake_python
 from surefoot.spatial import GRAVITY
 
@@ -37,18 +32,16 @@ def test_worlds_keep_to_the_closed_forms(name: str, world: str) -> None:
         pytest.skip(f"{world} is not here")
     if world in ("drake", "bullet") and name not in QUICK:
         pytest.skip("run by `surefoot worlds`")
-    rows, seen = compare(experiment, world)
-    assert len(rows) == len(seen.values)
-    for row in rows:
+    for row in compare(experiment, world):
         assert row.verdict == "agrees", row
-    assert np.isfinite(seen.values).all()
+        assert np.isfinite(row.value)
 
 
 def made_up(error: object) -> WorldExperiment:
     """Return an experiment in which a world's value is 1 plus a function of the step."""
 
-    def measure(world: str, dt: float) -> Measurement:
-        return Measurement((1.0 + error(dt),), (ComparedQuantity("x", "m", 1.0),))  # type: ignore[operator]
+    def measure(world: str, dt: float) -> Measured:
+        return (MeasuredQuantity("x", "m", 1.0 + error(dt), 1.0),)  # type: ignore[operator]
 
     return WorldExperiment("made", "", "", measure)
 
@@ -67,12 +60,12 @@ def made_up(error: object) -> WorldExperiment:
     ],
 )
 def test_the_judge_can_say_no(error: object, verdict: str) -> None:
-    rows, _ = compare(made_up(error), "rigid")
+    rows = compare(made_up(error), "rigid")
     assert [row.verdict for row in rows] == [verdict]
 
 
 def test_a_world_that_fails_is_told_not_raised() -> None:
-    def fails(world: str, dt: float) -> Measurement:
+    def fails(world: str, dt: float) -> Measured:
         raise SurefootError("lost")
 
     outcome = carry_out(WorldExperiment("x", "", "", fails), ["rigid"])
@@ -89,6 +82,6 @@ def test_a_step_that_is_no_step(dt: float) -> None:
 @pytest.mark.skipif(not HERE["mujoco"], reason="MuJoCo is not here")
 def test_step_errors_are_those_of_the_scheme() -> None:
     """Semi-implicit Euler falls g t dt / 2 too far: the measured step error is just that."""
-    row = compare(EXPERIMENTS["drop"], "mujoco", 1e-3)[0][0]
+    row = compare(EXPERIMENTS["drop"], "mujoco", 1e-3)[0]
     assert row.error == pytest.approx(0.5 * GRAVITY * bodies.FALL * 1e-3, rel=1e-9)
     assert row.step_error == pytest.approx(row.error, rel=1e-6)

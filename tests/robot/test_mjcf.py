@@ -10,7 +10,6 @@ import pytest
 
 import surefoot as sf
 from surefoot.errors import MissingExtra, ModelError
-from surefoot.robot.descriptions import described
 
 mujoco = pytest.importorskip("mujoco")
 pin = pytest.importorskip("pinocchio")
@@ -323,11 +322,3 @@ def test_without_mujoco_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(MissingExtra, match=r"mujoco is not installed; run: pip install -e '\.\[sim\]'"):
         sf.load_robot(path)
-
-
-def test_descriptions_need_their_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("surefoot.robot.descriptions.find_spec", lambda name: None)
-    with pytest.raises(
-        MissingExtra, match=r"robot_descriptions is not installed; run: pip install -e '\.\[models\]'"
-    ):
-        described("go2_mj_description")

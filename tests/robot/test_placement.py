@@ -6,7 +6,7 @@ import pytest
 import surefoot as sf
 from surefoot.errors import ModelError
 from surefoot.spatial import rotation_from_quaternion
-from surefoot.terrain.heightfield import HeightfieldTerrain
+from surefoot.terrain import rough_ground
 
 
 @pytest.mark.parametrize("name", ["go2", "anymal_c", "hyq", "solo12", "b1"])
@@ -40,7 +40,7 @@ def test_what_cannot_stand_is_refused() -> None:
 
 
 def test_stands_about_another_place() -> None:
-    robot, ground = sf.load_robot("go2"), HeightfieldTerrain.rough(0.02, 1.0, seed=3)
+    robot, ground = sf.load_robot("go2"), rough_ground(3, 0.03)
     at = np.array([0.7, -0.4])
     q = sf.place(robot, ground, at=at)
     gaps = ground.gap(robot.foot_positions(q)) - [foot.radius for foot in robot.feet]

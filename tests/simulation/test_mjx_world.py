@@ -65,7 +65,7 @@ def test_it_is_mujoco() -> None:
 @pytest.mark.filterwarnings("ignore")
 def test_it_keeps_to_the_closed_forms() -> None:
     """On a ball, whose compilation is that of the test above; `surefoot worlds --world mjx` asks for all."""
-    rows, _ = compare(EXPERIMENTS["roll"], "mjx")
+    rows = compare(EXPERIMENTS["roll"], "mjx")
     assert [row.verdict for row in rows] == ["agrees"] * 2
 
 

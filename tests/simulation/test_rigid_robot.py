@@ -11,7 +11,7 @@ from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
-from surefoot.terrain.heightfield import HeightfieldTerrain
+from surefoot.terrain import rough_ground
 
 
 def dropped(name, height, seconds, terrain=None, **settings):
@@ -62,7 +62,7 @@ def test_g1_stands_on_eight_corners():
 
 
 @pytest.mark.parametrize(
-    "terrain", [HeightfieldTerrain.rough(seed=1), sf.StairsTerrain(0.05, 0.2, 5)], ids=["rough", "stairs"]
+    "terrain", [rough_ground(1, 0.1), sf.StairsTerrain(0.05, 0.2, 5)], ids=["rough", "stairs"]
 )
 def test_go2_stands_on_uneven_ground(terrain):
     world, rows = dropped("go2", 0.0, 0.5, terrain)

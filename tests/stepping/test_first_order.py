@@ -21,15 +21,14 @@ from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import Knot, State, StepOptions, Stepper, step_derivative
 from surefoot.terrain import Terrain
-from surefoot.terrain.heightfield import HeightfieldTerrain
 from tests.robot.constraints import constraints
 from tests.stepping.test_derivative import paired_arms
+from tests.stepping.waves import ROUGH
 
 STEP, NEAR, CURVED = 1e-6, 1e-6, 1e-5
 """Over curved ground the rates of its normals are differences themselves, over 1e-5 m."""
 OPTIONS = StepOptions(order=1, solver_tol=1e-13)
 PUSH = np.array([3.0, -2.0, 1.0])
-ROUGH = HeightfieldTerrain.rough(0.03, seed=1)
 
 
 def outcome(stepper: Stepper, state: State, torques, push, mu) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

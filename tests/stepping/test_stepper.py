@@ -12,8 +12,7 @@ from surefoot.robot.dynamics import delassus_dense, mass_matrix
 from surefoot.simulation.bodies import ball, box, falling_cat
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.stepping import State, StepOptions, Stepper
-from surefoot.terrain import FlatTerrain, Terrain
-from surefoot.terrain.heightfield import HeightfieldTerrain
+from surefoot.terrain import FlatTerrain, Terrain, rough_ground
 
 
 def thrown(height: float = 0.02, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
@@ -27,7 +26,7 @@ def same(a: object, b: object) -> bool:
     return np.array_equal(np.asarray(a), np.asarray(b))
 
 
-@pytest.mark.parametrize("terrain", [sf.FlatTerrain(), HeightfieldTerrain.rough(0.03, seed=1)], ids=repr)
+@pytest.mark.parametrize("terrain", [sf.FlatTerrain(), rough_ground(1, 0.06)], ids=repr)
 def test_steps_taken_twice_and_out_of_turn_are_the_same(terrain: Terrain) -> None:
     """Through the air, the touchdown and the rest, with steps of another state in between."""
     robot, rng = sf.load_robot("go2"), np.random.default_rng(1)

@@ -96,7 +96,7 @@ def _draw(recorded: Tosses, others: Tosses | None, fits: dict[str, TossFit], fol
 
 def _rivals(names: str, testing: bool) -> list[Any]:
     """Return the model of each rival."""
-    from surefoot.experiments.tosses.mujoco_body import RIVALS
+    from surefoot.experiments.tosses import RIVALS
 
     if names == NAMED:
         wanted = [name for name in RIVALS if testing and find_spec(name)]

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import inspect
-import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
-from rich.console import Console
-
-from surefoot.cli.console import say
 from surefoot.cli.scenario_file import schema
-from surefoot.errors import ProblemError, StiffContactWarning, check_name, unknown_name
+from surefoot.errors import ProblemError, check_name, unknown_name
 from surefoot.simulation.worlds import WORLDS
 
 if TYPE_CHECKING:
@@ -74,35 +70,23 @@ def world_settings(asked: RunOptions, said: ScenarioFile) -> dict[str, Any]:
             raise ProblemError(f"{asked.robot} is a world of its own: it goes without {option}")
     if said.law is not None:
         settings["law"] = contact_law(said.law, asked.mu)
-    if said.integration != "implicit":
-        if said.law is None:
-            raise ProblemError("integration goes with law")
-        settings["integration"] = said.integration
     return settings
 
 
-def build_world(
-    asked: RunOptions, robot: Robot, terrain: Terrain, settings: dict[str, Any], console: Console
-) -> World:
-    """Return the world; what it says about the chosen step is printed.
-
-    `settings` are those of `world_settings`.
-    """
+def build_world(asked: RunOptions, robot: Robot, terrain: Terrain, settings: dict[str, Any]) -> World:
+    """Return the world; `settings` are those of `world_settings`."""
     from surefoot.simulation.worlds import make_world
 
     (mass, place), file, mu = asked.carried, asked.world_file, asked.mu
     parts = settings.pop("substeps", 1)
     at = {"payload_position": place} if any(place) else {}
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always", StiffContactWarning)
-        if file is None:
-            world = make_world(asked.world, robot, terrain, mu, payload=mass, **at, **settings)
-        else:
-            from surefoot.simulation.mjcf_world import MjcfWorld
+    if file is None:
+        world = make_world(asked.world, robot, terrain, mu, payload=mass, **at, **settings)
+    else:
+        from surefoot.simulation.mjcf_world import MjcfWorld
 
-            settings = {"collision": "feet", "payload_position": place, **settings}
-            world = MjcfWorld(robot, file, terrain, mu, payload=mass, **settings)
+        settings = {"collision": "feet", "payload_position": place, **settings}
+        world = MjcfWorld(robot, file, terrain, mu, payload=mass, **settings)
     if parts != 1 or file is not None:  # only MuJoCo's is asked
         cast("MujocoWorld", world).divide(parts)
-    say(console, *(str(warning.message) for warning in said))
     return world

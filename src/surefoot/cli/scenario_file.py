@@ -18,7 +18,7 @@ from surefoot.errors import ProblemError, check_name
 from surefoot.text_files import read_yaml
 
 SCHEMA = Path(__file__).with_name("scenario.schema.json")
-GROUND = frozenset({"ice", "law", "integration", "solref", "solimp", "substeps"})
+GROUND = frozenset({"ice", "law", "solref", "solimp", "substeps"})
 """Keys of the ground."""
 FAULTS = frozenset({"delay", "weak_joint", "torque_loss"})
 """Keys of what is wrong between robot and controller."""
@@ -34,7 +34,6 @@ class ScenarioFile:
 
     ice: tuple[dict[str, Any], ...] = ()
     law: Mapping[str, Any] | None = None
-    integration: str = "implicit"
     solref: tuple[float, ...] | None = None
     solimp: tuple[float, ...] | None = None
     substeps: int | None = None

@@ -78,7 +78,7 @@ def stand(*, asked: StandOptions) -> int:
             print(to_json({**named, "stood": False, "outcome": "impossible", "statics": statics}))
         return 1
     controller = StandingController(model, plan, terrain, q, asked.mu, allocation=allocation)
-    world = physics.build_world(asked, model, terrain, settings, console)
+    world = physics.build_world(asked, model, terrain, settings)
     run = SimulatedRun(model, terrain, new_run_folder(asked.out, f"stand-{model.name}"), asked, console)
     watching = live.watching(model, terrain) if asked.view else []
     return run.carry_out(world, controller, replace(happens, start=q), _account(statics), watching)

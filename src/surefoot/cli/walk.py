@@ -49,7 +49,7 @@ def walk(*, asked: WalkOptions, learned: Learned) -> int:
     made = _controller if learned.policy is None else partial(_learned, learned)
     controller = made(asked.planner, task)
     q = _start(model, ground, asked.mu, getattr(controller, "posture", None))
-    world = physics.build_world(asked, model, ground, settings, console)
+    world = physics.build_world(asked, model, ground, settings)
     say(console, *controller.facts.get("notes", ()))
     run = SimulatedRun(model, ground, new_run_folder(asked.out, f"walk-{model.name}"), asked, console)
     watching = live.watching(model, ground, controller) if asked.view else []

@@ -72,7 +72,8 @@ def write_problem(problem: ContactProblem, path: str | Path, forces: ArrayLike |
     if kind == "npz":
         _write_npz(problem, path, solution)
         return path
-    if problem.law != "coulomb" or problem.facets is not None or _extras(problem):
+    bounded = problem.bounded or problem.bilateral is not None or (problem.normal_max == 0.0).any()
+    if problem.law != "coulomb" or problem.facets is not None or bounded:
         raise ProblemError(
             f"a {path.suffix} file holds Coulomb's law on exact cones, without normal bounds or bilateral "
             "contacts; use .npz"
@@ -133,10 +134,6 @@ def _kind(path: Path) -> str:
     if path.suffix not in KINDS:
         raise ProblemError(unknown_name("kind of file", path.suffix or path.name, KINDS))
     return KINDS[path.suffix]
-
-
-def _extras(problem: ContactProblem) -> bool:
-    return problem.bounded or problem.bilateral is not None or bool((problem.normal_max == 0.0).any())
 
 
 def _write_npz(problem: ContactProblem, path: Path, forces: FloatArray | None) -> None:

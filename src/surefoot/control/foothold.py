@@ -42,47 +42,6 @@ distance [-]."""
 
 
 @kernel
-def raibert(
-    hip: FloatArray,
-    velocity: FloatArray,
-    wanted: FloatArray,
-    turn_rate: float,
-    height: float,
-    stance_time: float,
-) -> FloatArray:
-    """Return the nominal (2,) place of a foot at touchdown, world axes [m].
-
-    Parameters
-    ----------
-    hip
-        (2,) where the hip will be at touchdown (of the wanted motion) [m].
-    velocity, wanted
-        (2,) velocity of the body, as it is and as it should be [m/s].
-    turn_rate
-        Wanted yaw rate [rad/s].
-    height
-        Of the centre of mass above the ground [m].
-    stance_time
-        Length of the coming stance [s].
-
-    A speed error moves the place by its capture point's offset: a pendulum would come to rest over it.
-
-    Examples
-    --------
-    >>> raibert(np.zeros(2), np.array([0.5, 0.0]), np.array([0.5, 0.0]), 0.0, 0.3, 0.2)
-    array([0.05, 0.  ])
-    """
-    out = np.empty(2)
-    pendulum = math.sqrt(height / GRAVITY)
-    swerve = 0.5 * pendulum * pendulum * turn_rate  # for the centripetal acceleration
-    for i in range(2):
-        across = -wanted[1] if i == 0 else wanted[0]
-        out[i] = hip[i] + 0.5 * stance_time * wanted[i] + pendulum * (velocity[i] - wanted[i])
-        out[i] -= swerve * across
-    return out
-
-
-@kernel
 def step_place(
     com: FloatArray, com_velocity: FloatArray, arm: FloatArray, yaw: float, velocity: FloatArray, left: float,
     height: float, stance_time: float,
@@ -90,6 +49,7 @@ def step_place(
     """Return the nominal (2,) place of a foot of a turning body at touchdown, world axes [m].
 
     Raibert's rule about where the hip will be, plus half of what the body turns over the foot in the stance.
+    A speed error moves the place by its capture point's offset: a pendulum would come to rest over it.
 
     Parameters
     ----------
@@ -104,16 +64,26 @@ def step_place(
     left
         Time to touchdown [s].
     height, stance_time
-        As for `raibert`.
+        Of the centre of mass above the ground [m], and length of the coming stance [s].
+
+    Examples
+    --------
+    >>> speed = np.array([0.5, 0.0, 0.0])
+    >>> step_place(np.zeros(3), speed, np.zeros(2), 0.0, speed, 0.0, 0.3, 0.2)
+    array([0.05, 0.  ])
     """
-    turn = velocity[2]
+    turn, pendulum = velocity[2], math.sqrt(height / GRAVITY)
     c, s = math.cos(yaw + turn * left), math.sin(yaw + turn * left)
-    wanted, hip = np.empty(2), np.empty(2)
+    wanted, hip, out = np.empty(2), np.empty(2), np.empty(2)
     wanted[0], wanted[1] = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
     x, y = c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]
     lead = 0.5 * stance_time * turn
     hip[0], hip[1] = com[0] + left * wanted[0] + x, com[1] + left * wanted[1] + y
-    out = raibert(hip, com_velocity[:2], wanted, turn, height, stance_time)
+    swerve = 0.5 * pendulum * pendulum * turn  # for the centripetal acceleration
+    for i in range(2):
+        across = -wanted[1] if i == 0 else wanted[0]
+        out[i] = hip[i] + 0.5 * stance_time * wanted[i] + pendulum * (com_velocity[i] - wanted[i])
+        out[i] -= swerve * across
     out[0] -= lead * y
     out[1] += lead * x
     return out
@@ -239,37 +209,16 @@ def choose_foothold(
         return place
     length = 0.0 if way is None else math.hypot(float(way[0]), float(way[1]))
     if way is not None and length > 1e-6:
-        along = way / length
-        kept = None if before is None else float((before - place) @ along)
-        shift = step_shift(terrain, place, along, margin, kept, more)
-        if shift is not None:
-            return np.asarray(place + shift * along)
+        windows = step_windows(terrain, place, way / length, margin)
+        shift = math.inf if windows is None else float(nearest_shift(windows, np.zeros(1))[0])
+        if windows is not None and before is not None:
+            last = float((before - place) @ way) / length
+            tread = int(np.abs(np.clip(last, *windows) - last).argmin())
+            kept = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
+            shift = kept if abs(kept) <= min(FARTHEST, abs(shift) + more) else shift
+        if abs(shift) <= FARTHEST:
+            return np.asarray(place + shift * (way / length))
     return _most_level(terrain, place, reach, margin)
-
-
-def step_shift(
-    terrain: Terrain,
-    place: FloatArray,
-    along: FloatArray,
-    margin: float,
-    before: float | None = None,
-    more: float = math.inf,
-) -> float | None:
-    """Return how far a foot should be moved along a (2,) direction on steps [m]; None without edges.
-
-    Where the tread that a foot was to stand on `before` is `FARTHEST` away at most, and by no `more`
-    farther than the nearest, that one is kept [m].
-    """
-    windows = step_windows(terrain, place, along, margin)
-    if windows is None:
-        return None
-    nearest = float(nearest_shift(windows, np.zeros(1))[0])
-    if before is not None:
-        tread = int(np.abs(np.clip(before, *windows) - before).argmin())
-        shift = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
-        if abs(shift) <= min(FARTHEST, abs(nearest) + more):
-            return shift
-    return nearest if abs(nearest) <= FARTHEST else None
 
 
 def _most_level(terrain: Terrain, place: FloatArray, reach: float, margin: float) -> FloatArray:

@@ -18,18 +18,91 @@ from surefoot.contact.solution import Status
 from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
 from surefoot.control.mpc_kernels import plan_forces
-from surefoot.control.mpc_plan import HorizonProgram, MpcPlan, MpcWeights
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
-__all__ = [
-    "BodyReference",
-    "BodyState",
-    "ConvexMpc",
-    "HorizonProgram",
-    "MpcPlan",
-    "MpcWeights",
-]
+
+@dataclass(frozen=True)
+class MpcWeights:
+    """What deviations cost, per step; the axes are the heading's (forward, left, up).
+
+    The body's errors are in m, rad, m/s, rad/s; `force` is the weight on the squared deviation of every
+    force [N²] from its share of the body's weight. Velocity weights must be positive.
+    """
+
+    position: tuple[float, float, float] = (10.0, 10.0, 100.0)
+    orientation: tuple[float, float, float] = (50.0, 50.0, 30.0)
+    linear_velocity: tuple[float, float, float] = (2.0, 2.0, 1.0)
+    angular_velocity: tuple[float, float, float] = (0.3, 0.3, 0.3)
+    force: float = 1e-5
+    terminal: float = 1.0
+
+    def matrix(self) -> FloatArray:
+        """Return the (2, 6) weights on [position; orientation] and on their rates, in one unit of cost.
+
+        Raises
+        ------
+        ProblemError
+            For a negative or infinite weight, or a velocity weight that is not positive.
+        """
+        place = [finite_array(n, getattr(self, n), (3,)) for n in ("position", "orientation")]
+        rate = [finite_array(n, getattr(self, n), (3,)) for n in ("linear_velocity", "angular_velocity")]
+        out = np.vstack([np.concatenate(place), np.concatenate(rate)])
+        if (out[0] < 0.0).any():
+            raise ProblemError(f"MPC weights must be >= 0, got position and orientation {out[0]}")
+        if (out[1] <= 0.0).any():
+            raise ProblemError(f"MPC weights on velocities must be > 0, got {out[1]}")
+        real_number("force weight", self.force, low=1e-12, high=1e12)
+        real_number("terminal weight", self.terminal, low=1e-6, high=1e6)
+        return out
+
+
+@dataclass(frozen=True)
+class MpcPlan:
+    """The forces of a horizon and what they should lead to.
+
+    Attributes
+    ----------
+    forces
+        (N, n, 3) in the contact frames [N], always inside their cones and bounds; zero in swing.
+    forces_world
+        (N, n, 3) the same in world axes.
+    position, linear_velocity, angular_velocity
+        (N + 1, 3) predicted motion, world axes; row 0 is the state.
+    orientation_error
+        (N + 1, 3) predicted rotation vector from the reference to the body, world axes [rad].
+    status
+        SOLVED when `error` is within the tolerance, ALMOST within a thousand times of it,
+        MAX_ITERATIONS above that, INVALID for a state or reference that is not finite (the forces then
+        share the body's weight).
+    error
+        Bound on the distance of all forces together to the optimum [N].
+    iterations
+        Newton steps taken.
+    """
+
+    forces: FloatArray
+    forces_world: FloatArray
+    position: FloatArray
+    linear_velocity: FloatArray
+    angular_velocity: FloatArray
+    orientation_error: FloatArray
+    status: Status
+    error: float
+    iterations: int
+
+    @property
+    def first(self) -> FloatArray:
+        """(n, 3) forces of the first step, contact frames [N]."""
+        return np.asarray(self.forces[0])
+
+    @property
+    def solved(self) -> bool:
+        """Whether the status is SOLVED."""
+        return self.status is Status.SOLVED
+
+
+__all__ = ["BodyReference", "BodyState", "ConvexMpc", "MpcPlan", "MpcWeights"]
 
 NO_ROTATION = "frames of contacts must be right-handed rotations (3, 3)"
 ALMOST_FACTOR = 1e3
@@ -182,14 +255,14 @@ class ConvexMpc:
         ProblemError
             For arrays of the wrong shape, negative friction, or frames that are no rotations.
         """
-        given = self._read(state, reference, foot_positions, contacts, frames, mu)
+        given = self.given(state, reference, foot_positions, contacts, frames, mu)
         if normal_share is not None:
             share = np.asarray(normal_share, dtype=np.float64)
             if share.shape != given.contacts.shape:
                 raise ProblemError(f"normal_share must have shape {given.contacts.shape}, got {share.shape}")
             given = given._replace(bounds=_lowered(given.bounds, share))
         verdict, total, error, forces, world, motion, turn = plan_forces(
-            given, self._body(), self._points, self.tol, PATIENCE, self.max_iterations
+            given, self.body(), self._points, self.tol, PATIENCE, self.max_iterations
         )
         if verdict == mpc_model.NOT_ROTATION:
             raise ProblemError(NO_ROTATION)
@@ -200,29 +273,7 @@ class ConvexMpc:
             status = Status.ALMOST
         return MpcPlan(forces, world, motion[:, 0], motion[:, 1], motion[:, 2], turn, status, error, total)
 
-    def program(
-        self,
-        state: BodyState,
-        reference: BodyReference,
-        foot_positions: ArrayLike,
-        contacts: ArrayLike,
-        frames: ArrayLike | None = None,
-        *,
-        mu: ArrayLike | None = None,
-    ) -> HorizonProgram:
-        """Return the program of a plan, for another solver; parameters and errors as for `solve`."""
-        given = self._read(state, reference, foot_positions, contacts, frames, mu)
-        sway = mpc_model.expected_sway(given.motion, given.reference, self.dt)
-        built = mpc_model.build(given, self._body(), sway)
-        verdict, step, foot, M, limits, centre, q, drift, heading = built
-        if verdict == mpc_model.NOT_ROTATION:
-            raise ProblemError(NO_ROTATION)
-        if verdict == mpc_model.NOT_FINITE:
-            raise ProblemError("state, reference, foot positions and frames must be finite")
-        P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
-        return HorizonProgram(step, foot, M, limits, centre, P, q, self.weights.force, drift, heading)
-
-    def _body(self) -> mpc_model.Body:
+    def body(self) -> mpc_model.Body:
         """Return what is moved, as of now."""
         weights = self.weights
         return mpc_model.Body(
@@ -230,7 +281,7 @@ class ConvexMpc:
             float(weights.force), self.outside, float(self.fading),
         )  # fmt: skip
 
-    def _read(
+    def given(
         self,
         state: BodyState,
         reference: BodyReference,
@@ -239,7 +290,7 @@ class ConvexMpc:
         frames: ArrayLike | None,
         mu: ArrayLike | None,
     ) -> mpc_model.Given:
-        """Return the input as full, contiguous arrays."""
+        """Return the input as full, contiguous arrays; parameters, units and errors are those of `solve`."""
         N, n = self.horizon, self.feet
         schedule = np.ascontiguousarray(contacts, dtype=np.bool_)
         if schedule.shape != (N, n):

@@ -38,32 +38,6 @@ CALM = 0.1
 """Time within which an error of velocity is expected to die out [s]."""
 
 
-@kernel
-def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> FloatArray:
-    """Return the (6, N, N) Hessians of the tracking cost in the accelerations of every axis.
-
-    Parameters
-    ----------
-    weights
-        (2, 6) on the errors of place and of rate.
-    terminal
-        Factor on the weights of the last step.
-    steps, dt
-        Length of the horizon, and of a step [s].
-    """
-    P = np.zeros((6, steps, steps))
-    for j in range(6):
-        for k in range(1, steps + 1):
-            share = terminal if k == steps else 1.0
-            for a in range(k):
-                # an acceleration in step a moves the place at k by dt² (k - a - 1/2), the rate by dt
-                place = weights[0, j] * share * dt * dt * (k - a - 0.5)
-                rate = weights[1, j] * share * dt
-                for b in range(k):
-                    P[j, a, b] += place * dt * dt * (k - b - 0.5) + rate * dt
-    return P
-
-
 class Given(NamedTuple):
     """The input of a plan; motions are rows position, linear and angular velocity, world axes.
 
@@ -97,7 +71,7 @@ class Body(NamedTuple):
     mass, inverse
         Mass [kg]; (3, 3) inverse of the inertia in body axes.
     weights, terminal, dt
-        See `hessians`.
+        (2, 6) on the errors of place and of rate; the factor on them in the last step; length of a step [s].
     rho
         Weight of the forces.
     outside, fading

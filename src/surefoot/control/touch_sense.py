@@ -34,9 +34,8 @@ from surefoot.control.behaviours.behaviour import NOTHING, FootSearch, Request
 from surefoot.control.controller import RobotState
 from surefoot.control.walking_feet import SEARCH_SPEED, Feet
 from surefoot.control.whole_body_tasks import Kinematics
-from surefoot.estimation.ground_belief import BeliefTerrain, believed
+from surefoot.estimation.ground_belief import BeliefTerrain
 from surefoot.spatial import GRAVITY, base_velocity, heading_of
-from surefoot.terrain import Terrain
 
 LONGEST_WAIT, WAIT_CAREFUL = 1.5, 3.0
 """Longest time that the gait waits for a foot, over sqrt(h / g), and where it goes carefully."""
@@ -180,12 +179,6 @@ class TouchSense:
         phases = feet.schedule.phases(clock)
         lifting = (phases[:, 0] > 0.0) & (phases[:, 2] <= clock + AT_ONCE * self.dt)
         return bool((feet.stance & lifting).any())
-
-
-def touch_sense(terrain: Terrain, weight: float, height: float, dt: float) -> TouchSense | None:
-    """Return what feeds a terrain that learns, None for one that is known; parameters of `TouchSense`."""
-    belief = believed(terrain)
-    return None if belief is None else TouchSense(belief, weight, height, dt)
 
 
 def sort_touches(

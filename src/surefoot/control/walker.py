@@ -21,6 +21,7 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.control.walking_feet import Feet
 from surefoot.control.walking_settings import WalkCommand, WalkSettings
 from surefoot.control.whole_body import WholeBodyCommand, WholeBodyController
+from surefoot.estimation.wrench_observer import BLOCK
 from surefoot.log.channels import CHANNELS, Channel
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -28,7 +29,7 @@ from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
 IMAGINED, THROWN_FOR, THROWN = 0.005, 0.1, 1.5
-"""Steps of the walk that warms up, the last part of it in which the body is thrown [s], and how fast, every
+"""Steps of most of the walk that warms up, its last part in which the body is thrown [s], and how fast, every
 degree of freedom [m/s, rad/s]: fast enough that torques meet their limits."""
 
 
@@ -83,18 +84,15 @@ class Walker(Tick):
         weight = np.tile([0.0, 0.0, self.robot.mass * GRAVITY], (len(self.robot.feet), 1))
         still = state._replace(v=np.zeros_like(state.v), contact=None, scan=None, forces=weight)
         thrown = still._replace(v=np.full_like(state.v, THROWN), torques=None)
-        end = self.start + self._cycle
-        for k, time in enumerate(np.arange(0.0, end, IMAGINED)):
+        cycle = 1.5 * min(self.schedule.period or 1.0, 1.0)  # in which every foot lifts once
+        end, block = self.start + cycle + THROWN_FOR, BLOCK + 2.0 * self.dt  # a load is looked for once
+        times = np.concatenate([np.arange(0.0, block, self.dt), np.arange(block, end, IMAGINED)])
+        for k, time in enumerate(times):
             self.step((thrown if time > end - THROWN_FOR and k % 2 else still)._replace(time=float(time)))
         assert self.feet is not None
         self.feet.motions(end)
         self.whole_body.warm_up()
         self.reset()
-
-    @property
-    def _cycle(self) -> float:
-        """Time in which every foot lifts once [s]."""
-        return 1.5 * min(self.schedule.period or 1.0, 1.0) + THROWN_FOR
 
     def _set_controllers(
         self, inertia: FloatArray, step: float, baumgarte: tuple[float, float],

@@ -20,7 +20,7 @@ from surefoot.control.force_planner import ForcePlanner
 from surefoot.control.gait_choice import choose_gait
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.step_phase import StepPhase
-from surefoot.control.touch_sense import touch_sense
+from surefoot.control.touch_sense import TouchSense
 from surefoot.control.walker import Walker
 from surefoot.control.walking_body import DIP, BodyPlan, VelocityCommand, first_stance
 from surefoot.control.walking_feet import DESCENT, LEAST_CLEARANCE, Feet
@@ -29,6 +29,7 @@ from surefoot.control.walking_settings import WalkCommand as WalkCommand
 from surefoot.control.walking_settings import WalkSettings as WalkSettings
 from surefoot.control.whole_body_tasks import Kinematics, Tasks
 from surefoot.errors import ModelError
+from surefoot.estimation.ground_belief import believed
 from surefoot.robot import Robot
 from surefoot.robot.centroidal import composite_inertia
 from surefoot.spatial import GRAVITY
@@ -134,7 +135,8 @@ class WalkingController(Walker):
         if cyclic and (self.terrain.highest_step > 0.0 or self.terrain.learns):
             margin = 2.0 * float(radii.mean())
             self._steps = StepPhase(self.terrain, self.schedule, offsets, margin)
-        self._touch = touch_sense(self.terrain, weight, self.height, self.dt)
+        belief = believed(self.terrain)
+        self._touch = None if belief is None else TouchSense(belief, weight, self.height, self.dt)
         self.load = None
         if s.watch_load:
             self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body)

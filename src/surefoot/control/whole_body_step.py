@@ -241,6 +241,9 @@ def torques_of(
     """Return torques (joints,) and accelerations (nv,) of forces, the command, and what is exceeded.
 
     The command is that of the motors (joints,): the torques inside their range, and what friction takes.
+    Exceeded are the largest distances from the range's middle over its half [-] among the joints that no
+    contact loads and among the others, at least zero; the largest excess [N m], of either sign; and whether
+    all torques are finite.
 
     Parameters
     ----------
@@ -256,34 +259,9 @@ def torques_of(
         (joints,) which of them no contact loads.
     """
     nv, p = numbers[NV], numbers[POINTS]
-    torques, accelerations = recover(
-        _matrix(numbers, memory, ROWS, 3 * p, nv), forces, _vector(numbers, memory, OFFSET, nv),
-        _matrix(numbers, memory, GAIN, nv, 6), M, bias,
-    )  # fmt: skip
-    command = commanded(torques, middle, half, losses)
-    return torques, accelerations, command, exceeded(torques, middle, half, loose)
-
-
-@kernel
-def recover(
-    rows: FloatArray, forces: FloatArray, offset: FloatArray, gain: FloatArray, M: FloatArray, nle: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the joint torques (joints,) and accelerations (nv,) that go with contact forces.
-
-    Parameters
-    ----------
-    rows
-        (3p, nv) Jacobian of the contact points, rows in contact axes.
-    forces
-        (p, 3) contact frames [N].
-    offset, gain
-        Accelerations are offset + gain w for the ground's force w (6,) on the base; see `eliminate`.
-    M, nle
-        (nv, nv), (nv,) mass matrix and bias forces.
-    """
-    nv = len(offset)
-    ground, a = np.zeros(nv), np.empty(nv)
-    for k in range(len(forces)):
+    rows, gain = _matrix(numbers, memory, ROWS, 3 * p, nv), _matrix(numbers, memory, GAIN, nv, 6)
+    offset, ground, a = _vector(numbers, memory, OFFSET, nv), np.zeros(nv), np.empty(nv)
+    for k in range(p):
         for i in range(3):
             f = forces[k, i]
             if f != 0.0:
@@ -294,46 +272,23 @@ def recover(
         for i in range(6):
             total += gain[j, i] * ground[i]
         a[j] = total
-    torques = np.empty(nv - 6)
-    for j in range(6, nv):
-        total = nle[j] - ground[j]
+    torques, command = np.empty(nv - 6), np.empty(nv - 6)
+    light, heavy, most, finite = 0.0, 0.0, -math.inf, True
+    for j in range(nv - 6):
+        # the joints' rows of M a + h = S' tau + J' f
+        total = bias[6 + j] - ground[6 + j]
         for i in range(nv):
-            total += M[j, i] * a[i]
-        torques[j - 6] = total
-    return torques, a
-
-
-@kernel
-def commanded(torques: FloatArray, middle: FloatArray, half: FloatArray, losses: FloatArray) -> FloatArray:
-    """Return motor torques (joints,) for those on the legs: within middle ± half, plus `losses` [N m]."""
-    out = np.empty(len(torques))
-    for j in range(len(torques)):
-        out[j] = min(max(torques[j], middle[j] - half[j]), middle[j] + half[j]) + losses[j]
-    return out
-
-
-@kernel
-def exceeded(
-    torques: FloatArray, middle: FloatArray, half: FloatArray, loose: BoolArray
-) -> tuple[float, float, float, bool]:
-    """Return by how much (joints,) torques leave the range middle ± half [N m], and whether all are finite.
-
-    The first two are the largest distances from the middle over the half [-] among the joints that no
-    contact loads (`loose`) and among the others, at least zero; the third is the largest excess [N m], of
-    either sign.
-    """
-    light = heavy = 0.0
-    most, finite = -math.inf, True
-    for j in range(len(torques)):
-        size = abs(torques[j] - middle[j])
+            total += M[6 + j, i] * a[i]
+        torques[j] = total
+        command[j] = min(max(total, middle[j] - half[j]), middle[j] + half[j]) + losses[j]
+        size = abs(total - middle[j])
         if not math.isfinite(size):
             finite = False
             continue
-        if size > 0.0:
-            share = size / half[j]
-            if loose[j]:
-                light = max(light, share)
-            else:
-                heavy = max(heavy, share)
+        share = size / half[j] if size > 0.0 else 0.0
+        if loose[j]:
+            light = max(light, share)
+        else:
+            heavy = max(heavy, share)
         most = max(most, size - half[j])
-    return light, heavy, most, finite
+    return torques, a, command, (light, heavy, most, finite)

@@ -192,18 +192,11 @@ class ContactDetector(Bound):
         configuration = self.robot.configuration(q)
         velocity = finite_array("v", v, (model.nv,))
         torque = None if tau is None else finite_array("tau", tau, (self.robot.joints,))
-        found = self.advance(configuration, velocity, self._normals(normals))
+        up = self._normals(normals)
+        self.observe(configuration, velocity, up)
+        self._decide(up)
         if torque is not None:
             self._rate[self.robot.base_dof :] += torque
-        return found
-
-    def advance(self, q: FloatArray, v: FloatArray, up: FloatArray) -> DetectedContacts:
-        """Do what `update` does, without a look at what is given; the torques are told by `applied`.
-
-        See `observe` for the parameters.
-        """
-        self.observe(q, v, up)
-        self._decide(up)
         return DetectedContacts(self._contact.copy(), self.forces.copy())
 
     def observe(self, q: FloatArray, v: FloatArray, up: FloatArray) -> BoolArray:

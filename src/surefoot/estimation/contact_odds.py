@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
-from surefoot.estimation.detection_kernels import decide_contacts, prior_odds
+from surefoot.estimation.detection_kernels import decide_contacts
 from surefoot.estimation.live_arrays import Bound
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -214,8 +214,7 @@ class ContactFusion(Bound):
         self._memory[2] = np.hypot(s.force * share, noise)
         self._scales = np.array([
             s.heavy * share, s.height if mapped else s.unmapped, s.clearance * reach,
-            math.hypot(s.still, speed * reach), s.swinging, s.hold,
-            s.pushing, s.swing, share,
+            math.hypot(s.still, speed * reach), s.swinging, s.hold, share,
         ])  # fmt: skip
         self.contact: BoolArray = np.zeros(n, dtype=bool)
 
@@ -230,7 +229,8 @@ class ContactFusion(Bound):
 
     def expect(self, pushing: BoolArray, planned: BoolArray) -> None:
         """Tell the plan for the next step: (n,) which feet push, and which should stand."""
-        prior_odds(pushing, planned, self._scales, self._prior)
+        s = self.settings
+        self._prior[:] = np.where(pushing, s.pushing, np.where(planned, 0.0, s.swing))
 
     def update(
         self,

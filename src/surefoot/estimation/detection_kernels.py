@@ -176,62 +176,44 @@ def _ratio(x: float, narrow: float, wide: float) -> float:
 
 
 @kernel
-def contact_odds(
-    forces: FloatArray, velocities: FloatArray, up: FloatArray, gaps: FloatArray, prior: FloatArray,
-    deviations: FloatArray, scales: FloatArray, contact: BoolArray, odds: FloatArray,
-) -> None:  # fmt: skip
-    """Fill odds (n,) of contact and move contact (n,) on.
-
-    `forces`, `velocities`, `up` (n, 3) [N], [m/s], [-]; `gaps` (n,) [m]; `prior` (n,) odds by the plan. Odds
-    are natural logarithms. `deviations` (n,) are those of the forces [N]; `scales` (6,) the largest usual
-    force [N], deviation of gaps and clearance [m], deviations of speeds of feet that stand and swing [m/s],
-    hysteresis.
-    """
-    heavy, gap, clearance, still, swinging, hold = scales
-    root = math.sqrt(2.0 * math.pi)
-    for k in range(gaps.shape[0]):
-        f = v = 0.0
-        for r in range(3):
-            f += forces[k, r] * up[k, r]
-            v += velocities[k, r] * up[k, r]
-        s = deviations[k]
-        # a uniform density over [0, heavy] against a normal one about 0; a pull says no more than no force
-        pushed = math.log(root * s / heavy) + 0.5 * max(f, 0.0) ** 2 / (s * s)
-        near = math.log(clearance / (root * gap)) - 0.5 * (gaps[k] / gap) ** 2
-        stopped = _ratio(v, still, swinging)
-        odds[k] = prior[k] + min(pushed, MOST_FORCE) + max(near, LEAST_HEIGHT) + max(stopped, LEAST_SPEED)
-        contact[k] = odds[k] > (-hold if contact[k] else hold)
-
-
-@kernel
-def prior_odds(pushing: BoolArray, planned: BoolArray, scales: FloatArray, prior: FloatArray) -> None:
-    """Fill prior (n,), the odds of contact by the plan: of feet that push, that should stand, that swing.
-
-    Natural logarithms; `scales` has those of feet that push and that swing behind what `contact_odds` takes.
-    """
-    for k in range(prior.shape[0]):
-        prior[k] = scales[6] if pushing[k] else 0.0 if planned[k] else scales[7]
-
-
-@kernel
 def decide_contacts(
     forces: FloatArray, velocities: FloatArray, points: FloatArray, up: FloatArray, heights: FloatArray,
     felt: BoolArray, told: BoolArray, scales: FloatArray, memory: FloatArray, contact: BoolArray,
 ) -> None:  # fmt: skip
-    """Move contact (n,) on by `contact_odds`.
+    """Fill the odds of contact, natural logarithms, and move contact (n,) on.
 
-    Where feet are `told` (n,) to feel a force and have `felt` none, it is the usual one, `scales[8]` [N];
-    where the other way round, none. `points` (n, 3) and the ground's `heights` (n,) make the gaps [m];
-    `memory` is (3, n): odds, prior odds, deviations of forces [N]. The rest is as in `contact_odds`.
+    Parameters
+    ----------
+    forces, velocities, points, up
+        (n, 3) each: [N], [m/s], [m], normals [-].
+    heights
+        (n,) of the ground under the points [m].
+    felt, told
+        (n,) which feet feel a force by `forces`, and which are told to: where they differ, the force is none
+        or the usual one.
+    scales
+        (7,) the largest usual force [N], deviation of gaps and clearance [m], deviations of speeds of feet
+        that stand and swing [m/s], hysteresis, usual force [N].
+    memory
+        (3, n): odds, which are filled, odds by the plan, deviations of the forces [N].
     """
-    n = contact.shape[0]
-    gaps, believed = np.empty(n), np.empty((n, 3))
-    for k in range(n):
-        gaps[k] = (points[k, 2] - heights[k]) * up[k, 2]
-        usual = scales[8] if told[k] else 0.0
+    heavy, gap, clearance, still, swinging, hold, usual = scales
+    odds, prior, deviations = memory
+    root = math.sqrt(2.0 * math.pi)
+    for k in range(contact.shape[0]):
+        f = v = 0.0
         for r in range(3):
-            believed[k, r] = forces[k, r] if felt[k] == told[k] else usual * up[k, r]
-    contact_odds(believed, velocities, up, gaps, memory[1], memory[2], scales[:6], contact, memory[0])
+            f += forces[k, r] * up[k, r]
+            v += velocities[k, r] * up[k, r]
+        if felt[k] != told[k]:
+            f = usual if told[k] else 0.0
+        s, high = deviations[k], (points[k, 2] - heights[k]) * up[k, 2]
+        # a uniform density over [0, heavy] against a normal one about 0; a pull says no more than no force
+        pushed = math.log(root * s / heavy) + 0.5 * max(f, 0.0) ** 2 / (s * s)
+        near = math.log(clearance / (root * gap)) - 0.5 * (high / gap) ** 2
+        stopped = _ratio(v, still, swinging)
+        odds[k] = prior[k] + min(pushed, MOST_FORCE) + max(near, LEAST_HEIGHT) + max(stopped, LEAST_SPEED)
+        contact[k] = odds[k] > (-hold if contact[k] else hold)
 
 
 @kernel

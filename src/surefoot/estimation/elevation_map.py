@@ -188,12 +188,6 @@ class ElevationMap(Terrain):
         cells[~inside] = 0
         return np.asarray(inside & np.isfinite(self._sure[cells[:, 0], cells[:, 1]]))
 
-    def grid(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return heights (m, m) [m], NaN where unknown, (2,) corner [m], and variances (m, m) [m²]."""
-        known = np.isfinite(self._sure)
-        heights = np.where(known, self._heights + self.offset, np.nan)
-        return heights, self._corner.copy(), self._variances.copy()
-
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the believed height under (..., 2) places [m]: (...)."""
         places = np.asarray(xy, dtype=np.float64)

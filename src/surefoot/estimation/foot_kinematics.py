@@ -19,33 +19,6 @@ FLOOR = 1e-10
 
 
 @kernel
-def feet_by_joints(
-    twists: FloatArray, support: BoolArray, centres: FloatArray, speeds: FloatArray, variance: float,
-    velocities: FloatArray, spreads: FloatArray,
-) -> None:  # fmt: skip
-    """Fill velocities (n, 3) [m/s] and covariances (n, 3, 3) [m²] of the feet against the base.
-
-    `twists` (6, nv) are the joints' columns with the base at the origin, `support` (n, nv) what moves each
-    foot, `centres` (n, 3) where they are [m], `speeds` (nv - 6,) the joints'; an angle's `variance` times
-    J Jᵀ is a foot's.
-    """
-    for k in range(centres.shape[0]):
-        x, y, z = centres[k, 0], centres[k, 1], centres[k, 2]
-        velocity, spread = velocities[k], spreads[k]
-        for r in range(3):
-            velocity[r] = 0.0
-            for s in range(3):
-                spread[r, s] = FLOOR if r == s else 0.0
-        for j in range(6, twists.shape[1]):
-            if support[k, j]:
-                column = point_velocity(twists, j, x, y, z)
-                for r in range(3):
-                    velocity[r] += column[r] * speeds[j - 6]
-                    for s in range(3):
-                        spread[r, s] += variance * column[r] * column[s]
-
-
-@kernel
 def over_ground(
     X: FloatArray, turn: FloatArray, arm: FloatArray, centres: FloatArray, velocities: FloatArray,
     out: FloatArray,
@@ -204,20 +177,36 @@ def place_feet(
 ) -> None:  # fmt: skip
     """Fill what `FootKinematics` holds of feet, in its memory `feet`, from Pinocchio's placements of joints.
 
-    `rotations` (joints, 3, 3) and `places` (joints, 3) [m] are those of the joints, `tables` has the joint of
-    each velocity and of each foot; see `feet_by_joints` for the rest.
+    Parameters
+    ----------
+    twists, support
+        (6, nv) the joints' columns with the base at the origin; (n, nv) what moves each foot.
+    rotations, places, tables
+        (joints, 3, 3), (joints, 3) [m] of the joints; the joint of each velocity and of each foot.
+    speeds
+        (nv - 6,) of the joints [rad/s].
     """
     n, nv = support.shape
     centres, velocities, turned, spreads, fixed = foot_arrays(feet, n)
+    variance = feet[36 * n]  # of an angle: times J Jᵀ it is a foot's
     for k in range(n):
         j = tables[nv + k]
         R, Q = rotations[j], fixed[4 * k : 4 * k + 4]
+        velocity, spread = velocities[k], spreads[k]
         for r in range(3):
+            velocity[r] = 0.0
             for s in range(3):
                 turned[k, r, s] = R[r, 0] * Q[0, s] + R[r, 1] * Q[1, s] + R[r, 2] * Q[2, s]
+                spread[r, s] = FLOOR if r == s else 0.0
             out = R[r, 0] * Q[3, 0] + R[r, 1] * Q[3, 1] + R[r, 2] * Q[3, 2]
             centres[k, r] = places[j, r] + out
-    feet_by_joints(twists, support, centres, speeds, feet[36 * n], velocities, spreads)
+        for j in range(6, nv):
+            if support[k, j]:
+                column = point_velocity(twists, j, centres[k, 0], centres[k, 1], centres[k, 2])
+                for r in range(3):
+                    velocity[r] += column[r] * speeds[j - 6]
+                    for s in range(3):
+                        spread[r, s] += variance * column[r] * column[s]
 
 
 @inline_kernel

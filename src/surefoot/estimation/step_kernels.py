@@ -7,10 +7,11 @@ of `Latency` (`waiting_arrays`). n is the number of feet throughout.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.estimation.credible import credible, known
 from surefoot.estimation.foot_kinematics import (
     base_state,
     follow_stances,
@@ -22,6 +23,40 @@ from surefoot.estimation.foot_kinematics import (
 )
 from surefoot.estimation.inekf_kernels import observe_feet, propagate
 from surefoot.kernels import borrowed, inline_kernel, kernel, window
+
+
+@kernel
+def known(q: FloatArray, v: FloatArray) -> bool:
+    """Tell whether all numbers of a state (nq,) [m, -, rad] and (nv,) [m/s, rad/s] are finite."""
+    total = 0.0
+    for x in q:
+        total += 0.0 * x
+    for x in v:
+        total += 0.0 * x
+    return total == 0.0  # NaN and infinity times zero are NaN
+
+
+@kernel
+def credible(X: FloatArray, bias: FloatArray, fastest: float, largest: FloatArray) -> bool:
+    """Tell whether a filter's state is one that a robot with working sensors has; never for NaN.
+
+    Parameters
+    ----------
+    X, bias
+        (3, 5 + n) and (6,) state of the filter; its fourth column is the velocity [m/s].
+    fastest
+        Largest speed [m/s].
+    largest
+        (2,) largest biases of gyro [rad/s] and accelerometer [m/s²], each of its axes.
+    """
+    speed = math.sqrt(X[0, 3] ** 2 + X[1, 3] ** 2 + X[2, 3] ** 2)
+    if not speed <= fastest:
+        return False
+    for i in range(6):  # noqa: SIM110  # a loop compiles faster than all()
+        if not abs(bias[i]) <= largest[i // 3]:
+            return False
+    return True
+
 
 STEPS, HELD, IMU, LEGS, SPEEDS = range(5)
 """Of the counts of `Latency`: steps behind, steps for which an IMU reading is held, lengths of its queues."""

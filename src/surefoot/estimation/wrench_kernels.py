@@ -15,12 +15,12 @@ DAMPING = 0.005
 
 
 @kernel
-def outside_wrench(
+def sum_wrench(
     M: FloatArray, bias: FloatArray, v: FloatArray, after: FloatArray, dt: float, torques: FloatArray,
     twists: FloatArray, support: BoolArray, points: FloatArray, flat: BoolArray, touching: BoolArray,
-    pose: FloatArray, wrench: FloatArray,
+    pose: FloatArray, load: FloatArray, total: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill what the base's rows of M a + h = Sᵀ τ + Σ Jᵀ f + w leave: (6,) [N, N m], world axes.
+    """Add to `total` (6,) what the base's rows of M a + h = Sᵀ τ + Σ Jᵀ f + w leave: world axes [N, N m].
 
     The force f of a foot that touches is what its leg's own rows of the same equation ask for; the moment is
     about the base's origin.
@@ -39,18 +39,18 @@ def outside_wrench(
         (n,) which feet may push.
     pose
         (3, 4) rotation and place of the base in the world [-, m].
-    wrench
-        Filled.
+    load
+        (4,) mass [kg] and first moment in base axes [kg m] of a load that M and bias know already: its weight
+        is added.
     """
     nv, n = v.shape[0], points.shape[0]
-    rest, forces, speeds = np.empty(nv), np.empty((n, 3)), np.empty((n, 3))
+    rest, forces, speeds, wrench = np.empty(nv), np.empty((n, 3)), np.empty((n, 3)), np.zeros(6)
     for i in range(nv):
         rest[i] = bias[i] - (torques[i - 6] if i >= 6 else 0.0)
         for j in range(nv):
             rest[i] += M[i, j] * (after[j] - v[j]) / dt
     foot_forces(twists, support, points, flat, rest, v, DAMPING, forces, speeds)
     for a in range(3):
-        wrench[a] = wrench[3 + a] = 0.0
         for b in range(3):
             wrench[a] += pose[a, b] * rest[b]
             wrench[3 + a] += pose[a, b] * rest[3 + b]
@@ -62,18 +62,12 @@ def outside_wrench(
         for a in range(3):
             wrench[a] -= forces[k, a]
             wrench[3 + a] -= turn[a]
-
-
-@kernel
-def add_weight(mass: float, moment: FloatArray, pose: FloatArray, wrench: FloatArray) -> None:
-    """Add to (6,) `wrench` the weight of a load on the base [N, N m], its moment about the base's origin.
-
-    `mass` [kg] and (3,) first `moment` in base axes [kg m]; `pose` as for `outside_wrench`.
-    """
-    wrench[2] -= mass * GRAVITY
+    wrench[2] -= load[0] * GRAVITY
     for j in range(3):
-        wrench[3] -= GRAVITY * pose[1, j] * moment[j]
-        wrench[4] += GRAVITY * pose[0, j] * moment[j]
+        wrench[3] -= GRAVITY * pose[1, j] * load[1 + j]
+        wrench[4] += GRAVITY * pose[0, j] * load[1 + j]
+    for a in range(6):
+        total[a] += wrench[a]
 
 
 @kernel
@@ -85,23 +79,6 @@ def point_inertia(arm: FloatArray) -> FloatArray:
         for j in range(3):
             out[i, j] = (square if i == j else 0.0) - arm[i] * arm[j]
     return out
-
-
-@kernel
-def sum_wrench(
-    M: FloatArray, bias: FloatArray, v: FloatArray, after: FloatArray, dt: float, torques: FloatArray,
-    twists: FloatArray, support: BoolArray, points: FloatArray, flat: BoolArray, touching: BoolArray,
-    pose: FloatArray, load: FloatArray, total: FloatArray,
-) -> None:  # fmt: skip
-    """Add to `total` (6,) the wrench of a step and of a load that the model knows already [N, N m].
-
-    `load` is (4,): mass and first moment, see `add_weight`; all else is as for `outside_wrench`.
-    """
-    wrench = np.empty(6)
-    outside_wrench(M, bias, v, after, dt, torques, twists, support, points, flat, touching, pose, wrench)
-    add_weight(load[0], load[1:], pose, wrench)
-    for a in range(6):
-        total[a] += wrench[a]
 
 
 @kernel

@@ -148,22 +148,7 @@ class WrenchObserver:
         mass, force = [robot.mass] + [robot.mass * self.height] * 3, robot.mass * GRAVITY
         self._unit = np.array(mass + [force] * 3 + [force * self.height] * 3)
         self._steps = max(1, round(BLOCK / self.dt))
-        self._warm_up()
         self.reset()
-
-    def _warm_up(self) -> None:
-        """Compile or load all that a step calls, so that no step of a run waits."""
-        import pinocchio
-
-        robot, n = self.robot, len(self.robot.feet)
-        still, data = np.zeros(robot.model.nv), robot.model.createData()
-        M = np.array(pinocchio.crba(robot.model, data, robot.nominal))
-        bias = np.array(pinocchio.nonLinearEffects(robot.model, data, robot.nominal, still))
-        twists = np.ascontiguousarray(pinocchio.computeJointJacobians(robot.model, data, robot.nominal))
-        instant = Instant(M, bias, still, twists, np.zeros((n, 3)), np.zeros((3, 4)))
-        self.reset()
-        for _ in range(self._steps):
-            self.observe(instant, still, np.zeros(robot.joints), np.ones(n, dtype=bool), np.zeros(4))
 
     def reset(self) -> None:
         """Forget the past: no payload, no wrench."""

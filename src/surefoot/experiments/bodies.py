@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.laws.soft import SpringDamper
 from surefoot.contact.laws.soft.behaviour import behaviour
-from surefoot.experiments.experiment import ComparedQuantity, Measurement, WorldExperiment
+from surefoot.experiments.experiment import Measured, MeasuredQuantity, WorldExperiment
 from surefoot.experiments.ground import bouncing, slid_down
 from surefoot.experiments.track import BodyRun, BodyTrack, fall
 from surefoot.simulation.bodies import ball, box
@@ -33,16 +33,15 @@ def _along(track: BodyTrack) -> FloatArray:
 HEIGHT, FALL, DROP = 0.5, 0.3, 0.8
 
 
-def _drop(world: str, dt: float) -> Measurement:
+def _drop(world: str, dt: float) -> Measured:
     track = fall(ball(MASS, RADIUS), HEIGHT, DROP, world, dt)
     fallen = track.q[0, 2] - track.q[round(FALL / dt), 2]
     carried = dt * float(track.forces[:, 0, 2].sum()) / (MASS * GRAVITY * DROP)
-    quantities = (
-        ComparedQuantity("fallen in 0.3 s", "m", 0.5 * GRAVITY * FALL**2),
-        ComparedQuantity("mean ground force / weight", "", 1.0),
-        ComparedQuantity("gap at rest", "m", 0.0, 0.01 * RADIUS),
+    return (
+        MeasuredQuantity("fallen in 0.3 s", "m", fallen, 0.5 * GRAVITY * FALL**2),
+        MeasuredQuantity("mean ground force / weight", "", carried, 1.0),
+        MeasuredQuantity("gap at rest", "m", track.q[-1, 2] - RADIUS, 0.0, 0.01 * RADIUS),
     )
-    return Measurement((fallen, carried, track.q[-1, 2] - RADIUS), quantities)
 
 
 # --- bounce: height of the second arc
@@ -52,7 +51,7 @@ FINER = 10.0
 """A bounce on a spring must be resolved: it is run with a tenth of the step."""
 
 
-def _bounce(world: str, dt: float) -> Measurement:
+def _bounce(world: str, dt: float) -> Measured:
     h = dt / FINER
     options = bouncing(world, RESTITUTION, MASS, STIFFNESS, h)
     track = fall(ball(MASS, RADIUS), HOP, BOUNCE, world, h, options)
@@ -64,7 +63,7 @@ def _bounce(world: str, dt: float) -> Measurement:
     if world != "rigid":  # the ground is a spring: the law's own bounce, gravity included
         law = SpringDamper.bouncing(STIFFNESS, RESTITUTION, MASS)
         e = behaviour(law, MASS, math.sqrt(2.0 * GRAVITY * HOP)).restitution
-    return Measurement((top,), (ComparedQuantity("height of the bounce", "m", e**2 * HOP),))
+    return (MeasuredQuantity("height of the bounce", "m", top, e**2 * HOP),)
 
 
 # --- slide: a box comes to rest
@@ -72,12 +71,11 @@ def _bounce(world: str, dt: float) -> Measurement:
 SPEED, SLIDE_MU, SLIDE = 2.0, 0.4, 0.8
 
 
-def _slide(world: str, dt: float) -> Measurement:
+def _slide(world: str, dt: float) -> Measured:
     run = BodyRun(box(MASS, FLAT_BOX, CORNER), SLIDE, SLIDE_MU, velocity=(SPEED, 0.0, 0.0, 0.0, 0.0, 0.0))
     track = run.run(world, dt)
-    exact, distance = SPEED**2 / (2.0 * SLIDE_MU * GRAVITY), _along(track)
-    quantity = ComparedQuantity("distance to rest", "m", exact)
-    return Measurement((distance[-1],), (quantity,))
+    exact = SPEED**2 / (2.0 * SLIDE_MU * GRAVITY)
+    return (MeasuredQuantity("distance to rest", "m", _along(track)[-1], exact),)
 
 
 # --- stick: a box on a slope, below and above its friction angle
@@ -95,14 +93,13 @@ def _on_slope(world: str, dt: float, mu: float) -> BodyTrack:
     return BodyRun(body, ON_SLOPE, mu, terrain, start=start).run(world, dt)
 
 
-def _stick(world: str, dt: float) -> Measurement:
+def _stick(world: str, dt: float) -> Measured:
     held, slid = _on_slope(world, dt, HOLDS), _on_slope(world, dt, SLIPS)
     exact = float(slid_down(np.array(ON_SLOPE), DEGREES, SLIPS))
-    quantities = (
-        ComparedQuantity(f"slip at mu {HOLDS:g}", "m", 0.0, exact),
-        ComparedQuantity(f"slip at mu {SLIPS:g}", "m", exact),
+    return (
+        MeasuredQuantity(f"slip at mu {HOLDS:g}", "m", _along(held)[-1], 0.0, exact),
+        MeasuredQuantity(f"slip at mu {SLIPS:g}", "m", _along(slid)[-1], exact),
     )
-    return Measurement((_along(held)[-1], _along(slid)[-1]), quantities)
 
 
 # --- tip: a box falls over its edge
@@ -128,7 +125,7 @@ def _turning(angle: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(2.0 * MASS * GRAVITY * arm * drop / about))
 
 
-def _tip(world: str, dt: float) -> Measurement:
+def _tip(world: str, dt: float) -> Measured:
     body, (arm, edge) = box(MASS, TALL, CORNER), _arm()
     turn = edge + math.radians(LEAN)
     start = body.nominal.copy()
@@ -140,7 +137,7 @@ def _tip(world: str, dt: float) -> Measurement:
     last = int(np.argmax(angle > math.radians(UNTIL)))
     at = float(np.interp(math.radians(UNTIL), angle[last - 1 : last + 1], rate[last - 1 : last + 1]))
     exact = float(_turning(np.array(math.radians(UNTIL))))
-    return Measurement((at,), (ComparedQuantity("turning at 30 deg", "rad/s", exact),))
+    return (MeasuredQuantity("turning at 30 deg", "rad/s", at, exact),)
 
 
 # --- spin: a flat box turns about its vertical axis until friction stops it
@@ -155,13 +152,13 @@ def _slowing() -> float:
     return SPIN_MU * MASS * GRAVITY * reach / inertia
 
 
-def _spin(world: str, dt: float) -> Measurement:
+def _spin(world: str, dt: float) -> Measured:
     run = BodyRun(box(MASS, FLAT_BOX, CORNER), SPINNING, SPIN_MU, velocity=(0.0, 0.0, 0.0, 0.0, 0.0, SPIN))
     track = run.run(world, dt)
     angle = np.unwrap(2.0 * np.arctan2(track.q[:, 5], track.q[:, 6]))
     angle = angle - angle[0]
     exact = SPIN**2 / (2.0 * _slowing())
-    return Measurement((angle[-1],), (ComparedQuantity("angle to rest", "rad", exact),))
+    return (MeasuredQuantity("angle to rest", "rad", angle[-1], exact),)
 
 
 # --- roll: a ball slides, then rolls
@@ -169,18 +166,17 @@ def _spin(world: str, dt: float) -> Measurement:
 ROLL_SPEED, ROLL_MU, ROLL = 2.0, 0.2, 0.6
 
 
-def _roll(world: str, dt: float) -> Measurement:
+def _roll(world: str, dt: float) -> Measured:
     run = BodyRun(ball(MASS, RADIUS), ROLL, ROLL_MU, velocity=(ROLL_SPEED, 0.0, 0.0, 0.0, 0.0, 0.0))
     track = run.run(world, dt)
     turns = (rotation_from_quaternion(q[3:7]) for q in track.q)
     speed = np.array([float(turn[0] @ v[:3]) for turn, v in zip(turns, track.v, strict=True)])
     begin = 2.0 * ROLL_SPEED / (7.0 * ROLL_MU * GRAVITY)
     way = ROLL_SPEED * begin - 0.5 * ROLL_MU * GRAVITY * begin**2 + 5.0 / 7.0 * ROLL_SPEED * (ROLL - begin)
-    quantities = (
-        ComparedQuantity("speed of rolling", "m/s", 5.0 / 7.0 * ROLL_SPEED),
-        ComparedQuantity("distance in 0.6 s", "m", way),
+    return (
+        MeasuredQuantity("speed of rolling", "m/s", speed[-1], 5.0 / 7.0 * ROLL_SPEED),
+        MeasuredQuantity("distance in 0.6 s", "m", _along(track)[-1], way),
     )
-    return Measurement((speed[-1], _along(track)[-1]), quantities)
 
 
 BODIES = (

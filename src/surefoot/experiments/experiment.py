@@ -25,39 +25,28 @@ SAFETY = 2.0
 """Tolerance over step error."""
 
 
-class ComparedQuantity(NamedTuple):
-    """A number with a closed form.
+class MeasuredQuantity(NamedTuple):
+    """A number that a world gave, and its closed form.
 
     Attributes
     ----------
     name, unit
         What it is.
-    exact
-        The closed form's value.
+    value, exact
+        The world's and the closed form's.
     scale
         What would be a large error, in the same unit; 0.0 for the size of `exact` itself.
     """
 
     name: str
     unit: str
+    value: float
     exact: float
     scale: float = 0.0
 
 
-@dataclass(frozen=True)
-class Measurement:
-    """What a world did.
-
-    Attributes
-    ----------
-    values
-        One number for each of `quantities`.
-    quantities
-        What they are held against.
-    """
-
-    values: Sequence[float]
-    quantities: Sequence[ComparedQuantity]
+Measured = tuple[MeasuredQuantity, ...]
+"""What a world did in an experiment."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +68,7 @@ class WorldExperiment:
     name: str
     says: str
     compares: str
-    measure: Callable[[str, float], Measurement]
+    measure: Callable[[str, float], Measured]
 
 
 @dataclass(frozen=True)
@@ -146,8 +135,8 @@ class WorldsOutcome:
 
 def compare(
     experiment: WorldExperiment, world: str, dt: float = 1e-3, tell: Callable[[str], object] | None = None
-) -> tuple[list[Row], Measurement]:
-    """Return what an experiment gives in a world at a step of `dt` [s]: quantity by quantity, and all of it.
+) -> list[Row]:
+    """Return what an experiment gives in a world at a step of `dt` [s], quantity by quantity.
 
     `tell` is called before each of the three runs with a phrase that says which.
 
@@ -164,11 +153,7 @@ def compare(
         if tell is not None:
             tell(f"{experiment.name} in {world}, step {h:g} s")
         runs.append(experiment.measure(world, h))
-    coarse, here, fine = runs
-    rows = []
-    for k, quantity in enumerate(here.quantities):
-        rows.append(_row(experiment, world, quantity, [run.values[k] for run in (coarse, here, fine)]))
-    return rows, here
+    return [_row(experiment, world, *same) for same in zip(*runs, strict=True)]
 
 
 def carry_out(
@@ -190,18 +175,20 @@ def carry_out(
     outcome = WorldsOutcome(experiment)
     for world in worlds:
         try:
-            rows, _ = compare(experiment, world, dt, tell)
+            outcome.rows.extend(compare(experiment, world, dt, tell))
         except SurefootError as error:
             outcome.failures[world] = str(error)
-        else:
-            outcome.rows.extend(rows)
     return outcome
 
 
-def _row(experiment: WorldExperiment, world: str, quantity: ComparedQuantity, values: Sequence[float]) -> Row:
-    coarse, value, fine = (float(x) for x in values)
+def _row(
+    experiment: WorldExperiment, world: str, coarse: MeasuredQuantity, quantity: MeasuredQuantity,
+    fine: MeasuredQuantity,
+) -> Row:  # fmt: skip
+    """Return one quantity at a step, judged by those of twice and of half the step."""
+    value = float(quantity.value)
     scale = quantity.scale or abs(quantity.exact)
-    step_error = max(abs(coarse - value), 2.0 * abs(value - fine))
+    step_error = max(abs(float(coarse.value) - value), 2.0 * abs(value - float(fine.value)))
     tolerance = max(SAFETY * step_error, FLOOR * scale)
     if not (math.isfinite(value) and tolerance <= RESOLVED * scale):
         verdict = "unresolved"

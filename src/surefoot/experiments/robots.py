@@ -13,7 +13,7 @@ from surefoot.control.standing_plan import StandingPlan
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import SimulationError
-from surefoot.experiments.experiment import ComparedQuantity, Measurement, WorldExperiment
+from surefoot.experiments.experiment import Measured, MeasuredQuantity, WorldExperiment
 from surefoot.experiments.ground import hard, slid_down
 from surefoot.log import Ending, Log
 from surefoot.robot import Robot, load_robot, place
@@ -82,7 +82,7 @@ def _balance(log: Log, dt: float, first: int, terrain: Terrain) -> tuple[FloatAr
 # --- stand
 
 
-def _stand(world: str, dt: float) -> Measurement:
+def _stand(world: str, dt: float) -> Measured:
     robot, terrain = _robot(), FlatTerrain()
     q = place(robot, terrain)
     log = _log(world, dt, _stander(dt, terrain, q), terrain, q, STAND, MU)
@@ -90,34 +90,34 @@ def _stand(world: str, dt: float) -> Measurement:
     loads = log["forces"][-1, :, 2]
     pressure = loads @ log["contact_positions"][-1, :, :2] / loads.sum()
     ahead = pressure - robot.com(log["q"][-1])[:2]
-    quantities = (
-        ComparedQuantity("mean load / what momentum asks", "", 1.0),
-        ComparedQuantity("centre of pressure ahead of the weight", "m", 0.0, 0.05),
+    return (
+        MeasuredQuantity("mean load / what momentum asks", "", got[2] / balance[2], 1.0),
+        MeasuredQuantity("centre of pressure ahead of the weight", "m", ahead[0], 0.0, 0.05),
     )
-    return Measurement((got[2] / balance[2], ahead[0]), quantities)
 
 
 # --- trot
 
 
-def _trot(world: str, dt: float) -> Measurement:
+def _trot(world: str, dt: float) -> Measured:
     robot, terrain, h = _robot(), FlatTerrain(), 0.5 * dt  # a trot wants a controller at a kilohertz
     command = VelocityCommand.constant(SPEED)
     controller = WalkingController(robot, command, "trot", terrain, WalkSettings(mu=MU), h)
     log = _log(world, h, controller, terrain, place(robot, terrain), TROT, MU)
     got, balance = _balance(log, h, round(0.5 / h), terrain)
     weight = robot.mass * GRAVITY
-    quantities = (
-        ComparedQuantity("mean load / what momentum asks", "", 1.0),
-        ComparedQuantity("forward force - what momentum asks", "m g", 0.0, 0.01),
+    return (
+        MeasuredQuantity("mean load / what momentum asks", "", got[2] / balance[2], 1.0),
+        MeasuredQuantity(
+            "forward force - what momentum asks", "m g", (got[0] - balance[0]) / weight, 0.0, 0.01
+        ),
     )
-    return Measurement((got[2] / balance[2], (got[0] - balance[0]) / weight), quantities)
 
 
 # --- friction
 
 
-def _friction(world: str, dt: float) -> Measurement:
+def _friction(world: str, dt: float) -> Measured:
     robot, terrain = _robot(), SlopeTerrain(DEGREES)
     q = place(robot, terrain)
     held = _log(world, dt, _stander(dt, terrain, q), terrain, q, HOLD, GRIP)
@@ -129,12 +129,11 @@ def _friction(world: str, dt: float) -> Measurement:
     fast = slid["forces"][len(slid["time"]) // 2 :]
     used = np.linalg.norm(fast[..., :2], axis=-1).sum() / fast[..., 2].sum()
     scale = float(slid_down(np.array(HOLD), DEGREES, ICE))
-    quantities = (
-        ComparedQuantity(f"slip of the feet at mu {GRIP:g}", "m", 0.0, scale),
-        ComparedQuantity(f"pull at mu {GRIP:g} / what momentum asks", "", 1.0),
-        ComparedQuantity(f"friction used at mu {ICE:g}", "", ICE),
+    return (
+        MeasuredQuantity(f"slip of the feet at mu {GRIP:g}", "m", slip, 0.0, scale),
+        MeasuredQuantity(f"pull at mu {GRIP:g} / what momentum asks", "", got[0] / asked[0], 1.0),
+        MeasuredQuantity(f"friction used at mu {ICE:g}", "", used, ICE),
     )
-    return Measurement((slip, got[0] / asked[0], used), quantities)
 
 
 ROBOTS = (

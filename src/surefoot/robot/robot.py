@@ -16,7 +16,6 @@ from surefoot.arrays import FloatArray, finite_array, of_kind, per_contact
 from surefoot.errors import ModelError, ProblemError, unknown_name
 from surefoot.robot import catalog
 from surefoot.robot.contact_points import ContactPoints, contact_points
-from surefoot.robot.descriptions import described, is_described
 from surefoot.robot.foot import Foot, frame_names, read_foot, shaped_foot
 from surefoot.robot.libraries import import_pinocchio
 from surefoot.robot.mjcf import is_mjcf, nominal_of, read_mjcf
@@ -250,8 +249,7 @@ def load_robot(
     Parameters
     ----------
     robot
-        A name from `robot_names`, the path of a URDF or MJCF file, or a name of the package
-        robot_descriptions, "go2_mj_description".
+        A name from `robot_names`, or the path of a URDF or MJCF file.
     feet
         Frames that can touch the ground, in one text separated by commas or one by one; None for the
         catalogue's choice (none for a file). Of an MJCF file bodies, sites and named shapes are frames.
@@ -273,7 +271,7 @@ def load_robot(
     (16.085, ('FL_foot', 'FR_foot', 'RL_foot', 'RR_foot'))
     """
     feet = frame_names(feet)
-    text = str(described(str(robot)) if is_described(str(robot)) else robot)
+    text = str(robot)
     if text.lower().endswith((".urdf", ".xml")) or "/" in text:
         path, entry = Path(text).expanduser(), catalog.CatalogEntry(text, fixed_base=bool(fixed_base))
         chosen, fixed, srdf = tuple(feet or ()), bool(fixed_base), None

@@ -116,7 +116,7 @@ def _joint(model: Any, index: int, floating: bool) -> dict[str, Any]:
         "place": pose.translation.tolist(), "mass": float(inertia.mass), "com": inertia.lever.tolist(),
         "inertia": inertia.inertia.tolist(),
     }  # fmt: skip
-    kind, axis = _kind(joint, str(model.names[index]))
+    kind, axis = joint_kind(joint, str(model.names[index]))
     low, high = -np.inf, np.inf
     if kind != "free":
         low, high = (
@@ -127,8 +127,8 @@ def _joint(model: Any, index: int, floating: bool) -> dict[str, Any]:
     return {**words, "kind": kind, "axis": axis, "low": low, "high": high}
 
 
-def _kind(joint: Any, name: str) -> tuple[str, list[float]]:
-    """Return free, revolute or prismatic, and the axis."""
+def joint_kind(joint: Any, name: str) -> tuple[str, list[float]]:
+    """Return free, revolute or prismatic, and the axis, of a Pinocchio joint; `name` is for the error."""
     kind, axes = joint.shortname().removeprefix("JointModel"), np.eye(3)
     if kind == "FreeFlyer":
         return "free", [0.0, 0.0, 0.0]

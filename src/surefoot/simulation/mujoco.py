@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
+from surefoot.arrays import FloatArray, IntArray, finite_array, real_number, whole_number
 from surefoot.collision import Geometry
 from surefoot.errors import SimulationError
 from surefoot.kernels import VECTOR, entry_point
@@ -35,7 +35,7 @@ from surefoot.simulation.mujoco_spec import FRICTION_RATIO as FRICTION_RATIO
 from surefoot.simulation.mujoco_spec import add_ground as add_ground
 from surefoot.simulation.mujoco_spec import import_mujoco as import_mujoco
 from surefoot.simulation.mujoco_spec import robot_spec as robot_spec
-from surefoot.simulation.mujoco_substeps import checked_substeps, mean_reading
+from surefoot.simulation.mujoco_substeps import MOST_SUBSTEPS, mean_reading
 from surefoot.simulation.record_softness import world_softness
 from surefoot.simulation.rigid import chosen_geometry
 from surefoot.simulation.world import ContactReading, ground_of
@@ -192,7 +192,8 @@ class MujocoWorld:
         ProblemError
             For a number that is none of these.
         """
-        self.substeps = checked_substeps(substeps)
+        real_number("substeps", substeps, low=1, high=MOST_SUBSTEPS)
+        self.substeps = whole_number("substeps", substeps, low=1)
         self.model.opt.timestep = self.dt / self.substeps
         if self._own_softness:
             self.model.geom_solref[self.ground_geoms, 0] = CONTACT_TIME / self.substeps

@@ -16,13 +16,13 @@ from surefoot.contact.laws.soft import MujocoLaw
 from surefoot.errors import MissingExtra, ModelError, ProblemError
 from surefoot.robot import Robot
 from surefoot.robot.mjcf import mujoco_line
+from surefoot.simulation.engine_world import joint_kind
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
 from surefoot.terrain import Box, Grid, Plane, Terrain
 from surefoot.terrain.shapes import DEPTH, EXTENT
 
 FRICTION_RATIO = 100.0
 """MuJoCo's impratio: friction much stiffer than the normal, so that a sticking foot hardly creeps."""
-_AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
 def import_mujoco() -> Any:
@@ -136,21 +136,15 @@ def _set_inertia(body: Any, inertia: Any) -> None:
 def _add_joint(mujoco: Any, body: Any, model: Any, index: int, name: str) -> None:
     """Add the joint of a Pinocchio model to its MjSpec body."""
     joint = model.joints[index]
-    kind = joint.shortname().removeprefix("JointModel")
-    if kind == "FreeFlyer":
+    kind, axis = joint_kind(joint, name)
+    if kind == "free":
         body.add_freejoint(name=name)
         return
-    if kind in ("RevoluteUnaligned", "PrismaticUnaligned"):
-        revolute, axis = kind.startswith("R"), np.array(joint.extract().axis)
-    elif len(kind) == 2 and kind[0] in "RP" and kind[1] in _AXES:
-        revolute, axis = kind[0] == "R", np.array(_AXES[kind[1]])
-    else:
-        raise ModelError(f"joint {name} is a {kind}; the MuJoCo world takes revolute and prismatic joints")
     low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
     limited = np.isfinite([low, high]).all() and low < high
     body.add_joint(
         name=name,
-        type=mujoco.mjtJoint.mjJNT_HINGE if revolute else mujoco.mjtJoint.mjJNT_SLIDE,
+        type=mujoco.mjtJoint.mjJNT_HINGE if kind == "revolute" else mujoco.mjtJoint.mjJNT_SLIDE,
         axis=axis,
         limited=mujoco.mjtLimited.mjLIMITED_TRUE if limited else mujoco.mjtLimited.mjLIMITED_FALSE,
         range=[low, high] if limited else [0.0, 0.0],

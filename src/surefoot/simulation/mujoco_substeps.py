@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number, whole_number
+from surefoot.arrays import FloatArray
 from surefoot.simulation.mujoco_contacts import SAME_FACE
 from surefoot.simulation.world import ContactReading
 from surefoot.terrain import Terrain
@@ -16,12 +16,6 @@ STRIKE_SUBSTEPS = 16
 """Parts of a step of 1 ms in which feet may strike what they do not see."""
 MOST_SUBSTEPS = 64
 _WORDS = ("forces", "positions", "velocities")
-
-
-def checked_substeps(substeps: int) -> int:
-    """Return a number of parts, or raise `ProblemError` for one that is none or beyond `MOST_SUBSTEPS`."""
-    real_number("substeps", substeps, low=1, high=MOST_SUBSTEPS)
-    return whole_number("substeps", substeps, low=1)
 
 
 def substeps_of(terrain: Terrain, knowledge: str) -> int:

@@ -5,7 +5,6 @@ A run of steps of `surefoot.stepping`; the scheme and what it keeps are describe
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import NamedTuple, Unpack
 
@@ -16,7 +15,7 @@ from surefoot.arrays import FloatArray, finite_array, of_kind, real_number
 from surefoot.collision import Geometry, robot_geometry
 from surefoot.contact import ContactSolution
 from surefoot.contact.laws.soft.behaviour import stopping_depth
-from surefoot.errors import ProblemError, StiffContactWarning, check_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators
@@ -100,8 +99,8 @@ class RigidWorld:
         Error of the state [m, rad] and [m/s, rad/s] for which each step of `dt` is divided as often as that
         takes, see `surefoot.stepping.controlled`; None for steps of `dt`.
     **settings
-        ``restitution``, ``stabilisation``, ``law``, ``solver``, ``solver_tol``, ``integration``, ``order``
-        and ``impacts`` of `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft,
+        ``restitution``, ``stabilisation``, ``law``, ``solver``, ``solver_tol``, ``order`` and
+        ``impacts`` of `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft,
         None is rigid.
 
     Attributes
@@ -122,19 +121,11 @@ class RigidWorld:
         Largest velocity error so far, see `Residuals`.
     law_error
         Largest distance of normal forces from a soft law so far, as a share of the largest force.
-    stable_step
-        Shortest of the steps' stability limits so far [s], of explicit integration; infinite otherwise.
 
     Raises
     ------
     ProblemError
         For a value out of range, an unknown stabilisation or collision, and soft ground under a whole robot.
-
-    Warns
-    -----
-    StiffContactWarning
-        Once, if explicit integration is not stable at `dt`: at once if that shows in the nominal stance, else
-        when a contact gets so stiff.
 
     Examples
     --------
@@ -179,12 +170,9 @@ class RigidWorld:
         self.payload = payload if robot.floating else 0.0
         self.payload_position = finite_array("payload_position", payload_position, (3,))
         self.contact_foot = robot.contact_points.foot
-        self._warned = False
         self.applied = np.zeros(robot.joints)
         self._friction = None if self.actuators is None else JointFriction(robot, self.actuators, self.dt)
         self.reset(robot.nominal)
-        if options.integration == "explicit":
-            self._check_step(self.stepper.stable_step(self._state))
 
     @property
     def time(self) -> float:
@@ -205,8 +193,7 @@ class RigidWorld:
             self.control.restart()
         self._start = self.stepper.contacts(self._state)
         self.last: Step | None = None
-        self.unsolved, self.worst_residual = 0, 0.0
-        self.law_error, self.stable_step = 0.0, np.inf
+        self.unsolved, self.worst_residual, self.law_error = 0, 0.0, 0.0
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
@@ -260,9 +247,6 @@ class RigidWorld:
         self.unsolved += step.unsolved
         self.worst_residual = max(self.worst_residual, step.worst_residual)
         self.law_error = max(self.law_error, step.law_error)
-        if step.stable_step < self.stable_step:
-            self.stable_step = step.stable_step
-            self._check_step(step.stable_step)
 
     def _net(self, torques: FloatArray) -> FloatArray:
         """Return the torques that move the joints, of those asked for; note what the motors give."""
@@ -272,12 +256,6 @@ class RigidWorld:
         speed = self._state.v[self.robot.base_dof :]
         self.applied = self.actuators.given(finite_vector("torques", torques, self.robot.joints), speed)
         return self.applied + self._friction.torques(speed)
-
-    def _check_step(self, stable: float) -> None:
-        """Warn once of an explicit step that is too long."""
-        if stable < self.dt and not self._warned:
-            self._warned = True
-            warnings.warn(StiffContactWarning(self.dt, stable), stacklevel=3)
 
     def contacts(self) -> ContactReading:
         """Return what the ground did to the feet during the last step, and the sum of all else.

@@ -67,15 +67,11 @@ class Backward:
         self.run, self.parameters, self.values, self.taken = run, parameters, values, taken
         self.world: RigidWorld = taken.world
         self.model = self.world.model
-        options = self.world.stepper.options
         if self.world.control is not None:
             raise ProblemError("steps are differentiated at a length of their own, not with a tol")
-        if self.world.actuators is not None or (
-            options.soft is not None and options.integration == "explicit"
-        ):
+        if self.world.actuators is not None:
             raise ProblemError(
-                'steps are differentiated with actuators="ideal" and integration="implicit", not motors, '
-                "friction of joints, and forces of soft ground at the start of a step"
+                'steps are differentiated with actuators="ideal", not motors and friction of joints'
             )
         self.here = self._inputs(taken)
         self.feedback = self._feedback()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import math
 import time as clock
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -259,16 +259,11 @@ class _Run:
             if [*given] == names:
                 row += given.values()
             elif part is None and self.recorder.count == 0 and given.keys() != set(names):
-                raise _wrong_rows(given, names)
+                own, said = (", ".join(sorted(some)) or "none" for some in (given, names))
+                raise ProblemError(f"a command has rows for {own}, its controller has the channels {said}")
             else:
                 row += [given.get(name, 0.0) for name in names]
         self.recorder.write(row)
-
-
-def _wrong_rows(rows: Iterable[str], channels: Iterable[str]) -> ProblemError:
-    """Return the error that a command's own rows are not the controller's channels."""
-    given, said = (", ".join(sorted(some)) or "none" for some in (rows, channels))
-    return ProblemError(f"a command has rows for {given}, its controller has the channels {said}")
 
 
 @kernel

@@ -11,7 +11,6 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.errors import ProblemError
 from surefoot.log import Ending
-from surefoot.robot import Robot
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.height_scan import RangeSensor
 from surefoot.simulation.sensors import SensorModel
@@ -54,16 +53,12 @@ class IcePatch:
 
     def __post_init__(self) -> None:
         numbers = (*self.lower, *self.upper)
-        if not all(map(math.isfinite, numbers)) or any(a >= b for a, b in zip(*self.corners, strict=True)):
+        rising = all(a < b for a, b in zip(self.lower, self.upper, strict=True))
+        if not (rising and all(map(math.isfinite, numbers))):
             raise ProblemError(
                 f"a patch of ice reaches from (x0, y0) to a larger (x1, y1) [m], got {numbers}"
             )
         real_number("mu of a patch of ice", self.mu, low=0.0)
-
-    @property
-    def corners(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The lower and the upper corner [m]."""
-        return self.lower, self.upper
 
 
 @dataclass(frozen=True)
@@ -181,16 +176,11 @@ class Scenario:
         """Return where a run starts: (nq,) q [m, -, rad] and (nv,) v [m/s, rad/s], None for rest."""
         q = np.array(start_pose(world.robot, world.terrain) if self.start is None else self.start)
         q[:3] -= self.depth * world.terrain.normal(q[:2])
-        return q, start_velocity(world.robot, self.seed)
-
-
-def start_velocity(robot: Robot, seed: int | None) -> FloatArray | None:
-    """Return a small random velocity (nv,) of the base [m/s], or None without a seed."""
-    if seed is None:
-        return None
-    v = np.zeros(robot.model.nv)
-    v[:3] = START_SPEED * np.random.default_rng(seed).normal(size=3)
-    return v
+        if self.seed is None:
+            return q, None
+        v = np.zeros(world.robot.model.nv)
+        v[:3] = START_SPEED * np.random.default_rng(self.seed).normal(size=3)
+        return q, v
 
 
 def push_at(pushes: Sequence[Push], time: float) -> FloatArray | None:

@@ -121,6 +121,5 @@ class ErrorControl:
             parts[-1].state._replace(steps=begin.steps + 1), dt, total, seen.velocities, seen.gaps,
             seen.positions, seen.impact, sum(part.unsolved for part in parts),
             max(part.worst_residual for part in parts), max(part.law_error for part in parts),
-            min(part.stable_step for part in parts),
             tuple(Piece(part.state, part.dt, rest=part) for part in parts),
         )  # fmt: skip

@@ -70,11 +70,8 @@ class StepDerivative:
 
     def __init__(self, stepper: Stepper, request: StepArguments) -> None:
         soft = stepper.options.soft
-        if soft is not None and (stepper.options.integration == "explicit" or request.smoothing > 0.0):
-            law = type(soft).__name__
-            raise ProblemError(
-                f"a step with a {law} is differentiated with integration='implicit', without smoothing"
-            )
+        if soft is not None and request.smoothing > 0.0:
+            raise ProblemError(f"a step with a {type(soft).__name__} is differentiated without smoothing")
         if stepper.geometry is not None:
             raise ProblemError("a step is differentiated with feet on the ground alone, not with a geometry")
         self._stepper, self._dt, self.smoothing = stepper, stepper.options.dt, request.smoothing

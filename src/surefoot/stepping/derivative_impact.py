@@ -12,7 +12,6 @@ with ∂λ/∂g of the contact problem, see `contact.derivative`. The shift of t
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
@@ -20,8 +19,10 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact.laws.soft import SoftLaw
+from surefoot.robot import ContactPoints
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
+from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_kernels import centre_rates, force_rates, velocity_rates
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.options import StepOptions
@@ -37,8 +38,6 @@ SPACING = 1e-5
 """Step of the central differences of a curved ground's normals and gaps [m]."""
 Shape = tuple[FloatArray, IntArray, BoolArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """The first arguments of `derivative_kernels.velocity_rates`."""
-Respond = Callable[[FloatArray, FloatArray], FloatArray]
-"""Rates of the impulses (3k, c) from b (3k, c) and those of mu (c,)."""
 
 
 def law_fields(law: SoftLaw) -> tuple[str, ...]:
@@ -122,93 +121,113 @@ class Rates:
 
 
 @dataclass(frozen=True)
-class Bumps:
-    """What the derivatives of exchanges at one configuration have in common.
+class Exchange:
+    """An exchange of impulses: what happened, what it depends on, and the answer of its contact problem.
 
     Attributes
     ----------
     model, data
         Pinocchio's, with the gravity that acts during the exchange.
+    impact
+        What happened.
     contacts, ground
-        At the configuration.
+        At its configuration.
     L
         (nv, nv) lower factor of the mass matrix.
-    twists, first, support, radii
+    twists, first
         See `derivative_kernels.velocity_rates`.
-    foot
-        (p,) index of every contact's foot.
+    points
+        The robot's contact points.
     span
         Length of the exchange [s].
     base_rotation
         (3, 3) rotation_world_base.
     speed
         (nv,) velocity at which the bodies' own motion makes forces during the exchange; zero for none.
+    last, leaving
+        (p, 3) impulses before [N s] and contact velocities right after them [m/s].
+    horizon
+        Time to the next impulses [s].
+    options, pull
+        Of the step, and the share of a penetration that is asked back.
+    response
+        The answer of the contact problem; None without contacts.
     """
 
     model: Any
     data: Any
+    impact: Impact
     contacts: Contacts
     ground: GroundTurn
     L: FloatArray
     twists: FloatArray
     first: IntArray
-    support: BoolArray
-    radii: FloatArray
-    foot: IntArray
+    points: ContactPoints
     span: float
     base_rotation: FloatArray
     speed: FloatArray
+    last: FloatArray
+    leaving: FloatArray
+    horizon: float
+    options: StepOptions
+    pull: float
+    response: Response | None
 
     @property
     def _shape(self) -> Shape:
-        c = self.contacts
-        return self.twists, self.first, self.support, c.positions, self.radii, c.frames, self.ground.turns
+        c, points = self.contacts, self.points
+        return self.twists, self.first, points.support, c.positions, points.radii, c.frames, self.ground.turns
 
-    def inverse_dynamics(self, q: FloatArray, change: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return h ∂ID(q, v, w/h)/∂q and by v (nv, nv each) for a change of velocity w, v being `speed`."""
+    @property
+    def _change(self) -> FloatArray:
+        """Acceleration (nv,) of the whole exchange over its span."""
+        return np.asarray((self.impact.after - self.impact.before) / self.span)
+
+    @property
+    def force(self) -> FloatArray:
+        """All forces but the ground's (nv,) [N, N m]."""
+        change = self.impact.free - self.impact.before
+        return np.asarray(self.L @ (self.L.T @ change) / self.horizon)
+
+    def takes(self, inertia: FloatArray | None) -> FloatArray | float:
+        """Return the effort (nv, c) [N s, N m s] that rates (10 bodies, c) of inertial parameters mean."""
         import pinocchio
 
-        pinocchio.computeRNEADerivatives(self.model, self.data, q, self.speed, change / self.span)
-        return np.asarray(self.span * self.data.dtau_dq), np.asarray(self.span * self.data.dtau_dv)
-
-    def regressor(self, q: FloatArray, change: FloatArray) -> FloatArray:
-        """Return (nv, 10 bodies) the impulse [N s, N m s] that inertial parameters take for a change of v."""
-        import pinocchio
-
-        change = change / self.span
+        if inertia is None:
+            return 0.0
+        q, change = self.impact.q, self._change
         Y = pinocchio.computeJointTorqueRegressor(self.model, self.data, q, self.speed, change)
-        return np.asarray(self.span * Y)
+        return np.asarray(-(self.span * Y) @ inertia)
 
     def through(
-        self, impact: Impact, rates: Rates, last: FloatArray, leaving: FloatArray, horizon: float,
-        options: StepOptions, pull: float, respond: Respond | None,
-        one_sided: bool | None = False,
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
+        self, rates: Rates, one_sided: bool | None = False
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the rates of v⁺ (nv, c), of the contact velocities after it (3p, c), and of λ (3p, c).
 
-        `last` and `leaving` (p, 3) are the impulses before and the velocities right after them, `horizon` the
-        time to the next impulses, `pull` the share of a penetration that is asked back. `one_sided`: contacts
-        that touch open or press as each column says; None: they stay on the ground.
+        `one_sided`: contacts that touch open or press as each column says; None: they stay on the ground.
         """
-        J, near = self.contacts.J, impact.near
+        import pinocchio
+
+        impact, J, near = self.impact, self.contacts.J, self.impact.near
         rows = (3 * near[:, None] + np.arange(3)).ravel()
+        pinocchio.computeRNEADerivatives(self.model, self.data, impact.q, self.speed, self._change)
         turned = force_rates(*self._shape, impact.impulses)
-        by_q, by_v = self.inverse_dynamics(impact.q, impact.after - impact.before)
-        effort = (turned - by_q) @ rates.q + rates.effort
+        effort = (turned - self.span * self.data.dtau_dq) @ rates.q + rates.effort
         if self.speed.any():
-            effort -= by_v @ rates.v
+            effort -= self.span * self.data.dtau_dv @ rates.v
         spin = velocity_rates(*self._shape, impact.after)
         light = np.linalg.inv(self.L)
         v = rates.v + light.T @ (light @ effort)
         impulses = np.zeros((J.shape[0], v.shape[1]))
         if near.size:
             assert impact.rows is not None
-            assert respond is not None
+            assert self.response is not None
             b = (spin @ rates.q + J @ v)[rows]
-            b[2::3] += self._shift(impact, rates, horizon, options, pull, one_sided)
-            guess = self._swerve(impact, rates, last, leaving, options.soft is not None)
+            b[2::3] += self._shift(rates, one_sided)
+            guess = self._swerve(rates)
             if guess is not None:
                 b += guess[rows]
+            respond = self.response.one_sided if one_sided else self.response.linear
             impulses[rows] = respond(b, rates.mu)
             v = v + light.T @ (impact.rows.T @ impulses[rows])
         return v, spin @ rates.q + J @ v, impulses
@@ -216,26 +235,19 @@ class Bumps:
     def gap_rates(self) -> FloatArray:
         """Return the derivative (p, nv) of the gaps [m]."""
         c = self.contacts
-        centres = centre_rates(self.twists, self.support, c.positions, self.radii, c.frames)
+        centres = centre_rates(self.twists, self.points.support, c.positions, self.points.radii, c.frames)
         return np.asarray(np.einsum("ci,cik->ck", self.ground.slopes, centres))
 
-    def _arriving(self, impact: Impact, rates: Rates) -> FloatArray:
+    def _arriving(self, rates: Rates) -> FloatArray:
         """Return the rates (3p, c) of the contact velocities before the impulses."""
-        return velocity_rates(*self._shape, impact.before) @ rates.q + self.contacts.J @ rates.v
+        return velocity_rates(*self._shape, self.impact.before) @ rates.q + self.contacts.J @ rates.v
 
-    def _shift(
-        self,
-        impact: Impact,
-        rates: Rates,
-        horizon: float,
-        options: StepOptions,
-        pull: float,
-        one_sided: bool | None | None,
-    ) -> FloatArray:
+    def _shift(self, rates: Rates, one_sided: bool | None) -> FloatArray:
         """Return the rates (k, c) of the normal velocity that the law adds; see `arithmetic.assemble`."""
+        impact, options, horizon, pull = self.impact, self.options, self.horizon, self.pull
         near, gaps = impact.near, self.contacts.gaps[impact.near]
         if options.soft is not None:
-            return self._soft_shift(impact, rates, horizon, options.soft)
+            return self._soft_shift(rates, options.soft)
         share = np.where(gaps > 0.0, 1.0, pull) / horizon
         opening = self.gap_rates()[near] @ rates.q
         if one_sided is None:
@@ -251,16 +263,17 @@ class Bumps:
             bounce = options.restitution * before
             hit = (before < -2.0 * options.dt * GRAVITY) & (gaps + horizon * free <= 0.0)
             hit &= bounce < share * gaps
-            out[hit] = options.restitution * self._arriving(impact, rates)[3 * near[hit] + 2]
+            out[hit] = options.restitution * self._arriving(rates)[3 * near[hit] + 2]
             if rates.laws.restitution is not None:
                 out[hit] += np.outer(before[hit], rates.laws.restitution)
         return np.asarray(out)
 
-    def _soft_shift(self, impact: Impact, rates: Rates, horizon: float, law: SoftLaw) -> FloatArray:
+    def _soft_shift(self, rates: Rates, law: SoftLaw) -> FloatArray:
         """Return the same under a law λ = Λ(gap, u, u⁻, θ): -(∂Λ/∂gap δgap + ...) / |∂Λ/∂u|.
 
         A contact that ends the step at the surface has u = -gap / horizon instead.
         """
+        impact, horizon = self.impact, self.horizon
         assert impact.solution is not None
         near, speeds = impact.near, impact.velocities[impact.near, 2]
         gaps, opening = self.contacts.gaps[near], self.gap_rates()[near] @ rates.q
@@ -275,7 +288,7 @@ class Bumps:
             return np.asarray(horizon * (ends[1] - ends[0]) / (2.0 * width))[:, None]
 
         push = slope(1e-8, gap=1.0) * opening
-        push += slope(1e-6, speed=1.0) * self._arriving(impact, rates)[3 * near + 2]
+        push += slope(1e-6, speed=1.0) * self._arriving(rates)[3 * near + 2]
         for rate, name in zip(
             () if rates.laws.law is None else rates.laws.law, law_fields(law), strict=False
         ):
@@ -284,31 +297,30 @@ class Bumps:
             push += slope(1e-5 * max(abs(getattr(law, name)), 1e-3), **{name: 1.0}) * rate
         return np.where(steep > 0.0, -steep * push, opening / horizon)
 
-    def _swerve(
-        self, impact: Impact, rates: Rates, last: FloatArray, leaving: FloatArray, soft: bool
-    ) -> FloatArray | None:
+    def _swerve(self, rates: Rates) -> FloatArray | None:
         """Return the rates (3p, c) of the guess that the laws' velocities contain; None without one."""
+        impact, last, leaving, feet = self.impact, self.last, self.leaving, self.points.foot
         taken = impact.velocities - impact.leaving
         if impact.velocities is impact.leaving:
             return None
         frames = self.contacts.frames
-        guess = arithmetic.swerves(self.contacts.J, impact.before, leaving, last, self.foot, frames, 0.0)
-        axes = 2 if soft else 3  # soft laws take no guess along the normal
+        guess = arithmetic.swerves(self.contacts.J, impact.before, leaving, last, feet, frames, 0.0)
+        axes = 2 if self.options.soft is not None else 3  # soft laws take no guess along the normal
         half = guess is not None and np.allclose(guess[1][:, :axes], taken[:, :axes], rtol=1e-6, atol=1e-12)
-        change = self._arriving(impact, rates)
+        change = self._arriving(rates)
         arriving = self.contacts.velocities(impact.before)
         value = 0.5 * (arriving - leaving) if half else arriving
         if half:
             change = 0.5 * (change - rates.leaving)
         change = change.reshape(*leaving.shape, -1)
         loaded, out = last[:, 2] > 0.0, np.zeros_like(change)
-        if len(loaded) == len(np.unique(self.foot)):  # point feet have no mean to share
+        if len(loaded) == len(np.unique(feet)):  # point feet have no mean to share
             out[loaded, :axes] = change[loaded, :axes]
             return out.reshape(leaving.size, -1)
         turn = self._frame_rates(rates)  # (p, 3, 3, c)
         world = np.einsum("cia,cax->cix", frames, change) + np.einsum("ciax,ca->cix", turn, value)
-        for foot in np.unique(self.foot[loaded]):
-            mine = np.flatnonzero(loaded & (self.foot == foot))
+        for foot in np.unique(feet[loaded]):
+            mine = np.flatnonzero(loaded & (feet == foot))
             mean = world[mine].mean(axis=0)
             rest = mean - np.einsum("ciax,ca->cix", turn[mine], taken[mine])
             out[mine, :axes] = np.einsum("cia,cix->cax", frames[mine], rest)[:, :axes]
@@ -317,6 +329,6 @@ class Bumps:
     def _frame_rates(self, rates: Rates) -> FloatArray:
         """Return the rates (p, 3, 3, c) of the contact frames."""
         c = self.contacts
-        centres = centre_rates(self.twists, self.support, c.positions, self.radii, c.frames)
+        centres = centre_rates(self.twists, self.points.support, c.positions, self.points.radii, c.frames)
         moved = np.einsum("cik,kx->cix", centres[:, :2], rates.q)
         return np.asarray(np.einsum("dcia,cdx->ciax", self.ground.turns, moved))

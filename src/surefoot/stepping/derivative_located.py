@@ -19,8 +19,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.stepping.derivative_contact import Response
-from surefoot.stepping.derivative_impact import NO_LAWS, Laws, Rates
-from surefoot.stepping.derivative_stages import Coast, Exchange, Stages
+from surefoot.stepping.derivative_impact import NO_LAWS, Exchange, Laws, Rates
+from surefoot.stepping.derivative_stages import Coast, Stages
 from surefoot.stepping.state import Impact
 
 AT_ONCE = 1e30
@@ -74,7 +74,7 @@ class LocatedStages(Stages):
             T = self._coasted(k, T, effort, inertia)
             wait = -late  # the end of the step stays where it is
             if touch is not None:
-                opening = touch.bumps.gap_rates()[self.step.pieces[k].first]
+                opening = touch.gap_rates()[self.step.pieces[k].first]
                 wait = -(opening @ T[:n]) / (opening @ touch.impact.before)
             T, late = T + np.outer(self.coasts[k].pace, wait), late + wait
             if touch is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,11 +14,10 @@ from surefoot.stepping import arithmetic
 from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import FlowDerivative
-from surefoot.stepping.derivative_impact import NO_LAWS, Bumps, GroundTurn, Laws, Rates
+from surefoot.stepping.derivative_impact import NO_LAWS, Exchange, GroundTurn, Laws, Rates
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.impacts import Tally, finite_problem
 from surefoot.stepping.motion import moved
-from surefoot.stepping.options import StepOptions
 from surefoot.stepping.state import Impact, State, Step
 from surefoot.stepping.stepper import PROJECTIONS, Stepper
 
@@ -48,47 +48,6 @@ class Work:
         self.upper = np.triu(np.ones((bodies.model.nv, bodies.model.nv), dtype=np.bool_))
         joints = list(bodies.model.joints)[1:]
         self.first: IntArray = np.concatenate([np.full(j.nv, j.idx_v, dtype=np.int64) for j in joints])
-
-
-class Exchange(NamedTuple):
-    """An exchange of impulses: what happened, what it depends on, and the answer of its contact problem."""
-
-    bumps: Bumps
-    impact: Impact
-    last: FloatArray
-    leaving: FloatArray
-    horizon: float
-    options: StepOptions
-    pull: float
-    response: Response | None
-
-    def through(self, rates: Rates, one_sided: bool | None) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the rates (nv, c) of v⁺, (3p, c) of contact velocities [m/s] and of impulses [N s]."""
-        r = self.response
-        respond = None if r is None else (r.one_sided if one_sided else r.linear)
-        return self.bumps.through(
-            self.impact,
-            rates,
-            self.last,
-            self.leaving,
-            self.horizon,
-            self.options,
-            self.pull,
-            respond,
-            one_sided,
-        )
-
-    @property
-    def force(self) -> FloatArray:
-        """All forces but the ground's (nv,) [N, N m]."""
-        L, change = self.bumps.L, self.impact.free - self.impact.before
-        return np.asarray(L @ (L.T @ change) / self.horizon)
-
-    def takes(self, inertia: FloatArray | None) -> FloatArray | float:
-        """Return the effort (nv, c) [N s, N m s] that rates (10 bodies, c) of inertial parameters mean."""
-        if inertia is None:
-            return 0.0
-        return -self.bumps.regressor(self.impact.q, self.impact.after - self.impact.before) @ inertia
 
 
 class Coast(NamedTuple):
@@ -160,7 +119,7 @@ class Stages:
             impact = self._smoothed(impact, seen)
         main = self._exchange(work.heavy, dt, impact, seen, dt, stepper.options.pull, request.smoothing)
         if (memory := state.memory) is not None:
-            main = main._replace(last=memory.impulses, leaving=memory.leaving)
+            main = replace(main, last=memory.impulses, leaving=memory.leaving)
         self.main = main
         self.coasts.append(Coast(work.coasting, impact.q, impact.after, 0.5 * dt, None))
 
@@ -198,14 +157,14 @@ class Stages:
         stepper.bodies.weigh(impact.q)
         twists = np.ascontiguousarray(stepper.bodies.contacts.twists(impact.q).T)
         ground = GroundTurn.below(stepper.terrain, seen, points.radii)
-        bumps = Bumps(
-            *model, seen, ground, stepper.bodies.L.copy(), twists, work.first, points.support, points.radii,
-            points.foot, span, stepper.bodies.data.oMi[1].rotation.copy(),
-            np.zeros_like(impact.before) if self.speed is None else self.speed,
-        )  # fmt: skip
         nothing = np.zeros(impact.impulses.shape)
         response = None if impact.solution is None else Response(impact.solution, smoothing)
-        return Exchange(bumps, impact, nothing, nothing, horizon, stepper.options, pull, response)
+        return Exchange(
+            *model, impact, seen, ground, stepper.bodies.L.copy(), twists, work.first, points, span,
+            stepper.bodies.data.oMi[1].rotation.copy(),
+            np.zeros_like(impact.before) if self.speed is None else self.speed,
+            nothing, nothing, horizon, stepper.options, pull, response,
+        )  # fmt: skip
 
     def _smoothed(self, impact: Impact, seen: Contacts) -> Impact:
         """Return the exchange on the central path, with all contact points."""
@@ -329,7 +288,7 @@ class Stages:
         bodies = self.stepper.bodies
         if not self.stepper.robot.floating:
             return out
-        turn = self.main.bumps.base_rotation
+        turn = self.main.base_rotation
         local = turn.T @ push
         if self.request.push is not None:
             local = local + skew(turn.T @ self.request.push) @ q[3:6]

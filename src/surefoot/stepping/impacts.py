@@ -35,12 +35,11 @@ class LostMotion(Exception):
 class Tally:
     """Counts the contact problems of one step that were left unsolved, and keeps the worst residual.
 
-    Of soft laws also the largest distance of normal impulses from the law, and the longest stable step.
+    Of soft laws also the largest distance of normal impulses from the law.
     """
 
     def __init__(self) -> None:
-        self.unsolved, self.worst = 0, 0.0
-        self.law_error, self.stable_step = 0.0, np.inf
+        self.unsolved, self.worst, self.law_error = 0, 0.0, 0.0
 
     def add(self, solution: ContactSolution) -> None:
         """Count one solution."""
@@ -51,10 +50,6 @@ class Tally:
         """Count how far the normal impulses ended from their law, as a share of the largest one."""
         self.unsolved += not error <= agreed
         self.law_error = max(self.law_error, error)
-
-    def add_step(self, stable: float) -> None:
-        """Keep the longest step [s] at which an explicit exchange would be stable."""
-        self.stable_step = min(self.stable_step, stable)
 
 
 class Meeting(NamedTuple):

@@ -12,8 +12,6 @@ from surefoot.errors import ProblemError, check_name, unknown_name
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
 STABILISATIONS: tuple[Stabilisation, ...] = get_args(Stabilisation)
-Integration = Literal["implicit", "explicit"]
-INTEGRATIONS: tuple[Integration, ...] = get_args(Integration)
 Impacts = Literal["auto", "located", "stepped"]
 IMPACTS: tuple[Impacts, ...] = get_args(Impacts)
 ORDERS = (1, 2)
@@ -29,7 +27,6 @@ class StepSettings(TypedDict, total=False):
     law: str | SoftLaw | None
     solver: str
     solver_tol: float
-    integration: Integration
     order: int
     impacts: Impacts
 
@@ -51,10 +48,8 @@ class StepOptions:
     law
         "coulomb", or "convex" to see what that relaxation does: a sliding contact then separates with
         mu ||u_t||, and floats at dt mu ||u_t|| over the ground. Or a soft law (`surefoot.laws`): restitution
-        and stabilisation are then its own affair. Which friction coefficient holds, the ground says.
-    integration
-        Of a soft law: "implicit", the force at the end of the step, stable for any stiffness, which takes
-        exact friction; "explicit", the force at its beginning, stable for short steps only.
+        and stabilisation are then its own affair; its force is that at the end of the step, stable for any
+        stiffness. Which friction coefficient holds, the ground says.
     solver, solver_tol
         For `surefoot.solve`.
     order
@@ -79,20 +74,16 @@ class StepOptions:
     law: str | SoftLaw = "coulomb"
     solver: str = "auto"
     solver_tol: float = 1e-8
-    integration: Integration = "implicit"
     order: int = 2
     impacts: Impacts = "auto"
 
     def __post_init__(self) -> None:
         check_name("stabilisation", self.stabilisation, STABILISATIONS)
-        check_name("integration", self.integration, INTEGRATIONS)
         check_name("impacts", self.impacts, IMPACTS)
         if self.soft is not None:
             self._fit_soft_law(self.soft)
         elif self.law not in LAWS:
             raise ProblemError(unknown_name("law", self.law, LAWS))
-        elif self.integration != "implicit":
-            raise ProblemError("integration='explicit' is of soft laws: rigid contact has no explicit force")
         if self.order not in ORDERS:
             raise ProblemError(f"order must be 1 or 2, got {self.order!r}")
         if self.order == 1 and self.soft is not None:
@@ -136,9 +127,9 @@ class StepOptions:
             )
         if self.stabilisation == "baumgarte":
             raise ProblemError("stabilisation='baumgarte' is of rigid contacts: overlap is a soft law's own")
-        if self.integration == "implicit" and not law.friction.exact:
+        if not law.friction.exact:
             raise ProblemError(
-                f"{type(law.friction).__name__} goes with integration='explicit'; the implicit step solves "
-                "ExactFriction, which it replaces"
+                f"the step solves ExactFriction, which {type(law.friction).__name__} replaces: it is of laws "
+                "to be translated and of forces on their own"
             )
         object.__setattr__(self, "stabilisation", "none")

@@ -154,8 +154,6 @@ class Step(NamedTuple):
         Their largest velocity error, see `Residuals`.
     law_error
         Under a soft law: largest distance of the normal impulses from it, as a share of the largest one.
-    stable_step
-        Longest step at which an explicit exchange would have been stable [s]; infinite where none was made.
     pieces
         Of a step with located impacts; impulses are the sum, `impact`, gaps and positions the last one's.
     """
@@ -170,7 +168,6 @@ class Step(NamedTuple):
     unsolved: int
     worst_residual: float
     law_error: float = 0.0
-    stable_step: float = np.inf
     pieces: tuple[Piece, ...] = ()
 
     @property

@@ -16,7 +16,7 @@ An open contact enters with u_n + gap / dt >= 0, so that a foot that would hit t
 impulses stops at the surface and does not go below it. Impulses never do positive work where the restitution
 is zero and positions are not pulled by velocities.
 
-Soft laws (`soft_impacts`, `explicit`) take the place of Signorini's at the same point of the step.
+Soft laws (`soft_impacts`) take the place of Signorini's at the same point of the step.
 
 Joints are ideal torque sources without friction, rotor inertia or stops; only the feet's spheres touch
 the ground, or with a `Geometry` all of a robot and other bodies, and each other (`pair_detection`). A sphere
@@ -38,15 +38,12 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.collision import Geometry
 from surefoot.contact import ContactProblem, ContactSolution
-from surefoot.contact.laws.soft import stable_step_together
 from surefoot.errors import ProblemError, SimulationError
 from surefoot.robot import Robot
 from surefoot.solvers.solver import solve
-from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.detection import Contacts, Surfaces
-from surefoot.stepping.explicit import ExplicitMeeting
 from surefoot.stepping.free_bodies import bodies_of
 from surefoot.stepping.impacts import FASTEST, LostMotion, Meeting, Tally, finite_problem
 from surefoot.stepping.located import touching_step
@@ -118,9 +115,8 @@ class Stepper:
         load = real_number("payload", payload, low=0.0)
         self.bodies = bodies_of(robot, self.terrain, load, geometry, self.options.dt, payload_position)
         self.geometry = geometry
-        soft = {"implicit": SoftMeeting, "explicit": ExplicitMeeting}
         rigid = Meeting if geometry is None else PairMeeting
-        self._meeting = rigid if self.options.soft is None else soft[self.options.integration]
+        self._meeting = rigid if self.options.soft is None else SoftMeeting
         self._still = np.zeros(self.bodies.model.nv)
         self._seen: tuple[FloatArray, Contacts] | None = None
         self.kept: dict[type, Any] = {}
@@ -164,25 +160,6 @@ class Stepper:
         law = self.options.soft
         ahead = step.gaps + step.dt * step.velocities[:, 2]
         return 0.0 if law is None else float(law.energy(ahead).sum())
-
-    def stable_step(self, state: State) -> float:
-        """Return the longest step [s] at which the soft law is stable explicitly, its points loaded alike.
-
-        All points within `REACH` of the ground press with their share of the weight, at the state's q;
-        infinity for none and for rigid contacts. See `surefoot.laws.stable_step`.
-        """
-        law, seen = self.options.soft, self.contacts(state)
-        every = np.flatnonzero(seen.gaps < REACH)
-        if law is None or not every.size:
-            return np.inf
-        self.bodies.weigh(state.q)
-        still = self._still
-        _, G, _ = arithmetic.assemble(
-            seen.J, self.bodies.L, still, still, 0.0 * seen.gaps, every, 1.0, 0.0, np.inf, 0.0
-        )
-        depth = np.full(every.shape, law.rest_depth(self.robot.mass * GRAVITY / every.size))
-        _, by_depth, by_rate = law.pressed(depth, 0.0 * depth)
-        return stable_step_together(G[2::3, 2::3], by_depth, by_rate)
 
     def step(
         self, state: State, torques: FloatArray, push: FloatArray | None = None, mu: float = 0.6
@@ -301,7 +278,7 @@ class Stepper:
         memory = StepRemainder(impulses, impact.leaving, not near.size, rate, q, v)
         return Step(
             State(q, v, state.steps + 1, memory), dt, impulses, impact.velocities, contacts.gaps,
-            contacts.positions, impact, tally.unsolved, tally.worst, tally.law_error, tally.stable_step,
+            contacts.positions, impact, tally.unsolved, tally.worst, tally.law_error,
         )  # fmt: skip
 
     def _arrived(

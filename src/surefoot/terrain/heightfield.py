@@ -57,53 +57,6 @@ class HeightfieldTerrain(Terrain):
         nx, ny = self.heights.shape
         return f"HeightfieldTerrain({nx} x {ny}, spacing={self.spacing:g})"
 
-    @classmethod
-    def rough(
-        cls,
-        amplitude: float = 0.05,
-        wavelength: float = 0.5,
-        size: float = 6.0,
-        spacing: float = 0.05,
-        seed: int = 0,
-    ) -> HeightfieldTerrain:
-        """Return random, smooth, rough ground around the world's origin.
-
-        A sum of waves in random directions with wavelengths from `wavelength` to four times that, and
-        height 0 at the origin. The same seed gives the same ground.
-
-        Parameters
-        ----------
-        amplitude
-            Standard deviation of the height [m].
-        wavelength
-            Shortest wavelength [m]; at least four grid cells, so that the grid can follow it.
-        size
-            Side of the square [m].
-        spacing
-            Distance between grid points [m].
-        seed
-            Of NumPy's default generator.
-        """
-        real_number("amplitude", amplitude, low=0.0, high=100.0)
-        step = real_number("spacing", spacing, low=1e-6)
-        if real_number("wavelength", wavelength) < 4.0 * step:
-            raise ProblemError(
-                f"wavelength must be at least four spacings, got {wavelength:g} < {4 * step:g}"
-            )
-        count = round(real_number("size", size, low=2.0 * step, high=1e4 * step) / step) + 1
-        at = step * (np.arange(count) - 0.5 * (count - 1))
-        x, y = np.meshgrid(at, at, indexing="ij")
-        rng = np.random.default_rng(seed)
-        waves = 32
-        length = wavelength * 4.0 ** rng.random(waves)
-        turn, phase = 2.0 * np.pi * rng.random((2, waves))
-        kx, ky = 2.0 * np.pi / length * np.array([np.cos(turn), np.sin(turn)])
-        weight = amplitude * math.sqrt(2.0 / waves)
-        heights = np.zeros_like(x)
-        for k in range(waves):
-            heights += weight * (np.sin(kx[k] * x + ky[k] * y + phase[k]) - math.sin(phase[k]))
-        return cls(heights, step)
-
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the ground height at (..., 2) places [m]: (...)."""
         return self._surface(np.asarray(xy, dtype=np.float64))[0]

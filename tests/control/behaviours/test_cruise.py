@@ -9,7 +9,7 @@ import pytest
 
 from surefoot.arrays import FloatArray
 from surefoot.control.behaviours.behaviour import NOTHING
-from surefoot.control.behaviours.cruise import FOLLOW, SLACK, Cruise
+from surefoot.control.behaviours.cruise import SLACK, Cruise
 from surefoot.control.command_limits import ground_left
 from surefoot.control.controller import RobotState
 from surefoot.control.stair_gait import speed_in_step
@@ -69,18 +69,6 @@ def test_a_slope_that_feet_have_found_slows_as_a_known_one_does() -> None:
         most, rel=5e-3
     )  # the plane is damped a little
     assert cap(cruise(begun(TouchedGround())), np.array([0.8, 0.3, 0.0])) == math.inf
-
-
-def test_the_slope_is_followed_slowly() -> None:
-    ground = begun(TouchedGround(), 0.1)
-    one, command = cruise(ground), np.array([0.8, 0.0, 0.0])
-    cap(one, command)
-    before = one._slope[0]
-    begun(ground, 0.4)
-    for _ in range(round(FOLLOW / DT)):
-        cap(one, command)
-    wanted = before + (1.0 - math.exp(-1.0)) * (0.4 - before)
-    assert one._slope == pytest.approx([wanted, 0.0], rel=5e-3)
 
 
 @pytest.mark.parametrize("speed", [0.15, 0.3, 0.4, 0.41, -0.6, 0.9])

@@ -79,12 +79,3 @@ def test_feet_in_the_air_and_missing_forces_show_nothing() -> None:
         step(one, None, 1.0)
         step(one, np.full((N, 3), np.nan), 1.0)
     assert one.mu == 0.6
-
-
-def test_reset_forgets() -> None:
-    one = slip()
-    for _ in range(60):
-        step(one, forces(0.1), 0.4)
-    one.reset()
-    assert one.mu == 0.6
-    assert step(one, forces(0.1), 0.0).mu == pytest.approx(SHARE * 0.6)

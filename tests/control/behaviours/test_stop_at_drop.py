@@ -10,8 +10,7 @@ from surefoot.control.behaviours.stop_at_drop import StopAtDrop
 from surefoot.control.controller import RobotState
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
-from surefoot.estimation.ledge import DROP, REACH, Ledge
-from surefoot.estimation.touched_ground import TouchedGround
+from surefoot.estimation.touched_ground import DROP, REACH, Ledge, TouchedGround
 from surefoot.robot import load_robot
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run

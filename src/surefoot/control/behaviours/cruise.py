@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 
-from surefoot.arrays import FloatArray
 from surefoot.control.behaviours.behaviour import NOTHING, Request, WalkFacts, WalkView
 from surefoot.control.command_limits import slope_speed, step_speed
 from surefoot.control.stair_gait import speed_in_step
@@ -18,8 +17,6 @@ from surefoot.stance.gait_library import named_gait
 
 SLACK = 1.08
 """What is believed may be off by so much: a command at the limit should not be slowed by it."""
-FOLLOW = 0.5
-"""Time constant with which the slope of the plane under the feet is followed [s]."""
 
 
 class Cruise:
@@ -38,12 +35,9 @@ class Cruise:
         self.mu, self.height, self.radius = walk.friction_share * walk.mu, walk.height, walk.radius
         in_step = walk.schedule.adapts and walk.schedule.name == "trot" and walk.schedule.feet == 4
         self.period = named_gait("trot", 4, walk.height).period if in_step else 0.0
-        self.dt = walk.dt
-        self.reset()
 
     def reset(self) -> None:
-        """Forget what has been learned of the slope."""
-        self._slope: FloatArray | None = None
+        """Forget nothing: what is known of the ground is the belief's to know."""
 
     def propose(self, view: WalkView) -> Request:
         """Ask for no more speed than the ground allows, and the gait is fit for."""
@@ -54,13 +48,8 @@ class Cruise:
 
     def _allowed(self, belief: BeliefTerrain, view: WalkView) -> float:
         """Return how fast the ground can be walked on by what is believed of it now [m/s]."""
-        # from the slope of the stance at the start the one that feet find is followed
-        if self._slope is None:
-            self._slope = belief.slope.copy()
-        self._slope += (1.0 - math.exp(-self.dt / FOLLOW)) * (belief.slope - self._slope)
         if belief.highest_step == 0.0:
-            steepness = math.hypot(self._slope[0], self._slope[1])
-            return SLACK * slope_speed(steepness, self.mu, self.height)
+            return SLACK * slope_speed(math.hypot(*belief.slope), self.mu, self.height)
         fastest = SLACK * step_speed(belief, self.height)
         x, y, turn = (float(part) for part in view.command)
         size = math.hypot(x, y) + abs(turn) * self.radius

@@ -14,8 +14,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.control.behaviours.behaviour import NOTHING, FootSearch, Request, WalkFacts, WalkView
 from surefoot.estimation.ground_belief import believed
-from surefoot.estimation.ledge import DROP, Ledge
-from surefoot.estimation.touched_ground import TouchedGround
+from surefoot.estimation.touched_ground import DROP, Ledge, TouchedGround
 from surefoot.spatial import GRAVITY, base_velocity, heading_of
 
 FALLING = 1.8

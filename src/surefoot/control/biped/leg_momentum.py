@@ -11,11 +11,10 @@ References
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.control.walking_kernels import slope_frames
 from surefoot.robot import Robot
 
 
@@ -63,7 +62,7 @@ class LegMomentum:
         yaw
             (t,) heading of the base [rad].
         """
-        turns = np.array([_heading(angle) for angle in yaw])
+        turns = slope_frames(yaw, np.zeros(2))
         local, flow = feet @ turns, np.einsum("ti,tij->tj", com, turns)
         # c' = v_base + Σ B (v_foot - v_base): the base is not the centre of mass
         base = (flow - np.einsum("kij,tkj->ti", self._shares, local)) @ self._base.T
@@ -79,9 +78,3 @@ class LegMomentum:
         legs = 0.5 * float(self._momenta[0, 2, 0] - self._momenta[1, 2, 0])
         arms = float(self._arms[2])
         return max(-legs / arms, 0.0) if abs(arms) > 1e-9 else 0.0
-
-
-def _heading(yaw: float) -> FloatArray:
-    """Return the (3, 3) rotation about the vertical by an angle [rad]."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -11,7 +11,7 @@ from surefoot.control.swing import minimum_jerk
 from surefoot.control.walking_feet import Feet
 from surefoot.robot import Robot
 from surefoot.robot.sole_plane import sole_plane
-from surefoot.spatial import rotation_about, rotation_log
+from surefoot.spatial import rotation_exp, rotation_log
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
@@ -126,10 +126,7 @@ class Soles:
         length = TURN_LAST - TURN_FIRST
         s, ds, dds = minimum_jerk((float(feet.share[k]) - TURN_FIRST) / length)
         whole = rotation_log(self._goal[k] @ self._start[k].T)
-        angle = float(np.linalg.norm(whole))
-        turned = self._start[k]
-        if angle > 1e-9:
-            turned = rotation_about(whole / angle, s * angle) @ turned
+        turned = rotation_exp(s * whole) @ self._start[k]
         time = length * float(feet.duration[k])
         return turned, whole * (ds / time), whole * (dds / (time * time))
 

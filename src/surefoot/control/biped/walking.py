@@ -14,13 +14,18 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.control.behaviours.behaviour import Request
-from surefoot.control.biped.footsteps import Footstep, StepGeometry, pressure_path
 from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
 from surefoot.control.biped.posture import Posture, stretching
 from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.biped.soles import Soles, sole_damping
-from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
+from surefoot.control.biped.step_planner import (
+    Footstep,
+    StepGeometry,
+    StepPlanner,
+    foot_speeds,
+    pressure_path,
+)
 from surefoot.control.controller import RobotState
 from surefoot.control.mpc import BodyReference, BodyState, MpcPlan
 from surefoot.control.walker import Walker
@@ -31,7 +36,7 @@ from surefoot.control.whole_body import Kinematics, Tasks
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot
 from surefoot.robot.centroidal import composite_inertia
-from surefoot.spatial import GRAVITY, rotation_about, rotation_log
+from surefoot.spatial import GRAVITY, rotation_exp, rotation_log
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, Terrain
@@ -263,7 +268,7 @@ class BipedController(Walker):
         turned = np.zeros((N + 1, 3))
         turned[1:] = np.cumsum(0.5 * dt * (self._leg_spin[1:] + self._leg_spin[:-1]), axis=0)
         spin = self._leg_spin + np.array([0.0, 0.0, body.velocity[2]])
-        return BodyReference(_turned(rotation, turned), place, speed, spin)
+        return BodyReference(np.array([rotation_exp(t) for t in turned]) @ rotation, place, speed, spin)
 
     def _note_offsets(self, steps: list[Footstep], clock: float, pressure: FloatArray) -> None:
         """Note where the divergent motion is over the next landing of each foot, when it lands."""
@@ -297,12 +302,3 @@ class BipedController(Walker):
         return Tasks(
             feet.stance, com, turn, wanted, joints, plan.first, feet.frames, self._pressed
         )  # fmt: skip
-
-
-def _turned(rotations: FloatArray, turns: FloatArray) -> FloatArray:
-    """Return (t, 3, 3) rotations turned by (t, 3) rotation vectors, world axes [rad]."""
-    angles = np.linalg.norm(turns, axis=1)
-    out = rotations.copy()
-    for k in np.flatnonzero(angles > 1e-9):
-        out[k] = rotation_about(turns[k] / angles[k], float(angles[k])) @ rotations[k]
-    return out

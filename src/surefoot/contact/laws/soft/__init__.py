@@ -5,7 +5,6 @@ from surefoot.contact.laws.soft.behaviour import (
     behaviour,
     rebound,
     stable_step,
-    stable_step_together,
 )
 from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
 from surefoot.contact.laws.soft.law import (
@@ -32,5 +31,4 @@ __all__ = [
     "behaviour",
     "rebound",
     "stable_step",
-    "stable_step_together",
 ]

@@ -1,4 +1,4 @@
-"""A thrown body in MuJoCo: its own shapes on its own plane, friction, solref and solimp to be fitted."""
+"""Rivals of our own thrown body: other simulators with their own words of contact to fit."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from surefoot.estimation.ground_plane import GroundPlane
 from surefoot.estimation.thrown_body import ThrownBody, cube_body, thrown_body
 from surefoot.estimation.toss_model import ThrownModel, TossModel, TossScene
 from surefoot.estimation.tosses import Cube
-from surefoot.experiments.tosses.mujoco_body import RIVALS
+from surefoot.experiments.tosses import RIVALS
 
 STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99]}
 
