@@ -11,7 +11,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.sets.bilateral import Bilateral
 from surefoot.contact.sets.contact import ContactKind
-from surefoot.contact.sets.discs import Point
+from surefoot.contact.sets.kinds import Point
 from surefoot.contact.sets.pyramid import Pyramid
 from surefoot.errors import ProblemError
 

@@ -37,7 +37,7 @@ class Cruise:
         self.period = named_gait("trot", 4, walk.height).period if in_step else 0.0
 
     def reset(self) -> None:
-        """Forget nothing: what is known of the ground is the belief's to know."""
+        """Have nothing to forget: what is known of the ground is the terrain's."""
 
     def propose(self, view: WalkView) -> Request:
         """Ask for no more speed than the ground allows, and the gait is fit for."""
