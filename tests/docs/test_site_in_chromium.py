@@ -16,8 +16,8 @@ from urllib.parse import quote
 
 import pytest
 
-from benchmarks.browser import Browser, Tab, find_chromium
 from docs.site.page import COURSE, pages, read_page
+from tests.browser import Browser, Tab, find_chromium
 
 CHROMIUM = find_chromium()
 pytestmark = [

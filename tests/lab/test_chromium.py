@@ -18,7 +18,6 @@ import pytest
 pytest.importorskip("viser", reason="viser is not installed: pip install -e '.[lab]'")
 
 import surefoot as sf
-from benchmarks.browser import Browser, Tab, find_chromium
 from benchmarks.problems.logged_runs import CleanRun
 from surefoot.audit import audit_log
 from surefoot.lab.cone import ConePage
@@ -30,6 +29,7 @@ from surefoot.lab.recording import RecordedMotion, audit_page, plan_page
 from surefoot.lab.server import LabServer
 from surefoot.lab.session import Session
 from surefoot.lab.stand import StandPage, start_state
+from tests.browser import Browser, Tab, find_chromium
 
 CHROMIUM = find_chromium()
 pytestmark = pytest.mark.skipif(

@@ -14,12 +14,12 @@ import pytest
 pytest.importorskip("viser", reason="viser is not installed: pip install -e '.[lab]'")
 
 import surefoot as sf
-from benchmarks.lab_client import EYE, LabClient
 from surefoot.lab.cone import ConePage
 from surefoot.lab.drawing import Drawing
 from surefoot.lab.server import MOST_VIEWERS, LabServer
 from surefoot.lab.session import LONGEST_QUEUE
 from surefoot.lab.stand import StandPage, StandState, start_state
+from tests.lab.lab_client import EYE, LabClient
 
 
 @pytest.fixture(scope="module")

@@ -132,7 +132,7 @@ class LabClient:
         shown = [c["props"] for c in list(self.controls.values()) if c["props"].get("visible", True)]
         return "\n".join(p.get("_markdown") or p.get("content") or "" for p in shown)
 
-    def wait(self, look: Callable[[], Any], what: str = "it", seconds: float = 20.0) -> Any:
+    def wait(self, look: Callable[[], Any], what: str = "it", seconds: float = 60.0) -> Any:
         """Return what a function finds, as soon as it is truthy."""
         patience = time.monotonic() + seconds
         while not (found := look()):
