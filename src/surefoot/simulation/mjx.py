@@ -49,6 +49,16 @@ STATE = ("qpos", "qvel", "qacc_warmstart", "time")
 """What a step hands on."""
 
 
+def left_behind(data: Any) -> dict[str, Any]:
+    """Return what contacts are read from after a step."""
+    contact = data._impl.contact
+    return {
+        "geom_xpos": data.geom_xpos, "cvel": data.cvel, "subtree_com": data.subtree_com,
+        "geom": contact.geom, "efc_address": contact.efc_address, "frame": contact.frame,
+        "efc_force": data._impl.efc_force,
+    }  # fmt: skip
+
+
 @cache
 def _compiled() -> Any:
     """Return the step; JAX keeps what it compiled for each shape of model."""
@@ -123,19 +133,20 @@ class MjxWorld(MujocoWorld):
         """Return forces, gaps and velocities at the feet's spheres during the last step."""
         if float(self._moving["time"]) == 0.0:
             return super().contacts()
-        after, contact = self._after, self._after._impl.contact
-        places, turns, centres = (np.asarray(x) for x in (after.geom_xpos, after.cvel, after.subtree_com))
-        pairs: Any = np.asarray(contact.geom, np.int32)
-        rows: Any = np.asarray(contact.efc_address, np.int32)
-        axes, pushes = np.asarray(contact.frame).reshape(-1, 9), np.asarray(after._impl.efc_force)
+        read = {name: np.asarray(value) for name, value in left_behind(self._after).items()}
+        return self.reading(read)
+
+    def reading(self, read: dict[str, FloatArray]) -> ContactReading:
+        """Return forces (p, 3) [N], gaps (p,) [m], velocities at the feet from what a step `left_behind`."""
         points, forces, velocities, positions, gaps, _ = self._blank()
         normals = self._normals
-        over = None if self._planar else self._ground_near(places[self._geoms])
+        over = None if self._planar else self._ground_near(read["geom_xpos"][self._geoms])
         if over is not None:
             surface_frames(over[1], self._frames)
         read_contacts(
-            places, turns, centres, pairs, rows, axes, pushes, self._owner, self._spheres, self._sizes,
-            self._frames, gaps, points,
+            read["geom_xpos"], read["cvel"], read["subtree_com"], read["geom"].astype(np.int32),
+            read["efc_address"].astype(np.int32), read["frame"].reshape(-1, 9), read["efc_force"],
+            self._owner, self._spheres, self._sizes, self._frames, gaps, points,
         )  # fmt: skip
         if over is not None:
             gaps, normals = over
