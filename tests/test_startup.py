@@ -221,9 +221,9 @@ from surefoot import compilation
 from surefoot.compilation import progress
 progress.LONG = 0.0
 import numpy as np
-from surefoot.numerics.orthogonal import reflect
-reflect(np.zeros(3), 3, np.ones(3))
-reflect(np.zeros(3), 3, np.ones(3))
+from surefoot.cones.nearest import nearest_in_cone
+nearest_in_cone(np.eye(3), np.ones((1, 3)))
+nearest_in_cone(np.eye(3), np.ones((1, 3)))
 shares = [r.share for r in records]
 print([r.levelname for r in records if r.levelno > logging.DEBUG], compilation.compiled_so_far())
 print(shares == sorted(shares), shares[0], shares[-1], records[0].kernel)
@@ -231,5 +231,5 @@ print(records[0].getMessage())
 """
     lines = run(code, NUMBA_CACHE_DIR=str(tmp_path)).splitlines()
     assert lines[0] == "['WARNING'] 1"
-    assert lines[1] == "True 0.0 1.0 reflect"
+    assert lines[1] == "True 0.0 1.0 nearest_points"
     assert "surefoot warmup" in lines[2]

@@ -6,6 +6,21 @@ import pytest
 from surefoot.numerics import orthogonal
 
 
+def test_what_lies_along_earlier_rows_is_removed():
+    rng = np.random.default_rng(0)
+    Q = np.ascontiguousarray(np.linalg.qr(rng.normal(size=(9, 5)))[0].T)
+    new = 1e-6 * rng.normal(size=9) + rng.normal(size=4) @ Q[:4]  # almost dependent
+    Q[4], shares = new, np.ones(5)
+    left = orthogonal.remove_rows(Q, 4, shares)
+    expected = new - Q[:4].T @ (Q[:4] @ new)
+    assert left == pytest.approx(np.linalg.norm(expected), rel=1e-8)
+    np.testing.assert_allclose(shares[:4] - 1.0, Q[:4] @ new, rtol=1e-12)
+    assert shares[4] == 1.0
+    np.testing.assert_allclose(Q[:4] @ Q[4], 0.0, atol=1e-20 + 1e-14 * left)
+    orthogonal.scale_row(Q, 4, left)
+    np.testing.assert_allclose(Q @ Q.T, np.eye(5), atol=1e-13)
+
+
 @pytest.mark.parametrize("rank", [1, 3, 5, 6])
 def test_reduction_finds_the_rank_and_factors(rank):
     rng = np.random.default_rng(rank)

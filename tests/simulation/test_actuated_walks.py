@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surefoot.audit.dynamics import unexplained
-from surefoot.cli.run_output import headline
+from surefoot.cli.run_output import walk_headline
 from surefoot.control.walking import WalkSettings
 from surefoot.log import Log
 from surefoot.simulation.run import Push
@@ -21,7 +21,7 @@ from tests.simulation.walks import GO2, REAL, WHOLE, walk
 def test_a_trot_with_real_actuators_keeps_every_limit(speed: float, world: str) -> None:
     walked = {"world": WHOLE | {"name": world}, "sensors": SensorModel(), "seed": 1}
     log, summary = walk(speed, 4.0, settings=WalkSettings(actuators=REAL), **walked)
-    assert summary.good, headline(summary)
+    assert summary.good, walk_headline(summary)
     assert summary.velocity.forward.measured == pytest.approx(speed, abs=0.02)
     assert summary.motors is not None
     assert summary.motors.actuators == "real"
@@ -50,6 +50,6 @@ def test_limits_that_are_not_kept_are_told() -> None:
     log, summary = walk(0.0, 1.2, world=WHOLE, pushes=pushes, fall=fall, seed=None)
     assert not summary.good
     assert any(line.startswith("touched: ") for line in summary.limits_broken)
-    assert "limits not kept: " in headline(summary)
+    assert "limits not kept: " in walk_headline(summary)
     assert "link_touches" in log.facts
     assert replace(summary, limits_broken=[], laws_broken=[], success=True).good

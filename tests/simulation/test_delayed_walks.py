@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from surefoot.audit import WalkSummary
-from surefoot.cli.run_output import figure_lines, headline
+from surefoot.cli.run_output import walk_headline, walk_lines
 from surefoot.cli.walk_options import Wiring
 from surefoot.control.walking import WalkSettings
 from surefoot.errors import ProblemError
@@ -36,7 +36,7 @@ def late(
 )
 def test_five_milliseconds_late(wired: Wiring) -> None:
     _, summary = late(wired, delay=0.005)
-    assert summary.good, headline(summary)
+    assert summary.good, walk_headline(summary)
     assert summary.velocity.forward.measured == pytest.approx(0.5, abs=0.02)
     assert max(foot.slip for foot in summary.feet) < 2e-3
 
@@ -52,7 +52,7 @@ def test_targets_slide_less_than_torques() -> None:
 def test_targets_do_not_slide_feet_after_a_push() -> None:
     push = Push(1.55, (-150.0, 0.0, 0.0), 0.1)
     _, summary = late(Wiring(targets=True), 2.3, pushes=[push])
-    assert summary.good, headline(summary)
+    assert summary.good, walk_headline(summary)
     assert max(foot.slip for foot in summary.feet) < 5e-3
 
 
@@ -62,7 +62,7 @@ def test_a_short_silence_is_walked_through_and_a_long_one_told() -> None:
     stale = np.flatnonzero(log["stale"])
     assert len(stale) == 30  # the state is up to 50 ms old; all but the first 20
     assert summary.stale == pytest.approx(0.03)
-    assert any("no fresh state" in line and "0.030 s" in line for line in figure_lines(summary))
+    assert any("no fresh state" in line and "0.030 s" in line for line in walk_lines(summary))
     np.testing.assert_array_equal(log["forces_commanded"][stale], 0.0)
 
 

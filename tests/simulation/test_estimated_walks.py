@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from surefoot.audit import WalkSummary
-from surefoot.cli.run_output import estimate_lines, headline
+from surefoot.cli.run_output import estimate_lines, walk_headline
 from surefoot.log import Ending, Log
 from surefoot.simulation.run import Push
 from surefoot.simulation.sensing import STOP_TIME
@@ -99,7 +99,7 @@ def test_a_robot_with_a_broken_accelerometer_stops_and_says_so() -> None:
     assert summary.outcome == "lost"
     assert not summary.success
     assert "diverged" in summary.error
-    assert "lost the estimate of its state and stopped after" in headline(summary)
+    assert "lost the estimate of its state and stopped after" in walk_headline(summary)
     stopped = int(np.argmin(log["attained"]))
     assert log["time"][stopped] < 0.3
     assert not log["active"][stopped:].any()

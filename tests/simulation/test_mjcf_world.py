@@ -10,7 +10,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.audit import summarise_walk
-from surefoot.cli.run_output import headline
+from surefoot.cli.run_output import walk_headline
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ModelError, ProblemError
@@ -99,7 +99,7 @@ def test_a_quadruped_walks_in_its_own_file(path: Path) -> None:
     start = start_pose(robot, FlatTerrain())
     log = run(world, controller, Scenario(3.0, 0.6, start=start, sensors=SensorModel(), seed=1))
     summary = summarise_walk(log)
-    assert summary.good, headline(summary)
+    assert summary.good, walk_headline(summary)
     assert summary.velocity.forward.measured == pytest.approx(0.4, abs=0.02)
     weight = log["forces"][..., 2].sum(axis=1)[-800:].mean()  # two cycles of the trot
     assert weight == pytest.approx(9.81 * robot.mass, rel=0.02)

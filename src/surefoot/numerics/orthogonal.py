@@ -19,11 +19,17 @@ RANK_TOLERANCE = 1e-10
 
 
 @inline_kernel
-def remove_rows(Q: FloatArray, k: int) -> float:
-    """Take what lies along the rows of Q (p, m) before k, orthonormal, out of row k; return its length."""
+def remove_rows(Q: FloatArray, k: int, shares: FloatArray, passes: int = 2) -> float:
+    """Take what lies along the rows before k, orthonormal, out of row k of Q; return the length that is left.
+
+    Adds what each took to `shares` (k or more,). The second pass takes out what rounding left of the first.
+    """
     row = Q[k]
-    for j in range(k):
-        advance(row, -dot(Q[j], row), Q[j])
+    for _ in range(passes):
+        for j in range(k):
+            s = dot(Q[j], row)
+            advance(row, -s, Q[j])
+            shares[j] += s
     return math.sqrt(dot(row, row))
 
 
@@ -53,7 +59,7 @@ def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArr
     """
     p: int = A.shape[0]
     rest = A.copy()
-    first = np.empty(p)
+    first, spare = np.empty(p), np.zeros(p)
     taken = np.zeros(p, dtype=np.bool_)
     T[:, :] = 0.0
     for j in range(p):
@@ -70,7 +76,7 @@ def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArr
             return k
         for i in range(A.shape[1]):
             Q[k, i] = rest[at, i] / length
-        scale_row(Q, k, remove_rows(Q, k))  # once more, against rounding
+        scale_row(Q, k, remove_rows(Q, k, spare, 1))  # once more, against rounding
         pivots[k] = at
         taken[at] = True
         for j in range(p):
