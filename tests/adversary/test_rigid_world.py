@@ -20,7 +20,7 @@ from surefoot.spatial import GRAVITY
 from surefoot.terrain import rough_ground
 
 BODIES = {"cat": falling_cat, "plank": lambda: box(0.7, (0.6, 0.1, 0.02)), "cube": lambda: box(2.0)}
-TERRAINS = (sf.FlatTerrain, lambda: sf.SlopeTerrain(20.0), lambda: rough_ground(1, 0.1))
+TERRAINS = (sf.FlatTerrain, lambda: sf.SlopeTerrain(20.0), lambda: rough_ground(1, 0.08))
 
 
 def robot_called(name: str) -> sf.Robot:
