@@ -25,7 +25,7 @@ def test_the_benchmark_prints_json_alone(capsys: pytest.CaptureFixture[str]) -> 
     assert main(["bench", "plan", "--quick", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     solver, mpc = found["solver"], found["mpc"]
-    assert solver["derivative_ratio"] > 3.0
+    assert solver["derivative_ratio"] > 1.0
     assert 0.0 < solver["knot"]["derivative"] < solver["ours"]["derivative"] < solver["ours"]["iteration"]
     assert solver["descent"]["ours"]["costs"][-1] < solver["descent"]["ours"]["costs"][0]
     assert mpc["walk"]["done"]
