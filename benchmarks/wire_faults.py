@@ -11,6 +11,7 @@ import multiprocessing
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -240,6 +241,7 @@ def _suffer(count: int, other: int, told: Any, lost: Any) -> None:
 
 def suffer(count: int, out: Path, said: Callable[[str], None]) -> dict[str, Any]:
     """Return what came of so many faults; `said` is called with a line for each."""
+    sys.path.append(str(Path(__file__).parents[1]))  # where new processes find this module
     context = multiprocessing.get_context("spawn")
     end, lost, (ours, theirs), (mine, his) = (
         context.Event(),
