@@ -10,6 +10,7 @@ import pytest
 import surefoot as sf
 from surefoot.control.controller import JointTargets
 from surefoot.drive.modes import FOLLOWS, Mode
+from surefoot.drive.readings import ReadingLimits, ReadingWatch, RobotReadings
 from surefoot.drive.robot_loop import RobotLoop
 from surefoot.drive.target_limits import TargetLimits
 from surefoot.errors import ProblemError
@@ -168,3 +169,25 @@ def test_a_posture_over_time() -> None:
     assert walker.command.posture_at(0.0).tolist() == [0.01, 0.0, 0.0]
     with pytest.raises(ProblemError, match="postures"):
         sf.VelocityCommand(np.zeros(1), np.zeros((1, 3)), np.full((1, 3), np.nan))
+
+
+@pytest.mark.parametrize("wrong", [False, True])
+def test_speeds_that_jump_between_readings_contradict_no_angles(wrong: bool) -> None:
+    """The trapezoid is off by half of each jump, and all add up; an angle that is wrong is still found."""
+    watch, rng = ReadingWatch(GO2, DT, ReadingLimits()), np.random.default_rng(0)
+    q, said = GO2.nominal[7:].copy(), []
+    for k in range(80):
+        shakes = (
+            k < 8
+        )  # the thigh goes on at 10 rad/s, and is read where it has just turned back every other time
+        v = 1e-3 * rng.normal(size=12)
+        v[1] += 10.0 * (-1.0) ** k if shakes else 0.0
+        q[1] += 10.0 * DT if 0 < k < 8 else 0.0
+        told = q + 1e-5 * rng.normal(size=12)
+        told[1] += 0.1 if wrong and k >= 75 else 0.0
+        gyro, pull = 1e-3 * rng.normal(size=3), np.array([0.0, 0.0, 9.81]) + 1e-2 * rng.normal(size=3)
+        turn = np.append(1e-6 * rng.normal(size=3), 1.0)
+        watch.look(RobotReadings(k * DT, turn, gyro, pull, told, v, np.zeros(12)), k * DT)
+        said.append(watch.reason)
+    assert not any(said[:75])
+    assert said[75] == ("a joint's angles contradict its speeds" if wrong else "")
