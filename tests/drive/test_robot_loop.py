@@ -191,3 +191,17 @@ def test_speeds_that_jump_between_readings_contradict_no_angles(wrong: bool) -> 
         said.append(watch.reason)
     assert not any(said[:75])
     assert said[75] == ("a joint's angles contradict its speeds" if wrong else "")
+
+
+@pytest.mark.parametrize(("seconds", "said"), [(0.06, "a joint's angles contradict its speeds"), (0.3, "")])
+def test_after_an_outage_joints_may_be_anywhere(seconds: float, said: str) -> None:
+    """A robot sinks while its joints are damped; only a short silence is bridged by what speeds say."""
+    watch, rng = ReadingWatch(GO2, DT, ReadingLimits()), np.random.default_rng(0)
+    up = np.array([0.0, 0.0, 9.81])
+    for k in range(20 + round(seconds / DT)):
+        q = GO2.nominal[7:] + 1e-5 * rng.normal(size=12) + (0.5 if k >= 20 else 0.0)
+        turn, pull = np.append(1e-6 * rng.normal(size=3), 1.0), up + 1e-2 * rng.normal(size=3)
+        gyro = 1e-3 * rng.normal(size=3)
+        came = RobotReadings(k * DT, turn, gyro, pull, q, 1e-3 * rng.normal(size=12), np.zeros(12))
+        watch.look(came if k < 20 or k == 19 + round(seconds / DT) else None, k * DT)
+    assert watch.reason == said
