@@ -171,23 +171,25 @@ def test_a_posture_over_time() -> None:
         sf.VelocityCommand(np.zeros(1), np.zeros((1, 3)), np.full((1, 3), np.nan))
 
 
+def reading(k: int, rng: np.random.Generator, positions: np.ndarray, speeds: np.ndarray) -> RobotReadings:
+    """The k-th of a robot that stands still but for its joints; all sensors are noisy."""
+    turn, gyro = np.append(1e-6 * rng.normal(size=3), 1.0), 1e-3 * rng.normal(size=3)
+    pull = np.array([0.0, 0.0, 9.81]) + 1e-2 * rng.normal(size=3)
+    noisy = positions + 1e-5 * rng.normal(size=12), speeds + 1e-3 * rng.normal(size=12)
+    return RobotReadings(k * DT, turn, gyro, pull, *noisy, np.zeros(12))
+
+
 @pytest.mark.parametrize("wrong", [False, True])
 def test_speeds_that_jump_between_readings_contradict_no_angles(wrong: bool) -> None:
     """The trapezoid is off by half of each jump, and all add up; an angle that is wrong is still found."""
     watch, rng = ReadingWatch(GO2, DT, ReadingLimits()), np.random.default_rng(0)
-    q, said = GO2.nominal[7:].copy(), []
+    q, thigh, said = GO2.nominal[7:].copy(), np.eye(12)[1], []
     for k in range(80):
-        shakes = (
-            k < 8
-        )  # the thigh goes on at 10 rad/s, and is read where it has just turned back every other time
-        v = 1e-3 * rng.normal(size=12)
-        v[1] += 10.0 * (-1.0) ** k if shakes else 0.0
-        q[1] += 10.0 * DT if 0 < k < 8 else 0.0
-        told = q + 1e-5 * rng.normal(size=12)
-        told[1] += 0.1 if wrong and k >= 75 else 0.0
-        gyro, pull = 1e-3 * rng.normal(size=3), np.array([0.0, 0.0, 9.81]) + 1e-2 * rng.normal(size=3)
-        turn = np.append(1e-6 * rng.normal(size=3), 1.0)
-        watch.look(RobotReadings(k * DT, turn, gyro, pull, told, v, np.zeros(12)), k * DT)
+        # for 8 readings the thigh goes on at 10 rad/s, and every other one finds it just turned back
+        q += 10.0 * DT * thigh if 0 < k < 8 else 0.0
+        v = 10.0 * (-1.0) ** k * thigh if k < 8 else np.zeros(12)
+        told = q + 0.1 * thigh if wrong and k >= 75 else q
+        watch.look(reading(k, rng, told, v), k * DT)
         said.append(watch.reason)
     assert not any(said[:75])
     assert said[75] == ("a joint's angles contradict its speeds" if wrong else "")
@@ -197,11 +199,8 @@ def test_speeds_that_jump_between_readings_contradict_no_angles(wrong: bool) -> 
 def test_after_an_outage_joints_may_be_anywhere(seconds: float, said: str) -> None:
     """A robot sinks while its joints are damped; only a short silence is bridged by what speeds say."""
     watch, rng = ReadingWatch(GO2, DT, ReadingLimits()), np.random.default_rng(0)
-    up = np.array([0.0, 0.0, 9.81])
-    for k in range(20 + round(seconds / DT)):
-        q = GO2.nominal[7:] + 1e-5 * rng.normal(size=12) + (0.5 if k >= 20 else 0.0)
-        turn, pull = np.append(1e-6 * rng.normal(size=3), 1.0), up + 1e-2 * rng.normal(size=3)
-        gyro = 1e-3 * rng.normal(size=3)
-        came = RobotReadings(k * DT, turn, gyro, pull, q, 1e-3 * rng.normal(size=12), np.zeros(12))
-        watch.look(came if k < 20 or k == 19 + round(seconds / DT) else None, k * DT)
+    last = 19 + round(seconds / DT)
+    for k in range(last + 1):
+        came = reading(k, rng, GO2.nominal[7:] + (0.5 if k == last else 0.0), np.zeros(12))
+        watch.look(came if k < 20 or k == last else None, k * DT)
     assert watch.reason == said

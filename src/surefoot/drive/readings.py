@@ -145,9 +145,13 @@ class ReadingWatch:
         self._clock, self._offset = -math.inf, math.inf
         self._said = np.zeros(0)
         self._repeated = np.zeros(0, dtype=np.int64)
+        self._contradictions = 0
+        self._compare_anew()
+
+    def _compare_anew(self) -> None:
+        """Forget by how much angles and attitude are off what speeds and gyro say."""
         self._drift, self._turn = np.zeros(len(self._low)), np.zeros(3)
         self._slack, self._room = np.zeros(len(self._low)), 0.0
-        self._contradictions = 0
 
     @property
     def blind(self) -> bool:
