@@ -108,3 +108,8 @@ def test_a_home_that_cannot_be_written_is_no_chatter(tmp_path: Path) -> None:
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert len(list(tmp_path.rglob("*.png"))) == 1
+
+
+def test_a_robot_without_a_wire_needs_no_dds() -> None:
+    code = "import sys; sys.modules['cyclonedds'] = None; import surefoot.simulation.motor_robot"
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections import deque
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,13 +13,15 @@ from surefoot.control.controller import JointTargets
 from surefoot.drive.postures import BodyPostures
 from surefoot.drive.readings import RobotReadings, motor_order
 from surefoot.drive.watchdog import damping_targets
-from surefoot.drive.wire.dialect import Dialect
-from surefoot.drive.wire.link import WireEnd
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.sensors import SensorModel, Sensors
 from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion
 from surefoot.terrain import Terrain
+
+if TYPE_CHECKING:  # DDS is an extra of its own: a robot without a wire needs none
+    from surefoot.drive.wire.dialect import Dialect
+    from surefoot.drive.wire.link import WireEnd
 
 DROP = 0.01
 """How high above the ground a robot that lies is let go [m]."""
