@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -90,12 +91,20 @@ def test_void_messages(name: str) -> None:
     assert heard.feedforward[3] == 1.0
 
 
-def test_other_interfaces_need_a_word() -> None:
-    words = [sys.executable, "-m", "surefoot", "drive", "go2", "--interface", "eth7"]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--interface eth7", "hang it up.* --yes-real-robot"),
+        ("--terrain-knowledge map", "valid names: blind, exact"),
+    ],
+)
+def test_words_that_drive_refuses(words: str, said: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "surefoot", "drive", "go2", *words.split()],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
     assert done.returncode == 2
-    assert "hang it up" in done.stderr
-    assert "--yes-real-robot" in done.stderr
+    assert re.search(said, " ".join(done.stderr.split()))
 
 
 @pytest.mark.long

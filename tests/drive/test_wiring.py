@@ -11,7 +11,7 @@ import pytest
 import surefoot as sf
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, JointTargets, RobotState
-from surefoot.drive.joint_targets import Held, JointTargetController, TargetSettings
+from surefoot.drive.joint_targets import CARRYING, MEMORY, Held, JointTargetController
 from surefoot.drive.latency import LONGEST, DelayMeter, LatencyCompensation
 from surefoot.drive.watchdog import Watchdog
 from surefoot.errors import ProblemError
@@ -104,7 +104,7 @@ def test_old_states_are_carried_on_by_their_age_and_bad_ones_are_left() -> None:
 def test_targets_follow_the_accelerations() -> None:
     """Joints that do follow: targets are the motion itself, in the middle of the step."""
     rate = np.array([*np.zeros(6), *np.linspace(-30.0, 30.0, 12)])
-    controller = JointTargetController(Aim(rate), GO2, DT, TargetSettings(every=4))
+    controller = JointTargetController(Aim(rate), GO2, DT, every=4)
     a, dt = rate[6:], 4.0 * DT
     for k in range(40):
         t = k * DT
@@ -127,10 +127,9 @@ def test_targets_do_not_run_away_from_joints_that_are_held() -> None:
         command = controller.step(state(k * DT))
     targets = command.joint_targets
     assert targets is not None
-    memory = controller.settings.memory
     # fixed points of the recursion: x = (1 - dt / T) (x + what a step adds)
-    speed = 50.0 * (memory - DT)
-    way = (memory / DT - 1.0) * (DT * speed + 0.5 * DT * DT * 50.0)
+    speed = 50.0 * (MEMORY - DT)
+    way = (MEMORY / DT - 1.0) * (DT * speed + 0.5 * DT * DT * 50.0)
     np.testing.assert_allclose(targets.velocities, speed + 0.5 * DT * 50.0, rtol=1e-9)
     middle = way + 0.5 * DT * speed + 0.125 * DT * DT * 50.0
     np.testing.assert_allclose(targets.positions - GO2.nominal[7:], middle, rtol=1e-9)
@@ -141,10 +140,10 @@ def test_legs_that_carry_have_lower_gains() -> None:
         def step(self, state: RobotState) -> Command:
             return replace(super().step(state), active=np.array([True, False, True, True]))
 
-    controller = JointTargetController(Lifts(np.zeros(18)), GO2, DT, TargetSettings(carrying=0.2))
+    controller = JointTargetController(Lifts(np.zeros(18)), GO2, DT)
     targets = controller.step(state()).joint_targets
     assert targets is not None
-    share = np.where(np.arange(12) // 3 == 1, 1.0, 0.2)
+    share = np.where(np.arange(12) // 3 == 1, 1.0, CARRYING)
     np.testing.assert_allclose(targets.stiffness, share * controller.stiffness)
     np.testing.assert_allclose(targets.damping, share * controller.damping)
 
@@ -153,7 +152,7 @@ def test_a_command_that_aims_at_nothing_stays_torques() -> None:
     controller = JointTargetController(Aim(None), GO2, DT)
     assert controller.step(state()).joint_targets is None
     with pytest.raises(ProblemError, match="every"):
-        TargetSettings(every=0)
+        JointTargetController(Aim(None), GO2, DT, every=0)
 
 
 def test_held_commands_stay() -> None:

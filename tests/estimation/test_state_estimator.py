@@ -10,7 +10,10 @@ import pytest
 
 import surefoot as sf
 from surefoot.audit.estimate import EstimateErrors, estimate_errors
+from surefoot.control.controller import Command
+from surefoot.drive.state_tracker import StateTracker
 from surefoot.errors import ProblemError
+from surefoot.estimation.contact_odds import TouchSettings
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.state_estimator import Health, Reading, StateEstimator, WatchSettings
 from surefoot.log import Log
@@ -206,3 +209,30 @@ def test_start_and_wrong_input(robot: Robot) -> None:
         WatchSettings(patience=0.0)
     with pytest.raises(ProblemError, match="no estimated state"):
         estimate_errors(log_of(TROT))
+
+
+@pytest.mark.parametrize(("pitch", "heard"), [(0.0, 2), (0.15, 0)])
+def test_a_map_corrects_by_soles_that_land_flat_alone(
+    pitch: float, heard: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A sole that lands on its heel turns about that: the height of its middle says nothing of the body."""
+    g1, told = sf.load_robot("g1"), []
+    ekf, q = InvariantEkf(g1, 0.001, ground=FlatTerrain()), g1.nominal.copy()
+    for side in ("left", "right"):
+        q[7 + g1.joint_names.index(f"{side}_ankle_pitch_joint")] -= pitch
+    monkeypatch.setattr(ekf.filter, "observe_height", lambda *height: told.append(height))
+    ekf.reset(q)
+    ekf.predict(np.zeros(3), REST)
+    ekf.update(q[7:], np.zeros(g1.joints), [True, True])
+    assert len(told) == heard
+
+
+def test_a_command_that_says_nothing_of_feet_leaves_even_odds() -> None:
+    """A policy's; it was taken for one whose feet all push."""
+    go2, odds = sf.load_robot("go2"), []
+    for forces in (np.zeros((4, 3)), np.array(np.nan)):
+        tracker = StateTracker(go2, 0.001)
+        tracker.plan(Command(np.zeros(12), forces, np.ones(4, dtype=bool)).for_points(4))
+        tracker.state(Reading(np.zeros(3), np.array([0.0, 0.0, 9.81]), go2.nominal[7:], np.zeros(12)), 0.0)
+        odds.append(tracker.estimator.fusion.odds.copy())
+    np.testing.assert_allclose(odds[0] - odds[1], TouchSettings().pushing)

@@ -55,6 +55,9 @@ def drive(
     duration: Annotated[float, typer.Option(help="How long to walk [s].")] = 10.0,
     end: Annotated[str, typer.Option(help="sit or lie: how it ends.")] = "sit",
     mu: options.Friction = 0.6,
+    terrain_knowledge: Annotated[
+        str, typer.Option(help="exact: the ground is flat; blind: the plane that the feet find.")
+    ] = "exact",
     slow_motion: SlowMotion = False,
     yes_real_robot: Annotated[
         bool, typer.Option("--yes-real-robot", help="The robot hangs on a frame, and nobody is in its reach.")
@@ -79,11 +82,12 @@ def drive(
     if out is not None and out.exists():
         raise ProblemError(f"--out {out} exists already")
     check_name("--end", end, ("sit", "lie"))
+    check_name("--terrain-knowledge", terrain_knowledge, ("exact", "blind"))
     real_number("--duration", duration, low=0.0)
     wanted = parsing.velocity(velocity)
     model = load(robot, None, feet_needed=True)
     with wire_end(model, False, interface, domain) as (wire, dialect):
-        loop = RobotLoop(model, motors=dialect.motors, mu=mu)
+        loop = RobotLoop(model, motors=dialect.motors, mu=mu, terrain=terrain_knowledge)
         log = LoopLog(loop)
         wired = WiredLoop(loop, wire, dialect, slow_motion, log.note)
         gc.freeze()

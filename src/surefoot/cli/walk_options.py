@@ -95,13 +95,13 @@ class Wiring:
 
     def around(self, controller: Controller, robot: Any) -> Controller:
         """Return what commands the motors, for a controller with steps of `dt`."""
-        from surefoot.drive.joint_targets import Held, JointTargetController, TargetSettings
+        from surefoot.drive.joint_targets import Held, JointTargetController
         from surefoot.drive.latency import LatencyCompensation
         from surefoot.drive.watchdog import Watchdog
 
         step = 1.0 / WORLD_RATE
         if self.targets:
-            controller = JointTargetController(controller, robot, step, TargetSettings(every=self.every))
+            controller = JointTargetController(controller, robot, step, self.every)
         elif self.every > 1:
             controller = Held(controller, self.every)
         if self.latency is None or self.latency > 0.0:

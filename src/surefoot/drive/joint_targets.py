@@ -16,7 +16,7 @@ their joints miss after a push would otherwise slide the feet.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,37 +27,14 @@ from surefoot.errors import ProblemError
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
-
-@dataclass(frozen=True)
-class TargetSettings:
-    """How joint targets are made.
-
-    Attributes
-    ----------
-    stiffness
-        kp over m g h, h the height of the base [1/rad].
-    damping
-        Ratio of the damping of a joint alone with its inertia and kp.
-    memory
-        Time T in which a target forgets what was not followed [s].
-    carrying
-        Share of both gains in legs that carry.
-    every
-        The controller's step in steps of the world: targets are held between.
-    """
-
-    stiffness: float = 0.5
-    damping: float = 0.7
-    memory: float = 0.01
-    carrying: float = 0.3
-    every: int = 1
-
-    def __post_init__(self) -> None:
-        for name in ("stiffness", "damping", "carrying"):
-            real_number(name, getattr(self, name), low=0.0)
-        real_number("memory", self.memory, low=1e-3)
-        if self.every < 1:
-            raise ProblemError(f"every must be 1 or more steps of the world, got {self.every}")
+STIFFNESS = 0.5
+"""kp over m g h, h the height of the base [1/rad]."""
+DAMPING = 0.7
+"""Ratio of the damping of a joint alone with its inertia and kp."""
+MEMORY = 0.01
+"""Time T in which a target forgets what was not followed [s]."""
+CARRYING = 0.3
+"""Share of both gains in legs that carry."""
 
 
 class Held(Wrapper):
@@ -100,14 +77,14 @@ class JointTargetController(Held):
     Parameters
     ----------
     controller
-        Made for steps of ``settings.every * dt``; its commands tell the accelerations that they aim at, else
+        Made for steps of ``every * dt``; its commands tell the accelerations that they aim at, else
         they stay torques.
     robot
         Whose joints.
     dt
         Time between calls of `step` [s].
-    settings
-        None for the defaults.
+    every
+        The controller's step in steps of the world: targets are held between.
 
     Attributes
     ----------
@@ -121,25 +98,22 @@ class JointTargetController(Held):
     >>> from surefoot.robot import load_robot
     >>> robot = load_robot("go2")
     >>> walk = WalkingController(robot, VelocityCommand.constant(0.5, 0.0, 0.0), dt=2e-3)
-    >>> controller = JointTargetController(walk, robot, 1e-3, TargetSettings(every=2))
+    >>> controller = JointTargetController(walk, robot, 1e-3, every=2)
     >>> targets = controller.step(RobotState(robot.nominal, np.zeros(18))).joint_targets
     >>> controller.stiffness[:3].round(1), targets.stiffness[:3].round(1)  # all feet carry
     (array([26.4, 26.4, 26.4]), array([7.9, 7.9, 7.9]))
     """
 
-    def __init__(
-        self, controller: Controller, robot: Robot, dt: float, settings: TargetSettings | None = None
-    ) -> None:
+    def __init__(self, controller: Controller, robot: Robot, dt: float, every: int = 1) -> None:
         import pinocchio
 
-        self.robot, self.settings = robot, settings or TargetSettings()
-        s, first = self.settings, robot.base_dof
-        super().__init__(controller, s.every)
-        self.dt = s.every * real_number("dt", dt, low=1e-6)
+        self.robot, first = robot, robot.base_dof
+        super().__init__(controller, every)
+        self.dt = every * real_number("dt", dt, low=1e-6)
         height = max(float(robot.nominal[2]), 0.05) if robot.floating else 1.0
         inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))[first:]
-        self.stiffness = np.full(robot.joints, s.stiffness * robot.mass * GRAVITY * height)
-        self.damping = 2.0 * s.damping * np.sqrt(self.stiffness * inertia)
+        self.stiffness = np.full(robot.joints, STIFFNESS * robot.mass * GRAVITY * height)
+        self.damping = 2.0 * DAMPING * np.sqrt(self.stiffness * inertia)
         self._support = robot.contact_points.support[:, first:]
 
     def _forget(self) -> None:
@@ -163,7 +137,7 @@ class JointTargetController(Held):
         if self._positions is None:
             self._positions, self._velocities = q.copy(), v.copy()
         dt, rate = self.dt, command.accelerations[len(command.accelerations) - joints :]
-        forget = min(dt / self.settings.memory, 1.0)
+        forget = min(dt / MEMORY, 1.0)
         self._positions = self._positions + forget * (q - self._positions)
         self._velocities = self._velocities + forget * (v - self._velocities)
         positions = self._positions + 0.5 * dt * self._velocities + 0.125 * dt * dt * rate
@@ -171,7 +145,7 @@ class JointTargetController(Held):
         self._positions = self._positions + dt * self._velocities + 0.5 * dt * dt * rate
         self._velocities = self._velocities + dt * rate
         carries = self._support[command.for_points(len(self._support)).active].any(axis=0)
-        gain = np.where(carries, self.settings.carrying, 1.0)
+        gain = np.where(carries, CARRYING, 1.0)
         return JointTargets(
             positions, velocities, gain * self.stiffness, gain * self.damping, command.torques
         )

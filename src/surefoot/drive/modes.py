@@ -13,7 +13,7 @@ class Mode(StrEnum):
     DAMP = "damp"
     """Joints are damped: the emergency stop."""
     STAND_UP = "stand up"
-    """On the way from wherever the joints are to standing."""
+    """On the way from wherever the robot lies to standing."""
     STAND = "stand"
     """Balances on its feet."""
     WALK = "walk"

@@ -214,11 +214,8 @@ class ReadingWatch:
         if self._frozen(now, said):
             self._contradictions = CONTRADICTIONS
             return "a sensor is frozen"
-        if (
-            self.silent >= limits.outage
-        ):  # damped since then, joints may be anywhere: what comes next is compared
-            self._drift, self._turn = np.zeros(len(self._low)), np.zeros(3)
-            self._slack, self._room = np.zeros(len(self._low)), 0.0
+        if self.silent >= limits.outage:  # damped since then, joints may be anywhere
+            self._compare_anew()
             return ""
         elapsed = self.silent + self.dt
         keep = FORGET ** (elapsed / self.dt)

@@ -14,10 +14,11 @@ from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walker import Walker
 from surefoot.control.walkers import default_gait, walking_controller
 from surefoot.control.walking_body import VelocityCommand
+from surefoot.drive.getting_up import FALLEN, TRIES, Recovery
 from surefoot.drive.joint_targets import JointTargetController
 from surefoot.drive.latency import LatencyCompensation
 from surefoot.drive.modes import CONTROLLED, FOLLOWS, POWERLESS, Mode
-from surefoot.drive.postures import BodyPostures, PostureMotion
+from surefoot.drive.posture_player import PosturePlayer
 from surefoot.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, motor_order
 from surefoot.drive.state_tracker import StateTracker
 from surefoot.drive.target_limits import TargetLimits
@@ -30,12 +31,11 @@ from surefoot.robot.rotors import with_rotors
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.terrain import FlatTerrain, Terrain
 
-UPRIGHT = 0.5
-"""A robot that leans more than this does not begin to stand up [rad]."""
+UPRIGHT, LOW = 0.5, 0.4
+"""A robot that leans more than this lies on its side or back [rad]; one whose body is lower over the ground
+than this share of its usual height has fallen."""
 SETTLE = 0.4
 """Time in a posture before what follows begins [s]."""
-NEAR = 0.5
-"""Legs whose joints are all so near to those of the stance need not be folded before it [rad]."""
 SLOW = 0.05
 """Speed of a body, as a share of sqrt(g h), at which one that was told to stop stands."""
 FELT = 0.05
@@ -72,6 +72,8 @@ class RobotLoop:
         Of readings; None for the defaults.
     imu_position
         (3,) from the base's origin, base axes [m].
+    recover
+        Whether a robot that has fallen gets up by itself once it lies still, and walks on if it did.
 
     Attributes
     ----------
@@ -117,6 +119,7 @@ class RobotLoop:
         latency: float | None = None,
         limits: ReadingLimits | None = None,
         imu_position: ArrayLike = (0.0, 0.0, 0.0),
+        recover: bool = False,
     ) -> None:
         of_kind("robot", robot, Robot)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-4, high=0.02)
@@ -129,7 +132,8 @@ class RobotLoop:
         self._motors = actuators_of(robot, actuators)
         geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
         self.tracker = StateTracker(geared, self.dt, None, known, imu_position, actuators=self._motors)
-        self.postures, self.target_limits = BodyPostures(robot), TargetLimits(robot)
+        self._player, self.target_limits = PosturePlayer(robot, self.dt), TargetLimits(robot)
+        self._recovery = Recovery(recover)
         self._damp = damping_targets(robot, self.dt)
         self._passive = JointTargets(*np.zeros((5, robot.joints)))
         on_four = len(robot.feet) == 4
@@ -160,9 +164,6 @@ class RobotLoop:
 
     def _forget(self) -> None:
         """Forget what the last mode was doing."""
-        self._motions: list[PostureMotion] = []
-        self._since = 0.0
-        self._posed = BodyPostures.stand
         self.command: Command | None = None
         self.state: RobotState | None = None
         self._reading: Reading | None = None
@@ -173,7 +174,7 @@ class RobotLoop:
     def settled(self) -> bool:
         """Whether what `go` asked for last is reached, and the next may follow."""
         if self.mode in (Mode.SIT, Mode.LIE):
-            return not self._motions
+            return self._player.rest(self.time) > 0.0
         return self.mode is not Mode.STAND_UP and (self.mode is not Mode.STAND or self._still())
 
     def go(self, goal: str) -> None:
@@ -182,51 +183,54 @@ class RobotLoop:
         Raises
         ------
         ProblemError
-            For what may not follow, with what may; for a posture that is not reached yet, a robot that leans
-            too much to stand up, or one whose readings cannot be used.
+            For what may not follow, with what may; for a posture that is not reached yet, a robot on its side
+            or back that does not know how to roll over, or one whose readings cannot be used.
         """
         check_name("mode", goal, ("stand", "walk", "sit", "lie", "damp", "passive"))
+        self._recovery.reset()
+        self.change(goal)
+
+    def change(self, goal: str) -> None:
+        """Change the mode; `go` is this for those outside, who end what `recover` has in mind."""
         if goal not in FOLLOWS[self.mode] and goal != self.mode:
             raise ProblemError(f"{self.mode} is followed by {' or '.join(FOLLOWS[self.mode])}, not by {goal}")
         if goal not in POWERLESS:
             self._check(goal)
-        self.fault = ""
+        self.fault, last = "", self.watch.last
         if goal == self.mode:
             return
         if goal == Mode.WALK or (goal == Mode.STAND and self.mode is Mode.WALK):
             self.mode = Mode(goal)
             return
-        posed = self._posed
-        begin = {Mode.SIT: self.postures.sit, Mode.LIE: self.postures.lie}.get(self.mode)
         self._forget()
-        self._since = self.time
-        if goal in POWERLESS:
+        if goal in POWERLESS or last is None:
+            self._player.reset()
             self.mode = Mode(goal)
             return
-        self._take_posture(goal, posed if begin is None else begin, begin is None and self.mode in POWERLESS)
-
-    def _take_posture(self, goal: str, begin: tuple[float, float], anywhere: bool) -> None:
-        """Set off to a posture, from one that is taken or, folding first, from anywhere."""
-        postures = self.postures
-        end = {"stand": postures.stand, "sit": postures.sit, "lie": postures.lie}[goal]
-        angles = self.watch.last.positions if self.watch.last is not None else self.robot.nominal[7:]
-        if anywhere:  # folding first, unless the legs are nearly where they should be
-            near = float(np.abs(angles - self.robot.nominal[7:]).max()) < NEAR
-            begin = postures.stand if near else postures.lie
-        self._motions = [postures.approach(angles, begin), postures.way(begin, end)]
-        self._posed = end
+        anywhere = self.mode in POWERLESS
+        leans = anywhere and self._lean() > UPRIGHT
+        self._player.take(goal, last.positions, self.time, anywhere=anywhere, leans=leans)
         self.mode = Mode.STAND_UP if goal == "stand" else Mode(goal)
 
     def _check(self, goal: str) -> None:
         """Refuse what cannot be begun now."""
+        postures = self._player.postures
         if self.watch.blind:
             raise ProblemError(f"cannot {goal}: {self.watch.reason or 'there is no reading yet'}")
-        if goal in ("sit", "lie") and self.postures.lie == self.postures.stand:
+        if goal in ("sit", "lie") and postures.lie == postures.stand:
             raise ProblemError(f"{self.robot.name} stands on two feet: it does not {goal}")
         if goal in ("sit", "lie", "stand") and self.mode is not Mode.STAND_UP and not self.settled:
             raise ProblemError(f"cannot {goal} yet: the robot is still on its way to {self.mode}")
-        if goal == "stand" and self.mode in POWERLESS and self._lean() > UPRIGHT:
-            raise ProblemError("cannot stand up: the base leans too much; lay the robot on its belly")
+        if goal == "stand" and self.mode in POWERLESS and not self.can_rise:
+            raise ProblemError(
+                "cannot stand up: the base leans too much, and how to roll over is not known for "
+                f"{self.robot.name}; lay the robot on its belly"
+            )
+
+    @property
+    def can_rise(self) -> bool:
+        """Whether the robot can stand up from how it lies."""
+        return self._player.roll_over.known or self._lean() <= UPRIGHT
 
     def steer(self, velocity: ArrayLike, posture: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Take another velocity and posture for `walk`; standing, the posture alone.
@@ -262,6 +266,7 @@ class RobotLoop:
         usable = self.watch.look(came, self.time if now is None else now)
         if self.mode not in POWERLESS:
             self._judge()
+        self._recovery.look(self)
         targets = self._targets(usable)
         last = self.watch.last
         if last is not None:
@@ -282,8 +287,9 @@ class RobotLoop:
         watch = self.watch
         if watch.silent >= self.limits.outage or (watch.blind and watch.silent < self.limits.patience):
             self._stop(watch.reason)
-        elif self._lean() > self.limits.tilt:
-            self._stop("the robot has fallen")
+        elif self._down() and not (self.mode is Mode.STAND_UP and self._player.lying):
+            self._recovery.fell(self)
+            self._stop(FALLEN)
         elif self.mode in CONTROLLED and self.tracker.lost:
             self._stop(f"the state estimate was lost: {self.tracker.lost}")
 
@@ -301,24 +307,15 @@ class RobotLoop:
                 self._follow(usable)  # so that it can go on when readings come again
             return self._damp
         if self.mode not in CONTROLLED:
-            targets = self._pose()
-            if self.mode is not Mode.STAND_UP or self._motions or self.time - self._since < SETTLE:
+            targets = self._player.targets(self.time)
+            if self.mode is not Mode.STAND_UP or self._player.rest(self.time) < SETTLE:
+                return targets
+            if self._player.lying:
+                if not self._player.go_on(targets.positions, self.time, self._lean() > UPRIGHT):
+                    self._stop(f"the robot rolled {TRIES} times and is not on its belly")
                 return targets
             self._begin()
         return self._follow(usable)
-
-    def _pose(self) -> JointTargets:
-        """Return targets on the way to a posture, or in it."""
-        clock = self.time - self._since
-        if self._motions and clock >= self._motions[0].duration:
-            self._end = self._motions.pop(0).points[-1]
-            self._since, clock = self.time, 0.0
-        still, stiffness = np.zeros(self.robot.joints), self.postures.stiffness
-        angles, speeds = self._end if not self._motions else self._motions[0].at(clock), still
-        if self._motions:
-            speeds = self._motions[0].speeds(clock, self.dt)
-        gains = np.full_like(still, stiffness), np.maximum(still, self.postures.damping)
-        return JointTargets(angles, speeds, *gains, still)
 
     def _begin(self) -> None:
         """Begin to balance where the robot stands."""
@@ -387,6 +384,13 @@ class RobotLoop:
             return False
         slow = float(np.linalg.norm(state.v[:2])) < SLOW * math.sqrt(GRAVITY * self.walker.height)
         return bool(feet.stance.all()) and slow
+
+    def _down(self) -> bool:
+        """Whether the base leans as one that has fallen, or is as low by the estimate."""
+        if self._lean() > self.limits.tilt or self.state is None:
+            return self._lean() > self.limits.tilt
+        q = self.state.q
+        return bool(q[2] - self.terrain.height(q[:2]) < LOW * self.robot.nominal[2])
 
     def _lean(self) -> float:
         """Return how far the base leans [rad]."""

@@ -110,8 +110,12 @@ class StateTracker:
         return RobotState(q, v, time, touching, forces=estimator.forces)
 
     def plan(self, command: Command) -> None:
-        """Tell what was commanded: which feet push until the next reading, and which should stand."""
-        pushing = np.empty(len(self.robot.feet), dtype=bool)
+        """Tell what was commanded: which feet push until the next reading, which should stand."""
+        pushing = np.zeros(len(self.robot.feet), dtype=bool)
+        if np.isnan(command.forces).all():  # it says nothing of its feet, as policies do: odds are even
+            self._standing = None
+            self.estimator.expect(pushing, ~pushing)
+            return
         with_points(command.active, self._foot, pushing)
         self._standing = pushing
         self.estimator.expect(pushing, np.asarray(command.rows().get("planned", pushing), dtype=bool))

@@ -23,6 +23,10 @@ HEIGHT = 0.005
 """Standard deviation of the height that a map has for the ground under a foot that lands [m]."""
 
 
+EDGE = 0.005
+"""A sole whose edge is so far below its middle when it lands turns about that edge [m]."""
+
+
 class InvariantEkf(Bound):
     """State estimate of a legged robot from its IMU, encoders and which feet touch; see `InvariantFilter`.
 
@@ -92,6 +96,7 @@ class InvariantEkf(Bound):
         self.imu_position = finite_array("imu_position", imu_position, (3,))
         points, n, joints = robot.contact_points, len(robot.feet), robot.joints
         self._soles = points.foot_radii
+        self._corners = [points.centres[points.foot == k] - points.middles[k] for k in range(n)]
         self.feet = FootKinematics(robot, self.filter.noise.joint)
         self.stances: BoolArray = np.zeros((2, n), dtype=np.bool_)
         self._sizes = [9, 7 + joints, 6 + joints, 3 * n, 3 * n, 3 * n, 3 * n]  # as `robot_arrays` has them
@@ -184,6 +189,8 @@ class InvariantEkf(Bound):
         for k in np.flatnonzero(self.stances[0] & (self._age < 0.5 * self.dt)).tolist():
             place = body.X[:, 5 + k]
             normal = self.normals[k] = ground.normal(place[:2])
+            if float((self._corners[k] @ (self._turned[k].T @ normal)).min()) < -EDGE:
+                continue  # a sole that lands on an edge turns about that: its middle is going elsewhere
             excess = float(place[2] - ground.height(place[:2])) * normal[2] - self._soles[k]
             body.observe_height(k, self.normals[k], excess, HEIGHT)
 

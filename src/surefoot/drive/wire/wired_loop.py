@@ -16,7 +16,7 @@ LATE = 1.5
 """A reading is missing after so many steps since the last."""
 PATIENT = 1.0
 """The same for a robot in slow motion, where nobody can tell [s]."""
-LONGEST, REST = 10.0, 0.5
+LONGEST, REST = 30.0, 0.5
 """Longest time to reach a posture, and time in it before the next [s]."""
 
 

@@ -26,7 +26,7 @@ class CrossEntropyResult:
     ----------
     point, cost
         The best sample (d,) and its cost.
-    rounds, evaluations
+    evaluations
         How many.
     reached
         Whether its cost is as low as was asked for.
@@ -34,7 +34,6 @@ class CrossEntropyResult:
 
     point: FloatArray
     cost: float
-    rounds: int
     evaluations: int
     reached: bool
 
@@ -81,7 +80,7 @@ def cross_entropy(
     array([3., 3.])
     """
     generator = np.random.default_rng(seed)
-    best, least, tried, done = mean, np.inf, 0, 0
+    best, least, tried = mean, np.inf, 0
     try:
         for number in range(1, rounds + 1):
             points = mean + deviation * generator.normal(size=(samples, len(mean)))
@@ -95,7 +94,6 @@ def cross_entropy(
                     best, least = point.copy(), float(costs[k])
                 if least <= enough:
                     break
-            done = number
             if tell is not None:
                 tell(number, least)
             if least <= enough:
@@ -105,4 +103,4 @@ def cross_entropy(
             deviation = KEPT * deviation + (1.0 - KEPT) * chosen.std(axis=0)
     except KeyboardInterrupt:
         pass
-    return CrossEntropyResult(best, least, done, tried, least <= enough)
+    return CrossEntropyResult(best, least, tried, least <= enough)
