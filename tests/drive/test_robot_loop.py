@@ -20,19 +20,22 @@ from tests.drive.loop_faults import DT, FAULTS, GO2, Stretch, answer, walking
 walked = cache(walking)
 
 
-def drive(loop: RobotLoop, robot: MotorRobot, seconds: float, goal: str = "", loss: float = 0.0) -> float:
-    """Go on for a while and return the largest torque asked for, over its limit."""
+def drive(
+    loop: RobotLoop, robot: MotorRobot, seconds: float, goal: str = "", loss: float = 0.0,
+    until: str = "", push: np.ndarray | None = None,
+) -> float:  # fmt: skip
+    """Go on for a while, or until a mode; return the largest torque asked for or given, over its limit."""
     if goal:
         loop.go(goal)
-    rng, worst = np.random.default_rng(1), 0.0
-    for _ in range(round(seconds / DT)):
+    rng, worst, begin = np.random.default_rng(1), 0.0, loop.time
+    while loop.time - begin < seconds - 0.5 * DT and not (until and loop.mode == until):
         readings = robot.read()
         targets = loop.step(None if rng.random() < loss else readings)
         last = loop.watch.last
         asked = targets.torques(last.positions, last.speeds) if last else np.zeros(12)
-        worst = max(worst, float((np.abs(asked) / GO2.effort_limits).max()))
         robot.take(targets)
-        robot.step()
+        robot.step(push)
+        worst = max(worst, float((np.abs([asked, robot.torques]) / GO2.effort_limits).max()))
     return worst
 
 
@@ -115,11 +118,9 @@ def test_what_may_follow_what() -> None:
 
 def test_motors_in_another_order() -> None:
     """FR, FL, RR, RL, as on Unitree's wire: the same targets, in that order."""
-    joints = GO2.joint_names
-    motors = tuple(
-        f"{leg}_{part}_joint" for leg in ("FR", "FL", "RR", "RL") for part in ("hip", "thigh", "calf")
-    )
-    order = np.array([joints.index(name) for name in motors])
+    legs, parts = ("FR", "FL", "RR", "RL"), ("hip", "thigh", "calf")
+    motors = tuple(f"{leg}_{part}_joint" for leg in legs for part in parts)
+    order = np.array([GO2.joint_names.index(name) for name in motors])
     _, readings = walked()
     first = readings[0]
     assert first is not None

@@ -11,7 +11,7 @@ import pytest
 import surefoot as sf
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, JointTargets, RobotState
-from surefoot.drive.joint_targets import CARRYING, MEMORY, Held, JointTargetController
+from surefoot.drive.joint_targets import CARRYING, MEMORY, JointTargetController
 from surefoot.drive.latency import LONGEST, DelayMeter, LatencyCompensation
 from surefoot.drive.watchdog import Watchdog
 from surefoot.errors import ProblemError
@@ -153,12 +153,6 @@ def test_a_command_that_aims_at_nothing_stays_torques() -> None:
     assert controller.step(state()).joint_targets is None
     with pytest.raises(ProblemError, match="every"):
         JointTargetController(Aim(None), GO2, DT, every=0)
-
-
-def test_held_commands_stay() -> None:
-    held = Held(Aim(np.zeros(18)), 5)
-    given = [held.step(state(k * DT)).torques[0] for k in range(12)]
-    assert given == [1.0] * 5 + [2.0] * 5 + [3.0] * 2
 
 
 def test_a_watchdog_damps_joints_without_a_fresh_state() -> None:

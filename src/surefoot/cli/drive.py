@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -40,7 +40,7 @@ def wire_end(model: Any, robot_side: bool, interface: str, domain: int) -> Itera
     from surefoot.drive.wire.link import WireEnd
 
     dialect = dialect_of(model)
-    with WireEnd(dialect, robot_side, interface, domain) as end:
+    with closing(WireEnd(dialect, robot_side, interface, domain)) as end:
         yield end, dialect
 
 

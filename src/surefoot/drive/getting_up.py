@@ -73,16 +73,9 @@ class RollOver:
 
 
 class Recovery:
-    """Gets a robot up by itself after a fall, once it lies still, and walks on if it walked.
+    """Gets a robot up by itself after a fall, once it lies still, and walks on if it walked."""
 
-    Parameters
-    ----------
-    wanted
-        Whether it does.
-    """
-
-    def __init__(self, wanted: bool) -> None:
-        self.wanted = wanted
+    def __init__(self) -> None:
         self.reset()
 
     def reset(self) -> None:
@@ -97,7 +90,7 @@ class Recovery:
     def look(self, loop: RobotLoop) -> None:
         """See a step of the loop, and do what is to be done."""
         last = loop.watch.last
-        if not self.wanted:
+        if not loop.recover:
             return
         if loop.mode is Mode.STAND and self._walked and loop.settled:
             self._walked = False

@@ -72,11 +72,12 @@ class RobotLoop:
         Of readings; None for the defaults.
     imu_position
         (3,) from the base's origin, base axes [m].
-    recover
-        Whether a robot that has fallen gets up by itself once it lies still, and walks on if it did.
 
     Attributes
     ----------
+    recover
+        Whether a robot that has fallen gets up by itself once it lies still, and walks on if it walked;
+        False until it is set.
     mode
         `Mode`.
     fault
@@ -119,7 +120,6 @@ class RobotLoop:
         latency: float | None = None,
         limits: ReadingLimits | None = None,
         imu_position: ArrayLike = (0.0, 0.0, 0.0),
-        recover: bool = False,
     ) -> None:
         of_kind("robot", robot, Robot)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-4, high=0.02)
@@ -133,7 +133,7 @@ class RobotLoop:
         geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
         self.tracker = StateTracker(geared, self.dt, None, known, imu_position, actuators=self._motors)
         self._player, self.target_limits = PosturePlayer(robot, self.dt), TargetLimits(robot)
-        self._recovery = Recovery(recover)
+        self.recover, self._recovery = False, Recovery()
         self._damp = damping_targets(robot, self.dt)
         self._passive = JointTargets(*np.zeros((5, robot.joints)))
         on_four = len(robot.feet) == 4
@@ -159,6 +159,7 @@ class RobotLoop:
         """Damp, and forget the past."""
         self.mode, self.fault, self.time = Mode.DAMP, "", -self.dt
         self.watch.reset()
+        self._recovery.reset()
         self._velocity, self._posture = np.zeros(3), np.zeros(3)
         self._forget()
 
@@ -222,10 +223,8 @@ class RobotLoop:
         if goal in ("sit", "lie", "stand") and self.mode is not Mode.STAND_UP and not self.settled:
             raise ProblemError(f"cannot {goal} yet: the robot is still on its way to {self.mode}")
         if goal == "stand" and self.mode in POWERLESS and not self.can_rise:
-            raise ProblemError(
-                "cannot stand up: the base leans too much, and how to roll over is not known for "
-                f"{self.robot.name}; lay the robot on its belly"
-            )
+            why = f"the base leans too much, and how {self.robot.name} rolls over is not known"
+            raise ProblemError(f"cannot stand up: {why}; lay it on its belly")
 
     @property
     def can_rise(self) -> bool:

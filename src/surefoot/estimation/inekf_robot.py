@@ -21,10 +21,8 @@ SETTLING = 0.02
 """Time after a touchdown in which a foot may still move a little, see `FilterNoise.landing` [s]."""
 HEIGHT = 0.005
 """Standard deviation of the height that a map has for the ground under a foot that lands [m]."""
-
-
-EDGE = 0.005
-"""A sole whose edge is so far below its middle when it lands turns about that edge [m]."""
+EDGE = 0.003
+"""A sole whose edge is so far below its middle turns about that edge [m]."""
 
 
 class InvariantEkf(Bound):
@@ -96,7 +94,9 @@ class InvariantEkf(Bound):
         self.imu_position = finite_array("imu_position", imu_position, (3,))
         points, n, joints = robot.contact_points, len(robot.feet), robot.joints
         self._soles = points.foot_radii
-        self._corners = [points.centres[points.foot == k] - points.middles[k] for k in range(n)]
+        self._corners = [
+            (k, points.centres[points.foot == k] - points.middles[k]) for k in range(n) if points.flat[k]
+        ]
         self.feet = FootKinematics(robot, self.filter.noise.joint)
         self.stances: BoolArray = np.zeros((2, n), dtype=np.bool_)
         self._sizes = [9, 7 + joints, 6 + joints, 3 * n, 3 * n, 3 * n, 3 * n]  # as `robot_arrays` has them
@@ -189,10 +189,19 @@ class InvariantEkf(Bound):
         for k in np.flatnonzero(self.stances[0] & (self._age < 0.5 * self.dt)).tolist():
             place = body.X[:, 5 + k]
             normal = self.normals[k] = ground.normal(place[:2])
-            if float((self._corners[k] @ (self._turned[k].T @ normal)).min()) < -EDGE:
-                continue  # a sole that lands on an edge turns about that: its middle is going elsewhere
             excess = float(place[2] - ground.height(place[:2])) * normal[2] - self._soles[k]
             body.observe_height(k, self.normals[k], excess, HEIGHT)
+
+    def level(self, standing: BoolArray) -> BoolArray:
+        """Return which of the feet (n,) that stand do so on a whole sole; all of them if none does.
+
+        The middle of a sole that turns about its edge moves.
+        """
+        out = standing.copy()
+        for k, corners in self._corners:
+            up = (self.filter.X[:, :3] @ self.feet.rotations[k]).T @ self.normals[k]
+            out[k] &= float((corners @ up).min()) > -EDGE
+        return out if out.any() else standing
 
     @property
     def legs(self) -> tuple[FloatArray, FloatArray]:

@@ -197,7 +197,8 @@ class StateEstimator:
         standing
             (n,) which of them are meant to stand, by the plan; None for all.
         """
-        ekf, late, meant = self.ekf, self.latency, contact if standing is None else standing
+        ekf, late = self.ekf, self.latency
+        meant = ekf.level(contact if standing is None else contact & standing)
         body, lost, q, v = ekf.filter, self.health is Health.DIVERGED, np.empty(self._nq), np.empty(self._nv)
         if not self.ground.mapped:
             self._learn(contact & meant)

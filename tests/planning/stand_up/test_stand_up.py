@@ -52,17 +52,6 @@ def test_it_stands_up_where_it_is_not_expected(plan: Plan) -> None:
     assert any("base_0" in pair for pair in done.links)
 
 
-@pytest.mark.long
-def test_a_saved_plan_is_executed_the_same_way(plan: Plan, tmp_path: object) -> None:
-    from pathlib import Path
-
-    path = Path(str(tmp_path)) / "plan.npz"
-    plan.save(path)
-    again = Plan.read(path)
-    runs = [execute(p, "mujoco", settle=0.0, dt=1e-3) for p in (plan, again)]
-    np.testing.assert_array_equal(runs[0].log["q"], runs[1].log["q"])
-
-
 def test_who_cannot() -> None:
     with pytest.raises(sf.ProblemError, match="four legs"):
         STAND_UP.plan(PlanRequest(sf.load_robot("g1")), lambda iteration: None)

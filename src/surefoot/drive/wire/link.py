@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from types import TracebackType
 from typing import Any
 
 from surefoot.arrays import whole_number
@@ -30,7 +29,7 @@ def opened(domain: int, interface: str) -> Any:
 
 
 class WireEnd:
-    """Sends and receives the messages of a dialect; `close` it, or use it in a `with`.
+    """Sends and receives the messages of a dialect; `close` it at the end.
 
     Parameters
     ----------
@@ -97,11 +96,3 @@ class WireEnd:
     def close(self) -> None:
         """Leave the wire."""
         del self._waiting, self._writer, self._reader, self._party
-
-    def __enter__(self) -> WireEnd:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
