@@ -35,8 +35,8 @@ class PosturePlayer:
     def __init__(self, robot: Robot, dt: float) -> None:
         self.postures, self.dt, self._still = BodyPostures(robot), dt, np.zeros(robot.joints)
         self.roll_over, self._nominal = RollOver(robot, self.postures), robot.nominal[7:]
-        gains = self.postures.stiffness, self.postures.damping
-        self._gains = [np.full_like(self._still, gain) for gain in gains]
+        still, postures = self._still, self.postures
+        self._gains = np.full_like(still, postures.stiffness), np.full_like(still, postures.damping)
         self.reset()
 
     def reset(self) -> None:
