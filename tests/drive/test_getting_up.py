@@ -67,7 +67,7 @@ def test_a_push_fells_it_and_the_walk_goes_on(recover: bool) -> None:
     drive(loop, robot, 0.3, push=np.array([0.0, 450.0, 0.0]))
     drive(loop, robot, 2.0, until="damp")
     assert loop.fault == FALLEN
-    drive(loop, robot, 3.0, until="stand up")
+    drive(loop, robot, 8.0, until="stand up")
     assert loop.mode == ("stand up" if recover else "damp")
     drive(loop, robot, 25.0, "" if recover else "stand", until="stand")
     drive(loop, robot, 1.0)

@@ -76,7 +76,7 @@ class PosturePlayer:
         self._since, self._posed = time, end
 
     def go_on(self, angles: FloatArray, time: float, leans: bool) -> bool:
-        """Roll over, or rise if the robot is on its belly; return whether it has not rolled too often."""
+        """Roll over from (joints,) angles [rad], or rise from the belly; return whether tries are left."""
         if leans and self._tries == TRIES:
             return False
         postures, self._since, self.lying = self.postures, time, leans
