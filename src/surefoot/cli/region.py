@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
 from rich.console import Console
 
-from surefoot.arrays import real_number
 from surefoot.cli import options
 from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import drawn
@@ -19,7 +17,6 @@ from surefoot.errors import ProblemError
 def region(
     *,
     stance: StanceOptions,
-    tol: Annotated[float, typer.Option(help="Largest gap of the regions [m].")] = 1e-3,
     out: options.PictureOut = Path("runs"),
     picture: options.Picture = True,
     as_json: options.AsJson = False,
@@ -30,11 +27,10 @@ def region(
     """
     from surefoot.equilibrium.comparison import compare_regions
 
-    real_number("--tol", tol, low=1e-9, high=1.0)
     question = stance.case().question
     if not len(question.stance):
         raise ProblemError("the stance has no contacts: there is no region to draw")
-    found = compare_regions(question.stance, question.com, question.mass, tol)
+    found = compare_regions(question.stance, question.com, question.mass)
     inside = found.com.contains(question.com)
     facts: dict[str, Any] = {
         "name": question.name,
