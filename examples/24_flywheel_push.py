@@ -88,7 +88,8 @@ def main(parent: Path = Path("runs")) -> dict[str, float]:
     figure, axis = new_axis((6.0, 3.6), xscale="log", **labels)
     axis.plot(sizes, 100 * (gains[:, 0] / plain - 1), label="formula")
     axis.plot(sizes, 100 * (gains[:, 1] / plain - 1), "o", label="simulated")
-    axis.legend()
+    axis.xaxis.set_minor_formatter("")
+    axis.legend(fontsize=8)
     save(figure, folder / "gain.png")
     print("\n".join(f"{name:24s} {value:.4g}" for name, value in facts.items()), f"\npicture: {path}")
     return facts

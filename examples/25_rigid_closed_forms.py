@@ -79,7 +79,8 @@ def main(parent: Path = Path("runs")) -> dict[str, float]:
     figure, axis = new_axis((6.0, 3.6), xlabel="dt [s]", ylabel="error at a fixed time [m]", **scales)
     axis.plot(steps, ideal, label="second order")
     axis.plot(steps, wrong, "o", label=("sliding block", "ball, sliding to rolling"))
-    axis.legend()
+    axis.xaxis.set_minor_formatter("")
+    axis.legend(fontsize=8)
     path = save(figure, folder / "order.png")
     facts = {"slope_error": max(float(np.abs(f - s).max()) for f, s in found.values())}
     facts |= {"tips_below": float(tips[:, 0].max()), "tips_above": float(tips[:, 1].min())}
