@@ -276,3 +276,17 @@ def test_a_body_that_never_touches_is_audited() -> None:
             mujoco.mj_step(model, data)
     assert log["contact_positions"].shape[1] == 0
     assert sf.audit_log(log).verdict == "lawful"
+
+
+def test_a_free_joint_with_a_rotors_inertia_is_named() -> None:
+    """`<joint type="free">` takes the joints' defaults, as in Unitree's B2, H1-2 and R1."""
+    text = CRATE.format(option="", geom="", gravcomp=0.0)
+    model = mujoco.MjModel.from_xml_string(text.replace("<freejoint/>", "<joint type='free' armature='2'/>"))
+    data = mujoco.MjData(model)
+    data.qpos[2] += 5.0
+    with sf.record(model, data) as log:
+        while data.time < 0.3:
+            mujoco.mj_step(model, data)
+    report = sf.audit_log(log)
+    assert report.verdict == "broken"  # it falls as if it weighed 7 kg: g 5 / 7
+    assert "armature on the root: up to 14 N" in report.symptoms[0].evidence
