@@ -14,6 +14,7 @@ import typer
 from surefoot.arrays import whole_number
 from surefoot.cli import options
 from surefoot.cli.console import progress_bar, say, show, table
+from surefoot.cli.output import check_out
 from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:  # the other commands need no compiled code
@@ -58,6 +59,7 @@ def identify(
     as_json: options.AsJson = False,
 ) -> int:
     """Fit a body, a contact law and the ground to tosses, or a leg's joints to a force sensor."""
+    check_out(out)
     if tosses.suffix == ".csv":
         from surefoot.cli.identify_forces import identify_forces
 

@@ -22,7 +22,6 @@ from surefoot.viz.style import (
     MUTED,
     at_least,
     draw_columns,
-    mark_worst,
     most_of,
     new_axis,
     new_figure,
@@ -116,10 +115,11 @@ def draw_torques(log: Log, path: Path) -> Path:
     figure, axis = new_axis((8.0, 3.4), title, xlabel="time [s]", ylabel=f"torque [{unit}]")
     thin = thinned(len(log))
     share = 100.0 * log["torques"][thin] / limits
-    row, worst = np.unravel_index(int(np.abs(log["torques"] / limits).argmax()), log["torques"].shape)
+    worst = int(np.abs(log["torques"] / limits).max(axis=0).argmax())
+    most = 100.0 * float(np.abs(log["torques"][:, worst] / limits[worst]).max())
     low, high = share.min(axis=1), share.max(axis=1)
     axis.fill_between(log["time"][thin], low, high, color=MUTED, alpha=0.25, lw=0, label="all joints")
-    name = log.facts["joints"][worst]
+    name = f"{log.facts['joints'][worst]}, at most {most:.0f} {unit}"
     axis.plot(log["time"][thin], share[:, worst], lw=1.6, color=FOOT_COLOURS[1], label=name, zorder=3)
     top = max(25.0, 1.15 * float(np.abs(share).max(initial=0.0)))
     if known and top > 80.0:
@@ -128,8 +128,6 @@ def draw_torques(log: Log, path: Path) -> Path:
             axis.axhline(limit, color=BAD, lw=0.9, ls="--")
     axis.set_ylim(-top, top)
     mark_events(axis, log)
-    most = 100.0 * float(log["torques"][row, worst] / limits[worst])
-    mark_worst(axis, float(log["time"][row]), most, f"{abs(most):.0f} {unit}")
     axis.legend(fontsize=8, ncols=2, loc="upper left")
     return save(figure, path)
 

@@ -1,4 +1,4 @@
-"""Plots of a walk: velocity tracking, footfall diagram, use of the cone over time, path."""
+"""Plots of a walk: velocity tracking, footfall diagram, path."""
 
 from __future__ import annotations
 
@@ -8,14 +8,11 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray
-from surefoot.audit import contact_use
-from surefoot.audit.motion import foot_forces, heading_velocity, touching
+from surefoot.audit.motion import heading_velocity, touching
 from surefoot.log import Log
 from surefoot.numerics.phases import runs_of
-from surefoot.spatial import GRAVITY
 from surefoot.terrain import read_terrain
 from surefoot.viz.plots import (
-    MOST_POINTS,
     draw_cone_use,
     draw_normal_forces,
     draw_torques,
@@ -23,13 +20,10 @@ from surefoot.viz.plots import (
     thinned,
 )
 from surefoot.viz.style import (
-    BAD,
     FOOT_COLOURS,
     GROUND,
     INK,
     MUTED,
-    draw_columns,
-    mark_worst,
     most_of,
     new_axis,
     new_panels,
@@ -77,30 +71,6 @@ def draw_footfalls(log: Log, path: Path) -> Path:
     return save(figure, path)
 
 
-def draw_cone_time(log: Log, path: Path) -> Path:
-    """Draw the used share of every foot's friction cone over time, measured; and the commanded worst."""
-    title = "Use of the friction cone by feet that carry more than 5 % of the weight"
-    figure, axis = new_axis((8.0, 3.4), title, xlabel="time [s]", ylabel=r"$\|f_t\|\,/\,\mu f_n$")
-    every = max(1, len(log) // MOST_POINTS)
-    threshold = 0.05 * log.facts["mass"] * GRAVITY
-    use = contact_use(foot_forces(log), log["mu"], threshold)
-    # the highest of each short interval, so that thinning hides nothing
-    count = len(log) // every
-    blocks = use[: count * every].reshape(count, every, -1).max(axis=1)
-    time = log["time"][: count * every : every]
-    draw_columns(axis, time, blocks, log.facts["feet"], lw=0.7, alpha=0.8)
-    axis.axhline(1.0, color=BAD, lw=0.9, ls="--")
-    top = float(use.max(initial=0.0))
-    axis.set_ylim(0.0, max(1.1, 1.05 * min(top, 1.5)))
-    mark_events(axis, log)
-    if top > 0.0:
-        row = int(np.argmax(use.max(axis=1)))
-        foot = log.facts["feet"][int(np.argmax(use[row]))]
-        mark_worst(axis, float(log["time"][row]), min(top, 1.5), f"{foot} {100.0 * top:.0f} %")
-    axis.legend(ncols=4, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16))
-    return save(figure, path)
-
-
 def draw_path(log: Log, path: Path) -> Path:
     """Draw the base's path from above and from the side, with every footfall."""
     title = "Path of the base and footfalls, from above and from the side"
@@ -139,7 +109,6 @@ def draw_walk(log: Log, folder: Path) -> list[Path]:
     return [
         draw_velocity(log, folder / "velocity.png"),
         draw_footfalls(log, folder / "footfalls.png"),
-        draw_cone_time(log, folder / "cone_over_time.png"),
         draw_cone_use(log, folder / "cone_use.png"),
         draw_normal_forces(_end(log), folder / "normal_forces.png"),
         draw_path(log, folder / "path.png"),
