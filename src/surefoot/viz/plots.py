@@ -1,4 +1,4 @@
-"""Plots of a logged run: forces, cones, base, torques, centres of pressure."""
+"""Plots of a logged run: forces, cones, base, torques."""
 
 from __future__ import annotations
 
@@ -7,24 +7,21 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.arrays import BoolArray
 from surefoot.audit.laws import LOADED_SHARE
 from surefoot.audit.motion import foot_forces, tilt_angles
-from surefoot.audit.pressure import sole_pressures
 from surefoot.log import Log
 from surefoot.numerics.phases import runs_of
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
-from surefoot.viz.shapes import ring
 from surefoot.viz.style import (
     BAD,
     FOOT_COLOURS,
-    GROUND,
     INK,
     MUTED,
     at_least,
     draw_columns,
     most_of,
     new_axis,
-    new_figure,
     new_grid,
     new_panels,
     save,
@@ -132,38 +129,9 @@ def draw_torques(log: Log, path: Path) -> Path:
     return save(figure, path)
 
 
-def draw_pressure(log: Log, path: Path) -> Path | None:
-    """Draw the centre of pressure of every flat foot in its sole; None if no foot is flat."""
-    soles = sole_pressures(log)
-    if not soles:
-        return None
-    figure, axes = new_figure(1, len(soles), size=(4.2 * len(soles), 2.4), sharex=True, sharey=True)
-    pushed = np.any(log["push"] != 0.0, axis=1)
-    for axis, sole in zip(axes[0], soles, strict=True):
-        colour = FOOT_COLOURS[sole.foot % 8]
-        closed = 1e3 * ring(sole.outline)
-        axis.fill(*closed.T, color=GROUND, lw=0)
-        axis.plot(*closed.T, color=INK, lw=1.1)
-        trace = 1e3 * sole.centres
-        axis.plot(*trace[thinned(len(log))].T, color=colour, lw=0.9)
-        axis.scatter(*trace[pushed].T, s=6, color=FOOT_COLOURS[3], lw=0, zorder=3)
-        loaded = trace[np.isfinite(trace[:, 0])]
-        if len(loaded):
-            axis.scatter(*loaded[-1], s=22, color=colour, edgecolor="white", zorder=4)
-        name = log.facts["feet"][sole.foot]
-        axis.set_title(f"{name}: at least {1e3 * abs(sole.margin):.0f} mm from the edge", fontsize=9)
-        axis.set_aspect("equal")
-        axis.tick_params(colors=MUTED)
-    figure.supxlabel("along the foot [mm]", fontsize=9)
-    figure.supylabel("across [mm]", fontsize=9)
-    return save(figure, path)
-
-
 def draw_run(log: Log, folder: Path) -> list[Path]:
     """Draw every plot of a run into a folder and return their paths."""
-    pressure = draw_pressure(log, folder / "pressure.png")
     return [
-        *([] if pressure is None else [pressure]),
         draw_normal_forces(log, folder / "normal_forces.png"),
         draw_cone_use(log, folder / "cone_use.png"),
         draw_base(log, folder / "base.png"),
@@ -181,3 +149,9 @@ def mark_events(axis: Any, log: Log) -> None:
     for rows, colour in ((changes, FOOT_COLOURS[5]), (lifted[:0] if "planned" in log else lifted, MUTED)):
         for at in rows:
             axis.axvline(time[at], color=colour, lw=0.8, ls=":")
+
+
+def spans(time: Any, on: BoolArray) -> list[tuple[float, float]]:
+    """Return (begin, length) of the runs where a flag is set."""
+    last = len(time) - 1
+    return [(float(time[a]), float(time[min(b, last)] - time[a])) for a, b in runs_of(on)]

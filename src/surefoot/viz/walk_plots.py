@@ -7,16 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray
 from surefoot.audit.motion import heading_velocity, touching
 from surefoot.log import Log
-from surefoot.numerics.phases import runs_of
 from surefoot.terrain import read_terrain
 from surefoot.viz.plots import (
     draw_cone_use,
     draw_normal_forces,
     draw_torques,
     mark_events,
+    spans,
     thinned,
 )
 from surefoot.viz.style import (
@@ -62,8 +61,8 @@ def draw_footfalls(log: Log, path: Path) -> Path:
     time, down = recent["time"], touching(recent)
     for k, name in enumerate(names):
         row = len(names) - 1 - k
-        axis.broken_barh(_spans(time, down[:, k]), (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8], label=name)
-        for begin, length in _spans(time, recent["planned"][:, k]) if plans else ():
+        axis.broken_barh(spans(time, down[:, k]), (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8], label=name)
+        for begin, length in spans(time, recent["planned"][:, k]) if plans else ():
             axis.plot([begin, begin + length], [row - 0.42] * 2, color=INK, lw=1.4, solid_capstyle="butt")
     axis.set_yticks(range(len(names)), names[::-1])
     axis.set(ylim=(-0.7, len(names) - 0.4), xlim=(time[0], time[-1]))
@@ -119,9 +118,3 @@ def draw_walk(log: Log, folder: Path) -> list[Path]:
 def _end(log: Log) -> Log:
     """Return the last `FOOTFALL_SPAN` seconds of a log."""
     return log.rows(log["time"] >= log["time"][-1] - FOOTFALL_SPAN)
-
-
-def _spans(time: Any, on: BoolArray) -> list[tuple[float, float]]:
-    """Return (begin, length) of the runs where a flag is set."""
-    last = len(time) - 1
-    return [(float(time[a]), float(time[min(b, last)] - time[a])) for a, b in runs_of(on)]
