@@ -198,7 +198,6 @@ OTHERS = [
     ("worlds --defaults tip", "unknown scene of --defaults 'tip'; valid names: creep on a slope"),
     ("worlds --defaults --world moon", "unknown engine 'moon'"),
     *((f"worlds drop --dt {n}", "--dt must be between") for n in ("0", "nan")),
-    ("worlds drop --world rigid --out /dev/null", "cannot write to --out"),
     *(
         (f"translate {words}", "surefoot: ")
         for words in (
