@@ -71,7 +71,6 @@ from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place
 from .robot import robot_names as robot_names
-from .simulation.batch import RigidBatch as RigidBatch
 from .simulation.contacts_from_mujoco import contacts_from_mujoco as contacts_from_mujoco
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.record import record as record

@@ -173,9 +173,7 @@ def test_what_cannot_be_replayed_is_told_in_a_line(spoil: object, told: str) -> 
 
 
 def test_worlds_and_windows_are_checked() -> None:
-    with pytest.raises(
-        ProblemError, match="unknown world 'moon'; valid names: bullet, drake, mjx, mujoco, rigid"
-    ):
+    with pytest.raises(ProblemError, match="unknown world 'moon'; valid names: bullet, drake, mujoco, rigid"):
         replay_log(log_of(STAND), "moon")
     with pytest.raises(ProblemError, match="window must be"):
         replay_log(log_of(STAND), "rigid", window=0.0)
