@@ -98,7 +98,6 @@ from .stance import PointContact as PointContact
 from .stance import Stance as Stance
 from .stance import StanceBatch as StanceBatch
 from .stance import read_stance as read_stance
-from .stance import write_stance as write_stance
 from .stance.gait import Gait as Gait
 from .stance.gait_library import named_gait as named_gait
 from .sweep import read_sweep as read_sweep
