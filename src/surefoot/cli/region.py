@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
 from rich.console import Console
 
-from surefoot.arrays import real_number
 from surefoot.cli import options
 from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import drawn
@@ -19,7 +17,6 @@ from surefoot.errors import ProblemError
 def region(
     *,
     stance: StanceOptions,
-    tol: Annotated[float, typer.Option(help="Largest gap of the regions [m].")] = 1e-3,
     out: options.PictureOut = Path("runs"),
     picture: options.Picture = True,
     as_json: options.AsJson = False,
@@ -30,15 +27,14 @@ def region(
     """
     from surefoot.equilibrium.regions import com_region, support_polygon, zmp_region
 
-    real_number("--tol", tol, low=1e-9, high=1.0)
     question = stance.case().question
     if not len(question.stance):
         raise ProblemError("the stance has no contacts: there is no region to draw")
     contacts, com = question.stance, question.com
-    standing, support = com_region(contacts, question.mass, tol), support_polygon(contacts)
+    standing, support = com_region(contacts, question.mass), support_polygon(contacts)
     zmp = None  # where its plane would go through the centre of mass
     if abs(com[2] - float(contacts.positions[:, 2].mean())) > 1e-6:
-        zmp = zmp_region(contacts, com, question.mass, tol)
+        zmp = zmp_region(contacts, com, question.mass)
     facts: dict[str, Any] = {
         "name": question.name,
         "com_inside": standing.contains(com),
