@@ -178,9 +178,7 @@ class ContactDerivative:
         ProblemError
             If a shape is wrong or an entry is not finite.
         """
-        n = self.problem.contacts
-        read = read_rates(self.forces, G, g, compliance, (mu, normal_min, normal_max))
-        b, rates = read[:n].ravel(), tuple(read[n:].T)
+        b, rates = read_rates(self.forces, G, g, compliance, (mu, normal_min, normal_max))
         system = self._system
         if isinstance(system, SmoothSystem):
             f, u = system.tangents(b, *rates)
