@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
-from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import astuple, dataclass
 from functools import cached_property, partial
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numba.core.config import NUMBA_NUM_THREADS
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import (
@@ -107,9 +105,9 @@ def solve_batch(
     bilateral
         (n,) or (B, n) mask of contacts that hold in all directions.
     warm_start
-        (B, n, 3) forces to start from.
+        (B, n, 3) forces to start from, in their unit [N or N s].
     threads
-        None for as many as there are cores for this process.
+        None for as many as there are cores for this process, or as NUMBA_NUM_THREADS says.
     derivative
         Whether to keep what `BatchSolution.derivative` needs.
 
@@ -123,7 +121,7 @@ def solve_batch(
         raise ProblemError(unknown_name("law", law, LAWS))
     named = LAWS[law]
     tol, most = real_number("tol", tol, low=0.0, high=1e300), whole_number("max_iterations", max_iterations)
-    workers = _cores() if threads is None else whole_number("threads", threads, low=1)
+    workers = NUMBA_NUM_THREADS if threads is None else whole_number("threads", threads, low=1)
     matrices, free, single = _read(G, g)
     B, m = free.shape
     n = m // 3
@@ -179,28 +177,8 @@ def in_ranges(work: Callable[[int, int], None], count: int, threads: int) -> Non
         work(0, count)
         return
     edges = np.linspace(0, count, min(threads * SHARES, count // 16) + 1).astype(int).tolist()
-    pieces = deque(pairwise(edges))
-
-    def take() -> None:
-        while True:
-            try:
-                start, stop = pieces.popleft()  # safe among threads
-            except IndexError:
-                return
-            work(start, stop)
-
-    with ThreadPoolExecutor(threads - 1) as pool:
-        others = [pool.submit(take) for _ in range(threads - 1)]
-        take()  # this thread works, too
-        for other in others:
-            other.result()
-
-
-def _cores() -> int:
-    """Return the number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(work, edges[:-1], edges[1:]))  # what one raises is raised here
 
 
 def _read(G: ArrayLike, g: ArrayLike) -> tuple[FloatArray, FloatArray, bool]:

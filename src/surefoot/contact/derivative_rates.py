@@ -1,4 +1,4 @@
-"""What goes into a derivative and comes out of it: rates, tangents and cotangents, the last of batches, too."""
+"""What goes into a derivative and comes out of it: rates, tangents, cotangents; the last of batches, too."""
 
 from __future__ import annotations
 
