@@ -34,7 +34,10 @@ LAWS: list[dict[str, Any]] = [
 @pytest.mark.parametrize("laws", LAWS)
 def test_a_batch_is_its_problems(laws: dict[str, Any]) -> None:
     G, g = problems()
-    batch = sf.solve_batch(G, g, **laws, derivative=True)
+    held = laws.get("bilateral", np.zeros(4, dtype=bool))
+    given = {name: law for name, law in laws.items() if name != "bilateral"}
+    low = np.where(held, -np.inf, given.pop("normal_min", 0.0))
+    batch = sf.solve_batch(G, g, **given, normal_min=low, derivative=True)
     weights = np.random.default_rng(1).normal(size=(40, 8, 3))
     back = batch.derivative.vjp(weights[:, :4], weights[:, 4:])
     assert batch.solved.all()
@@ -165,7 +168,8 @@ def test_the_kernel_runs_in_a_callers_own_code() -> None:
         ({"mu": -1.0}, "mu must be finite and >= 0"),
         ({"mu": np.zeros(4)}, r"mu must be a number or have shape \(1,\) or \(3, 1\)"),
         ({"normal_min": 2.0, "normal_max": 1.0}, "normal_min must be <= normal_max"),
-        ({"bilateral": [1.0]}, "bilateral must be a mask"),
+        ({"normal_min": -np.inf, "normal_max": 1.0}, "a bilateral contact takes no normal bounds"),
+        ({"normal_min": -1.0}, "normal_min must be finite and >= 0"),
         ({"law": "glue"}, "unknown law 'glue'"),
         ({"warm_start": np.zeros((3, 3))}, r"warm_start must have shape \(3, 1, 3\)"),
         ({"G": np.tile(np.diag([1.0, 1.0, -1.0]), (3, 1, 1))}, "problem 0 of the batch: G must be positive"),

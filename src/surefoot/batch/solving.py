@@ -79,7 +79,6 @@ def solve_batch(
     *,
     tol: float = 1e-8,
     max_iterations: int = 10_000,
-    bilateral: ArrayLike | None = None,
     warm_start: ArrayLike | None = None,
     threads: int | None = None,
     derivative: bool = False,
@@ -97,13 +96,12 @@ def solve_batch(
         1e-5 of its largest entry).
     mu, normal_min, normal_max
         A number, (n,) or (B, n); mu dimensionless, the bounds in the forces' unit [N or N s]; see
-        `ContactProblem`. Problems of mixed sizes are padded with rows of zeros and normal_max = 0.
+        `ContactProblem`. normal_min = -inf holds a contact in all directions; problems of mixed sizes are
+        padded with rows of zeros and normal_max = 0.
     law
         "coulomb" or "convex".
     tol, max_iterations
         As for `ContactSolver`.
-    bilateral
-        (n,) or (B, n) mask of contacts that hold in all directions.
     warm_start
         (B, n, 3) forces to start from, in their unit [N or N s].
     threads
@@ -127,7 +125,7 @@ def solve_batch(
     n = m // 3
     if n > COMPILED_CONTACTS:
         raise ProblemError(f"a batch takes up to {COMPILED_CONTACTS} contacts a problem, got {n}")
-    laws, convex = _read_laws(mu, normal_min, normal_max, bilateral, B, n), named == "convex"
+    laws, convex = _read_laws(mu, normal_min, normal_max, B, n), named == "convex"
     buffers, done = np.empty((B, 2 * n + 3, 3)), np.empty(B, dtype=np.int64)
     if warm_start is not None:
         buffers[:, :n] = finite_array("warm_start", warm_start, (B, n, 3))
@@ -198,29 +196,22 @@ def _read(G: ArrayLike, g: ArrayLike) -> tuple[FloatArray, FloatArray, bool]:
     return matrices, free, given.dtype == np.float32
 
 
-def _read_laws(
-    mu: ArrayLike, low: ArrayLike, high: ArrayLike, bilateral: ArrayLike | None, B: int, n: int
-) -> FloatArray:
+def _read_laws(mu: ArrayLike, low: ArrayLike, high: ArrayLike, B: int, n: int) -> FloatArray:
     """Return the laws (1, 3, n), or (B, 3, n) where they differ from problem to problem."""
-    read = [real_array(name, v) for name, v in (("mu", mu), ("normal_min", low), ("normal_max", high))]
-    for name, value in zip(("mu", "normal_min", "normal_max"), read, strict=True):
+    names = ("mu", "normal_min", "normal_max")
+    read = [real_array(name, value) for name, value in zip(names, (mu, low, high), strict=True)]
+    for name, value in zip(names, read, strict=True):
         fitting(name, value, (B,), n)
-        if (value < 0.0).any() or (name != "normal_max" and np.isinf(value).any()):
+        held = (value == -np.inf) & (name == "normal_min")
+        if (~held & (value < 0.0)).any() or (name != "normal_max" and (value == np.inf).any()):
             raise ProblemError(
                 f"{name} must be finite and >= 0" if name != "normal_max" else f"{name} must be >= 0"
             )
-    held = np.zeros(n, dtype=np.bool_) if bilateral is None else np.asarray(bilateral)
-    if held.dtype != np.bool_ or held.shape not in ((n,), (B, n)):
-        raise ProblemError(
-            f"bilateral must be a mask of shape ({n},) or ({B}, {n}), got {held.dtype} {held.shape}"
-        )
-    count = B if any(value.ndim == 2 for value in (*read, held)) else 1
-    laws = np.empty((count, 3, n))
+    laws = np.empty((B if any(value.ndim == 2 for value in read) else 1, 3, n))
     for row, value in enumerate(read):
         laws[:, row] = value
     if (laws[:, 1] > laws[:, 2]).any():
         raise ProblemError("normal_min must be <= normal_max")
-    if (held & ((laws[:, 1] != 0.0) | (laws[:, 2] != np.inf))).any():
+    if ((laws[:, 1] == -np.inf) & (laws[:, 2] != np.inf)).any():
         raise ProblemError("a bilateral contact takes no normal bounds")
-    laws[:, 1][np.broadcast_to(held, (count, n))] = -np.inf
     return laws
