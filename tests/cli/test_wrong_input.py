@@ -189,7 +189,6 @@ OTHERS = [
     ("check nowhere.yaml", "cannot read nowhere.yaml"),
     ("check stance.yaml --fit middle", "inner, outer"),
     ("check stance.yaml --lift tail", "valid names: FL, FR, RL, RR"),
-    ("region stance.yaml --tol 0", "--tol"),
     ("region stance.yaml --lift FL,FR,RL,RR", "no contacts"),
     ("solve good.npz --solver simplex", "unknown solver 'simplex'; valid names:"),
     ("solve good.npz --solver lemke", "takes pyramids only"),

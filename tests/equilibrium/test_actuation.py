@@ -10,7 +10,6 @@ from surefoot.errors import ProblemError
 pin = pytest.importorskip("pinocchio")
 
 from surefoot.equilibrium import actuation  # noqa: E402
-from surefoot.equilibrium.comparison import overlap_loss  # noqa: E402
 from surefoot.robot import load_robot, place  # noqa: E402
 from surefoot.spatial import GRAVITY  # noqa: E402
 
@@ -86,7 +85,7 @@ def test_region_under_torque_limits_is_inside_the_ground_region(go2):
     easy, hard = actuation.com_region(go2, stance), actuation.com_region(go2, stance, share=0.2)
     assert easy.area == pytest.approx(ground.area, rel=1e-4)
     assert 0.0 < hard.area < 0.8 * ground.area
-    assert overlap_loss(hard.inner, ground.inner) < 1e-6
+    assert max(ground.distance(corner) for corner in hard.inner) < 1e-3  # the tolerance of both
     assert actuation.com_region(go2, stance, share=0.02).empty
 
 

@@ -24,7 +24,7 @@ from surefoot.lab.cone import ConePage
 from surefoot.lab.controls import Button, Checkbox, Choice, Control, Slider
 from surefoot.lab.page import Page
 from surefoot.lab.push import PushPage
-from surefoot.lab.push_run import SharedRun, WalkRun
+from surefoot.lab.push_run import WalkRun
 from surefoot.lab.recording import RecordedMotion, audit_page, plan_page
 from surefoot.lab.server import LabServer
 from surefoot.lab.session import Session
@@ -100,23 +100,20 @@ def alike(picture: np.ndarray, colour: tuple[int, int, int]) -> int:
 
 
 @pytest.fixture
-def pages() -> Iterator[dict[str, Callable[[], Page]]]:
-    """Yield what makes each page of the lab."""
-    run = WalkRun(sf.load_robot("go2"))
-    pushed = SharedRun(run)
+def pages() -> dict[str, Callable[[], Page]]:
+    """Return what makes each page of the lab."""
     motion = CleanRun(duration=0.3).log()
     forces = np.array(motion["forces"])
     forces[100:140, 0, 0] += 80.0
     log = sf.Log({**motion.arrays, "forces": forces}, motion.facts, channels=motion.channels)
     ball, report = sf.plan(None, "ball"), audit_log(log)
-    yield {
+    return {
         "cone": ConePage,
         "plan": lambda: plan_page(RecordedMotion(ball, ball.robot, ball.terrain), ball),
         "audit": lambda: audit_page(RecordedMotion(log), report),
         "stand": lambda: StandPage(start_state(sf.load_robot("go2"))),
-        "push": lambda: PushPage(pushed, run.contact_names, run.names),
+        "push": lambda: PushPage(WalkRun(sf.load_robot("go2"))),
     }
-    pushed.close()
 
 
 BROWSERS = {

@@ -34,6 +34,8 @@ from surefoot.solvers.solver import solve
 
 SMALL = 128
 """Problems up to which one thread does it: waking others takes longer."""
+MOST = 10_000
+"""Sweeps and Newton steps of a problem, all methods together, as of a `ContactSolver`."""
 SHARES = 8
 """Pieces per thread that a batch is cut into, so that hard problems do not hold up the rest."""
 
@@ -78,7 +80,6 @@ def solve_batch(
     law: str = "coulomb",
     *,
     tol: float = 1e-8,
-    max_iterations: int = 10_000,
     warm_start: ArrayLike | None = None,
     threads: int | None = None,
     derivative: bool = False,
@@ -100,8 +101,8 @@ def solve_batch(
         padded with rows of zeros and normal_max = 0.
     law
         "coulomb" or "convex".
-    tol, max_iterations
-        As for `ContactSolver`.
+    tol
+        Wanted velocity error and rounding, see `Residuals`.
     warm_start
         (B, n, 3) forces to start from, in their unit [N or N s].
     threads
@@ -118,7 +119,7 @@ def solve_batch(
     if not isinstance(law, str) or law not in LAWS:
         raise ProblemError(unknown_name("law", law, LAWS))
     named = LAWS[law]
-    tol, most = real_number("tol", tol, low=0.0, high=1e300), whole_number("max_iterations", max_iterations)
+    tol = real_number("tol", tol, low=0.0, high=1e300)
     workers = NUMBA_NUM_THREADS if threads is None else whole_number("threads", threads, low=1)
     matrices, free, single = _read(G, g)
     B, m = free.shape
@@ -131,11 +132,11 @@ def solve_batch(
         buffers[:, :n] = finite_array("warm_start", warm_start, (B, n, 3))
     limit, warm = SINGLE_ASYMMETRY if single else ASYMMETRY, warm_start is not None
     run = partial(in_ranges, count=B, threads=workers)
-    run(lambda a, b: solve_range(matrices, free, laws, convex, limit, tol, most, warm, buffers, done, a, b))
+    run(lambda a, b: solve_range(matrices, free, laws, convex, limit, tol, MOST, warm, buffers, done, a, b))
     status, valid = np.full(B, Status.SOLVED, dtype=object), done >= 0
     for b in np.flatnonzero(done < 0).tolist():
         own = laws[b if len(laws) > 1 else 0]
-        status[b] = _solve_rest(b, matrices[b], free[b], own, named, tol, most, done, buffers[b])
+        status[b] = _solve_rest(b, matrices[b], free[b], own, named, tol, done, buffers[b])
         valid[b] = status[b] is Status.SOLVED
     found = BatchDerivative(matrices, free, laws, convex, buffers, valid, run) if derivative else None
     return BatchSolution(
@@ -144,7 +145,7 @@ def solve_batch(
 
 
 def _solve_rest(
-    b: int, G: FloatArray, g: FloatArray, laws: FloatArray, law: Law, tol: float, most: int, done: IntArray,
+    b: int, G: FloatArray, g: FloatArray, laws: FloatArray, law: Law, tol: float, done: IntArray,
     buffer: FloatArray,
 ) -> Status:  # fmt: skip
     """Solve by the general path what the compiled loop left; fill the buffer and return the status."""
@@ -162,7 +163,7 @@ def _solve_rest(
     except ProblemError as error:
         raise ProblemError(f"problem {b} of the batch: {error}") from error
     guess = start if used > 0 and np.isfinite(start).all() else None
-    found = solve(problem, "auto", tol, max_iterations=max(most - used, 0), warm_start=guess)
+    found = solve(problem, "auto", tol, max_iterations=max(MOST - used, 0), warm_start=guess)
     buffer[:n], buffer[n : 2 * n] = found.forces, found.velocities
     buffer[2 * n :].reshape(-1)[:7] = astuple(found.residuals)
     done[b] = used + found.iterations

@@ -116,7 +116,7 @@ class TouchSense:
         """
         self._seek(state, feet, clock, self.asked.search or USUAL)
         if not self.asked.hold:
-            feet.schedule.release(0)
+            feet.schedule.release()
         elif clock >= 0.0:
             feet.schedule.hold(clock)
         if state.forces is None:

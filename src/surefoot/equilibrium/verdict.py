@@ -11,7 +11,7 @@ from surefoot.arrays import FloatArray
 from surefoot.cones.cone import Fit
 from surefoot.equilibrium.limits import ForceLimits, Question
 from surefoot.equilibrium.margin import REACH
-from surefoot.equilibrium.push import largest_disturbance, nonzero
+from surefoot.equilibrium.push import largest_disturbance
 from surefoot.stance import Stance
 
 if TYPE_CHECKING:
@@ -210,7 +210,4 @@ class Verdict:
             How often `direction` fits in [-]; 0 where the stance is impossible already, infinite where the
             contacts withstand any amount.
         """
-        push = nonzero(direction)
-        if not self.feasible or not len(self.stance):
-            return 0.0
-        return largest_disturbance(self.question, push)
+        return largest_disturbance(self.question, direction)

@@ -1,27 +1,19 @@
-"""Pictures of an audit: the feet over time with violations marked, and the worst moments in space."""
+"""The picture of an audit: the feet over time, with violations marked."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
-from surefoot.audit import AuditReport, Violation
+from surefoot.audit import AuditReport
 from surefoot.audit.laws import LOADED_SHARE
 from surefoot.audit.setting import BODY
 from surefoot.log import Log
-from surefoot.log.scene import frames_of, friction_of, robot_of
-from surefoot.viz.shapes import bones, cone_rim
-from surefoot.viz.style import BAD, FOOT_COLOURS, FORCE, GROUND, INK, MUTED, new_axis, new_figure, save
+from surefoot.viz.style import BAD, FOOT_COLOURS, new_axis, save
 
 COLUMNS = 1500
 """The timeline has so many columns at most; a foot is drawn as loaded where it is in any row of one."""
-MOMENTS = 3
-"""Worst moments that are drawn."""
-ARROW, CONE = 0.35, 0.08
-"""Length of the arrow of a force of m g, and height of a cone [m]."""
 LEAST_WIDTH = 0.004
 """A violation is drawn at least so wide, as a share of the log."""
 
@@ -59,66 +51,3 @@ def _loaded(log: Log, report: AuditReport) -> list[list[tuple[float, float]]]:
     return [
         [(float(edges[i]), float(width[i])) for i in np.flatnonzero(on[:, k])] for k in range(on.shape[1])
     ]
-
-
-def worst_moments(report: AuditReport) -> list[Violation]:
-    """Return the violations furthest beyond their limits, one of each law."""
-    best: dict[str, Violation] = {}
-    for one in report.violations:
-        if one.law not in best or _excess(one) > _excess(best[one.law]):
-            best[one.law] = one
-    chosen = [v for v in best.values() if v.law not in ("finite", "clock")]
-    return sorted(chosen, key=_excess, reverse=True)[:MOMENTS]
-
-
-def _excess(one: Violation) -> float:
-    return one.value / one.limit if one.limit > 0.0 else one.value
-
-
-def draw_moment(log: Log, report: AuditReport, moment: Violation, path: Path) -> Path | None:
-    """Draw the robot with forces and cones in the middle of a violation; None where the log has no places."""
-    if "contact_positions" not in log or "forces" not in log:
-        return None
-    time = np.asarray(log["time"], dtype=np.float64)
-    row = int(np.nanargmin(np.abs(time - 0.5 * (moment.start + moment.end))))
-    places = np.nan_to_num(np.asarray(log["contact_positions"][row], dtype=np.float64))
-    forces = np.nan_to_num(np.asarray(log["forces"][row], dtype=np.float64))
-    frames, mu = frames_of(log, row), friction_of(log, row)
-    figure, axes = new_figure(size=(6.0, 5.0), subplot_kw={"projection": "3d"})
-    axis = axes[0, 0]
-    robot = robot_of(log)
-    for bone in [] if robot is None else bones(robot, np.nan_to_num(np.asarray(log["q"][row]))):
-        axis.plot(*bone.T, color=INK, lw=2.5, solid_capstyle="round")
-    for k, place in enumerate(places):
-        force = frames[k] @ forces[k] * (ARROW / report.weight)
-        colour = BAD if report.contacts[k] == moment.contact else FORCE
-        if forces[k, 2] > LOADED_SHARE * report.weight and 0.0 < mu[k] < np.inf:
-            _cone(axis, place, frames[k], mu[k])
-        axis.quiver(*place, *force, color=colour, lw=1.8, arrow_length_ratio=0.15)
-        axis.text(*place, f" {report.contacts[k]}", fontsize=7, color=colour)
-    _ground(axis, places)
-    axis.set_title(f"{moment.law} of {moment.contact} at {time[row]:.3f} s: {moment.value:.3g} {moment.unit}")
-    axis.set_aspect("equal")
-    return save(figure, path)
-
-
-def _cone(axis: Any, apex: FloatArray, frame: FloatArray, mu: float) -> None:
-    rim = apex + cone_rim(mu, CONE, frame, 24)
-    axis.plot(*rim.T, color=MUTED, lw=0.8)
-    for edge in rim[::4]:
-        axis.plot(*np.stack([apex, edge], axis=1), color=MUTED, lw=0.5)
-
-
-def _ground(axis: Any, places: FloatArray) -> None:
-    low, high = places.min(axis=0) - 0.1, places.max(axis=0) + 0.1
-    x, y = np.meshgrid([low[0], high[0]], [low[1], high[1]])
-    axis.plot_surface(x, y, np.full(x.shape, places[:, 2].min()), color=GROUND, alpha=0.4, lw=0)
-
-
-def draw_audit(log: Log, report: AuditReport, folder: Path) -> list[Path]:
-    """Draw an audit's timeline and worst moments into a folder and return their paths."""
-    made = [draw_timeline(log, report, folder / "timeline.png")]
-    for k, moment in enumerate(worst_moments(report), 1):
-        drawn = draw_moment(log, report, moment, folder / f"moment_{k}_{moment.law}.png")
-        made += [] if drawn is None else [drawn]
-    return made

@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_array, real_number
 from surefoot.errors import ProblemError
-from surefoot.planning.shooting.cost_kernels import FootTable, JointTable, StateTable, TorqueTable
+from surefoot.planning.shooting.cost_terms import FootTable, JointTable, StateTable, TorqueTable
 from surefoot.robot import Robot
 
 

@@ -102,6 +102,9 @@ class Shooting:
                 ended = self._descend(smoothing, settings, costs, tell or _silent, note, last)
                 if ended is Status.MAX_ITERATIONS:
                     break
+            engine.damping = settings.damping
+            if engine.differentiate(smoothing):  # gains of what was found, not of the last step tried
+                engine.backward()
         except KeyboardInterrupt:
             ended = Status.MAX_TIME
         return self._result(costs, ended)
@@ -152,7 +155,7 @@ class Shooting:
                     factor = 0.2 if share == 1.0 else (1.0 if share >= 0.25 else 4.0)
                     engine.damping = max(factor * engine.damping, settings.least)
                     return True
-            engine.damping *= 10.0
+            engine.damping = max(10.0 * engine.damping, settings.least)
         engine.damping = settings.damping
         return False
 
