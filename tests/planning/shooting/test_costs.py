@@ -33,13 +33,9 @@ CASES = {
     "torques": Costs(NONE, TorqueCost(0.2, matrix(12, 3), np.linspace(-1.0, 2.0, 12))),
     "slip": Costs(NONE, feet=FootCost(slip=[1.0, 2.0, 0.0, 0.5], width=0.03)),
     "landing": Costs(NONE, feet=FootCost(landing=[1.0, 0.0, 3.0, 0.5], landing_width=0.05)),
-    "joint bounds": Costs(
-        NONE, joints=JointCost(2.0, 0.3, positions=np.tile([[-0.3], [0.2]], 12), speeds=0.1)
-    ),
+    "joint bounds": Costs(NONE, joints=JointCost(2.0, 0.3)),
     "coupling": Costs(NONE, joints=JointCost(coupling=matrix(24, 4))),
-    "all": Costs(
-        STATE["state"], TorqueCost(0.1), FootCost(2.0, 0.02, 1.0, 0.05), JointCost(1.0, 1.0, speeds=0.5)
-    ),
+    "all": Costs(STATE["state"], TorqueCost(0.1), FootCost(2.0, 0.02, 1.0, 0.05), JointCost(1.0, 1.0)),
 }
 
 
@@ -140,7 +136,6 @@ def test_differences_are_pinocchios_to_first_order(floating: bool) -> None:
         (Costs(NONE, feet=FootCost(slip=-1.0)), "slip"),
         (Costs(NONE, feet=FootCost(width=0.0)), "width"),
         (Costs(NONE, joints=JointCost(coupling=-np.eye(24))), "coupling"),
-        (Costs(NONE, joints=JointCost(positions=np.zeros((2, 3)))), "positions"),
     ],
 )
 def test_costs_that_are_none_are_refused_by_name(costs: Costs, word: str) -> None:

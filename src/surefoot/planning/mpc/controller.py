@@ -33,6 +33,7 @@ from surefoot.planning.shooting.horizon import FeedbackPolicy
 from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.robot import Robot
 from surefoot.robot.placement import place
+from surefoot.spatial import heading_of
 from surefoot.terrain import FlatTerrain, Terrain
 
 RAMP = 1.5
@@ -355,5 +356,5 @@ def _springs(knots: int, nv: int, stiffness: FloatArray, damping: FloatArray) ->
 
 def _heading(q: FloatArray) -> float:
     """Return the yaw of a free flyer [rad]."""
-    x, y, z, w = q[3:7]
-    return math.atan2(2.0 * (x * y + w * z), w * w + x * x - y * y - z * z)
+    ahead, aside = heading_of(q[3:7])
+    return math.atan2(aside, ahead)
