@@ -45,7 +45,8 @@ def largest_disturbance(question: Question, direction: ArrayLike) -> float:
     d /= size
 
     def margin(s: float) -> float:
-        outcome, most, *_ = most_margin(eq.A, eq.e, eq.w + s * d, eq.lorentz, eq.blocks)
+        # forces and bounds in units of the load with the disturbance: of size one however large that is
+        outcome, most, *_ = most_margin(eq.A, eq.e, (eq.w + s * d) / (1.0 + s), eq.lorentz, eq.blocks)
         return most if outcome in (FEASIBLE, ENDLESS) else -math.inf
 
     if margin(0.0) <= BAND:
