@@ -9,10 +9,14 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control import swing
-from surefoot.control.feet_kernels import follow_phases, set_timing
 from surefoot.control.foothold import choose_foothold
 from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
-from surefoot.control.walking_kernels import swing_accelerations, swing_paths
+from surefoot.control.walking_kernels import (
+    follow_phases,
+    set_timing,
+    swing_accelerations,
+    swing_paths,
+)
 from surefoot.estimation.live_arrays import Bound
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
