@@ -213,8 +213,9 @@ class ConvexMpc:
         self._points[:] = np.nan
 
     def shift(self, elapsed: float) -> None:
-        """Move the remembered plan forward by the time since it was made [s], for the next warm start."""
-        self._points = mpc_model.advance(self._points, max(elapsed / self.dt, 0.0))
+        """Move the remembered plan on by the steps of the time since it was made [s]: a warm start."""
+        ahead = np.arange(self.horizon) + round(max(elapsed / self.dt, 0.0))
+        self._points = self._points[np.minimum(ahead, self.horizon - 1)]
 
     def solve(
         self,

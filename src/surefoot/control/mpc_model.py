@@ -293,34 +293,6 @@ def _add_wrench(
 
 
 @kernel
-def advance(points: FloatArray, steps: float) -> FloatArray:
-    """Return what is known per step and foot (N, n, 3), NaN for nothing, seen `steps` later.
-
-    In between two steps it is interpolated, beside nothing the one known value is taken, and the last step
-    stands for all that come after it.
-    """
-    N, n = points.shape[:2]
-    out = np.empty_like(points)
-    for k in range(N):
-        at = min(k + steps, N - 1.0)
-        low = int(at)
-        high = min(low + 1, N - 1)
-        share = at - low
-        for i in range(n):
-            weight = share
-            if math.isnan(points[high, i, 0]):
-                weight = 0.0
-            elif share > 0.0 and math.isnan(points[low, i, 0]):
-                weight = 1.0
-            for a in range(3):
-                here, ahead = points[low, i, a], points[high, i, a]
-                out[k, i, a] = (1.0 - weight) * here + weight * ahead
-                if weight == 0.0 or weight == 1.0:
-                    out[k, i, a] = here if weight == 0.0 else ahead
-    return out
-
-
-@kernel
 def finish(
     step: IntArray, foot: IntArray, M: FloatArray, force: FloatArray, drift: FloatArray, frames: FloatArray,
     heading: FloatArray, reference: FloatArray, dt: float,
