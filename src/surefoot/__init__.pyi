@@ -5,7 +5,6 @@ from .audit import assert_lawful as assert_lawful
 from .audit import audit_log as audit_log
 from .audit import summarise_walk as summarise_walk
 from .audit.log_faults import seeded_faults as seeded_faults
-from .batch import DifferentiableSolver as DifferentiableSolver
 from .batch import solve_batch as solve_batch
 from .cones import FrictionCone as FrictionCone
 from .cones import WrenchCone as WrenchCone

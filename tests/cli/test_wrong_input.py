@@ -209,11 +209,11 @@ OTHERS = [
         for words in (
             "nobody mujoco",
             "physical nobody stiffness=1 damping=0",
-            "physical ode stiffness=1",
-            "physical ode stiffness damping=1",
-            "physical ode stiffness=1 stiffness=2 damping=1",
-            "physical ode stiffness=1e4 damping=1 --dt 0",
-            "physical ode stiffness=1e4 damping=1 --prove",
+            "physical bullet stiffness=1",
+            "physical bullet stiffness damping=1",
+            "physical bullet stiffness=1 stiffness=2 damping=1",
+            "physical bullet stiffness=1e4 damping=1 --dt -1",
+            "physical bullet stiffness=1e4 damping=1 --prove",
             "physical mujoco stiffness=1e4 damping=1 --mass -1",
             "mujoco physical solref=0.02",
         )

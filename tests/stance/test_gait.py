@@ -110,7 +110,7 @@ def test_mode_schedule_merges_runs_of_a_foot() -> None:
         (lambda: Gait.from_phases("x", 0.5, 0.0, [0.0, 0.5]), "duty of gait x must be above 0"),
         (lambda: Gait.from_phases("x", -0.5, 0.5, [0.0, 0.5]), "period must be"),
         (lambda: named_gait("hop"), "unknown gait for 4 feet 'hop'; valid names: bound"),
-        (lambda: named_gait("trot", feet=6), "named gaits for 2 and 4 feet, not for 6"),
+        (lambda: named_gait("trot", feet=6), "unknown gait for 6 feet 'trot'; valid names: ripple"),
     ],
 )
 def test_wrong_schedules_are_told(make: object, message: str) -> None:

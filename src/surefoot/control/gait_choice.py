@@ -22,7 +22,7 @@ from surefoot.spatial import GRAVITY
 from surefoot.stance.adaptive_gait import AdaptiveGait, Pace, Stride
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.stance.gait import Gait
-from surefoot.stance.gait_library import PATTERNS, REFERENCE_LEG, GaitPattern, named_gait
+from surefoot.stance.gait_library import REFERENCE_LEG, GaitPattern, named_gait, patterns_of
 
 AUTO = "auto"
 """Name of the choice by speed."""
@@ -30,7 +30,7 @@ WALKS_BELOW, HYSTERESIS = 0.12, 0.15
 """Speed up to which `auto` walks, as a share of sqrt(g h), and the share by which it must be passed."""
 AUTO_WALK = (-0.125, 0.375, 0.625, 0.125)
 """Offsets of a walk that are nearest to a trot's: no foot moves by more than an eighth between them."""
-LEAST_DUTY = {"walk": 0.65, "pace": 0.5}
+LEAST_DUTY = {"walk": 0.65, "pace": 0.5, "tripod": 0.5, "ripple": 0.6, "wave": 0.75}
 """A gait in the greatest hurry keeps its feet on the ground for this share; others for `HURRIED_DUTY`."""
 
 
@@ -70,14 +70,16 @@ def choose_gait(body: LeggedBody, command: VelocityCommand, gait: str | ContactS
     if not isinstance(gait, str):
         return _fixed(body, command, gait)
     feet = len(body.robot.feet)
-    patterns = PATTERNS.get(feet, {})
+    places = body.robot.foot_positions(body.robot.nominal)[:, :2]
+    patterns = patterns_of(feet, places)
     if gait == AUTO and feet != len(AUTO_WALK):
         raise ProblemError(f"gait {AUTO!r} is for {len(AUTO_WALK)} feet, {body.robot.name} has {feet}")
     if gait != AUTO and patterns and gait not in patterns:
-        raise ProblemError(unknown_name(f"gait for {feet} feet", gait, (*patterns, AUTO)))
+        auto = (AUTO,) if feet == len(AUTO_WALK) else ()
+        raise ProblemError(unknown_name(f"gait for {feet} feet", gait, (*patterns, *auto)))
     if gait == AUTO:
         return _automatic(body, command)
-    own = named_gait(gait, feet, body.height)
+    own = named_gait(gait, feet, body.height, places=places)
     if own.swing_time == 0.0:
         return GaitChoice(own, command, [], own.period, lambda other: other)
     stairs = _on_stairs(body, command, own) if gait == "trot" else None
@@ -161,7 +163,7 @@ def _pace(body: LeggedBody, pattern: GaitPattern) -> Pace:
 
 def _automatic(body: LeggedBody, command: VelocityCommand) -> GaitChoice:
     """Return the schedule that stands, walks and trots by speed."""
-    patterns = PATTERNS[len(AUTO_WALK)]
+    patterns = patterns_of(len(body.robot.feet))
     trot, walk = _pace(body, patterns["trot"]), _pace(body, patterns["walk"])
     limits = Limits(body, trot, True)
     limited = limits.limit(command)

@@ -12,8 +12,11 @@ from surefoot.terrain import Terrain
 
 
 def default_gait(robot: Robot) -> str:
-    """Return the name of the gait that a robot walks with unless another is given: trot, on two feet walk."""
-    return "walk" if len(robot.feet) == 2 else "trot"
+    """Return the name of the gait that a robot walks with unless another is given.
+
+    On two feet walk, on three wave, on four trot, on more tripod.
+    """
+    return {2: "walk", 3: "wave", 4: "trot"}.get(len(robot.feet), "tripod")
 
 
 def walking_controller(
