@@ -13,8 +13,10 @@ import pytest
 
 import surefoot as sf
 from surefoot.errors import NoSolution
+from surefoot.laws import SpringDamper
 from surefoot.simulation.bodies import ball, box, falling_cat
 from surefoot.simulation.rigid import RigidWorld
+from surefoot.spatial import GRAVITY
 from surefoot.stepping import State, Step, StepOptions, Stepper, step_derivative
 from surefoot.stepping import motion as rules
 from surefoot.stepping.state import StepRemainder
@@ -282,6 +284,40 @@ def test_touching_contacts_are_one_sided() -> None:
         assert np.r_[ahead.q, ahead.v] == pytest.approx(wanted, abs=1e-3)
 
 
+def test_smoothing_reaches_a_ball_above_the_ground() -> None:
+    """Against the root of λ (v + λ/m - g dt + gap/dt) = κ, straight above a plane."""
+    m, height, kappa, dt = 2.0, 0.03, 1e-3, 1e-3
+    body = ball(m, 0.1)
+    stepper = Stepper(body)
+    q = body.nominal.copy()
+    q[2] += height
+    state, speed = stepper.start(q, np.r_[0.0, 0.0, -0.4, np.zeros(3)]), -0.4
+    assert step_derivative(stepper, state, np.zeros(0), mu=0.0).forces["q"].any() == np.False_
+    d = step_derivative(stepper, state, np.zeros(0), mu=0.0, smoothing=kappa)
+
+    def impulse(z: float) -> float:
+        free = speed - GRAVITY * dt + (z + 0.5 * dt * speed) / dt
+        return 2.0 * kappa / (np.sqrt(free**2 + 4.0 * kappa / m) + free)
+
+    slope = (impulse(height + 1e-7) - impulse(height - 1e-7)) / 2e-7
+    assert d.modes == ("smooth",)
+    assert slope < 0.0
+    assert d.forces["q"][2, 2] * dt == pytest.approx(slope, rel=1e-6)
+    assert d.A[8, 2] == pytest.approx(slope / m, rel=1e-6)
+
+
+def test_smoothing_of_a_standing_robot_is_near_the_derivative_itself() -> None:
+    robot, q, v, torques = go2_at(sf.FlatTerrain(), 2e-4, 0)
+    stepper = Stepper(robot)
+    state = stepper.start(q, v)
+    exact = step_derivative(stepper, state, torques, mu=0.5).A
+    off = [
+        np.abs(step_derivative(stepper, state, torques, mu=0.5, smoothing=k).A - exact).max()
+        for k in (1e-5, 1e-7)
+    ]
+    assert off[1] < 0.1 * off[0]
+
+
 def test_a_world_differentiates_its_last_step() -> None:
     robot, q, v, torques = go2_at(sf.FlatTerrain(), 2e-4, 0)
     world = RigidWorld(robot, mu=0.5)
@@ -302,9 +338,14 @@ def test_wrong_arguments_are_named() -> None:
     state = stepper.start(*go2_at(sf.FlatTerrain(), 2e-4, 0)[1:3])
     with pytest.raises(NoSolution):
         step_derivative(stepper, state, np.zeros(12)).A  # noqa: B018
+    soft = Stepper(robot, options=StepOptions(law=SpringDamper(2e4, 100.0)))
+    with pytest.raises(sf.ProblemError, match="a step with a SpringDamper"):
+        step_derivative(soft, state, np.zeros(12), smoothing=1e-3)
     stepper = Stepper(robot)
     with pytest.raises(sf.ProblemError, match="torques"):
         step_derivative(stepper, state, np.zeros(3))
+    with pytest.raises(sf.ProblemError, match="smoothing"):
+        step_derivative(stepper, state, np.zeros(12), smoothing=-1.0)
     d = step_derivative(stepper, state, np.zeros(12))
     with pytest.raises(sf.ProblemError, match="leaving"):
         d.jvp(leaving=np.zeros(3))

@@ -308,7 +308,7 @@ class RigidWorld:
         pairs = [(touch.body, touch.other) for touch in self.touches()]
         return [(a, b) for a, b in pairs if not (a.split(":")[0] in feet and b == "ground")]
 
-    def derivative(self) -> StepDerivative:
+    def derivative(self, smoothing: float = 0.0) -> StepDerivative:
         """Return the derivative of the last step, see `StepDerivative` and `stepping.step_derivative`.
 
         Raises
@@ -326,7 +326,7 @@ class RigidWorld:
             raise ProblemError(
                 'steps are differentiated with actuators="ideal", not with motors and friction'
             )
-        return step_derivative(self.stepper, *self._given, step=self.last)
+        return step_derivative(self.stepper, *self._given, smoothing, step=self.last)
 
     def energy(self) -> float:
         """Return kinetic plus potential energy [J], zero potential at z = 0, and what soft contacts store.

@@ -210,7 +210,7 @@ class Backward:
         state = taken.states[k]
         if step is None:
             step = stepper.step(state, taken.torques[k], push, taken.mu[k])
-        stages = stages_of(stepper, StepArguments(state, taken.torques[k], push, taken.mu[k], step))
+        stages = stages_of(stepper, StepArguments(state, taken.torques[k], push, taken.mu[k], 0.0, step))
         both: bool | None = False
         for response, near in stages.responses:
             response.regular, foot = True, self.world.contact_foot[near]

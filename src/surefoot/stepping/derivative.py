@@ -61,12 +61,20 @@ class StepDerivative:
     Contacts and their modes are those of the step: who may touch, which of two guesses of the swerve is
     taken, whether a gap is open. Where a mode is about to change `kinks` says so; `jvp` is one-sided there,
     and the rest belongs to the modes named. Redundant contacts: see `ContactDerivative`.
+
+    Attributes
+    ----------
+    smoothing
+        As given, see `ContactDerivative` [W]; every contact point of the robot takes part then.
     """
 
     def __init__(self, stepper: Stepper, request: StepArguments) -> None:
+        soft = stepper.options.soft
+        if soft is not None and request.smoothing > 0.0:
+            raise ProblemError(f"a step with a {type(soft).__name__} is differentiated without smoothing")
         if stepper.geometry is not None:
             raise ProblemError("a step is differentiated with feet on the ground alone, not with a geometry")
-        self._stepper, self._dt = stepper, stepper.options.dt
+        self._stepper, self._dt, self.smoothing = stepper, stepper.options.dt, request.smoothing
         self._stages = stages_of(stepper, request)
 
     @property
@@ -159,14 +167,15 @@ class StepDerivative:
         One that opens is put back on the ground by the step, one that is pressed in is not (up to the
         stabilisation): dense blocks belong to the gap's sign as it came out.
         """
-        if self.step.impact is None or self.step.pieces or self._stepper.options.pull == 1.0:
+        none = self.step.impact is None or bool(self.step.pieces) or self.smoothing > 0.0
+        if self.step.impact is None or none or self._stepper.options.pull == 1.0:
             return np.zeros(0, dtype=np.int64)
         near = self.step.impact.near
         return near[np.abs(self.step.gaps[near]) <= TOUCHING]
 
     @property
     def modes(self) -> tuple[str, ...]:
-        """What every contact point does: "open", "stick", "slide" and so on."""
+        """What every contact point does: "open", "stick", "slide" and so on; "smooth" with smoothing."""
         out = ["open"] * len(self._stepper.robot.contact_points)
         for response, near in self._stages.responses[-1:]:
             for k, mode in zip(near.tolist(), response.derivative.modes, strict=True):
@@ -260,7 +269,7 @@ class StepDerivative:
 def stages_of(stepper: Stepper, request: StepArguments) -> Stages:
     """Return the stages of a step, of the kind that it was taken in; its outcome may be known."""
     step = request.step
-    if step is not None and step.pieces:
+    if step is not None and step.pieces and request.smoothing == 0.0:
         return LocatedStages(stepper, request)
     first = stepper.options.order == 1 and (step is None or step.impact is not None)
     return (FirstOrderStages if first else Stages)(stepper, request)
@@ -272,12 +281,16 @@ def step_derivative(
     torques: FloatArray,
     push: FloatArray | None = None,
     mu: float = 0.6,
+    smoothing: float = 0.0,
     step: Step | None = None,
 ) -> StepDerivative:
     """Take a step and return its derivative; the arguments are those of `Stepper.step`.
 
     Parameters
     ----------
+    smoothing
+        0 for the laws themselves; else normal force times normal velocity on the central path [W], in
+        impulses per step: N s · m/s. See `ContactDerivative`.
     step
         Its outcome where that is known, so that it need not be taken once more.
 
@@ -298,6 +311,10 @@ def step_derivative(
     >>> d.A.shape, d.B.shape, len(d.modes)
     ((36, 36), (36, 12), 4)
     """
+    smoothing = real_number("smoothing", smoothing, low=0.0, high=1e300)
     mu = real_number("mu", mu, low=0.0)
-    step = step or stepper.step(state, torques, push, mu)
-    return StepDerivative(stepper, StepArguments(state, torques, push, mu, step))
+    if smoothing > 0.0:
+        step = None
+    elif step is None:
+        step = stepper.step(state, torques, push, mu)
+    return StepDerivative(stepper, StepArguments(state, torques, push, mu, smoothing, step))

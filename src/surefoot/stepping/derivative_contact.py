@@ -33,7 +33,7 @@ class Response:
         If it is not SOLVED.
     """
 
-    def __init__(self, solution: ContactSolution, smoothing: float = 0.0) -> None:
+    def __init__(self, solution: ContactSolution, smoothing: float) -> None:
         solution.raise_if_failed()
         self.regular = False
         self.solution, self.smoothing = solution, smoothing

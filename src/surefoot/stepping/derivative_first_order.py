@@ -26,7 +26,11 @@ class FirstOrderStages(Stages):
         stepper, request = self.stepper, self.request
         self.speed = request.state.v
         options, seen = stepper.options, self._seen(request.state.q)
-        self.main = self._exchange(self._work.heavy, options.dt, impact, seen, options.dt, options.pull)
+        if request.smoothing > 0.0:
+            impact = self._smoothed(impact, seen)
+        self.main = self._exchange(
+            self._work.heavy, options.dt, impact, seen, options.dt, options.pull, request.smoothing
+        )
 
     def through(
         self,

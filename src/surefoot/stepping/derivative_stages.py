@@ -9,29 +9,31 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.spatial import skew
+from surefoot.spatial import GRAVITY, skew
+from surefoot.stepping import arithmetic
 from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import FlowDerivative
 from surefoot.stepping.derivative_impact import NO_LAWS, Exchange, GroundTurn, Laws, Rates
 from surefoot.stepping.detection import Contacts
-from surefoot.stepping.impacts import Tally
+from surefoot.stepping.impacts import Tally, finite_problem
 from surefoot.stepping.motion import moved
 from surefoot.stepping.state import Impact, State, Step
 from surefoot.stepping.stepper import PROJECTIONS, Stepper
 
 
 class StepArguments(NamedTuple):
-    """A step to be differentiated: the arguments of `Stepper.step`.
+    """A step to be differentiated: the arguments of `Stepper.step`, and the smoothing.
 
-    `step` is its outcome; it may be shorter than the others.
+    `step` is its outcome, None where it is to be taken; it may be shorter than the others.
     """
 
     state: State
     torques: FloatArray
     push: FloatArray | None
     mu: float
-    step: Step
+    smoothing: float
+    step: Step | None = None
 
 
 class Work:
@@ -87,7 +89,12 @@ class Stages:
         self.effort[stepper.robot.base_dof :] = finite_vector(
             "torques", request.torques, stepper.robot.joints
         )
-        self.step, self.dt = request.step, request.step.dt
+        state, push, mu = request.state, request.push, request.mu
+        self.step: Step = request.step or stepper.step(state, request.torques, push, mu)
+        if request.smoothing > 0.0 and (self.step.pieces or self.step.impact is None):  # all take part
+            retake = stepper.take_first_order if stepper.options.order == 1 else stepper.meet_ground
+            self.step = retake(state, self.effort, push, mu)
+        self.dt = self.step.dt
         self._retrace(self.step.impact)
 
     speed: FloatArray | None = None
@@ -108,7 +115,9 @@ class Stages:
         self.coasts = [Coast(work.coasting, state.q, v, 0.5 * dt, None)]
         self._push_out(impact)
         seen = self._seen(impact.q)
-        main = self._exchange(work.heavy, dt, impact, seen, dt, stepper.options.pull)
+        if request.smoothing > 0.0:
+            impact = self._smoothed(impact, seen)
+        main = self._exchange(work.heavy, dt, impact, seen, dt, stepper.options.pull, request.smoothing)
         if (memory := state.memory) is not None:
             main = replace(main, last=memory.impulses, leaving=memory.leaving)
         self.main = main
@@ -140,7 +149,7 @@ class Stages:
 
     def _exchange(
         self, model: tuple[Any, Any], span: float, impact: Impact, seen: Contacts, horizon: float,
-        pull: float,
+        pull: float, smoothing: float = 0.0,
     ) -> Exchange:  # fmt: skip
         """Return an exchange of impulses with what its derivative needs."""
         stepper, work = self.stepper, self._work
@@ -149,12 +158,35 @@ class Stages:
         twists = np.ascontiguousarray(stepper.bodies.contacts.twists(impact.q).T)
         ground = GroundTurn.below(stepper.terrain, seen, points.radii)
         nothing = np.zeros(impact.impulses.shape)
-        response = None if impact.solution is None else Response(impact.solution)
+        response = None if impact.solution is None else Response(impact.solution, smoothing)
         return Exchange(
             *model, impact, seen, ground, stepper.bodies.L.copy(), twists, work.first, points, span,
             stepper.bodies.data.oMi[1].rotation.copy(),
             np.zeros_like(impact.before) if self.speed is None else self.speed,
             nothing, nothing, horizon, stepper.options, pull, response,
+        )  # fmt: skip
+
+    def _smoothed(self, impact: Impact, seen: Contacts) -> Impact:
+        """Return the exchange on the central path, with all contact points."""
+        stepper, every = self.stepper, np.arange(len(seen.gaps))
+        if not every.size:
+            return impact
+        options = stepper.options
+        stepper.bodies.weigh(impact.q)
+        rows, G, g = arithmetic.assemble(
+            seen.J, stepper.bodies.L, impact.before, impact.free, seen.gaps, every, self.dt,
+            options.restitution, 2.0 * options.dt * GRAVITY, options.pull,
+        )  # fmt: skip
+        swerve = impact.velocities - impact.leaving
+        problem = finite_problem(G, g + swerve.ravel(), self.request.mu, options.problem_law)
+        solution = stepper.solve(problem, impact.impulses)
+        forces = Response(solution, self.request.smoothing).forces
+        after = arithmetic.apply_impulses(stepper.bodies.L, rows, forces.ravel(), impact.free)
+        leaving = seen.velocities(after)
+        means = leaving if impact.velocities is impact.leaving else leaving + swerve
+        return impact._replace(
+            after=after, near=every, rows=rows, impulses=forces, leaving=leaving, velocities=means,
+            solution=solution,
         )  # fmt: skip
 
     @property

@@ -282,7 +282,7 @@ class Knot:
             contacts = ContactProblem(G, g, self._mu, law=self.stepper.options.problem_law)
             solution = self.stepper.solve(contacts, record[:k])
             by_g[:, 3 * k :] = 0.0
-            by_g[:, : 3 * k], by_g[:, 3 * k] = Response(solution).blocks
+            by_g[:, : 3 * k], by_g[:, 3 * k] = Response(solution, 0.0).blocks
         return near, Y, by_g, self.impulses, self._reached
 
     def _smoothed(self, kappa: float) -> Linearisation:
