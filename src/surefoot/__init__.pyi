@@ -4,6 +4,7 @@ from . import laws as laws
 from .audit import assert_lawful as assert_lawful
 from .audit import audit_log as audit_log
 from .audit import summarise_walk as summarise_walk
+from .audit.contact_times import contact_times as contact_times
 from .audit.log_faults import seeded_faults as seeded_faults
 from .batch import solve_batch as solve_batch
 from .cones import FrictionCone as FrictionCone
