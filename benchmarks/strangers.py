@@ -118,7 +118,7 @@ def recorded(model: Any, seconds: float, seed: int = 0) -> sf.Log:
     low, high = np.where(model.actuator_ctrllimited[:, None], model.actuator_ctrlrange, [[-1.0, 1.0]]).T
     servo = model.actuator_biastype != mujoco.mjtBias.mjBIAS_NONE
     with sf.record(model, data) as log:
-        while data.time < seconds:
+        for _ in range(round(seconds / model.opt.timestep / (1 if held else 4))):  # an unstable one is reset
             wave = WAVE * sign * np.sin(2.0 * np.pi * RATE * data.time)
             if held:
                 torque = gain * (goal + wave - data.qpos[at]) - gain * DAMPED * 0.1 * data.qvel[dof]

@@ -90,12 +90,11 @@ def test_region_draws_and_says_where_the_weight_is(capsys, slides, tmp_path):
     assert code == 0
     assert found["com_inside"] is True
     assert found["com_region"]["area"] > 0.1
-    assert len(found["differences"]) == 2
+    assert found["zmp_region"]["gap"] <= 1e-3
     assert Path(found["picture"]).stat().st_size > 10_000
     code, found = facts(capsys, "region", slides, "--out", str(tmp_path))
     assert code == 0
     assert found["com_inside"] is False
     assert found["com_region"]["corners"] == []
-    assert "friction is not enough" in found["differences"][0]
     assert main(["region", str(EXAMPLES / "chimney.yaml"), "--no-picture"]) == 0
-    assert "beyond the support polygon" in " ".join(capsys.readouterr().out.split())
+    assert "zero-moment point" in capsys.readouterr().out

@@ -31,7 +31,7 @@ def run(folder: Path, capfd: pytest.CaptureFixture[str], *words: str) -> Any:
 @pytest.mark.long
 def test_json_holds_the_fit_and_both_errors(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("mujoco")
-    words = ("--test", str(folder / "test.npz"), "--rivals", "mujoco", "--json")
+    words = ("--test", str(folder / "test.npz"), "--rivals", "mujoco", "--no-picture", "--json")
     facts = json.loads(run(folder, capfd, *words))
     for name, truth in (("mu", 0.2), ("restitution", 0.1), ("com_z", 0.0)):
         estimate = facts["fit"][name]
@@ -49,8 +49,10 @@ def test_json_holds_the_fit_and_both_errors(folder: Path, capfd: pytest.CaptureF
     assert set(rival["fit"]) >= {"mu", "solref_time", "solref_ratio", "solimp_least", "solimp_most"}
 
 
-def test_tables_and_laws(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    out = run(folder, capfd, "--law", "rigid", "--law", "newton", "--rivals", "none")
+def test_tables_laws_and_picture(folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib")
+    words = ("--law", "rigid", "--law", "newton", "--rivals", "none", "--out", str(tmp_path))
+    out = run(folder, capfd, *words)
     for word in (
         "mu",
         "restitution",
@@ -61,11 +63,15 @@ def test_tables_and_laws(folder: Path, capfd: pytest.CaptureFixture[str]) -> Non
         "95 % interval",
     ):
         assert word in out
+    (picture,) = tmp_path.glob("identify-*/tosses.png")
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert str(picture) in out.replace("\n", "")
 
 
 def test_without_a_test_no_rival_runs_unasked(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    facts = json.loads(run(folder, capfd, "--json"))
+    facts = json.loads(run(folder, capfd, "--no-picture", "--json"))
     assert facts["test"] is None
     assert facts["train"]["rivals"] == {}
+    assert facts["picture"] is None
     assert list(folder.iterdir())
     assert {f.name for f in folder.iterdir()} == {"train.npz", "test.npz"}

@@ -57,7 +57,8 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
     if words[0] == "robot":  # it waits for somebody who drives it: tests/drive has both
         return (*words, "--seconds", "0.2")
     if words[0] == "worlds":  # all of them in all worlds are tests/experiments/test_experiments.py's
-        return words if len(words) > 1 and not words[1].startswith("-") else (words[0], "slide", *words[1:])
+        names = words if len(words) > 1 and not words[1].startswith("-") else (words[0], "slide", *words[1:])
+        return (*names, "--no-pictures")
     if words[0] == "plan":
         return (*words, "--no-video", "--no-report")
     if words[0] == "sweep":

@@ -1,9 +1,10 @@
-"""`surefoot worlds`: tables, JSON, exit codes."""
+"""`surefoot worlds`: tables, JSON, picture, exit codes."""
 
 from __future__ import annotations
 
 import importlib.util
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -72,13 +73,13 @@ def test_help_names_every_experiment() -> None:
 
 
 def test_engines_at_their_defaults(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """MuJoCo's pyramid lets a slide at 45 degrees go sqrt(2) as far; tuned and exact cones do not."""
     pytest.importorskip("mujoco")
     monkeypatch.delenv("SUREFOOT_NEWTON_PYTHON", raising=False)
     words = ["--defaults", "--world", "mujoco", "--world", "rigid", "--world", "newton"]
-    code, found = asked(capsys, "slide", "slide at 45 deg", *words)
+    code, found = asked(capsys, "slide", "slide at 45 deg", *words, "--out", str(tmp_path))
     assert code == 0
     error = {(row["engine"], row["case"]): row["error"] for row in found["rows"]}
     assert error["mujoco", "slide at 45 deg"] == pytest.approx(2.0**0.5 - 1.0, abs=0.02)
@@ -87,3 +88,5 @@ def test_engines_at_their_defaults(
     assert error["rigid", "slide at 45 deg"] < 1e-5
     assert all(row["cost"] > 0.0 for row in found["rows"])
     assert "SUREFOOT_NEWTON_PYTHON" in found["absent"]["newton"]
+    (picture,) = tmp_path.glob("*/defaults.png")
+    assert picture.stat().st_size > 10_000

@@ -198,16 +198,17 @@ OTHERS = [
     ("worlds --defaults tip", "unknown scene of --defaults 'tip'; valid names: creep on a slope"),
     ("worlds --defaults --world moon", "unknown engine 'moon'"),
     *((f"worlds drop --dt {n}", "--dt must be between") for n in ("0", "nan")),
+    ("worlds drop --world rigid --out /dev/null", "cannot write to --out"),
     *(
         (f"translate {words}", "surefoot: ")
         for words in (
             "nobody mujoco",
             "physical nobody stiffness=1 damping=0",
-            "physical ode stiffness=1",
-            "physical ode stiffness damping=1",
-            "physical ode stiffness=1 stiffness=2 damping=1",
-            "physical ode stiffness=1e4 damping=1 --dt 0",
-            "physical ode stiffness=1e4 damping=1 --prove",
+            "physical bullet stiffness=1",
+            "physical bullet stiffness damping=1",
+            "physical bullet stiffness=1 stiffness=2 damping=1",
+            "physical bullet stiffness=1e4 damping=1 --dt -1",
+            "physical bullet stiffness=1e4 damping=1 --prove",
             "physical mujoco stiffness=1e4 damping=1 --mass -1",
             "mujoco physical solref=0.02",
         )

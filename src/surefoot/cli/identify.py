@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,6 +15,7 @@ import typer
 from surefoot.arrays import whole_number
 from surefoot.cli import options
 from surefoot.cli.console import progress_bar, say, show, table
+from surefoot.cli.extras import drawn
 from surefoot.cli.output import check_out
 from surefoot.errors import ProblemError, check_name
 
@@ -55,11 +57,11 @@ def identify(
     ] = NAMED,
     resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,
     seed: Annotated[int, typer.Option(help="Of the resampling and of the points tried.")] = 0,
-    out: Annotated[Path, typer.Option(help="Parent of the new folder for a leg's forces.")] = Path("runs"),
+    out: options.PictureOut = Path("runs"),
+    picture: options.Picture = True,
     as_json: options.AsJson = False,
 ) -> int:
     """Fit a body, a contact law and the ground to tosses, or a leg's joints to a force sensor."""
-    check_out(out)
     if tosses.suffix == ".csv":
         from surefoot.cli.identify_forces import identify_forces
 
@@ -70,6 +72,7 @@ def identify(
 
     whole_number("--seed", seed)
     whole_number("--resamples", resamples, low=20)
+    check_out(out if picture else None)
     recorded = read_tosses(tosses)
     others = None if test is None else read_tosses(test)
     if others is not None and others.cube != recorded.cube:
@@ -79,8 +82,16 @@ def identify(
     settings = {"model": model, "test": others, "resamples": resamples, "seed": seed}
     fits = _fits(recorded, models, settings, not as_json)
     facts = _facts(fits, laws, recorded, others)
+    facts["picture"], note = drawn(picture, out, "identify", partial(_draw, recorded, others, fits))
+    facts["notes"] += [note] if note else []
     show(facts, as_json, _print)
     return 0
+
+
+def _draw(recorded: Tosses, others: Tosses | None, fits: dict[str, TossFit], folder: Path) -> Path:
+    from surefoot.viz.toss_plots import draw_tosses
+
+    return draw_tosses(recorded, others, fits, folder / "tosses.png")
 
 
 def _rivals(names: str, testing: bool) -> list[Any]:
@@ -136,6 +147,7 @@ def _facts(
         "noise": {"position": first.position_noise, "rotation_deg": math.degrees(first.rotation_noise)},
         "effort": {name: {"simulations": f.evaluations, "seconds": f.seconds} for name, f in fits.items()},
         "notes": list(dict.fromkeys(note for f in fits.values() for note in f.notes)),
+        "picture": None,
     }
 
 
@@ -193,6 +205,7 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
         ),
         *_impact_lines(facts),
         *facts["notes"],
+        f"picture: {facts['picture']}" if facts["picture"] else "",
     )
 
 

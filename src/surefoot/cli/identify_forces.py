@@ -9,7 +9,7 @@ import numpy as np
 
 from surefoot.cli.console import say, show, table
 from surefoot.cli.extras import require, robot_packages
-from surefoot.cli.output import new_run_folder
+from surefoot.cli.output import check_out, new_run_folder
 from surefoot.errors import ProblemError, WriteError
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ def identify_forces(
     from surefoot.estimation.leg_motion import read_leg_log
     from surefoot.robot import load_robot
 
+    check_out(out)
     robot = load_robot(model, fixed_base=True)
     other = None if test is None else read_leg_log(test)
     found = ForceModel.fit(robot, log)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from surefoot.cli import options
 from surefoot.cli.console import plain_console, table
-from surefoot.cli.output import to_json
+from surefoot.cli.output import check_out, to_json
 from surefoot.errors import MissingExtra, ProblemError, check_name
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from surefoot.experiments.experiment import WorldsOutcome
 
-NAMES = "drop, bounce, slide, stick, tip, spin, roll, stand, trot, friction"
+NAMES = "drop, bounce, slide, stick, tip, spin, roll"
 
 
 def worlds(
@@ -26,6 +27,8 @@ def worlds(
         list[str] | None, typer.Option(help="A world, repeatable; all that are here if none.")
     ] = None,
     dt: Annotated[float, typer.Option(help="Step; it is doubled and halved for its error [s].")] = 1e-3,
+    out: options.PictureOut = Path("runs"),
+    pictures: Annotated[bool, typer.Option("--pictures/--no-pictures", help="Draw --defaults.")] = True,
     defaults: Annotated[
         bool, typer.Option("--defaults", help="Engines as they come, at their own steps: error and cost.")
     ] = False,
@@ -36,8 +39,9 @@ def worlds(
     Exit code 0 if every world keeps to every closed form within its own step error, 1 if not, 2 for wrong
     input; with --defaults 0, whatever engines make of it.
     """
+    check_out(out if pictures else None)
     if defaults:
-        return _defaults(names or [], world, as_json)
+        return _defaults(names or [], world, out if pictures else None, as_json)
     from surefoot.cli import extras
     from surefoot.experiments import EXPERIMENTS, carry_out
     from surefoot.simulation.worlds import WORLDS
@@ -74,14 +78,15 @@ def worlds(
     return 0 if agrees else 1
 
 
-def _defaults(names: list[str], world: list[str] | None, as_json: bool) -> int:
+def _defaults(names: list[str], world: list[str] | None, out: Path | None, as_json: bool) -> int:
     """Print what engines at their defaults make of a few scenes, beside tuned ones."""
     from surefoot.cli import extras
     from surefoot.experiments.engines.defaults import CASES, ENGINES, measured
     from surefoot.experiments.engines.runners import NEWTON_PYTHON
     from surefoot.simulation.worlds import WORLDS
 
-    needed = {name: packages for name, (_, packages) in WORLDS.items()} | {"newton": ()}
+    needed = {name: packages for name, (_, packages) in WORLDS.items()}
+    needed |= {"mjx": ("mujoco", "jax", "mujoco-mjx"), "newton": ()}
     for name in names:
         check_name("scene of --defaults", name, CASES)
     for name in world or ():
@@ -114,6 +119,15 @@ def _defaults(names: list[str], world: list[str] | None, as_json: bool) -> int:
         )
     for name, reason in absent.items():
         console.print(f"{name}: not here: {reason}")
+
+    def draw(folder: Path) -> Path:
+        from surefoot.viz.world_plots import draw_defaults
+
+        return draw_defaults(found, folder / "defaults.png")
+
+    path, note = extras.drawn(out is not None and bool(found), out or Path(), "worlds", draw)
+    if path or note:
+        console.print(note or f"picture: {path}")
     return 0
 
 

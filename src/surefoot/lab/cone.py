@@ -109,7 +109,7 @@ def cone_text(state: ConeState) -> str:
     used = f"{100 * use:.0f} %" if math.isfinite(use) else "more than all"
     return text(
         heading("Sticks" if holds else "Slides or pulls"),
-        paragraph(f"Friction used: {used}. Half angle of the cone {math.degrees(cone.half_angle):.1f}°."),
+        paragraph(f"Friction used: {used}. Half angle of the cone {math.degrees(math.atan(cone.mu)):.1f}°."),
         table(("", "holds the force", "margin [N]", "at worst"), rows),
     )
 

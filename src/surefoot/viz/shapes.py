@@ -36,6 +36,13 @@ def cone_rim(mu: float, height: float, rotation_world_contact: FloatArray, edges
     return np.asarray(height * circle @ rotation_world_contact.T)
 
 
+def along_path(places: FloatArray) -> FloatArray:
+    """Return the (2,) direction from the first to the last of (n, 2) places; x where they are the same."""
+    way = places[-1] - places[0]
+    length = float(np.linalg.norm(way))
+    return np.asarray(way / length) if length > 1e-9 else np.array([1.0, 0.0])
+
+
 def bones(robot: Robot, q: FloatArray) -> FloatArray:
     """Return the (m, 2, 3) ends of a robot's bones at (nq,) q [m]: joint to joint, and to contact points.
 
