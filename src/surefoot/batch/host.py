@@ -22,7 +22,9 @@ def solve_on_host(
     matrices = np.ascontiguousarray(np.broadcast_to(G, (*lead, size, size)), dtype=np.float64)
     matrices, free = matrices.reshape(count, size, size), np.asarray(g, dtype=np.float64).reshape(count, size)
     frictions = np.broadcast_to(mu, (*lead, n)).astype(np.float64).reshape(count, n)
-    most = np.where(np.broadcast_to(on, (*lead, n)), np.inf, 0.0).reshape(count, n)
+    there = np.broadcast_to(on, (*lead, n)).reshape(count, n)
+    most, rows = np.where(there, np.inf, 0.0), np.repeat(there, 3, axis=1)
+    matrices = np.where(rows[:, :, None] & rows[:, None, :], matrices, 0.0)  # what is off is not read
 
     def ask(part: slice) -> FloatArray:
         given = matrices[part], free[part], frictions[part], 0.0, most[part]
