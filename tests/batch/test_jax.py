@@ -99,11 +99,6 @@ def test_absent_contacts_are_no_contacts(problems: Any) -> None:
         np.testing.assert_allclose(found.forces[:, mask], fewer.forces, rtol=1e-7, atol=1e-9)
         assert (found.forces[:, 1] == 0.0).all()
         assert (found.modes[:, 1] == 0).all()
-        if smoothing == 0.0:  # whatever stands in the rows of a contact that is off
-            rows = np.arange(12)
-            G = np.where((rows == 3)[:, None] & (rows == 3), -1.0, problems.G)
-            host = sfj.solve_on_host(G, *problems[1:], mask=mask, tol=1e-12)
-            np.testing.assert_allclose(host.forces, found.forces, rtol=1e-6, atol=1e-8)
         slope = jax.grad(
             lambda mu, smoothing=smoothing: sfj.solve(
                 *problems[:2], mu, mask=mask, smoothing=smoothing
