@@ -42,14 +42,14 @@ def hidden_walk(seed: int, duration: float = DURATION) -> tuple[Log, dict[str, f
         motors, armature=truth["armature"] * motors.armature, damping=truth["joint_damping"] * motors.damping,
         friction=truth["joint_friction"] * motors.friction,
     )  # fmt: skip
-    walk = Hidden(
+    walk = UntoldWalk(
         velocity=(0.5, 0.0, 0.3), mu=truth["mu"], believed_mu=0.6, sensors=SensorModel(),
         faults=Faults(delay=truth["delay"]), options={"actuators": own, "payload": truth["payload"]},
     )  # fmt: skip
     return walk.log(seed, duration), truth
 
 
-class Hidden(Walk):
+class UntoldWalk(Walk):
     """A walk whose controller knows of no motors."""
 
     def motors(self, robot: Any) -> None:
@@ -62,7 +62,8 @@ def coverage(draws: int) -> Table:
     for seed in range(FIRST, FIRST + draws):
         log, truth = hidden_walk(seed)
         for name, e in identify_robot(known_robot("go2"), log).parameters.items():
-            rows.setdefault(name, []).append(tuple(x - truth[name] for x in (e.value, e.low, e.high)))
+            gaps = (e.value - truth[name], e.low - truth[name], e.high - truth[name])
+            rows.setdefault(name, []).append(gaps)
     found = []
     for name, values in rows.items():
         error, low, high = np.array(values).T

@@ -55,8 +55,9 @@ STAMPS = 1e-3
 """Largest difference between the clocks of torques and angles [s]: a row of an ordinary bus."""
 DRAWS, PARTS = 12, 10
 """Draws of what is not known, and parts of the log that are left out one after the other."""
-LATEST, AGREED = 0.03, 0.5
-"""Longest latency that is looked for [s], and the least correlation that tells one."""
+LATEST, AGREED, JUMPS = 0.03, 0.5, 5.0
+"""Longest latency that is looked for [s], the least correlation that tells one, and how many times the median
+a change is that is left out."""
 LOADED, SLID = 0.1, 30
 """Share of m g over the feet from which a foot tells of friction, and sliding rows that tell it."""
 FACTORS = ("armature", "joint_damping", "joint_friction")
@@ -79,7 +80,7 @@ class RobotFit(NamedTuple):
     notes: tuple[str, ...]
 
 
-class Rows(NamedTuple):
+class WalkRows(NamedTuple):
     """T rows of a log, as the equation of motion needs them.
 
     Attributes
@@ -146,8 +147,9 @@ def identify_robot(robot: Robot, log: Log, seed: int = 0) -> RobotFit:
     best = 2.0 * once - draws.mean(axis=0)  # what as much noise again has changed is taken off
     half = np.hypot(error, stats.t.ppf(0.975, DRAWS - 1) * draws.std(axis=0, ddof=1))
     units = dict.fromkeys(FACTORS, "x nominal") | {"payload": "kg"}
+    low, high = (best + sign * half for sign in (-1.0, 1.0))
     found = {
-        name: Estimate(*(float(x) for x in (best[k], best[k] - half[k], best[k] + half[k])), unit)
+        name: Estimate(float(best[k]), float(low[k]), float(high[k]), unit)
         for k, (name, unit) in enumerate(units.items())
         if name not in FACTORS or _figures(motors)[k].any()
     }
@@ -181,7 +183,7 @@ def _channels(robot: Robot, log: Log, dt: float) -> tuple[FloatArray, FloatArray
 
 def _rows(
     robot: Robot, q: FloatArray, v: FloatArray, tau: FloatArray, normals: FloatArray | None, dt: float
-) -> Rows:
+) -> WalkRows:
     """Return what the equation of motion needs, row by row, but the last."""
     import pinocchio
 
@@ -203,7 +205,7 @@ def _rows(
     levers *= points.support[:, None, :]
     speed = np.linalg.norm(np.einsum("tpiv,tv->tpi", levers, v[1:]), axis=2)
     swung = minimum_filter1d(speed, 2 * round(AROUND / dt) + 1, axis=0) > SWUNG
-    return Rows(v[1:], a, tau[:-1], needed, load, levers, frames, swung)
+    return WalkRows(v[1:], a, tau[:-1], needed, load, levers, frames, swung)
 
 
 def _figures(motors: Actuators) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -216,7 +218,7 @@ def _smooth(values: FloatArray, window: int) -> FloatArray:
     return np.asarray(convolve1d(values, weights / weights.sum(), axis=0))
 
 
-def _terms(rows: Rows, motors: Actuators, creep: float, lead: float) -> tuple[FloatArray, FloatArray]:
+def _terms(rows: WalkRows, motors: Actuators, creep: float, lead: float) -> tuple[FloatArray, FloatArray]:
     """Return X (T, nv, 13) and y (T, nv) with X θ - Jᵀ f = y for the factors and inertial parameters θ."""
     joints = slice(rows.v.shape[1] - rows.tau.shape[1], None)
     X, y = np.zeros((*rows.v.shape, 13)), -rows.needed
@@ -228,7 +230,7 @@ def _terms(rows: Rows, motors: Actuators, creep: float, lead: float) -> tuple[Fl
     return X, y
 
 
-def _feet(rows: Rows) -> FloatArray:
+def _feet(rows: WalkRows) -> FloatArray:
     """Return (T, nv, 3p) what forces on the points do, zero for those of feet in the air."""
     T, nv = rows.v.shape
     levers = rows.levers * ~rows.swung[:, :, None, None]
@@ -236,7 +238,7 @@ def _feet(rows: Rows) -> FloatArray:
 
 
 def _fitted(
-    rows: Rows, motors: Actuators, window: int, creep: float, lead: float = 0.0
+    rows: WalkRows, motors: Actuators, window: int, creep: float, lead: float = 0.0
 ) -> tuple[FloatArray, FloatArray]:
     """Return the parameters (13,) and the half-widths of their 95 % intervals by the jackknife."""
     X, y = _terms(rows, motors, creep, lead)
@@ -264,7 +266,7 @@ def _solved(system: FloatArray, weights: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.lstsq(flat[:, :-1] / size, flat[:, -1], rcond=1e-10)[0] / size)
 
 
-def _forces(rows: Rows, motors: Actuators, theta: FloatArray, dt: float) -> FloatArray:
+def _forces(rows: WalkRows, motors: Actuators, theta: FloatArray, dt: float) -> FloatArray:
     """Return (T, p, 3) forces on the contact points, axes of the ground [N]."""
     X, y = _terms(rows, motors, CREEP, 0.0)
     pushed = np.linalg.pinv(_feet(rows), rcond=1e-6) @ (X @ theta - y)[:, :, None]
@@ -272,7 +274,7 @@ def _forces(rows: Rows, motors: Actuators, theta: FloatArray, dt: float) -> Floa
     return np.asarray(np.einsum("tpji,tpj->tpi", rows.frames, forces))
 
 
-def _friction(rows: Rows, forces: FloatArray, robot: Robot, dt: float) -> Estimate:
+def _friction(rows: WalkRows, forces: FloatArray, robot: Robot, dt: float) -> Estimate:
     """Return friction: at least what a foot used for `SUSTAINED`; no more than that where feet slid.
 
     What a sliding foot uses scatters by the errors of the forces, and is told with its quantiles.
@@ -292,7 +294,7 @@ def _friction(rows: Rows, forces: FloatArray, robot: Robot, dt: float) -> Estima
     return Estimate(float(lasted.max()), float(lasted.max()), math.inf)
 
 
-def _latency(rows: Rows, log: Log, dt: float) -> Estimate | None:
+def _latency(rows: WalkRows, log: Log, dt: float) -> Estimate | None:
     """Return by how much torques are late after the forces that were commanded [s]; None if nothing agrees.
 
     Changes from row to row of the torques are held against those of -Jᵀ f of the legs that were to push.
@@ -300,12 +302,15 @@ def _latency(rows: Rows, log: Log, dt: float) -> Estimate | None:
     asked = np.einsum("tpij,tpj->tpi", rows.frames, np.nan_to_num(np.asarray(log["forces_commanded"])[:-1]))
     pushing = np.einsum("tpiv,tpi->tv", rows.levers, -asked)[:, rows.v.shape[1] - rows.tau.shape[1] :]
     change, wanted = np.diff(rows.tau, axis=0), np.diff(pushing, axis=0)
+    if not change.any() or not wanted.any():
+        return None
     for one in (change, wanted):  # a foot that lands or leaves jumps
-        one[np.abs(one) > 5.0 * np.median(np.abs(one)[np.abs(one) > 0.0]) if one.any() else 0.0] = 0.0
+        size = np.abs(one)
+        one[size > JUMPS * np.median(size[size > 0.0])] = 0.0
     most = round(LATEST / dt)
     ahead = [wanted[most - late : len(wanted) - late] for late in range(most + 1)]
-    size = np.linalg.norm(change[most:])
-    agreed = [float((change[most:] * w).sum() / (size * np.linalg.norm(w) + 1e-12)) for w in ahead]
+    whole = np.linalg.norm(change[most:])
+    agreed = [float((change[most:] * w).sum() / (whole * np.linalg.norm(w) + 1e-12)) for w in ahead]
     late = int(np.argmax(agreed))
     if agreed[late] < AGREED:
         return None
