@@ -13,11 +13,11 @@ from surefoot.planning.direct import (
     Facets,
     GivenModes,
     Guess,
-    planar_biped,
     planar_hopper,
 )
 from surefoot.planning.direct.transcribe import DirectNlp
 from surefoot.planning.transcription.contact_rows import OPEN, SLIDE, STICK, read_modes
+from surefoot.planning.transcription.planar import block_and_foot
 from surefoot.terrain import FlatTerrain, SlopeTerrain
 
 casadi = pytest.importorskip("casadi")
@@ -39,7 +39,7 @@ def thrown(robot, terrain, seed):
 
 CASES = {
     "hopper": (planar_hopper(), FlatTerrain()),
-    "biped": (planar_biped(), SlopeTerrain(0.0)),
+    "block and foot": (block_and_foot(), SlopeTerrain(0.0)),
     "hopper uphill": (planar_hopper(), SlopeTerrain(12.0)),
 }
 
@@ -84,7 +84,7 @@ def test_knots_obey_the_rows_of_every_law(case) -> None:
 
 @pytest.mark.parametrize("law", [Facets(), GivenModes()], ids=str)
 def test_variables_mean_the_motion_they_were_made_from(law) -> None:
-    robot = planar_biped()
+    robot = block_and_foot()
     found = thrown(robot, FlatTerrain(), 5)
     problem = DirectProblem(robot, found.q[0], found.v[0], KNOTS, DT)
     nlp, motion = DirectNlp(problem, law), Guess.of(found, problem)
