@@ -4,8 +4,8 @@ from . import laws as laws
 from .audit import assert_lawful as assert_lawful
 from .audit import audit_log as audit_log
 from .audit import summarise_walk as summarise_walk
+from .audit.contact_times import contact_times as contact_times
 from .audit.log_faults import seeded_faults as seeded_faults
-from .batch import DifferentiableSolver as DifferentiableSolver
 from .batch import solve_batch as solve_batch
 from .cones import FrictionCone as FrictionCone
 from .cones import WrenchCone as WrenchCone
@@ -70,7 +70,6 @@ from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place
 from .robot import robot_names as robot_names
-from .simulation.batch import RigidBatch as RigidBatch
 from .simulation.contacts_from_mujoco import contacts_from_mujoco as contacts_from_mujoco
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.record import record as record
