@@ -44,14 +44,14 @@ def compiled_loop(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: in
     """Seconds per problem of the compiled loop on one thread."""
     count = len(G)
     laws = np.broadcast_to(np.array([[[MU], [0.0], [np.inf]]]), (1, 3, 4)).copy()
-    none, buffers = np.zeros((0, 4), dtype=np.bool_), np.empty((count, 11, 3))
+    buffers = np.empty((count, 11, 3))
     done, out, good = np.empty(count, dtype=np.int64), np.empty_like(weights), np.ones(count, dtype=np.bool_)
 
     def solve() -> None:
-        solve_range(G, g, laws, none, False, 1e-8, TOL, -1, False, buffers, done, 0, count)
+        solve_range(G, g, laws, False, 1e-8, TOL, -1, False, buffers, done, 0, count)
 
     def pull() -> None:
-        derive_range(G, laws, none, False, buffers, False, good, weights, out, good, 0, count)
+        derive_range(G, laws, False, buffers, good, weights, out, good, 0, count)
 
     def both() -> None:
         solve()
@@ -60,26 +60,6 @@ def compiled_loop(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: in
     return {
         "compiled loop, solve": least_time(solve, repeats) / count,
         "compiled loop, solve and vjp": least_time(both, repeats) / count,
-    }
-
-
-def through_python(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: int) -> dict[str, float]:
-    """Seconds per problem one at a time through Python, from a new G every call."""
-    solver = sf.DifferentiableSolver(4, MU, tol=TOL, warm_start=False)
-    pairs = [(np.ascontiguousarray(A), np.ascontiguousarray(a)) for A, a in zip(G, g, strict=True)]
-    f, u = weights[0, :4].copy(), weights[0, 4:].copy()
-
-    def solve() -> None:
-        for A, a in pairs:
-            solver.solve(A, a)
-
-    def both() -> None:
-        for A, a in pairs:
-            solver.vjp(A, solver.solve(A, a), f, u)
-
-    return {
-        "Python, solve": least_time(solve, repeats) / len(G),
-        "Python, solve and vjp": least_time(both, repeats) / len(G),
     }
 
 
@@ -145,7 +125,7 @@ def measure(quick: bool = False) -> dict[str, Any]:
     G, g = go2_problems(count)
     weights = np.random.default_rng(1).normal(size=(count, 8, 3))
     few = sf.solve_batch(G, g, MU, tol=TOL)
-    times = compiled_loop(G, g, weights, repeats) | through_python(G, g, weights, max(repeats // 3, 3))
+    times = compiled_loop(G, g, weights, repeats)
     many = 8  # threads have something to do
     tiled = np.tile(G, (many, 1, 1)), np.tile(g, (many, 1)), np.tile(weights, (many, 1, 1))
     times |= batches(*tiled, 6 * repeats)  # on a busy machine both cores are seldom free at once

@@ -95,12 +95,21 @@ def models_under(paths: Sequence[Path]) -> Iterator[tuple[str, Any]]:
             continue  # no model of its own: a part of others, or without its meshes
 
 
+def lift_out_of_the_ground(model: Any, data: Any) -> None:
+    """Lift a model whose keyframe stands in the ground until its deepest contact just touches."""
+    mujoco = import_mujoco()
+    mujoco.mj_forward(model, data)
+    free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)[0]
+    data.qpos[model.jnt_qposadr[free] + 2] -= min(0.0, data.contact.dist.min(initial=0.0))
+
+
 def recorded(model: Any, seconds: float, seed: int = 0) -> sf.Log:
     """Return the log of a model that marches about its keyframe, or flails."""
     mujoco, rng = import_mujoco(), np.random.default_rng(seed)
     data, held = mujoco.MjData(model), model.nkey > 0
     if held:
         mujoco.mj_resetDataKeyframe(model, data, 0)
+        lift_out_of_the_ground(model, data)
     joints = model.actuator_trnid[:, 0]
     at, dof = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
     goal, control = data.qpos[at].copy(), data.ctrl.copy()
@@ -109,7 +118,7 @@ def recorded(model: Any, seconds: float, seed: int = 0) -> sf.Log:
     low, high = np.where(model.actuator_ctrllimited[:, None], model.actuator_ctrlrange, [[-1.0, 1.0]]).T
     servo = model.actuator_biastype != mujoco.mjtBias.mjBIAS_NONE
     with sf.record(model, data) as log:
-        while data.time < seconds:
+        for _ in range(round(seconds / model.opt.timestep / (1 if held else 4))):  # an unstable one is reset
             wave = WAVE * sign * np.sin(2.0 * np.pi * RATE * data.time)
             if held:
                 torque = gain * (goal + wave - data.qpos[at]) - gain * DAMPED * 0.1 * data.qvel[dof]

@@ -71,7 +71,6 @@ def _batches(told: Any) -> Rows:
     times, error = told["times"], told["velocity_error"]
     rows = {
         "compiled loop, one thread": ("compiled loop, solve", "compiled loop, solve and vjp"),
-        "one at a time through Python, a new G every call": ("Python, solve", "Python, solve and vjp"),
         "`solve_batch`, one thread": ("solve_batch, one thread", "solve_batch, one thread, with vjp"),
         "`solve_batch`, all threads": ("solve_batch, all threads", "solve_batch, all threads, with vjp"),
         f"Pinocchio's ADMM in a loop, at {error['Pinocchio']:.1e}": ("Pinocchio ADMM, solve", ""),

@@ -12,7 +12,7 @@ import surefoot as sf
 from surefoot.cli.output import new_run_folder
 from surefoot.robot.centroidal import momentum
 from surefoot.stepping.flight import FlightRecord, fly
-from surefoot.viz.momentum_plots import plot_components
+from surefoot.viz.style import draw_panels
 
 TAKE_OFF = np.array([0.4, 0.1, 2.6, 0.6, -1.5, 0.8])  # base velocity at take-off [m/s, rad/s]
 STIFFNESS, DAMPING, LIMIT = 20.0, 0.5, 20.0  # [N m/rad, N m s/rad, N m]
@@ -63,7 +63,7 @@ def main(parent: Path = Path("runs")) -> dict[str, float]:
         "drift of the whole\n[1e-12 kg m²/s]": (1e12 * (angular - angular[0]), ("x", "y", "z")),
     }
     title = "Angular momentum in flight: legs and trunk trade it, the sum stays"
-    path = plot_components(new_run_folder(parent, "jump") / "momentum.png", flight.time, panels, title)
+    path = draw_panels(new_run_folder(parent, "jump") / "momentum.png", flight.time, panels, title)
     for name, value in facts.items():
         print(f"{name:16s} {value:.3e}")
     print(f"picture: {path}")

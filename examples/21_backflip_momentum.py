@@ -12,7 +12,7 @@ import surefoot as sf
 from surefoot.cli.output import new_run_folder
 from surefoot.robot.centroidal import centroidal_inertia
 from surefoot.stepping.flight import FlightRecord, Shape, fly, follow_shape
-from surefoot.viz.momentum_plots import plot_components
+from surefoot.viz.style import draw_panels
 
 LIFT_SPEED = 3.0  # of the centre of mass at take-off [m/s]
 FLIGHT_TIME = 2.0 * LIFT_SPEED / 9.81
@@ -80,7 +80,7 @@ def main(parent: Path = Path("runs")) -> dict[str, float]:
         "height [m]": (real.com[:, 2], ("centre of mass",)),
     }
     title = f"Backflip of {FLIGHT_TIME:.2f} s: {tucked:.2f} kg m²/s with tucked legs, {stretched:.2f} without"
-    path = plot_components(new_run_folder(parent, "backflip") / "backflip.png", real.time, panels, title)
+    path = draw_panels(new_run_folder(parent, "backflip") / "backflip.png", real.time, panels, title)
     for name, value in facts.items():
         print(f"{name:18s} {value:.6g}")
     print(f"picture: {path}")

@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 from surefoot.cli.output import new_run_folder
 from surefoot.simulation.bodies import falling_cat
 from surefoot.stepping.flight import fly, follow_shape
-from surefoot.viz.momentum_plots import plot_components
+from surefoot.viz.style import draw_panels
 
 PERIOD, HALF_MASS, HALF_INERTIA, LEG_MASS = 0.4, 1.0, 0.003, 0.4  # [s], [kg], [kg m²] about the spine, [kg]
 REACH = (0.03, 0.20)  # legs' distance from the spine, pulled in and stretched [m]
@@ -85,7 +85,7 @@ def main(parent: Path = Path("runs")) -> dict[str, float]:
         "twist [deg]": (np.degrees(real.q[:, 7]), ("spine",)),
     }
     title = "A falling cat turns over: zero angular momentum throughout"
-    path = plot_components(new_run_folder(parent, "cat") / "cat.png", real.time, panels, title)
+    path = draw_panels(new_run_folder(parent, "cat") / "cat.png", real.time, panels, title)
     print("\n".join(f"{name:18s} {value:.6g}" for name, value in facts.items()), f"\npicture: {path}")
     return facts
 

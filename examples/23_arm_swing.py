@@ -11,7 +11,7 @@ import surefoot as sf
 from surefoot.cli.output import new_run_folder
 from surefoot.robot.centroidal import momentum, momentum_matrix
 from surefoot.stepping.flight import follow_shape
-from surefoot.viz.momentum_plots import plot_components
+from surefoot.viz.style import draw_panels
 
 PERIOD = 1.0  # one stride [s]
 HIP, KNEE, SHOULDER_LIMIT = 0.35, 0.45, 0.8  # amplitudes [rad]
@@ -88,7 +88,7 @@ def main(parent: Path = Path("runs")) -> dict[str, float]:
     panels = {"yaw momentum\n[kg m²/s]": (yaw, ("arms still", "arms swung", "what arms add"))}
     share, degrees = 100 * facts["cancelled"], np.degrees(amplitude)
     title = f"G1: arms swung by {degrees:.0f}° cancel {share:.0f} % of the legs' yaw momentum"
-    path = plot_components(new_run_folder(parent, "arm-swing") / "yaw.png", times, panels, title)
+    path = draw_panels(new_run_folder(parent, "arm-swing") / "yaw.png", times, panels, title)
     print("\n".join(f"{name:28s} {value:.4g}" for name, value in facts.items()), f"\npicture: {path}")
     return facts
 

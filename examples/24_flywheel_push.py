@@ -20,7 +20,7 @@ import pinocchio
 import surefoot as sf
 from surefoot.cli.output import new_run_folder
 from surefoot.spatial import GRAVITY
-from surefoot.viz.momentum_plots import plot_components, plot_curves
+from surefoot.viz.style import draw_panels, new_axis, save
 
 LEAN, STEP = 0.8, 2.5e-4  # farthest lean of the upper body [rad], time step [s]
 
@@ -80,14 +80,17 @@ def main(parent: Path = Path("runs")) -> dict[str, float]:
         "lean [deg]": (np.degrees(runs[1][:, 1]), ("upper body",)),
     }
     title = f"G1, a push of {push[0]:.1f} N s: the swing of the upper body brings the capture point back"
-    path = plot_components(folder / "push.png", STEP * np.arange(len(edge)), panels, title)
+    path = draw_panels(folder / "push.png", STEP * np.arange(len(edge)), panels, title)
     sizes = np.geomspace(0.1, 5.0, 6)
     gains = np.array([[p.limits()[1], p.survives(True)] for p in (Pendulum(robot, s) for s in sizes)])
     facts["gain_percent_at_5_kgm2"] = float(100 * (gains[-1, 1] / plain - 1.0))
-    curves = {"formula": 100 * (gains[:, 0] / plain - 1), "simulated": 100 * (gains[:, 1] / plain - 1)}
-    plot_curves(
-        folder / "gain.png", sizes, curves, "inertia of the flywheel [kg m²]", "harder push survived [%]"
-    )
+    labels = {"xlabel": "inertia of the flywheel [kg m²]", "ylabel": "harder push survived [%]"}
+    figure, axis = new_axis((6.0, 3.6), xscale="log", **labels)
+    axis.plot(sizes, 100 * (gains[:, 0] / plain - 1), label="formula")
+    axis.plot(sizes, 100 * (gains[:, 1] / plain - 1), "o", label="simulated")
+    axis.xaxis.set_minor_formatter("")
+    axis.legend(fontsize=8)
+    save(figure, folder / "gain.png")
     print("\n".join(f"{name:24s} {value:.4g}" for name, value in facts.items()), f"\npicture: {path}")
     return facts
 

@@ -12,7 +12,7 @@ from surefoot.cli.output import new_run_folder
 from surefoot.simulation.bodies import ball, box
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY, quaternion_from_rotation
-from surefoot.viz.momentum_plots import plot_components, plot_curves
+from surefoot.viz.style import new_axis, save
 
 NO_MOTORS = np.zeros(0)
 
@@ -68,29 +68,25 @@ def errors(dt: float) -> tuple[float, float]:
 def main(parent: Path = Path("runs")) -> dict[str, float]:
     folder, slopes = new_run_folder(parent, "rigid"), np.arange(5.0, 46.0, 2.5)
     found = {mu: np.array([slope_acceleration(mu, s) for s in slopes]).T for mu in (0.2, 0.6)}
-    curves = {}
-    for mu, (formula, simulated) in found.items():
-        curves |= {f"g (sin - mu cos), mu = {mu}": formula, f"simulated, mu = {mu}": simulated}
-    plot_curves(
-        folder / "slope.png", slopes, curves, "slope [deg]", "acceleration [m/s²]", "", ("linear",) * 2
-    )
     limits = [(r, np.degrees(np.arctan(r))) for r in (0.3, 0.6, 0.9)]
     tips = np.array([[tip_speed(r, limit - 0.2), tip_speed(r, limit + 0.2)] for r, limit in limits])
     heights = np.column_stack([bounces(e) for e in (0.0, 0.5, 0.8)])
-    panel = {"height [m]": (heights, ("e = 0", "e = 0.5", "e = 0.8"))}
-    time = 1e-3 * np.arange(1, len(heights) + 1)
-    path = plot_components(folder / "ball.png", time, panel, "A ball dropped from 0.3 m")
     steps = 5e-4 * 2.0 ** np.arange(4, -1, -1)
     wrong = np.array([errors(dt) for dt in steps])
     wrong = np.maximum(wrong, 1e-16)  # for the logarithm
     ideal = wrong[0, 1] * (steps / steps[0]) ** 2
-    lines = {"second order": ideal, "sliding block": wrong[:, 0], "ball, sliding to rolling": wrong[:, 1]}
-    plot_curves(folder / "order.png", steps, lines, "dt [s]", "error at a fixed time [m]", "", ("log", "log"))
+    scales = {"xscale": "log", "yscale": "log"}
+    figure, axis = new_axis((6.0, 3.6), xlabel="dt [s]", ylabel="error at a fixed time [m]", **scales)
+    axis.plot(steps, ideal, label="second order")
+    axis.plot(steps, wrong, "o", label=("sliding block", "ball, sliding to rolling"))
+    axis.xaxis.set_minor_formatter("")
+    axis.legend(fontsize=8)
+    path = save(figure, folder / "order.png")
     facts = {"slope_error": max(float(np.abs(f - s).max()) for f, s in found.values())}
     facts |= {"tips_below": float(tips[:, 0].max()), "tips_above": float(tips[:, 1].min())}
     facts |= {"error_block": float(wrong[:, 0].max()), "error_ball": float(wrong[:, 1].max())}
     facts |= {"second_bounce": float(heights[350:650, 2].max() / 0.3)}
-    print("\n".join(f"{name:14s} {value:.4g}" for name, value in facts.items()), f"\npictures: {path.parent}")
+    print("\n".join(f"{name:14s} {value:.4g}" for name, value in facts.items()), f"\npicture: {path}")
     return facts
 
 

@@ -17,7 +17,7 @@ from surefoot.simulation.bodies import box
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY, quaternion_from_rotation
-from surefoot.viz.momentum_plots import plot_components
+from surefoot.viz.style import draw_panels
 
 BLOCK = box(2.0, (0.3, 0.3, 0.1), rounding=0.01)
 WORLDS: dict[str, Any] = {"rigid": RigidWorld, "mujoco": MujocoWorld}
@@ -87,7 +87,7 @@ def main(parent: Path = Path("runs")) -> dict[str, float]:
     }
     title = "A block slides at 2 m/s: convex friction laws throw it up, Coulomb's does not"
     time = 1e-3 * np.arange(1, len(heights[0]) + 1)
-    path_of_picture = plot_components(new_run_folder(parent, "worlds") / "slide.png", time, panels, title)
+    path_of_picture = draw_panels(new_run_folder(parent, "worlds") / "slide.png", time, panels, title)
     print(
         "\n".join(f"{name:24s} {value:.6g}" for name, value in facts.items()), f"\npicture: {path_of_picture}"
     )

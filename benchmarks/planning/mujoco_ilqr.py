@@ -14,7 +14,7 @@ from surefoot.arrays import FloatArray
 from surefoot.planning.shooting.engine import Engine
 from surefoot.planning.shooting.horizon import FeedbackPolicy, Horizon
 from surefoot.planning.shooting.problem import ShootingProblem
-from surefoot.planning.shooting.state_space import defect, feedback
+from surefoot.planning.shooting.state_space import feedback
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import add_ground, robot_spec
 from surefoot.spatial import quaternion_wxyz, quaternion_xyzw, rotation_from_quaternion, skew
@@ -41,7 +41,6 @@ class MujocoHorizon(Horizon):
             np.zeros((p.knots, 0, n)),
             np.zeros((p.knots, 0)),
         )
-        self._robot = p.robot.model
         self._FD = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, self.model.nu))
 
     def _step(self, k: int) -> tuple[FloatArray, FloatArray]:
@@ -68,9 +67,9 @@ class MujocoHorizon(Horizon):
         self.q[0], self.v[0], self.gaps[:] = *start, 0.0
         for k in range(len(self)):
             here = self.q[k], self.v[k]
-            feedback(
+            self.torques[k] = feedback(
                 self.floating, here, (policy.q[k], policy.v[k]), policy.torques[k], policy.steps[k], share,
-                policy.gains[k], limits[k], self.torques[k],
+                policy.gains[k], limits[k],
             )  # fmt: skip
             self.q[k + 1], self.v[k + 1] = self._step(k)
         return bool(np.isfinite(self.q[-1]).all())
@@ -79,23 +78,16 @@ class MujocoHorizon(Horizon):
         """Take a motion as it is; see `Horizon.take`."""
         self.q[:], self.v[:], self.torques[:] = q, v, torques
         for k in range(len(self)):
-            end = self._step(k)
-            defect(self.floating, (q[k + 1], v[k + 1]), end, self.gaps[k])
+            self._open(k, *self._step(k))
         return True
 
     def differentiate(self, smoothing: float) -> bool:
-        """Fill A, B and `moved` by finite differences; there is nothing to smooth."""
-        import pinocchio
-
-        b = self.block
+        """Fill A and B by finite differences; there is nothing to smooth."""
         for k, data in enumerate(self._data):
             self._mujoco.mjd_transitionFD(self.model, data, STEP, self._centred, *self._FD, None, None)
             before, after = _turned(self.q[k], self.v[k]), _turned(self.q[k + 1], self.v[k + 1])
             inverse = np.linalg.inv(after)
             self.A[k], self.B[k] = inverse @ self._FD[0] @ before, inverse @ self._FD[1]
-            by_start, by_way = pinocchio.dIntegrate(self._robot, self.q[k], self.dt * self.v[k + 1])
-            wide = self.moved.shape[3]
-            self.moved[k, 0], self.moved[k, 1] = by_start[:b, :wide], by_way[:b, :wide]
         return True
 
 

@@ -150,11 +150,7 @@ def _planned(small: SmallProblem, variant: Variant, seed: int) -> Answer:
     found = plan_direct(problem, guess=small.guess(seed), smoothings=variant.smoothings, total=variant.most)
     spent, nlp = time.process_time() - begun, DirectNlp(problem, GivenModes())
     off = _off(nlp, found.motion)
-    blank = np.zeros(0), (np.zeros(0), np.zeros(0))
-    stages = [
-        Stage(s.smoothing, Iterate(*blank, s.cost, s.violation, s.iterations, s.said), off)
-        for s in found.stages
-    ]
+    stages = [Stage(smoothing, run, off) for smoothing, run in found.stages]
     return _answer(small, nlp, found.motion, stages, spent)
 
 

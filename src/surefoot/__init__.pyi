@@ -6,7 +6,6 @@ from .audit import audit_log as audit_log
 from .audit import summarise_walk as summarise_walk
 from .audit.contact_times import contact_times as contact_times
 from .audit.log_faults import seeded_faults as seeded_faults
-from .batch import DifferentiableSolver as DifferentiableSolver
 from .batch import solve_batch as solve_batch
 from .cones import FrictionCone as FrictionCone
 from .cones import WrenchCone as WrenchCone
@@ -69,7 +68,6 @@ from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place
 from .robot import robot_names as robot_names
-from .simulation.batch import RigidBatch as RigidBatch
 from .simulation.contacts_from_mujoco import contacts_from_mujoco as contacts_from_mujoco
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.record import record as record
@@ -96,7 +94,6 @@ from .stance import PointContact as PointContact
 from .stance import Stance as Stance
 from .stance import StanceBatch as StanceBatch
 from .stance import read_stance as read_stance
-from .stance import write_stance as write_stance
 from .stance.gait import Gait as Gait
 from .stance.gait_library import named_gait as named_gait
 from .sweep import read_sweep as read_sweep

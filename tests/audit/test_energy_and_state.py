@@ -88,6 +88,17 @@ def test_positions_follow_from_velocities_in_a_tumbling_flight() -> None:
     assert np.abs(slips).max() < 1e-5  # the base turns within a row
 
 
+def test_a_joint_that_is_thrown_about_in_coarse_steps_is_one_motion() -> None:
+    """Rules of stepping differ by half a step of the last change of speed, however fast that grows."""
+    dt, still = 5e-3, np.zeros((60, 1, 3))
+    v = np.concatenate([np.zeros(30), -20.0 * np.arange(1, 31)])[:, None]
+    q = np.cumsum(np.vstack([np.zeros((1, 1)), dt * v[1:]]), axis=0)  # q' = q + dt v'
+    for shown, lawful in ((q, True), (q + 0.8 * (np.arange(60) > 10)[:, None], False)):
+        channels = {"q": shown, "v": v, "forces": still, "gaps": still[..., 0] + 1.0, "mu": np.full(60, 0.5)}
+        report = sf.audit_log(sf.log_from_arrays(channels, dt=dt, facts={"mass": 5.0}))
+        assert ("state" not in report.laws_broken) is lawful, report.sentence
+
+
 def test_a_log_that_is_exactly_constant_is_no_stale_buffer() -> None:
     log = log_of(STAND)
     arrays = {name: np.repeat(np.array(array)[300:301], 400, axis=0) for name, array in log.arrays.items()}

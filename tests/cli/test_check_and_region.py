@@ -58,11 +58,6 @@ def test_more_friction_on_the_command_line_helps(capsys, slides):
     code, found = facts(capsys, "check", slides, "--mu", "0.6", "--no-picture")
     assert code == 0
     assert found["picture"] is None
-    code, found = facts(capsys, "check", slides, "--mu", "0.6", "--facets", "4", "--no-picture")
-    assert code == 1
-    assert "inner pyramids with 4 sides" in found["cones"]
-    code, _ = facts(capsys, "check", slides, "--mu", "0.6", "--facets", "4", "--fit", "outer", "--no-picture")
-    assert code == 0
 
 
 def test_tables_are_readable(capsys, slides):
@@ -95,12 +90,11 @@ def test_region_draws_and_says_where_the_weight_is(capsys, slides, tmp_path):
     assert code == 0
     assert found["com_inside"] is True
     assert found["com_region"]["area"] > 0.1
-    assert len(found["differences"]) == 2
+    assert found["zmp_region"]["gap"] <= 1e-3
     assert Path(found["picture"]).stat().st_size > 10_000
     code, found = facts(capsys, "region", slides, "--out", str(tmp_path))
     assert code == 0
     assert found["com_inside"] is False
     assert found["com_region"]["corners"] == []
-    assert "friction is not enough" in found["differences"][0]
     assert main(["region", str(EXAMPLES / "chimney.yaml"), "--no-picture"]) == 0
-    assert "beyond the support polygon" in " ".join(capsys.readouterr().out.split())
+    assert "zero-moment point" in capsys.readouterr().out

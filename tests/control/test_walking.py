@@ -9,7 +9,6 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import place
 from surefoot.stance.gait import ModeSchedule
-from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, SlopeTerrain, rough_ground
 from tests.robots import robot_of
 
@@ -77,7 +76,7 @@ def test_a_state_that_is_not_finite_gives_a_safe_command(bad: float) -> None:
 
 def test_a_mode_schedule_serves_as_a_gait() -> None:
     robot = robot_of("go2")
-    schedule = named_gait("trot").schedule(2.0, start=0.2)
+    schedule = ModeSchedule([0.2, 0.4, 0.6], [15, 9, 6, 15], feet=4)
     controller = WalkingController(robot, FORWARD, schedule, settings=WalkSettings(start=0.0))
     q, v = place(robot), np.zeros(robot.model.nv)
     assert controller.step(RobotState(q, v, 0.0, ALL)).active.all()

@@ -8,7 +8,6 @@ import pytest
 import surefoot as sf
 from benchmarks.problems.stances import random_case
 from benchmarks.statics.rivals import highs_region
-from surefoot.equilibrium.comparison import clip, compare_regions, overlap_loss
 from surefoot.equilibrium.limits import squeeze_limit
 from surefoot.equilibrium.polygons import without_flat_corners
 from surefoot.equilibrium.region import convex_hull, polygon_area
@@ -39,7 +38,7 @@ def test_level_ground_gives_the_support_polygon():
     for stance in (level(), sf.Stance([sf.PatchContact([0, y, 0], 0.2, 0.1) for y in (0.1, -0.1)])):
         region, support = sf.com_region(stance, 15.0), support_polygon(stance)
         assert region.area == pytest.approx(polygon_area(support), rel=1e-5)
-        assert overlap_loss(support, region.inner) < 1e-6
+        assert max(region.distance(corner) for corner in support) < 1e-5
         assert region.gap < 1e-3
         assert region.converged
 
@@ -87,7 +86,6 @@ def test_gap_is_within_the_tolerance_and_certified(tol):
         assert region.gap <= tol
         assert region.converged
         assert np.all(region.directions @ region.inner.T <= region.heights[:, None] + 1e-9)
-        assert overlap_loss(region.inner, region.outer) < 1e-8
         away = [region.distance(q) for q in region.outer]
         assert max(away) <= region.gap + 1e-9
 
@@ -219,29 +217,11 @@ def test_zmp_region_agrees_with_can_stand():
 def test_polygons():
     square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
     assert polygon_area(square) == 1.0
-    assert polygon_area(clip(square, square + 0.5)) == pytest.approx(0.25)
-    assert overlap_loss(square, square + 0.5) == pytest.approx(0.75)
-    assert len(clip(square, square + 5.0)) == 0
     cloud = np.random.default_rng(5).uniform(size=(200, 2))
     hull = convex_hull(np.vstack([cloud, square, [[0.5, 0.0]]]))
     assert sorted(map(tuple, hull.tolist())) == sorted(map(tuple, square.tolist()))
     assert len(without_flat_corners(np.array([[0, 0], [0.5, -1e-9], [1, 0], [1, 1]]), 1e-6)) == 3
     assert len(convex_hull(np.array([[1.0, 2.0]] * 3))) == 1
-
-
-def test_differences_are_explained():
-    flat = compare_regions(level(mu=2.0), np.array([0, 0, 0.3]), 15.0)
-    assert "is the support polygon" in flat.sentences[0]
-    assert "is the support polygon" in flat.sentences[1]
-    scarce = compare_regions(level(mu=0.2), np.array([0, 0, 0.3]), 15.0)
-    assert "lean that far" in scarce.sentences[1]
-    slope = sf.SlopeTerrain(30.0)
-    slides = sf.Stance([sf.PointContact([*p, float(slope.height(p))], slope.normal(p), 0.5) for p in FEET])
-    assert "friction is not enough" in compare_regions(slides, np.array([0, 0, 0.3]), 15.0).sentences[0]
-    wall = sf.Stance([*level(mu=0.6), sf.PointContact([0.5, 0, 0.8], [-1, 0, 0], 0.5, normal_max=60.0)])
-    assert "beyond" in compare_regions(wall, np.array([0, 0, 0.5]), 15.0).sentences[0]
-    weak = level(mu=0.6, normal_max=50.0)
-    assert "bounds on the normal force" in compare_regions(weak, np.array([0, 0, 0.3]), 15.0).sentences[0]
 
 
 def test_regions_without_interior_forces():

@@ -1,9 +1,8 @@
-"""The push page: choices hold while the robot walks, kicks move it, it stands up again, viewers share it."""
+"""The push page: choices hold while the robot walks, kicks move it, it stands up again."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from surefoot.errors import ProblemError
 from surefoot.lab.drawing import Arrows, Mesh
 from surefoot.lab.page import Grip
 from surefoot.lab.push import PULL, PushPage
-from surefoot.lab.push_run import HARDEST, LIE, Choices, SharedRun, WalkRun
+from surefoot.lab.push_run import HARDEST, LIE, Choices, WalkRun
 
 EYE = np.array([1.5, -1.5, 0.9])
 
@@ -82,51 +81,9 @@ def test_a_choice_that_cannot_be_leaves_the_old_one(robot: sf.Robot) -> None:
     go(run, 20)
 
 
-@pytest.fixture
-def shared(robot: sf.Robot) -> Iterator[tuple[SharedRun, WalkRun]]:
+def test_the_mouse_pulls_and_lets_go(robot: sf.Robot) -> None:
     run = WalkRun(robot)
-    together = SharedRun(run)
-    yield together, run
-    together.close()
-
-
-def page_of(shared: tuple[SharedRun, WalkRun]) -> PushPage:
-    together, run = shared
-    return PushPage(together, run.contact_names, run.names)
-
-
-def test_without_viewers_it_waits_and_with_one_it_goes_on(shared: tuple[SharedRun, WalkRun]) -> None:
-    time.sleep(0.1)
-    assert shared[1].steps == 0
-    page = page_of(shared)
-    patience = time.monotonic() + 20.0
-    while shared[1].steps < 50:
-        assert time.monotonic() < patience
-        time.sleep(0.02)
-    page.close()
-    time.sleep(0.3)
-    steps = shared[1].steps
-    time.sleep(0.2)
-    assert shared[1].steps == steps
-
-
-def test_two_viewers_see_each_others_choices(shared: tuple[SharedRun, WalkRun]) -> None:
-    one, two = page_of(shared), page_of(shared)
-    one.change("mu", 0.3)
-    one.change("forward", -0.2)
-    two.drawing()
-    assert two.values["mu"] == 0.3
-    assert two.values["forward"] == -0.2
-    two.press("restart")
-    two.change("gait", "walk")
-    one.drawing()
-    assert one.values["gait"] == "walk"
-    one.close()
-    two.close()
-
-
-def test_the_mouse_pulls_and_lets_go(shared: tuple[SharedRun, WalkRun]) -> None:
-    page, run = page_of(shared), shared[1]
+    page = PushPage(run)
     start, point = np.array([0.1, 0.0, 0.3]), np.array([0.1, 0.2, 0.3])
     page.grip(Grip("/robot/root_joint", "update", start, point, EYE))
     arrow = page.drawing().shapes["/pull"]
@@ -139,24 +96,25 @@ def test_the_mouse_pulls_and_lets_go(shared: tuple[SharedRun, WalkRun]) -> None:
     page.grip(Grip("/robot/root_joint", "click", start, start, EYE))
     away = (start - EYE)[:2]
     np.testing.assert_allclose(run.force, [*(80.0 * away / np.linalg.norm(away)), 0.0])
-    page.change("direction", 180.0)
-    page.press("kick")
-    np.testing.assert_allclose(run.force, [-80.0, 0.0, 0.0], atol=1e-9)
     with pytest.raises(ProblemError):
         page.press("nothing")
     with pytest.raises(ProblemError):
         page.grip(Grip("/ground", "update", start, point, EYE))
-    page.close()
 
 
-def test_it_draws_the_robot_its_cones_and_forces_around_the_middle(shared: tuple[SharedRun, WalkRun]) -> None:
-    page, run = page_of(shared), shared[1]
-    patience = time.monotonic() + 20.0
+def test_it_walks_by_the_clock_and_is_drawn_around_the_middle(robot: sf.Robot) -> None:
+    run = WalkRun(robot)
+    page, patience = PushPage(run), time.monotonic() + 20.0
+    assert run.steps == 0  # nobody has looked
+    begin = time.perf_counter()
     while run.steps < 100:
         assert time.monotonic() < patience
         time.sleep(0.02)
-    page.close()
-    time.sleep(0.1)
+        page.drawing()
+    assert run.time <= time.perf_counter() - begin + run.world.dt
+    page.change("mu", 0.3)
+    page.change("gait", "walk")
+    assert (run.choices.mu, run.choices.gait) == (0.3, "walk")
     shapes = page.drawing().shapes
     base = shapes["/robot/root_joint"]
     assert isinstance(base, Mesh)

@@ -15,7 +15,7 @@ casadi = pytest.importorskip("casadi")
 pin = pytest.importorskip("pinocchio")
 ACCURACY = 1e-12
 """Relative to the largest entry; derivatives likewise."""
-KINDS = ("RX", "RY", "RZ", "PX", "PY", "PZ", "RUBX", "RUBZ", "RevoluteUnaligned", "PrismaticUnaligned")
+KINDS = ("RX", "RY", "RZ", "PX", "PY", "PZ", "RevoluteUnaligned", "PrismaticUnaligned")
 
 
 def random_model(rng: np.random.Generator, free: bool, links: int = 6) -> tuple[pin.Model, ContactPoints]:

@@ -252,3 +252,41 @@ def test_momentum_and_energy_are_those_of_the_model() -> None:
         mujoco.mj_subtreeVel(model, data)
         momentum = [*(log.facts["mass"] * data.subtree_linvel[0]), *data.subtree_angmom[0]]
         np.testing.assert_allclose(log["momentum"][row], momentum, atol=1e-9)
+
+
+def test_a_start_below_the_ground_is_named() -> None:
+    model = mujoco.MjModel.from_xml_string(CRATE.format(option="", geom="", gravcomp=0.0))
+    for lift, symptom in ((-0.02, "starts in the ground"), (0.0, None)):
+        data = mujoco.MjData(model)
+        data.qpos[2] += lift
+        with sf.record(model, data) as log:
+            while data.time < 0.6:
+                mujoco.mj_step(model, data)
+        report = sf.audit_log(log)
+        assert report.verdict == ("lawful" if symptom is None else "broken")
+        assert [s.name for s in report.symptoms[:1]] == ([] if symptom is None else [symptom])
+
+
+def test_a_body_that_never_touches_is_audited() -> None:
+    model = mujoco.MjModel.from_xml_string(CRATE.format(option="", geom="", gravcomp=0.0))
+    data = mujoco.MjData(model)
+    data.qpos[2] += 5.0
+    with sf.record(model, data) as log:
+        while data.time < 0.3:
+            mujoco.mj_step(model, data)
+    assert log["contact_positions"].shape[1] == 0
+    assert sf.audit_log(log).verdict == "lawful"
+
+
+def test_a_free_joint_with_a_rotors_inertia_is_named() -> None:
+    """`<joint type="free">` takes the joints' defaults, as in Unitree's B2, H1-2 and R1."""
+    text = CRATE.format(option="", geom="", gravcomp=0.0)
+    model = mujoco.MjModel.from_xml_string(text.replace("<freejoint/>", "<joint type='free' armature='2'/>"))
+    data = mujoco.MjData(model)
+    data.qpos[2] += 5.0
+    with sf.record(model, data) as log:
+        while data.time < 0.3:
+            mujoco.mj_step(model, data)
+    report = sf.audit_log(log)
+    assert report.verdict == "broken"  # it falls as if it weighed 7 kg: g 5 / 7
+    assert "armature on the root: up to 14 N" in report.symptoms[0].evidence

@@ -14,6 +14,7 @@ from surefoot.solvers import (
     admm,
     newton_step,
     nsgs,
+    one_contact,
     pyramid,
     scaled,
     solver,
@@ -87,7 +88,8 @@ def test_newton_step_solves_the_linearised_equations(law: str) -> None:
         errors = []
         for size in (1e-3, 1e-4):
             start = exact.forces.ravel() + size * rng.normal(size=12) * np.abs(exact.forces).max()
-            local = nsgs.prepare_dense(p.G, p.scales)
+            local = np.empty((4, one_contact.WIDTH))
+            nsgs.fill_dense(p.G, p.scales, local)
             force, u = start.copy(), p.G @ start + p.g
             newton_step.newton_dense(p.G, p.g, *laws(p), law == "convex", 0.0, 1, 0.1, local, force, u)
             errors.append(np.abs(force - exact.forces.ravel()).max())

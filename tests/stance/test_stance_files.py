@@ -1,47 +1,30 @@
-"""Stance files read back what was written, and say what is wrong with them."""
+"""Stance files are read as they are written down, and it is said what is wrong with them."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from surefoot import PatchContact, PointContact, ProblemError, Stance, can_stand, read_stance, write_stance
-from surefoot.stance import StanceQuestion
+from surefoot import ProblemError, can_stand, read_stance
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "stances").glob("*.yaml"))
 
 
-def test_round_trip(tmp_path):
-    tilted = np.array([0.1, -0.2, 1.0]) / np.linalg.norm([0.1, -0.2, 1.0])
-    stance = Stance(
-        [
-            PointContact([0.1, 0.2, 0.3], tilted, 0.7, "a", normal_min=1.0, normal_max=90.0),
-            PatchContact([1, 2, 3], 0.2, 0.1, tilted, 0.5, "b", heading=[0.3, 1.0, 0.0]),
-        ]
+def test_what_a_file_says_is_what_is_read(tmp_path):
+    path = tmp_path / "s.yaml"
+    path.write_text(
+        "name: test\nmass: 12.5\ncom: [0, 0.1, 0.9]\nexternal_wrench: [0, 1, 2, 3, 4, 5]\ncontacts:\n"
+        "  - {name: a, position: [1, 2, 3], normal: [0.6, 0, 0.8], mu: 0.7, normal_max: 90, normal_min: 1}\n"
+        "  - {name: b, position: [1, 2, 3], length: 0.2, width: 0.1, heading: [0, 1, 0]}\n"
     )
-    push = np.arange(6.0)
-    asked = StanceQuestion("test", stance, 12.5, np.array([0.0, 0.1, 0.9]), push)
-    back = read_stance(write_stance(asked, tmp_path / "s.yaml"))
-    assert (back.name, back.mass, back.com.tolist()) == ("test", 12.5, [0.0, 0.1, 0.9])
-    np.testing.assert_array_equal(back.external_wrench, push)
-    for old, new in zip(stance, back.stance, strict=True):
-        assert type(old) is type(new)
-        assert (old.name, old.mu, old.normal_min, old.normal_max) == (
-            new.name,
-            new.mu,
-            new.normal_min,
-            new.normal_max,
-        )
-        np.testing.assert_array_equal(old.position, new.position)
-        np.testing.assert_allclose(old.rotation_world_contact, new.rotation_world_contact, atol=1e-15)
-    assert (back.stance.contacts[1].length, back.stance.contacts[1].width) == (0.2, 0.1)
-
-
-def test_nothing_is_overwritten(tmp_path):
-    asked = StanceQuestion("test", Stance([]), 1.0, np.zeros(3))
-    write_stance(asked, tmp_path / "s.yaml")
-    with pytest.raises(ProblemError, match="cannot write"):
-        write_stance(asked, tmp_path / "s.yaml")
+    asked = read_stance(path)
+    assert (asked.name, asked.mass, asked.com.tolist()) == ("test", 12.5, [0.0, 0.1, 0.9])
+    np.testing.assert_array_equal(asked.external_wrench, np.arange(6.0))
+    point, patch = asked.stance
+    assert (point.name, point.mu, point.normal_min, point.normal_max) == ("a", 0.7, 1.0, 90.0)
+    np.testing.assert_allclose(point.normal, [0.6, 0.0, 0.8])
+    assert (patch.name, patch.mu, patch.length, patch.width) == ("b", 0.6, 0.2, 0.1)
+    np.testing.assert_allclose(patch.rotation_world_contact[:, 0], [0.0, 1.0, 0.0])
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)

@@ -1,4 +1,4 @@
-"""Films: what the legend tells, where things are in a picture, marks of slips, edges of the ground."""
+"""Films: what the legend tells, where things are in a picture, edges of the ground."""
 
 from __future__ import annotations
 
@@ -6,26 +6,21 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.viz.film import SLIP_COLOUR, FilmScene
+from surefoot.viz.film import FilmScene
 from surefoot.viz.video import CONE_COLOUR, PUSH_COLOUR, edge_lines
 
 STEPS = 30
 
 
-def made(slides: bool = False, pushed: bool = False) -> sf.Log:
-    """Return a log of a robot that stands on one point, which may slide, and may be pushed."""
+def made(pushed: bool = False) -> sf.Log:
+    """Return a log of a robot that stands on one point, and may be pushed."""
     forces = np.tile([[3.0, 0.0, 100.0]], (STEPS, 1, 1))
-    velocity = np.zeros((STEPS, 1, 3))
-    places = np.zeros((STEPS, 1, 3))
-    if slides:
-        velocity[10:20, 0, 0] = 0.5
-        places[:, 0, 0] = 0.01 * np.cumsum(velocity[:, 0, 0])
     push = np.zeros((STEPS, 3))
     push[5:] = [30.0 * pushed, 0.0, 0.0]
     q = np.zeros((STEPS, 19))
     channels = {
         "time": 0.01 * np.arange(STEPS), "forces": forces, "forces_commanded": forces, "push": push, "q": q,
-        "contact_positions": places, "contact_velocities": velocity, "mu": np.full(STEPS, 0.5),
+        "contact_positions": np.zeros((STEPS, 1, 3)), "mu": np.full(STEPS, 0.5),
     }  # fmt: skip
     return sf.Log(channels, {"dt": 0.01})
 
@@ -34,8 +29,8 @@ def test_the_legend_tells_only_what_happens() -> None:
     flat = sf.FlatTerrain()
     plain = [entry.words for entry in FilmScene(made(), flat, 0.01).legend()]
     assert plain == ["force of the ground", "friction cone, up to its normal part"]
-    all_of_it = [entry.words for entry in FilmScene(made(True, True), flat, 0.01).legend()]
-    assert all_of_it == [*plain, "push, up to 30 N", "slip"]
+    all_of_it = [entry.words for entry in FilmScene(made(True), flat, 0.01).legend()]
+    assert all_of_it == [*plain, "push, up to 30 N"]
 
 
 def test_a_push_is_an_arrow_from_the_base() -> None:
@@ -43,15 +38,6 @@ def test_a_push_is_an_arrow_from_the_base() -> None:
         a for a in FilmScene(made(pushed=True), sf.FlatTerrain(), 0.01).arrows(5) if a[2] == PUSH_COLOUR
     ]
     assert arrow[1].tolist() == pytest.approx([0.6, 0.0, 0.0])
-
-
-def test_a_slip_leaves_a_mark_where_it_happened() -> None:
-    scene = FilmScene(made(slides=True), sf.FlatTerrain(), 0.01)
-    assert all(colour != SLIP_COLOUR for _, _, colour in scene.lines(5))
-    scene.lines(14)
-    marks = [(start, way) for start, way, colour in scene.lines(29) if colour == SLIP_COLOUR]
-    assert sum(float(way[0]) for _, way in marks) == pytest.approx(0.04, abs=0.011)  # 0.05 m, in two pieces
-    assert all(0.0 < start[2] < 0.01 for start, _ in marks)
 
 
 def test_the_cone_is_as_high_as_the_normal_force() -> None:

@@ -253,7 +253,7 @@ def _lies(log: Log) -> str:
     lean = float(np.arccos(np.clip(up[0] @ up[1], -1.0, 1.0)))
     if lean > LEANS:
         return f"the base ends {np.degrees(lean):.0f} deg from its upright pose"
-    if "contact_positions" in log:
+    if "contact_positions" in log and np.size(log["contact_positions"]):  # nothing may ever have touched
         ground = np.asarray(log["contact_positions"])[[0, -1], :, 2].min(axis=1)
         heights = q[:, 2] - ground
         if heights[0] > 0.0 and heights[1] < LOW * heights[0]:

@@ -152,7 +152,7 @@ def _turns(R: FloatArray) -> FloatArray:
 
 
 def _highest(values: FloatArray, rows: int) -> FloatArray:
-    """Return the highest of (T, c) values in a window of so many rows about each row."""
+    """Return the highest of (T, c) values in a window of so many steps about each row, both ends of each."""
     from scipy.ndimage import maximum_filter1d
 
-    return np.asarray(maximum_filter1d(values, 2 * (rows // 2) + 1, axis=0, mode="nearest"))
+    return np.asarray(maximum_filter1d(values, 2 * (rows // 2) + 3, axis=0, mode="nearest"))

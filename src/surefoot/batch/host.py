@@ -22,11 +22,11 @@ def solve_on_host(
     matrices = np.ascontiguousarray(np.broadcast_to(G, (*lead, size, size)), dtype=np.float64)
     matrices, free = matrices.reshape(count, size, size), np.asarray(g, dtype=np.float64).reshape(count, size)
     frictions = np.broadcast_to(mu, (*lead, n)).astype(np.float64).reshape(count, n)
-    there = np.ascontiguousarray(np.broadcast_to(on, (*lead, n)), dtype=np.bool_).reshape(count, n)
+    most = np.where(np.broadcast_to(on, (*lead, n)), np.inf, 0.0).reshape(count, n)
 
     def ask(part: slice) -> FloatArray:
-        given = matrices[part], free[part], frictions[part]
-        return solve_batch(*given, law=law, mask=there[part], tol=tol).forces
+        given = matrices[part], free[part], frictions[part], 0.0, most[part]
+        return solve_batch(*given, law, tol=tol).forces
 
     try:
         return ask(slice(None)).reshape(*lead, n, 3)

@@ -1,7 +1,7 @@
 """One contact problem and its gradient as compiled functions, for loops over many and for a caller's own.
 
-`solve_contacts`, `contact_vjp` and `contact_jvp` may be called from any function under `numba.njit`; they
-hold no state, allocate their own scratch, and release nothing. Up to 45 contacts on exact cones.
+`solve_contacts` and `contact_vjp` may be called from any function under `numba.njit`; they hold no state,
+allocate their own scratch, and release nothing. Up to 45 contacts on exact cones.
 
 The derivative is that of `contact.derivative`, at the forces as they are solved (not polished): its error is
 that of the solution times the condition. At a kink it belongs to the mode that the natural map is on.
@@ -131,7 +131,7 @@ def contact_vjp(
 @inline_kernel
 def slope_memory(n: int) -> int:
     """Return how many numbers of memory the gradient of a problem takes."""
-    return (3 * n + 6) * 3 * n + 30 * n + 9
+    return (3 * n + 5) * 3 * n + 30 * n + 9
 
 
 @inline_kernel
@@ -180,91 +180,6 @@ def vjp_within(
         along = p[h + 2] + laws[0, k] * e_p
         out[n + k, 0] = own
         out[n + k, 1], out[n + k, 2] = along if normal == AT_LOW else 0.0, along if normal == AT_HIGH else 0.0
-    return regular
-
-
-@kernel
-def contact_jvp(
-    G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, rates: FloatArray, out: FloatArray
-) -> bool:
-    """Fill the rates of forces and velocities.
-
-    Parameters
-    ----------
-    G, laws, convex, buffer
-        As `solve_contacts` took and filled them.
-    rates
-        (2n, 3): rows 0 to n - 1 the rate of u at fixed forces, G' λ + g'; row n + k the rates of contact k's
-        mu, normal_min and normal_max.
-    out
-        (2n, 3) to be filled: the rates of the forces, then of the velocities.
-
-    Returns
-    -------
-    bool
-        Whether the active system is regular, see `contact_vjp`.
-    """
-    memory = np.empty(slope_memory(laws.shape[1]))
-    regular = jvp_within(
-        borrowed(G), borrowed(laws), convex, borrowed(buffer), borrowed(rates), borrowed(out), memory
-    )
-    keep(memory)
-    return regular
-
-
-@inline_kernel
-def jvp_within(
-    G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, rates: FloatArray, out: FloatArray,
-    memory: FloatArray,
-) -> bool:  # fmt: skip
-    """Do as `contact_jvp`, see there for the shapes, with borrowed arrays in memory that is there."""
-    n = laws.shape[1]
-    m = 3 * n
-    work, mode = window(memory, 0, m + 6, m), window(memory, (m + 6) * m, n + 1, 9)
-    unknown = window(memory, (m + 6) * m + 9 * (n + 1), m, 7)
-    v, b, jump, extra, moved, spare = work[m], work[m + 1], work[m + 2], work[m + 3], work[m + 4], work[m + 5]
-    read_modes(G, laws, convex, buffer, mode)
-    size = list_unknowns(laws, mode, convex, unknown)
-    for k in range(n):
-        h, mu, normal = 3 * k, laws[0, k], mode[k, 0]
-        # the known part: forces at a bound follow it, sliding ones their radius
-        bound = rates[n + k, 1] if normal == AT_LOW else (rates[n + k, 2] if normal == AT_HIGH else 0.0)
-        radius = mode[k, 7] * rates[n + k, 0] + mu * bound if normal != HELD else 0.0
-        jump[h], jump[h + 1], jump[h + 2] = radius * mode[k, 2], radius * mode[k, 3], bound
-        for a in range(3):
-            v[h + a] = rates[k, a]
-    # A y = R (b + G jump), forces then move by jump - C y; see `contact.derivative.move`
-    add_product(G, jump, 1.0, v)
-    regular = size == 0
-    for attempt in range(2):
-        if regular:
-            break
-        fill(G, mode, unknown, ROW, COLUMN, spare, work)
-        gather(mode, unknown, ROW, v, b)
-        for k in range(n):
-            # the convex law's separation mu ||u_t|| is taken off the normal velocity
-            if convex and mode[k, 0] == FREE and mode[k, 1] != STICK:
-                b[int(mode[k, FIRST])] -= mode[k, 6] * rates[n + k, 0]
-        if attempt == 0:
-            regular = lu_solve(work, b, size) and regular_pivots(work, size)
-        else:
-            for i in range(size):
-                extra[i] = 0.0
-            least_squares(work, b, size, extra)
-            unscale(unknown, size, extra)
-    scatter(mode, unknown, COLUMN, b, moved)
-    if not regular:
-        scatter(mode, unknown, ROW, extra, v)
-    for i in range(m):
-        jump[i] -= moved[i]
-        out[i // 3, i % 3] = jump[i]
-        b[i] = rates[i // 3, i % 3]
-        if not regular:
-            b[i] -= v[i]
-    # u' = G λ' + b, less what no force can follow
-    add_product(G, jump, 1.0, b)
-    for i in range(m):
-        out[n + i // 3, i % 3] = b[i]
     return regular
 
 

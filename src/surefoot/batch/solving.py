@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
-from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import astuple, dataclass
-from functools import cached_property
-from itertools import pairwise
-from typing import Any, TypedDict, Unpack
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
+from numba.core.config import NUMBA_NUM_THREADS
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import (
@@ -23,11 +21,12 @@ from surefoot.arrays import (
     real_number,
     whole_number,
 )
-from surefoot.batch.derivative import BatchDerivative, problem_of
+from surefoot.batch.derivative import BatchDerivative
 from surefoot.batch.loops import solve_range
 from surefoot.contact.derivative_rates import fitting
 from surefoot.contact.laws import LAWS, Law
 from surefoot.contact.matrix import ASYMMETRY, SINGLE_ASYMMETRY
+from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.solvers.compiled import COMPILED_CONTACTS, NOT_NUMBERS
@@ -35,31 +34,10 @@ from surefoot.solvers.solver import solve
 
 SMALL = 128
 """Problems up to which one thread does it: waking others takes longer."""
+MOST = 10_000
+"""Sweeps and Newton steps of a problem, all methods together, as of a `ContactSolver`."""
 SHARES = 8
 """Pieces per thread that a batch is cut into, so that hard problems do not hold up the rest."""
-
-
-class BatchOptions(TypedDict, total=False):
-    """What batches seldom say, as keyword arguments of `solve_batch`."""
-
-    mask: ArrayLike | None
-    bilateral: ArrayLike | None
-    compliance: ArrayLike
-    warm_start: ArrayLike | None
-    threads: int | None
-    derivative: bool
-
-
-@dataclass(frozen=True)
-class _Options:
-    """The same with what holds where nothing is said; a name that is none of them is refused."""
-
-    mask: ArrayLike | None = None
-    bilateral: ArrayLike | None = None
-    compliance: ArrayLike = 0.0
-    warm_start: ArrayLike | None = None
-    threads: int | None = None
-    derivative: bool = False
 
 
 @dataclass(frozen=True)
@@ -69,7 +47,7 @@ class BatchSolution:
     Attributes
     ----------
     forces, velocities
-        (B, n, 3) in contact frames [N s] and [m/s], or [N] and [m/s²]; zero for contacts that are masked out.
+        (B, n, 3) in contact frames [N s] and [m/s], or [N] and [m/s²].
     status
         (B,) of `Status`.
     residual
@@ -102,8 +80,9 @@ def solve_batch(
     law: str = "coulomb",
     *,
     tol: float = 1e-8,
-    max_iterations: int = 10_000,
-    **options: Unpack[BatchOptions],
+    warm_start: ArrayLike | None = None,
+    threads: int | None = None,
+    derivative: bool = False,
 ) -> BatchSolution:
     """Solve many contact problems with up to 45 contacts each, on exact cones.
 
@@ -118,18 +97,18 @@ def solve_batch(
         1e-5 of its largest entry).
     mu, normal_min, normal_max
         A number, (n,) or (B, n); mu dimensionless, the bounds in the forces' unit [N or N s]; see
-        `ContactProblem`.
+        `ContactProblem`. normal_min = -inf holds a contact in all directions; problems of mixed sizes are
+        padded with rows of zeros and normal_max = 0.
     law
         "coulomb" or "convex".
-    tol, max_iterations
-        As for `ContactSolver`.
-    **options
-        mask: (B, n), True for the contacts that are there: problems of mixed sizes, padded to n.
-        bilateral: (n,) or (B, n) mask of contacts that hold in all directions.
-        compliance: added to the diagonal of G, in its unit: a number, (n,), (3n,) or (B, 3n).
-        warm_start: (B, n, 3) forces to start from.
-        threads: None for as many as there are cores for this process.
-        derivative: whether to keep what `BatchSolution.derivative` needs.
+    tol
+        Wanted velocity error and rounding, see `Residuals`.
+    warm_start
+        (B, n, 3) forces to start from, in their unit [N or N s].
+    threads
+        None for as many as there are cores for this process, or as NUMBA_NUM_THREADS says.
+    derivative
+        Whether to keep what `BatchSolution.derivative` needs.
 
     Raises
     ------
@@ -137,69 +116,55 @@ def solve_batch(
         If an argument is out of range, naming it; never for a problem that is hard or has no solution, and
         not for one whose numbers are not finite: that one is INVALID.
     """
-    rest = _Options(**options)
     if not isinstance(law, str) or law not in LAWS:
         raise ProblemError(unknown_name("law", law, LAWS))
     named = LAWS[law]
-    tol, most = real_number("tol", tol, low=0.0, high=1e300), whole_number("max_iterations", max_iterations)
-    threads = _cores() if rest.threads is None else whole_number("threads", rest.threads, low=1)
+    tol = real_number("tol", tol, low=0.0, high=1e300)
+    workers = NUMBA_NUM_THREADS if threads is None else whole_number("threads", threads, low=1)
     matrices, free, single = _read(G, g)
     B, m = free.shape
     n = m // 3
     if n > COMPILED_CONTACTS:
         raise ProblemError(f"a batch takes up to {COMPILED_CONTACTS} contacts a problem, got {n}")
-    laws = _read_laws(mu, normal_min, normal_max, rest.bilateral, B, n)
-    present = _read_mask(rest.mask, B, n)
-    diagonal = _read_compliance(rest.compliance, B, n)
-    if diagonal is not None:
-        matrices = matrices.copy()
-        matrices[:, np.arange(m), np.arange(m)] += diagonal
+    laws, convex = _read_laws(mu, normal_min, normal_max, B, n), named == "convex"
     buffers, done = np.empty((B, 2 * n + 3, 3)), np.empty(B, dtype=np.int64)
-    if rest.warm_start is not None:
-        buffers[:, :n] = finite_array("warm_start", rest.warm_start, (B, n, 3))
-    limit = SINGLE_ASYMMETRY if single else ASYMMETRY
-    in_ranges(
-        lambda start, stop: solve_range(
-            matrices, free, laws, present, named == "convex", limit, tol, most, rest.warm_start is not None,
-            buffers, done, start, stop,
-        ),
-        B, threads,
-    )  # fmt: skip
+    if warm_start is not None:
+        buffers[:, :n] = finite_array("warm_start", warm_start, (B, n, 3))
+    limit, warm = SINGLE_ASYMMETRY if single else ASYMMETRY, warm_start is not None
+    run = partial(in_ranges, count=B, threads=workers)
+    run(lambda a, b: solve_range(matrices, free, laws, convex, limit, tol, MOST, warm, buffers, done, a, b))
     status, valid = np.full(B, Status.SOLVED, dtype=object), done >= 0
     for b in np.flatnonzero(done < 0).tolist():
         own = laws[b if len(laws) > 1 else 0]
-        here = present[b] if len(present) else np.ones(n, dtype=np.bool_)
-        status[b] = _solve_rest(b, matrices[b], free[b], own, here, named, tol, most, done, buffers[b])
+        status[b] = _solve_rest(b, matrices[b], free[b], own, named, tol, done, buffers[b])
         valid[b] = status[b] is Status.SOLVED
-    found = None
-    if rest.derivative:
-        found = BatchDerivative(matrices, free, laws, present, named, buffers, valid, threads, in_ranges)
+    found = BatchDerivative(matrices, free, laws, convex, buffers, valid, run) if derivative else None
     return BatchSolution(
         buffers[:, :n], buffers[:, n : 2 * n], status, buffers[:, 2 * n, 0], np.abs(done), found
     )
 
 
 def _solve_rest(
-    b: int, G: FloatArray, g: FloatArray, laws: FloatArray, here: BoolArray, law: Law, tol: float, most: int,
-    done: IntArray, buffer: FloatArray,
+    b: int, G: FloatArray, g: FloatArray, laws: FloatArray, law: Law, tol: float, done: IntArray,
+    buffer: FloatArray,
 ) -> Status:  # fmt: skip
     """Solve by the general path what the compiled loop left; fill the buffer and return the status."""
-    n = len(here)
+    n = laws.shape[1]
     used = int(~done[b]) if done[b] > NOT_NUMBERS - 1 and done[b] != NOT_NUMBERS else 0
-    rows = np.repeat(here, 3)
-    start = buffer[:n][here].copy()
+    start = buffer[:n].copy()
     buffer[:] = 0.0
-    if not (np.isfinite(G[np.ix_(rows, rows)]).all() and np.isfinite(g[rows]).all()):
+    if not (np.isfinite(G).all() and np.isfinite(g).all()):
         done[b] = 0
         buffer[2 * n :] = np.nan
         return Status.INVALID
+    (mu, low, high), held = laws, np.isinf(laws[1])
     try:
-        problem = problem_of(G, g, laws, here, law)
+        problem = ContactProblem(G, g, mu, np.where(held, 0.0, low), high, law, bilateral=held)
     except ProblemError as error:
         raise ProblemError(f"problem {b} of the batch: {error}") from error
     guess = start if used > 0 and np.isfinite(start).all() else None
-    found = solve(problem, "auto", tol, max_iterations=max(most - used, 0), warm_start=guess)
-    buffer[:n][here], buffer[n : 2 * n][here] = found.forces, found.velocities
+    found = solve(problem, "auto", tol, max_iterations=max(MOST - used, 0), warm_start=guess)
+    buffer[:n], buffer[n : 2 * n] = found.forces, found.velocities
     buffer[2 * n :].reshape(-1)[:7] = astuple(found.residuals)
     done[b] = used + found.iterations
     return found.status
@@ -211,28 +176,8 @@ def in_ranges(work: Callable[[int, int], None], count: int, threads: int) -> Non
         work(0, count)
         return
     edges = np.linspace(0, count, min(threads * SHARES, count // 16) + 1).astype(int).tolist()
-    pieces = deque(pairwise(edges))
-
-    def take() -> None:
-        while True:
-            try:
-                start, stop = pieces.popleft()  # safe among threads
-            except IndexError:
-                return
-            work(start, stop)
-
-    with ThreadPoolExecutor(threads - 1) as pool:
-        others = [pool.submit(take) for _ in range(threads - 1)]
-        take()  # this thread works, too
-        for other in others:
-            other.result()
-
-
-def _cores() -> int:
-    """Return the number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(work, edges[:-1], edges[1:]))  # what one raises is raised here
 
 
 def _read(G: ArrayLike, g: ArrayLike) -> tuple[FloatArray, FloatArray, bool]:
@@ -252,49 +197,22 @@ def _read(G: ArrayLike, g: ArrayLike) -> tuple[FloatArray, FloatArray, bool]:
     return matrices, free, given.dtype == np.float32
 
 
-def _read_laws(
-    mu: ArrayLike, low: ArrayLike, high: ArrayLike, bilateral: ArrayLike | None, B: int, n: int
-) -> FloatArray:
+def _read_laws(mu: ArrayLike, low: ArrayLike, high: ArrayLike, B: int, n: int) -> FloatArray:
     """Return the laws (1, 3, n), or (B, 3, n) where they differ from problem to problem."""
-    read = [real_array(name, v) for name, v in (("mu", mu), ("normal_min", low), ("normal_max", high))]
-    for name, value in zip(("mu", "normal_min", "normal_max"), read, strict=True):
+    names = ("mu", "normal_min", "normal_max")
+    read = [real_array(name, value) for name, value in zip(names, (mu, low, high), strict=True)]
+    for name, value in zip(names, read, strict=True):
         fitting(name, value, (B,), n)
-        if (value < 0.0).any() or (name != "normal_max" and np.isinf(value).any()):
+        held = (value == -np.inf) & (name == "normal_min")
+        if (~held & (value < 0.0)).any() or (name != "normal_max" and (value == np.inf).any()):
             raise ProblemError(
                 f"{name} must be finite and >= 0" if name != "normal_max" else f"{name} must be >= 0"
             )
-    held = np.zeros(n, dtype=np.bool_) if bilateral is None else np.asarray(bilateral)
-    if held.dtype != np.bool_ or held.shape not in ((n,), (B, n)):
-        raise ProblemError(
-            f"bilateral must be a mask of shape ({n},) or ({B}, {n}), got {held.dtype} {held.shape}"
-        )
-    count = B if any(value.ndim == 2 for value in (*read, held)) else 1
-    laws = np.empty((count, 3, n))
+    laws = np.empty((B if any(value.ndim == 2 for value in read) else 1, 3, n))
     for row, value in enumerate(read):
         laws[:, row] = value
     if (laws[:, 1] > laws[:, 2]).any():
         raise ProblemError("normal_min must be <= normal_max")
-    if (held & ((laws[:, 1] != 0.0) | (laws[:, 2] != np.inf))).any():
+    if ((laws[:, 1] == -np.inf) & (laws[:, 2] != np.inf)).any():
         raise ProblemError("a bilateral contact takes no normal bounds")
-    laws[:, 1][np.broadcast_to(held, (count, n))] = -np.inf
     return laws
-
-
-def _read_mask(mask: ArrayLike | None, B: int, n: int) -> BoolArray:
-    """Return the mask (B, n); (0, n) where all contacts are there."""
-    if mask is None:
-        return np.zeros((0, n), dtype=np.bool_)
-    array = np.asarray(mask)
-    if array.dtype != np.bool_ or array.shape != (B, n):
-        raise ProblemError(f"mask must be a mask of shape ({B}, {n}), got {array.dtype} {array.shape}")
-    return np.ascontiguousarray(array)
-
-
-def _read_compliance(compliance: ArrayLike, B: int, n: int) -> FloatArray | None:
-    """Return R as (3n,) or (B, 3n), None where it is zero."""
-    array = fitting("compliance", finite_array("compliance", compliance), (B,), n, 3 * n)
-    if (array < 0.0).any():
-        raise ProblemError(f"compliance must be >= 0, got {array.min():g}")
-    if array.shape == (n,):
-        array = np.repeat(array, 3)
-    return array if array.any() else None

@@ -14,7 +14,7 @@ from surefoot.cli.checklist import ANSWER, answers
 from surefoot.cli.console import Cell, Table, plain_console, print_tables, say, say_verdict
 from surefoot.cli.log_options import LogOptions
 from surefoot.cli.output import check_out, new_run_folder, to_json
-from surefoot.errors import MissingExtra, ProblemError, SurefootError
+from surefoot.errors import MissingExtra, ProblemError
 from surefoot.simulation.worlds import WORLDS
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def audit(
         facts["checklist"] = [dict(zip(ANSWER, row, strict=True)) for row in rows]
         tables.insert(0, Table("Checklist", ANSWER, rows))
     finding = verdicts, tables, _lines(read, report)
-    _publish(log, facts, *finding, out, as_json, lambda folder: _pictures(read, report, folder))
+    _publish(log, facts, *finding, out, as_json, lambda folder: _picture(read, report, folder))
     return report.exit_code or (0 if again is None or again.survives else 1)
 
 
@@ -90,11 +90,11 @@ def _publish(
     lines: Sequence[str],
     out: Path | None,
     as_json: bool,
-    draw: Callable[[Path], list[tuple[str, str]]] = lambda folder: [],
+    draw: Callable[[Path], tuple[str, str]],
 ) -> None:
     """Print facts as JSON, or tables, lines and verdicts; write audit.json and a page where `out` says.
 
-    `draw` draws into the page's folder and returns the sections above the tables.
+    `draw` draws into the page's folder and returns the section above the tables.
     """
     from surefoot.cli.run_files import report_sections, write_page
 
@@ -108,7 +108,7 @@ def _publish(
         return
     folder = new_run_folder(out, f"audit-{log.stem}")
     (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
-    sections = [*draw(folder), *report_sections(tables, lines)]
+    sections = [draw(folder), *report_sections(tables, lines)]
     page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
     say(console, f"report: {page}")
 
@@ -194,16 +194,13 @@ def _lines(log: Log, report: AuditReport) -> list[str]:
     return [*made, *report.notes, *([f"and {hidden} violations more"] if hidden > 0 else [])]
 
 
-def _pictures(log: Log, report: AuditReport, folder: Path) -> list[tuple[str, str]]:
-    """Draw into the folder; return the page's sections of pictures, or of why there are none."""
+def _picture(log: Log, report: AuditReport, folder: Path) -> tuple[str, str]:
+    """Draw into the folder; return the page's section of the picture, or of why there is none."""
     from surefoot.viz.report import paragraph, picture
 
     try:
-        from surefoot.viz.audit_plots import draw_audit
+        from surefoot.viz.audit_plots import draw_timeline
 
-        drawn = draw_audit(log, report, folder)
-    except SurefootError as error:
-        left_out = "pictures left out: " if isinstance(error, MissingExtra) else ""
-        return [("Pictures", paragraph(f"{left_out}{error}"))]
-    titles = {"timeline": "Timeline"}
-    return [(titles.get(path.stem, "One of the worst moments"), picture(path)) for path in drawn]
+        return "Timeline", picture(draw_timeline(log, report, folder / "timeline.png"))
+    except MissingExtra as error:
+        return "Timeline", paragraph(f"picture left out: {error}")

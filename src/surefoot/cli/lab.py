@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from concurrent.futures import Future, wait
-from contextlib import ExitStack
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Annotated, Any
@@ -70,18 +69,17 @@ def lab(
     if seconds is not None:
         real_number("--seconds", seconds, low=0.0)
     check_free(host, port)
-    with ExitStack() as until_the_end:
-        starting: Future[Callable[[], Page]] = Future()
+    starting: Future[Callable[[], Page]] = Future()
 
-        def prepare() -> None:
-            try:
-                starting.set_result(make(until_the_end, **{name: given[name] for name in takes}))
-            except BaseException as error:
-                starting.set_exception(error)
+    def prepare() -> None:
+        try:
+            starting.set_result(make(**{name: given[name] for name in takes}))
+        except BaseException as error:
+            starting.set_exception(error)
 
-        Thread(target=prepare, name="lab-start", daemon=True).start()
-        wait([starting], AT_ONCE)
-        return _serve(starting, host, port, seconds, as_json)
+    Thread(target=prepare, name="lab-start", daemon=True).start()
+    wait([starting], AT_ONCE)
+    return _serve(starting, host, port, seconds, as_json)
 
 
 def _serve(
@@ -109,7 +107,7 @@ def _serve(
     return 0
 
 
-def _stand(end: ExitStack, subject: str | None, feet: str | None) -> Callable[[], Page]:
+def _stand(subject: str | None, feet: str | None) -> Callable[[], Page]:
     """Drag the centre of mass and the feet, tilt the ground: cones, forces, region and verdict follow."""
     from surefoot.lab.stand import StandPage, start_state
 
@@ -117,28 +115,26 @@ def _stand(end: ExitStack, subject: str | None, feet: str | None) -> Callable[[]
     return lambda: StandPage(state)
 
 
-def _cone(end: ExitStack) -> Callable[[], Page]:
+def _cone() -> Callable[[], Page]:
     """See the round cone, the pyramids inside and around it, and a force in space and in section."""
     from surefoot.lab.cone import ConePage, ConeState
 
     return lambda: ConePage(ConeState(0.6, 4))
 
 
-def _push(end: ExitStack, subject: str | None, feet: str | None, velocity: str | None) -> Callable[[], Page]:
+def _push(subject: str | None, feet: str | None, velocity: str | None) -> Callable[[], Page]:
     """Kick a walking robot with the mouse; change friction, payload, gait and speed while it walks."""
     from surefoot.lab.push import PushPage
-    from surefoot.lab.push_run import Choices, SharedRun, WalkRun
+    from surefoot.lab.push_run import Choices, WalkRun
 
     model = load(subject, feet, feet_needed=True)
-    speeds = Choices().velocity if velocity is None else parsing.velocity(velocity)
+    chosen = Choices() if velocity is None else Choices(velocity=parsing.velocity(velocity))
     with plain_console(stderr=True).status("starting the robot (a first run compiles)"):
-        run = WalkRun(model, Choices(velocity=speeds))
-    everyone = SharedRun(run)
-    end.callback(everyone.close)
-    return lambda: PushPage(everyone, run.contact_names, run.names)
+        WalkRun(model, chosen)
+    return lambda: PushPage(WalkRun(model, chosen))
 
 
-def _plan(end: ExitStack, subject: str, amount: float | None, robot: str | None) -> Callable[[], Page]:
+def _plan(subject: str, amount: float | None, robot: str | None) -> Callable[[], Page]:
     """Scrub a plan: the robot, its forces and cones at every knot."""
     from surefoot.lab.recording import RecordedMotion, plan_page
 
@@ -148,7 +144,7 @@ def _plan(end: ExitStack, subject: str, amount: float | None, robot: str | None)
     return lambda: plan_page(recording, made)
 
 
-def _audit(end: ExitStack, subject: str, robot: str | None) -> Callable[[], Page]:
+def _audit(subject: str, robot: str | None) -> Callable[[], Page]:
     """Scrub a log, and jump to the violations of the laws of contact."""
     from surefoot.audit import audit_log
     from surefoot.lab.recording import RecordedMotion, audit_page

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
 from rich.console import Console
 
-from surefoot.arrays import real_number
 from surefoot.cli import options
 from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import drawn
@@ -19,38 +17,38 @@ from surefoot.errors import ProblemError
 def region(
     *,
     stance: StanceOptions,
-    tol: Annotated[float, typer.Option(help="Largest gap of the regions [m].")] = 1e-3,
     out: options.PictureOut = Path("runs"),
     picture: options.Picture = True,
     as_json: options.AsJson = False,
 ) -> int:
-    """Draw where the centre of mass and the zero-moment point may be, and say where they differ and why.
+    """Draw where the centre of mass and the zero-moment point may be, beside the support polygon.
 
     Exit code 0, or 2 for bad input; `surefoot check` is the command that judges.
     """
-    from surefoot.equilibrium.comparison import compare_regions
+    from surefoot.equilibrium.regions import com_region, support_polygon, zmp_region
 
-    real_number("--tol", tol, low=1e-9, high=1.0)
     question = stance.case().question
     if not len(question.stance):
         raise ProblemError("the stance has no contacts: there is no region to draw")
-    found = compare_regions(question.stance, question.com, question.mass, tol)
-    inside = found.com.contains(question.com)
+    contacts, com = question.stance, question.com
+    standing, support = com_region(contacts, question.mass), support_polygon(contacts)
+    zmp = None  # where its plane would go through the centre of mass
+    if abs(com[2] - float(contacts.positions[:, 2].mean())) > 1e-6:
+        zmp = zmp_region(contacts, com, question.mass)
     facts: dict[str, Any] = {
         "name": question.name,
-        "com_inside": inside,
-        "com": question.com,
-        "com_region": _region_facts(found.com),
-        "zmp_region": None if found.zmp is None else _region_facts(found.zmp),
-        "support_polygon": found.support,
-        "differences": list(found.sentences),
+        "com_inside": standing.contains(com),
+        "com": com,
+        "com_region": _region_facts(standing),
+        "zmp_region": None if zmp is None else _region_facts(zmp),
+        "support_polygon": support,
         "picture": None,
     }
 
     def draw(folder: Path) -> Path:
         from surefoot.viz.stance_plots import draw_regions
 
-        return draw_regions(question, found, folder / "regions.png")
+        return draw_regions(question, standing, zmp, support, folder / "regions.png")
 
     facts["picture"], facts["note"] = drawn(picture, out, "region", draw)
     show(facts, as_json, _print)
@@ -74,4 +72,4 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
     rows = [(name, f"{1e4 * area:.1f}", str(len(corners)), gap) for name, area, corners, gap in sizes]
     console.print(table(("region", "area [cm²]", "corners", "gap [mm]"), rows, left=4))
     picture = f"picture: {facts['picture']}" if facts["picture"] else ""
-    say(console, *facts["differences"], picture, facts["note"])
+    say(console, picture, facts["note"])

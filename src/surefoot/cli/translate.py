@@ -14,7 +14,7 @@ from surefoot.errors import ProblemError
 if TYPE_CHECKING:
     from rich.console import Console
 
-NAMES = "physical, hunt-crossley, mujoco, drake, physx, isaaclab, ode, bullet, ..."
+NAMES = "physical, hunt-crossley, mujoco, drake, physx, isaaclab, bullet, ..."
 """Some of them; a wrong name is answered with all."""
 _UNITS = {
     "rest_depth": "rest depth [m]",
@@ -35,8 +35,6 @@ def translate(
     ] = None,
     mass: Annotated[float, typer.Option(help="Effective mass of the contact, 1/G_nn [kg].")] = 1.0,
     dt: Annotated[float, typer.Option(help="Step of the engines [s].")] = 1e-3,
-    area: Annotated[float, typer.Option(help="Of a flat sole, for hydroelastic contact [m^2].")] = 0.0,
-    thickness: Annotated[float, typer.Option(help="Of that sole [m].")] = 0.0,
     keep: Annotated[str, typer.Option(help="motion or rest, where both cannot be kept.")] = "motion",
     prove: Annotated[bool, typer.Option("--prove", help="Run the wanted engine, if it is here.")] = False,
     as_json: options.AsJson = False,
@@ -47,7 +45,7 @@ def translate(
     from surefoot.contact.engines.translation import read_contact
 
     contact = read_contact(source, _values(values or []), mass=mass, speed=1.0)
-    found = translated(contact, to, mass, dt=dt, area=area, thickness=thickness, keep=keep)
+    found = translated(contact, to, mass, dt=dt, keep=keep)
     measured = None
     if prove:
         from surefoot.experiments.drops import measure

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from surefoot.experiments.experiment import WorldsOutcome
 
-NAMES = "drop, bounce, slide, stick, tip, spin, roll, stand, trot, friction"
+NAMES = "drop, bounce, slide, stick, tip, spin, roll"
 
 
 def worlds(
@@ -27,8 +27,8 @@ def worlds(
         list[str] | None, typer.Option(help="A world, repeatable; all that are here if none.")
     ] = None,
     dt: Annotated[float, typer.Option(help="Step; it is doubled and halved for its error [s].")] = 1e-3,
-    out: Annotated[Path, typer.Option(help="Parent of the new folder with a picture.")] = Path("runs"),
-    pictures: Annotated[bool, typer.Option("--pictures/--no-pictures", help="Draw them.")] = True,
+    out: options.PictureOut = Path("runs"),
+    pictures: Annotated[bool, typer.Option("--pictures/--no-pictures", help="Draw --defaults.")] = True,
     defaults: Annotated[
         bool, typer.Option("--defaults", help="Engines as they come, at their own steps: error and cost.")
     ] = False,
@@ -39,8 +39,9 @@ def worlds(
     Exit code 0 if every world keeps to every closed form within its own step error, 1 if not, 2 for wrong
     input; with --defaults 0, whatever engines make of it.
     """
+    check_out(out if pictures else None)
     if defaults:
-        return _defaults(names or [], world, out, pictures, as_json)
+        return _defaults(names or [], world, out if pictures else None, as_json)
     from surefoot.cli import extras
     from surefoot.experiments import EXPERIMENTS, carry_out
     from surefoot.simulation.worlds import WORLDS
@@ -59,7 +60,6 @@ def worlds(
     if not here:
         raise MissingExtra.of(absent.values())
     extras.require(extras.robot_packages(None))
-    check_out(out if pictures else None)
     status = plain_console(stderr=True, quiet=as_json)
     outcomes = []
     for experiment in chosen:
@@ -68,40 +68,30 @@ def worlds(
         _print(outcomes[-1], console)
     for name, why in absent.items():
         console.print(f"{name}: not here: {why}")
-
-    def draw(folder: Path) -> Path:
-        from surefoot.viz.world_plots import draw_overview
-
-        return draw_overview(outcomes, folder / "overview.png")
-
-    path, note = extras.drawn(pictures and any(o.rows for o in outcomes), out, "worlds", draw)
-    if path or note:
-        console.print(note or f"picture: {path}")
     agrees = all(outcome.agrees for outcome in outcomes)
     if as_json:
         print(to_json({
             "dt": dt, "worlds": here, "absent": {name: str(error) for name, error in absent.items()},
             "agrees": agrees, "experiments": {o.experiment.name: _facts(o) for o in outcomes},
-            "pictures": [path] if path else [],
         }))  # fmt: skip
     console.print(_headline(outcomes, agrees))
     return 0 if agrees else 1
 
 
-def _defaults(names: list[str], world: list[str] | None, out: Path, pictures: bool, as_json: bool) -> int:
+def _defaults(names: list[str], world: list[str] | None, out: Path | None, as_json: bool) -> int:
     """Print what engines at their defaults make of a few scenes, beside tuned ones."""
     from surefoot.cli import extras
     from surefoot.experiments.engines.defaults import CASES, ENGINES, measured
     from surefoot.experiments.engines.runners import NEWTON_PYTHON
     from surefoot.simulation.worlds import WORLDS
 
-    needed = {name: packages for name, (_, packages) in WORLDS.items()} | {"newton": ()}
+    needed = {name: packages for name, (_, packages) in WORLDS.items()}
+    needed |= {"mjx": ("mujoco", "jax", "mujoco-mjx"), "newton": ()}
     for name in names:
         check_name("scene of --defaults", name, CASES)
     for name in world or ():
         check_name("engine", name, needed)
     extras.require(extras.robot_packages(None))
-    check_out(out if pictures else None)
     console, status = (plain_console(stderr=e, quiet=as_json, highlight=False) for e in (False, True))
     absent = {name: str(e) for name in world or needed if (e := extras.missing(needed[name])) is not None}
     if "newton" in (world or needed) and NEWTON_PYTHON not in os.environ:
@@ -135,7 +125,7 @@ def _defaults(names: list[str], world: list[str] | None, out: Path, pictures: bo
 
         return draw_defaults(found, folder / "defaults.png")
 
-    path, note = extras.drawn(pictures and bool(found), out, "worlds", draw)
+    path, note = extras.drawn(out is not None and bool(found), out or Path(), "worlds", draw)
     if path or note:
         console.print(note or f"picture: {path}")
     return 0

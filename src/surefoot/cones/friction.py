@@ -46,11 +46,6 @@ class FrictionCone(Cone):
     def __repr__(self) -> str:
         return f"FrictionCone(mu={self.mu:g})"
 
-    @property
-    def half_angle(self) -> float:
-        """Angle between the normal and the boundary, atan(mu) [rad]."""
-        return math.atan(self.mu)
-
     def project(self, x: ArrayLike) -> FloatArray:
         """Return the nearest force of the cone: (..., 3) [N]."""
         f = self._points(x)

@@ -178,13 +178,11 @@ class ContactDerivative:
         ProblemError
             If a shape is wrong or an entry is not finite.
         """
-        n = self.problem.contacts
-        read = read_rates(self.forces, G, g, compliance, (mu, normal_min, normal_max))
-        b, rates = read[:n].ravel(), tuple(read[n:].T)
+        b, rates = read_rates(self.forces, G, g, compliance, (mu, normal_min, normal_max))
         system = self._system
         if isinstance(system, SmoothSystem):
-            f, u = system.tangents(b, *rates)
-            return Tangents(f, u)
+            f, u = (block @ np.concatenate([b, *rates]) for block in system.after)
+            return Tangents(f.reshape(-1, 3), u.reshape(-1, 3))
         modes, settled = [c.modes[0] for c in self._choices], True
         if any(len(c.modes) > 1 for c in self._choices):
             modes, settled = directional(self.problem.G, self._contacts, self._choices, b, rates)
@@ -205,58 +203,24 @@ class ContactDerivative:
             np.zeros(3 * n) if value is None else finite_array(name, value, (n, 3)).ravel()
             for name, value in (("forces", forces), ("velocities", velocities))
         )
-        system = self._system
-        if isinstance(system, SmoothSystem):
-            b, mu, low, high = system.cotangents(f, u)
-        else:
-            p = f + self.problem.G @ u
-            q = system.solve_transposed(system.C.T @ p) + system.beyond(system.S.T @ u)
-            back = system.R.T @ q
-            b, jump = u - back, p - self.problem.G @ back
-            mu = system.jump_mu.T @ jump + system.target_mu.T @ q
-            low, high = system.jump_low.T @ jump, system.jump_high.T @ jump
-        out = np.empty((2 * n, 3))
-        out[:n], out[n:] = b.reshape(n, 3), np.column_stack([mu, low, high])
+        by_force, by_velocity = self._system.after
+        back = by_force.T @ f + by_velocity.T @ u
+        out = np.concatenate([back[: 3 * n].reshape(n, 3), back[3 * n :].reshape(3, n).T])
         return Cotangents(out, self.forces, not self.redundant)
 
     @cached_property
     def _dense(self) -> dict[str, tuple[FloatArray, FloatArray]]:
         """Forces and velocities (3n, m) by what they are taken after: g, mu, normal_min, normal_max."""
         n = self.problem.contacts
-        eye, none, thin = np.eye(3 * n), np.zeros((3 * n, n)), np.zeros((n, 3 * n))
-        system = self._system
-        if isinstance(system, SmoothSystem):
-            return system.blocks()
-        unit, zero = np.eye(n), np.zeros((n, n))
-        return {
-            "g": move(system, eye, (thin, thin, thin))[:2],
-            "mu": move(system, none, (unit, zero, zero))[:2],
-            "normal_min": move(system, none, (zero, unit, zero))[:2],
-            "normal_max": move(system, none, (zero, zero, unit))[:2],
-        }
-
-    def _block(self, name: str) -> FloatArray:
-        """Return the block of a name such as dforces_dmu; see `__getattr__`."""
-        what, _, after = name.removeprefix("d").partition("_d")
-        which = ("forces", "velocities").index(what)
-        flat = self.forces.ravel()
-        own = self._dense["g" if after in ("G", "compliance") else after][which]
-        if after == "compliance":
-            return own * flat
-        if after != "G":
-            return own
-        block = np.einsum("ia,b->iab", own, flat)
-        return np.asarray(0.5 * (block + block.transpose(0, 2, 1)))
+        parts = (np.split(block, [3 * n, 4 * n, 5 * n], axis=1) for block in self._system.after)
+        return dict(zip(("g", "mu", "normal_min", "normal_max"), zip(*parts, strict=True), strict=True))
 
     def __getattr__(self, name: str) -> Any:
-        """Return a dense block.
-
-        `dforces_dg`, `dvelocities_dg`, and so on for mu, normal_min, normal_max (3n, n), compliance
-        (3n, 3n), and G (3n, 3n, 3n), whose contraction with a symmetric rate of G counts.
-        """
-        if name in BLOCKS:
-            return self._block(name)
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        """Return a dense block: `dforces_dg` (3n, 3n), `dvelocities_dmu` (3n, n), and so on; see `BLOCKS`."""
+        if name not in BLOCKS:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        what, _, after = name.removeprefix("d").partition("_d")
+        return self._dense[after][("forces", "velocities").index(what)]
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *BLOCKS})
@@ -271,5 +235,5 @@ class ContactDerivative:
 BLOCKS = tuple(
     f"d{what}_d{after}"
     for what in ("forces", "velocities")
-    for after in ("G", "g", "mu", "normal_min", "normal_max", "compliance")
+    for after in ("g", "mu", "normal_min", "normal_max")
 )

@@ -14,7 +14,7 @@ Source: P. Alart, A. Curnier, CMAME 92, 1991 (the projection whose derivative th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -49,10 +49,6 @@ class ContactState:
         if not self.convex:
             return float(u[2])
         return float(u[2] - self.mu * np.hypot(u[0], u[1]))
-
-    def at(self, force: FloatArray, velocity: FloatArray) -> ContactState:
-        """Return the same contact with another force (3,) [N s] and velocity (3,) [m/s]."""
-        return replace(self, force=force, velocity=velocity)
 
 
 @dataclass(frozen=True)

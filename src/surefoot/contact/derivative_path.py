@@ -29,8 +29,9 @@ from surefoot.errors import NoSolution, ProblemError
 
 STEPS = 200
 """Newton steps to the path."""
-SHRINK, REACH = 0.3, 0.9
-"""How far κ falls at most in a step, and how much of the way to the cones' boundary is gone."""
+SHRINK, REACH, SHORTER, TINY = 0.3, 0.9, 0.9, 1e-20
+"""How far κ falls at most in a step; how much of the way to the cones' boundary is gone, by how much a step
+is shortened until it stays inside, and the share of it at which nothing is left."""
 EXACT, NEAR = 1e-13, 1e-8
 """Newton steps, relative to the largest force, after which the point is exact, and good enough where rounding
 keeps them from shrinking."""
@@ -71,7 +72,7 @@ class _Path:
 class SmoothSystem:
     """The derivative of the path's point: M λ' = -(Q U b + E_mu mu' + ...), u' = G λ' + b.
 
-    The dense blocks are formed once and used both ways: jvp and vjp are adjoint whatever M's condition.
+    `after` is that of `ActiveSystem`.
     """
 
     def __init__(self, path: _Path, forces: FloatArray, slacks: FloatArray) -> None:
@@ -88,26 +89,6 @@ class SmoothSystem:
         self.condition = float(np.linalg.cond(M)) if n else 1.0
         self.rank = self.size = 3 * n
         self.loose = 0.0
-
-    def tangents(self, b: FloatArray, *rates: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the (n, 3) rates of forces and velocities for those of u, (3n,), and of the laws, (n,)."""
-        given = np.concatenate([b, *rates])
-        forces, velocities = (block @ given for block in self.after)
-        return forces.reshape(-1, 3), velocities.reshape(-1, 3)
-
-    def cotangents(self, forces: FloatArray, velocities: FloatArray) -> tuple[FloatArray, ...]:
-        """Return the gradients in b (3n,), mu, normal_min, normal_max (n,) for weights (3n,) on λ and u."""
-        back = self.after[0].T @ forces + self.after[1].T @ velocities
-        return tuple(np.split(back, self._edges()))
-
-    def blocks(self) -> dict[str, tuple[FloatArray, FloatArray]]:
-        """Return the blocks of forces and velocities after g (3n, 3n), mu, normal_min, normal_max (3n, n)."""
-        parts = zip(*(np.split(block, self._edges(), axis=1) for block in self.after), strict=True)
-        return dict(zip(("g", "mu", "normal_min", "normal_max"), parts, strict=True))
-
-    def _edges(self) -> list[int]:
-        n = self.size // 3
-        return [3 * n, 4 * n, 5 * n]
 
 
 def central_path(problem: ContactProblem, forces: FloatArray, kappa: float) -> SmoothSystem:
@@ -181,31 +162,18 @@ def _start(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _share(path: _Path, f: FloatArray, df: FloatArray, y: FloatArray, dy: FloatArray) -> float:
-    """Return the largest step up to 1 that keeps forces and slacks inside."""
-    p, kept = path.problem, path.kept
-    limits = [np.inf]
-    rough = kept & (p.mu > 0.0)  # without friction the cone is a ray, and its tangential forces stay zero
-    mu = p.mu[rough]
-    limits += [_to_cone(mu * f[rough, 2], f[rough, :2], mu * df[rough, 2], df[rough, :2])]
-    limits += [_to_cone(y[rough, 2], mu[:, None] * y[rough, :2], dy[rough, 2], mu[:, None] * dy[rough, :2])]
-    for at, step in (
-        (f[kept, 2] - np.maximum(p.normal_min[kept], 0.0), df[kept, 2]),
-        (p.normal_max[kept] - f[kept, 2], -df[kept, 2]),
-        (y[kept, 2], dy[kept, 2]),
-    ):
-        falling = step < 0.0
-        limits += [float((-at[falling] / step[falling]).min(initial=np.inf))]
-    return min(1.0, REACH * min(limits))
+    """Return the share of a step that keeps forces and slacks inside, at some way from the boundary."""
+    share = 1.0
+    while share > TINY and not _inside(path, f + share * df, y + share * dy):
+        share *= SHORTER
+    return share if share == 1.0 else REACH * share
 
 
-def _to_cone(x: FloatArray, t: FloatArray, dx: FloatArray, dt: FloatArray) -> float:
-    """Return the least step at which x + a dx = ||t + a dt||, of points inside."""
-    A = dx**2 - (dt**2).sum(axis=1)
-    half = x * dx - (t * dt).sum(axis=1)
-    C = np.maximum(x**2 - (t**2).sum(axis=1), 0.0)
-    root = np.sqrt(np.maximum(half**2 - A * C, 0.0))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # the smallest positive root of A a² + 2 half a + C, written so that nothing cancels
-        found = np.where(half < 0.0, C / (root - half), np.where(A < 0.0, (-half - root) / A, np.inf))
-        found = np.where((half < 0.0) & (A > 0.0) & (half**2 < A * C), np.inf, found)
-    return float(np.where(np.isnan(found), np.inf, found).min(initial=np.inf))
+def _inside(path: _Path, f: FloatArray, y: FloatArray) -> bool:
+    """Tell whether forces and slacks (n, 3) lie inside their cones and bounds."""
+    kept, (mu, low, high) = path.kept, path.laws
+    within = (np.maximum(low, 0.0) < f[:, 2]) & (f[:, 2] < high) & (y[:, 2] > 0.0)
+    # without friction the cone is a ray, and its tangential forces stay zero
+    side, slip = np.hypot(f[:, 0], f[:, 1]), mu * np.hypot(y[:, 0], y[:, 1])
+    within &= (mu == 0.0) | ((side < mu * f[:, 2]) & (slip < y[:, 2]))
+    return bool(within[kept].all())

@@ -1,8 +1,4 @@
-"""What goes into a derivative and comes out of it: rates, tangents, cotangents; of one problem or of many.
-
-Inside they are one array (..., 2n, 3): rows 0 to n - 1 belong to u at fixed forces, row n + k to contact k's
-mu, normal_min and normal_max.
-"""
+"""What goes into a derivative and comes out of it: rates, tangents, cotangents; the last of batches, too."""
 
 from __future__ import annotations
 
@@ -48,6 +44,9 @@ class Cotangents:
         (...,) False where contacts are redundant, see `ContactDerivative`.
     valid
         (...,) False where a batch's problem is not SOLVED; its gradient is zero.
+
+    Inside they are one array (..., 2n, 3): rows 0 to n - 1 belong to u at fixed forces, row n + k to contact
+    k's mu, normal_min and normal_max.
     """
 
     __slots__ = ("_forces", "_out", "regular", "valid")
@@ -98,29 +97,27 @@ class Cotangents:
 def read_rates(
     forces: FloatArray, G: ArrayLike | None, g: ArrayLike | None, compliance: ArrayLike | None,
     laws: tuple[ArrayLike | None, ...],
-) -> FloatArray:  # fmt: skip
-    """Return the rates (..., 2n, 3) of what is given, at forces (..., n, 3); see the module.
+) -> tuple[FloatArray, tuple[FloatArray, ...]]:  # fmt: skip
+    """Return the rate (3n,) of u at fixed forces (n, 3), and those of mu and both bounds, (n,) each.
 
-    `laws` are the rates of mu, normal_min and normal_max.
+    `laws` are the latter as they were given.
     """
-    lead, n = forces.shape[:-2], forces.shape[-2]
-    m, flat = 3 * n, forces.reshape(*lead, 3 * n)
-    b = np.zeros(flat.shape)
+    flat = forces.ravel()
+    n, m = len(forces), flat.size
+    b = np.zeros(m)
     if G is not None:
-        dG = finite_array("G", G, (*lead, m, m))
-        b += 0.5 * ((dG + np.swapaxes(dG, -1, -2)) @ flat[..., None])[..., 0]
+        dG = finite_array("G", G, (m, m))
+        b += 0.5 * (dG + dG.T) @ flat
     if g is not None:
-        b += finite_array("g", g, flat.shape)
+        b += finite_array("g", g, (m,))
     if compliance is not None:
-        rate = fitting("compliance", finite_array("compliance", compliance), lead, n, m)
+        rate = fitting("compliance", finite_array("compliance", compliance), (), n, m)
         b += (np.repeat(rate, 3) if rate.shape == (n,) else rate) * flat
-    rates = np.zeros((*lead, 2 * n, 3))
-    rates[..., :n, :] = b.reshape(forces.shape)
-    for column, name in enumerate(("mu", "normal_min", "normal_max")):
-        value = laws[column]
+    rates = np.zeros((3, n))
+    for row, name, value in zip(rates, ("mu", "normal_min", "normal_max"), laws, strict=True):
         if value is not None:
-            rates[..., n:, column] = fitting(name, finite_array(name, value), lead, n)
-    return rates
+            row[:] = fitting(name, finite_array(name, value), (), n)
+    return b, tuple(rates)
 
 
 def fitting(name: str, array: FloatArray, lead: tuple[int, ...], *widths: int) -> FloatArray:

@@ -93,17 +93,22 @@ class ActiveSystem:
         left, values, right = self._factors
         return np.asarray(right.T @ ((left.T @ q).T / values).T)
 
-    def solve_transposed(self, y: FloatArray) -> FloatArray:
-        """Return A⁺ᵀ y, (k,) or (k, c) as y."""
-        left, values, right = self._factors
-        return np.asarray(left @ ((right @ y).T / values).T)
-
     def beyond(self, q: FloatArray) -> FloatArray:
         """Return the part of q, (k,) or (k, c), that A reaches by no y."""
         if self.rank == self.size:
             return np.zeros_like(q)
         left = self._factors[0]
         return np.asarray(q - left @ (left.T @ q))
+
+    @cached_property
+    def after(self) -> tuple[FloatArray, FloatArray]:
+        """Forces and velocities (3n, 6n) after u at fixed forces (3n), mu, normal_min, normal_max (n each).
+
+        Formed once and used both ways: rates and gradients are adjoint whatever A's condition.
+        """
+        n = len(self.modes)
+        b, mu, low, high = np.split(np.eye(6 * n), [3 * n, 4 * n, 5 * n])
+        return move(self, b, (mu, low, high))[:2]
 
     @cached_property
     def loose(self) -> float:

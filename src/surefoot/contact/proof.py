@@ -56,33 +56,15 @@ class InfeasibilityProof:
 
 
 def _admissible(problem: ContactProblem, direction: FloatArray) -> FloatArray:
-    """Return the direction made admissible as a proof: cut to its cone, contact by contact."""
-    d = np.where(np.isfinite(direction), direction, 0.0)
-    top = float(np.abs(d).max(initial=0.0))
-    d = d / top if top > 0.0 else d
-    if problem.general:
-        return _admissible_general(problem, d)
-    held = problem.normal_min == -np.inf
-    free = ~held & (problem.normal_max == np.inf)
-    d[~held & ~free] = 0.0
-    d[free, 2] = np.maximum(d[free, 2], 0.0)
-    mu = (1.0 - problem.law.shift) * problem.mu
-    mu = mu * (np.cos(np.pi / problem.facets) if problem.facets and problem.fit == "inner" else 1.0)
-    slip = np.hypot(d[:, 0], d[:, 1])
-    limit = mu * d[:, 2] * (1.0 - 4.0 * ROUNDING)
-    over = free & (slip > limit)
-    d[over, :2] *= (limit[over] / slip[over])[:, None]
-    return d
-
-
-def _admissible_general(problem: ContactProblem, d: FloatArray) -> FloatArray:
-    """Return the direction cut to the cone of lawful velocities' duals, for contacts of any kind.
+    """Return the direction cut to the cone of lawful velocities' duals, contact by contact.
 
     With θ Γ(u) the law's shift, u + θ Γ(u) in K* leaves d·u >= 0 for the directions of K whose friction discs
     are narrowed by 1 - θ: all of K for the convex law, its unilateral part for Coulomb's.
     """
-    out = d.ravel().copy()
-    for contact, own in zip(problem.contact_set, problem.contact_set.split(out), strict=True):
+    d = np.where(np.isfinite(direction), direction, 0.0)
+    top = float(np.abs(d).max(initial=0.0))
+    contacts, out = problem.contact_set, (d / top if top > 0.0 else d).ravel()
+    for contact, own in zip(contacts, contacts.split(out), strict=True):
         if contact.bilateral:
             continue
         height = max(float(own[contact.normal]), 0.0) if contact.normal_max == np.inf else 0.0
@@ -95,7 +77,7 @@ def _admissible_general(problem: ContactProblem, d: FloatArray) -> FloatArray:
             limit = disc.radius * (share if disc.friction else 1.0) * height * (1.0 - 4.0 * ROUNDING)
             keep[rows] = own[rows] * (min(1.0, limit / size) if size > 0.0 else 0.0)
         own[:] = keep
-    return out.reshape(d.shape)
+    return out.reshape(direction.shape)
 
 
 def check_proof(problem: ContactProblem, direction: FloatArray) -> InfeasibilityProof | None:

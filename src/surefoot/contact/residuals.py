@@ -17,20 +17,14 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, IntArray, of_kind
 from surefoot.contact.admissible import dissipation_limit, nearest
 from surefoot.contact.problem import ContactProblem
-from surefoot.contact.set_residuals import set_certificate
+from surefoot.contact.set_residuals import DOUBT, WEIGHTLESS, Numbers, set_certificate
 from surefoot.errors import ProblemError
 from surefoot.kernels import inline_kernel, kernel
 
 SMALL = 45
 """Number of contacts up to which velocities and residuals are computed in one compiled call."""
-ROUNDING = 4.0 * 2.220446049250313e-16
-"""Times Σ_j ||G_kj|| ||λ_j||: what double precision leaves open of the velocity of contact k."""
 SURE = 1e-13
 """A bound on the rounding below this need not be made sharp."""
-WEIGHTLESS = 16.0
-"""Where G_kk = 0, the weight in units of s_k / ||λ_k||: large, so close to the normal cone's distance."""
-Numbers = tuple[float, float, float, float, float, float, float]
-"""The fields of `Residuals`."""
 
 
 @dataclass(frozen=True)
@@ -226,8 +220,8 @@ def _rounding_dense(G: FloatArray, scales: FloatArray, forces: FloatArray) -> fl
     """Return the field `rounding`: by `_rounding_bound` if that is small, else by the blocks' norms."""
     n = scales.shape[1]
     bound = _rounding_bound(scales, forces)
-    if ROUNDING * bound <= SURE:
-        return ROUNDING * bound
+    if DOUBT * bound <= SURE:
+        return DOUBT * bound
     worst = 0.0
     for k in range(n):
         total = 0.0
@@ -239,7 +233,7 @@ def _rounding_dense(G: FloatArray, scales: FloatArray, forces: FloatArray) -> fl
             total += block * _size(forces[h], forces[h + 1], forces[h + 2])
         if scales[1, k] > 0.0:
             worst = max(worst, total / scales[1, k])
-    return ROUNDING * worst
+    return DOUBT * worst
 
 
 @kernel
@@ -258,7 +252,7 @@ def _rounding_blocks(
             total += block * _size(forces[h], forces[h + 1], forces[h + 2])
         if scales[1, k] > 0.0:
             worst = max(worst, total / scales[1, k])
-    return ROUNDING * worst
+    return DOUBT * worst
 
 
 @inline_kernel

@@ -21,10 +21,11 @@ if TYPE_CHECKING:
     from surefoot.contact.problem import ContactProblem
 
 DOUBT = 4.0 * 2.220446049250313e-16
-"""As `residuals.ROUNDING`."""
+"""Times Σ_j ||G_kj|| ||λ_j||: what double precision leaves open of the velocity of contact k."""
 WEIGHTLESS = 16.0
-"""As `residuals.WEIGHTLESS`."""
+"""Where G_kk = 0, the weight in units of s_k / ||λ_k||: large, so close to the normal cone's distance."""
 Numbers = tuple[float, float, float, float, float, float, float]
+"""The fields of `residuals.Residuals`."""
 
 
 def set_certificate(problem: ContactProblem, forces: FloatArray) -> tuple[FloatArray, Numbers]:

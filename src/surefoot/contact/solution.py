@@ -11,7 +11,8 @@ from surefoot.arrays import FloatArray, real_number
 from surefoot.contact.laws import LAWS
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
-from surefoot.contact.residuals import Numbers, Residuals
+from surefoot.contact.residuals import Residuals
+from surefoot.contact.set_residuals import Numbers
 from surefoot.errors import NoSolution, ProblemError
 
 if TYPE_CHECKING:

@@ -99,6 +99,3 @@ class Page(ABC):
     @abstractmethod
     def drawing(self) -> Drawing:
         """Return what there is to see now."""
-
-    def close(self) -> None:  # noqa: B027 - most pages have nothing to do here
-        """Take note that the viewer has gone."""

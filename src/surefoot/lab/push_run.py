@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections import deque
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +20,6 @@ from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import LOOK_EVERY, TOUCH, loaded_feet
 from surefoot.simulation.scenario import Fall
 from surefoot.simulation.walk_terrain import start_pose
-from surefoot.simulation.world import ContactReading
 from surefoot.spatial import GRAVITY
 from surefoot.stance.gait_library import gait_names
 from surefoot.terrain import FlatTerrain
@@ -34,10 +30,8 @@ STRIP = 3.0
 """How much of the past is kept for the strip of forces [s]."""
 STRIP_STEPS = 20
 """Steps between two rows of the strip."""
-TURN = 1.0 / 60.0
-"""Time after which the run looks at the clock again [s]."""
-SHARE = 0.7
-"""Share of the time that the simulation may take for itself, so that pages are drawn and mice heard."""
+PATIENCE = 0.02
+"""Longest time that the simulation takes for itself at once, so that pages are drawn and mice heard [s]."""
 KICK = 0.1
 """How long a kick lasts [s]."""
 HARDEST = 400.0
@@ -46,7 +40,7 @@ HARDEST = 400.0
 
 @dataclass(frozen=True)
 class Choices:
-    """What viewers choose of a run.
+    """What a viewer chooses of a run.
 
     Attributes
     ----------
@@ -66,42 +60,8 @@ class Choices:
     velocity: tuple[float, float, float] = (0.3, 0.0, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
-class Snapshot:
-    """What a run is like at an instant.
-
-    Attributes
-    ----------
-    time
-        Simulated since the start [s].
-    q
-        (nq,) configuration [m, -, rad].
-    reading
-        Of the contacts.
-    push
-        (3,) force on the base [N].
-    choices
-        That hold.
-    speed
-        Simulated time per time.
-    fallen
-        Whether it lies.
-    notes
-        What was changed in the choices, one line each.
-    """
-
-    time: float
-    q: FloatArray
-    reading: ContactReading
-    push: FloatArray
-    choices: Choices
-    speed: float
-    fallen: bool
-    notes: tuple[str, ...]
-
-
 class WalkRun:
-    """Steps a walking robot; nothing here knows threads or clocks.
+    """Steps a walking robot.
 
     Parameters
     ----------
@@ -199,11 +159,17 @@ class WalkRun:
         if looks and Fall().happened(q_v[0], self._height, self.terrain) is not None:
             self.fell_at = self.time
 
-    def snapshot(self, speed: float = 1.0) -> Snapshot:
-        """Return what it is like now."""
-        notes = tuple(self.controller.notes)
-        q = self.world.state()[0]
-        return Snapshot(self.time, q, self.reading, self.push.copy(), self.choices, speed, self.fallen, notes)
+    def go_on(self, seconds: float) -> float:
+        """Simulate so long, or as far as `PATIENCE` lets it, and return how far [s]."""
+        begin, before = time.perf_counter(), self.steps
+        while 0 <= (self.steps - before) * self.world.dt < seconds:
+            try:
+                self.step()
+            except SurefootError:
+                self.restart()
+            if time.perf_counter() - begin > PATIENCE:
+                break
+        return max(0, self.steps - before) * self.world.dt
 
     def strip(self) -> tuple[FloatArray, FloatArray]:
         """Return times (k,) [s] and normal forces (k, p) [N] of the last `STRIP` seconds."""
@@ -216,81 +182,3 @@ class WalkRun:
     def contact_names(self) -> tuple[str, ...]:
         """Name of the foot of every contact point, with a number where a foot has several."""
         return tuple(point_names(self.robot.foot_names, self.world.contact_foot.tolist()))
-
-
-class SharedRun:
-    """Runs a robot by the clock for everyone who looks, in a thread of its own; without viewers it waits.
-
-    All viewers see the same robot. What one of them chooses holds for all; every method takes the same lock.
-
-    Parameters
-    ----------
-    run
-        That is stepped.
-    """
-
-    def __init__(self, run: WalkRun) -> None:
-        self._run, self._lock = run, threading.Lock()
-        self._viewers, self._open = 0, threading.Event()
-        self._ended = threading.Event()
-        self._speed = 1.0
-        self._thread = threading.Thread(target=self._work, name="lab-run", daemon=True)
-        self._thread.start()
-
-    @property
-    def robot(self) -> Robot:
-        """Who walks."""
-        return self._run.robot
-
-    def enter(self) -> None:
-        """Take note of a viewer."""
-        with self._lock:
-            self._viewers += 1
-        self._open.set()
-
-    def leave(self) -> None:
-        """Take note that a viewer has gone."""
-        with self._lock:
-            self._viewers -= 1
-            if self._viewers <= 0:
-                self._open.clear()
-
-    @contextmanager
-    def held(self) -> Iterator[WalkRun]:
-        """Yield the run, which stands still while the context lasts."""
-        with self._lock:
-            yield self._run
-
-    def look(self) -> tuple[Snapshot, tuple[FloatArray, FloatArray]]:
-        """Return what it is like now; times (k,) [s] and normal forces (k, p) [N] of the strip."""
-        with self._lock:
-            return self._run.snapshot(self._speed), self._run.strip()
-
-    def close(self) -> None:
-        """End the run."""
-        self._ended.set()
-        self._open.set()
-        self._thread.join(timeout=2.0)
-
-    def _work(self) -> None:
-        """Keep up with the clock, as far as the machine can."""
-        while not self._ended.is_set():
-            self._open.wait()
-            begin = time.perf_counter()
-            made = self._turn(begin)
-            self._ended.wait(max(0.0, begin + TURN - time.perf_counter(), 1e-3))
-            took = time.perf_counter() - begin
-            self._speed += 0.05 * (made / took - self._speed)
-
-    def _turn(self, begin: float) -> float:
-        """Step for one turn and return the time that was simulated [s]."""
-        with self._lock:
-            run, before = self._run, self._run.steps
-            while not self._ended.is_set() and (run.steps - before) * run.world.dt < TURN:
-                try:
-                    run.step()
-                except SurefootError:
-                    run.restart()
-                if run.steps < before or time.perf_counter() - begin > SHARE * TURN:
-                    break
-            return max(0, run.steps - before) * run.world.dt

@@ -175,11 +175,7 @@ class RecordingPage(Page):
         ]
         if self._spans:
             options = (NOWHERE, *(span.name for span in self._spans))
-            controls += [
-                Choice("jump", "jump to", options, NOWHERE, "Violations"),
-                Button("previous", "previous", "Violations"),
-                Button("next", "next", "Violations"),
-            ]
+            controls.append(Choice("jump", "jump to", options, NOWHERE, "Violations"))
         self.values = Values(controls)
 
     @property
@@ -196,32 +192,19 @@ class RecordingPage(Page):
         """Take a value; a violation that is chosen is gone to, playing begins now."""
         super().change(name, raw)
         if name == "jump" and raw != NOWHERE:
-            self._go_to(next(span for span in self._spans if span.name == raw))
+            self.values.within("time", next(s.start for s in self._spans if s.name == raw))
+            self.values.change("play", False)
         if name == "play":
             self._played = clock.perf_counter()
             if raw and self.row == len(self._recording.time) - 1:
                 self.values.within("time", self._recording.time[0])
 
     def press(self, name: str) -> None:
-        """Step by a row, or go to the violation before or after."""
-        time, row = self._recording.time, self.row
-        if name in ("back", "on"):
-            row += 1 if name == "on" else -1
-            self.values.within("time", time[min(max(row, 0), len(time) - 1)])
-        elif name in ("previous", "next") and self._spans:
-            way = 1.0 if name == "next" else -1.0
-            ahead = [(way * (s.start - self.values["time"]), s) for s in self._spans]
-            beyond = [one for one in ahead if one[0] > 1e-9]
-            if beyond:
-                self._go_to(min(beyond, key=lambda one: one[0])[1])
-        else:
+        """Step by a row."""
+        if name not in ("back", "on"):
             super().press(name)
-
-    def _go_to(self, span: Span) -> None:
-        """Show the beginning of a span, and stop there."""
-        self.values.within("time", span.start)
-        self.values.change("play", False)
-        self.values.change("jump", span.name)
+        time, row = self._recording.time, self.row + (1 if name == "on" else -1)
+        self.values.within("time", time[min(max(row, 0), len(time) - 1)])
 
     def _play(self) -> None:
         """Let the time go on as the clock does."""

@@ -15,7 +15,7 @@ from typing import Any
 
 from surefoot.errors import ProblemError, needs
 from surefoot.lab.page import Page
-from surefoot.lab.session import RATE, Session
+from surefoot.lab.session import Session
 
 LOCAL = "127.0.0.1"
 """Where the page is served unless a host is given: to this machine alone."""
@@ -23,10 +23,6 @@ MOST_VIEWERS = 16
 """Viewers at a time; each is a thread."""
 GOODBYE = 5.0
 """How long the server may take to say goodbye to its viewers [s]."""
-BROWSER_PAUSE = 50
-"""Milliseconds that viser's page waits between two messages of the mouse or a slider ..."""
-QUICK_PAUSE = int(1e3 / RATE)
-"""... and those that this page waits, for as many changes a second as there are drawings."""
 
 
 def import_viser() -> Any:
@@ -110,7 +106,6 @@ class LabServer:
                     f"**{MOST_VIEWERS} viewers are here already.** Close a page elsewhere."
                 )
                 return
-            _quicken(client)
             self.sessions[client.client_id] = Session(client, self._make_page)
 
     def _leave(self, client: Any) -> None:
@@ -177,23 +172,6 @@ def _keep_local(server: Any) -> None:
     handlers = server._websock_server._incoming_handlers
     for name in ("ShareUrlRequest", "ShareUrlDisconnect"):
         handlers.pop(getattr(_messages, name, None), None)
-
-
-def _quicken(client: Any) -> None:
-    """Let the browser send the mouse as often as pages are drawn.
-
-    Viser's page holds messages back for 50 ms, which is 20 a second. Viser has no setting for that; the
-    page's own timer is asked for a shorter wait.
-    """
-    from viser import _messages
-
-    source = (
-        "(() => { if (window.surefootTimer) return;"
-        " const wait = window.surefootTimer = window.setTimeout;"
-        f" const pause = (ms) => ms === {BROWSER_PAUSE} ? {QUICK_PAUSE} : ms;"
-        " window.setTimeout = (f, ms, ...more) => wait(f, pause(ms), ...more); })();"
-    )
-    client.gui._websock_interface.queue_message(_messages.RunJavascriptMessage(source=source))
 
 
 def _one_line(loop: Any, context: dict[str, Any]) -> None:

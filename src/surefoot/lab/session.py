@@ -160,18 +160,15 @@ class Session:
         """Take what came, draw, show; until the viewer goes."""
         if not self._begin():
             return
-        try:
-            while not self._ended.is_set():
-                begin = time.perf_counter()
-                self._wake.clear()
-                self._guarded(self._take_all)
-                self._guarded(self._draw)
-                live = self.page.live
-                self._ended.wait(max(0.0, begin + 1.0 / (LIVE_RATE if live else RATE) - time.perf_counter()))
-                if not live:
-                    self._wake.wait()
-        finally:
-            self._guarded(self.page.close)
+        while not self._ended.is_set():
+            begin = time.perf_counter()
+            self._wake.clear()
+            self._guarded(self._take_all)
+            self._guarded(self._draw)
+            live = self.page.live
+            self._ended.wait(max(0.0, begin + 1.0 / (LIVE_RATE if live else RATE) - time.perf_counter()))
+            if not live:
+                self._wake.wait()
 
     def _take_all(self) -> None:
         """Hand the page what came, one by one."""
@@ -251,7 +248,7 @@ def _is_move(event: _Event) -> bool:
 
 _ADDERS: dict[type[Control], Callable[[Any, Any], Any]] = {
     Slider: lambda gui, c: gui.add_slider(c.label, c.low, c.high, c.step, c.value, hint=c.hint or None),
-    Choice: lambda gui, c: gui.add_dropdown(c.label, c.options, initial_value=c.value, hint=c.hint or None),
-    Checkbox: lambda gui, c: gui.add_checkbox(c.label, c.value, hint=c.hint or None),
-    Button: lambda gui, c: gui.add_button(c.label, hint=c.hint or None),
+    Choice: lambda gui, c: gui.add_dropdown(c.label, c.options, initial_value=c.value),
+    Checkbox: lambda gui, c: gui.add_checkbox(c.label, c.value),
+    Button: lambda gui, c: gui.add_button(c.label),
 }

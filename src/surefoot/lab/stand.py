@@ -12,7 +12,6 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.cones.cone import Fit
 from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import com_region
-from surefoot.equilibrium.stance_forces import distribute
 from surefoot.equilibrium.statics import can_stand, friction_needed
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
@@ -46,7 +45,6 @@ CONES: dict[str, tuple[int | None, Fit]] = {
     "exact": (None, "inner"), "4 sides inside": (4, "inner"), "8 sides inside": (8, "inner"),
     "4 sides around": (4, "outer"), "8 sides around": (8, "outer"),
 }  # fmt: skip
-FORCES = ("most margin", "smallest")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +69,6 @@ class StandState:
         Angle of the plane [deg], and in which direction from +x it rises [deg].
     cones
         A name of `CONES`.
-    forces
-        One of `FORCES`.
     """
 
     names: tuple[str, ...]
@@ -84,7 +80,6 @@ class StandState:
     slope: float = 0.0
     direction: float = 0.0
     cones: str = "exact"
-    forces: str = FORCES[0]
 
     @property
     def normal(self) -> FloatArray:
@@ -123,9 +118,6 @@ def answer_of(state: StandState) -> StandAnswer:
     else:
         region = Region.nothing(0.0, np.array([0.0, 0.0, 1.0]))
     forces = None if verdict.forces is None else verdict.forces.reshape(-1, 3)
-    if forces is not None and len(forces) and state.forces == FORCES[1]:
-        up = np.array([0.0, 0.0, state.mass * GRAVITY, 0.0, 0.0, 0.0])
-        forces = distribute(stance, up, about=state.com)
     return StandAnswer(verdict, region, forces, friction_needed(stance, state.com, state.mass))
 
 
@@ -304,7 +296,7 @@ class StandPage(Page):
             on=np.array([v[f"on {name}"] for name in names]),
             mu=np.array([v[f"mu {name}"] for name in names]),
             com=np.array([v["x"], v["y"], v["z"]]),
-            slope=v["slope"], direction=v["direction"], cones=v["cones"], forces=v["forces"],
+            slope=v["slope"], direction=v["direction"], cones=v["cones"],
         )  # fmt: skip
 
     def change(self, name: str, raw: object) -> None:
@@ -352,7 +344,6 @@ def _controls(state: StandState) -> list[Any]:
         Slider("y", "y [m]", -FURTHEST, FURTHEST, 0.001, y, "Centre of mass"),
         Slider("z", "z [m]", 0.02, round(2.0 * max(z, 0.2), 1), 0.001, z, "Centre of mass"),
         Choice("cones", "cones", tuple(CONES), state.cones, "What is asked"),
-        Choice("forces", "forces", FORCES, state.forces, "What is asked"),
     ]
     feet: list[Any] = []
     for name, on, mu in zip(state.names, state.on, state.mu, strict=True):

@@ -1,4 +1,4 @@
-"""What a picture of a log shows at an instant: robot, pose, contact frames and friction."""
+"""What a picture of a log shows at an instant: pose, contact frames and friction."""
 
 from __future__ import annotations
 
@@ -9,21 +9,8 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import SurefootError
 from surefoot.log.log import Log
-from surefoot.robot import Robot, load_robot
 from surefoot.spatial import GRAVITY, rotation_from_normal
-
-
-def robot_of(log: Log) -> Robot | None:
-    """Return the robot that a log names; None where it names none that is known and fits."""
-    if "q" not in log or "robot" not in log.facts:
-        return None
-    try:
-        robot = load_robot(str(log.fact("robot")))
-    except SurefootError:
-        return None
-    return robot if log["q"].shape[1] == int(robot.model.nq) else None
 
 
 def pose_of(log: Log) -> Any:

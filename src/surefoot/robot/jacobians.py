@@ -30,7 +30,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,7 +38,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import ModelError, ProblemError, check_name, unknown_name
 from surefoot.robot.robot import Robot
-from surefoot.spatial import rotation_log, skew
+from surefoot.spatial import rotation_log
 from surefoot.stance import Contact, Stance
 
 Reference = Literal["contact", "local", "world", "local_world_aligned"]
@@ -163,17 +163,12 @@ def contact_jacobian(
     configuration = robot.configuration(q)
     points = attached(robot, configuration, contacts)
     pinocchio.computeJointJacobians(robot.model, robot.data, configuration)
-    pinocchio.updateFramePlacements(robot.model, robot.data)
-    aligned = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
     rows = [np.zeros((0, robot.model.nv))]
     for point in points:
-        pose = robot.data.oMf[point.frame]
-        arm = pose.rotation @ point.offset
-        J = np.array(pinocchio.getFrameJacobian(robot.model, robot.data, point.frame, aligned))
-        J[:3] -= skew(arm) @ J[3:]
-        if reference == "world":
-            J[:3] += skew(pose.translation + arm) @ J[3:]
-        rows.append(_in_axes(J, point, pose.rotation, reference)[: point.dim])
+        J = pinocchio.getFrameJacobian(
+            robot.model, robot.data, *_carried(robot, point), _kind(pinocchio, reference)
+        )
+        rows.append(_in_axes(np.array(J), point, reference)[: point.dim])
     return np.vstack(rows)
 
 
@@ -221,24 +216,16 @@ def contact_drift(
     velocity = finite_array("v", v, (robot.model.nv,))
     points = attached(robot, configuration, contacts)
     pinocchio.forwardKinematics(robot.model, robot.data, configuration, velocity, np.zeros(robot.model.nv))
-    pinocchio.updateFramePlacements(robot.model, robot.data)
-    aligned = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    turning, kind = reference in ("local", "world"), _kind(pinocchio, reference)
+    rate_of = pinocchio.getFrameAcceleration if turning else pinocchio.getFrameClassicalAcceleration
     out = [np.zeros(0)]
     for point in points:
-        pose = robot.data.oMf[point.frame]
-        twist = pinocchio.getFrameVelocity(robot.model, robot.data, point.frame, aligned)
-        rate = pinocchio.getFrameClassicalAcceleration(robot.model, robot.data, point.frame, aligned)
-        arm, w, alpha = pose.rotation @ point.offset, twist.angular, rate.angular
-        speed = twist.linear + np.cross(w, arm)
-        linear = rate.linear + np.cross(alpha, arm) + np.cross(w, np.cross(w, arm))
+        carried = _carried(robot, point)
+        rate = np.array(rate_of(robot.model, robot.data, *carried, kind).vector)
         if rolling and point.radius > 0.0:
-            linear += point.radius * np.cross(w, np.cross(w, point.rotation_world_contact[:, 2]))
-        if reference == "local":
-            linear = linear - np.cross(w, speed)
-        elif reference == "world":
-            linear = linear + np.cross(speed, w) + np.cross(pose.translation + arm, alpha)
-        stacked = np.concatenate([linear, alpha])[:, None]
-        out.append(_in_axes(stacked, point, pose.rotation, reference)[: point.dim, 0])
+            w = pinocchio.getFrameVelocity(robot.model, robot.data, *carried, kind).angular
+            rate[:3] += point.radius * np.cross(w, np.cross(w, point.rotation_world_contact[:, 2]))
+        out.append(_in_axes(rate[:, None], point, reference)[: point.dim, 0])
     return np.concatenate(out)
 
 
@@ -321,18 +308,12 @@ def contact_powers(
     f = finite_array("forces", forces, (sum(p.dim for p in points),))
     joints = float(contact_jacobian(robot, configuration, points).T @ f @ velocity)
     pinocchio.forwardKinematics(robot.model, robot.data, configuration, velocity)
-    pinocchio.updateFramePlacements(robot.model, robot.data)
     at_contacts, start = 0.0, 0
     for point in points:
-        pose = robot.data.oMf[point.frame]
-        twist = pose.act(
-            pinocchio.getFrameVelocity(robot.model, robot.data, point.frame, pinocchio.ReferenceFrame.LOCAL)
-        )  # the spatial velocity about the world's origin
-        speed = twist.linear + np.cross(twist.angular, pose.act(point.offset))
-        axes = point.rotation_world_contact
-        at_contacts += float(axes @ f[start : start + 3] @ speed)
-        if point.dim == 6:
-            at_contacts += float(axes @ f[start + 3 : start + 6] @ twist.angular)
+        kind = _kind(pinocchio, "contact")
+        twist = pinocchio.getFrameVelocity(robot.model, robot.data, *_carried(robot, point), kind)
+        own = _in_axes(np.array(twist.vector)[:, None], point, "contact")[: point.dim, 0]
+        at_contacts += float(f[start : start + point.dim] @ own)
         start += point.dim
     return at_contacts, joints
 
@@ -346,12 +327,22 @@ def attached(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attach
     return attach(robot, q, contacts) if isinstance(contacts, Stance) else contacts
 
 
-def _in_axes(rows: FloatArray, point: Attachment, frame: FloatArray, reference: str) -> FloatArray:
-    """Turn six rows [linear; angular] from world axes to those of the reference."""
-    if reference == "local":
-        axes = frame
-    elif reference == "contact":
-        axes = point.rotation_world_contact
-    else:
+def _carried(robot: Robot, point: Attachment) -> tuple[int, Any]:
+    """Return the joint that carries a point, and the point's place in it with the axes of its frame."""
+    import pinocchio
+
+    frame = robot.model.frames[point.frame]
+    return int(frame.parentJoint), frame.placement * pinocchio.SE3(np.eye(3), point.offset)
+
+
+def _kind(pinocchio: Any, reference: str) -> Any:
+    """Return Pinocchio's name of a reference; contact axes are turned from the world's."""
+    return getattr(pinocchio, reference.upper().replace("CONTACT", "LOCAL_WORLD_ALIGNED"))
+
+
+def _in_axes(rows: FloatArray, point: Attachment, reference: str) -> FloatArray:
+    """Turn six rows [linear; angular] from world axes to those of the contact, if it is the reference."""
+    if reference != "contact":
         return rows
-    return np.vstack([axes.T @ rows[:3], axes.T @ rows[3:]])
+    axes = point.rotation_world_contact.T
+    return np.vstack([axes @ rows[:3], axes @ rows[3:]])

@@ -17,14 +17,14 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import ModelError
 from surefoot.robot.contact_points import ContactPoints
 from surefoot.robot.libraries import import_casadi
-from surefoot.robot.symbolic_rotations import cross_matrix, even_series, turn_matrix
+from surefoot.robot.symbolic_rotations import even_series, turn_matrix
+from surefoot.spatial import skew
 
 Expression = Any
 """A CasADi SX matrix."""
 TINY = 1e-15
 """Entries of placements below this are zero: they would only make expressions longer."""
 HINGES = ("JointModelRX", "JointModelRY", "JointModelRZ", "JointModelRevoluteUnaligned")
-ENDLESS = ("JointModelRUBX", "JointModelRUBY", "JointModelRUBZ", "JointModelRevoluteUnboundedUnaligned")
 SLIDES = ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismaticUnaligned")
 FREE = "JointModelFreeFlyer"
 
@@ -211,9 +211,6 @@ class SymbolicBody:
             way = step[joint.v : joint.v + joint.nv]
             if joint.kind == FREE:
                 out.append(self._moved_free(q[joint.q : joint.q + 7], way))
-            elif joint.kind in ENDLESS:
-                c, s = q[joint.q], q[joint.q + 1]
-                out.append(ca.vertcat(c * ca.cos(way) - s * ca.sin(way), s * ca.cos(way) + c * ca.sin(way)))
             else:
                 out.append(q[joint.q] + way)
         return ca.vertcat(*out)
@@ -244,16 +241,12 @@ class SymbolicBody:
         if joint.kind in SLIDES:
             return ca.DM.eye(3), self._constant(joint.axes[:3, 0]) * q[joint.q]
         angle = q[joint.q]
-        cosine, sine = (
-            (q[joint.q], q[joint.q + 1]) if joint.kind in ENDLESS else (ca.cos(angle), ca.sin(angle))
-        )
         axis = joint.axes[3:, 0]
         across = np.outer(axis, axis)
         # Rodrigues' formula, by its three constant parts
         flat = self._constant(np.eye(3) - across)
-        return self._constant(across) + cosine * flat + sine * self._constant(
-            cross_matrix(axis)
-        ), ca.DM.zeros(3)
+        turning = ca.cos(angle) * flat + ca.sin(angle) * self._constant(skew(axis))
+        return self._constant(across) + turning, ca.DM.zeros(3)
 
     def _poses(self, q: Expression) -> list[_Pose]:
         """Return where every body is."""
@@ -344,7 +337,7 @@ def _read_joint(model: Any, data: Any, index: int) -> _Joint:
     """Return one joint of a Pinocchio model and the body that it carries."""
     joint = model.joints[index]
     kind = str(joint.shortname())
-    if kind not in (*HINGES, *ENDLESS, *SLIDES, FREE):
+    if kind not in (*HINGES, *SLIDES, FREE):
         raise ModelError(
             f"joint {model.names[index]} is a {kind}; planning takes revolute, prismatic, free-flyer joints"
         )

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from surefoot.arrays import FloatArray
 from surefoot.robot.libraries import import_casadi
 
 Expression = Any
@@ -32,12 +29,6 @@ def turned(vector: Expression, rotation: Expression) -> Expression:
     ca = import_casadi()
     square, once = ca.dot(rotation, rotation), ca.cross(rotation, vector)
     return vector + even_series(square, 1) * once + even_series(square, 2) * ca.cross(rotation, once)
-
-
-def cross_matrix(axis: FloatArray) -> FloatArray:
-    """Return the (3, 3) S with S @ b = axis x b."""
-    x, y, z = axis
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def even_series(square: Expression, order: int) -> Expression:

@@ -139,7 +139,10 @@ class Recording(Log):
         if self._stages.four:
             facts["velocities"] = "mean"
         if self._forces.outside:
-            facts["outside"] = [f"{name}: up to {size:.3g} N" for name, size in self._forces.outside.items()]
+            facts["outside"] = [
+                f"{name}: up to {force:.3g} N, {moment:.3g} N m"
+                for name, (force, moment) in self._forces.outside.items()
+            ]
         if error is not None:
             facts["error"] = f"{type(error).__name__}: {error}"
         facts |= self._slots.softness(q, points, tree.mass * float(np.linalg.norm(self._model.opt.gravity)))

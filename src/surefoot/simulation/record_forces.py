@@ -81,7 +81,8 @@ class TreeForces:
     Attributes
     ----------
     outside
-        What the model puts on the whole robot that is neither contact nor push: name to the largest [N].
+        What the model puts on the whole robot that is neither contact nor push: name to the largest force and
+        moment [N, N m].
     """
 
     def __init__(self, mujoco: Any, model: Any, tree: BodyTree) -> None:
@@ -90,7 +91,7 @@ class TreeForces:
         self._damped = _damping(mujoco, model)
         self._rest = model.jnt_actgravcomp[model.dof_jntid] == 0
         self._rows: list[dict[str, Any]] = []
-        self.outside: dict[str, float] = {}
+        self.outside: dict[str, FloatArray] = {}
         self._sure = _sure_model(mujoco, model)
         self._check = None if self._sure is None else mujoco.MjData(self._sure)
 
@@ -146,11 +147,12 @@ class TreeForces:
             ("qfrc_applied on the root", data.qfrc_applied),
             ("springs, dampers or callbacks on the root", passive),
             ("constraints to the world", rest),
+            ("armature on the root", -model.dof_armature * rate),
         ):  # fmt: skip
             if force[base].any():
                 whole[base] = force[base]
-                size = float(np.linalg.norm(tree.wrench(data, whole)[:3]))
-                self.outside[name] = max(self.outside.get(name, 0.0), size)
+                size = np.linalg.norm(tree.wrench(data, whole).reshape(2, 3), axis=1)
+                self.outside[name] = np.maximum(self.outside.get(name, 0.0), size)
 
     def rows(self) -> dict[str, Any]:
         """Return the channels."""

@@ -29,7 +29,7 @@ from surefoot.solvers.compiled import COMPILED_CONTACTS, attempt
 from surefoot.solvers.infeasibility import find_proof
 from surefoot.solvers.newton_sparse import NO_GUESS
 from surefoot.solvers.newton_step import FEW
-from surefoot.solvers.plans import EARLY_PROOF, ON_BLOCKS, PARTS, PROOF, Plan, PlanStage
+from surefoot.solvers.plans import ON_BLOCKS, PARTS, PROOF, Plan, PlanStage
 from surefoot.solvers.solver import (
     Answer,
     SolverFunction,
@@ -79,8 +79,6 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
     if error <= settings.tol or (looks and looks[0] is not None):
         return Answer(forces.reshape(-1, 3), done, proof=looks[0] if looks else None)
-    if looks:
-        plan = tuple(stage for stage in plan if stage.name != EARLY_PROOF)
     return _run(problem, settings, guess, done, plan, start)
 
 
@@ -114,11 +112,11 @@ def _run(
         if left <= 0.0:
             return Answer(best, done, Status.MAX_TIME)
         spent = most is not None and done >= most
-        if stage.name in (PROOF, EARLY_PROOF):  # takes no iterations
+        if stage.name == PROOF:  # takes no iterations
             possible = problem.contacts > COMPILED_CONTACTS and best_error <= POSSIBLE
             if looked or (possible and stage is not plan[-1]):
                 continue
-            looked = stage.name == PROOF
+            looked = True
         elif spent:
             continue
         bound = stage.most if most is None else min(stage.most or most, most - done)
@@ -164,11 +162,6 @@ def look_for_proof(problem: ContactProblem, settings: SolverSettings, best: Floa
     return None if proof is None else Answer(best, 0, Status.INFEASIBLE, proof=proof)
 
 
-def look_early(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
-    """Return what `look_for_proof` does in little time, with the best forces (rows,), any unit."""
-    return look_for_proof(problem, SolverSettings(max_time=min(settings.max_time, EARLY_TIME)), best)
-
-
 def solve_parts(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
     """Solve the connected parts one by one, the smallest first; None where there is only one.
 
@@ -179,12 +172,13 @@ def solve_parts(problem: ContactProblem, settings: SolverSettings, best: FloatAr
     count = int(label.max()) + 1
     if count == 1:
         return None
+    contacts = problem.contact_set
     end, left = working_time() + settings.max_time, settings.max_iterations
     forces, done, stops, proof = best.copy(), 0, [], None
     flat = forces.reshape(-1)
     for turn, name in enumerate(np.argsort(np.bincount(label), kind="stable")):
         members = np.flatnonzero(label == name)
-        part, rows = part_of(problem, members)
+        part, rows = part_of(problem, contacts, members)
         own = flat[rows].reshape(part.shape)
         if worst_of(part, own) <= settings.tol:
             continue
@@ -204,32 +198,23 @@ def solve_parts(problem: ContactProblem, settings: SolverSettings, best: FloatAr
     return Answer(forces, done, stops[0] if stops else Status.STALLED, proof=proof)
 
 
-def part_of(problem: ContactProblem, members: IntArray) -> tuple[ContactProblem, IntArray]:
-    """Return the problem of some contacts (k,) alone, and its rows (m,) among all: dimensionless."""
-    if problem.general:
-        contacts, offsets = problem.contact_set, problem.contact_set.offsets
-        rows = np.concatenate([np.arange(offsets[k], offsets[k + 1]) for k in members])
-        chosen = ContactSet([contacts[k] for k in members])
-        G = problem.G[np.ix_(rows, rows)]
-        return ContactProblem(G, problem.g[rows], contacts=chosen, law=problem.law), rows
-    rows = (3 * members[:, None] + np.arange(3)).ravel()
-    held = problem.bilateral
-    changes = {name: getattr(problem, name)[members] for name in ("mu", "normal_max")}
-    low = problem.normal_min if held is None else np.where(held, 0.0, problem.normal_min)
-    part = problem.replace(
-        G=problem.operator[rows][:, rows], g=problem.g[rows], normal_min=low[members],
-        bilateral=None if held is None else held[members], **changes,
-    )  # fmt: skip
+def part_of(
+    problem: ContactProblem, contacts: ContactSet, members: IntArray
+) -> tuple[ContactProblem, IntArray]:
+    """Return the problem of some of its contacts (k,) alone, and its rows (m,) among all: dimensionless."""
+    rows = np.concatenate([np.arange(*contacts.offsets[k : k + 2]) for k in members])
+    chosen = [contacts[k] for k in members]
+    G = problem.operator[rows][:, rows]
+    part = ContactProblem(G, problem.g[rows], contacts=chosen, law=problem.law)
     part.factor = None if problem.factor is None else problem.factor[rows]
     return part, rows
 
 
-LOOKS = {PROOF: look_for_proof, EARLY_PROOF: look_early, PARTS: solve_parts}
+LOOKS = {PROOF: look_for_proof, PARTS: solve_parts}
 """Stages that look at the problem with the best forces so far, and may end the plan."""
 FUNCTIONS: dict[str, SolverFunction] = {
     ON_BLOCKS: on_blocks.on_blocks,
     plans.ADMM_AND_NEWTON: on_blocks.admm_and_newton,
-    plans.MORE_NEWTON: on_blocks.more_newton,
 }
 """Stages that are no solvers of their own."""
 

@@ -120,8 +120,6 @@ class ContactForces(Certified):
         Sweeps and Newton steps.
     proof
         The proof that there is no solution where the status is INFEASIBLE, else None.
-    buffer
-        (2n + 3, 3) memory that it is read from, rows in the units of forces, velocities and residuals.
     """
 
     __slots__ = ("iterations", "proof")
@@ -136,11 +134,6 @@ class ContactForces(Certified):
     ) -> None:
         self._record, self._forces, self._status = buffer, buffer[:contacts], status
         self.iterations, self.proof = iterations, proof
-
-    @property
-    def buffer(self) -> FloatArray:
-        """The memory that it is read from, (2n + 3, 3)."""
-        return self._record
 
     @property
     def velocity_error(self) -> float:

@@ -14,7 +14,6 @@ from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.errors import NoSolution, SolverNotFound, unknown_name
 from surefoot.kernels import working_time
-from surefoot.solvers.backends import NO_PATH
 from surefoot.solvers.lcp_interior_point import solve_interior_point
 from surefoot.solvers.lcp_proof import farkas
 from surefoot.solvers.lemke import solve_lemke
@@ -118,8 +117,6 @@ def solve_lcp(
     ('solved', [4.0, 7.0])
     """
     of_kind("problem", problem, LCP)
-    if solver == "path":
-        raise SolverNotFound(NO_PATH)
     if solver not in METHODS:
         raise SolverNotFound(unknown_name("LCP solver", solver, lcp_solver_names()))
     settings = SolverSettings(

@@ -5,13 +5,11 @@ Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dyn
 
 Limits: converges linearly, slowly for stacks, large mass ratios and redundant contacts; no proof for
 Coulomb's law, and none is needed in practice for mu below about one. Velocities are kept up to date after
-each contact, which costs one block column; a sparse G is used through its 3x3 blocks. The two sweeps differ
-in their last loop only, and are written out all the same: parts shared between them cost 5 to 20 %.
+each contact, which costs one block column of G. The sweep over a dense matrix, for compiled calls, differs in
+its last loop only, and is written out all the same: parts shared between them cost 5 to 20 %.
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
@@ -27,21 +25,14 @@ from surefoot.solvers.stopping import fill_measure, velocity_error
 MAX_SWEEPS = 100_000
 CIRCLE = 40
 """Sweeps without progress after which they are taken to go in circles, and are relaxed."""
-SPARSE_BELOW = 0.4
-"""Share of stored blocks under which the block form is used."""
-
-
-@inline_kernel
-def prepare_dense(G: FloatArray, scales: FloatArray) -> FloatArray:
-    """Return the local data of every contact of a dense G: (n, WIDTH), see `one_contact.prepare`."""
-    local = np.empty((G.shape[0] // 3, WIDTH))
-    fill_dense(G, scales, local)
-    return local
 
 
 @inline_kernel
 def fill_dense(G: FloatArray, scales: FloatArray, local: FloatArray) -> None:
-    """Fill the local data (n, WIDTH) that `prepare_dense` returns from G (3n, 3n) and scales (4, n)."""
+    """Fill the local data (n, WIDTH) of every contact of a dense G (3n, 3n), see `one_contact.prepare`.
+
+    The scales are (4, n).
+    """
     for k in range(local.shape[0]):
         i = 3 * k
         prepare(
@@ -78,7 +69,7 @@ def sweep_dense(
 ) -> None:  # fmt: skip
     """Run once over all contacts, updating flat forces and velocities, (3n,).
 
-    G is (3n, 3n), `local` (n, WIDTH), see `prepare_dense`; mu and the bounds are (n,).
+    G is (3n, 3n), `local` (n, WIDTH), see `fill_dense`; mu and the bounds are (n,).
     """
     for k in range(mu.size):
         i = 3 * k
@@ -108,31 +99,6 @@ def relaxation(gap: float, relax: float, best: float, since: int) -> tuple[float
     if since >= CIRCLE:
         return max(0.5 * relax, 0.05), 10.0 * gap, 0
     return relax, best, since + 1
-
-
-@kernel
-def run_dense(
-    G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    tol: float, sweeps: int, local: FloatArray, forces: FloatArray, state: FloatArray,
-) -> tuple[int, bool]:  # fmt: skip
-    """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
-
-    Arrays as for `sweep_dense`; `state` (3,) holds the relaxation, the best gap and the sweeps since it, from
-    call to call.
-    """
-    velocities = np.empty(g.size)
-    refresh_dense(G, g, forces, velocities)
-    relax, best, since = state[0], state[1], int(state[2])
-    for count in range(1, sweeps + 1):
-        sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
-        error = velocity_error(forces, velocities, mu, low, high, local, convex)
-        relax, best, since = relaxation(error, relax, best, since)
-        state[0], state[1], state[2] = relax, best, since
-        if error <= tol:
-            refresh_dense(G, g, forces, velocities)
-            if velocity_error(forces, velocities, mu, low, high, local, convex) <= tol:
-                return count, True
-    return sweeps, False
 
 
 @kernel
@@ -200,21 +166,15 @@ def solve_nsgs(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     forces = start_forces(problem, warm_start)
     limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations
     end = working_time() + settings.max_time
-    laws = problem.mu, problem.normal_min, problem.normal_max, problem.law.shift == 0.0
-    matrix: tuple[Any, ...]
-    prepare: Any
-    run: Any
-    if problem.contacts >= 8 and problem.blocks.density < SPARSE_BELOW:
-        b = problem.blocks
-        matrix, prepare, run = (b.starts, b.columns, b.values), prepare_blocks, run_blocks
-    else:
-        matrix, prepare, run = (problem.G,), prepare_dense, run_dense
-    local, state = prepare(*matrix, problem.scales), np.array([1.0, np.inf, 0.0])
+    laws, convex = (problem.mu, problem.normal_min, problem.normal_max), problem.law.shift == 0.0
+    blocks = problem.blocks
+    matrix = blocks.starts, blocks.columns, blocks.values
+    local, state = prepare_blocks(*matrix, problem.scales), np.array([1.0, np.inf, 0.0])
     chunk = limit if settings.max_time == np.inf else max(1, int(2e6 / (9.0 * problem.contacts**2 + 1)))
     done, solved = 0, False
     while not solved and done < limit:
         now = min(chunk, limit - done)
-        used, solved = run(*matrix, problem.g, *laws, settings.tol, now, local, forces, state)
+        used, solved = run_blocks(*matrix, problem.g, *laws, convex, settings.tol, now, local, forces, state)
         done += used
         if not solved and working_time() > end:
             return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME)

@@ -16,7 +16,7 @@ from surefoot.kernels import working_time
 from surefoot.solvers.admm import run_admm
 from surefoot.solvers.compiled import UNBOUNDED
 from surefoot.solvers.newton import NATURAL_STEPS, on_natural_map
-from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
+from surefoot.solvers.newton_sparse import BlockNewton
 from surefoot.solvers.scaled import ScaledContacts
 from surefoot.solvers.solver import Answer, SolverSettings, start_forces
 
@@ -24,13 +24,8 @@ CHUNK, STEP_WORTH = 10, 50
 """Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
 HEAVY = 50_000
 """Blocks above which a Newton step, with its factorisation on contacts, takes as long as many sweeps."""
-Try = tuple[float, int, int, int | None]
-FIRST_TRY: Try = (0.3, 50, 8, 6)
+FIRST_TRY = (0.3, 50, 8, 6)
 """Newton on blocks: the proximal term's share, sweeps after a step, patience, and steps without a guess."""
-NO_GUESS_TRIES: tuple[Try, ...] = ((1e-4, 100, 20, 17),)
-GUESS_TRIES: tuple[Try, ...] = ((3.0, 50, 25, None), (0.03, 50, 25, None), (100.0, 50, 25, None))
-"""What follows, after ADMM, if that found no guess (mass ratios of 1e6 bear no large proximal term), and if
-it did."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 
@@ -43,16 +38,7 @@ def heavy(problem: ContactProblem) -> bool:
 def on_blocks(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
     """Solve few contacts as many are solved, from a (n, 3) warm start."""
     forces = start_forces(problem, warm_start)
-    done, error, far = alternate(problem, settings, forces)
-    if error > settings.tol:
-        done += run_tries(problem, settings, forces, done, far)[0]
-    return Answer(forces.reshape(-1, 3), done, Status.STALLED)
-
-
-def more_newton(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
-    """Take Newton steps from a (n, 3) warm start under other proximal terms than the first try's."""
-    forces = start_forces(problem, warm_start)
-    done, _ = run_tries(problem, settings, forces, 0, 0.0)
+    done = alternate(problem, settings, forces)[0]
     return Answer(forces.reshape(-1, 3), done, Status.STALLED)
 
 
@@ -101,22 +87,3 @@ def alternate(
         used, error = newton.run(forces, most - done, *FIRST_TRY, infeasible=infeasible)
         done, far = done + used, newton.measure(forces)[2]
     return done, error, far
-
-
-def run_tries(
-    problem: ContactProblem, settings: SolverSettings, forces: FloatArray, done: int, far: float
-) -> tuple[int, float]:
-    """Try Newton steps from flat (3n,) forces, in place, under one proximal term after the other.
-
-    `done` iterations count against the limit; `far` is the force error so far. Return the sweeps and steps,
-    and the velocity error.
-    """
-    most = UNBOUNDED if settings.max_iterations is None else settings.max_iterations - done
-    newton = BlockNewton(problem, settings.tol, working_time() + settings.max_time)
-    used, error = 0, newton.measure(forces)[1]
-    for now in NO_GUESS_TRIES if far > NO_GUESS else GUESS_TRIES:
-        if not (error > settings.tol and used < most and working_time() < newton.end):
-            break
-        steps, error = newton.run(forces, most - used, *now)
-        used += steps
-    return used, error

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-PARTS, PROOF, EARLY_PROOF = "connected parts apart", "infeasibility proof", "early infeasibility proof"
-ON_BLOCKS, MORE_NEWTON = "sweeps and newton on blocks", "more newton on blocks"
-ADMM_AND_NEWTON = "admm and newton"
-"""What is tried besides solvers; see `auto`. The early proof is looked for in little time."""
+PARTS, PROOF = "connected parts apart", "infeasibility proof"
+ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
+"""What is tried besides solvers; see `auto`."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +56,9 @@ CONES: dict[str, Plan] = {
 CONES_LARGE: dict[str, Plan] = {
     "coulomb": (
         PlanStage(PARTS),
-        PlanStage(EARLY_PROOF),
         PlanStage(ADMM_AND_NEWTON, 6000, warm=True),
         PlanStage(PROOF),
-        PlanStage(MORE_NEWTON, 30_000, warm=True),
         PlanStage(ADMM_AND_NEWTON, 20_000, warm=True),
-        PlanStage(MORE_NEWTON, 100_000, warm=True),
         PlanStage(PROOF),
     ),
     "convex": (

@@ -2,7 +2,7 @@
 
 from surefoot.stance.batch import StanceBatch
 from surefoot.stance.contact import Contact, PatchContact, PointContact
-from surefoot.stance.files import StanceQuestion, read_stance, write_stance
+from surefoot.stance.files import StanceQuestion, read_stance
 from surefoot.stance.halfspaces import HalfSpaces
 from surefoot.stance.stance import Stance
 
@@ -15,5 +15,4 @@ __all__ = [
     "StanceBatch",
     "StanceQuestion",
     "read_stance",
-    "write_stance",
 ]

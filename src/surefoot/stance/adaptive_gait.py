@@ -33,7 +33,7 @@ AHEAD = 0.6
 FIRST_LIFT = 0.02
 """A foot at rest lifts no sooner than this after a walk is wanted again [s]."""
 EARLIER = 0.25
-"""Feet that would lift so much earlier than a leading one wait for a cycle, as a share of it."""
+"""Feet that would lift so much earlier than the first one wait for a cycle, as a share of it."""
 LEAST_AIR = 0.95
 """Least time in the air between two cycles, as a share of that of the later one."""
 
@@ -107,8 +107,6 @@ class AdaptiveGait(ContactSchedule):
     ----------
     held
         Whether the feet stay on the ground, see `hold`.
-    leading
-        A foot that is to be among the first to lift when a walk begins again.
     stride, wanted
         The newest cycle's, and the one that suits the velocity that is `asked` for, (3,) [m/s, m/s, rad/s].
     """
@@ -127,7 +125,7 @@ class AdaptiveGait(ContactSchedule):
         self._stances: list[list[list[float]]] = [[[-math.inf, math.inf]] for _ in range(self.feet)]
         self.asked = np.zeros(3)
         self._next = 0.0
-        self._resting, self.held, self.leading = True, False, 0
+        self._resting, self.held = True, False
         if self._first.moving:
             self._begin(0.0)
 
@@ -186,9 +184,9 @@ class AdaptiveGait(ContactSchedule):
             del stances[coming + 1 :]
             stances[coming][1] = math.inf
 
-    def release(self, leading: int) -> None:
-        """Let feet lift again; `leading` is to be among the first."""
-        self.held, self.leading = False, leading
+    def release(self) -> None:
+        """Let feet lift again."""
+        self.held = False
 
     @property
     def turning(self) -> bool:  # type: ignore[override]
@@ -251,7 +249,7 @@ class AdaptiveGait(ContactSchedule):
         air = pace.period - pace.stance_time
         lifts = [max(time + FIRST_LIFT, s[-1][0] + pace.stance_time) for s in self._stances]
         shares = [float(o) for o in stride.offset]
-        others = [o < shares[self.leading] - EARLIER for o in shares]  # lift a cycle later
+        others = [o < shares[0] - EARLIER for o in shares]  # lift a cycle later
         shares = [o + other for o, other in zip(shares, others, strict=True)]
         self._next = max(lift + air - o * pace.period for lift, o in zip(lifts, shares, strict=True))
         for stances, o in zip(self._stances, shares, strict=True):

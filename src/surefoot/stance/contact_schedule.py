@@ -91,8 +91,8 @@ class ContactSchedule(ABC):
         """Let no foot lift from a time [s] on, until `release`."""
         return
 
-    def release(self, leading: int) -> None:
-        """Let feet lift again; `leading` is to be among the first."""
+    def release(self) -> None:
+        """Let feet lift again."""
         return
 
     def phases(self, time: float) -> FloatArray:

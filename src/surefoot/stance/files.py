@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, of_kind, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
-from surefoot.spatial import rotation_from_normal
 from surefoot.stance.contact import Contact, PatchContact, PointContact
 from surefoot.stance.stance import Stance
 from surefoot.text_files import path_of, read_yaml, table_of
@@ -76,57 +75,6 @@ def stance_from_dict(content: Any, name: str = "stance") -> StanceQuestion:
         finite_array("com", top["com"], (3,)),
         finite_array("external_wrench", top.get("external_wrench", [0.0] * 6), (6,)),
     )
-
-
-def write_stance(question: StanceQuestion, path: str | Path) -> Path:
-    """Write a stance file that reads back the same; refuse to overwrite.
-
-    Raises
-    ------
-    ProblemError
-        If the file exists or cannot be written.
-    """
-    of_kind("question", question, StanceQuestion)
-    import yaml
-
-    target = Path(path)
-    text = yaml.safe_dump(stance_to_dict(question), sort_keys=False, default_flow_style=None, width=100)
-    try:
-        with target.open("x", encoding="utf-8") as stream:
-            stream.write(text)
-    except OSError as error:
-        raise ProblemError(f"cannot write {target}: {error.strerror}") from error
-    return target
-
-
-def stance_to_dict(question: StanceQuestion) -> dict[str, Any]:
-    """Return what `write_stance` writes, without what is default."""
-    out: dict[str, Any] = {
-        "name": question.name,
-        "mass": float(question.mass),
-        "com": question.com.tolist(),
-    }
-    if np.any(question.external_wrench):
-        out["external_wrench"] = question.external_wrench.tolist()
-    out["contacts"] = [_contact_entry(c) for c in question.stance]
-    return out
-
-
-def _contact_entry(contact: Contact) -> dict[str, Any]:
-    entry: dict[str, Any] = {"name": contact.name} if contact.name else {}
-    entry["position"] = contact.position.tolist()
-    entry["normal"] = contact.normal.tolist()
-    entry["mu"] = contact.mu
-    heading = contact.rotation_world_contact[:, 0]
-    if not np.array_equal(contact.rotation_world_contact, rotation_from_normal(contact.normal)):
-        entry["heading"] = heading.tolist()
-    if isinstance(contact, PatchContact):
-        entry["length"], entry["width"] = contact.length, contact.width
-    if contact.normal_min > 0.0:
-        entry["normal_min"] = contact.normal_min
-    if contact.normal_max < math.inf:
-        entry["normal_max"] = contact.normal_max
-    return entry
 
 
 def _contact(where: str, entry: Any, mu: float) -> Contact:

@@ -227,19 +227,6 @@ class Gait(_ModeTable):
                     return found
         raise AssertionError("the intervals of a foot cover its period")  # pragma: no cover
 
-    def scaled(self, period: float) -> Gait:
-        """Return the same gait with another period [s]."""
-        length = real_number("period", period, low=1e-3, high=60.0)
-        return Gait(self.name, self.switching * (length / self.period), self.table, max_flight=math.inf)
-
-    def schedule(self, duration: float, start: float = 0.0) -> ModeSchedule:
-        """Return the cycles from `start` [s] on for at least `duration` [s], standing before and after."""
-        cycles = max(1, math.ceil(real_number("duration", duration, low=0.0) / self.period - SAME_TIME))
-        starts = (start + self.period * np.arange(cycles)[:, None] + self._starts).ravel()
-        standing = np.ones((1, self.feet), dtype=bool)
-        table = np.vstack([standing, np.tile(self.table, (cycles, 1)), standing])
-        return ModeSchedule(np.append(starts, start + cycles * self.period), table, max_flight=math.inf)
-
     def _foot_intervals(self, foot: int) -> list[tuple[float, float, bool]]:
         """Return (start, end, carries) of a foot's phases over one period, the last may end after it."""
         column = self.table[:, foot]

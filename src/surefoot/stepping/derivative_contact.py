@@ -65,9 +65,9 @@ class Response:
         if self.smoothing > 0.0:
             return np.inf
         p = self.solution.problem
-        found, mask = np.empty(1), np.zeros((0, p.contacts), dtype=np.bool_)
+        found = np.empty(1)
         measure_range(
-            p.G[None], p.g[None], self._laws[None], mask, p.law == "convex", self._buffer[None], found, 0, 1
+            p.G[None], p.g[None], self._laws[None], p.law == "convex", self._buffer[None], found, 0, 1
         )
         return float(found[0])
 

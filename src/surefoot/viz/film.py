@@ -1,4 +1,4 @@
-"""A film of a logged run: forces inside their friction cones, slips, pushes, a clock and a legend."""
+"""A film of a logged run: forces inside their friction cones, pushes, a clock and a legend."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import BoolArray
 from surefoot.errors import needs
 from surefoot.log import Log
 from surefoot.robot import Robot
@@ -19,14 +18,12 @@ from surefoot.viz.video import (
     CONE_COLOUR,
     FORCE_COLOUR,
     PUSH_COLOUR,
-    WANTED_COLOUR,
     Arrow,
     Renderer,
     RenderError,
     cone_lines,
     edge_lines,
     log_arrows,
-    wanted_differs,
 )
 
 INK, PAPER = (34, 48, 60), (255, 255, 255)
@@ -95,13 +92,8 @@ class Overlay:
 
 
 WIDTH, HEIGHT, RATE = 1280, 720, 25
-SLIP_COLOUR = (0.55, 0.0, 0.1, 1.0)
-SLIDING = 0.02
-"""A loaded foot that moves faster along the ground leaves a mark [m/s]."""
 RIM = 20
 """Sides of the polygon that stands for a cone's rim."""
-_STEP = 1e-3
-"""Height of marks over the ground [m]."""
 
 
 class FilmScene:
@@ -123,17 +115,6 @@ class FilmScene:
         self.log, self.terrain, self.scale = log, terrain, scale
         self._above = np.array([0.0, 0.0, 0.4 * height])
         self.edges = edge_lines(terrain)
-        self._slides = self._sliding()
-        self._marks: list[Arrow] = []
-        self._last = 0
-
-    def _sliding(self) -> BoolArray:
-        """Return which contacts slide under load at each step: (T, p)."""
-        log = self.log
-        if "contact_velocities" not in log:
-            return np.zeros(log["forces"].shape[:2], dtype=bool)
-        fast = np.linalg.norm(log["contact_velocities"][:, :, :2], axis=-1) > SLIDING
-        return np.asarray(fast & (log["forces"][:, :, 2] > 0.0))
 
     def legend(self) -> list[Entry]:
         """Return the legend: only what happens in this log."""
@@ -142,13 +123,9 @@ class FilmScene:
             Entry(FORCE_COLOUR, "force of the ground"),
             Entry(CONE_COLOUR, "friction cone, up to its normal part"),
         ]
-        if wanted_differs(log["forces_commanded"], log["forces"]).any():
-            entries.append(Entry(WANTED_COLOUR, "commanded, where it is another"))
         if np.any(log["push"]):
             largest = float(np.linalg.norm(log["push"], axis=-1).max())
             entries.append(Entry(PUSH_COLOUR, f"push, up to {largest:.0f} N"))
-        if self._slides.any():
-            entries.append(Entry(SLIP_COLOUR, "slip"))
         return entries
 
     def arrows(self, step: int) -> list[Arrow]:
@@ -157,22 +134,10 @@ class FilmScene:
         return [*log_arrows(self.log, step, self.terrain, self.scale), push]
 
     def lines(self, step: int) -> list[Arrow]:
-        """Return cones whose rims hold the forces' tips, the slips up to a step, and the ground's edges."""
+        """Return cones whose rims hold the forces' tips, and the ground's edges."""
         heights = self.scale * self.log["forces"][step][:, 2]
         cones = cone_lines(self.log, step, self.terrain, heights, RIM, 4)
-        return [*cones, *self._slips(step), *self.edges]
-
-    def _slips(self, step: int) -> list[Arrow]:
-        """Return the marks of all slides up to a step; steps are asked for in their order."""
-        places = self.log["contact_positions"]
-        for k in np.flatnonzero(self._slides[self._last : step + 1].any(axis=0)):
-            rows = self._last + np.flatnonzero(self._slides[self._last : step + 1, k])
-            up = _STEP * self.terrain.frame(places[rows[0], k, :2])[:, 2]
-            self._marks.append(
-                (places[rows[0], k] + up, places[rows[-1], k] - places[rows[0], k], SLIP_COLOUR)
-            )
-        self._last = step
-        return self._marks
+        return [*cones, *self.edges]
 
 
 def frames_of(

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium.comparison import RegionComparison
 from surefoot.equilibrium.region import Region, polygon_area
 from surefoot.equilibrium.regions import com_region, support_polygon
 from surefoot.equilibrium.verdict import Verdict
@@ -190,27 +189,27 @@ def _finish(axis: Any, title: str) -> None:
     axis.set(xlabel="x [m]", ylabel="y [m]", title=title)
 
 
-def draw_regions(question: StanceQuestion, found: RegionComparison, path: Path) -> Path:
+def draw_regions(
+    question: StanceQuestion, com: Region, zmp: Region | None, support: FloatArray, path: Path
+) -> Path:
     """Draw CoM region, support polygon and ZMP region side by side on the same axes.
 
     Parameters
     ----------
     question
         Stance and centre of mass.
-    found
-        The regions and the sentences about them.
+    com, zmp, support
+        Regions of the centre of mass and of the zero-moment point, None for none; corners (k, 2) of the
+        support polygon [m].
     path
         New file.
     """
-    import textwrap
-
-    zmp = np.zeros((0, 2)) if found.zmp is None else found.zmp.inner
     panels = [
-        ("CoM region", found.com.inner, COM),
-        ("support polygon", found.support, SUPPORT),
-        ("ZMP region", zmp, ZMP),
+        ("CoM region", com.inner, COM),
+        ("support polygon", support, SUPPORT),
+        ("ZMP region", np.zeros((0, 2)) if zmp is None else zmp.inner, ZMP),
     ]
-    figure = blank_figure((11.5, 4.9))
+    figure = blank_figure((11.5, 4.3))
     with house_style():
         axes = figure.subplots(1, 3, sharex=True, sharey=True)
         for axis, (name, polygon, colour) in zip(axes, panels, strict=True):
@@ -227,9 +226,7 @@ def draw_regions(question: StanceQuestion, found: RegionComparison, path: Path) 
             axis.set_aspect("equal", adjustable="box")
         for axis in axes[1:]:
             axis.set_ylabel("")
-        text = "\n".join(textwrap.fill(s, 150) for s in found.sentences)
         figure.suptitle(question.name, color=INK, fontsize=10.5)
-        figure.supxlabel(text, fontsize=8.5, color=INK)
     return save(figure, path)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -101,6 +101,19 @@ def draw_columns(axis: Any, x: Any, columns: Any, names: Iterable[str], **line: 
         axis.plot(x, columns[:, k], **({"color": FOOT_COLOURS[k % 8], "label": name} | line))
 
 
+def draw_panels(
+    path: Path, x: FloatArray, panels: Mapping[str, tuple[Any, Sequence[str]]], title: str
+) -> Path:
+    """Write a picture of panels below each other over (n,) x [s]: label -> ((n, k) curves, their names)."""
+    figure, axes = new_panels([*panels], (7.5, 0.9 + 1.5 * len(panels)), title)
+    for axis, (curves, names) in zip(axes, panels.values(), strict=True):
+        values = np.asarray(curves, dtype=np.float64).reshape(len(x), -1)
+        draw_columns(axis, x, values, names)
+        at_least(axis, values, 1e-3 * max(float(np.abs(values).max()), 1e-9))  # no magnified rounding
+        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8)
+    return save(figure, path)
+
+
 @contextmanager
 def house_style() -> Iterator[None]:
     """Draw in the house style inside this context; nothing global is left changed.
@@ -184,14 +197,3 @@ def most_of(axis: Any, time: FloatArray, values: FloatArray, low: float, high: f
                 f"{extreme:.3g} {unit}".rstrip(), spot, xycoords=axis.get_xaxis_transform(),
                 xytext=(6, 0), textcoords="offset points", color=BAD, fontsize=8, va="center", zorder=5,
             )  # fmt: skip
-
-
-def mark_worst(axis: Any, x: float, y: float, words: str) -> None:
-    """Ring a point of an axis and write beside it."""
-    axis.plot(x, y, "o", color=BAD, ms=8, mfc="none", mew=1.4, zorder=6)
-    left, right = axis.get_xlim()
-    late = x > 0.5 * (left + right)
-    axis.annotate(
-        words, (x, y), xytext=(-8 if late else 8, 6), textcoords="offset points", fontsize=8, color=INK,
-        ha="right" if late else "left", zorder=6, bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 1},
-    )  # fmt: skip

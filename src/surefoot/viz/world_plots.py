@@ -1,52 +1,11 @@
-"""How far each world is from each closed form, and what engines at their defaults make of a few scenes."""
+"""What engines at their defaults make of a few scenes."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
-from surefoot.experiments.experiment import WorldsOutcome
-from surefoot.viz.style import BAD, FOOT_COLOURS, MUTED, new_figure, save
-
-SMALLEST_SHARE = 1e-6
-"""Shares of a tolerance below are drawn there."""
-
-
-def draw_overview(outcomes: Sequence[WorldsOutcome], path: Path) -> Path:
-    """Draw all experiments in one: how far each world is from each closed form, over its tolerance.
-
-    Raises
-    ------
-    MissingExtra
-        If matplotlib is not installed.
-    """
-    worlds = list(dict.fromkeys(row.world for o in outcomes for row in o.rows))
-    lines = list(dict.fromkeys((row.experiment, row.quantity) for o in outcomes for row in o.rows))
-    figure, axes = new_figure(1, 1, size=(9.0, 1.2 + 0.22 * len(lines)))
-    axis = axes[0, 0]
-    axis.axvspan(1.0, 1e12, color="#f6e7e4")
-    for k, world in enumerate(worlds):
-        rows = [row for o in outcomes for row in o.rows if row.world == world]
-        share = [max(row.error / row.tolerance, SMALLEST_SHARE) for row in rows]
-        y = [
-            -lines.index((row.experiment, row.quantity)) - 0.18 * (k - 0.5 * (len(worlds) - 1))
-            for row in rows
-        ]
-        axis.plot(share, y, "o", ms=4.5, color=FOOT_COLOURS[k], label=world, clip_on=False)
-        bad = [j for j, row in enumerate(rows) if row.verdict != "agrees"]
-        axis.plot([share[j] for j in bad], [y[j] for j in bad], "x", ms=9, color=BAD)
-    axis.set_xscale("log")
-    shares = [row.error / row.tolerance for o in outcomes for row in o.rows]
-    axis.set_xlim(SMALLEST_SHARE, 10.0 * max([1.0, *(s for s in shares if s < math.inf)]))
-    axis.set_yticks(
-        [-float(k) for k in range(len(lines))], [f"{e}: {q}" for e, q in lines], fontsize=7, color=MUTED
-    )
-    axis.set_xlabel(
-        "distance from the closed form / tolerance (twice the world's own step error); right of 1: differs"
-    )
-    axis.legend(fontsize=8, ncol=len(worlds), loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
-    return save(figure, path)
+from surefoot.viz.style import FOOT_COLOURS, new_figure, save
 
 
 def draw_defaults(found: Mapping[str, Mapping[str, tuple[float, float]]], path: Path) -> Path:

@@ -22,7 +22,6 @@ from surefoot.planning.shooting import (
     TorqueCost,
 )
 from surefoot.planning.shooting.guess import holding_torques
-from surefoot.planning.tasks.task import Iteration
 from surefoot.robot import Robot, load_robot, place
 from tests.robots import go2
 
@@ -137,13 +136,12 @@ def squat(**settings: object) -> ShootingProblem:
 
 def test_go2_squats_on_its_feet() -> None:
     problem = squat()
-    solver, q, heard = Shooting(problem), place(go2()), list[Iteration]()
+    solver, q = Shooting(problem), place(go2())
     guess = np.tile(holding_torques(go2(), q), (16, 1))
-    found = solver.solve(q, np.zeros(18), guess, tell=heard.append)
+    found = solver.solve(q, np.zeros(18), guess)
     assert found.status is Status.SOLVED
     assert found.law_residual <= 1e-8
     assert list(found.costs) == sorted(found.costs, reverse=True)
-    assert [i.number for i in heard] == list(range(1, found.iterations + 1))
     assert np.abs(found.trajectory.torques).max() <= go2().effort_limits.max()
     assert found.trajectory.gaps[1:].min() > -1e-9
     again = solver.solve(q, np.zeros(18), guess)
@@ -160,17 +158,6 @@ def test_a_goal_that_cannot_be_reached_is_not_called_solved() -> None:
     assert found.status in (Status.STALLED, Status.MAX_ITERATIONS)
     assert found.distance > 1.0
     assert found.trajectory.lawful
-
-
-def test_a_search_that_is_interrupted_returns_the_best_so_far() -> None:
-    def stop(iteration: Iteration) -> None:
-        if iteration.number == 2:
-            raise KeyboardInterrupt
-
-    found = Shooting(squat()).solve(place(go2()), np.zeros(18), tell=stop)
-    assert found.iterations == 2
-    assert found.trajectory.lawful
-    assert found.cost < found.costs[0]
 
 
 def test_torques_stay_within_limits_that_are_given() -> None:

@@ -9,6 +9,9 @@ from surefoot.audit.setting import DEEP
 from surefoot.audit.symptoms.fits import pyramid_facets
 from surefoot.audit.symptoms.symptom import Evidence, symptom
 
+ALL, HALF = 0.99, 0.5
+"""A log starts in the ground if it is never deeper than at first, and at the end by half at most."""
+
 
 @symptom(
     "pull",
@@ -156,6 +159,22 @@ def sinking(e: Episode) -> Evidence | None:
     """Tell whether the foot sinks into the ground."""
     depth = 1e3 * e.failed["penetration"].value
     return Evidence(0.95, f"{depth:.3g} mm deep" + (", more than 5 mm" if depth > 5.0 else ""))
+
+
+@symptom(
+    "starts in the ground",
+    "penetration",
+    cause="the run was begun below the ground: a keyframe or reset that no contact would lead to",
+    confirm="look at the gaps of the first row",
+    cure="lift the start by that depth",
+)
+def starts_in_the_ground(e: Episode) -> Evidence | None:
+    """Tell whether the log begins in the ground and comes out of it."""
+    first = -float(e.gap[0])
+    deepest = e.failed["penetration"].value
+    if e.rows.core.start != 0 or first < ALL * deepest or -float(e.gap[-1]) > HALF * deepest:
+        return None
+    return Evidence(0.998, f"{1e3 * first:.3g} mm deep in the first row")
 
 
 @symptom(

@@ -1,11 +1,11 @@
 """Contact parameters in one engine's words, and the table of engines.
 
-Steps of Drake, PhysX, ODE and Bullet are implicit: they take the overlap at the step's end, which adds k dt
-to the damping d of a spring k. Of two bodies Drake's stiffness is k1 k2 / (k1 + k2), dissipation is weighed
+Steps of Drake, PhysX and Bullet are implicit: they take the overlap at the step's end, which adds k dt to
+the damping d of a spring k. Of two bodies Drake's stiffness is k1 k2 / (k1 + k2), dissipation is weighed
 by the other's stiffness, relaxation times add up ("Hydroelastic contact"; `MultibodyPlant`, "Modeling of
 contact"). What its step cannot resolve SAP takes for nearly rigid: 1 / (dt (dt + tau) k) is at least
 1 / (4 π² m) (A. Castro et al., "An unconstrained convex formulation of compliant contact", IEEE T-RO 2022,
-with beta = 1). ODE's manual, "How to use ERP and CFM": ERP = dt k / (dt k + d), CFM = 1 / (dt k + d).
+with beta = 1).
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from surefoot.arrays import real_number
 from surefoot.contact.engines.fitting import Situation, hunt_crossley, implicit_linear, linear
 from surefoot.contact.laws.soft.hunt_crossley import HuntCrossley
 from surefoot.contact.laws.soft.law import SoftLaw
@@ -195,27 +194,6 @@ def _each_in_lagged(point_stiffness: float, hunt_crossley_dissipation: float) ->
     return {"discrete_contact_approximation": "lagged", "each_body": own}
 
 
-def _hydroelastic(
-    situation: Situation,
-    hydroelastic_modulus: float,
-    hunt_crossley_dissipation: float,
-    area: float,
-    thickness: float,
-) -> SoftLaw:
-    """Return the law of a flat layer pressed flat: [Pa], [s/m], [m²], [m]."""
-    return HuntCrossley(hydroelastic_modulus * area / thickness, hunt_crossley_dissipation)
-
-
-def _hydroelastic_words(law: SoftLaw, situation: Situation) -> tuple[Words, list[str]]:
-    area, thickness = situation.area, situation.thickness
-    if not (area > 0.0 and thickness > 0.0):
-        raise ProblemError("a hydroelastic modulus needs the sole: area [m²] and thickness [m], both > 0")
-    stiffness, dissipation, lost = hunt_crossley(law, situation)
-    lost.append("the contact is a flat layer: tilting stiffness follows from its shape, not from the law")
-    words = {"hydroelastic_modulus": stiffness * thickness / area, "hunt_crossley_dissipation": dissipation}
-    return {**words, "area": area, "thickness": thickness}, lost
-
-
 def _compliant(
     situation: Situation, compliant_contact_stiffness: float, compliant_contact_damping: float
 ) -> SoftLaw:
@@ -251,35 +229,8 @@ def _material_modes(**_: float) -> Words:
     }
 
 
-def _step_of(situation: Situation) -> float:
-    """Return the step, which must be positive."""
-    if not situation.dt > 0.0:
-        raise ProblemError(
-            f"this engine's parameters depend on its step: dt must be > 0 [s], got {situation.dt:g}"
-        )
-    return situation.dt
-
-
-def _ode(situation: Situation, soft_erp: float, soft_cfm: float) -> SoftLaw:
-    """Return what a contact joint's error reduction (0 to 1] and force mixing [m/s per N] mean at a step."""
-    dt, erp = _step_of(situation), real_number("soft_erp", soft_erp, low=0.0, high=1.0)
-    if not (erp > 0.0 and soft_cfm > 0.0):
-        raise ProblemError(
-            f"soft_erp and soft_cfm must be > 0 to mean a spring, got {erp:g} and {soft_cfm:g}"
-        )
-    return SpringDamper(erp / (dt * soft_cfm), 1.0 / soft_cfm)
-
-
-def _ode_words(law: SoftLaw, situation: Situation) -> tuple[Words, list[str]]:
-    dt = _step_of(situation)
-    stiffness, damping, lost = implicit_linear(law, situation)
-    lost.append(f"ERP and CFM belong to the step of {dt:g} s: with another they mean another spring")
-    total = dt * stiffness + damping
-    return {"soft_erp": dt * stiffness / total, "soft_cfm": 1.0 / total}, lost
-
-
 def _bullet(situation: Situation, contactStiffness: float, contactDamping: float) -> SoftLaw:
-    """Return the spring [N/m] and damper [N s/m] that Bullet turns into ERP and CFM itself."""
+    """Return the spring [N/m] and damper [N s/m] of Bullet's implicit step."""
     return SpringDamper(contactStiffness, contactDamping + situation.dt * contactStiffness)
 
 
@@ -303,10 +254,8 @@ ENGINES: dict[str, Engine] = {
         _each_in_lagged,
         implicit=True,
     ),
-    "drake-hydroelastic": Engine(_hydroelastic, _hydroelastic_words, implicit=True),
     "physx": Engine(_compliant, two_words(*COMPLIANT, PER_POINT)),
     "isaaclab": Engine(_material, _material_words, _material_modes),
-    "ode": Engine(_ode, _ode_words),
     "bullet": Engine(
         _bullet, two_words("contactStiffness", "contactDamping", implicit_linear, IN_SERIES), _each_in_bullet
     ),

@@ -27,8 +27,6 @@ class Situation:
         Impact speed at which bounces are compared [m/s].
     dt
         The engine's step [s].
-    area, thickness
-        Of a flat compliant layer, for hydroelastic moduli [m²], [m]; 0 if unknown.
     keep
         What is kept where rest depth and motion cannot both be: "motion" or "rest".
     impedance
@@ -39,8 +37,6 @@ class Situation:
     gravity: float = GRAVITY
     speed: float = 1.0
     dt: float = 1e-3
-    area: float = 0.0
-    thickness: float = 0.0
     keep: str = "motion"
     impedance: float = 1e-3
 

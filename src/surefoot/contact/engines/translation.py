@@ -159,8 +159,6 @@ def translate(
     gravity: float = GRAVITY,
     speed: float = 1.0,
     dt: float = 1e-3,
-    area: float = 0.0,
-    thickness: float = 0.0,
     keep: str = "motion",
     impedance: float = 1e-3,
 ) -> Translation:
@@ -180,8 +178,6 @@ def translate(
         Impact speed at which the bounces are compared [m/s].
     dt
         The engine's step [s].
-    area, thickness
-        Of a flat sole, for hydroelastic contact [m²], [m].
     keep
         "motion" (frequency, settling, bounce) or "rest" (depth), where both cannot be kept.
     impedance
@@ -196,9 +192,9 @@ def translate(
     Examples
     --------
     >>> from surefoot.contact.laws.soft import SpringDamper
-    >>> found = translate(SpringDamper(1e4, 20.0), to="ode", mass=1.0, dt=0.001)
+    >>> found = translate(SpringDamper(1e4, 20.0), to="physx", mass=1.0, dt=0.001)
     >>> found.parameters
-    {'soft_erp': 0.5, 'soft_cfm': 0.05}
+    {'compliant_contact_stiffness': 10000.0, 'compliant_contact_damping': 10.0}
     """
     check_name("keep", keep, ["motion", "rest"])
     check_name("engine", to, ENGINES)
@@ -207,8 +203,6 @@ def translate(
         real_number("gravity", gravity, low=1e-9, high=1e6),
         real_number("speed", speed, low=1e-6, high=1e6),
         real_number("dt", dt, low=0.0, high=10.0),
-        real_number("area", area, low=0.0, high=1e6),
-        real_number("thickness", thickness, low=0.0, high=1e6),
         keep,
         real_number("impedance", impedance, low=0.0, high=1.0),
     )

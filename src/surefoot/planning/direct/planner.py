@@ -59,17 +59,6 @@ NEAR: dict[str, Any] = {"mu_init": 1e-4, "bound_push": 1e-6, "bound_frac": 1e-6}
 
 
 @dataclass(frozen=True, eq=False)
-class IpoptRun:
-    """One of Ipopt's runs: its smoothing [J] (0 for the equations of the modes), and what came of it."""
-
-    smoothing: float
-    iterations: int
-    cost: float
-    violation: float
-    said: str
-
-
-@dataclass(frozen=True, eq=False)
 class DirectPlan:
     """What the direct method found.
 
@@ -82,7 +71,7 @@ class DirectPlan:
     trajectory
         Of the plan.
     stages
-        Ipopt's runs.
+        Ipopt's runs: the smoothing of each [J] (0 for the equations of the modes), and what came of it.
     departure
         Largest distance of a position or angle of the exact motion from the optimiser's [m, rad].
     miss
@@ -92,7 +81,7 @@ class DirectPlan:
     plan: Plan
     motion: Guess
     trajectory: Trajectory
-    stages: tuple[IpoptRun, ...]
+    stages: tuple[tuple[float, Iterate], ...]
     departure: float
     miss: float
 
@@ -130,8 +119,7 @@ def plan_direct(
     Returns
     -------
     DirectPlan
-        Also where nothing was found: `plan.status` says so. A KeyboardInterrupt after Ipopt's first run ends
-        the search with what there is, not SOLVED unless it does the task (`Status.MAX_TIME`).
+        Also where nothing was found: `plan.status` says so.
 
     Raises
     ------
@@ -163,7 +151,7 @@ def plan_direct(
     if soft.finite:
         motion = nlp.unpack(soft.variables)
         found.append(motion)
-        if not stages.interrupted and stages.left(most):
+        if stages.left(most):
             modes = read_modes(motion.impulses, *nlp.contact_speeds(motion), problem.frictions)
             held = DirectNlp(problem, GivenModes())
             found = [*_with_modes(held, motion, modes, stages.left(most), stages, **NEAR), motion]
@@ -208,17 +196,17 @@ def plan_with_modes(
     return _made_exact(problem, found, (task, "given modes"), stages, began)
 
 
-class _Runs(list[IpoptRun]):
+class _Runs(list[tuple[float, Iterate]]):
     """Ipopt's runs, reported as they come."""
 
     def __init__(self, tell: Tell | None, total: int | None = None) -> None:
         super().__init__()
-        self._tell, self._total, self.interrupted = tell, total, False
+        self._tell, self._total = tell, total
 
     @property
     def iterations(self) -> int:
         """Of all runs."""
-        return sum(s.iterations for s in self)
+        return sum(found.iterations for _, found in self)
 
     def left(self, most: int) -> int:
         """Return how many iterations the next run may take, `most` unless fewer are left of all."""
@@ -226,7 +214,7 @@ class _Runs(list[IpoptRun]):
 
     def note(self, smoothing: float, found: Iterate) -> None:
         """Keep a run, and tell of it."""
-        self.append(IpoptRun(smoothing, found.iterations, found.cost, found.violation, found.said))
+        self.append((smoothing, found))
         if self._tell is not None:
             what = f"eps {smoothing:g}" if smoothing else "modes"
             self._tell(Iteration(self.iterations, found.cost, max(smoothing, found.violation), what))
@@ -252,14 +240,8 @@ def _soften_less(
         if found is not None:
             options |= {**WARM, "mu_init": min(1e-2, eps)}
         variables, multipliers = (start, None) if found is None else (found.variables, found.multipliers)
-        try:
-            found = nlp.solve(variables, eps, multipliers=multipliers, **options)
-            stages.note(eps, found)
-        except KeyboardInterrupt:
-            if found is None:
-                raise
-            stages.interrupted = True
-            break
+        found = nlp.solve(variables, eps, multipliers=multipliers, **options)
+        stages.note(eps, found)
     assert found is not None
     return found
 
@@ -302,13 +284,10 @@ def _made_exact(
     cost, reached = exact_cost(problem, trajectory), miss <= REACH and off <= within
     goal = f"ends {miss:.2g} outside its windows (allowed {REACH:g}), {off:.1e} from the optimiser's motion"
     spent = time.perf_counter() - began
-    stopped = Status.MAX_TIME if stages.interrupted else Status.STALLED
-    if not stages.left(MAX_ITERATIONS):
-        stopped = Status.MAX_ITERATIONS
+    stopped = Status.STALLED if stages.left(MAX_ITERATIONS) else Status.MAX_ITERATIONS
     search = PlanSearch(*names, cost, reached, stages.iterations, spent, goal, stopped)
-    facts: dict[str, Any] = {"interrupted": True} if stages.interrupted else {}
-    if trajectory.touch_impulses is not None:
-        facts["touch_impulses"] = trajectory.touch_impulses
+    touches = trajectory.touch_impulses
+    facts = {} if touches is None else {"touch_impulses": touches}
     return DirectPlan(
         plan_from(trajectory, problem.robot, search, problem.terrain, problem, **facts), motion, trajectory,
         tuple(stages), off, miss,

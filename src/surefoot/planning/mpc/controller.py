@@ -33,6 +33,7 @@ from surefoot.planning.shooting.horizon import FeedbackPolicy
 from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.robot import Robot
 from surefoot.robot.placement import place
+from surefoot.spatial import heading_of
 from surefoot.terrain import FlatTerrain, Terrain
 
 RAMP = 1.5
@@ -173,7 +174,6 @@ class ContactImplicitMpc(Controller):
         self._terrain = FlatTerrain() if terrain is None else terrain
         self._limits = np.array([-robot.effort_limits, robot.effort_limits])
         self._hold = self.engine.tables.torque[1][0].copy()
-        self._torques = np.zeros(robot.joints)
         self._springs, self._still = self._fallbacks()
         self.notes = [
             f"contact-implicit MPC: {s.knots} knots of {1e3 * s.dt:g} ms, {s.iterations} iteration(s) every "
@@ -231,16 +231,14 @@ class ContactImplicitMpc(Controller):
         late = max(state.time - self.planned_at, 0.0) / dt if math.isfinite(self.planned_at) else 0.0
         knot = min(int(late), len(now) - 1)
         here, share = (state.q, state.v), min(late - knot, 1.0)
-        torques_between(
-            now.floating, here, now.motion, self.engine.gains, knot, share, self._limits, self._torques
-        )
-        if not np.isfinite(self._torques).all():
+        torques = torques_between(self.robot, here, self.engine.policy, knot, share, self._limits)
+        if not np.isfinite(torques).all():
             return self._blind(state.v)
         forces = now.impulses[knot] / dt
         active = forces[:, 2] > 0.0
         status = Status.SOLVED if self._well else Status.STALLED
         return MpcCommand(
-            self._torques.copy(), forces, active, self._well, status,
+            torques, forces, active, self._well, status,
             planned=self._feet(active), wanted=self._velocity.copy(), tick=tick,
         )  # fmt: skip
 
@@ -315,7 +313,7 @@ class ContactImplicitMpc(Controller):
         if left > len(now):  # nothing is left of the plan
             return self._begin(state)
         while left > 0.0:
-            move_on(now.floating, now.q, now.v, now.torques, min(left, 1.0), dt)
+            move_on(self.robot, now.q, now.v, now.torques, min(left, 1.0), dt)
             left -= 1.0
         now.q[0], now.v[0] = state.q, state.v
         return engine.take(now.q, now.v, now.torques)
@@ -358,5 +356,5 @@ def _springs(knots: int, nv: int, stiffness: FloatArray, damping: FloatArray) ->
 
 def _heading(q: FloatArray) -> float:
     """Return the yaw of a free flyer [rad]."""
-    x, y, z, w = q[3:7]
-    return math.atan2(2.0 * (x * y + w * z), w * w + x * x - y * y - z * z)
+    ahead, aside = heading_of(q[3:7])
+    return math.atan2(aside, ahead)

@@ -49,8 +49,8 @@ class WalkWeights:
         Of torques less those that hold the robot [1/(N m)²].
     diagonal
         Of the difference of diagonal legs' torques, mirrored [1/(N m)²].
-    diagonal_pose, diagonal_speed
-        Of the difference of their joints and joint speeds, mirrored [1/rad²], [s²/rad²].
+    diagonal_speed
+        Of the difference of their joint speeds, mirrored [s²/rad²].
     terminal
         Weights of the last state, in units of those of the others.
     """
@@ -70,7 +70,6 @@ class WalkWeights:
     landing_width: float = 0.016
     torque: float = 0.004
     diagonal: float = 0.006
-    diagonal_pose: float = 0.0
     diagonal_speed: float = 0.0092
     terminal: float = 0.3
 
@@ -91,7 +90,7 @@ def walking_costs(robot: Robot, q: FloatArray, weights: WalkWeights) -> Costs:
     state[18:20], state[20], state[21:24], state[24:] = w.forward, w.vertical, w.spin, w.joint_speed
     alike = _diagonal_legs(robot)
     coupling = np.zeros((24, 24))
-    coupling[:12, :12], coupling[12:, 12:] = w.diagonal_pose * alike, w.diagonal_speed * alike
+    coupling[12:, 12:] = w.diagonal_speed * alike
     return Costs(
         StateCost(state, w.terminal * state, q),
         TorqueCost(w.torque, w.diagonal * alike, holding_torques(robot, q)),

@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_array, real_number
 from surefoot.errors import ProblemError
-from surefoot.planning.shooting.cost_kernels import FootTable, JointTable, StateTable, TorqueTable
+from surefoot.planning.shooting.cost_terms import FootTable, JointTable, StateTable, TorqueTable
 from surefoot.robot import Robot
 
 
@@ -149,17 +149,13 @@ class JointCost:
     Attributes
     ----------
     position_weight, speed_weight
-        Of what is beyond the bounds [1/rad²], [s²/rad²].
-    positions, speeds
-        (2, m) lower and upper bounds, (m,) largest speeds; None for the robot's own.
+        Of what is beyond the robot's own limits [1/rad²], [s²/rad²].
     coupling
         (2m, 2m) C on (joints less the wanted ones, joint speeds), symmetric and positive semidefinite.
     """
 
     position_weight: float = 0.0
     speed_weight: float = 0.0
-    positions: ArrayLike | None = None
-    speeds: ArrayLike | None = None
     coupling: ArrayLike | None = None
 
     def table(self, robot: Robot) -> JointTable:
@@ -172,12 +168,13 @@ class JointCost:
             ],
             m,
         )
-        own = np.vstack([model.lowerPositionLimit[model.nq - m :], model.upperPositionLimit[model.nq - m :]])
-        bounds = np.empty((2, 2 * m))
-        bounds[:, :m] = own if self.positions is None else real_array("positions", self.positions, (2, m))
-        most = model.velocityLimit[model.nv - m :] if self.speeds is None else self.speeds
-        bounds[1, m:] = _spread("speeds", most, (m,), low=0.0, finite=False)
-        bounds[0, m:] = -bounds[1, m:]
+        most = model.velocityLimit[model.nv - m :]
+        bounds = np.array(
+            [
+                np.r_[model.lowerPositionLimit[model.nq - m :], -most],
+                np.r_[model.upperPositionLimit[model.nq - m :], most],
+            ]
+        )
         C = np.zeros((0, 0)) if self.coupling is None else _semidefinite("coupling", self.coupling, 2 * m)
         return bounds, weights, C
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.shooting.cost_kernels import cost_slopes
+from surefoot.planning.shooting.cost_terms import cost_slopes
 from surefoot.planning.shooting.horizon import FeedbackPolicy, Horizon
 from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.planning.shooting.riccati import backward_pass
@@ -49,9 +49,6 @@ class Engine:
         m, twice = p.robot.joints, 2 * int(p.robot.model.nv)
         self.gains, self.steps = np.zeros((N, m, twice)), np.zeros((N, m))
         self._slopes, self._predicted = np.zeros((N + 1, twice)), np.zeros(2)
-        self._lx, self._lxx = np.zeros((N + 1, twice)), np.zeros((N + 1, twice, twice))
-        self._lu, self._luu = np.zeros((N, m)), np.zeros((N, m, m))
-        self._low, self._high = np.zeros((N, m)), np.zeros((N, m))
         limits = np.asarray(p.limits)
         self.bounds = np.tile(np.array([-limits, limits]), (N, 1, 1))
         self.damping = 0.0
@@ -69,46 +66,24 @@ class Engine:
         """
         torques = np.clip(torques, self.bounds[:, 0], self.bounds[:, 1])
         done = self.now.take(q, v, torques)
-        self._settle(done)
-        return done
-
-    def restart(self, q: FloatArray, v: FloatArray) -> bool:
-        """Roll the policy out from another state (nq,), (nv,); return whether every step is solved.
-
-        Where one is not, the motion stays as it was.
-        """
-        done = self._next.run((q, v), self.policy, 0.0, self.bounds)
-        if done:
-            self.now, self._next = self._next, self.now
-        self._settle(done)
-        return done
-
-    def _settle(self, done: bool) -> None:
         if done:
             self.now.price(self.tables)
+        return done
 
     def differentiate(self, smoothing: float) -> bool:
         """Differentiate the current motion and its cost; return whether the central paths were reached."""
         now = self.now
         done = now.differentiate(smoothing)
-        cost_slopes(
-            now.floating, now.motion, now.feet, *self.tables, self._lx, self._lxx, self._lu, self._luu
-        )
+        self._cost = cost_slopes(now.floating, now.motion, now.feet, *self.tables)
         return done
 
     def backward(self) -> bool:
         """Run the Riccati recursion; return whether every box program was solved."""
         now = self.now
-        np.subtract(self.bounds[:, 0], now.torques, out=self._low)
-        np.subtract(self.bounds[:, 1], now.torques, out=self._high)
-        np.minimum(self._low, 0.0, out=self._low)  # rounding
-        np.maximum(self._high, 0.0, out=self._high)
-        done = backward_pass(
-            (now.A, now.B, now.moved, now.gaps), (self._lx, self._lxx, self._lu, self._luu),
-            (self._low, self._high), self.damping * self._scale, now.dt, self.gains, self.steps, self._slopes,
-            self._predicted,
-        )  # fmt: skip
-        return bool(done)
+        low = np.minimum(self.bounds[:, 0] - now.torques, 0.0)  # rounding
+        high = np.maximum(self.bounds[:, 1] - now.torques, 0.0)
+        damping, found = self.damping * self._scale, (self.gains, self.steps, self._slopes, self._predicted)
+        return bool(backward_pass((now.A, now.B, now.gaps), self._cost, (low, high), damping, *found))
 
     def search(self, shares: Sequence[float]) -> float:
         """Try shares of the step on the exact cost; return the one that was taken, 0 for none."""

@@ -12,19 +12,15 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import ModelError, NoSolution
-from surefoot.planning.shooting.cost_kernels import motion_cost
+from surefoot.planning.shooting.cost_terms import Feet, Motion, motion_cost
 from surefoot.planning.shooting.costs import Tables
-from surefoot.planning.shooting.state_space import defect, feedback
+from surefoot.planning.shooting.state_space import difference, feedback
 from surefoot.robot import Robot
-from surefoot.robot.centroidal import carried_momentum
 from surefoot.stepping.knot import Knot
 from surefoot.stepping.momentum_knot import MomentumKnot
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.stepper import Stepper
 from surefoot.terrain import Terrain
-
-SOFTER = (1.0, 10.0, 100.0)
-"""Factors on the smoothing, tried in turn where the central path is not reached."""
 
 
 class FeedbackPolicy(NamedTuple):
@@ -73,8 +69,8 @@ class Horizon:
         ground (N, p) at the knots' starts.
     cost
         Of the motion; infinite where a step failed.
-    A, B, moved
-        Derivatives (N, 2nv, 2nv) and (N, 2nv, m) of the steps, and (N, 2, b, w) of their ways, see `riccati`.
+    A, B
+        Derivatives (N, 2nv, 2nv) and (N, 2nv, m) of the steps.
 
     Raises
     ------
@@ -98,18 +94,11 @@ class Horizon:
         options = StepOptions(dt=dt, order=1, solver_tol=tol)
         kind = MomentumKnot if momentum else Knot
         self._knots = [kind(Stepper(robot, terrain, options)) for _ in range(knots)]
-        self.q, self.v, self.torques = (
-            np.zeros((knots + 1, nq)),
-            np.zeros((knots + 1, nv)),
-            np.zeros((knots, m)),
-        )
-        self.q[:] = robot.nominal
-        block = len(carried_momentum(model)) if momentum else robot.base_dof
-        self.gaps, self.block = np.zeros((knots, 2 * nv)), block
+        self.q, self.v = np.tile(robot.nominal, (knots + 1, 1)), np.zeros((knots + 1, nv))
+        self.torques, self.gaps = np.zeros((knots, m)), np.zeros((knots, 2 * nv))
         self.J, self.rates = np.zeros((knots, 3 * p, nv)), np.zeros((knots, 3 * p, nv))
         self.heights, self.impulses = np.zeros((knots, p)), np.zeros((knots, p, 3))
         self.A, self.B = np.zeros((knots, 2 * nv, 2 * nv)), np.zeros((knots, 2 * nv, m))
-        self.moved = np.zeros((knots, 2, block, nv if momentum else block))
         self.cost = np.inf
 
     def __len__(self) -> int:
@@ -137,9 +126,9 @@ class Horizon:
         self.gaps[:] = 0.0
         for k, knot in enumerate(self._knots):
             here = self.q[k], self.v[k]
-            feedback(
+            self.torques[k] = feedback(
                 self.floating, here, (policy.q[k], policy.v[k]), policy.torques[k], policy.steps[k], share,
-                policy.gains[k], limits[k], self.torques[k],
+                policy.gains[k], limits[k],
             )  # fmt: skip
             if not (np.isfinite(self.torques[k]).all() and knot.step(*here, self.torques[k], self.mu)):
                 self.cost = np.inf
@@ -156,27 +145,28 @@ class Horizon:
                 self.cost = np.inf
                 return False
             self._keep(k, knot)
-            defect(self.floating, (q[k + 1], v[k + 1]), (knot.q, knot.v), self.gaps[k])
+            self._open(k, knot.q, knot.v)
         return True
+
+    def _open(self, k: int, q: FloatArray, v: FloatArray) -> None:
+        """Note the gap between (nq,) and (nv,) where a knot ends and where the next one starts."""
+        n = v.size
+        difference(self.floating, self.q[k + 1], q, self.gaps[k, :n])
+        self.gaps[k, n:] = v - self.v[k + 1]
 
     def _keep(self, k: int, knot: Knot) -> None:
         """Copy what the costs and the result need of a step."""
         self.J[k], self.heights[k], self.impulses[k] = knot.jacobian, knot.gaps, knot.impulses
 
     @property
-    def motion(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def motion(self) -> Motion:
         """(N + 1, nq) q, (N + 1, nv) v and (N, joints) torques [N m]."""
         return self.q, self.v, self.torques
 
     @property
-    def feet(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def feet(self) -> Feet:
         """(N, 3p, nv) J, its rates, and (N, p) heights [m] of the contact points."""
         return self.J, self.rates, self.heights
-
-    @property
-    def residuals(self) -> FloatArray:
-        """(N,) velocity errors of the contact problems."""
-        return np.array([knot.residual for knot in self._knots])
 
     def price(self, tables: Tables) -> float:
         """Return the cost of the motion, kept as `cost`."""
@@ -184,17 +174,11 @@ class Horizon:
         return self.cost
 
     def differentiate(self, smoothing: float) -> bool:
-        """Fill A, B, `moved` and `rates`; return whether the central path was reached at every knot."""
+        """Fill A, B and `rates`; return whether the central path was reached at every knot."""
         for k, knot in enumerate(self._knots):
-            for factor in SOFTER:
-                try:
-                    knot.derivative(factor * smoothing, (self.A[k], self.B[k]))
-                except NoSolution:
-                    continue
-                break
-            else:
+            try:
+                knot.derivative(smoothing, (self.A[k], self.B[k]))
+            except NoSolution:
                 return False
-            for part, rates in zip(self.moved[k], knot.moved, strict=True):
-                part[:] = rates[: part.shape[0], : part.shape[1]]
             self.rates[k] = knot.contact_rates()
         return True

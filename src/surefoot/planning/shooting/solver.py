@@ -19,8 +19,6 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
@@ -32,7 +30,6 @@ from surefoot.planning.shooting.problem import (
     ShootingResult,
     ShootingSettings,
 )
-from surefoot.planning.tasks.task import Iteration
 from surefoot.planning.trajectory import TOLERANCE, rollout
 from surefoot.stepping.momentum_knot import velocity_of_way
 
@@ -69,7 +66,6 @@ class Shooting:
         v: FloatArray,
         torques: FloatArray | None = None,
         settings: ShootingSettings | None = None,
-        tell: Callable[[Iteration], None] | None = None,
     ) -> ShootingResult:
         """Return the motion found from a state.
 
@@ -81,9 +77,6 @@ class Shooting:
             (N, m) to start from [N m]; None for none.
         settings
             See `ShootingSettings`.
-        tell
-            Called after every iteration, with a law residual of zero: all motions are lawful. A
-            KeyboardInterrupt ends the search with what it has.
 
         Raises
         ------
@@ -95,15 +88,13 @@ class Shooting:
         self._start(q, v, torques)
         costs: list[float] = [engine.now.cost]
         ended = Status.STALLED
-        try:
-            for stage, smoothing in enumerate(settings.smoothings):
-                note = f"smoothing {smoothing:g}"
-                last = stage == len(settings.smoothings) - 1
-                ended = self._descend(smoothing, settings, costs, tell or _silent, note, last)
-                if ended is Status.MAX_ITERATIONS:
-                    break
-        except KeyboardInterrupt:
-            ended = Status.MAX_TIME
+        for stage, smoothing in enumerate(settings.smoothings):
+            ended = self._descend(smoothing, settings, costs, stage == len(settings.smoothings) - 1)
+            if ended is Status.MAX_ITERATIONS:
+                break
+        engine.damping = settings.damping
+        if engine.differentiate(smoothing):  # gains of what was found, not of the last step tried
+            engine.backward()
         return self._result(costs, ended)
 
     def _start(self, q: FloatArray, v: FloatArray, torques: FloatArray | None) -> None:
@@ -119,13 +110,12 @@ class Shooting:
         engine.gains[:] = engine.steps[:] = 0.0
         engine.now.torques[:] = u
         engine.now.q[:], engine.now.v[:] = q, v
-        if not engine.restart(q, v):
+        if engine.choose([(engine.policy, 0.0)], np.inf) < 0:
             raise ProblemError("the guess cannot be stepped: a contact problem of it has no solution found")
 
     def _descend(
-        self, smoothing: float, settings: ShootingSettings, costs: list[float],
-        tell: Callable[[Iteration], None], note: str, last: bool,
-    ) -> Status:  # fmt: skip
+        self, smoothing: float, settings: ShootingSettings, costs: list[float], last: bool
+    ) -> Status:
         """Iterate at one smoothing until the cost stands still."""
         engine, still = self.engine, 0
         while len(costs) <= settings.max_iterations:
@@ -133,7 +123,6 @@ class Shooting:
             taken = engine.differentiate(smoothing) and self._step(settings)
             now = engine.now
             costs.append(now.cost)
-            tell(Iteration(len(costs) - 1, now.cost, 0.0, note))
             if not taken:
                 return Status.STALLED
             change = before - now.cost
@@ -152,7 +141,7 @@ class Shooting:
                     factor = 0.2 if share == 1.0 else (1.0 if share >= 0.25 else 4.0)
                     engine.damping = max(factor * engine.damping, settings.least)
                     return True
-            engine.damping *= 10.0
+            engine.damping = max(10.0 * engine.damping, settings.least)
         engine.damping = settings.damping
         return False
 
@@ -169,7 +158,3 @@ class Shooting:
         return ShootingResult(
             trajectory, engine.gains.copy(), status, now.cost, tuple(costs), len(costs) - 1, distance,
         )  # fmt: skip
-
-
-def _silent(iteration: Iteration) -> None:
-    """Tell nobody."""

@@ -49,10 +49,8 @@ class StateWindow:
             ]
         return cls(*sides)
 
-    def narrow(
-        self, low: FloatArray, high: FloatArray, nq: int, knot: int, unit: FloatArray | float = 1.0
-    ) -> None:
-        """Write the window into bounds (nq + nv,) of a knot's state; velocities in a unit of their own.
+    def narrow(self, low: FloatArray, high: FloatArray, nq: int, knot: int) -> None:
+        """Write the window into bounds (nq + nv,) of a knot's state.
 
         Raises
         ------
@@ -60,13 +58,13 @@ class StateWindow:
             Where it leaves nothing within the bounds, or does not fit.
         """
         places, speeds = slice(0, nq), slice(nq, None)
-        sides = (("q", places, self.q_low, self.q_high, 1.0), ("v", speeds, self.v_low, self.v_high, unit))
-        for name, part, least, most, of in sides:
+        sides = (("q", places, self.q_low, self.q_high), ("v", speeds, self.v_low, self.v_high))
+        for name, part, least, most in sides:
             shape = low[part].shape
             if least is not None:
-                low[part] = np.maximum(low[part], real_array(f"{name}_low", least, shape) / of)
+                low[part] = np.maximum(low[part], real_array(f"{name}_low", least, shape))
             if most is not None:
-                high[part] = np.minimum(high[part], real_array(f"{name}_high", most, shape) / of)
+                high[part] = np.minimum(high[part], real_array(f"{name}_high", most, shape))
             empty = low[part] > high[part]
             if empty.any():
                 said = f"{name} of the window at knot {knot}[{int(np.argmax(empty))}]"

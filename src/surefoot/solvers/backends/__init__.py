@@ -34,13 +34,6 @@ BACKENDS: dict[str, type[Backend]] = {
 }
 
 
-NO_PATH = (
-    "PATH is not among the solvers: it is closed, and no Python package brings it (path-capi-python only "
-    "calls one that is there); for complementarity problems use solve_lcp(problem, solver='lemke')"
-)
-"""What is said to who asks for PATH by name."""
-
-
 def backend(name: str, options: Options | None = None) -> Backend:
     """Return an outside solver by its name, ready to be given programs.
 
@@ -51,8 +44,6 @@ def backend(name: str, options: Options | None = None) -> Backend:
     MissingExtra
         If its package is not installed.
     """
-    if name == "path":
-        raise SolverNotFound(NO_PATH)
     if name not in BACKENDS:
         raise SolverNotFound(f"unknown backend {name!r}; valid names: {', '.join(BACKENDS)}")
     return BACKENDS[name](options)

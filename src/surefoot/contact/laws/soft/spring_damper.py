@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.contact.laws.soft.behaviour import SETTLED, settling_time
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import ProblemError
 
@@ -85,10 +84,6 @@ class SpringDamper(SoftLaw):
     def restitution(self, mass: float) -> float:
         """Return the coefficient of restitution of a mass [kg], its weight neglected; any speed."""
         return restitution_of(self.ratio(mass))
-
-    def settling_time(self, mass: float, share: float = SETTLED) -> float:
-        """Return how long an oscillation about rest takes to shrink to a share of itself [s]."""
-        return settling_time(math.sqrt(self.stiffness / mass), self.ratio(mass), share)
 
 
 def restitution_of(ratio: float) -> float:
