@@ -195,7 +195,6 @@ def test_settings_that_make_no_sense_are_named(changes, text):
         ({"frames": np.zeros((4, 3))}, "frames"),
         ({"frames": np.tile(-np.eye(3), (4, 1, 1))}, "right-handed"),
         ({"frames": np.tile(2.0 * np.eye(3), (4, 1, 1))}, "rotations"),
-        ({"normal_share": np.ones((3, 4))}, "normal_share"),
         ({"mu": -np.ones(4)}, "mu"),
         ({"mu": np.ones(3)}, "mu"),
         ({"mu": np.full(4, np.nan)}, "mu"),

@@ -6,8 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.problems.walking import INERTIA, MASS, choose_scenes, controller, record
 from benchmarks.walk.horizon import horizon_program
-from surefoot.control import mpc_model
-from surefoot.control.mpc import BodyReference
+from surefoot.control.mpc import BodyReference, ConvexMpc
 
 NAMES = ("trot", "walk", "slope", "rough")
 
@@ -127,18 +126,13 @@ def test_the_prediction_is_near_the_true_rigid_body(inputs, name):
 
 
 def test_remembered_points_move_with_time():
-    rng = np.random.default_rng(4)
-    points = rng.normal(size=(5, 3, 3))
-    points[2, 0] = points[4, 1] = np.nan
-    points[:, 2] = np.nan
-    assert np.array_equal(mpc_model.advance(points, 0.0), points, equal_nan=True)
-    assert np.array_equal(mpc_model.advance(points, 1.0)[:4], points[1:], equal_nan=True)
-    half = mpc_model.advance(points, 0.25)
-    assert np.allclose(half[0, 0], 0.75 * points[0, 0] + 0.25 * points[1, 0])
-    assert np.allclose(half[1, 0], points[1, 0])  # nothing is known of the next step
-    assert np.allclose(half[2, 0], points[3, 0])
-    assert np.isnan(half[:, 2]).all()
-    assert np.allclose(mpc_model.advance(points, 99.0)[:, 0], points[4, 0])
+    mpc = ConvexMpc(15.0, np.eye(3), horizon=5, dt=0.03)
+    points = np.random.default_rng(4).normal(size=(5, 4, 3))
+    for elapsed, steps in ((0.0, 0), (0.014, 0), (0.016, 1), (0.06, 2), (9.0, 4)):
+        mpc._points = points.copy()
+        mpc.shift(elapsed)
+        assert np.array_equal(mpc._points[: 5 - steps], points[steps:])
+        assert np.array_equal(mpc._points[5 - steps :], np.tile(points[4], (steps, 1, 1)))
 
 
 def test_cruise_moves_along_the_surface_and_turns_about_its_normal():

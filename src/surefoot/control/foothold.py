@@ -184,8 +184,6 @@ def choose_foothold(
     reach: float,
     margin: float,
     way: FloatArray | None = None,
-    before: FloatArray | None = None,
-    more: float = math.inf,
 ) -> FloatArray:
     """Return the (2,) place [m] to step on near the nominal one, world axes; the nominal one on a plane.
 
@@ -201,9 +199,6 @@ def choose_foothold(
         Distance to edges that is wanted [m].
     way
         (2,) of the foot [m]: on steps across it the foot is moved along it, between the edges.
-    before
-        (2,) where the foot was to stand before [m]: the tread there is kept where it is near enough, and
-        moves the foot by no `more` than the nearest [m].
     """
     if terrain.planar:
         return place
@@ -211,11 +206,6 @@ def choose_foothold(
     if way is not None and length > 1e-6:
         windows = step_windows(terrain, place, way / length, margin)
         shift = math.inf if windows is None else float(nearest_shift(windows, np.zeros(1))[0])
-        if windows is not None and before is not None:
-            last = float((before - place) @ way) / length
-            tread = int(np.abs(np.clip(last, *windows) - last).argmin())
-            kept = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
-            shift = kept if abs(kept) <= min(FARTHEST, abs(shift) + more) else shift
         if abs(shift) <= FARTHEST:
             return np.asarray(place + shift * (way / length))
     return _most_level(terrain, place, reach, margin)

@@ -6,9 +6,8 @@ The feet that have changed in between are in the bounds of the whole-body contro
 
 A foot that carries its share of the weight from one millisecond to the next asks its motors for a step in
 torque, and drops the body when it leaves. So the most that a foot may push grows along a line from the moment
-it touches, and falls along one to the moment it is planned to lift; the predictive controller knows it and
-moves the load to the other feet in time. A foot that has been taken to stand for an instant and does not
-touch any more waits with its ramp: pushed down in the air it would strike the ground.
+it touches, and falls along one to the moment it is planned to lift. A foot that has been taken to stand for
+an instant and does not touch any more waits with its ramp: pushed down in the air it would strike the ground.
 """
 
 from __future__ import annotations
@@ -27,8 +26,6 @@ from surefoot.control.whole_body import Kinematics
 from surefoot.kernels import kernel
 from surefoot.stance.contact_schedule import ContactSchedule
 
-SAMPLES = 4
-"""Instants within a step of the horizon that its mean bound is taken from."""
 LANDED = 1e-3
 """A foot that touches has used this much of its ramp: it may push at once, if little [s]."""
 
@@ -80,7 +77,7 @@ class ForcePlanner:
         self.mpc.reset()
         self.forces: FloatArray | None = None
         self.begun = self.made = -math.inf
-        self._horizon: tuple[BodyReference, FloatArray, BoolArray, FloatArray] | None = None
+        self._horizon: tuple[BodyReference, FloatArray, BoolArray] | None = None
         self._landed = np.full(len(self.radii), -math.inf)
         self._stood: BoolArray = np.ones(len(self.radii), dtype=bool)
         self.rate = 1.0
@@ -110,38 +107,10 @@ class ForcePlanner:
                 shares[k] = min(shares[k], max(left, 0.0))
         return shares
 
-    def _shares_ahead(self, time: float, step: float, count: int) -> FloatArray:
-        """Return the mean shares over `count` coming steps of `step` [s]: (count, n).
-
-        Feet that carry now keep the ramp of their touchdown; later stances are those of the schedule.
-        """
-        fine = time + step * (np.arange(count * SAMPLES) + 0.5) / SAMPLES
-        last, stances = float(fine[-1]), []
-        for k in range(self.schedule.feet):
-            if self._stood[k]:
-                begin, end = float(self._landed[k]), self._lift_off(k, time)
-            else:
-                begin, end = self._next_stance(k, time)
-            while begin <= last:
-                stances.append((k, begin, end))
-                if end > last:
-                    break
-                begin, end = self._next_stance(k, end)
-        out = np.empty((count, self.schedule.feet))
-        mean_shares(np.array(stances, dtype=np.float64).reshape(-1, 3), fine, self.ramp * self.rate, out)
-        return out
-
     def _lift_off(self, k: int, time: float) -> float:
         """Return when a foot that carries is planned to lift; one that landed early, after its stance."""
         planned, _, end = self.schedule.phase(k, time)
         return end if planned else self.schedule.phase(k, end)[2]
-
-    def _next_stance(self, k: int, time: float) -> tuple[float, float]:
-        """Return begin and end of the stance that a foot in the air lands for."""
-        planned, begin, end = self.schedule.phase(k, time)
-        if planned:  # late: its stance has begun
-            return max(begin, time), end
-        return end, self.schedule.phase(k, end)[2]
 
     def set_up(self, time: float, clock: float, feet: Feet, body: BodyPlan, stance: float) -> None:
         """Find out what the horizon that begins at the next step is like; at the first plan, at this one.
@@ -174,7 +143,7 @@ class ForcePlanner:
         )  # fmt: skip
         if self.forces is not None and not self.pending:
             self.mpc.shift(max(time + ahead - self.made, 0.0))
-        self._horizon = reference, places, contacts, self._shares_ahead(start, tick, N)
+        self._horizon = reference, places, contacts
         self.begun = time
 
     def solve(self, time: float, now: Kinematics, frames: FloatArray, mu: float | None) -> None:
@@ -192,11 +161,11 @@ class ForcePlanner:
             Friction to count on; None for that of the MPC [-].
         """
         assert self._horizon is not None, "set_up comes first"
-        reference, places, contacts, shares = self._horizon
+        reference, places, contacts = self._horizon
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
         plan = self.mpc.solve(
             state, reference, places, contacts, frames,
-            mu=None if mu is None else np.full(len(self.radii), mu), normal_share=shares,
+            mu=None if mu is None else np.full(len(self.radii), mu),
         )  # fmt: skip
         motion, dt = self.motion, self.mpc.dt
         motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity
@@ -241,26 +210,3 @@ def ramp_shares(
                 early |= 1 << k
             shares[k] = min(max(used / length, 0.0), 1.0)
     return early
-
-
-@kernel
-def mean_shares(stances: FloatArray, times: FloatArray, length: float, out: FloatArray) -> None:
-    """Fill (count, n) means of the feet's shares, 0 to 1, over equally many of the times; 1 outside stances.
-
-    Parameters
-    ----------
-    stances
-        (m, 3) foot, begin and end of stances in order, none overlapping another of its foot [-, s, s].
-    times
-        (k count,) rising [s].
-    length
-        Of a ramp [s].
-    """
-    count, samples = len(out), len(times) // len(out)
-    out[:] = 1.0
-    for i in range(len(stances)):
-        foot, begin, end = int(stances[i, 0]), stances[i, 1], stances[i, 2]
-        for t in range(count * samples):
-            if begin <= times[t] < end:
-                share = min(max(min(times[t] - begin, end - times[t]) / length, 0.0), 1.0)
-                out[t // samples, foot] -= (1.0 - share) / samples

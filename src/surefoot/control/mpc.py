@@ -17,7 +17,6 @@ from surefoot.arrays import FloatArray, finite_array, per_contact, real_number
 from surefoot.contact.solution import Status
 from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
-from surefoot.control.mpc_kernels import plan_forces
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
@@ -214,8 +213,9 @@ class ConvexMpc:
         self._points[:] = np.nan
 
     def shift(self, elapsed: float) -> None:
-        """Move the remembered plan forward by the time since it was made [s], for the next warm start."""
-        self._points = mpc_model.advance(self._points, max(elapsed / self.dt, 0.0))
+        """Move the remembered plan on by the steps of the time since it was made [s]: a warm start."""
+        ahead = np.arange(self.horizon) + round(max(elapsed / self.dt, 0.0))
+        self._points = self._points[np.minimum(ahead, self.horizon - 1)]
 
     def solve(
         self,
@@ -226,7 +226,6 @@ class ConvexMpc:
         frames: ArrayLike | None = None,
         *,
         mu: ArrayLike | None = None,
-        normal_share: FloatArray | None = None,
     ) -> MpcPlan:
         """Plan the forces of the horizon.
 
@@ -242,8 +241,6 @@ class ConvexMpc:
             (n, 3, 3) or (N, n, 3, 3) rotations rotation_world_contact; None for level ground.
         mu
             Friction [-], (n,) or (N, n), in place of the one given at construction.
-        normal_share
-            (N, n) shares of `normal_max` that may be used [-], 0 to 1; None for all of it.
 
         Returns
         -------
@@ -256,12 +253,7 @@ class ConvexMpc:
             For arrays of the wrong shape, negative friction, or frames that are no rotations.
         """
         given = self.given(state, reference, foot_positions, contacts, frames, mu)
-        if normal_share is not None:
-            share = np.asarray(normal_share, dtype=np.float64)
-            if share.shape != given.contacts.shape:
-                raise ProblemError(f"normal_share must have shape {given.contacts.shape}, got {share.shape}")
-            given = given._replace(bounds=_lowered(given.bounds, share))
-        verdict, total, error, forces, world, motion, turn = plan_forces(
+        verdict, total, error, forces, world, motion, turn = mpc_model.plan_forces(
             given, self.body(), self._points, self.tol, PATIENCE, self.max_iterations
         )
         if verdict == mpc_model.NOT_ROTATION:
@@ -332,14 +324,6 @@ class ConvexMpc:
         forces[:, :, 2] = given.contacts * normal
         a, b, c, d = np.zeros((4, N + 1, 3))
         return MpcPlan(forces, forces.copy(), a, b, c, d, Status.INVALID, math.inf, 0)
-
-
-def _lowered(bounds: FloatArray, share: FloatArray) -> FloatArray:
-    """Return (N, n, 3) bounds whose largest normal forces are lowered to (N, n) shares of them."""
-    out = bounds.copy()
-    out[..., 2] *= share
-    out[..., 1] = np.minimum(out[..., 1], out[..., 2])
-    return out
 
 
 def _over_horizon(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:

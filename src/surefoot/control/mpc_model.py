@@ -29,7 +29,8 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.rotations import log_between
 from surefoot.numerics.vectors import Three, cross
-from surefoot.solvers.dual_newton.riccati import costates
+from surefoot.solvers.dual_newton.horizon import newton
+from surefoot.solvers.dual_newton.riccati import costates, tracking
 from surefoot.spatial import GRAVITY
 
 GOOD, NOT_FINITE, NOT_ROTATION = 0, 1, 2
@@ -292,34 +293,6 @@ def _add_wrench(
 
 
 @kernel
-def advance(points: FloatArray, steps: float) -> FloatArray:
-    """Return what is known per step and foot (N, n, 3), NaN for nothing, seen `steps` later.
-
-    In between two steps it is interpolated, beside nothing the one known value is taken, and the last step
-    stands for all that come after it.
-    """
-    N, n = points.shape[:2]
-    out = np.empty_like(points)
-    for k in range(N):
-        at = min(k + steps, N - 1.0)
-        low = int(at)
-        high = min(low + 1, N - 1)
-        share = at - low
-        for i in range(n):
-            weight = share
-            if math.isnan(points[high, i, 0]):
-                weight = 0.0
-            elif share > 0.0 and math.isnan(points[low, i, 0]):
-                weight = 1.0
-            for a in range(3):
-                here, ahead = points[low, i, a], points[high, i, a]
-                out[k, i, a] = (1.0 - weight) * here + weight * ahead
-                if weight == 0.0 or weight == 1.0:
-                    out[k, i, a] = here if weight == 0.0 else ahead
-    return out
-
-
-@kernel
 def finish(
     step: IntArray, foot: IntArray, M: FloatArray, force: FloatArray, drift: FloatArray, frames: FloatArray,
     heading: FloatArray, reference: FloatArray, dt: float,
@@ -351,3 +324,33 @@ def finish(
                 motion[k, 2, b] += heading[b, a] * errors[k, 1, 3 + a]
                 turn[k, b] += heading[b, a] * errors[k, 0, 3 + a]
     return forces, world, motion, turn
+
+
+@kernel
+def plan_forces(
+    given: Given, body: Body, points: FloatArray, tol: float, patience: int, limit: int
+) -> tuple[int, int, float, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return the verdict on the input, the steps, the error bound [N] and what `finish` does.
+
+    Parameters
+    ----------
+    given, body
+        See there.
+    points
+        (N, n, 3) guess of the points, see `dual_newton.horizon.newton`; those of the answer on return.
+    tol, patience, limit
+        As for `newton`.
+    """
+    reference, dt = given.reference, body.dt
+    sway = expected_sway(given.motion, reference, dt)
+    verdict, step, foot, M, limits, centre, q, drift, heading = build(given, body, sway)
+    count, error, force = 0, math.inf, np.zeros((step.size, 3))
+    if verdict == GOOD:
+        cost = tracking(body.weights, body.terminal, dt, given.contacts.shape[0])
+        count, error = newton(
+            cost, q, step, foot, M, limits, centre, body.rho, tol, patience, limit, points, force
+        )
+        if not math.isfinite(error):
+            verdict = NOT_FINITE
+    forces, world, planned, turn = finish(step, foot, M, force, drift, given.frames, heading, reference, dt)
+    return verdict, count, error, forces, world, planned, turn

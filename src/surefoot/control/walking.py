@@ -207,7 +207,7 @@ class WalkingController(Walker):
     def _learn(self, state: RobotState, now: Kinematics, clock: float) -> None:
         """Learn what the feet have found of the ground."""
         if self._touch is not None and self.feet is not None:
-            self._touch.learn(state, self.feet, now, clock)
+            self._touch.learn(state, self.feet, now)
 
     def _move_body(self, request: Request, now: Kinematics) -> None:
         """Move the wanted body by one step, and let the models know of friction and load."""
@@ -288,7 +288,6 @@ class WalkingController(Walker):
             feet.clearance *= LOW
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self.terrain.unsure)
-            feet.stride = self._steps.stride
         for k in np.flatnonzero(~(feet.stance | feet.planned)).tolist():
             _, _, end = schedule.phase(k, clock)
             caught, left = self._recovery is not None, max(end - clock, 0.0) / feet.rate

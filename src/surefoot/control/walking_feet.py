@@ -9,10 +9,14 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control import swing
-from surefoot.control.feet_kernels import follow_phases, set_timing
 from surefoot.control.foothold import choose_foothold
-from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
-from surefoot.control.walking_kernels import swing_accelerations, swing_paths
+from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height
+from surefoot.control.walking_kernels import (
+    follow_phases,
+    set_timing,
+    swing_accelerations,
+    swing_paths,
+)
 from surefoot.estimation.live_arrays import Bound
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
@@ -34,11 +38,7 @@ SEARCH_FAST, SEARCH_SPEED = 0.8, 0.4
 """The same on unknown ground, and the largest speed of the search there, as a share of sqrt(g h)."""
 RETRY = 0.7
 """Least time for the rest of a swing that has been interrupted, as a share of the swing's duration."""
-SAME_TREAD = 2.0
-"""A foot in step with stairs takes the tread next to its last one if that is farther by no more, in radii."""
 PATH_SAMPLES = 7
-CHOSEN = 0.1
-"""After this share of the swing a foot keeps to the tread that it is on its way to."""
 FAST, EVEN, EVEN_UNTIL = 0.7, 0.5, 0.05
 """A swing over learned ground is as one over even ground if its speed, as a share of sqrt(g h), and its slope
 come to more than this, and the ground is off a line by no more than its noise and this share of a radius; it
@@ -80,8 +80,6 @@ class Feet(Bound):
         (2,) along which feet are moved off edges; None for each one's own way.
     careful
         Whether feet that are still late when their next swing begins lift from where they are then.
-    stride
-        (2,) from one stand to the next in step with stairs: it chooses the tread [m]; None elsewhere.
     """
 
     schedule: ContactSchedule
@@ -94,7 +92,6 @@ class Feet(Bound):
     rate: float = 1.0
     fastest: float | None = None
     heading: FloatArray | None = None
-    stride: FloatArray | None = None
     careful: bool = False
 
     def __post_init__(self) -> None:
@@ -107,7 +104,6 @@ class Feet(Bound):
         self._timing = np.zeros((n, 6))
         self._bind()
         self.apex[:], self.duration[:] = self.centres[:, 2], 1.0
-        self._aimed = self.target.copy()  # where a foot was on its way to before it landed
         self.frames = np.array([self.terrain.frame(c[:2]) for c in self.centres])
         self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
         self._lifted = np.full(n, -np.inf)
@@ -182,14 +178,7 @@ class Feet(Bound):
         rest = float(self.duration[k]) if planned else max(end - time, RETRY * (end - begin))
         self._retry[k] = now, now + rest
         self.start[k], self.share[k], self.duration[k] = centre, 0.0, rest
-        self._lift_first[k], self.again[k] = LIFT_LATER[-1], True
-
-    def take_back(self, k: int, centre: FloatArray) -> None:
-        """Take back the landing of foot k, now at (3,) [m]: it swings on, or is looked for below."""
-        if self.planned[k]:
-            self._sensed[k] = -np.inf
-        else:
-            self.stance[k], self.target[k] = False, self._aimed[k]
+        self._lift_first[k], self.again[k] = LIFT_LATER, True
 
     def slow_search(self, time: float, fastest: float, ahead: FloatArray) -> None:
         """Let late feet go down at another speed from now on, without a jump.
@@ -255,7 +244,7 @@ class Feet(Bound):
 
     def _land(self, k: int, centre: FloatArray) -> None:
         self.stance[k], self.late[k] = True, False
-        self._aimed[k], self.target[k] = self.target[k], centre
+        self.target[k] = centre
         if not self.terrain.planar:
             self.frames[k] = self.terrain.frame(centre[:2])
         self.ground[k] = centre - self.radii[k] * self.frames[k, :, 2]
@@ -269,12 +258,8 @@ class Feet(Bound):
             trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
             place = self.target[k, :2] + trust * (place - self.target[k, :2])
         way = place - self.start[k, :2] if self.heading is None else self.heading
-        before = None if self.stride is None else self.start[k, :2] + self.stride
-        if share > CHOSEN:
-            before = self.target[k, :2]
-        more = math.inf if share > CHOSEN else SAME_TREAD * float(self.radii[k])
         margin = float(2.0 * self.radii.mean())
-        xy = choose_foothold(self.terrain, place, self._reach, margin, way, before, more)
+        xy = choose_foothold(self.terrain, place, self._reach, margin, way)
         normal = self.frames[k, :, 2] if self.terrain.planar else self.terrain.normal(xy)
         self.target[k, :2] = xy
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
@@ -291,10 +276,7 @@ class Feet(Bound):
             self.apex[k] = 0.5 * float(self.start[k, 2] + self.target[k, 2]) + self.clearance
         else:
             self.apex[k] = apex_height(self.start[k], self.target[k], self._below(k), self.clearance)
-            self._lift_first[k] = clear_lift(
-                self.start[k], self.target[k], float(self.apex[k]), self.terrain, float(self.radii[k]),
-                0.5 * float(self.radii[k]),
-            )  # fmt: skip
+            self._lift_first[k] = LIFT_FIRST
 
     def _below(self, k: int) -> FloatArray:
         """Return the least heights of a foot over the ground on its way: (PATH_SAMPLES,) [m]."""

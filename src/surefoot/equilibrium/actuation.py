@@ -63,20 +63,6 @@ def torque_limits(robot: Robot, q: ArrayLike | None, stance: Stance, share: floa
     return ForceLimits(rows, bound, (*(f"{n} >" for n in names), *(f"{n} <" for n in names)))
 
 
-def joint_torques(robot: Robot, q: ArrayLike | None, stance: Stance, forces: ArrayLike) -> FloatArray:
-    """Return the (joints,) torques [N m] that hold the robot at rest with these contact forces.
-
-    Parameters
-    ----------
-    robot, q, stance
-        As for `torque_limits`.
-    forces
-        (stance.dim,) in contact frames [N, N m].
-    """
-    gravity, jacobian = _at_rest(robot, q, stance)
-    return np.asarray(gravity - jacobian @ np.asarray(forces, dtype=np.float64))
-
-
 def _at_rest(robot: Robot, q: ArrayLike | None, stance: Stance) -> tuple[FloatArray, FloatArray]:
     """Return (joints,) torques that hold the weight alone and Jᵀ (joints, dim): τ = g(q) - Jᵀ f."""
     from surefoot.robot.dynamics import bias_forces

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, of_kind
-from surefoot.equilibrium.limits import Question
 from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, LEAST_MU, UNDECIDED, most_margin
 from surefoot.equilibrium.point_contacts import stand
 from surefoot.equilibrium.region import Region
@@ -49,14 +48,16 @@ class Verdicts:
         The stances' points as arrays.
     """
 
-    def __init__(self, asked: Sequence[Stance] | StanceBatch, com: FloatArray, load: FloatArray) -> None:
+    def __init__(
+        self, asked: Sequence[Stance] | StanceBatch, com: FloatArray, masses: FloatArray, wrenches: FloatArray
+    ) -> None:
         size = len(asked)
-        points = asked if isinstance(asked, StanceBatch) else StanceBatch.of(asked)
-        self._asked, self.com, self.load, self.points = asked, com, load, points
-        self._single: dict[int, Verdict] = {}
+        self.points = asked if isinstance(asked, StanceBatch) else StanceBatch.of(asked)
+        self._asked, self.com, self._masses, self._wrenches = asked, com, masses, wrenches
+        self.load = np.outer(masses * GRAVITY, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]) - wrenches
         self.status = np.full(size, "undecided", dtype="<U10")
         self.margin, self.reach = np.full(size, np.nan), np.zeros(size)
-        self.forces = np.zeros(points.positions.shape)
+        self.forces = np.zeros(self.points.positions.shape)
         self.certificate = np.full((size, 6), np.nan)
 
     def __len__(self) -> int:
@@ -76,22 +77,12 @@ class Verdicts:
     def __getitem__(self, k: int) -> Verdict:
         """Return one answer as `can_stand` gives it."""
         k = range(len(self))[k]
-        if k in self._single:
-            return self._single[k]
-        stance, status = self._asked[k], str(self.status[k])
-        x = self.forces[k, : self.points.counts[k]].ravel() if status == "possible" else None
-        y = self.certificate[k] if status == "impossible" else None
-        forces = x if x is None or stance.points() is stance else stance.corner_map @ x
-        return Verdict(
-            Question(stance, self.com[k], self.load[k]), status, float(self.margin[k]), forces, y,  # type: ignore[arg-type]
-            None if x is None else x.reshape(-1, 3), reach=float(self.reach[k]),
-        )  # fmt: skip
+        return can_stand(self._asked[k], self.com[k], float(self._masses[k]), self._wrenches[k])
 
-    def put(self, k: int, verdict: Verdict) -> None:
-        """Take over an answer that was asked for one by one."""
-        self._single[k] = verdict
+    def _ask_alone(self, k: int) -> None:
+        """Take over an answer of the single call."""
+        verdict, count = self[k], self.points.counts[k]
         self.status[k], self.margin[k], self.reach[k] = verdict.status, verdict.margin, verdict.reach
-        count = self.points.counts[k]
         self.forces[k, :count] = np.nan if verdict.corner_forces is None else verdict.corner_forces
         self.certificate[k] = np.nan if verdict.certificate is None else verdict.certificate
 
@@ -149,10 +140,7 @@ def can_stand_batch(
     wrenches = np.zeros((size, 6))
     if np.ndim(external_wrench) or external_wrench != 0.0:
         wrenches = _per_stance("external_wrench", external_wrench, size, (6,))
-    loads = np.zeros((size, 6))
-    loads[:, 2] = masses * GRAVITY
-    loads -= wrenches
-    out = Verdicts(stances, about, loads)
+    out = Verdicts(stances, about, masses, wrenches)
     ordinary = _ordinary(stances)
     again = [np.flatnonzero(~ordinary)]  # bounds or no contacts
     for which, count in out.points.groups():
@@ -160,7 +148,7 @@ def can_stand_batch(
         if len(chosen):
             again.append(chosen[_stand(out, chosen, count)])
     for k in np.concatenate(again):
-        out.put(int(k), can_stand(stances[k], about[k], float(masses[k]), wrenches[k]))
+        out._ask_alone(int(k))
     return out
 
 

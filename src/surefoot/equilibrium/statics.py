@@ -23,7 +23,7 @@ from surefoot.equilibrium.limits import (
     normal_limits,
     squeeze_limit,
 )
-from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, REACH, UNDECIDED, most_margin, proof_reach
+from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, REACH, UNDECIDED, most_margin, proof_reach
 from surefoot.equilibrium.point_contacts import axis_scale, load_scale, spread, stand
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
@@ -247,7 +247,7 @@ def _friction_within(stance: Stance, about: FloatArray, load: FloatArray, most: 
         held = x.reshape(-1, 3) if outcome in (FEASIBLE, ENDLESS) else None
         return float(margin * axis_scale(mu))
 
-    least = _least_root(depth, 1e-9 * float(np.linalg.norm(load)))
+    least = _least_root(depth, BAND * float(np.linalg.norm(load)))
     if held_at != least and least < math.inf:
         depth(least)
     return least, math.inf if held is None else float(held[:, 2].sum())
@@ -255,37 +255,19 @@ def _friction_within(stance: Stance, about: FloatArray, load: FloatArray, most: 
 
 def _least_root(depth: Callable[[float], float], band: float) -> float:
     """Return the least mu with depth(mu) >= -band, depth rising with mu; infinite if there is none."""
-    low, at_low = 0.0, depth(0.0)
-    if at_low >= -band:
+    if depth(0.0) >= -band:
         return 0.0
-    high = 1.0
-    at_high = depth(high)
-    while at_high < -band:
+    low, high = 0.0, 1.0
+    while (at_high := depth(high)) < -band:
         if high >= MOST_MU:
             return math.inf
-        low, at_low = high, at_high
-        high *= 10.0
-        at_high = depth(high)
-    side = 0
-    for k in range(200):
-        if high - low <= 1e-10 * high:
-            break
-        safe = math.isfinite(at_low) and math.isfinite(at_high) and k % 4 != 3
-        mu = (low * at_high - high * at_low) / (at_high - at_low) if safe else 0.5 * (low + high)
-        if not low < mu < high:
-            mu = 0.5 * (low + high)
-        value = depth(mu)
-        if value >= 0.0:
-            if side == 1:
-                at_low *= 0.5
-            high, at_high, side = mu, value, 1
-            if value <= band:
-                break
-        else:
-            if side == -1:
-                at_high *= 0.5
-            low, at_low, side = mu, value, -1
-    return high
+        low, high = high, 10.0 * high
+    if at_high <= band:
+        return high
+    from scipy.optimize import brentq
+
+    most = band / BAND  # of a depth, which is infinite where the load is out of reach or contacts squeeze
+    return float(brentq(lambda mu: min(max(depth(mu), -most), most), low, high, rtol=1e-9))
 
 
 def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> FloatArray:

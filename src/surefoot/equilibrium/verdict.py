@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, finite_array
 from surefoot.cones.cone import Fit
-from surefoot.equilibrium.limits import ForceLimits, Question
-from surefoot.equilibrium.margin import REACH
-from surefoot.equilibrium.push import largest_disturbance
+from surefoot.equilibrium.limits import ForceLimits, Question, equations
+from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, REACH, most_margin
+from surefoot.errors import ProblemError
 from surefoot.stance import Stance
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 _NONE = np.zeros(0)
+_MOST = 1e6
+"""Disturbances of more loads than this count as any."""
 
 
 @dataclass(eq=False, repr=False, slots=True)
@@ -207,7 +210,38 @@ class Verdict:
         Returns
         -------
         float
-            How often `direction` fits in [-]; 0 where the stance is impossible already, infinite where the
-            contacts withstand any amount.
+            How often `direction` fits in [-], enclosed by verdicts that the stance can and cannot; 0 where it
+            is impossible already, infinite where the contacts withstand any amount.
+
+        Raises
+        ------
+        ProblemError
+            If the direction is not (6,), finite and nonzero.
         """
-        return largest_disturbance(self.question, direction)
+        push = finite_array("direction", direction, (6,))
+        if not np.any(push):
+            raise ProblemError("direction must not be zero")
+        if not self.feasible or not len(self.stance):
+            return 0.0
+        eq = equations(self.question)
+        d = np.zeros(len(eq.w))
+        d[:3], d[3:6] = -push[:3], -push[3:] / eq.length
+        size = float(np.linalg.norm(d))
+        d /= size
+
+        def margin(s: float) -> float:
+            # forces and bounds in units of the load with the disturbance: of size one however large that is
+            outcome, most, *_ = most_margin(eq.A, eq.e, (eq.w + s * d) / (1.0 + s), eq.lorentz, eq.blocks)
+            return most if outcome in (FEASIBLE, ENDLESS) else -math.inf
+
+        if margin(0.0) <= BAND:
+            return 0.0
+        low, high = 0.0, 1.0
+        while margin(high) > -math.inf:
+            if high > _MOST:
+                return math.inf
+            low, high = high, 2.0 * high
+        while high - low > BAND * high:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if margin(middle) > -math.inf else (low, middle)
+        return low * eq.scale / size

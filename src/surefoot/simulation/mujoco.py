@@ -281,10 +281,6 @@ class MujocoWorld:
         self._mujoco.mj_resetData(self.model, data)
         data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
         self._mujoco.mj_forward(self.model, data)
-        return self._lost_at(time, qvel)
-
-    def _lost_at(self, time: float, qvel: FloatArray) -> SimulationError:
-        """Return the error that says what was lost, from the time [s] and velocities before the step."""
         fastest = int(np.argmax(np.abs(qvel)))
         joint = self.model.joint(int(self.model.dof_jntid[fastest])).name.split(":", 1)[-1]
         return SimulationError("motion", time, self.dt, joint, float(abs(qvel[fastest])))
