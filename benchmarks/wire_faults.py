@@ -14,6 +14,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -173,7 +174,7 @@ def _walk(end: Any, told: Any, lost: Any, out: Path) -> None:
     loop = WatchedLoop(robot, motors=dialect.motors)
     log = LoopLog(loop)
     loop.steer([0.5, 0.0, 0.0])
-    with FaultyEnd(dialect, False, "lo", DOMAIN) as wire:
+    with closing(FaultyEnd(dialect, False, "lo", DOMAIN)) as wire:
         wired = wired_loop.WiredLoop(loop, wire, dialect, watch=log.note)
         told.send(0.0)
         wired.wait(30.0)
@@ -225,7 +226,7 @@ def _suffer(count: int, other: int, told: Any, lost: Any) -> None:
     motor_robot.clock = SlowClock(lost)  # type: ignore[attr-defined, assignment]
     robot = sf.load_robot("go2")
     dialect, body = dialect_of(robot), WatchedBody(robot)
-    with FaultyEnd(dialect, True, "lo", DOMAIN) as wire:
+    with closing(FaultyEnd(dialect, True, "lo", DOMAIN)) as wire:
         told.recv()
         wired = SlowRobot(body, wire, dialect)
         for k in range(count):
