@@ -74,7 +74,7 @@ def test_forces_modes_and_limits(go2, found) -> None:
     assert (normal >= problem.force_min - 1e-6).all()
     assert (tangential <= problem.mu * normal + 2e-3 * problem.weight).all()
     assert (np.abs(motion.torques) <= problem.torque_limits * (1.0 + 1e-6)).all()
-    assert (np.abs(motion.v[1:, 6:]) <= problem.speed_limits * (1.0 + 1e-6)).all()
+    assert (np.abs(motion.v[1:, 6:]) <= problem.speed_share * go2.speed_limits * (1.0 + 1e-6)).all()
     assert (~stance.any(axis=1)).sum() * problem.dt == pytest.approx(0.3, abs=0.03)
 
 
