@@ -78,15 +78,6 @@ def test_forces_modes_and_limits(go2, found) -> None:
     assert (~stance.any(axis=1)).sum() * problem.dt == pytest.approx(0.3, abs=0.03)
 
 
-def test_left_and_right_do_the_same(found) -> None:
-    _, motion = found
-    assert np.abs(motion.q[:, 1]).max() < 2e-3
-    assert (
-        np.abs(motion.impulses[:, 0, 2] - motion.impulses[:, 1, 2]).max()
-        < 0.02 * np.abs(motion.impulses).max()
-    )
-
-
 @pytest.mark.long
 def test_exact_steps_lead_to_the_same_motion(go2) -> None:
     found = plan(go2, "jump", 0.2, dt=0.02)
