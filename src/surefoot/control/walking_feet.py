@@ -113,7 +113,6 @@ class Feet(Bound):
         self._late_from = np.zeros(n)
         self._lift_first[:] = swing.EVEN if self.terrain.planar else LIFT_FIRST
         self._timing[:, 5] = DOWN
-        self._reach = 1.2 * self.clearance
 
     def _bind(self) -> None:
         """Find the parts of what swings are computed from."""
@@ -259,7 +258,7 @@ class Feet(Bound):
             place = self.target[k, :2] + trust * (place - self.target[k, :2])
         way = place - self.start[k, :2] if self.heading is None else self.heading
         margin = float(2.0 * self.radii.mean())
-        xy = choose_foothold(self.terrain, place, self._reach, margin, way)
+        xy = choose_foothold(self.terrain, place, margin, way)
         normal = self.frames[k, :, 2] if self.terrain.planar else self.terrain.normal(xy)
         self.target[k, :2] = xy
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
