@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control import swing
 from surefoot.control.foothold import choose_foothold
-from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height
+from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
 from surefoot.control.walking_kernels import (
     follow_phases,
     set_timing,
@@ -177,7 +177,7 @@ class Feet(Bound):
         rest = float(self.duration[k]) if planned else max(end - time, RETRY * (end - begin))
         self._retry[k] = now, now + rest
         self.start[k], self.share[k], self.duration[k] = centre, 0.0, rest
-        self._lift_first[k], self.again[k] = LIFT_LATER, True
+        self._lift_first[k], self.again[k] = LIFT_LATER[-1], True
 
     def slow_search(self, time: float, fastest: float, ahead: FloatArray) -> None:
         """Let late feet go down at another speed from now on, without a jump.
@@ -275,7 +275,10 @@ class Feet(Bound):
             self.apex[k] = 0.5 * float(self.start[k, 2] + self.target[k, 2]) + self.clearance
         else:
             self.apex[k] = apex_height(self.start[k], self.target[k], self._below(k), self.clearance)
-            self._lift_first[k] = LIFT_FIRST
+            self._lift_first[k] = clear_lift(
+                self.start[k], self.target[k], float(self.apex[k]), self.terrain, float(self.radii[k]),
+                0.5 * float(self.radii[k]),
+            )  # fmt: skip
 
     def _below(self, k: int) -> FloatArray:
         """Return the least heights of a foot over the ground on its way: (PATH_SAMPLES,) [m]."""
