@@ -173,7 +173,10 @@ def nearest_shift(windows: tuple[FloatArray, FloatArray], ahead: FloatArray) -> 
     return np.asarray(moves[best, np.arange(len(ahead))])
 
 
-def choose_foothold(terrain: Terrain, place: FloatArray, margin: float, way: FloatArray) -> FloatArray:
+def choose_foothold(
+    terrain: Terrain, place: FloatArray, margin: float, way: FloatArray, before: FloatArray | None = None,
+    more: float = math.inf,
+) -> FloatArray:  # fmt: skip
     """Return the (2,) place [m] to step on near the nominal one, world axes: on steps, between their edges.
 
     Parameters
@@ -186,10 +189,18 @@ def choose_foothold(terrain: Terrain, place: FloatArray, margin: float, way: Flo
         Distance to edges that is wanted [m].
     way
         (2,) of the foot [m], along which it is moved.
+    before
+        (2,) where the foot was to stand before [m]: the tread there is kept where it is near enough, and
+        moves the foot by no `more` than the nearest [m].
     """
     length = math.hypot(float(way[0]), float(way[1]))
     if terrain.planar or length < 1e-6:
         return place
     windows = step_windows(terrain, place, way / length, margin)
     shift = math.inf if windows is None else float(nearest_shift(windows, np.zeros(1))[0])
+    if windows is not None and before is not None:
+        last = float((before - place) @ way) / length
+        tread = int(np.abs(np.clip(last, *windows) - last).argmin())
+        kept = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
+        shift = kept if abs(kept) <= min(FARTHEST, abs(shift) + more) else shift
     return np.asarray(place + shift * (way / length)) if abs(shift) <= FARTHEST else place
