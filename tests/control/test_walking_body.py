@@ -141,10 +141,10 @@ def test_a_body_goes_where_it_should(seed: int, speed_over: float) -> None:
     position, velocity, slope = rng.normal(size=3), rng.normal(size=3), 0.3 * rng.normal(size=2)
     velocity *= speed_over
     com, command, dt, height = position + 0.2 * rng.normal(size=3), rng.normal(size=3), 0.01, 0.3
-    yaw, ground, lowered, most, lead, lowering = 0.4, 0.1, 0.3, 5.0, 0.05, 0.3
+    yaw, ground, lowered, most, dip, lead, lowering = 0.4, 0.1, 0.3, 5.0, 0.2, 0.05, 0.3
     place, speed = position.copy(), velocity.copy()
     found = advance_body(
-        place, speed, slope, command, com, dt, height, yaw, ground, lowered, most, lead, lowering
+        place, speed, slope, command, com, dt, height, yaw, ground, lowered, most, dip, lead, lowering
     )
     limits = np.array([most, most, most / height]) * dt
     wanted = velocity + np.clip(command - velocity, -limits, limits)
@@ -158,10 +158,11 @@ def test_a_body_goes_where_it_should(seed: int, speed_over: float) -> None:
     np.testing.assert_allclose(speed, wanted, atol=1e-13)
     np.testing.assert_allclose(found, (turned, level, low), atol=1e-13)
     np.testing.assert_allclose(place[:2], com[:2] + ahead, atol=1e-12)
-    rise = body_rise(slope, turned, height, low)
+    rise = body_rise(slope, turned, height, dip, low)
     assert place[2] == pytest.approx(level + rise, abs=1e-13)
     steep = float(np.linalg.norm(slope))
     climb = float(slope @ R[:, 0])
+    sink = dip * min(max(-climb, 0.0), 0.4) * low
     power = 0.5 - 0.5 * low * (1.0 + climb / steep)
-    assert rise == pytest.approx(height * (1.0 + steep**2) ** power)
-    assert body_rise(np.zeros(2), yaw, height, low) == height
+    assert rise == pytest.approx(height * (1.0 - sink) * (1.0 + steep**2) ** power)
+    assert body_rise(np.zeros(2), yaw, height, dip, low) == height

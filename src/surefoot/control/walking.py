@@ -22,7 +22,7 @@ from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.step_phase import StepPhase
 from surefoot.control.touch_sense import TouchSense
 from surefoot.control.walker import Walker
-from surefoot.control.walking_body import BodyPlan, VelocityCommand, first_stance
+from surefoot.control.walking_body import DIP, BodyPlan, VelocityCommand, first_stance
 from surefoot.control.walking_feet import DESCENT, LEAST_CLEARANCE, Feet
 from surefoot.control.walking_kernels import follow
 from surefoot.control.walking_settings import WalkCommand as WalkCommand
@@ -188,7 +188,8 @@ class WalkingController(Walker):
             self._touch.begin(state, centres, self.planner.radii)
         self.feet = Feet(self.schedule, self.terrain, self.planner.radii, clearance, descent, centres)
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
-        self.body = BodyPlan(self.height, now.com.copy(), yaw, stance=first_stance(self.schedule))
+        dip = 0.0 if self.terrain.planar else DIP
+        self.body = BodyPlan(self.height, now.com.copy(), yaw, dip=dip, stance=first_stance(self.schedule))
         self._follow_ground(math.inf)
         return self.feet
 

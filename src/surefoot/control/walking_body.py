@@ -23,6 +23,8 @@ GROUND_TIME = 0.12
 """Time constant with which the ground's slope under the feet is followed [s]."""
 FLATTENING = 1e-4
 """Pull of the slopes of the plane through the feet to zero where their places do not tell them [m²]."""
+DIP = 0.25
+"""`BodyPlan.dip` on ground with steps: at a slope of 0.4, a tenth of the body's height less."""
 LOWERING = 0.3
 """Time constant with which the body comes down to the height that suits a slope [s]."""
 ACCELERATION = 0.12
@@ -173,6 +175,8 @@ class BodyPlan:
         Largest change of the wanted velocity, now and on ground that holds any [m/s²].
     lowered
         How far the body has come down to the height that suits the slope, from 0 at the start to 1.
+    dip
+        Share of the height that it comes down by over the slope that it descends [-].
     stance
         Longest time that a foot stands [s].
     ceiling
@@ -189,6 +193,7 @@ class BodyPlan:
     slope: FloatArray = field(default_factory=lambda: np.zeros(2))
     ground: float = 0.0
     lowered: float = 0.0
+    dip: float = 0.0
     stance: InitVar[float] = 0.0
     ceiling: float = math.inf
     posture: FloatArray = field(default_factory=lambda: np.zeros(3))
@@ -215,7 +220,7 @@ class BodyPlan:
         height = min(self.height + float(self.posture[0]), self.ceiling)
         self.yaw, self.ground, self.lowered = advance_body(
             self.position, self.velocity, self.slope, command, com, dt, height,
-            self.yaw, self.ground, self.lowered, self.acceleration, LEAD, LOWERING,
+            self.yaw, self.ground, self.lowered, self.acceleration, self.dip, LEAD, LOWERING,
         )  # fmt: skip
 
     def fit_ground(self, feet: FloatArray, dt: float) -> None:
@@ -229,7 +234,7 @@ class BodyPlan:
         self.slope = self.slope + share * (slope - self.slope)
         self.ground += share * (level - self.ground)
         height = min(self.height + float(self.posture[0]), self.ceiling)
-        self.position[2] = self.ground + body_rise(self.slope, self.yaw, height, self.lowered)
+        self.position[2] = self.ground + body_rise(self.slope, self.yaw, height, self.dip, self.lowered)
 
     def flow(self) -> FloatArray:
         """Return the (2,) wanted velocity along x and y of the world [m/s]."""

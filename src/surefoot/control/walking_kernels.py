@@ -55,33 +55,34 @@ def follow(
 
 
 @kernel
-def body_rise(slope: FloatArray, yaw: float, height: float, lowered: float) -> float:
+def body_rise(slope: FloatArray, yaw: float, height: float, dip: float, lowered: float) -> float:
     """Return the wanted height of a body over the ground along the vertical.
 
     Downhill and at the start it is `height` along the ground's normal. Feet stand below the body along
     the vertical and not along the normal: uphill they trail, which would stretch the knees, so there the
     body comes down to `height` times the slope's squared cosine along the normal; across the slope, times
-    the cosine.
+    the cosine. Down steps a foot may stand half a step below their plane: see `dip`.
 
     Parameters
     ----------
     slope, yaw
         (2,) rise of the ground along world x and y; the body's heading.
-    height, lowered
+    height, dip, lowered
         See `BodyPlan`.
     """
     steepness = math.hypot(slope[0], slope[1])
     if steepness < 1e-9:
         return height
     climb: float = slope[0] * math.cos(yaw) + slope[1] * math.sin(yaw)
+    sink = dip * min(max(-climb, 0.0), 0.4) * lowered
     power = 0.5 - 0.5 * lowered * (1.0 + climb / steepness)
-    return height * math.exp(power * math.log1p(steepness * steepness))
+    return height * (1.0 - sink) * math.exp(power * math.log1p(steepness * steepness))
 
 
 @kernel
 def advance_body(
     position: FloatArray, velocity: FloatArray, slope: FloatArray, command: FloatArray, com: FloatArray,
-    dt: float, height: float, yaw: float, ground: float, lowered: float, acceleration: float,
+    dt: float, height: float, yaw: float, ground: float, lowered: float, acceleration: float, dip: float,
     lead: float, lowering: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Move the wanted pose of a body by one step; return its heading, ground and `lowered`.
@@ -96,7 +97,7 @@ def advance_body(
         (3,) wanted velocity in the end; (3,) centre of mass.
     dt, height
         Step [s]; of the body.
-    yaw, ground, lowered, acceleration
+    yaw, ground, lowered, acceleration, dip
         See `BodyPlan`.
     lead, lowering
         How far the wanted place may be ahead, over the larger of sqrt(g h) and the wanted speed [s]; time
@@ -118,7 +119,7 @@ def advance_body(
         position[0], position[1] = com[0] + x * reach / far, com[1] + y * reach / far
     ground += (slope[0] * vx + slope[1] * vy) * dt
     lowered += (1.0 - lowered) * dt / lowering
-    position[2] = ground + body_rise(slope, yaw, height, lowered)
+    position[2] = ground + body_rise(slope, yaw, height, dip, lowered)
     return yaw, ground, lowered
 
 
