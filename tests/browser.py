@@ -23,8 +23,6 @@ FLAGS = (
     "--disable-component-update", "--disable-sync",
     "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1", "--remote-debugging-port=0",
 )  # fmt: skip
-HOVER = 0.5
-"""How long the mouse rests on a shape before it presses: the page finds it in the next picture [s]."""
 
 
 def find_chromium() -> str | None:
@@ -136,7 +134,6 @@ class Tab:
         self._browser, self._session = browser, session
         self.requests: list[str] = []
         self.errors: list[str] = []
-        self._held = False
 
     def call(self, method: str, **parameters: Any) -> Any:
         """Return the answer to a command of the DevTools protocol."""
@@ -170,41 +167,11 @@ class Tab:
             time.sleep(0.1)
         return value
 
-    def mouse(self, kind: str, x: float, y: float, wait: bool = True) -> None:
-        """Move, press or release the left button: kind is "mouseMoved", "mousePressed" or "mouseReleased".
-
-        A page takes moves when it draws; without `wait` they come whether it has taken the last or not.
-        """
-        held = kind != "mouseReleased" and self._held
-        told = {
-            "type": kind, "x": x, "y": y, "button": "left" if self._held or kind != "mouseMoved" else "none",
-            "buttons": int(held), "clickCount": int(kind != "mouseMoved"),
-        }  # fmt: skip
-        if wait:
-            self.call("Input.dispatchMouseEvent", **told)
-        else:
-            self._browser._post("Input.dispatchMouseEvent", self._session, told)
-
     def press(self, key: str) -> None:
         """Press a key that is no letter, such as "ArrowRight"."""
         code = {"ArrowLeft": 37, "ArrowRight": 39, "ArrowDown": 40, "Enter": 13}[key]
         for kind in ("keyDown", "keyUp"):
             self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
-
-    def drag(self, path: list[tuple[float, float]], rate: float = 60.0) -> float:
-        """Press at the path's first place, move along it at a rate [1/s], release; return the time [s]."""
-        self.mouse("mouseMoved", *path[0])
-        time.sleep(HOVER)
-        self._held = True
-        self.mouse("mousePressed", *path[0])
-        begin = time.monotonic()
-        for k, place in enumerate(path[1:], 1):
-            self.mouse("mouseMoved", *place, wait=False)
-            time.sleep(max(0.0, begin + k / rate - time.monotonic()))
-        took = time.monotonic() - begin
-        self.mouse("mouseReleased", *path[-1])
-        self._held = False
-        return took
 
     def screenshot(self, path: Path) -> Path:
         """Write what the window shows as PNG."""

@@ -108,7 +108,7 @@ FIRST = (
     "sweep/test_driver", "test_startup", "stepping/test_soft_world", "parity/test_soft_vs_mujoco",
 )  # fmt: skip
 """Files that take longest, which go first: begun last, one of them would leave the other worker idle."""
-WITH_JAX = ("batch/test_jax", "docs/test_cookbook", "audit/test_mjx_runs", "simulation/test_mjx_world")
+WITH_JAX = ("batch/test_jax", "docs/test_cookbook")
 """Files that one worker has to run: no two processes should write to one folder of compiled programs."""
 
 

@@ -4,6 +4,7 @@ from . import laws as laws
 from .audit import assert_lawful as assert_lawful
 from .audit import audit_log as audit_log
 from .audit import summarise_walk as summarise_walk
+from .audit.contact_times import contact_times as contact_times
 from .audit.log_faults import seeded_faults as seeded_faults
 from .batch import solve_batch as solve_batch
 from .cones import FrictionCone as FrictionCone
@@ -45,8 +46,6 @@ from .equilibrium.statics import friction_needed as friction_needed
 from .equilibrium.wrench_cone import wrench_cone as wrench_cone
 from .errors import ProblemError as ProblemError
 from .errors import SurefootError as SurefootError
-from .estimation.contact_detection import ContactDetector as ContactDetector
-from .estimation.contact_detection import detect_contacts as detect_contacts
 from .estimation.force_model import ForceModel as ForceModel
 from .estimation.forces import estimate_forces as estimate_forces
 from .estimation.friction import FrictionTracker as FrictionTracker
@@ -69,7 +68,6 @@ from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place
 from .robot import robot_names as robot_names
-from .simulation.batch import RigidBatch as RigidBatch
 from .simulation.contacts_from_mujoco import contacts_from_mujoco as contacts_from_mujoco
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.record import record as record

@@ -58,11 +58,6 @@ def test_more_friction_on_the_command_line_helps(capsys, slides):
     code, found = facts(capsys, "check", slides, "--mu", "0.6", "--no-picture")
     assert code == 0
     assert found["picture"] is None
-    code, found = facts(capsys, "check", slides, "--mu", "0.6", "--facets", "4", "--no-picture")
-    assert code == 1
-    assert "inner pyramids with 4 sides" in found["cones"]
-    code, _ = facts(capsys, "check", slides, "--mu", "0.6", "--facets", "4", "--fit", "outer", "--no-picture")
-    assert code == 0
 
 
 def test_tables_are_readable(capsys, slides):

@@ -21,7 +21,7 @@ def test_walk_writes_everything(tmp_path: Path, capfd: pytest.CaptureFixture[str
     assert "no commanded force left its friction cone" in said
     (folder,) = tmp_path.iterdir()
     names = {path.name for path in folder.iterdir()}
-    pictures = {"velocity", "footfalls", "cone_over_time", "cone_use", "normal_forces", "path", "torques"}
+    pictures = {"velocity", "footfalls", "cone_use", "normal_forces", "path", "torques"}
     assert {"log.npz", "summary.json", "report.html"} | {f"{p}.png" for p in pictures} <= names
     log = read_log(folder / "log.npz")
     assert log["planned"].shape == (1200, 4)

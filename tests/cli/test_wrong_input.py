@@ -81,7 +81,6 @@ CASES = [
     *((f"{c} --duration 0.0001", "--duration must be between") for c in BOTH),
     *((f"{c} --seed 1{'0' * 400}", "--seed must be a whole number") for c in BOTH),
     *((f"{c} {o} {n}", o) for c in BOTH for o in ("--mu", "--payload", "--duration") for n in NOT_FINITE),
-    *((f"check stance.yaml --facets {n}", "--facets must be a whole number") for n in ("2", "x", "''")),
     *((f"walk solo12 --velocity={n}", "--velocity") for n in ("nan", "inf,0,0", "1,2,3,4", ",,")),
     *(
         (f"{c} --payload {n}", "--payload")
@@ -100,10 +99,7 @@ CASES = [
     *((f"{c} stance.yaml --mu {n}", "--mu must be") for c in ("check", "region") for n in NOT_FINITE),
     *((f"{c} stance.yaml --lift {n}", "") for c in ("check", "region") for n in ("toe", "''")),
     *((f"cone {o} {n}", o) for o in ("--mu",) for n in ("nan", "inf", "1e300")),
-    *(
-        (f"{c} --facets 1000000", "facets must be up to 1000 (then take the exact cone)")
-        for c in ("cone", "check stance.yaml")
-    ),
+    ("cone --facets 1000000", "facets must be up to 1000 (then take the exact cone)"),
     *(
         (f"solve {f}", "surefoot: ")
         for f in ("empty.npz", "noise.dat", "folder.npz", "none.npz", "stance.yaml")
@@ -187,7 +183,6 @@ OTHERS = [
     ("stnd", "No such command 'stnd'"),
     ("check", "Missing argument"),
     ("check nowhere.yaml", "cannot read nowhere.yaml"),
-    ("check stance.yaml --fit middle", "inner, outer"),
     ("check stance.yaml --lift tail", "valid names: FL, FR, RL, RR"),
     ("region stance.yaml --lift FL,FR,RL,RR", "no contacts"),
     ("solve good.npz --solver simplex", "unknown solver 'simplex'; valid names:"),
@@ -229,9 +224,9 @@ PLAN = [
     ("plan backflip --turn 30", "takes no turn"),
     ("plan jump --mu -1", "mu"),
     ("plan jump --dt 0", "dt"),
+    ("plan jump --max-iterations 0", "max_iterations"),
     ("plan jump --execute gazebo", "mujoco"),
     ("plan backflip 0.3", "takes no number"),
-    ("plan jump --max-iterations 0", "max_iterations"),
     ("plan jump --seed -1", "seed"),
     ("plan hopper 7", "hopper takes a number from -1 to 1, its distance [m], got 7"),
 ]

@@ -26,7 +26,6 @@ from tests.conformance.hard_inputs import (
 WORLDS: dict[str, Callable[..., World]] = {
     "rigid": RigidWorld, "mujoco": MujocoWorld, "drake": DrakeWorld, "bullet": BulletWorld,
 }  # fmt: skip
-"""Those that need no compilation of minutes; tests/simulation/test_mjx_world.py asks MJX's."""
 HERE = {"drake": drake_python.present(), "bullet": find_spec("pybullet") is not None}
 over_worlds = pytest.mark.parametrize(
     "name",

@@ -83,12 +83,8 @@ def test_rigid_world_and_mujoco_differ_as_told(tmp_path, facts_of):
     assert facts["rigid_creep"] < 1e-12 < facts["mujoco_creep"]
 
 
-def test_a_cradle_and_shins_on_a_stair(tmp_path, facts_of):
-    facts = facts_of("28_bodies", tmp_path)
-    assert facts["first"] == pytest.approx(-0.6, abs=1e-6)
-    assert facts["last"] == pytest.approx(1.0, abs=1e-8)
-    assert facts["rest"] < 1e-8
-    assert facts["shins"] > 40.0
+def test_shins_on_a_stair(tmp_path, facts_of):
+    assert facts_of("28_bodies", tmp_path)["shins"] > 40.0
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("2[0-9]_*.py")), ids=lambda p: p.stem)

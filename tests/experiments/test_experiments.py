@@ -20,7 +20,7 @@ HERE = {
     "drake": drake_python.present(),
     "bullet": importlib.util.find_spec("pybullet") is not None,
 }
-QUICK = ("slide", "stick", "roll", "stand")
+QUICK = ("slide", "stick", "roll")
 """What Drake, which answers through a pipe, and Bullet are asked here; `surefoot worlds` asks all."""
 
 

@@ -196,7 +196,6 @@ def test_the_command_exports_a_plan(landing: Path, tmp_path: Path, capfd: pytest
         (["nowhere.json"], "nowhere.json"),
         (["nowhere.npz"], "nowhere.npz"),
         (["{plan}", "--to", "matlab"], "valid names"),
-        (["{plan}", "--fit", "tight"], "fit"),
         (["{plan}", "--facets", "2"], "facets"),
         (["{plan}", "--facets", "5", "--to", "crocoddyl"], "even"),
     ],

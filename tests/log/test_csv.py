@@ -197,12 +197,6 @@ def test_no_doubt_about_a_sound_log() -> None:
     ("change", "message"),
     [
         (lambda r: {"joint_positions": np.degrees(r["joint_positions"])}, "are they in degrees"),
-        (lambda r: {"joint_velocities": np.degrees(r["joint_velocities"])}, "57.* degrees and radians"),
-        (
-            lambda r: {"joint_velocities": r["joint_velocities"][:, [1, 0, 2, 3]]},
-            "joint 0 .* joint 1 is: order",
-        ),
-        (lambda r: {"joint_velocities": -r["joint_velocities"]}, "opposite to the change"),
         (
             lambda r: {"base_orientation": r["base_orientation"][:, [3, 0, 1, 2]]},
             "leans 17. deg as x, y, z, w",
@@ -233,15 +227,8 @@ def test_what_is_not_plausible_is_told(change: Any, message: str) -> None:
     assert re.search(message, "; ".join(told)), told
 
 
-def test_a_velocity_in_base_axes_and_a_wrong_weight_are_told() -> None:
-    run = moving()
-    turn = np.array([0.0, 0.0, np.sin(0.6), np.cos(0.6)])
-    R = rotation_from_quaternion(turn)
-    told = find_doubts(
-        spoil(run, base_orientation=np.tile(turn, (T, 1)), base_velocity=run["base_velocity"] @ R)
-    )
-    assert told == ["the base's velocity fits the change of its position in base axes: is that its frame?"]
-    log = sf.Log(run, {"mass": 120.0 / 9.81})
+def test_a_wrong_weight_is_told() -> None:
+    log = sf.Log(moving(), {"mass": 120.0 / 9.81})
     assert find_doubts(log) == []
     log.facts["mass"] *= 9.81
     assert find_doubts(log) == [
@@ -260,28 +247,27 @@ def test_arrays_of_mujoco_and_isaac_lab() -> None:
     np.testing.assert_allclose(log["q"][:, 3:7], run["base_orientation"], atol=1e-15)
     np.testing.assert_allclose(np.einsum("tij,tj->ti", R, log["v"][:, :3]), run["base_velocity"], atol=1e-14)
     np.testing.assert_array_equal(log["torques"], run["joint_positions"])
-    many = {
-        "net_forces_w": np.stack([0 * run["forces"], run["forces"]], axis=1),
-        "root_pos_w": np.stack([run["base_position"]] * 2, axis=1),
-        "root_quat_w": np.stack([wxyz] * 2, axis=1),
-        "root_lin_vel_b": np.stack([np.einsum("tji,tj->ti", R, run["base_velocity"])] * 2, axis=1),
-        "root_ang_vel_b": np.zeros((T, 2, 3)),
-        "joint_pos": np.stack([run["joint_positions"]] * 2, axis=1),
-        "joint_vel": np.stack([run["joint_velocities"]] * 2, axis=1),
+    isaac = {
+        "net_forces_w": run["forces"],
+        "root_pos_w": run["base_position"],
+        "root_quat_w": wxyz,
+        "root_lin_vel_b": np.einsum("tji,tj->ti", R, run["base_velocity"]),
+        "root_ang_vel_b": np.zeros((T, 3)),
+        "joint_pos": run["joint_positions"],
+        "joint_vel": run["joint_velocities"],
     }
-    lab = sf.log_from_arrays(many, dt=0.01, quaternion="wxyz", feet=FEET, environment=1)
+    lab = sf.log_from_arrays(isaac, dt=0.01, quaternion="wxyz", feet=FEET)
     np.testing.assert_array_equal(lab["forces"], run["forces"])
     np.testing.assert_allclose(lab["base_velocity"], run["base_velocity"], atol=1e-14)
     np.testing.assert_allclose(lab["q"], log["q"], atol=1e-15)
     np.testing.assert_allclose(lab["v"], log["v"], atol=1e-13)
-    with pytest.raises(ProblemError, match="say which environment"):
+    many = {name: np.stack([array] * 2, axis=1) for name, array in isaac.items()}
+    with pytest.raises(ProblemError, match="pick one environment"):
         sf.log_from_arrays(many, dt=0.01, quaternion="wxyz")
-    with pytest.raises(ProblemError, match="environment 5 of array net_forces_w: it has 2"):
-        sf.log_from_arrays(many, dt=0.01, quaternion="wxyz", environment=5)
     with pytest.raises(
         ProblemError, match="base_orientation holds a quaternion: say quaternion='xyzw' or 'wxyz'"
     ):
-        sf.log_from_arrays(many, dt=0.01, environment=1)
+        sf.log_from_arrays(isaac, dt=0.01)
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,9 @@ import pinocchio as pin
 import pytest
 
 import surefoot as sf
+from surefoot.errors import ModelError
 from surefoot.robot import robot_names
-from surefoot.robot.catalog import CATALOG, find, robots_folder
+from surefoot.robot.catalog import CATALOG, UNREADABLE, find, robots_folder
 
 LEGGED = sorted(name for name, entry in CATALOG.items() if not entry.fixed_base)
 FLAT = {
@@ -38,7 +39,7 @@ def test_no_legged_robot_is_left_out() -> None:
     folders = {p.name.removesuffix("_description") for p in robots_folder().iterdir()}
     assert folders <= LEGS | NO_LEGS
     named = {CATALOG[name].urdf.split("/")[0].removesuffix("_description") for name in LEGGED}
-    assert named | {"cassie"} == LEGS  # an SDF file with closed linkages, which no URDF can hold
+    assert named | {"cassie"} == LEGS
     assert set(robot_names()) == set(CATALOG)
 
 
@@ -106,3 +107,9 @@ def test_poses_come_from_the_files() -> None:
         for joint in robot.joint_names:
             value = robot.nominal[robot.model.joints[robot.model.getJointId(joint)].idx_q]
             assert value == pytest.approx(float(wanted.get(joint) or 0.0)), joint
+
+
+def test_what_cannot_be_read_says_why() -> None:
+    assert set(UNREADABLE).isdisjoint(CATALOG)
+    with pytest.raises(ModelError, match=r"cassie cannot be loaded by name: .*SDF"):
+        sf.load_robot("cassie")

@@ -9,7 +9,6 @@ import pytest
 
 import surefoot as sf
 from surefoot.errors import ModelError, ProblemError
-from surefoot.simulation.mjx import MjxWorld
 from surefoot.simulation.mujoco import MujocoWorld, pinocchio_state, robot_spec
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
@@ -112,26 +111,6 @@ def test_contact_forces_are_mujocos_own(degrees: float) -> None:
     np.testing.assert_allclose(reading.forces, want, atol=1e-9)
     np.testing.assert_allclose(terrain.gap(reading.positions), reading.gaps, atol=1e-12)
     assert np.all(sf.FrictionCone(0.5).margin(reading.forces) > -1e-6)
-
-
-def test_contacts_are_read_alike_of_mujoco_and_of_arrays() -> None:
-    """MJX gives arrays without gaps between contacts; here they are MuJoCo's own, with links on ground."""
-    robot = sf.load_robot("go2")
-    world = MujocoWorld(robot, mu=0.5, collision="full")
-    q = robot.nominal.copy()
-    q[2], q[7:] = 0.07, [0.0, 1.3, -2.6] * 4
-    world.reset(q, 0.1 * np.random.default_rng(7).normal(size=18))
-    world.step(np.zeros(12))
-    data, contact = world.data, world.data.contact
-    read = {name: np.array(getattr(data, name)) for name in ("geom_xpos", "cvel", "subtree_com", "efc_force")}
-    read |= {name: np.array(getattr(contact, name)) for name in ("geom", "efc_address", "frame")}
-    ours = world.contacts()
-    arrays = MjxWorld.reading(world, read)  # type: ignore[arg-type]  # a world of MuJoCo has all that it needs
-    assert ours.forces.any()
-    assert ours.others is not None
-    assert ours.others.any()
-    for name in ("forces", "gaps", "velocities", "positions", "normals"):
-        np.testing.assert_array_equal(getattr(arrays, name), getattr(ours, name))
 
 
 def test_contact_velocity_is_that_of_the_material() -> None:

@@ -107,8 +107,9 @@ def test_blocks_are_those_of_differences_and_of_the_knot(name, terrain, height, 
                 scale = max(float(np.abs(block[rows]).max(initial=0.0)), 1.0)
                 assert np.abs(own[rows] - block[rows]).max(initial=0.0) < near * scale, (seed, key, rows)
         # what the compiled pipeline fills is the same
-        knot = Knot(stepper)
-        assert knot.step(q, v, torques, mu, PUSH)
+        knot, seen = Knot(stepper), seen | set(d.modes)
+        d = step_derivative(stepper, state, torques, 0.0 * PUSH, mu)  # a pushed step locates no impact
+        assert knot.step(q, v, torques, mu)
         A, B = knot.derivative()
         assert pytest.approx(A, abs=1e-11 * np.abs(A).max()) == d.A
         assert pytest.approx(B, abs=1e-11) == d.B
@@ -116,7 +117,6 @@ def test_blocks_are_those_of_differences_and_of_the_knot(name, terrain, height, 
         assert knot.q == pytest.approx(d.step.state.q, abs=1e-12)
         assert knot.v == pytest.approx(d.step.state.v, abs=1e-10)
         assert knot.impulses == pytest.approx(d.step.impulses, abs=1e-10)
-        seen |= set(d.modes)
     assert height > 0.1 or seen & {"stick", "slide"}
 
 
@@ -251,28 +251,55 @@ def test_a_foot_sees_the_ground_before_it_touches() -> None:
     far = step_derivative(stepper, stepper.start(q, state.v), np.zeros(0))
     assert far.A[2, 2] == pytest.approx(1.0)
     assert far.modes == ("open",)
-    smooth = step_derivative(stepper, stepper.start(q, state.v), np.zeros(0), smoothing=1e-2)
-    assert smooth.A[8, 2] < -1e-4  # lower, it would be held up more
+
+
+def test_smoothing_reaches_a_ball_above_the_ground() -> None:
+    """Against the root of λ (v + λ/m - g dt + gap/dt) = κ, straight above a plane."""
+    m, height, kappa, dt, speed = 2.0, 0.03, 1e-3, 1e-3, -0.4
+    body = ball(m, 0.1)
+    q = body.nominal.copy()
+    q[2] += height
+    knot = Knot(Stepper(body, options=replace(OPTIONS, dt=dt)))
+    assert knot.step(q, np.r_[0.0, 0.0, speed, np.zeros(3)], np.zeros(0), 0.0)
+
+    def impulse(z: float) -> float:
+        free = speed - GRAVITY * dt + z / dt
+        return float(2.0 * kappa / (np.sqrt(free**2 + 4.0 * kappa / m) + free))
+
+    slope = (impulse(height + 1e-7) - impulse(height - 1e-7)) / 2e-7
+    assert slope < 0.0
+    assert knot.derivative(kappa)[0][8, 2] == pytest.approx(slope / m, rel=1e-6)
 
 
 @pytest.mark.parametrize("law", ["coulomb", "convex"])
 @pytest.mark.parametrize("height", [3e-4, 0.05])
-def test_smoothing_is_that_of_the_contact_derivative(law: str, height: float) -> None:
+def test_smoothing_is_the_slope_of_the_central_path(law: str, height: float) -> None:
     robot, q, v, torques = scene("go2", sf.SlopeTerrain(10.0), height, 2)
-    stepper = Stepper(robot, sf.SlopeTerrain(10.0), replace(OPTIONS, law=law))
-    exact = step_derivative(stepper, stepper.start(q, v), torques, PUSH, 0.5)
-    off, knot = [], Knot(stepper)
-    assert knot.step(q, v, torques, 0.5, PUSH)
+    knot = Knot(Stepper(robot, sf.SlopeTerrain(10.0), replace(OPTIONS, law=law)))
+    exact, off = knot_at(knot, q, v, torques)[0].derivative()[0].copy(), []
     for kappa in (1e-2, 1e-4, 1e-7):
-        d = step_derivative(stepper, stepper.start(q, v), torques, PUSH, 0.5, kappa)
-        assert d.modes == ("smooth",) * 4
-        A, B = knot.derivative(kappa)
-        assert pytest.approx(A, abs=1e-9 * np.abs(A).max()) == d.A
-        assert pytest.approx(B, abs=1e-9) == d.B
-        assert knot.by_mu == pytest.approx(d.mu, abs=1e-9)
-        off.append(np.abs(d.A - exact.A).max())
+        A, B = knot_at(knot, q, v, torques)[0].derivative(kappa)
+        off.append(np.abs(A - exact).max())
+        if kappa < 1e-4:
+            continue
+        for k, way in enumerate(np.random.default_rng(3).normal(size=(3, 48))):
+            ends = [
+                knot_at(knot, pinocchio.integrate(robot.model, q, w * way[:18]), v + w * way[18:36],
+                        torques + w * way[36:], kappa)[1]
+                for w in (-STEP, STEP)
+            ]  # fmt: skip
+            wanted, found = (ends[1] - ends[0]) / (2.0 * STEP), A[18:] @ way[:36] + B[18:] @ way[36:]
+            assert found == pytest.approx(wanted, abs=1e-4 * np.abs(wanted).max()), k
     assert off[0] > off[1] > off[2]
     assert off[2] < 1e-2 * off[0]
+
+
+def knot_at(
+    knot: Knot, q: np.ndarray, v: np.ndarray, torques: np.ndarray, kappa: float = 1.0
+) -> tuple[Knot, np.ndarray]:
+    """Return a knot after a step, and the velocity that it has on the central path."""
+    assert knot.step(q, v, torques, 0.5)
+    return knot, knot._smoothed(kappa)[-1]
 
 
 def test_outputs_are_the_callers_and_a_step_depends_on_its_arguments_alone() -> None:
@@ -351,7 +378,6 @@ def test_wrong_arguments_are_named() -> None:
         ((q, np.full(18, np.nan), np.zeros(12)), "v"),
         ((q, np.zeros(18), np.zeros(3)), "torques"),
         ((q, np.zeros(18), np.zeros(12), -1.0), "mu"),
-        ((q, np.zeros(18), np.zeros(12), 0.5, np.zeros(2)), "push"),
     ):
         with pytest.raises(sf.ProblemError, match=name):
             knot.step(*arguments)
@@ -367,7 +393,7 @@ def test_bodies_without_joints_or_contact_points() -> None:
     stepper = Stepper(arms, options=OPTIONS)
     state = stepper.start(v=2.0 * np.random.default_rng(0).normal(size=arms.model.nv))
     torques = np.random.default_rng(1).normal(size=arms.joints)
-    d = step_derivative(stepper, state, torques, np.zeros(3), smoothing=1e-3)
+    d = step_derivative(stepper, state, torques, np.zeros(3))
     wanted = differences(stepper, state, torques, np.zeros(3), 0.6)
     assert d.modes == ()
     assert pytest.approx(np.hstack([wanted["q"], wanted["v"]]), abs=1e-7) == d.A

@@ -18,7 +18,6 @@ ROBOTS = {
     "go2": (lambda: load_robot("go2"), (0, 1, 2, 3, 4, 5)),
     "planar hopper": (planar.planar_hopper, (0, 2, 4)),
     "sliding hopper": (planar.sliding_hopper, (0, 2)),
-    "biped": (planar.planar_biped, (0, 2, 4)),
     "ball": (lambda: planar.point("ball", 0.1), (0, 2)),
     "block and foot": (planar.block_and_foot, ()),
 }
@@ -99,11 +98,10 @@ def test_the_derivative_is_that_of_the_step(name, angle) -> None:
     robot, q, v, _, _ = thrown(name, 0.003)
     model, nv = robot.model, int(robot.model.nv)
     knot = knot_of(robot, 0.02, terrain=SlopeTerrain(angle) if angle else None)
-    push = np.array([3.0, -2.0, 1.0]) if robot.floating else None
 
     def after(change):
         at = pinocchio.integrate(model, q, change[:nv])
-        assert knot.step(at, v + change[nv : 2 * nv], change[2 * nv :], 0.6, push)
+        assert knot.step(at, v + change[nv : 2 * nv], change[2 * nv :])
         return knot.q.copy(), knot.v.copy()
 
     size = 2 * nv + robot.joints

@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.console import Console
 
-from surefoot.cli import options, parsing
+from surefoot.cli import options
 from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import drawn
 from surefoot.cli.stance_input import StanceOptions
@@ -27,18 +27,13 @@ PUSHES = {
 def check(
     *,
     stance: StanceOptions,
-    facets: options.Facets = "exact",
-    fit: options.Fit = "inner",
     out: options.PictureOut = Path("runs"),
     picture: options.Picture = True,
     as_json: options.AsJson = False,
 ) -> int:
     """Tell whether a stance can hold its robot at rest. Exit code 0 possible, 1 impossible, 2 bad input."""
-    from surefoot.cones.polyhedral import checked_fit
-
-    side = checked_fit(fit)
     case = stance.case()
-    facts, ground, motor = _facts(case, parsing.facets(facets), side)
+    facts, ground, motor = _facts(case)
 
     def draw(folder: Path) -> Path:
         from surefoot.viz.stance_plots import draw_check
@@ -53,19 +48,17 @@ def check(
     return 0 if facts["possible"] else 1
 
 
-def _facts(case: Any, facets: int | None, fit: Any) -> tuple[dict[str, Any], Any, Any]:
+def _facts(case: Any) -> tuple[dict[str, Any], Any, Any]:
     """Return everything the command says, the ground's verdict and, for a robot, the motors'."""
     from surefoot.equilibrium.statics import can_stand, friction_needed
 
     question = case.question
-    ground = can_stand(question.stance, question.com, question.mass, question.external_wrench, facets, fit)
+    ground = can_stand(question.stance, question.com, question.mass, question.external_wrench)
     motor = None
     if case.robot is not None and len(question.stance):
         from surefoot.equilibrium import actuation
 
-        motor = actuation.can_stand(
-            case.robot, question.stance, case.q, question.external_wrench, facets, fit
-        )
+        motor = actuation.can_stand(case.robot, question.stance, case.q, question.external_wrench)
     needed = friction_needed(question.stance, question.com, question.mass, question.external_wrench)
     possible = ground.feasible and (motor is None or motor.feasible)
     best = motor if motor is not None and motor.feasible else ground
@@ -76,7 +69,6 @@ def _facts(case: Any, facets: int | None, fit: Any) -> tuple[dict[str, Any], Any
         "mass": question.mass,
         "com": question.com,
         "external_wrench": question.external_wrench,
-        "cones": "exact" if facets is None else f"{fit} pyramids with {facets} sides",
         "margin": best.margin if possible else (ground if not ground.feasible else motor).margin,  # type: ignore[union-attr]
         "friction_needed": needed,
         "contacts": _contact_rows(question.stance, best if possible else None),

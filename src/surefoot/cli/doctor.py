@@ -9,10 +9,9 @@ import sys
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import typer
 
 from surefoot import __version__
 from surefoot.cli import options
@@ -22,42 +21,30 @@ if TYPE_CHECKING:
     from packaging.requirements import Requirement
     from rich.console import Console
 
-DRAW = (
+TRY = (
+    "from surefoot.simulation.mujoco import import_mujoco; import_mujoco(); import os; "
+    "print(os.environ.get('MUJOCO_GL', '')); "
     "import mujoco; m = mujoco.MjModel.from_xml_string('<mujoco/>'); r = mujoco.Renderer(m, 16, 16); "
     "r.update_scene(mujoco.MjData(m)); r.render(); r.close()"
 )
 """What a process that can draw survives; in one of its own, since a bad OpenGL may end it."""
 PATIENCE = 60.0
 """Longest wait for that process [s]."""
-VARIABLES = (
-    "MUJOCO_GL", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "NUMBA_CPU_NAME",
-    "NUMBA_CACHE_DIR", "NUMBA_DISABLE_JIT", "NUMBA_NUM_THREADS", "SUREFOOT_DRAKE_PYTHON",
-)  # fmt: skip
-"""Variables of the environment that change what Surefoot does, or how fast."""
 
 
-def doctor(
-    draw: Annotated[bool, typer.Option("--draw/--no-draw", help="Try whether pictures can be drawn.")] = True,
-    as_json: options.AsJson = False,
-) -> int:
+def doctor(as_json: options.AsJson = False) -> int:
     """Say what of Surefoot works on this machine, and what would make the rest work.
 
     Exit code 0 if the base install is sound, 1 if something that it needs is missing or broken. Extras that
     are not installed are no fault.
     """
-    facts = examine(draw)
+    facts = examine()
     show(facts, as_json, _print)
     return 0 if facts["sound"] else 1
 
 
-def examine(draw: bool = True) -> dict[str, Any]:
-    """Return all that `surefoot doctor` says.
-
-    Parameters
-    ----------
-    draw
-        Whether to start a process that draws.
-    """
+def examine() -> dict[str, Any]:
+    """Return all that `surefoot doctor` says."""
     extras, kernels = _extras(), _kernels()
     base = extras.pop("")
     built: Any = np.show_config(mode="dicts")
@@ -72,8 +59,7 @@ def examine(draw: bool = True) -> dict[str, Any]:
         "extras": extras,
         "blas": {key: blas.get(key, "unknown") for key in ("name", "version")},
         "numba": kernels,
-        "drawing": _drawing(draw),
-        "variables": {name: os.environ[name] for name in VARIABLES if name in os.environ},
+        "drawing": _drawing(),
         "sound": all(p["fits"] for p in base) and kernels["works"],
     }
 
@@ -133,18 +119,14 @@ def _kernels() -> dict[str, Any]:
     }
 
 
-def _drawing(tried: bool) -> dict[str, Any]:
+def _drawing() -> dict[str, Any]:
     """Return through which OpenGL MuJoCo draws, and whether it does."""
     from importlib.util import find_spec
 
     if find_spec("mujoco") is None:
         return {"works": None, "through": None, "note": "mujoco is not installed (extra sim)"}
-    if not tried:
-        return {"works": None, "through": os.environ.get("MUJOCO_GL"), "note": "not tried"}
-    code = "from surefoot.simulation.mujoco import import_mujoco; import_mujoco(); import os; "
-    code += f"print(os.environ.get('MUJOCO_GL', '')); {DRAW}"
     try:
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=PATIENCE)
+        done = subprocess.run([sys.executable, "-c", TRY], capture_output=True, text=True, timeout=PATIENCE)
     except subprocess.TimeoutExpired:
         return {"works": False, "through": None, "note": f"no answer within {PATIENCE:g} s"}
     lines = [line for line in done.stderr.strip().splitlines() if line.strip()]
@@ -171,7 +153,6 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
     works = {True: "works", False: "does not work", None: "unknown"}[drawing["works"]]
     through = f" through {drawing['through']}" if drawing["through"] else ""
     say(console, f"drawing: {works}{through}" + (f" ({drawing['note']})" if drawing["note"] else ""))
-    say(console, *(f"{name}={value}" for name, value in facts["variables"].items()))
     rows = [_row(name, packages) for name, packages in {"base": facts["base"], **facts["extras"]}.items()]
     console.print(table(("extra", "state", "packages"), rows, left=3))
     if not facts["sound"]:

@@ -25,7 +25,6 @@ def export(
     facets: Annotated[
         int | None, typer.Option(help="Sides of the pyramids; None for the file's, or 8.")
     ] = None,
-    fit: Annotated[str | None, typer.Option(help="inner or outer; None for the file's, or inner.")] = None,
     out: Annotated[Path, typer.Option(help="Parent of the new folder.")] = Path("runs"),
     as_json: options.AsJson = False,
 ) -> int:
@@ -39,7 +38,7 @@ def export(
     targets = dict.fromkeys(to or [SEQUENCE])
     for name in targets:
         check_name("target of --to", name, (SEQUENCE, *target_names()))
-    sequence = _read(source, facets, fit)
+    sequence = _read(source, facets)
     for name in targets.keys() - {SEQUENCE}:  # refused before a folder is made
         find_target(name)(sequence)
     folder = new_run_folder(out, f"export-{source.stem}")
@@ -60,7 +59,7 @@ def export(
     return 0
 
 
-def _read(source: Path, facets: int | None, fit: str | None) -> Any:
+def _read(source: Path, facets: int | None) -> Any:
     """Return the sequence of a file."""
     from dataclasses import replace
 
@@ -69,9 +68,8 @@ def _read(source: Path, facets: int | None, fit: str | None) -> Any:
 
     if source.suffix == ".json":
         sequence = read_sequence(source)
-        side: Any = fit or sequence.fit
-        return replace(sequence, facets=sequence.facets if facets is None else facets, fit=side)
-    return sequence_from_log(read_log(source), facets or 8, fit or "inner")  # type: ignore[arg-type]
+        return sequence if facets is None else replace(sequence, facets=facets)
+    return sequence_from_log(read_log(source), facets or 8)
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:

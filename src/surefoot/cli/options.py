@@ -30,8 +30,6 @@ FootFrames: TypeAlias = Annotated[
 LogRobot: TypeAlias = Annotated[
     str | None, typer.Option(help="Name or file of the robot, where the log does not name it.")
 ]
-Facets: TypeAlias = Annotated[str, typer.Option(help="Sides of friction pyramids, or 'exact'.")]
-Fit: TypeAlias = Annotated[str, typer.Option(help="Pyramids inside or around the cones: inner or outer.")]
 PictureOut: TypeAlias = Annotated[Path, typer.Option(help="Parent of the new folder for pictures.")]
 Picture: TypeAlias = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw pictures.")]
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]

@@ -1,4 +1,4 @@
-"""Option values with a form of their own: pushes, ice, lifts, velocities, facets, lists of feet."""
+"""Option values with a form of their own: pushes, ice, lifts, velocities, lists of feet."""
 
 from __future__ import annotations
 
@@ -118,16 +118,6 @@ def lift(text: str) -> Lift:
     if len(parts) != 3 or not parts[0]:
         raise ProblemError(f"--lift {text!r} is not of the form FOOT:T0:T1, e.g. FL:1:2")
     return Lift(parts[0], number("--lift", parts[1]), number("--lift", parts[2]))
-
-
-def facets(text: str) -> int | None:
-    """Return the number of facets, or None for "exact"."""
-    if text == "exact":
-        return None
-    count = int(text) if text.isdecimal() else 0
-    if count < 3:
-        raise ProblemError(f"--facets must be a whole number >= 3 or 'exact', got {text!r}")
-    return count
 
 
 def friction(option: str, mu: float) -> float:

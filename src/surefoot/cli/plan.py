@@ -34,7 +34,6 @@ def plan(
     feet: options.FootFrames = None,
     mu: options.Friction = 0.6,
     dt: Annotated[float | None, typer.Option(help="Length of a knot [s].")] = None,
-    knots: Annotated[int | None, typer.Option(help="Number of knots.")] = None,
     seed: Annotated[int, typer.Option(help="Of random starts, and of the executed run.")] = 0,
     max_iterations: Annotated[int | None, typer.Option(help="Most iterations of the search.")] = None,
     payload: Annotated[float, typer.Option(help="Mass on the base that the plan knows of [kg].")] = 0.0,
@@ -65,7 +64,7 @@ def plan(
     options.require(robot, ("pin", *(["mujoco"] if execute else [])), leaving)
     who = _robot(robot, feet, found)
     numbers = {
-        "mu": mu, "dt": dt, "knots": knots, "seed": seed, "max_iterations": max_iterations,
+        "mu": mu, "dt": dt, "seed": seed, "max_iterations": max_iterations,
         "payload": payload, "direction": math.radians(direction), "turn": math.radians(turn),
         "terrain": None if terrain is None else read_terrain(terrain, "--terrain"),
     }  # fmt: skip

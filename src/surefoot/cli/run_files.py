@@ -29,14 +29,9 @@ CAPTIONS = {
         "Each dot is a force along the ground over its normal force; the circle is the friction there is.",
     ),
     "base": ("Base", "How far the body moved and leant from where it began."),
-    "pressure": (
-        "Centre of pressure in the soles (amber while pushed)",
-        "Where in its sole the ground pushes on a foot.",
-    ),
     "torques": ("Joint torques", "What the motors gave, against what they can."),
     "velocity": ("Velocity", "What was commanded, and how the robot moved."),
     "footfalls": ("Footfalls", "Which feet were on the ground, and when."),
-    "cone_over_time": ("Use of the cones over time", "The share of its friction that a foot used; 1 is all."),
     "path": ("Path", "The way of the body over the ground from above."),
 }  # fmt: skip
 """Name of a plot to its title and what is seen in it."""

@@ -22,7 +22,7 @@ GROUND = frozenset({"ice", "law", "solref", "solimp", "substeps"})
 """Keys of the ground."""
 FAULTS = frozenset({"delay", "weak_joint", "torque_loss"})
 """Keys of what is wrong between robot and controller."""
-STAND_KEYS = GROUND | FAULTS | {"solver", "facets", "fit"}
+STAND_KEYS = GROUND | FAULTS
 WALK_KEYS = GROUND | FAULTS | {
     "estimator", "noise", "believed_mu", "period", "velocity_file", "control_rate", "latency",
 }  # fmt: skip
@@ -47,9 +47,6 @@ class ScenarioFile:
     velocity_file: Path | None = None
     control_rate: float = 1000.0
     latency: float | str = "auto"
-    solver: str = "auto"
-    facets: int | None = None
-    fit: str = "inner"
 
     @staticmethod
     def read(path: Path | None, keys: Collection[str]) -> ScenarioFile:

@@ -61,18 +61,9 @@ class Account(Generic[S]):
 
 @dataclass(frozen=True)
 class SimulatedRun:
-    """A robot on its terrain, the folder of its run and what it is to leave.
+    """A robot on its terrain, the folder of its run (new and empty) and what it is to leave.
 
-    Attributes
-    ----------
-    robot, terrain
-        Of the film.
-    folder
-        New and empty.
-    leaving
-        What is wanted there.
-    console
-        For everything else.
+    Everything else is said on the console.
     """
 
     robot: Robot

@@ -70,14 +70,13 @@ def stand(*, asked: StandOptions) -> int:
             setup, happens, shows = _with_events(setup, happens)
         statics = _statics(setup, asked.mu, *asked.carried)
     model, terrain, q, plan = setup
-    allocation = _allocation(setup, asked.mu, said)
     say(console, *shows, *(phase["text"] for phase in statics))
     if not all(phase["possible"] for phase in statics) and not asked.anyway:
         if asked.as_json:
             named = {"robot": model.name, "mass": model.mass}
             print(to_json({**named, "stood": False, "outcome": "impossible", "statics": statics}))
         return 1
-    controller = StandingController(model, plan, terrain, q, asked.mu, allocation=allocation)
+    controller = StandingController(model, plan, terrain, q, asked.mu)
     world = physics.build_world(asked, model, terrain, settings)
     run = SimulatedRun(model, terrain, new_run_folder(asked.out, f"stand-{model.name}"), asked, console)
     watching = live.watching(model, terrain) if asked.view else []
@@ -126,22 +125,6 @@ def _with_events(setup: _Setup, happens: Any) -> tuple[_Setup, Any, list[str]]:
             text += f", {lift.foot} in the air from {lift.start:g} to {lift.end:g} s"
     text += " (--push, --lift, --payload, --terrain or --scenario say what happens instead)"
     return setup, replace(happens, pushes=[Push(start, (0.0, force, 0.0), seconds)]), [text]
-
-
-def _allocation(setup: _Setup, mu: float, said: ScenarioFile) -> Any:
-    """Return how forces are shared; None for the default, exact cones."""
-    from surefoot.cones.polyhedral import checked_fit
-
-    if said.facets is None and said.solver in ("auto", "distribution"):
-        return None
-    from surefoot.control.standing import FORCE_WEIGHT, wrench_weights
-    from surefoot.equilibrium.allocation import SolverAllocation
-
-    points = sum(len(foot.centres) for foot in setup.robot.feet)
-    weights = wrench_weights(setup.robot, setup.q)
-    return SolverAllocation(
-        np.full(points, mu), weights, FORCE_WEIGHT, said.solver, said.facets, checked_fit(said.fit)
-    )
 
 
 def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -> list[dict[str, Any]]:

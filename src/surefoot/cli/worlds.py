@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from surefoot.experiments.experiment import WorldsOutcome
 
-NAMES = "drop, bounce, slide, stick, tip, spin, roll, stand, trot, friction"
+NAMES = "drop, bounce, slide, stick, tip, spin, roll"
 
 
 def worlds(
@@ -85,7 +85,8 @@ def _defaults(names: list[str], world: list[str] | None, out: Path | None, as_js
     from surefoot.experiments.engines.runners import NEWTON_PYTHON
     from surefoot.simulation.worlds import WORLDS
 
-    needed = {name: packages for name, (_, packages) in WORLDS.items()} | {"newton": ()}
+    needed = {name: packages for name, (_, packages) in WORLDS.items()}
+    needed |= {"mjx": ("mujoco", "jax", "mujoco-mjx"), "newton": ()}
     for name in names:
         check_name("scene of --defaults", name, CASES)
     for name in world or ():

@@ -66,9 +66,6 @@ class Geometry:
     combine
         How the coefficients of two surfaces make those of a contact, see
         `surefoot.contact.engines.combination_rules`.
-    propagation
-        Whether impacts run from body to body one after the other, as in Newton's cradle; else Newton's law
-        holds for all contacts at once.
 
     Raises
     ------
@@ -79,7 +76,6 @@ class Geometry:
     solids: tuple[Solid, ...]
     apart: frozenset[tuple[int, int]] = frozenset()
     combine: str = "physx-min"
-    propagation: bool = False
 
     def __post_init__(self) -> None:
         check_name("rule", self.combine, combination_rules())

@@ -5,7 +5,6 @@ from __future__ import annotations
 from surefoot.experiments.bodies import BODIES
 from surefoot.experiments.experiment import WorldExperiment
 from surefoot.experiments.experiment import carry_out as carry_out
-from surefoot.experiments.robots import ROBOTS
 
-EXPERIMENTS: dict[str, WorldExperiment] = {e.name: e for e in (*BODIES, *ROBOTS)}
+EXPERIMENTS: dict[str, WorldExperiment] = {e.name: e for e in BODIES}
 """Name to experiment, in the order in which they are shown."""

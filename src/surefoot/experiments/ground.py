@@ -16,8 +16,6 @@ STEPS_OF_MUJOCO = 4.0
 """MuJoCo's time constant in steps: twice the shortest that it takes."""
 NEAR_RIGID = (0.97, 0.99, 0.001, 0.5, 2.0)
 """MuJoCo's impedance of hard ground; bodies here do not turn fast over it."""
-OWN_WORDS = ("mujoco", "mjx")
-"""Worlds that take MuJoCo's words; others take a `contact` in their own."""
 IMPEDANCE = 1e-4
 """The smallest that MuJoCo takes: the contact is then the spring and damper that is meant."""
 
@@ -28,7 +26,7 @@ def hard(world: str, dt: float) -> dict[str, Any]:
     The rigid world is rigid, Drake's own default follows its step, and MuJoCo is given a time constant that
     does.
     """
-    if world not in OWN_WORDS:
+    if world != "mujoco":
         return {}
     return {"solref": (STEPS_OF_MUJOCO * dt, 1.0), "solimp": NEAR_RIGID}
 
@@ -38,7 +36,7 @@ def bouncing(world: str, restitution: float, mass: float, stiffness: float, dt: 
     if world == "rigid":
         return {"restitution": restitution}
     law = SpringDamper.bouncing(stiffness, restitution, mass)
-    if world not in OWN_WORDS:
+    if world != "mujoco":
         return {"contact": translate(law, world, mass, dt=dt).parameters}
     words = translate(law, "mujoco", mass, dt=dt, impedance=IMPEDANCE).parameters
     return {"solref": tuple(words["solref"]), "solimp": tuple(words["solimp"])}

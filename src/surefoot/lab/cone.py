@@ -12,7 +12,7 @@ from surefoot.cones.cone import Fit
 from surefoot.cones.friction import FrictionCone
 from surefoot.cones.polyhedral import FrictionPyramid
 from surefoot.lab import drawing as draw
-from surefoot.lab.controls import Checkbox, Choice, Slider, Values
+from surefoot.lab.controls import Choice, Slider, Values
 from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.figure import Figure
 from surefoot.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
@@ -54,7 +54,6 @@ class ConeState:
     phase: float = 0.0
     fit: str = "both"
     force: tuple[float, float, float] = (35.0, 20.0, 80.0)
-    surface: bool = True
 
     @property
     def fits(self) -> tuple[Fit, ...]:
@@ -73,9 +72,8 @@ def cone_drawing(state: ConeState) -> Drawing:
     """Return the cones in space, their section, and what they say of the force."""
     cone, force = FrictionCone(state.mu), np.array(state.force)
     shapes: dict[str, Shape] = {"/ground": _ground()}
-    if state.surface:
-        surface = cone_surface(state.mu, SCALE * HEIGHT, np.eye(3))
-        shapes["/cone"] = draw.Mesh(surface, fan(SIDES), draw.CONE, 0.3)
+    surface = cone_surface(state.mu, SCALE * HEIGHT, np.eye(3))
+    shapes["/cone"] = draw.Mesh(surface, fan(SIDES), draw.CONE, 0.3)
     for fit, colour in (("inner", INNER), ("outer", OUTER)):
         if fit in state.fits:
             rim = np.column_stack([corners_at(state, fit, HEIGHT), np.full(state.facets, HEIGHT)]) * SCALE
@@ -166,7 +164,6 @@ class ConePage(Page):
                 Slider("facets", "sides of the pyramids", 3, 24, 1, s.facets),
                 Slider("phase", "turned by [deg]", 0.0, 120.0, 1.0, s.phase),
                 Choice("fit", "pyramids", FITS, s.fit),
-                Checkbox("surface", "round cone", s.surface),
                 Slider("x", "x [N]", -LARGEST, LARGEST, 0.5, s.force[0], "Force"),
                 Slider("y", "y [N]", -LARGEST, LARGEST, 0.5, s.force[1], "Force"),
                 Slider("z", "normal [N]", -40.0, LARGEST, 0.5, s.force[2], "Force"),
@@ -177,9 +174,7 @@ class ConePage(Page):
     def state(self) -> ConeState:
         """What the controls say."""
         v = self.values
-        return ConeState(
-            v["mu"], round(v["facets"]), v["phase"], v["fit"], (v["x"], v["y"], v["z"]), v["surface"]
-        )
+        return ConeState(v["mu"], round(v["facets"]), v["phase"], v["fit"], (v["x"], v["y"], v["z"]))
 
     def grip(self, grip: Grip) -> None:
         """Move the tip of the force in the plane of its normal force."""

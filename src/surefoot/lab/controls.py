@@ -52,7 +52,6 @@ class Choice:
     options: tuple[str, ...]
     value: str
     folder: str = ""
-    hint: str = ""
 
     def checked(self, raw: object) -> str:
         """Return what was sent if it is one of the words, or raise `ProblemError`."""
@@ -68,7 +67,6 @@ class Checkbox:
     label: str
     value: bool
     folder: str = ""
-    hint: str = ""
 
     def checked(self, raw: object) -> bool:
         """Return what was sent if it is true or false, or raise `ProblemError`."""
@@ -84,7 +82,6 @@ class Button:
     name: str
     label: str
     folder: str = ""
-    hint: str = ""
 
 
 Control: TypeAlias = Slider | Choice | Checkbox | Button

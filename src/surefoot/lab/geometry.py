@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -11,20 +10,17 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.cones import FrictionCone
-from surefoot.errors import ProblemError
 from surefoot.lab import drawing as draw
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
 from surefoot.terrain import Terrain
-from surefoot.terrain.shapes import Box, Grid, Plane
 from surefoot.viz.shapes import cone_rim
 
 SIDES = 32
 """Sides of the polygon that stands for a circle."""
 CORNERS = 48
 """Corners that every polygon's mesh has: a polygon with fewer repeats its last one."""
-CELLS = 60
-"""Cells along a side of ground that is no plane."""
-NOTHING: tuple[FloatArray, IntArray] = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
+CELLS = 160
+"""Cells along a side of ground that is no plane: a riser is as steep as one."""
 
 
 @cache
@@ -69,20 +65,6 @@ def pose_of(rotation: FloatArray) -> tuple[float, float, float, float]:
     return w, x, y, z
 
 
-def ground_surface(terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
-    """Return (n, 3) vertices [m] and (m, 3) triangles of the ground within `reach` of a (2,) place [m].
-
-    Raises
-    ------
-    ProblemError
-        If the terrain has no shapes.
-    """
-    about = np.asarray(middle, dtype=np.float64)
-    parts = [_BUILDERS[type(shape)](shape, terrain, about, reach) for shape in terrain.shapes()]
-    parts = [part for part in parts if len(part[0])] or [NOTHING]
-    return joined(parts)
-
-
 def joined(parts: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
     """Return several surfaces, (n, 3) vertices [m] and (m, 3) triangles each, as one."""
     offsets = np.cumsum([0, *(len(vertices) for vertices, _ in parts[:-1])])
@@ -90,44 +72,11 @@ def joined(parts: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, In
     return np.vstack([vertices for vertices, _ in parts]), np.vstack(faces)
 
 
-def _plane(shape: Plane, terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
-    return _sheet(terrain, middle, reach, 1)
-
-
-def _grid(shape: Grid, terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
-    low = np.maximum(middle - reach, shape.origin)
-    high = np.minimum(middle + reach, shape.origin + shape.size)
-    if (high <= low).any():
-        return NOTHING
-    return _sheet(terrain, 0.5 * (low + high), 0.5 * (high - low), CELLS)
-
-
-def _block(shape: Box, terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
-    from trimesh import creation  # viser brings it
-
-    half, near = 0.5 * shape.size, np.array([reach, reach, np.inf])
-    about = np.append(middle, 0.0)
-    low, high = np.maximum(shape.centre - half, about - near), np.minimum(shape.centre + half, about + near)
-    if (high <= low).any():
-        return NOTHING
-    box = creation.box(bounds=[low, high])
-    return np.array(box.vertices), np.array(box.faces)
-
-
-_BUILDERS: dict[type, Callable[..., tuple[FloatArray, IntArray]]] = {
-    Plane: _plane, Grid: _grid, Box: _block,
-}  # fmt: skip
-
-
-def _sheet(
-    terrain: Terrain, middle: FloatArray, half: FloatArray | float, cells: int
-) -> tuple[FloatArray, IntArray]:
-    """Return a square sheet of the terrain's heights with so many cells along a side."""
-    steps, sides = (
-        np.linspace(-1.0, 1.0, cells + 1),
-        np.broadcast_to(np.asarray(half, dtype=np.float64), (2,)),
-    )
-    x, y = np.meshgrid(middle[0] + sides[0] * steps, middle[1] + sides[1] * steps, indexing="ij")
+def ground_surface(terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
+    """Return (n, 3) vertices [m] and (m, 3) triangles of the ground within `reach` of a (2,) place [m]."""
+    cells = 1 if terrain.planar else CELLS
+    steps = reach * np.linspace(-1.0, 1.0, cells + 1)
+    x, y = np.meshgrid(middle[0] + steps, middle[1] + steps, indexing="ij")
     places = np.column_stack([x.ravel(), y.ravel()])
     k = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
     a, b, c, d = k[:-1, :-1].ravel(), k[1:, :-1].ravel(), k[1:, 1:].ravel(), k[:-1, 1:].ravel()
@@ -149,7 +98,7 @@ class MovingGround:
     Parameters
     ----------
     terrain
-        That is drawn; one without shapes is not.
+        That is drawn.
     path
         (k, 2) places that the robot passes [m]; flat ground has no end.
     """
@@ -159,14 +108,10 @@ class MovingGround:
         low, high = path.min(axis=0), path.max(axis=0)
         reach = SQUARE if self._flat else AROUND + 0.5 * float((high - low).max())
         middle = np.zeros(2) if self._flat else 0.5 * (low + high)
-        self._mesh: draw.Mesh | None = None
-        with suppress(ProblemError):
-            self._mesh = draw.Mesh(*ground_surface(terrain, middle, reach), draw.GROUND)
+        self._mesh = draw.Mesh(*ground_surface(terrain, middle, reach), draw.GROUND)
 
     def shapes(self, origin: FloatArray) -> dict[str, draw.Shape]:
         """Return the ground with a (2,) place of it in the middle [m]."""
-        if self._mesh is None:
-            return {}
         if not self._flat:
             x, y = origin.tolist()
             return {"/ground": replace(self._mesh, position=(-x, -y, 0.0))}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time as clock
 from dataclasses import replace
 
@@ -64,18 +63,7 @@ class PushPage(Page):
                 Slider("forward", "forward [m/s]", -SPEED, SPEED, 0.05, w.velocity[0], "Velocity"),
                 Slider("left", "left [m/s]", -0.5, 0.5, 0.05, w.velocity[1], "Velocity"),
                 Slider("turn", "turn [rad/s]", -1.0, 1.0, 0.05, w.velocity[2], "Velocity"),
-                Slider("force", "force [N]", 0.0, HARDEST, 5.0, 100.0, "Kick"),
-                Slider(
-                    "direction",
-                    "towards [deg]",
-                    -180.0,
-                    180.0,
-                    5.0,
-                    90.0,
-                    "Kick",
-                    "0 is along +x, 90 along +y",
-                ),
-                Button("kick", "kick", "Kick"),
+                Slider("force", "kick of a click [N]", 0.0, HARDEST, 5.0, 100.0),
                 Button("restart", "stand up again"),
             ]
         )
@@ -102,14 +90,10 @@ class PushPage(Page):
         self._run.choose(replace(self._run.choices, **changes))
 
     def press(self, name: str) -> None:
-        """Kick the robot, or stand it up."""
-        if name == "restart":
-            self._run.restart()
-        elif name == "kick":
-            angle = math.radians(self.values["direction"])
-            self._run.kick(self.values["force"] * np.array([math.cos(angle), math.sin(angle), 0.0]))
-        else:
+        """Stand the robot up."""
+        if name != "restart":
             super().press(name)
+        self._run.restart()
 
     def grip(self, grip: Grip) -> None:
         """Pull the robot with the mouse; letting go kicks it."""

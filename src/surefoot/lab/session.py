@@ -248,7 +248,7 @@ def _is_move(event: _Event) -> bool:
 
 _ADDERS: dict[type[Control], Callable[[Any, Any], Any]] = {
     Slider: lambda gui, c: gui.add_slider(c.label, c.low, c.high, c.step, c.value, hint=c.hint or None),
-    Choice: lambda gui, c: gui.add_dropdown(c.label, c.options, initial_value=c.value, hint=c.hint or None),
-    Checkbox: lambda gui, c: gui.add_checkbox(c.label, c.value, hint=c.hint or None),
-    Button: lambda gui, c: gui.add_button(c.label, hint=c.hint or None),
+    Choice: lambda gui, c: gui.add_dropdown(c.label, c.options, initial_value=c.value),
+    Checkbox: lambda gui, c: gui.add_checkbox(c.label, c.value),
+    Button: lambda gui, c: gui.add_button(c.label),
 }

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import of_kind, whole_number
+from surefoot.arrays import of_kind
 from surefoot.errors import ProblemError, check_name, unknown_name
 from surefoot.log.channels import CHANNELS
 from surefoot.log.log import Log
@@ -42,7 +42,6 @@ def log_from_arrays(
     frames: Mapping[str, str] | None = None,
     feet: Sequence[str] = (),
     joints: Sequence[str] = (),
-    environment: int | None = None,
     facts: Mapping[str, Any] | None = None,
 ) -> Log:
     r"""Return the log of arrays over time, its doubts in `Log.doubts`.
@@ -61,8 +60,6 @@ def log_from_arrays(
         Channel to "world", "base" or "contact", where a vector is not in its channel's axes.
     feet, joints
         Names, in the arrays' order.
-    environment
-        Which one, where arrays have shape (T, environments, ...).
     facts
         ``mass`` and other facts.
 
@@ -82,7 +79,7 @@ def log_from_arrays(
     normal forces are 1.63 m g on average: unit, mass, or feet that are missing?
     """
     of_kind("arrays", arrays, Mapping)
-    fields, frame_of = _channels(arrays, environment)
+    fields, frame_of = _channels(arrays)
     frame_of |= {**(frames or {})}
     rows = {name: len(array) for name, array in fields.items() if array.ndim}
     if len(set(rows.values())) != 1 or len(rows) != len(fields):
@@ -114,11 +111,10 @@ def log_from_arrays(
     return log_from_source(Source({"": Topic(None, fields)}), mapping, "arrays")
 
 
-def _channels(arrays: Mapping[str, Any], environment: int | None) -> tuple[dict[str, Any], dict[str, str]]:
+def _channels(arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the arrays by channel, and the axes of those that are not in their channel's."""
     fields: dict[str, Any] = {}
     frame_of: dict[str, str] = {}
-    which = None if environment is None else whole_number("environment", environment)
     for name, given in arrays.items():
         channel, frame = ALIASES.get(name, (name, ""))
         check_name("array", name, [*CHANNELS, *ALIASES])
@@ -126,12 +122,8 @@ def _channels(arrays: Mapping[str, Any], environment: int | None) -> tuple[dict[
             raise ProblemError(f"two arrays are the channel {channel}: {', '.join(arrays)}")
         array = _numpy(name, given)
         wanted = 1 + len(CHANNELS[channel].shape)
-        if which is not None and array.ndim == wanted + 1:
-            if which >= array.shape[1]:
-                raise ProblemError(f"environment {which} of array {name}: it has {array.shape[1]}")
-            array = array[:, which]
         if array.ndim != wanted:
-            more = ": say which environment" if array.ndim == wanted + 1 else ""
+            more = ": pick one environment, array[:, k]" if array.ndim == wanted + 1 else ""
             shape = ", ".join(["T", *map(str, CHANNELS[channel].shape)])
             raise ProblemError(f"array {name} must have shape ({shape}), got {array.shape}{more}")
         if CHANNELS[channel].shape[-1:] == (3,) and array.shape[-1] != 3:

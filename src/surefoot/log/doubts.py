@@ -14,15 +14,13 @@ ROWS = 20_000
 """Rows that are looked at for everything but stamps and numbers that are not finite: the first of them."""
 SPREAD = 0.3
 """Share of m g by which the mean load of a log may miss it before that is reported."""
-_DEGREE = 180.0 / np.pi
 
 
 def find_doubts(log: Log) -> list[str]:
     """Return what is not plausible in a log, one line each; empty if nothing is.
 
-    Looks at stamps, missing numbers, angles in degrees, quaternions (norm, order), gravity in the IMU,
-    the mean load against m g, velocities against the change of positions. A doubt may be wrong; no doubt
-    does not mean that all is right.
+    Looks at stamps, missing numbers, angles in degrees, quaternions (norm, order), gravity in the IMU, the
+    mean load against m g. A doubt may be wrong; no doubt does not mean that all is right.
     """
     found = [*_stamps(log), *_missing(log)]
     first = log.rows(slice(0, ROWS))
@@ -152,61 +150,5 @@ def _weight(log: Log) -> Iterator[str]:
             yield f"normal forces are {share:.3g} m g on average: unit, mass, or feet that are missing?"
 
 
-def _rates(log: Log) -> Iterator[str]:
-    """Compare velocities with the change of positions: unit, order, frame."""
-    time = np.asarray(log["time"])
-    if len(time) < 20 or not (np.diff(time) > 0.0).all():
-        return
-    if {"joint_positions", "joint_velocities"} <= set(log.arrays):
-        yield from _joint_rates(time, log["joint_positions"], log["joint_velocities"])
-    if {"base_position", "base_velocity", "base_orientation"} <= set(log.arrays):
-        yield from _base_rates(time, log["base_position"], log["base_velocity"], log["base_orientation"])
-
-
-def _joint_rates(time: FloatArray, position: FloatArray, velocity: FloatArray) -> Iterator[str]:
-    change, rate = np.diff(position, axis=0) / np.diff(time)[:, None], 0.5 * (velocity[1:] + velocity[:-1])
-    power = np.nansum(change * change, axis=0)
-    if not (power > 0.0).any() or power.max() / len(change) < 1e-4:
-        return  # hardly moving
-    slope = float(np.nansum(change * rate) / np.nansum(change * change))
-    if 0.5 * _DEGREE < slope < 1.5 * _DEGREE or 0.5 / _DEGREE < slope < 1.5 / _DEGREE:
-        yield f"joint velocities are {slope:.3g} times the change of the positions: degrees and radians?"
-        return
-    scale = np.sqrt(np.nansum(rate * rate, axis=0))
-    match = np.nan_to_num((change.T @ rate) / np.maximum(np.outer(np.sqrt(power), scale), 1e-12))
-    own, best = np.diag(match), match.argmax(axis=1)
-    swapped = [k for k in range(len(own)) if own[k] < 0.5 and match[k, best[k]] > 0.8 and best[k] != k]
-    if float(np.median(own)) < -0.8:
-        yield "joint velocities are opposite to the change of the positions: sign?"
-    elif swapped:
-        k = swapped[0]
-        yield f"the velocity of joint {k} is not its position's change, that of joint {best[k]} is: order?"
-    elif float(np.median(own)) < 0.5:
-        yield "joint velocities are not the change of the positions: order or time?"
-
-
-def _base_rates(
-    time: FloatArray, position: FloatArray, velocity: FloatArray, quaternion: FloatArray
-) -> Iterator[str]:
-    change = np.diff(position, axis=0) / np.diff(time)[:, None]
-    world = 0.5 * (velocity[1:] + velocity[:-1])
-    norm = np.linalg.norm(quaternion, axis=1, keepdims=True)
-    R = rotation_from_quaternion(np.where(norm > 0.1, quaternion / norm, [0.0, 0.0, 0.0, 1.0]))[1:]
-    size = float(_mean(np.linalg.norm(change, axis=1)))
-    if not size > 0.05:
-        return
-    off = float(_mean(np.linalg.norm(world - change, axis=1))) / size
-    for turned, what in (
-        (np.einsum("tij,tj->ti", R, world), "base"),
-        (np.einsum("tji,tj->ti", R, world), ""),
-    ):
-        if off > 0.2 and float(_mean(np.linalg.norm(turned - change, axis=1))) / size < 0.5 * off:
-            frame = f"{what} axes" if what else "axes turned twice"
-            yield f"the base's velocity fits the change of its position in {frame}: is that its frame?"
-            return
-    if off > 0.5:
-        yield f"the base's velocity misses the change of its position by {off:.2g} of it"
-
-
-CHECKS: tuple[Callable[[Log], Iterator[str]], ...] = (_angles, _quaternion, _gravity, _weight, _rates)
+CHECKS: tuple[Callable[[Log], Iterator[str]], ...] = (_angles, _quaternion, _gravity, _weight)
 """The checks of the first `ROWS` rows."""

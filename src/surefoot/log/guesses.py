@@ -79,7 +79,6 @@ _SPELT = {
     for ending in (f"[{word}]", f"({word})", *([f"_{word}"] if unit in _BARE else []))
 }
 """How the names of columns end that tell their unit."""
-_INERTIAL = r"(?i)^/?(world|map|odom|earth)"
 MESSAGES: dict[str, tuple[tuple[str, str, dict[str, Any]], ...]] = {
     "JointState": (
         ("joint_positions", "position", {}),
@@ -211,25 +210,7 @@ def _of_messages(source: Source) -> LogMapping:
         for channel, where, how in MESSAGES.get(kind, ()):
             if _there(topic, where):
                 takes.setdefault(channel, Take((full_name(name, where),), **how))
-    wrenches = _wrenches(source)
-    if wrenches and "forces" not in takes:
-        feet = feet or tuple(wrenches)
-        takes["forces"] = Take(tuple(full_name(t, "wrench.force") for t in wrenches.values()), frame="world")
     return LogMapping(takes, feet, joints, guessed=True)
-
-
-def _wrenches(source: Source) -> dict[str, str]:
-    """Return the topics of wrenches in world axes, one for each foot; those in a sensor's axes are left."""
-    out = {}
-    for name, topic in source.topics.items():
-        if re.split(r"[/.]", topic.kind)[-1] != "WrenchStamped":
-            continue
-        frame = topic.texts.get("header.frame_id", ("",))[0]
-        if re.match(_INERTIAL, frame):
-            out[name.strip("/").replace("/", "_")] = name
-        else:
-            source.notes.append(f"{name} is in the axes of {frame!r}: not taken without a mapping")
-    return out
 
 
 def _there(topic: Topic, where: str) -> bool:

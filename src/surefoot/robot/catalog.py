@@ -90,6 +90,11 @@ def _entry(table: dict[str, Any]) -> CatalogEntry:
 _TABLES = tomllib.loads(files("surefoot.robot").joinpath("robots.toml").read_text(encoding="utf-8"))
 CATALOG: dict[str, CatalogEntry] = {name: _entry(table) for name, table in _TABLES.items()}
 ALIASES = {"anymal": "anymal_b", "solo": "solo12"}
+UNREADABLE = {
+    "cassie": "example-robot-data has it only as an SDF file with closed linkages, which no URDF can hold; "
+    "give a URDF file of it"
+}
+"""Legged robots of example-robot-data that cannot be loaded, and why."""
 
 
 def robot_names() -> tuple[str, ...]:
@@ -106,6 +111,8 @@ def find(name: str) -> CatalogEntry:
         If the name is unknown; the message lists the known ones.
     """
     key = ALIASES.get(name, name)
+    if key in UNREADABLE:
+        raise ModelError(f"{name} cannot be loaded by name: {UNREADABLE[key]}")
     if key not in CATALOG:
         raise ModelError(unknown_name("robot", name, CATALOG) + " (or give a .urdf or .xml file)")
     return CATALOG[key]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
@@ -225,15 +224,6 @@ class Robot:
         import pinocchio
 
         pinocchio.framesForwardKinematics(self.model, self.data, q)
-
-    def without_meshes(self) -> Robot:
-        """Return the same robot without its geometry models, small enough to be sent to another process."""
-        import pinocchio
-
-        out = copy.copy(self)
-        out.collision, out._load_visual = pinocchio.GeometryModel(), pinocchio.GeometryModel
-        out.__dict__.pop("visual", None)
-        return out
 
     def sphere_bottoms(self, q: FloatArray) -> list[float]:
         """Return the lowest height of every contact sphere [m] at q (nq,) [m, -, rad]."""

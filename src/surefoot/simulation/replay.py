@@ -16,17 +16,16 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray
 from surefoot.audit import AuditReport, audit_log
+from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.errors import ProblemError, SimulationError
-from surefoot.log import CHANNELS, Ending, Log
+from surefoot.log import Ending, Log
 from surefoot.log.formats import read_log
-from surefoot.log.recorder import Recorder
 from surefoot.robot import Robot
 from surefoot.simulation.replay_task import ReplayTask, replay_task
-from surefoot.simulation.scenario import Fall
-from surefoot.simulation.world import World
-from surefoot.simulation.world_facts import facts_before, softness_of
+from surefoot.simulation.run import run
+from surefoot.simulation.scenario import Fall, Ice, Push, Scenario
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import Terrain
@@ -44,10 +43,6 @@ LEAST_WAY = 0.1
 
 Survival: TypeAlias = Literal["survives", "lost", "cannot tell"]
 """Every window holds in the other world; one is lost there and holds in the log's own; neither."""
-_CHANNELS = (
-    "time", "q", "v", "torques", "forces", "gaps", "contact_velocities", "contact_positions", "normals",
-    "push", "mu",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -144,7 +139,6 @@ def replay_log(
     robot: Robot | None = None,
     terrain: Terrain | None = None,
     mu: float | None = None,
-    window: float = WINDOW,
 ) -> ReplayReport:
     """Replay a log's joint motion and torques in another world and tell whether its success survives.
 
@@ -163,8 +157,6 @@ def replay_log(
     robot, terrain, mu
         None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu`` [-]. Others ask
         whether the success survives there.
-    window
-        Time between restarts [s]; infinite for one replay from the first row.
 
     Raises
     ------
@@ -175,13 +167,12 @@ def replay_log(
     """
     log = log if isinstance(log, Log) else read_log(log)
     task = replay_task(log, robot, terrain, mu)
-    window = real_number("window", window, low=10.0 * task.dt * task.steps)
     make_world(world, task.robot, task.terrain, float(task.mu[0]))  # refused before any work, if it cannot be
     own = _own_world(log)
     fallen = _fall_of_the_log(task)
     if fallen:
         return ReplayReport(world, own, "cannot tell", fallen, (), ())
-    pieces = _pieces(len(task.time), max(2, round(min(window, 1e9) / (task.dt * task.steps))))
+    pieces = _pieces(len(task.time), max(2, round(WINDOW / (task.dt * task.steps))))
     made = [_replay(task, world, *piece) for piece in pieces]
     windows, logs = tuple(w for w, _ in made), tuple(log for _, log in made)
     if not any(w.lost for w in windows) and not _progress(windows) < PROGRESS:
@@ -229,33 +220,61 @@ def _pieces(rows: int, length: int) -> list[tuple[int, int]]:
     return list(zip(starts, [*starts[1:], rows], strict=True))
 
 
+class ReplayTracking(Controller):
+    """Tracks the joints of a log from a row on, its torques as feed-forward, within the effort limits."""
+
+    def __init__(self, task: ReplayTask, first: int, last: int) -> None:
+        self._task, self._first, self._last = task, first, last
+        self._limits = task.robot.effort_limits
+
+    def step(self, state: RobotState) -> Command:
+        """Return the torques at a time [s] from the first row on."""
+        task, past = self._task, round(state.time / self._task.dt)
+        row = min(self._first + past // task.steps, self._last - 1)
+        torques = task.torques[row] + task.stiffness * (task.q[row, 7:] - state.q[7:])
+        torques += task.damping * (task.v[row, 6:] - state.v[6:])
+        return Command(np.clip(torques, -self._limits, self._limits))
+
+
 def _replay(task: ReplayTask, name: str, first: int, last: int) -> tuple[WindowReplay, Log]:
     """Replay rows `first` to `last` - 1 in a world, and judge them."""
     at = {"payload_position": task.payload_position} if task.payload_position.any() else {}
-    mu = float(task.mu[first])
+    mu, rows, start = float(task.mu[first]), range(first, last), float(task.time[first])
     world = make_world(name, task.robot, task.terrain, mu, dt=task.dt, payload=task.payload, **at)
-    log, outcome = _Replay(task, world, first, last).carry_out()
-    report = audit_log(log, task.robot)
-    row = min(first + max(len(log) - 1, 0) // task.steps, last - 1)
-    logged = task.q[row, :2] - task.q[first, :2]
-    moved, length = log["q"][-1, :2] - log["q"][0, :2], float(np.linalg.norm(logged))
-    rows = np.arange(first, row + 1)
-    tilt = _lean(log["q"][:: task.steps][: len(rows)], task.q[rows[: len(log["q"][:: task.steps])]])
-    way = float(moved @ logged) / length if length > 0.0 else 0.0
-    drift = float(np.linalg.norm(log["q"][-1, :3] - task.q[row, :3]))
-    broken, end = _broken(report), float(log["time"][-1])
+    length, q, v = task.dt * task.steps, task.q[first].copy(), task.v[first]
+    times = [length * (row - first) for row in rows]
+    world.reset(q, v)
+    q[:3] += max(-float(world.contacts().gaps.min(initial=0.0)), 0.0) * task.terrain.normal(q[:2])
+    scenario = Scenario(
+        length * len(rows), mu, start=q, velocity=v,
+        pushes=[Push(t, tuple(task.push[row]), length) for t, row in zip(times, rows, strict=True)
+                if task.push[row].any()],
+        ice=[Ice(t, float(task.mu[row])) for t, row in zip(times, rows, strict=True)
+             if row > first and task.mu[row] != task.mu[row - 1]],
+    )  # fmt: skip
+    try:
+        log = run(world, ReplayTracking(task, first, last), scenario)
+    except SimulationError as error:
+        raise ProblemError(f"the replay cannot begin at {start:.3f} s: {error}") from error
+    outcome, end = str(log.facts["outcome"]), start + float(log["time"][-1])
+    seen = log["q"][:: task.steps]
+    logged = task.q[first : first + len(seen)]
+    planned = logged[-1, :2] - logged[0, :2]
+    moved, length = log["q"][-1, :2] - log["q"][0, :2], float(np.linalg.norm(planned))
+    tilt, way = _lean(seen, logged), float(moved @ planned) / length if length > 0.0 else 0.0
+    drift = float(np.linalg.norm(log["q"][-1, :3] - logged[-1, :3]))
+    broken = _broken(audit_log(log, task.robot))
     lost = _why_lost(outcome, end, tilt, broken)
     height = float(task.q[first, 2] - task.terrain.height(task.q[first, :2]))
     if not lost and drift > DRIFT * (abs(height) + length):
         lost = f"it is {drift:.2f} m from the log at {end:.3f} s"
-    start = float(task.time[first])
-    return WindowReplay(start, end, str(outcome), way, length, tilt, drift, broken, lost), log
+    return WindowReplay(start, end, outcome, way, length, tilt, drift, broken, lost), log
 
 
-def _why_lost(outcome: Ending, end: float, tilt: float, broken: tuple[str, ...]) -> str:
+def _why_lost(outcome: str, end: float, tilt: float, broken: tuple[str, ...]) -> str:
     """Return why a window does not hold, empty where it does."""
-    if outcome is not Ending.DONE:
-        return f"it {'falls' if outcome is Ending.FELL else 'cannot go on'} at {end:.3f} s"
+    if outcome != Ending.DONE:
+        return f"it {'falls' if outcome == Ending.FELL else 'cannot go on'} at {end:.3f} s"
     if tilt > TILT:
         return f"it leans {math.degrees(tilt):.0f} deg more than the log before {end:.3f} s"
     return f"it breaks {broken[0]}" if broken else ""
@@ -308,68 +327,3 @@ def _compare(
         return "lost", f"it makes {shares} in the log's own world ({name})"
     why = f"in the log's own world ({name}) the same replay fails too"
     return "cannot tell", f"{why}: {next((w.lost for w in own if w.lost), 'it lags behind')}"
-
-
-class _Replay:
-    """One window on its way through a world."""
-
-    def __init__(self, task: ReplayTask, world: World, first: int, last: int) -> None:
-        self.task, self.world, self.first, self.last = task, world, first, last
-        self.limits = task.robot.effort_limits
-        robot, facts = task.robot, {"kind": "replay", **facts_before(world)}
-        self.recorder = Recorder(
-            (last - first) * task.steps, (CHANNELS[name] for name in _CHANNELS), None, facts,
-            nq=int(robot.model.nq), nv=int(robot.model.nv), joints=robot.joints, p=len(world.contact_foot),
-        )  # fmt: skip
-
-    def carry_out(self) -> tuple[Log, Ending]:
-        """Return the log of the window, and how it ended."""
-        task, world = self.task, self.world
-        height = self._place()
-        outcome = Ending.DONE
-        try:
-            for row in range(self.first, self.last):
-                world.set_friction(float(task.mu[row]))
-                for _ in range(task.steps):
-                    self._step(row)
-                fallen = Fall().happened(world.state()[0], height, task.terrain)
-                if fallen is not None:
-                    outcome = fallen
-                    break
-        except SimulationError as error:
-            outcome = Ending.INVALID
-            if not self.recorder.count:
-                raise ProblemError(
-                    f"the replay cannot begin at {task.time[self.first]:.3f} s: {error}"
-                ) from error
-        log = self.recorder.finish({"outcome": str(outcome)})
-        log.facts.update(softness_of(world, log))
-        return log, outcome
-
-    def _place(self) -> float:
-        """Put the robot in the log's state, lifted out of the ground; return its height over it [m]."""
-        task, world = self.task, self.world
-        q, v = task.q[self.first].copy(), task.v[self.first]
-        world.reset(q, v)
-        depth = -float(world.contacts().gaps.min(initial=0.0))
-        if depth > 0.0:
-            q[:3] += depth * task.terrain.normal(q[:2])
-            world.reset(q, v)
-        return float(q[2] - task.terrain.height(q[:2]))
-
-    def _step(self, row: int) -> None:
-        """Take a step under the row's torques and the tracking, and record it."""
-        task, world = self.task, self.world
-        q, v = world.state()
-        torques = task.torques[row] + task.stiffness * (task.q[row, 7:] - q[7:]) + task.damping * (
-            task.v[row, 6:] - v[6:]
-        )  # fmt: skip
-        torques = np.clip(torques, -self.limits, self.limits)
-        push = task.push[row] if task.push[row].any() else None
-        now = float(task.time[row]) + (self.recorder.count % task.steps) * task.dt
-        world.step(torques, push)
-        reading = world.contacts()
-        self.recorder.write([
-            now, q, v, torques, reading.forces, reading.gaps, reading.velocities, reading.positions,
-            reading.normals_on(task.terrain), task.push[row], task.mu[row],
-        ])  # fmt: skip

@@ -82,7 +82,7 @@ def replay_task(
         raise ProblemError(f"the log cannot be replayed: {robot.name} is bolted to the world or has no feet")
     q, v, torques = _motion(log, robot)
     time = np.asarray(log["time"], dtype=np.float64)
-    row, steps = _clock(log, time)
+    row, steps = _clock(time)
     push = np.asarray(log["push"]) if "push" in log else np.zeros((len(time), 3))
     friction = _friction(log, mu, len(time))
     for name, values in {"q": q, "v": v, "torques": torques, "push": push, "mu": friction}.items():
@@ -139,7 +139,7 @@ def _motion(log: Log, robot: Robot) -> tuple[FloatArray, FloatArray, FloatArray]
     return q, v, torques
 
 
-def _clock(log: Log, time: FloatArray) -> tuple[float, int]:
+def _clock(time: FloatArray) -> tuple[float, int]:
     """Return the time from row to row [s] and the world's steps in it."""
     gaps = np.diff(time)
     if len(gaps) < 2:
@@ -151,7 +151,6 @@ def _clock(log: Log, time: FloatArray) -> tuple[float, int]:
         raise ProblemError(
             f"the log cannot be replayed: its rows are {row:g} s apart, at most {LONGEST_ROW:g} s are"
         )
-    del log
     return row, max(1, math.ceil(row / LONGEST_STEP - 1e-6))
 
 

@@ -125,6 +125,8 @@ class Scenario:
         What is wrong with sensors and motors.
     start
         (nq,) configuration to start from [m, -, rad]; None for one that stands on the world's terrain.
+    velocity
+        (nv,) velocity to start with [m/s, rad/s]; None for rest.
     depth
         How deep in the ground it starts [m], see `START_DEPTH`.
     fall
@@ -147,6 +149,7 @@ class Scenario:
     sensors: SensorModel | None = None
     scanner: RangeSensor | None = None
     patches: Sequence[IcePatch] = ()
+    velocity: FloatArray | None = None
 
     def __post_init__(self) -> None:
         real_number("duration of a scenario", self.duration, low=1e-9, high=LONGEST)
@@ -177,9 +180,9 @@ class Scenario:
         q = np.array(start_pose(world.robot, world.terrain) if self.start is None else self.start)
         q[:3] -= self.depth * world.terrain.normal(q[:2])
         if self.seed is None:
-            return q, None
-        v = np.zeros(world.robot.model.nv)
-        v[:3] = START_SPEED * np.random.default_rng(self.seed).normal(size=3)
+            return q, self.velocity
+        v = np.array(np.zeros(world.robot.model.nv) if self.velocity is None else self.velocity)
+        v[:3] += START_SPEED * np.random.default_rng(self.seed).normal(size=3)
         return q, v
 
 

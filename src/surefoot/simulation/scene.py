@@ -93,9 +93,6 @@ class Scene(Robot):
     combine
         How two surfaces' coefficients make a contact's, see `surefoot.contact.engines.combination_rules`; of
         two surfaces with the ground's the ground's.
-    propagation
-        Whether impacts run from body to body one after the other, as through a row of balls; else Newton's
-        law of restitution holds for all contacts at once.
 
     Attributes
     ----------
@@ -124,7 +121,6 @@ class Scene(Robot):
         robot: Robot | None = None,
         *,
         combine: str = "physx-min",
-        propagation: bool = False,
     ) -> None:
         pinocchio = import_pinocchio()
         of_kind("bodies", bodies, Sequence)
@@ -155,7 +151,7 @@ class Scene(Robot):
             if not body.fixed:
                 start.append(np.array([*body.position, *body.orientation], dtype=np.float64))
         apart = frozenset() if own is None else own.apart
-        self.geometry = Geometry(tuple(solids), apart, combine, propagation)
+        self.geometry = Geometry(tuple(solids), apart, combine)
         empty = pinocchio.GeometryModel()
         collision, visual = (
             (empty, lambda: empty) if robot is None else (robot.collision, lambda: robot.visual)

@@ -16,9 +16,6 @@ from surefoot.robot import Robot
 from surefoot.simulation.sensor_kernels import sense
 from surefoot.spatial import GRAVITY
 
-AT_ONCE = 8
-"""Steps for which random numbers are drawn at once."""
-
 
 @dataclass(frozen=True)
 class ImuModel:
@@ -216,6 +213,7 @@ class Sensors:
             (encoders.noise, encoders.step, encoders.speed_noise, encoders.speed_step, dt),
             offsets, np.zeros(joints),
         ])  # fmt: skip
+        self._normal = r.standard_normal
         self._factors = 1.0 + touch.torque_scale * r.normal(size=joints)
         usual = robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.0) / max(joints, 1)
         self._torque_noise = touch.torque_noise * usual
@@ -223,9 +221,6 @@ class Sensors:
         self._imu: deque[FloatArray] = deque(maxlen=1 + late[0])
         self._legs: deque[FloatArray] = deque(maxlen=1 + late[1])
         self._motion, self._first, self._joints = np.zeros(13), True, joints
-        self._mixed = touch.missed > 0.0 or touch.false > 0.0  # other random numbers come in between
-        self._drawn: FloatArray = np.zeros(AT_ONCE * (12 + 3 * joints))
-        self._used = len(self._drawn)
         n = len(robot.feet)
         self._touched, self._hidden = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
         self._false_until = np.zeros(n)
@@ -265,25 +260,10 @@ class Sensors:
         """Return (joints,) torques as the motors' currents tell them [N m]."""
         return np.asarray(self._factors * true + self._torque_noise * self._normal(self._joints))
 
-    def _normal(self, count: int) -> FloatArray:
-        """Return the next normal random numbers; they are drawn for several steps at once."""
-        if self._mixed:
-            return self._random.standard_normal(count)
-        start, numbers = self._used, self._drawn
-        if start + count > len(numbers):
-            left = len(numbers) - start
-            numbers[:left] = numbers[start:]
-            self._random.standard_normal(out=numbers[left:])
-            start = 0
-        self._used = start + count
-        return numbers[start : start + count]
-
     def touches(self, contact: BoolArray) -> BoolArray:
         """Return (n,) which feet feel a force, some missed and some false, one step after the last call."""
         touch, n = self.model.touch, len(contact)
         self._time += self.dt
-        if not self._mixed:
-            return contact
         if touch.missed > 0.0:
             fresh = contact & ~self._touched
             self._hidden = np.where(fresh, self._random.random(n) < touch.missed, self._hidden)

@@ -18,7 +18,6 @@ WORLDS: dict[str, tuple[str | Callable[..., World], tuple[str, ...]]] = {
     "rigid": ("surefoot.simulation.rigid:RigidWorld", ()),
     "drake": ("surefoot.simulation.drake.world:DrakeWorld", ("drake",)),
     "bullet": ("surefoot.simulation.bullet:BulletWorld", ("pybullet",)),
-    "mjx": ("surefoot.simulation.mjx:MjxWorld", ("mujoco", "jax", "mujoco-mjx")),
 }
 """Name to the class (or "module:class", imported when asked for), and the packages that it needs."""
 

@@ -77,14 +77,11 @@ class Surfaces(NamedTuple):
         (p,) of each contact.
     on
         (p,) whether there is anything near; unused slots of pairs are off.
-    propagation
-        Whether impacts run from body to body, one after the other.
     """
 
     friction: FloatArray
     restitution: FloatArray
     on: BoolArray
-    propagation: bool
 
 
 class GroundBelow:

@@ -130,14 +130,6 @@ class Meeting(NamedTuple):
             impulses[near] = solution.forces
         return self._outcome(near, rows, impulses, swerve, solution)
 
-    def unshifted(self, chosen: IntArray) -> tuple[Any, Any, FloatArray]:
-        """Return rows, G and g of contacts to whose velocities no law adds; see `arithmetic.assemble`."""
-        contacts = self.contacts
-        closed = np.zeros(contacts.gaps.size)
-        rows, G, g = contacts.assemble(self.L, self.before, self.free, closed, chosen, self.horizon, 0.0)
-        checked(G, g)
-        return rows, G, g
-
     def _matrices(self, near: IntArray) -> tuple[Any, Any, FloatArray]:
         """Return rows, G and g of the near contacts; see `arithmetic.assemble`."""
         options = self.options

@@ -12,7 +12,7 @@ from surefoot.arrays import FloatArray, IntArray, real_number
 from surefoot.contact import ContactProblem
 from surefoot.errors import NoSolution, ProblemError
 from surefoot.solvers.compiled import COMPILED_CONTACTS
-from surefoot.spatial import GRAVITY, skew
+from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping import knot_kernels as kernels
 from surefoot.stepping.bodies import finite_vector
@@ -20,7 +20,7 @@ from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import ordered
 from surefoot.stepping.derivative_impact import GroundTurn
 from surefoot.stepping.derivative_kernels import velocity_rates
-from surefoot.stepping.detection import Contacts, TerrainDetection
+from surefoot.stepping.detection import Contacts, GroundBelow, TerrainDetection
 from surefoot.stepping.impacts import LostMotion
 from surefoot.stepping.state import State
 from surefoot.stepping.stepper import REACH, Stepper
@@ -77,9 +77,9 @@ class Knot:
             raise ProblemError(f"a knot takes StepOptions(order=1), got order={stepper.options.order}")
         contacts = stepper.bodies.contacts
         assert isinstance(contacts, TerrainDetection)  # order 1 is of feet on the ground
-        self._contacts = contacts
         self.stepper, bodies, options = stepper, stepper.bodies, stepper.options
         points = stepper.robot.contact_points
+        self._ground = ground = GroundBelow(stepper.terrain, points.radii)
         self._model = model = bodies.model
         self._dt = options.dt
         ordered(model)
@@ -99,8 +99,8 @@ class Knot:
         self._seen = [data.oMf[k].translation for k in contacts.spheres]
         self._support, self._radii = points.support, points.radii
         self._centres, self._positions = np.zeros((p, 3)), np.zeros((p, 3))
-        self.gaps, self._frames = contacts.below(self._centres) if p else (np.zeros(0), np.zeros((0, 3, 3)))
-        self._above, self._curved = contacts.above, not stepper.terrain.planar
+        self.gaps, self._frames = ground.below(self._centres)
+        self._above, self._curved = ground.above, not stepper.terrain.planar
         self._turns, self._slopes = np.zeros((2, p, 3, 3)), np.ascontiguousarray(self._frames[:, :, 2])
         self._J, self._L, self.impulses = np.zeros((3 * p, n)), np.zeros((n, n)), np.zeros((p, 3))
         self._settings = np.array(
@@ -125,7 +125,6 @@ class Knot:
         v: FloatArray,
         torques: FloatArray,
         mu: float = 0.6,
-        push: FloatArray | None = None,
     ) -> bool:
         """Take the step from (nq,) q and (nv,) v; return whether its contact problem is solved.
 
@@ -135,8 +134,6 @@ class Knot:
             (joints,) [N m].
         mu
             Friction of the ground.
-        push
-            (3,) on the base's own centre of mass [N], world axes.
 
         Returns
         -------
@@ -153,20 +150,16 @@ class Knot:
         self._q = finite_vector("q", q, model.nq).copy()
         self._v = finite_vector("v", v, model.nv).copy()
         effort, self._mu = self._effort, mu
-        self._push = None if push is None else finite_vector("push", push, 3).copy()
         effort[self._base :] = finite_vector("torques", torques, self.stepper.robot.joints)
         if not 0.0 <= mu < np.inf:
             real_number("mu", mu, low=0.0)
         self._crba(model, data, self._q, self._world)
         self._place(model, data)
-        if self._push is not None:
-            effort = self.stepper.bodies.pushed(effort, self._push, data.oMi[1].rotation)
         effort = self._less_bias(effort)
         for k, centre in enumerate(self._seen):
             self._centres[k] = centre
         if self._curved:
-            self.gaps, frames = self._contacts.below(self._centres)
-            self._frames = frames.copy()
+            self.gaps, self._frames = self._ground.below(self._centres)
         self._settings[kernels.MU] = mu if self._quick else 0.0
         after = np.empty(model.nv)
         code, self._free, self._near, self._problem = kernels.first_order_step(
@@ -223,7 +216,7 @@ class Knot:
 
     def _solve_again(self) -> None:
         """Take the step by all of `surefoot.solve`: the compiled solver failed, or another is asked for."""
-        step = self.stepper.take_first_order(State(self._q, self._v), self._effort, self._push, self._mu)
+        step = self.stepper.take_first_order(State(self._q, self._v), self._effort, None, self._mu)
         impact = step.impact
         assert impact is not None
         self.solved, self._near, self._free = step.unsolved == 0, impact.near, impact.free
@@ -262,10 +255,6 @@ class Knot:
             self._look_below()
         self._inverse(self._model, data, self._q, self._v, (after - self._v) / dt)
         self._correct_rates(after)
-        if self._push is not None and self._base:  # turns with the base's axes
-            turn = skew(data.oMi[1].rotation.T @ self._push)
-            self._by_q[:3, 3:6] -= turn
-            self._by_q[3:6, 3:6] -= skew(self.stepper.bodies.lever) @ turn
         self._moved = self._way_rates(after)
         self.by_mu = kernels.first_order_blocks(
             (self._twists, self._first, self._support, self._positions, self._radii, self._frames,

@@ -130,7 +130,7 @@ class PairDetection:
         on = np.ones(len(self.group), dtype=np.bool_)
         on[self._points :] = self._pairs.on
         friction, bounce = self._mixed[:, self.group]
-        return Surfaces(friction, bounce, on, self._geometry.propagation)
+        return Surfaces(friction, bounce, on)
 
 
 def _frame(name: str, joint: int) -> Any:

@@ -20,7 +20,7 @@ from surefoot.contact.laws.soft import SoftLaw
 from surefoot.solvers.solver import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
-from surefoot.stepping.impacts import GAIN, SWERVE, LostMotion, Meeting
+from surefoot.stepping.impacts import GAIN, SWERVE, LostMotion, Meeting, checked
 from surefoot.stepping.state import Impact
 
 NEWTON = 40
@@ -157,7 +157,9 @@ class SoftMeeting(Meeting):
         """Return the rows of J, G and g of the contacts that take part, without the law."""
         if not taken.size:
             return FreeProblem(taken, None, np.zeros((0, 0)), np.zeros(0))
-        Y, G, g = self.unshifted(taken)
+        contacts, closed = self.contacts, np.zeros(self.contacts.gaps.size)
+        Y, G, g = contacts.assemble(self.L, self.before, self.free, closed, taken, self.horizon, 0.0)
+        checked(G, g)
         if swerve is not None:
             g += swerve[taken].ravel()
         return FreeProblem(taken, Y, G, g)

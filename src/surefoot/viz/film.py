@@ -18,14 +18,12 @@ from surefoot.viz.video import (
     CONE_COLOUR,
     FORCE_COLOUR,
     PUSH_COLOUR,
-    WANTED_COLOUR,
     Arrow,
     Renderer,
     RenderError,
     cone_lines,
     edge_lines,
     log_arrows,
-    wanted_differs,
 )
 
 INK, PAPER = (34, 48, 60), (255, 255, 255)
@@ -125,8 +123,6 @@ class FilmScene:
             Entry(FORCE_COLOUR, "force of the ground"),
             Entry(CONE_COLOUR, "friction cone, up to its normal part"),
         ]
-        if wanted_differs(log["forces_commanded"], log["forces"]).any():
-            entries.append(Entry(WANTED_COLOUR, "commanded, where it is another"))
         if np.any(log["push"]):
             largest = float(np.linalg.norm(log["push"], axis=-1).max())
             entries.append(Entry(PUSH_COLOUR, f"push, up to {largest:.0f} N"))

@@ -1,4 +1,4 @@
-"""Plots of a logged run: forces, cones, base, torques, centres of pressure."""
+"""Plots of a logged run: forces, cones, base, torques."""
 
 from __future__ import annotations
 
@@ -7,25 +7,21 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.arrays import BoolArray
 from surefoot.audit.laws import LOADED_SHARE
 from surefoot.audit.motion import foot_forces, tilt_angles
-from surefoot.audit.pressure import sole_pressures
 from surefoot.log import Log
 from surefoot.numerics.phases import runs_of
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
-from surefoot.viz.shapes import ring
 from surefoot.viz.style import (
     BAD,
     FOOT_COLOURS,
-    GROUND,
     INK,
     MUTED,
     at_least,
     draw_columns,
-    mark_worst,
     most_of,
     new_axis,
-    new_figure,
     new_grid,
     new_panels,
     save,
@@ -116,10 +112,11 @@ def draw_torques(log: Log, path: Path) -> Path:
     figure, axis = new_axis((8.0, 3.4), title, xlabel="time [s]", ylabel=f"torque [{unit}]")
     thin = thinned(len(log))
     share = 100.0 * log["torques"][thin] / limits
-    row, worst = np.unravel_index(int(np.abs(log["torques"] / limits).argmax()), log["torques"].shape)
+    worst = int(np.abs(log["torques"] / limits).max(axis=0).argmax())
+    most = 100.0 * float(np.abs(log["torques"][:, worst] / limits[worst]).max())
     low, high = share.min(axis=1), share.max(axis=1)
     axis.fill_between(log["time"][thin], low, high, color=MUTED, alpha=0.25, lw=0, label="all joints")
-    name = log.facts["joints"][worst]
+    name = f"{log.facts['joints'][worst]}, at most {most:.0f} {unit}"
     axis.plot(log["time"][thin], share[:, worst], lw=1.6, color=FOOT_COLOURS[1], label=name, zorder=3)
     top = max(25.0, 1.15 * float(np.abs(share).max(initial=0.0)))
     if known and top > 80.0:
@@ -128,44 +125,13 @@ def draw_torques(log: Log, path: Path) -> Path:
             axis.axhline(limit, color=BAD, lw=0.9, ls="--")
     axis.set_ylim(-top, top)
     mark_events(axis, log)
-    most = 100.0 * float(log["torques"][row, worst] / limits[worst])
-    mark_worst(axis, float(log["time"][row]), most, f"{abs(most):.0f} {unit}")
     axis.legend(fontsize=8, ncols=2, loc="upper left")
-    return save(figure, path)
-
-
-def draw_pressure(log: Log, path: Path) -> Path | None:
-    """Draw the centre of pressure of every flat foot in its sole; None if no foot is flat."""
-    soles = sole_pressures(log)
-    if not soles:
-        return None
-    figure, axes = new_figure(1, len(soles), size=(4.2 * len(soles), 2.4), sharex=True, sharey=True)
-    pushed = np.any(log["push"] != 0.0, axis=1)
-    for axis, sole in zip(axes[0], soles, strict=True):
-        colour = FOOT_COLOURS[sole.foot % 8]
-        closed = 1e3 * ring(sole.outline)
-        axis.fill(*closed.T, color=GROUND, lw=0)
-        axis.plot(*closed.T, color=INK, lw=1.1)
-        trace = 1e3 * sole.centres
-        axis.plot(*trace[thinned(len(log))].T, color=colour, lw=0.9)
-        axis.scatter(*trace[pushed].T, s=6, color=FOOT_COLOURS[3], lw=0, zorder=3)
-        loaded = trace[np.isfinite(trace[:, 0])]
-        if len(loaded):
-            axis.scatter(*loaded[-1], s=22, color=colour, edgecolor="white", zorder=4)
-        name = log.facts["feet"][sole.foot]
-        axis.set_title(f"{name}: at least {1e3 * abs(sole.margin):.0f} mm from the edge", fontsize=9)
-        axis.set_aspect("equal")
-        axis.tick_params(colors=MUTED)
-    figure.supxlabel("along the foot [mm]", fontsize=9)
-    figure.supylabel("across [mm]", fontsize=9)
     return save(figure, path)
 
 
 def draw_run(log: Log, folder: Path) -> list[Path]:
     """Draw every plot of a run into a folder and return their paths."""
-    pressure = draw_pressure(log, folder / "pressure.png")
     return [
-        *([] if pressure is None else [pressure]),
         draw_normal_forces(log, folder / "normal_forces.png"),
         draw_cone_use(log, folder / "cone_use.png"),
         draw_base(log, folder / "base.png"),
@@ -183,3 +149,9 @@ def mark_events(axis: Any, log: Log) -> None:
     for rows, colour in ((changes, FOOT_COLOURS[5]), (lifted[:0] if "planned" in log else lifted, MUTED)):
         for at in rows:
             axis.axvline(time[at], color=colour, lw=0.8, ls=":")
+
+
+def spans(time: Any, on: BoolArray) -> list[tuple[float, float]]:
+    """Return (begin, length) of the runs where a flag is set."""
+    last = len(time) - 1
+    return [(float(time[a]), float(time[min(b, last)] - time[a])) for a, b in runs_of(on)]

@@ -197,14 +197,3 @@ def most_of(axis: Any, time: FloatArray, values: FloatArray, low: float, high: f
                 f"{extreme:.3g} {unit}".rstrip(), spot, xycoords=axis.get_xaxis_transform(),
                 xytext=(6, 0), textcoords="offset points", color=BAD, fontsize=8, va="center", zorder=5,
             )  # fmt: skip
-
-
-def mark_worst(axis: Any, x: float, y: float, words: str) -> None:
-    """Ring a point of an axis and write beside it."""
-    axis.plot(x, y, "o", color=BAD, ms=8, mfc="none", mew=1.4, zorder=6)
-    left, right = axis.get_xlim()
-    late = x > 0.5 * (left + right)
-    axis.annotate(
-        words, (x, y), xytext=(-8 if late else 8, 6), textcoords="offset points", fontsize=8, color=INK,
-        ha="right" if late else "left", zorder=6, bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 1},
-    )  # fmt: skip

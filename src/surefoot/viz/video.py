@@ -26,18 +26,15 @@ from surefoot.viz.shapes import bones, cone_rim
 WIDTH, HEIGHT = 1280, 720
 ARROW_LENGTH = 1.2
 """Length of the arrow of a force of m g, in base heights."""
-FORCE_COLOUR, WANTED_COLOUR, PUSH_COLOUR = (
-    (0.82, 0.29, 0.36, 1.0),
-    (0.44, 0.31, 0.61, 0.45),
-    (0.9, 0.6, 0.05, 1.0),
-)
+FORCE_COLOUR, PUSH_COLOUR = (0.82, 0.29, 0.36, 1.0), (0.9, 0.6, 0.05, 1.0)
 
 BONE_COLOUR = (0.25, 0.28, 0.32, 1.0)
 LIGHTEST = 1e-6
 """Mass [kg] and inertia [kg m2] of a link that has none, in a model that is only drawn."""
 POINT_SIZE = 0.012
 """Radius of the ball that stands for a foot without one [m]."""
-_WIDER: dict[tuple[float, ...], float] = {WANTED_COLOUR: 1.6, BONE_COLOUR: 5.0}
+BONE_WIDTH = 5.0
+"""Of a bone over that of another line."""
 CONE_COLOUR = (0.11, 0.42, 0.66, 0.55)
 EDGE_COLOUR = (0.35, 0.33, 0.3, 1.0)
 
@@ -121,7 +118,7 @@ class Renderer:
             return
         geom = scene.geoms[scene.ngeom]
         kind = mujoco.mjtGeom.mjGEOM_CAPSULE if line else mujoco.mjtGeom.mjGEOM_ARROW
-        width = (0.0045 if line else 0.03) * _WIDER.get(colour, 1.0) * self.size
+        width = (0.0045 if line else 0.03) * (BONE_WIDTH if colour == BONE_COLOUR else 1.0) * self.size
         shade = np.array(colour, np.float32)
         mujoco.mjv_initGeom(geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), shade)
         length = 1.0 if line else 2.0  # MuJoCo draws an arrow half as long as its connector
@@ -181,24 +178,9 @@ def _add_light(mujoco: Any, spec: Any, width: int, height: int, samples: int) ->
 
 
 def log_arrows(log: Log, step: int, terrain: Terrain, scale: float) -> list[Arrow]:
-    """Return the arrows of one step: measured forces, and commanded ones where they differ.
-
-    `scale` is the length of a newton [m/N].
-    """
-    arrows: list[Arrow] = []
-    positions = log["contact_positions"][step]
-    for k, place in enumerate(positions):
-        frame = terrain.frame(place[:2])
-        wanted, measured = log["forces_commanded"][step, k], log["forces"][step, k]
-        arrows.append((place, scale * frame @ measured, FORCE_COLOUR))
-        if wanted_differs(wanted, measured):
-            arrows.append((place, scale * frame @ wanted, WANTED_COLOUR))
-    return arrows
-
-
-def wanted_differs(wanted: FloatArray, measured: FloatArray) -> Any:
-    """Return whether commanded forces (..., 3) are so far from measured ones that both are drawn: (...)."""
-    return np.linalg.norm(wanted - measured, axis=-1) > 0.15 * np.linalg.norm(wanted, axis=-1)
+    """Return the arrows of one step's measured forces; `scale` is the length of a newton [m/N]."""
+    pairs = zip(log["contact_positions"][step], log["forces"][step], strict=True)
+    return [(place, scale * terrain.frame(place[:2]) @ force, FORCE_COLOUR) for place, force in pairs]
 
 
 def cone_lines(

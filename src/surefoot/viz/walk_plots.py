@@ -1,4 +1,4 @@
-"""Plots of a walk: velocity tracking, footfall diagram, use of the cone over time, path."""
+"""Plots of a walk: velocity tracking, footfall diagram, path."""
 
 from __future__ import annotations
 
@@ -7,29 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray
-from surefoot.audit import contact_use
-from surefoot.audit.motion import foot_forces, heading_velocity, touching
+from surefoot.audit.motion import heading_velocity, touching
 from surefoot.log import Log
-from surefoot.numerics.phases import runs_of
-from surefoot.spatial import GRAVITY
 from surefoot.terrain import read_terrain
 from surefoot.viz.plots import (
-    MOST_POINTS,
     draw_cone_use,
     draw_normal_forces,
     draw_torques,
     mark_events,
+    spans,
     thinned,
 )
 from surefoot.viz.style import (
-    BAD,
     FOOT_COLOURS,
     GROUND,
     INK,
     MUTED,
-    draw_columns,
-    mark_worst,
     most_of,
     new_axis,
     new_panels,
@@ -68,36 +61,12 @@ def draw_footfalls(log: Log, path: Path) -> Path:
     time, down = recent["time"], touching(recent)
     for k, name in enumerate(names):
         row = len(names) - 1 - k
-        axis.broken_barh(_spans(time, down[:, k]), (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8], label=name)
-        for begin, length in _spans(time, recent["planned"][:, k]) if plans else ():
+        axis.broken_barh(spans(time, down[:, k]), (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8], label=name)
+        for begin, length in spans(time, recent["planned"][:, k]) if plans else ():
             axis.plot([begin, begin + length], [row - 0.42] * 2, color=INK, lw=1.4, solid_capstyle="butt")
     axis.set_yticks(range(len(names)), names[::-1])
     axis.set(ylim=(-0.7, len(names) - 0.4), xlim=(time[0], time[-1]))
     axis.grid(axis="y", visible=False)
-    return save(figure, path)
-
-
-def draw_cone_time(log: Log, path: Path) -> Path:
-    """Draw the used share of every foot's friction cone over time, measured; and the commanded worst."""
-    title = "Use of the friction cone by feet that carry more than 5 % of the weight"
-    figure, axis = new_axis((8.0, 3.4), title, xlabel="time [s]", ylabel=r"$\|f_t\|\,/\,\mu f_n$")
-    every = max(1, len(log) // MOST_POINTS)
-    threshold = 0.05 * log.facts["mass"] * GRAVITY
-    use = contact_use(foot_forces(log), log["mu"], threshold)
-    # the highest of each short interval, so that thinning hides nothing
-    count = len(log) // every
-    blocks = use[: count * every].reshape(count, every, -1).max(axis=1)
-    time = log["time"][: count * every : every]
-    draw_columns(axis, time, blocks, log.facts["feet"], lw=0.7, alpha=0.8)
-    axis.axhline(1.0, color=BAD, lw=0.9, ls="--")
-    top = float(use.max(initial=0.0))
-    axis.set_ylim(0.0, max(1.1, 1.05 * min(top, 1.5)))
-    mark_events(axis, log)
-    if top > 0.0:
-        row = int(np.argmax(use.max(axis=1)))
-        foot = log.facts["feet"][int(np.argmax(use[row]))]
-        mark_worst(axis, float(log["time"][row]), min(top, 1.5), f"{foot} {100.0 * top:.0f} %")
-    axis.legend(ncols=4, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16))
     return save(figure, path)
 
 
@@ -139,7 +108,6 @@ def draw_walk(log: Log, folder: Path) -> list[Path]:
     return [
         draw_velocity(log, folder / "velocity.png"),
         draw_footfalls(log, folder / "footfalls.png"),
-        draw_cone_time(log, folder / "cone_over_time.png"),
         draw_cone_use(log, folder / "cone_use.png"),
         draw_normal_forces(_end(log), folder / "normal_forces.png"),
         draw_path(log, folder / "path.png"),
@@ -150,9 +118,3 @@ def draw_walk(log: Log, folder: Path) -> list[Path]:
 def _end(log: Log) -> Log:
     """Return the last `FOOTFALL_SPAN` seconds of a log."""
     return log.rows(log["time"] >= log["time"][-1] - FOOTFALL_SPAN)
-
-
-def _spans(time: Any, on: BoolArray) -> list[tuple[float, float]]:
-    """Return (begin, length) of the runs where a flag is set."""
-    last = len(time) - 1
-    return [(float(time[a]), float(time[min(b, last)] - time[a])) for a, b in runs_of(on)]

@@ -8,6 +8,8 @@ height. What an engine does not know it is not given.
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import math
 import os
@@ -75,9 +77,7 @@ def mujoco(scene: dict[str, Any], mjx: bool = False) -> tuple[list[Any], float]:
         return timed(
             scene, lambda _: library.mj_step(model, data), lambda: data.qpos.reshape(-1, 7)[:, :3].tolist()
         )
-    from surefoot.simulation.mjx import import_mjx
-
-    jax, engine = import_mjx()
+    jax, engine = _import_mjx()
     held = [engine.put_data(model, data)]
     step, on_device = jax.jit(engine.step), engine.put_model(model)
 
@@ -86,6 +86,19 @@ def mujoco(scene: dict[str, Any], mjx: bool = False) -> tuple[list[Any], float]:
         held[0].qpos.block_until_ready()
 
     return timed(scene, forward, lambda: np.asarray(held[0].qpos).reshape(-1, 7)[:, :3].tolist())
+
+
+def _import_mjx() -> Any:
+    """Return JAX and MJX, in double precision."""
+    try:
+        import jax
+
+        with contextlib.redirect_stdout(io.StringIO()):  # it prints which back ends are not here
+            from mujoco import mjx
+    except ImportError as error:
+        raise MissingExtra("mujoco-mjx", "mjx") from error
+    jax.config.update("jax_enable_x64", True)
+    return jax, mjx
 
 
 def bullet(scene: dict[str, Any]) -> tuple[list[Any], float]:
