@@ -1,4 +1,4 @@
-"""Measured tables of planning: shooting, schedules, the direct method, softening, gradients."""
+"""Measured tables of planning: shooting, schedules, softening, gradients."""
 
 from __future__ import annotations
 
@@ -140,7 +140,6 @@ def _searches(told: Any) -> Rows:
     return [[road, *row] for road, row in cells.items()]
 
 
-DIRECT = "python -m benchmarks.direct_planning"
 HOPPER = "python -m benchmarks.three_roads"
 GRADIENTS = "python -m benchmarks.gradients"
 SOFTENING = "surefoot bench softening --table race --table recommended --starts 5"
@@ -154,12 +153,7 @@ BY_PROBLEM = ("form", *PROBLEMS)
 WITHOUT_GAIT = (
     "", "up", "m/s", "lean", "duty", "diagonal", "front apart", "strides/s", "clearance", "depth",
 )  # fmt: skip
-MOTIONS = (
-    "motion", "knots", "status", "CPU s", "iterations", "law residual", "off with feedback", "off without",
-    "rigid world, same step", "rigid world, 1 ms", "audit",
-)  # fmt: skip
 EXECUTED = ("plan", "motors", "landed", "lawful", "torque use", "speed use", "moved", "turned")
-FIRST = ("first eps [J]", "status", "iterations", "cost")
 
 TABLES = {
     "race": Table(SOFTENING, "softening.md", BY_PROBLEM, lambda told: _softening(told, "race")),
@@ -172,13 +166,6 @@ TABLES = {
     "first": Table(
         "surefoot bench softening --table first --few 4", "softening.md", BY_PROBLEM,
         lambda told: _softening(told, "first", product=False),
-    ),
-    "direct": Table(
-        DIRECT, "direct-planning.md", MOTIONS,
-        lambda told: printed(told, "motions whose contacts", *MOTIONS),
-    ),
-    "direct_first": Table(
-        DIRECT, "direct-planning.md", FIRST, lambda told: printed(told, "first smoothing", *FIRST)
     ),
     "roads": Table(HOPPER, "three-roads.md", FROM_STARTS, lambda told: printed(told, "from its own start")),
     "changes": Table(

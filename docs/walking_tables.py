@@ -94,15 +94,6 @@ def _payloads(told: Any) -> Rows:
     return list(found.values())
 
 
-def _detections(told: Any) -> Rows:
-    """Return delays and errors of the contact detector, the contacts it missed of all."""
-    columns = ("run", "noise", "touchdown", "lift-off", "missed", "contacts", "false", "rows wrong")
-    return [
-        [run, noise, down, up, f"{missed} of {contacts}", false, wrong]
-        for run, noise, down, up, missed, contacts, false, wrong in printed(told, "contacts from", *columns)
-    ]
-
-
 def _faults(told: Any) -> Rows:
     """Return the largest level of every fault that all seeds survived, and the next one."""
     return [
@@ -228,7 +219,7 @@ ACTUATORS = "python -m benchmarks.actuators --part"
 LOADS = "python -m benchmarks.loads"
 FEW = f"{LOADS} --seeds 1 --duration 4 --part"
 MANY = f"{LOADS} --seeds 20 --part payloads --only 'hard: 5 kg at (0.1'"
-STATE, DETECTION = "python -m benchmarks.state_estimate", "python -m benchmarks.contact_detection"
+STATE, SLIPPERY = "python -m benchmarks.state_estimate", "python -m benchmarks.slippery_walks"
 AUDIT = "python -m benchmarks.audit"
 SWEEP = "surefoot sweep examples/sweeps"
 MOTOR_SPEEDS = (
@@ -284,13 +275,8 @@ TABLES = {
         STATE, "estimation.md", ("robot", "filter: predict", "filter: update", "forces", "contacts", "all"),
         lambda told: printed(told, "CPU time"),
     ),
-    "detection": Table(
-        DETECTION, "estimation.md",
-        ("run", "noise", "touchdown [ms]: median, worst", "lift-off", "missed", "false", "rows wrong"),
-        _detections,
-    ),
     "slippery": Table(
-        DETECTION, "estimation.md",
+        SLIPPERY, "estimation.md",
         ("world", "true mu", "first answer after the first slip [ms]", "all answers", "highest lower bound"),
         lambda told: printed(told, "friction while"),
     ),

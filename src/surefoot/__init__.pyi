@@ -46,8 +46,6 @@ from .equilibrium.statics import friction_needed as friction_needed
 from .equilibrium.wrench_cone import wrench_cone as wrench_cone
 from .errors import ProblemError as ProblemError
 from .errors import SurefootError as SurefootError
-from .estimation.contact_detection import ContactDetector as ContactDetector
-from .estimation.contact_detection import detect_contacts as detect_contacts
 from .estimation.force_model import ForceModel as ForceModel
 from .estimation.forces import estimate_forces as estimate_forces
 from .estimation.friction import FrictionTracker as FrictionTracker

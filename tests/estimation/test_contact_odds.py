@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.contact_odds import (
     BANDWIDTHS,
     QUIET,
@@ -18,6 +17,7 @@ from surefoot.estimation.contact_odds import (
     quiet_bandwidth,
 )
 from surefoot.estimation.detection_kernels import LEAST_HEIGHT, LEAST_SPEED, MOST_FORCE, decide_contacts
+from surefoot.estimation.foot_force_observer import FootForceObserver
 from surefoot.robot import load_robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import SlopeTerrain
@@ -56,7 +56,7 @@ def test_noise_of_speeds_shows_in_forces_as_foretold(name: str) -> None:
     """A robot in free fall: what its detector takes for forces is noise of the joints' speeds alone."""
     robot, speed, dt = load_robot(name), 0.05, 1e-3
     bandwidth = quiet_bandwidth(robot, dt, speed)
-    detector = ContactDetector(robot, dt, DetectionSettings(bandwidth=bandwidth))
+    detector = FootForceObserver(robot, dt, bandwidth)
     random, q, found = np.random.default_rng(1), robot.nominal.copy(), []
     v = np.zeros(robot.model.nv)
     for k in range(1500):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from benchmarks.contact_detection import friction_answers
+from benchmarks.slippery_walks import friction_answers
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 

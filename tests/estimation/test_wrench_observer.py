@@ -7,7 +7,15 @@ import pinocchio
 import pytest
 
 from surefoot.estimation import wrench_kernels as kernels
-from surefoot.estimation.wrench_observer import FURTHEST, LARGEST, LEAST, MOST, Instant, WrenchObserver
+from surefoot.estimation.wrench_observer import (
+    FURTHEST,
+    LARGEST,
+    LEAST,
+    MOST,
+    Instant,
+    WrenchObserver,
+    filter_wrench,
+)
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.stepping.bodies import loaded_model
@@ -87,7 +95,7 @@ def test_the_filters_step_is_kalmans() -> None:
     gain = before @ H.T @ np.linalg.inv(H @ before @ H.T + np.diag(noise))
     state = keep * x + gain @ (y - H @ (keep * x))
     covariance = (np.eye(10) - gain @ H) @ before
-    kernels.filter_wrench(x, P, y, rotation, noise, keep, drive)
+    x, P = filter_wrench(x, P, y, rotation, noise, keep, drive)
     assert np.allclose(x, state, rtol=1e-9, atol=1e-12)
     assert np.allclose(P, covariance, rtol=1e-9, atol=1e-9)
 

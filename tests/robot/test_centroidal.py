@@ -46,9 +46,6 @@ def test_momentum_is_the_sum_over_links(case):
     assert relative(h.vector, np.concatenate([linear, angular])) < 1e-9
     assert relative(centroidal.momentum_matrix(robot, q) @ v, h.vector) < 1e-9
     assert relative(h.com_velocity, linear / mass) < 1e-9
-    point = np.array([0.3, -2.0, 1.0])
-    about = angular + np.cross(com - point, linear)
-    assert relative(h.about(point), about) < 1e-9
 
 
 def test_bias_against_finite_differences(case):

@@ -18,7 +18,6 @@ ROBOTS = {
     "go2": (lambda: load_robot("go2"), (0, 1, 2, 3, 4, 5)),
     "planar hopper": (planar.planar_hopper, (0, 2, 4)),
     "sliding hopper": (planar.sliding_hopper, (0, 2)),
-    "biped": (planar.planar_biped, (0, 2, 4)),
     "ball": (lambda: planar.point("ball", 0.1), (0, 2)),
     "block and foot": (planar.block_and_foot, ()),
 }

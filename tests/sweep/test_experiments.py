@@ -92,13 +92,16 @@ def test_motors_give_their_share() -> None:
 
 
 @pytest.mark.parametrize("world", ["mujoco", "rigid"])
-def test_a_stand_depends_on_its_ground(world: str) -> None:
+def test_a_walk_depends_on_its_ground_and_motors(world: str) -> None:
     settings = {"world": world, "duration": 0.5, "slope": 15.0}
-    held, lost = (make_experiment("stand", {**settings, "mu": mu}).run(SEED) for mu in (0.6, 0.1))
-    assert held["survived"]
-    assert (held["outcome"], lost["survived"]) == ("stood", False)
+    held, lost = (make_experiment("walk", {**settings, "mu": mu}).run(SEED) for mu in (0.6, 0.1))
     assert lost["slip"] > 0.01 > held["slip"]
-    assert set(held) == set(make_experiment("stand").columns)
+    stiff = make_experiment("walk", {**settings, "joint_friction": 5.0}).run(SEED)
+    assert stiff["velocity"] != held["velocity"]
+    plain = make_experiment(
+        "walk", {**settings, "armature": 0.0, "joint_damping": 0.0, "joint_friction": 0.0}
+    )
+    assert plain.run(SEED)["velocity"] == pytest.approx(held["velocity"], abs=1e-6)
 
 
 def test_soft_ground_is_sunk_into_and_gives_work_back() -> None:

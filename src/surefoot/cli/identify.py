@@ -34,11 +34,12 @@ def identify(
     tosses: Annotated[
         Path,
         typer.Argument(
-            help="An .npz file of tosses, or a leg's .csv log on a force sensor; see docs/identify.md."
+            help="An .npz file of tosses, a walk's log.npz, or a leg's .csv log; see docs/identify.md."
         ),
     ],
     model: Annotated[
-        Path | None, typer.Option(help="URDF or MJCF of what was thrown, a cube if none, or of the leg.")
+        Path | None,
+        typer.Option(help="URDF or MJCF of what was thrown, a cube if none; of the leg; or the robot."),
     ] = None,
     test: Annotated[
         Path | None, typer.Option(help="Other tosses, which the fit does not see: errors on them.")
@@ -61,12 +62,16 @@ def identify(
     picture: options.Picture = True,
     as_json: options.AsJson = False,
 ) -> int:
-    """Fit a body, a contact law and the ground to tosses, or a leg's joints to a force sensor."""
+    """Fit a body, a contact law and the ground to tosses, a robot to a walk, or a leg to a force sensor."""
+    from surefoot.cli.identify_robot import identify_robot, is_log
+
+    given = {"--law": law, "--rivals": rivals != NAMED, "--resamples": resamples != 1000, "--seed": seed}
     if tosses.suffix == ".csv":
         from surefoot.cli.identify_forces import identify_forces
 
-        given = {"--law": law, "--rivals": rivals != NAMED, "--resamples": resamples != 1000, "--seed": seed}
         return identify_forces(tosses, model, test, out, as_json, given)
+    if is_log(tosses):
+        return identify_robot(tosses, model, out, as_json, {**given, "--test": test is not None})
     from surefoot.estimation.toss_model import ThrownModel
     from surefoot.estimation.tosses import read_tosses
 

@@ -71,7 +71,7 @@ def feel_feet(
 
 @inline_kernel
 def detector_arrays(memory: FloatArray, n: int, nv: int) -> tuple[FloatArray, ...]:
-    """Return the parts of a `ContactDetector`'s memory, for n feet and nv velocities.
+    """Return the parts of a `FootForceObserver`'s memory, for n feet and nv velocities.
 
     They are numbers (exp(-K dt), dt [s], whether there was a step before, and the force that counts as a push
     [N]), the feet's radii (n,) [m], (4, nv) rotors' inertias, momentum, rate and residual, forces, velocities

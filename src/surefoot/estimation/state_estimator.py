@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
-from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.contact_odds import (
     ContactFusion,
     GroundLevel,
@@ -25,6 +24,7 @@ from surefoot.estimation.contact_odds import (
     observer_gain,
     quiet_bandwidth,
 )
+from surefoot.estimation.foot_force_observer import FootForceObserver
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.latency import Latency
 from surefoot.estimation.step_kernels import BELIEVED, CREDIBLE, LANDED, TOUCHED, advance, settle, tell
@@ -131,11 +131,8 @@ class StateEstimator:
         self.fusion = ContactFusion(
             ekf.robot, contacts or TouchSettings(), sensed, noise.joint_speed, ekf.ground is not None
         )
-        detection, usual = (
-            DetectionSettings(bandwidth=bandwidth),
-            ekf.robot.mass * GRAVITY / len(ekf.robot.feet),
-        )
-        self.detector = ContactDetector(ekf.robot, dt, detection, ekf.feet, SENSED * usual)
+        usual = ekf.robot.mass * GRAVITY / len(ekf.robot.feet)
+        self.detector = FootForceObserver(ekf.robot, dt, bandwidth, ekf.feet, SENSED * usual)
         largest = self.watch.bias * noise.gyro_bias, self.watch.bias * noise.accelerometer_bias
         self._limits = np.array([self.latency.ahead, self.watch.fastest, *largest])
         self._nq, self._nv = len(ekf.q), len(ekf.v)

@@ -1,4 +1,4 @@
-"""The arithmetic of the wrench observer: what pushes a robot from outside, and a Kalman filter's step."""
+"""The arithmetic of the wrench observer: what pushes a robot from outside."""
 
 from __future__ import annotations
 
@@ -79,97 +79,6 @@ def point_inertia(arm: FloatArray) -> FloatArray:
         for j in range(3):
             out[i, j] = (square if i == j else 0.0) - arm[i] * arm[j]
     return out
-
-
-@kernel
-def filter_block(
-    state: FloatArray, covariance: FloatArray, mean: FloatArray, last: FloatArray, spread: FloatArray,
-    pose: FloatArray, noise: FloatArray, keep: FloatArray, drive: FloatArray, watch: float,
-    bounds: FloatArray,
-) -> None:  # fmt: skip
-    """Take a block's mean wrench into the filter: noise is what blocks differ by, and loads are bounded.
-
-    Parameters
-    ----------
-    state, covariance, pose, keep, drive
-        As for `filter_wrench`.
-    mean, last
-        (6,) of this block, and of the one before: brought up, NaN at first.
-    spread
-        (6,) variance of the differences: brought up.
-    noise
-        (6,) least variances of the measurement.
-    watch
-        Share of the newest difference in the spread.
-    bounds
-        (6,) on the mean; least and most mass; furthest place, and the least mass that it counts for; on the
-        rest.
-    """
-    for a in range(6):
-        mean[a] = min(max(mean[a], -bounds[0]), bounds[0])
-        change = mean[a] - last[a] if np.isfinite(last[a]) else 0.0
-        spread[a] += watch * (0.5 * change * change - spread[a])
-        last[a] = mean[a]
-    filter_wrench(state, covariance, mean, pose, np.maximum(noise, spread), keep, drive)
-    state[0] = min(max(state[0], bounds[1]), bounds[2])
-    reach = bounds[3] * max(abs(state[0]), bounds[4])
-    for j in range(1, 10):
-        most = reach if j < 4 else bounds[5]
-        state[j] = min(max(state[j], -most), most)
-
-
-@kernel
-def filter_wrench(
-    state: FloatArray, covariance: FloatArray, wrench: FloatArray, rotation: FloatArray, noise: FloatArray,
-    keep: FloatArray, drive: FloatArray,
-) -> None:  # fmt: skip
-    """Take a Kalman filter's step: states that fade, then wrench = weight of the load + rest + noise.
-
-    All in units in which gravity is one.
-
-    Parameters
-    ----------
-    state, covariance
-        (10,), (10, 10): mass and first moment of the load in base axes, force and moment of the rest.
-    wrench
-        (6,) as measured, world axes.
-    rotation
-        (3, 3) or more columns: of the base in the world.
-    noise
-        (6,) variances of the measurement.
-    keep, drive
-        (10,) share of each state that is left, and variance that it gains.
-    """
-    n = state.shape[0]
-    for i in range(n):
-        state[i] *= keep[i]
-        for j in range(n):
-            covariance[i, j] *= keep[i] * keep[j]
-        covariance[i, i] += drive[i]
-    H, PH = np.empty(n), np.empty(n)
-    for r in range(6):
-        H[:] = 0.0
-        H[4 + r] = 1.0
-        if r == 2:
-            H[0] = -1.0
-        for j in range(3):
-            if r == 3:
-                H[1 + j] = -rotation[1, j]
-            elif r == 4:
-                H[1 + j] = rotation[0, j]
-        missed, spread = wrench[r], noise[r]
-        for i in range(n):
-            PH[i] = 0.0
-            for j in range(n):
-                PH[i] += covariance[i, j] * H[j]
-        for i in range(n):
-            missed -= H[i] * state[i]
-            spread += H[i] * PH[i]
-        for i in range(n):
-            gain = PH[i] / spread
-            state[i] += gain * missed
-            for j in range(n):
-                covariance[i, j] -= gain * PH[j]
 
 
 @kernel

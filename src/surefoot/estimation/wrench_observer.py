@@ -59,8 +59,6 @@ VIOLENT = 2.0
 """A block's mean is taken for no more than this [-]: touchdowns strike harder than loads weigh."""
 LIGHT = 0.05
 """Mass below which a payload's place is given nearer than it is [-]: it cannot be known."""
-BOUNDS = np.array([VIOLENT, LEAST, MOST, FURTHEST, LIGHT, LARGEST])
-"""As `filter_block` takes them [-]."""
 NOISE = np.array([NOISE_FORCE**2] * 3 + [NOISE_MOMENT**2] * 3)
 """(6,) least variances of a block's mean [-]."""
 DEVIATIONS = np.array([MASS] + [PLACE] * 3 + [FORCE] * 3 + [MOMENT] * 3)
@@ -114,7 +112,7 @@ class Instant(NamedTuple):
 def _decay(block: float) -> tuple[FloatArray, FloatArray, float]:
     """Return how much of the state (10,) is kept over a block [s], and the variance (10,) that it gains.
 
-    And the share of the newest difference in the spread of the blocks, see `filter_block`.
+    And the share of the newest difference in the spread of the blocks.
     """
     times = np.array([math.inf] * 3 + [MEMORY] + [FADING] * 6)
     keep = np.exp(-block / times)
@@ -194,10 +192,16 @@ class WrenchObserver:
         mean = self._sum / (self._count * self._unit[4:])
         if not np.isfinite(mean).all():
             return
-        kernels.filter_block(
-            self.state, self._covariance, mean, self._last, self._spread, pose, NOISE,
-            *_decay(self._steps * self.dt), BOUNDS,
-        )  # fmt: skip
+        keep, drive, watch = _decay(self._steps * self.dt)
+        mean = np.clip(mean, -VIOLENT, VIOLENT)
+        change = np.where(np.isfinite(self._last), mean - self._last, 0.0)
+        self._spread += watch * (0.5 * change**2 - self._spread)
+        self._last, noise = mean, np.maximum(NOISE, self._spread)
+        x, self._covariance = filter_wrench(self.state, self._covariance, mean, pose, noise, keep, drive)
+        x[0] = np.clip(x[0], LEAST, MOST)
+        reach = FURTHEST * max(abs(x[0]), LIGHT)
+        x[1:] = np.clip(x[1:], *(sign * np.array([reach] * 3 + [LARGEST] * 6) for sign in (-1.0, 1.0)))
+        self.state = x
 
     @property
     def load(self) -> Load:
@@ -216,3 +220,31 @@ class WrenchObserver:
     def wrench(self) -> FloatArray:
         """The rest (6,): force and moment about the base's origin, world axes [N, N m]."""
         return np.asarray(self.state[4:] * self._unit[4:])
+
+
+def filter_wrench(
+    state: FloatArray, covariance: FloatArray, wrench: FloatArray, rotation: FloatArray, noise: FloatArray,
+    keep: FloatArray, drive: FloatArray,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Take a Kalman filter's step: states that fade, then wrench = weight of the load + rest + noise.
+
+    All in units in which gravity is one; returned are state and covariance after it.
+
+    Parameters
+    ----------
+    state, covariance
+        (10,), (10, 10): mass and first moment of the load in base axes, force and moment of the rest.
+    wrench
+        (6,) as measured, world axes.
+    rotation
+        (3, 3) or more columns: of the base in the world.
+    noise
+        (6,) variances of the measurement.
+    keep, drive
+        (10,) share of each state that is left, and variance that it gains.
+    """
+    x, P = keep * state, keep[:, None] * covariance * keep + np.diag(drive)
+    H = np.hstack([np.zeros((6, 4)), np.eye(6)])
+    H[2, 0], H[3, 1:4], H[4, 1:4] = -1.0, -rotation[1, :3], rotation[0, :3]
+    gain = np.linalg.solve(H @ P @ H.T + np.diag(noise), H @ P).T
+    return x + gain @ (wrench - H @ x), P - gain @ H @ P

@@ -72,11 +72,6 @@ class Momentum:
         """
         return np.asarray(np.linalg.solve(self.inertia, self.angular))
 
-    def about(self, point: ArrayLike) -> FloatArray:
-        """Return the (3,) angular momentum about a fixed point in the world [kg m^2/s]."""
-        arm = self.com - finite_array("point", point, (3,))
-        return np.asarray(self.angular + np.cross(arm, self.linear))
-
 
 def momentum_matrix(robot: Robot, q: ArrayLike) -> FloatArray:
     """Return A_G with h = A_G v: (6, nv) [kg, kg m for a rate in m/s]."""

@@ -97,7 +97,6 @@ class SweepExperiment(ABC):
 
 EXPERIMENTS: dict[str, str | type[SweepExperiment]] = {
     "drop": "surefoot.sweep.drop:DropExperiment",
-    "stand": "surefoot.sweep.robots:StandTrial",
     "walk": "surefoot.sweep.robots:WalkTrial",
 }
 """Name to the class, or "module:class", imported when asked for."""

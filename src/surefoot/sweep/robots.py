@@ -1,34 +1,40 @@
-"""A robot stands or walks: robot, world, what is wrong with them, what is measured."""
+"""A robot walks: robot, world, what is wrong with them, what is measured."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, check_name
+from surefoot.robot.actuators import real_actuators
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.sweep.experiment import number
 from surefoot.sweep.grounded import Grounded
 from surefoot.terrain import FlatTerrain, Terrain
 
 if TYPE_CHECKING:
-    from surefoot.audit import RunSummary
     from surefoot.control.controller import Controller
     from surefoot.log import Log
     from surefoot.robot import Robot
+    from surefoot.robot.actuators import Actuators
 
+MOTORED = ("mujoco", "rigid")
+"""Worlds whose joints have motors."""
 PUSH_LENGTH = 0.2
 """Length of a push [s]."""
 
 
 @dataclass(frozen=True)
-class RobotRun(Grounded):
-    """A robot under a controller that knows nothing of what is drawn, but `believed_mu` and the terrain.
+class WalkTrial(Grounded):
+    """A robot walks under the walking controller; it survives if `surefoot walk` would call it "walked".
+
+    Unlike there, its controller gets the true state; of what is drawn it knows only `believed_mu` and the
+    terrain.
 
     Attributes
     ----------
@@ -37,6 +43,8 @@ class RobotRun(Grounded):
     motor_strength, delay, noise
         Torque given over torque asked for; between measurement and torques [s]; of the sensors, 1 for
         ordinary ones.
+    armature, joint_damping, joint_friction
+        Factors of the figures of `real_actuators`; motors are ideal where none is given.
     push_x, push_y, push_time
         Push on the base: forward, left [N], for 0.2 s from this time on [s].
     believed_mu
@@ -45,10 +53,14 @@ class RobotRun(Grounded):
         A known robot's name; a name of `surefoot.simulation.worlds.WORLDS`.
     duration
         Simulated time [s].
+    gait
+        A name of `surefoot.gait_names()`.
+    speed
+        Commanded forward velocity [m/s].
     """
 
     columns: ClassVar[Mapping[str, str]] = {
-        "survived": "bool",  # stood, or walked as it was commanded
+        "survived": "bool",  # walked as it was commanded
         "outcome": "text",  # in a word
         "laws_broken": "float",  # how many
         "slip": "float",  # furthest that a loaded foot slid [m]
@@ -58,25 +70,39 @@ class RobotRun(Grounded):
         "torque_use": "float",  # highest share of a torque limit
         "tilt": "float",  # largest [deg]
         "end_time": "float",  # of the run [s]
+        "velocity": "float",  # mean forward velocity after 2 s, or of all if it ended before [m/s]
     }
 
     payload: float = number(0.0, 0.0, 1e4, "kg")
     motor_strength: float = number(1.0, 0.0, 10.0, "x nominal")
     delay: float = number(0.0, 0.0, 1.0, "s")
     noise: float = number(0.0, 0.0, 100.0)
+    armature: float | None = number(None, 0.0, 1e3, "x nominal")
+    joint_damping: float | None = number(None, 0.0, 1e3, "x nominal")
+    joint_friction: float | None = number(None, 0.0, 1e3, "x nominal")
     push_x: float = number(0.0, -1e5, 1e5, "N")
     push_y: float = number(0.0, -1e5, 1e5, "N")
     believed_mu: float = number(0.6, 0.0, 1e3)
     robot: str = "go2"
     world: str = "mujoco"  # type: ignore[misc]
-    duration: float = number(3.0, 0.1, 600.0, "s")
+    duration: float = number(4.0, 0.1, 600.0, "s")
     push_time: float = number(1.0, 0.0, 600.0, "s")
+    gait: str = "trot"
+    speed: float = number(0.5, -10.0, 10.0, "m/s")
 
     def __post_init__(self) -> None:
+        from surefoot.stance.gait_library import gait_names
+
         if not isinstance(self.robot, str) or "/" in self.robot or self.robot.endswith((".urdf", ".xml")):
             raise ProblemError(f"robot must be the name of a known robot, got {self.robot!r:.60}")
         check_name("world", self.world, WORLDS)  # a list would not be hashable
         super().__post_init__()
+        if (
+            self.world not in MOTORED
+            and (self.armature, self.joint_damping, self.joint_friction) != (None,) * 3
+        ):
+            raise ProblemError(f"armature is of the worlds {', '.join(MOTORED)}, got {self.world}")
+        check_name("gait", self.gait, [name for name in gait_names() if name != "stand"])
         if (self.push_x or self.push_y) and self.push_time >= self.duration:
             raise ProblemError(f"push_time {self.push_time:g} s is after the end, {self.duration:g} s")
 
@@ -85,7 +111,8 @@ class RobotRun(Grounded):
         self._begin(known_robot(self.robot), FlatTerrain())
 
     def run(self, seed: int) -> dict[str, Any]:
-        """Return how the robot stood or walked."""
+        """Return how the robot walked."""
+        from surefoot.audit import summarise_walk
         from surefoot.simulation.engine_warnings import engine_warnings
         from surefoot.simulation.faults import Faults
         from surefoot.simulation.run import run
@@ -94,15 +121,16 @@ class RobotRun(Grounded):
         robot, terrain = known_robot(self.robot), self.ground(seed)
         controller, start = self._begin(robot, terrain)
         world = make_world(
-            self.world, self.altered(robot), terrain, self.mu, payload=self.payload, **self.ground_options()
-        )
+            self.world, self.altered(robot), terrain, self.mu, payload=self.payload,
+            **self._motors(robot), **self.ground_options(),
+        )  # fmt: skip
         faults = Faults(noise=self.noise, delay=self.delay, strength=self.motor_strength)
         force = (self.push_x, self.push_y, 0.0)
         pushes = [Push(self.push_time, force, PUSH_LENGTH)] if any(force) else []
-        scenario = Scenario(self.duration, self.mu, pushes, seed=seed, faults=faults, **start)
+        scenario = Scenario(self.duration, self.mu, pushes, seed=seed, faults=faults, start=start)
         with engine_warnings():  # not into the worker's folder: the results tell of a lost state
             log = run(world, controller, scenario)
-        summary, more = self._judge(log)
+        summary = summarise_walk(log)
         return {
             "survived": bool(summary.success),
             "outcome": summary.outcome,
@@ -112,91 +140,30 @@ class RobotRun(Grounded):
             "ground_work": ground_work(log),
             "cone_use": summary.laws.cone_use_max,
             "torque_use": summary.torque_use_max,
+            "tilt": summary.tilt_max_deg,
             "end_time": summary.duration,
-            **more,
+            "velocity": summary.velocity.forward.measured,
         }
 
-    @abstractmethod
-    def _begin(self, robot: Robot, terrain: Terrain) -> tuple[Controller, dict[str, Any]]:
-        """Return the controller, and the start and end of its scenario."""
-
-    @abstractmethod
-    def _judge(self, log: Log) -> tuple[RunSummary, dict[str, Any]]:
-        """Return the summary of a run, its tilt and what only this experiment measures."""
-
-
-@dataclass(frozen=True)
-class StandTrial(RobotRun):
-    """A robot stands under the standing controller; it survives if `surefoot stand` would call it "stood"."""
-
-    columns: ClassVar[Mapping[str, str]] = {
-        **RobotRun.columns,
-        "moved": "float",  # the base, from where it started to where it ended [m]
-    }
-    chunk: ClassVar[int] = 2
-
-    def _begin(self, robot: Robot, terrain: Terrain) -> tuple[Controller, dict[str, Any]]:
-        from surefoot.control.standing import StandingController
-        from surefoot.control.standing_plan import StandingPlan
-        from surefoot.robot import place
-        from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
-
-        q = place(robot, terrain)
-        plan = StandingPlan(robot, terrain, q, [])
-        controller = StandingController(robot, plan, terrain, q, self.believed_mu)
-        return controller, {"start": q, "depth": START_DEPTH, "fall": STANDING_FALL}
-
-    def _judge(self, log: Log) -> tuple[RunSummary, dict[str, Any]]:
-        from surefoot.audit import summarise_stand
-
-        summary = summarise_stand(log)
-        return summary, {"tilt": summary.base.tilt_max_deg, "moved": summary.base.position_end}
-
-
-@dataclass(frozen=True)
-class WalkTrial(RobotRun):
-    """A robot walks under the walking controller; it survives if `surefoot walk` would call it "walked".
-
-    Unlike there, its controller gets the true state.
-
-    Attributes
-    ----------
-    gait
-        A name of `surefoot.gait_names()`.
-    speed
-        Commanded forward velocity [m/s].
-    """
-
-    columns: ClassVar[Mapping[str, str]] = {
-        **RobotRun.columns,
-        "velocity": "float",  # mean forward velocity after 2 s, or of all if it ended before [m/s]
-    }
-
-    gait: str = "trot"
-    speed: float = number(0.5, -10.0, 10.0, "m/s")
-    duration: float = number(4.0, 0.1, 600.0, "s")
-
-    def __post_init__(self) -> None:
-        from surefoot.stance.gait_library import gait_names
-
-        super().__post_init__()
-        walks = [name for name in gait_names() if name != "stand"]
-        check_name("gait", self.gait, walks)
-
-    def _begin(self, robot: Robot, terrain: Terrain) -> tuple[Controller, dict[str, Any]]:
+    def _begin(self, robot: Robot, terrain: Terrain) -> tuple[Controller, FloatArray]:
+        """Return the controller and where the robot starts."""
         from surefoot.control.walking import WalkingController, WalkSettings
         from surefoot.control.walking_body import VelocityCommand
         from surefoot.simulation.walk_terrain import start_pose
 
         command, settings = VelocityCommand.constant(self.speed), WalkSettings(mu=self.believed_mu)
         controller = WalkingController(robot, command, self.gait, terrain, settings)
-        return controller, {"start": start_pose(robot, terrain)}
+        return controller, start_pose(robot, terrain)
 
-    def _judge(self, log: Log) -> tuple[RunSummary, dict[str, Any]]:
-        from surefoot.audit import summarise_walk
-
-        summary = summarise_walk(log)
-        return summary, {"tilt": summary.tilt_max_deg, "velocity": summary.velocity.forward.measured}
+    def _motors(self, robot: Robot) -> dict[str, Actuators]:
+        """Return the world's option for motors with other figures; none where no setting says so."""
+        figures = self.armature, self.joint_damping, self.joint_friction
+        if figures == (None, None, None):
+            return {}
+        motors = real_actuators(robot)
+        own = zip(figures, (motors.armature, motors.damping, motors.friction), strict=True)
+        armature, damping, friction = (figure if f is None else f * figure for f, figure in own)
+        return {"actuators": replace(motors, armature=armature, damping=damping, friction=friction)}
 
 
 @lru_cache(maxsize=4)

@@ -8,7 +8,6 @@ it and however many there are. Its points fill the space more evenly than random
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -160,16 +159,14 @@ class Space:
     def sample(self, indices: Iterable[int]) -> list[SweepSample]:
         """Return the samples of some indices, in their order."""
         wanted = list(indices)
-        rising = enumerate(sorted(set(wanted)))
-        found: dict[int, SweepSample] = {}
-        for _, group in itertools.groupby(rising, key=lambda pair: pair[1] - pair[0]):
-            run = [index for _, index in group]  # indices without a gap are one call
-            for index, point in zip(run, self._points(run[0], run[-1] + 1), strict=True):
-                shares = zip(self.ranges.items(), point.tolist(), strict=True)
-                values = {name: drawn.at(share) for (name, drawn), share in shares}
-                seed = int(np.random.SeedSequence([self.seed, index]).generate_state(1)[0])
-                found[index] = SweepSample(index, seed, values)
-        return [found[index] for index in wanted]
+        first = min(wanted, default=0)
+        points = self._points(first, max(wanted, default=0) + 1).tolist()
+        return [self._at(index, points[index - first]) for index in wanted]
+
+    def _at(self, index: int, point: list[float]) -> SweepSample:
+        shares = zip(self.ranges.items(), point, strict=True)
+        seed = int(np.random.SeedSequence([self.seed, index]).generate_state(1)[0])
+        return SweepSample(index, seed, {name: drawn.at(share) for (name, drawn), share in shares})
 
     def _points(self, start: int, stop: int) -> np.ndarray:
         """Return points `start` to `stop` - 1 of the sequence: (stop - start, d)."""

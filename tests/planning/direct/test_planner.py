@@ -18,7 +18,6 @@ from surefoot.planning.direct import (
     StateWindow,
     plan_direct,
     plan_with_modes,
-    planar_biped,
     planar_hopper,
 )
 from surefoot.planning.direct.transcribe import DirectNlp
@@ -106,13 +105,6 @@ def test_the_modes_of_a_plan_given_as_a_schedule_lead_to_it(hop) -> None:
         plan_with_modes(problem, np.full_like(modes, 3))
     with pytest.raises(ProblemError, match=r"got shape \(3, 1\)"):
         plan_with_modes(problem, modes[:3])
-
-
-def test_a_step_of_the_biped_is_found() -> None:
-    found = plan_direct(ahead(planar_biped(), 0.3), smoothings=(1.0, 1e-1, 1e-2, 1e-4, 1e-8))
-    assert reached(found).law_residual < 1e-8
-    assert {p.foot for p in found.plan.contacts} == {"left", "right"}
-    assert found.departure < 1e-4
 
 
 def test_a_plan_warm_starts_the_next_one(hop) -> None:

@@ -13,11 +13,11 @@ from surefoot.planning.direct import (
     Facets,
     GivenModes,
     Guess,
-    planar_biped,
     planar_hopper,
 )
 from surefoot.planning.direct.transcribe import DirectNlp
 from surefoot.planning.transcription.contact_rows import OPEN, SLIDE, STICK, read_modes
+from surefoot.planning.transcription.planar import block_and_foot
 from surefoot.terrain import FlatTerrain, SlopeTerrain
 
 casadi = pytest.importorskip("casadi")
@@ -39,7 +39,7 @@ def thrown(robot, terrain, seed):
 
 CASES = {
     "hopper": (planar_hopper(), FlatTerrain()),
-    "biped": (planar_biped(), SlopeTerrain(0.0)),
+    "block and foot": (block_and_foot(), SlopeTerrain(0.0)),
     "hopper uphill": (planar_hopper(), SlopeTerrain(12.0)),
 }
 
@@ -63,7 +63,7 @@ def test_knots_obey_the_rows_of_every_law(case) -> None:
         robot, motion.q[0], motion.v[0], KNOTS, DT, mu=0.4, terrain=terrain, joint_limits=False,
         torque_limits=np.full(robot.joints, 1e3),
     )  # fmt: skip
-    guess, modes = Guess.of(motion), None
+    guess, modes = Guess.of(motion, problem), None
     for law in (GivenModes(), Facets()):
         nlp = DirectNlp(problem, law)
         closing, sliding = nlp.contact_speeds(guess)
@@ -84,9 +84,10 @@ def test_knots_obey_the_rows_of_every_law(case) -> None:
 
 @pytest.mark.parametrize("law", [Facets(), GivenModes()], ids=str)
 def test_variables_mean_the_motion_they_were_made_from(law) -> None:
-    robot = planar_biped()
-    motion = Guess.of(thrown(robot, FlatTerrain(), 5))
-    nlp = DirectNlp(DirectProblem(robot, motion.q[0], motion.v[0], KNOTS, DT), law)
+    robot = block_and_foot()
+    found = thrown(robot, FlatTerrain(), 5)
+    problem = DirectProblem(robot, found.q[0], found.v[0], KNOTS, DT)
+    nlp, motion = DirectNlp(problem, law), Guess.of(found, problem)
     back = nlp.unpack(nlp.pack(motion))
     for name in ("q", "v", "torques"):
         assert np.array_equal(getattr(back, name), getattr(motion, name))

@@ -1,11 +1,10 @@
 """The direct method: motions with their contacts from one NLP, robots' dynamics as CasADi expressions."""
 
-from surefoot.planning.direct.motions import finer, rest_to_rest
 from surefoot.planning.direct.planner import DirectPlan, plan_direct, plan_with_modes
 from surefoot.planning.direct.problem import DirectProblem, Weights
 from surefoot.planning.transcription.contact_rows import Facets, GivenModes
 from surefoot.planning.transcription.guess import Guess
-from surefoot.planning.transcription.planar import planar_biped, planar_hopper
+from surefoot.planning.transcription.planar import planar_hopper
 from surefoot.planning.transcription.touches import BodyTouch
 from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot.symbolic_body import SymbolicBody
@@ -20,10 +19,7 @@ __all__ = [
     "StateWindow",
     "SymbolicBody",
     "Weights",
-    "finer",
     "plan_direct",
     "plan_with_modes",
-    "planar_biped",
     "planar_hopper",
-    "rest_to_rest",
 ]

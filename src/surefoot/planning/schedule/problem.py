@@ -184,8 +184,3 @@ class ScheduleProblem:
     def torque_limits(self) -> FloatArray:
         """(joints,) that may be used [N m]."""
         return np.asarray(self.torque_share * self.robot.effort_limits)
-
-    @property
-    def speed_limits(self) -> FloatArray:
-        """(joints,) that may be used [rad/s], infinite where the model has none."""
-        return np.asarray(self.speed_share * self.robot.speed_limits)

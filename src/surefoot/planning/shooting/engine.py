@@ -66,23 +66,9 @@ class Engine:
         """
         torques = np.clip(torques, self.bounds[:, 0], self.bounds[:, 1])
         done = self.now.take(q, v, torques)
-        self._settle(done)
-        return done
-
-    def restart(self, q: FloatArray, v: FloatArray) -> bool:
-        """Roll the policy out from another state (nq,), (nv,); return whether every step is solved.
-
-        Where one is not, the motion stays as it was.
-        """
-        done = self._next.run((q, v), self.policy, 0.0, self.bounds)
-        if done:
-            self.now, self._next = self._next, self.now
-        self._settle(done)
-        return done
-
-    def _settle(self, done: bool) -> None:
         if done:
             self.now.price(self.tables)
+        return done
 
     def differentiate(self, smoothing: float) -> bool:
         """Differentiate the current motion and its cost; return whether the central paths were reached."""

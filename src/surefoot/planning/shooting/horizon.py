@@ -22,9 +22,6 @@ from surefoot.stepping.options import StepOptions
 from surefoot.stepping.stepper import Stepper
 from surefoot.terrain import Terrain
 
-SOFTER = (1.0, 10.0, 100.0)
-"""Factors on the smoothing, tried in turn where the central path is not reached."""
-
 
 class FeedbackPolicy(NamedTuple):
     """Torques u + a k + K (x ⊖ x̄) about a motion, for a share a.
@@ -171,11 +168,6 @@ class Horizon:
         """(N, 3p, nv) J, its rates, and (N, p) heights [m] of the contact points."""
         return self.J, self.rates, self.heights
 
-    @property
-    def residuals(self) -> FloatArray:
-        """(N,) velocity errors of the contact problems."""
-        return np.array([knot.residual for knot in self._knots])
-
     def price(self, tables: Tables) -> float:
         """Return the cost of the motion, kept as `cost`."""
         self.cost = motion_cost(self.floating, self.motion, self.feet, *tables)
@@ -184,13 +176,9 @@ class Horizon:
     def differentiate(self, smoothing: float) -> bool:
         """Fill A, B and `rates`; return whether the central path was reached at every knot."""
         for k, knot in enumerate(self._knots):
-            for factor in SOFTER:
-                try:
-                    knot.derivative(factor * smoothing, (self.A[k], self.B[k]))
-                except NoSolution:
-                    continue
-                break
-            else:
+            try:
+                knot.derivative(smoothing, (self.A[k], self.B[k]))
+            except NoSolution:
                 return False
             self.rates[k] = knot.contact_rates()
         return True

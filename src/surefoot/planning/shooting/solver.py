@@ -110,7 +110,7 @@ class Shooting:
         engine.gains[:] = engine.steps[:] = 0.0
         engine.now.torques[:] = u
         engine.now.q[:], engine.now.v[:] = q, v
-        if not engine.restart(q, v):
+        if engine.choose([(engine.policy, 0.0)], np.inf) < 0:
             raise ProblemError("the guess cannot be stepped: a contact problem of it has no solution found")
 
     def _descend(

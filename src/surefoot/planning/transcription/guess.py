@@ -52,15 +52,13 @@ class Guess:
         return cls(states, v, np.zeros((n, problem.robot.joints)), impulses)
 
     @classmethod
-    def of(cls, motion: Trajectory | Guess, problem: DirectProblem | None = None) -> Guess:
+    def of(cls, motion: Trajectory | Guess, problem: DirectProblem) -> Guess:
         """Return a motion as a guess, on the knots of a problem: held, stretched or thinned to their number.
 
         Velocities and impulses are scaled to the problem's time step where the motion has its own.
         """
         speeds = motion.ways if isinstance(motion, Trajectory) else motion.v
         guess = cls(motion.q, speeds, motion.torques, motion.impulses)
-        if problem is None:
-            return guess
         own = len(guess.torques) * motion.dt if isinstance(motion, Trajectory) else problem.knots * problem.dt
         rate = own / (problem.knots * problem.dt)
         return guess.stretched(problem.knots, rate)

@@ -1,4 +1,4 @@
-"""Small robots in the vertical plane, built joint by joint: points, hoppers, a biped, a block and a foot.
+"""Small robots in the vertical plane, built joint by joint: points, hoppers, a block and a foot.
 
 Their bases hang on slides along x and z, and some on a hinge as well, that carry no motor: a plan's torque
 limits are zero there. Names of such joints end like those of `UNDRIVEN`.
@@ -71,21 +71,19 @@ def planar_hopper() -> Robot:
     >>> hopper.joints, hopper.foot_names, round(hopper.mass, 3)
     (5, ('foot',), 6.7)
     """
-    return _legged("planar-hopper", 6.0, ("foot",), (0.0,))
-
-
-def planar_biped() -> Robot:
-    """Return a trunk on two legs of hip and knee: q = (x, z, pitch, hips and knees leg by leg).
-
-    10 kg of trunk, legs as of `planar_hopper`.
-
-    Examples
-    --------
-    >>> biped = planar_biped()
-    >>> biped.joints, biped.foot_names
-    (7, ('left', 'right'))
-    """
-    return _legged("planar-biped", 10.0, ("left", "right"), (0.15, -0.15))
+    pin = import_pinocchio()
+    model = _model("planar-hopper")
+    body = int(
+        model.addJoint(_slides(model, *UNDRIVEN[:2]), pin.JointModelRY(), pin.SE3.Identity(), UNDRIVEN[2])
+    )
+    model.appendBodyToJoint(body, pin.Inertia.FromBox(6.0, 0.3, 0.2, 0.15), pin.SE3.Identity())
+    model.addFrame(pin.Frame("body", body, pin.SE3.Identity(), pin.FrameType.BODY))
+    knee = _link(model, _link(model, body, "hip", 0.0, 0.5), "knee", 0.25, 0.2)
+    at = pin.SE3(np.eye(3), np.array([0.0, 0.0, -0.25]))
+    model.addFrame(pin.Frame("foot", knee, at, pin.FrameType.BODY))
+    robot = _robot(model, ["foot"], [RADIUS], [0.0, 0.45, 0.0, 0.6, -1.2])
+    robot.nominal[1] -= robot.foot_positions(robot.nominal)[0, 2] - RADIUS
+    return robot
 
 
 def is_planar(robot: Robot) -> bool:
@@ -96,27 +94,6 @@ def is_planar(robot: Robot) -> bool:
 def passive_joints(robot: Robot) -> BoolArray:
     """Return (joints,) which joints have no motor: the base of a planar robot, none of others."""
     return np.array([name in UNDRIVEN for name in robot.joint_names], dtype=np.bool_)
-
-
-def _legged(name: str, mass: float, feet: Sequence[str], apart: Sequence[float]) -> Robot:
-    """Return a body over legs of two links, whose feet stand `apart` of the hip."""
-    pin = import_pinocchio()
-    model = _model(name)
-    body = _slides(model, *UNDRIVEN[:2])
-    body = int(model.addJoint(body, pin.JointModelRY(), pin.SE3.Identity(), UNDRIVEN[2]))
-    model.appendBodyToJoint(body, pin.Inertia.FromBox(mass, 0.3, 0.2, 0.15), pin.SE3.Identity())
-    model.addFrame(pin.Frame("body", body, pin.SE3.Identity(), pin.FrameType.BODY))
-    nominal = [0.0, 0.45, 0.0]
-    for foot, ahead in zip(feet, apart, strict=True):
-        prefix = "" if len(feet) == 1 else f"{foot}_"
-        hip = _link(model, body, f"{prefix}hip", 0.0, 0.5)
-        knee = _link(model, hip, f"{prefix}knee", 0.25, 0.2)
-        at = pin.SE3(np.eye(3), np.array([0.0, 0.0, -0.25]))
-        model.addFrame(pin.Frame(foot, knee, at, pin.FrameType.BODY))
-        nominal += [0.6 - ahead, -1.2]
-    robot = _robot(model, feet, [RADIUS] * len(feet), nominal)
-    robot.nominal[1] -= min(robot.foot_positions(robot.nominal)[:, 2]) - RADIUS
-    return robot
 
 
 def _model(name: str) -> Any:

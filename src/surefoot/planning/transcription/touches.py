@@ -19,13 +19,10 @@ from surefoot.planning.trajectory import TOLERANCE, TorquePolicy, Trajectory
 from surefoot.robot.libraries import import_casadi
 from surefoot.solvers.solver import solve
 from surefoot.stepping import StepOptions, Stepper
-from surefoot.stepping.arithmetic import with_missed
 
 if TYPE_CHECKING:
     from surefoot.planning.direct.problem import DirectProblem
 
-NEAR = 1e-3
-"""Contacts that free motion brings closer than this are in the problem [m]."""
 PLANAR = np.array([0, 2])
 """Tangent and normal among a contact's axes."""
 
@@ -89,28 +86,14 @@ class TouchingStep:
         bias = np.array(pinocchio.nonLinearEffects(model, self._data, q, v))
         free = v + dt * np.linalg.solve(M, torques - bias)
         gaps, J = self.contacts(q)
-        out = np.zeros((gaps.size, 2))
-        near = np.flatnonzero(gaps + dt * J[:, 1] @ free < NEAR)
-        after, error, solved = free, 0.0, True
-        while near.size:
-            rows = J[near].reshape(-1, len(v))
-            Y = np.linalg.solve(M, rows.T)
-            g = rows @ free
-            g[1::2] += gaps[near] / dt
-            G = rows @ Y
-            problem = ContactProblem(0.5 * (G + G.T), g, contacts=[self._laws[c] for c in near])
-            answer = solve(problem, tol=TOLERANCE)
-            error, solved = answer.residuals.velocity_error, answer.status is Status.SOLVED
-            out[:] = 0.0
-            out[near] = np.asarray(answer.forces).reshape(-1, 2)
-            after = free + Y @ out[near].ravel()
-            speeds = np.zeros((gaps.size, 3))
-            speeds[:, 2] = J[:, 1] @ after
-            more = with_missed(speeds, gaps, dt, near)
-            if more.size == near.size:
-                break
-            near = more
-        return after, out, error, solved
+        rows = J.reshape(-1, len(v))
+        Y, g = np.linalg.solve(M, rows.T), rows @ free
+        g[1::2] += gaps / dt
+        G = rows @ Y
+        answer = solve(ContactProblem(0.5 * (G + G.T), g, contacts=self._laws), tol=TOLERANCE)
+        impulses = np.ravel(answer.forces)
+        error, solved = answer.residuals.velocity_error, answer.status is Status.SOLVED
+        return free + Y @ impulses, impulses.reshape(-1, 2), error, solved
 
 
 def touching_rollout(problem: DirectProblem, policy: TorquePolicy) -> Trajectory:
