@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.batch.host import solve_on_host
 from surefoot.batch.kernel import contact_blocks, contact_vjp, solve_contacts
 from surefoot.contact.derivative import ContactDerivative
 
@@ -101,6 +102,18 @@ def test_contacts_that_are_off_pad_smaller_problems() -> None:
             np.testing.assert_allclose(batch.forces[k][on[k]], one.forces, rtol=1e-9, atol=1e-10)
             wanted = one.derivative().vjp(weights[0, k][on[k]], weights[1, k][on[k]])
             np.testing.assert_allclose(back.g[k][rows], wanted.g, rtol=1e-5, atol=1e-6)
+
+
+def test_what_a_mask_takes_out_is_not_read() -> None:
+    """On the road of JAX and PyTorch over the CPU: whatever stands in the rows of a contact that is off."""
+    G, g = problems(6)
+    on, broken = np.array([True, False, True, True]), G.copy()
+    broken[:, 3, 3] = -1.0
+    found, rows = solve_on_host(False, 1e-12, broken, g, np.full((6, 4), 0.6), on), np.repeat(on, 3)
+    for k in range(6):
+        one = sf.solve(sf.ContactProblem(G[k][np.ix_(rows, rows)], g[k][rows], 0.6), tol=1e-12)
+        np.testing.assert_allclose(found[k][on], one.forces, atol=1e-12)
+        assert (found[k][~on] == 0.0).all()
 
 
 def test_threads_change_nothing() -> None:

@@ -6,13 +6,13 @@ import contextlib
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.batch.solving import solve_batch
 from surefoot.errors import ProblemError
 
 
 def solve_on_host(
-    convex: bool, tol: float, G: FloatArray, g: FloatArray, mu: FloatArray, on: FloatArray
+    convex: bool, tol: float, G: FloatArray, g: FloatArray, mu: FloatArray, on: BoolArray
 ) -> FloatArray:
     """Return the (..., n, 3) forces of lawful problems G (..., 3n, 3n), g (..., 3n), mu and on (..., n)."""
     lead, size = g.shape[:-1], g.shape[-1]
@@ -22,7 +22,9 @@ def solve_on_host(
     matrices = np.ascontiguousarray(np.broadcast_to(G, (*lead, size, size)), dtype=np.float64)
     matrices, free = matrices.reshape(count, size, size), np.asarray(g, dtype=np.float64).reshape(count, size)
     frictions = np.broadcast_to(mu, (*lead, n)).astype(np.float64).reshape(count, n)
-    most = np.where(np.broadcast_to(on, (*lead, n)), np.inf, 0.0).reshape(count, n)
+    there = np.broadcast_to(on, (*lead, n)).astype(np.bool_).reshape(count, n)
+    most, rows = np.where(there, np.inf, 0.0), np.repeat(there, 3, axis=1)
+    matrices = np.where(rows[:, :, None] & rows[:, None, :], matrices, 0.0)  # what is off is not read
 
     def ask(part: slice) -> FloatArray:
         given = matrices[part], free[part], frictions[part], 0.0, most[part]

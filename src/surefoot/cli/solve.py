@@ -55,10 +55,10 @@ def solve(
         if not isinstance(problem, LCP):
             find_solver(solver, problem)
         else:
-            from surefoot.solvers.lcp import lcp_solver_names
+            from surefoot.solvers.lcp import METHODS
 
-            if pivoting not in (known := lcp_solver_names()):
-                raise SolverNotFound(unknown_name("LCP solver", solver, ("auto", *known)))
+            if pivoting not in METHODS:
+                raise SolverNotFound(unknown_name("LCP solver", solver, ("auto", *METHODS)))
     records = [
         _complementarity(path, problem, pivoting, tol, max_time)
         if isinstance(problem, LCP)

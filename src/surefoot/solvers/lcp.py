@@ -79,11 +79,6 @@ METHODS: dict[str, LcpFunction] = {"interior_point": solve_interior_point, "lemk
 """All LCP solvers by name."""
 
 
-def lcp_solver_names() -> tuple[str, ...]:
-    """Return the names of all LCP solvers."""
-    return tuple(sorted(METHODS))
-
-
 def solve_lcp(
     problem: LCP,
     solver: str = "lemke",
@@ -118,7 +113,7 @@ def solve_lcp(
     """
     of_kind("problem", problem, LCP)
     if solver not in METHODS:
-        raise SolverNotFound(unknown_name("LCP solver", solver, lcp_solver_names()))
+        raise SolverNotFound(unknown_name("LCP solver", solver, METHODS))
     settings = SolverSettings(
         real_number("tol", tol, low=0.0), max_iterations, real_number("max_time", max_time, low=0.0)
     )
