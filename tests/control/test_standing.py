@@ -147,13 +147,10 @@ def test_forces_use_the_same_share_of_every_foots_friction() -> None:
     np.testing.assert_allclose(use, np.tan(np.radians(20.0)) / 0.6, rtol=0.03)
 
 
-@pytest.mark.parametrize("solver", [None, "distribution"])
-def test_a_tenth_of_the_friction_is_kept_as_long_as_the_rest_gives_the_wrench(solver: str | None) -> None:
+def test_a_tenth_of_the_friction_is_kept_as_long_as_the_rest_gives_the_wrench() -> None:
     weights = np.array([1.0, 1.0, 1.0, 10.0, 10.0, 10.0])
     mu = np.full(4, 0.6)
-    allocation = (
-        ExactAllocation(mu, weights, 1e-3) if solver is None else SolverAllocation(mu, weights, 1e-3, solver)
-    )
+    allocation = ExactAllocation(mu, weights, 1e-3)
     A = sf.Stance([sf.PointContact(p) for p in FEET]).grasp_map(about=[0.0, 0.0, 0.3])
     low, high = np.full(4, 5.0), np.full(4, 250.0)
     for friction, most in ((0.3, 0.51), (0.5, 0.85), (0.53, 0.9), (0.58, 1.0), (0.9, 1.0)):

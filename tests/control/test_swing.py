@@ -11,10 +11,13 @@ from surefoot.control.swing import (
     LAND,
     RISE,
     apex_height,
+    clear_lift,
     even_swing,
     ramped_step,
     swing_motion,
+    swing_places,
 )
+from surefoot.terrain import FlatTerrain, StairsTerrain
 
 PLACES = st.tuples(*[st.floats(-0.3, 0.3)] * 3).map(np.array)
 
@@ -61,6 +64,13 @@ def test_a_late_foot_keeps_going_down() -> None:
     assert late[0, :2] == pytest.approx([0.1, 0.0])
 
 
+def test_places_along_a_swing_are_those_of_its_motion() -> None:
+    start, target, shares = np.zeros(3), np.array([0.1, 0.02, 0.12]), np.linspace(0.0, 1.0, 9)
+    places = swing_places(start, target, 0.2, shares, 0.16)
+    wanted = [swing_motion(start, target, 0.2, s, 0.3, 0.0, 0.16)[0] for s in shares]
+    np.testing.assert_allclose(places, wanted, rtol=0.0, atol=1e-15)
+
+
 @pytest.mark.parametrize("down", [0.8, 0.85, 0.95])
 def test_a_foot_only_sinks_after_a_share(down: float) -> None:
     """There it is at its target, above which it goes down straight, with four fifths of the descent."""
@@ -78,6 +88,17 @@ def test_the_apex_clears_ends_and_ground() -> None:
     assert apex_height(start, target, np.array([0.0, 0.05]), 0.06) == pytest.approx(0.16)
     assert apex_height(start, target, np.array([0.0, 0.25]), 0.06) == pytest.approx(0.31)
     assert apex_height(start, target, np.zeros(0), 0.06) == pytest.approx(0.16)
+
+
+def test_a_foot_before_a_riser_lifts_first() -> None:
+    stairs, radius = StairsTerrain(0.1, 0.3), 0.02
+    start, target = np.array([-0.035, 0.0, radius]), np.array([0.12, 0.0, 0.1 + radius])
+    apex = 0.1 + radius + 0.06
+    lift = clear_lift(start, target, apex, stairs, radius, 0.01)
+    assert lift > clear_lift(start, np.array([0.12, 0.0, radius]), apex, FlatTerrain(), radius, 0.01)
+    for share in np.linspace(0.0, 1.0, 101):
+        place = swing_motion(start, target, apex, share, 0.2, 0.0, lift)[0]
+        assert place[2] >= stairs.height(place[:2] + np.array([radius, 0.0])) + radius - 1e-3
 
 
 @given(PLACES, PLACES, st.floats(0.02, 0.2), st.floats(0.15, 0.5), st.floats(0.05, 0.3))

@@ -82,11 +82,14 @@ def test_what_is_possible_for_the_ground_can_be_impossible_for_the_motors(go2):
 def test_region_under_torque_limits_is_inside_the_ground_region(go2):
     stance = go2.stance()
     ground = sf.com_region(stance, go2.mass)
-    easy, hard = actuation.com_region(go2, stance), actuation.com_region(go2, stance, share=0.2)
+    easy, hard, none = (
+        sf.com_region(stance, go2.mass, limits=actuation.torque_limits(go2, None, stance, share))
+        for share in (1.0, 0.2, 0.02)
+    )
     assert easy.area == pytest.approx(ground.area, rel=1e-4)
     assert 0.0 < hard.area < 0.8 * ground.area
     assert max(ground.distance(corner) for corner in hard.inner) < 1e-3  # the tolerance of both
-    assert actuation.com_region(go2, stance, share=0.02).empty
+    assert none.empty
 
 
 def test_flat_feet_carry_moments():

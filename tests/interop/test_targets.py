@@ -289,25 +289,15 @@ def other_python(name: str) -> str:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_drake_allows_the_same_forces(seed: int, tmp_path: Path) -> None:
-    if not drake_python.present():
+@pytest.mark.parametrize(("name", "code"), [("drake", DRAKE), ("crocoddyl", CROCODDYL)])
+def test_another_tool_allows_the_same_forces(name: str, code: str, seed: int, tmp_path: Path) -> None:
+    if name == "drake" and not drake_python.present():
         pytest.skip("Drake is not installed, and SUREFOOT_DRAKE_PYTHON names no interpreter that has it")
+    python = drake_python.interpreter() if name == "drake" else other_python(name)
     sequence = random_sequence(seed)
     phase = longest(sequence)
-    export_sequence(sequence, "drake", tmp_path)
+    export_sequence(sequence, name, tmp_path)
     forces = sampled_forces(sequence, phase, SAMPLES, seed)
-    allowed = ask(drake_python.interpreter(), DRAKE.format(phase=phase), tmp_path, forces)
-    ours, near = verdicts(sequence, phase, forces)
-    assert np.array_equal(allowed | near, ours | near)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_crocoddyl_allows_the_same_forces(seed: int, tmp_path: Path) -> None:
-    python = other_python("crocoddyl")
-    sequence = random_sequence(seed)
-    phase = longest(sequence)
-    export_sequence(sequence, "crocoddyl", tmp_path)
-    forces = sampled_forces(sequence, phase, SAMPLES, seed)
-    allowed = ask(python, CROCODDYL.format(phase=phase), tmp_path, forces)
+    allowed = ask(python, code.format(phase=phase), tmp_path, forces)
     ours, near = verdicts(sequence, phase, forces)
     assert np.array_equal(allowed | near, ours | near)

@@ -20,7 +20,7 @@ def test_the_page_runs(
     monkeypatch.chdir(tmp_path)
     told: list[str] = []
     run_page("logs.md", after=lambda: told.append(capsys.readouterr().out))
-    assert len(told) == 5
+    assert len(told) == 6
     assert "['shell'] ['floor', 'floor', 'floor', 'floor'] 5.0" in told[0]
     assert told[1] == "forces: contact axes are taken to be the world's, as on level ground\n"
     assert "[0.    0.002 0.004] [-1.65806279 -1.65806279" in told[2]

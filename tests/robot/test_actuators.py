@@ -42,15 +42,6 @@ def test_friction_opposes_the_motion() -> None:
     np.testing.assert_array_equal(REAL.losses(np.zeros(12)), np.zeros(12))
 
 
-def test_bounds_are_those_of_the_clip() -> None:
-    rng = np.random.default_rng(5)
-    for _ in range(20):
-        speed = rng.normal(size=12) * 15.0
-        low, high = REAL.bounds(speed)
-        np.testing.assert_array_equal(REAL.given(np.full(12, 1e3), speed), high)
-        np.testing.assert_array_equal(REAL.given(np.full(12, -1e3), speed), low)
-
-
 @pytest.mark.parametrize(
     ("make", "said"),
     [

@@ -78,27 +78,6 @@ def test_drift_against_finite_differences_of_the_contact_velocity(case, referenc
     assert relative(contact_drift(robot, q, v, points, reference), (ahead - behind) / (2 * STEP)) < FD
 
 
-def test_drift_in_contact_axes_is_the_classical_acceleration_of_the_point(case):
-    robot, q, v, stance, _ = case
-    points = [p for p in attach(robot, q, stance) if p.dim == 3]
-    h = 1e-4  # second difference of the place: error about h**2 + 1e-15 / h**2
-    places = [contact_error(robot, moved(robot, q, v, t), points) for t in (-h, 0.0, h)]
-    numeric = (places[0] - 2 * places[1] + places[2]) / h**2
-    if robot.floating:  # the base's velocity is constant in its own axes: pin.integrate follows that curve
-        assert np.abs(numeric - contact_drift(robot, q, v, points)).max() < 1e-5
-    local, lwa = (contact_drift(robot, q, v, points, r) for r in ("local", "local_world_aligned"))
-    speed = contact_jacobian(robot, q, points, "local_world_aligned") @ v
-    pinocchio.forwardKinematics(robot.model, robot.data, q, v)
-    pinocchio.updateFramePlacements(robot.model, robot.data)
-    for k, p in enumerate(points):
-        rows = slice(3 * k, 3 * k + 3)
-        R = robot.data.oMf[p.frame].rotation
-        w = pinocchio.getFrameVelocity(
-            robot.model, robot.data, p.frame, pinocchio.ReferenceFrame.WORLD
-        ).angular
-        assert np.allclose(R @ local[rows], lwa[rows] - np.cross(w, speed[rows]), atol=1e-10)
-
-
 def test_rolling_drift_follows_the_lowest_point_of_the_sphere(make):
     robot, rng = make.robot("go2"), np.random.default_rng(5)
     q, v = make.state(robot, rng)

@@ -11,8 +11,6 @@ from surefoot.errors import ModelError, ProblemError
 from surefoot.robot.catalog import CATALOG, find, robots_folder
 from surefoot.robot.foot import DEFAULT_RADIUS, Foot
 
-QUADRUPEDS = ("go2", "go1", "a1", "anymal_b", "anymal_c", "hyq", "b1", "solo12", "laikago")
-
 
 def test_go2_is_the_published_robot() -> None:
     robot = sf.load_robot("go2")
@@ -45,14 +43,6 @@ def test_every_known_robot_loads(name: str) -> None:
     joints = slice(7, None) if robot.floating else slice(None)
     assert np.all(robot.nominal[joints] >= low[joints] - 1e-9)
     assert np.all(robot.nominal[joints] <= high[joints] + 1e-9)
-
-
-@pytest.mark.parametrize("name", QUADRUPEDS)
-def test_nominal_pose_touches_flat_ground(name: str) -> None:
-    robot = sf.load_robot(name)
-    bottoms = robot.foot_positions()[:, 2] - [foot.radius for foot in robot.feet]
-    assert bottoms.min() == pytest.approx(0.0, abs=1e-12)
-    assert all(0.005 < foot.radius < 0.06 for foot in robot.feet)
 
 
 def test_urdf_file_without_srdf_gets_a_standing_pose() -> None:

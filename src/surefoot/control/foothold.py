@@ -1,9 +1,7 @@
-"""Where to put a foot down: Raibert's rule on the terrain, moved off edges and steep ground.
+"""Where to put a foot down: Raibert's rule, moved off the edges of steps.
 
 The nominal place lies below the hip at the middle of the coming stance, plus a share of the speed error
-that a pendulum of the body's height would need to catch itself [1]_. On terrain that is not a plane,
-candidates around it are weighed by their distance, by the height differences within the foot's reach
-(edges) and by the part of the friction cone that the ground's tilt uses.
+that a pendulum of the body's height would need to catch itself [1]_.
 
 Between the edges of steps a foot keeps a margin from the edges on both sides, and more from one behind it
 that it came down over: a shin leans back over it.
@@ -36,9 +34,6 @@ CATCH_REACH, CATCH_ASIDE = 0.8, 0.35
 """Farthest from its place that a foot catches a body, in heights of the centre of mass, and nearest to the
 middle of the body, as a share of the foot's own distance from there."""
 NEAR = np.arange(-LOOK, LOOK + 0.5 * FINE, FINE)
-EDGE_WEIGHT, TILT_WEIGHT = 3.0, 0.05
-"""Cost of a height difference within the margin to edges, and of the ground's slope, over that of the
-distance [-]."""
 
 
 @kernel
@@ -179,13 +174,10 @@ def nearest_shift(windows: tuple[FloatArray, FloatArray], ahead: FloatArray) -> 
 
 
 def choose_foothold(
-    terrain: Terrain,
-    place: FloatArray,
-    reach: float,
-    margin: float,
-    way: FloatArray | None = None,
-) -> FloatArray:
-    """Return the (2,) place [m] to step on near the nominal one, world axes; the nominal one on a plane.
+    terrain: Terrain, place: FloatArray, margin: float, way: FloatArray, before: FloatArray | None = None,
+    more: float = math.inf,
+) -> FloatArray:  # fmt: skip
+    """Return the (2,) place [m] to step on near the nominal one, world axes: on steps, between their edges.
 
     Parameters
     ----------
@@ -193,36 +185,22 @@ def choose_foothold(
         As believed.
     place
         (2,) the nominal one [m].
-    reach
-        Largest distance from it, along each axis, where the ground is rough [m].
     margin
         Distance to edges that is wanted [m].
     way
-        (2,) of the foot [m]: on steps across it the foot is moved along it, between the edges.
+        (2,) of the foot [m], along which it is moved.
+    before
+        (2,) where the foot was to stand before [m]: the tread there is kept where it is near enough, and
+        moves the foot by no `more` than the nearest [m].
     """
-    if terrain.planar:
+    length = math.hypot(float(way[0]), float(way[1]))
+    if terrain.planar or length < 1e-6:
         return place
-    length = 0.0 if way is None else math.hypot(float(way[0]), float(way[1]))
-    if way is not None and length > 1e-6:
-        windows = step_windows(terrain, place, way / length, margin)
-        shift = math.inf if windows is None else float(nearest_shift(windows, np.zeros(1))[0])
-        if abs(shift) <= FARTHEST:
-            return np.asarray(place + shift * (way / length))
-    return _most_level(terrain, place, reach, margin)
-
-
-def _most_level(terrain: Terrain, place: FloatArray, reach: float, margin: float) -> FloatArray:
-    """Return the best (2,) place about one, by the ground around each [m]."""
-    steps = np.linspace(-reach, reach, 9)
-    grid = np.stack(np.meshgrid(steps, steps[::2], indexing="ij"), axis=-1).reshape(-1, 2)
-    candidates = place + grid
-    angles = np.arange(8) * (0.25 * math.pi)
-    ring = margin * np.column_stack([np.cos(angles), np.sin(angles)])
-    middle = terrain.height(candidates)
-    around = terrain.height(candidates[:, None, :] + ring)
-    rise = np.ptp(np.concatenate([around, middle[:, None]], axis=1), axis=1)
-    lean = np.abs(around - middle[:, None]).max(axis=1)
-    if terrain.noise > 0.0:  # what may be noise is no edge
-        rise, lean = np.maximum(rise - terrain.noise, 0.0), np.maximum(lean - terrain.noise, 0.0)
-    cost = np.linalg.norm(grid, axis=1) + EDGE_WEIGHT * rise + TILT_WEIGHT * lean / margin
-    return np.asarray(candidates[int(np.argmin(cost))])
+    windows = step_windows(terrain, place, way / length, margin)
+    shift = math.inf if windows is None else float(nearest_shift(windows, np.zeros(1))[0])
+    if windows is not None and before is not None:
+        last = float((before - place) @ way) / length
+        tread = int(np.abs(np.clip(last, *windows) - last).argmin())
+        kept = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
+        shift = kept if abs(kept) <= min(FARTHEST, abs(shift) + more) else shift
+    return np.asarray(place + shift * (way / length)) if abs(shift) <= FARTHEST else place

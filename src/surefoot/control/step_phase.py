@@ -58,6 +58,8 @@ class StepPhase:
         Of its speed with which the body goes on now, see `pace`.
     waiting
         Whether a slow body should wait before it sets off onto stairs.
+    stride
+        (2,) way of each foot from stand to stand on stairs that have been seen [m]; None elsewhere.
     """
 
     def __init__(
@@ -72,6 +74,7 @@ class StepPhase:
         self._costs = np.zeros((len(self.offsets), len(self._ahead)))
         self._next = 0
         self.lead, self.share = 0.0, 1.0
+        self.stride: FloatArray | None = None
         self.waiting, self._off, self._waits_from = False, False, 0.0
 
     def look(self, body: BodyPlan, clock: float, unsure: bool = False) -> None:
@@ -88,6 +91,7 @@ class StepPhase:
             has not begun to.
         """
         place, flow, period = body.position[:2], body.flow() / self.share, self.schedule.period
+        self.stride = None
         if unsure or self.schedule.held:  # no foot will lift
             self.lead, self.waiting, self._off, self._waits_from = 0.0, False, False, clock
             return
@@ -104,6 +108,8 @@ class StepPhase:
         if not self._in_step(length):
             self.lead, self.waiting = 0.0, False
             return
+        if self._off and math.hypot(*(stride - period * body.flow() / self.share)) < IN_STEP * length:
+            self.stride = stride
         if not self.waiting:
             self._next = (self._next + 1) % len(self.offsets)
             self._weigh(self._next, body.yaw, place, flow, stride, clock)

@@ -17,6 +17,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.terrain import Terrain
 
 RISE = 0.45
 """Share of the swing after which the foot is at its highest."""
@@ -24,8 +25,8 @@ DOWN = 0.95
 """Share of the swing after which the foot only sinks, with the speed at which it is to meet the ground."""
 LIFT_FIRST, DOWN_LAST = 0.08, 0.92
 """The foot moves sideways between these shares of the swing, so that it lifts first and lands straight."""
-LIFT_LATER = 0.32
-"""The share for a swing that begins anew from where the foot has struck an edge."""
+LIFT_LATER = (LIFT_FIRST, 0.16, 0.24, 0.32)
+"""Shares to try in place of `LIFT_FIRST` where an edge is in the way."""
 EVEN = -1.0
 """Stands in place of `LIFT_FIRST` for the swing over even ground."""
 RAMP = 0.15
@@ -222,6 +223,17 @@ def swing_motion(
     return out
 
 
+@kernel
+def swing_places(
+    start: FloatArray, target: FloatArray, apex: float, shares: FloatArray, lift_first: float
+) -> FloatArray:
+    """Return the (k, 3) places [m] at (k,) shares of a swing without descent; see `swing_motion`."""
+    out = np.empty((shares.size, 3))
+    for k in range(shares.size):
+        out[k] = swing_motion(start, target, apex, shares[k], 1.0, 0.0, lift_first)[0]
+    return out
+
+
 def apex_height(start: FloatArray, target: FloatArray, ground: FloatArray, clearance: float) -> float:
     """Return the height that clears the ground below the path [m].
 
@@ -235,3 +247,37 @@ def apex_height(start: FloatArray, target: FloatArray, ground: FloatArray, clear
         Room to leave below the foot at its highest [m].
     """
     return max(float(start[2]), float(target[2]), float(np.max(ground, initial=-math.inf))) + clearance
+
+
+def clear_lift(
+    start: FloatArray, target: FloatArray, apex: float, terrain: Terrain, radius: float, room: float
+) -> float:
+    """Return the share of the swing to lift before moving sideways so that the foot clears the ground.
+
+    Parameters
+    ----------
+    start, target
+        (3,) ends of the swing [m].
+    apex
+        Height of the highest point [m].
+    terrain
+        The ground below.
+    radius
+        Of the foot [m].
+    room
+        Distance to keep from edges, all around the foot [m].
+    """
+    shares = np.linspace(0.1, 0.9, 17)
+    along = target[:2] - start[:2]
+    length = math.hypot(float(along[0]), float(along[1]))
+    reach = (radius + room) * along / length if length > 1e-6 else np.zeros(2)
+    best, least = LIFT_FIRST, math.inf
+    for lift in LIFT_LATER:
+        path = swing_places(start, target, apex, shares, lift)
+        ground = terrain.height(np.concatenate([path[:, :2], path[:, :2] + reach])).reshape(2, -1).max(axis=0)
+        miss = float((ground + radius - path[:, 2]).max())
+        if miss <= 0.0:
+            return lift
+        if miss < least - 1e-4:
+            best, least = lift, miss
+    return best

@@ -288,6 +288,7 @@ class WalkingController(Walker):
             feet.clearance *= LOW
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self.terrain.unsure)
+            feet.stride = self._steps.stride
         for k in np.flatnonzero(~(feet.stance | feet.planned)).tolist():
             _, _, end = schedule.phase(k, clock)
             caught, left = self._recovery is not None, max(end - clock, 0.0) / feet.rate

@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control import swing
 from surefoot.control.foothold import choose_foothold
-from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height
+from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
 from surefoot.control.walking_kernels import (
     follow_phases,
     set_timing,
@@ -38,7 +38,11 @@ SEARCH_FAST, SEARCH_SPEED = 0.8, 0.4
 """The same on unknown ground, and the largest speed of the search there, as a share of sqrt(g h)."""
 RETRY = 0.7
 """Least time for the rest of a swing that has been interrupted, as a share of the swing's duration."""
+SAME_TREAD = 2.0
+"""A foot in step with stairs takes the tread next to its last one if that is farther by no more, in radii."""
 PATH_SAMPLES = 7
+CHOSEN = 0.1
+"""After this share of the swing a foot keeps to the tread that it is on its way to."""
 FAST, EVEN, EVEN_UNTIL = 0.7, 0.5, 0.05
 """A swing over learned ground is as one over even ground if its speed, as a share of sqrt(g h), and its slope
 come to more than this, and the ground is off a line by no more than its noise and this share of a radius; it
@@ -80,6 +84,8 @@ class Feet(Bound):
         (2,) along which feet are moved off edges; None for each one's own way.
     careful
         Whether feet that are still late when their next swing begins lift from where they are then.
+    stride
+        (2,) from one stand to the next in step with stairs: it chooses the tread [m]; None elsewhere.
     """
 
     schedule: ContactSchedule
@@ -92,6 +98,7 @@ class Feet(Bound):
     rate: float = 1.0
     fastest: float | None = None
     heading: FloatArray | None = None
+    stride: FloatArray | None = None
     careful: bool = False
 
     def __post_init__(self) -> None:
@@ -113,7 +120,6 @@ class Feet(Bound):
         self._late_from = np.zeros(n)
         self._lift_first[:] = swing.EVEN if self.terrain.planar else LIFT_FIRST
         self._timing[:, 5] = DOWN
-        self._reach = 1.2 * self.clearance
 
     def _bind(self) -> None:
         """Find the parts of what swings are computed from."""
@@ -178,7 +184,7 @@ class Feet(Bound):
         rest = float(self.duration[k]) if planned else max(end - time, RETRY * (end - begin))
         self._retry[k] = now, now + rest
         self.start[k], self.share[k], self.duration[k] = centre, 0.0, rest
-        self._lift_first[k], self.again[k] = LIFT_LATER, True
+        self._lift_first[k], self.again[k] = LIFT_LATER[-1], True
 
     def slow_search(self, time: float, fastest: float, ahead: FloatArray) -> None:
         """Let late feet go down at another speed from now on, without a jump.
@@ -258,8 +264,12 @@ class Feet(Bound):
             trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
             place = self.target[k, :2] + trust * (place - self.target[k, :2])
         way = place - self.start[k, :2] if self.heading is None else self.heading
+        before = None if self.stride is None else self.start[k, :2] + self.stride
+        if share > CHOSEN:
+            before = self.target[k, :2]
+        more = math.inf if share > CHOSEN else SAME_TREAD * float(self.radii[k])
         margin = float(2.0 * self.radii.mean())
-        xy = choose_foothold(self.terrain, place, self._reach, margin, way)
+        xy = choose_foothold(self.terrain, place, margin, way, before, more)
         normal = self.frames[k, :, 2] if self.terrain.planar else self.terrain.normal(xy)
         self.target[k, :2] = xy
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
@@ -276,7 +286,10 @@ class Feet(Bound):
             self.apex[k] = 0.5 * float(self.start[k, 2] + self.target[k, 2]) + self.clearance
         else:
             self.apex[k] = apex_height(self.start[k], self.target[k], self._below(k), self.clearance)
-            self._lift_first[k] = LIFT_FIRST
+            self._lift_first[k] = clear_lift(
+                self.start[k], self.target[k], float(self.apex[k]), self.terrain, float(self.radii[k]),
+                0.5 * float(self.radii[k]),
+            )  # fmt: skip
 
     def _below(self, k: int) -> FloatArray:
         """Return the least heights of a foot over the ground on its way: (PATH_SAMPLES,) [m]."""

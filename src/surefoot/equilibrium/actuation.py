@@ -1,7 +1,7 @@
 """The same questions under joint torque limits: what the ground allows, the motors may not.
 
 At rest the motors give τ = g(q) - Jᵀ f, so a torque limit is a pair of linear bounds on the contact
-forces: exact, no approximation. The region of the centre of mass keeps the joint angles and
+forces: exact, no approximation. With them as its `limits`, `com_region` keeps the joint angles and
 moves the weight, as a payload that shifts would: R. Orsolino et al., "Application of Wrench-Based
 Feasibility Analysis to the Online Trajectory Optimization of Legged Robots", IEEE RA-L 2018.
 """
@@ -15,9 +15,8 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
 from surefoot.cones.cone import Fit
-from surefoot.equilibrium import regions, statics
+from surefoot.equilibrium import statics
 from surefoot.equilibrium.limits import ForceLimits
-from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.stance import Stance
@@ -106,26 +105,3 @@ def can_stand(
     """
     limits = torque_limits(robot, q, stance, share)
     return statics.can_stand(stance, robot.com(q), robot.mass, external_wrench, facets, fit, limits)
-
-
-def com_region(
-    robot: Robot,
-    stance: Stance,
-    q: ArrayLike | None = None,
-    tol: float = 1e-3,
-    facets: int | None = None,
-    fit: Fit = "inner",
-    share: float = 1.0,
-) -> Region:
-    """Return where the centre of mass may be for the ground and the motors, joint angles as they are.
-
-    Parameters
-    ----------
-    robot, q, stance, share
-        As for `torque_limits`.
-    tol, facets, fit
-        As for `surefoot.com_region`.
-    """
-    limits = torque_limits(robot, q, stance, share)
-    height = float(robot.com(q)[2])
-    return regions.com_region(stance, robot.mass, tol, height=height, facets=facets, fit=fit, limits=limits)

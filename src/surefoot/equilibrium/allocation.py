@@ -1,9 +1,9 @@
 """One interface over every way to share a wrench among the feet.
 
-`ForceDistributor` is the fast exact one; `SolverAllocation` puts any solver of the family behind the
-same call, so that controllers can be compared on pyramids or on other projects' solvers.
+`ExactAllocation` is the fast exact one; `SolverAllocation` puts any solver of the family behind the same
+call, so that controllers can be compared on pyramids or on other projects' solvers.
 
-Both keep away from the cones' edges in two ways. The least forces that give a wrench have the same
+The exact one keeps away from the cones' edges in two ways. The least forces that give a wrench have the same
 tangential force at every foot, so that a foot with little weight on it is asked for more than its friction;
 forces parallel to the wanted one use the same share of every foot's friction, which on plane ground is the
 least that is possible. So the tangential forces are drawn to those: the wanted force, shared as the normal
@@ -161,7 +161,7 @@ class SolverAllocation:
     wrench_weights
         (6,) weights of the wrench's components.
     force_weight
-        Weight of the square of the forces' distance from parallel ones.
+        Weight of the square of the forces.
     solver
         A name from `surefoot.solver_names`.
     facets, fit
@@ -177,25 +177,19 @@ class SolverAllocation:
         facets: int | None = None,
         fit: Fit = "inner",
     ) -> None:
-        self._weights = np.ascontiguousarray(wrench_weights, dtype=np.float64)
-        self._mu, self._force_weight = mu, force_weight
-        self._solver, self._facets, self._fit = solver, facets, fit
-        self._cones = [FrictionCone(float(m)) for m in mu]
-        self._reference = np.zeros((len(mu), 3))
+        self._weights, self._force_weight = np.asarray(wrench_weights, dtype=np.float64), force_weight
+        self._mu, self._solver, self._facets, self._fit = mu, solver, facets, fit
         self.reset()
         size = 3 * len(mu)
-        bounds = np.zeros(len(mu)), np.ones(len(mu))
-        find_solver(solver, self._problem(np.eye(size), np.zeros(size), 1.0, *bounds))
+        find_solver(solver, self._problem(np.eye(size), np.zeros(size), np.zeros(len(mu)), np.ones(len(mu))))
 
     def reset(self) -> None:
         """Forget the forces of the step before."""
-        self._last = np.zeros_like(self._reference)
+        self._last = np.zeros((len(self._mu), 3))
         self.status = Status.SOLVED
 
-    def _problem(
-        self, G: FloatArray, g: FloatArray, part: float, low: FloatArray, high: FloatArray
-    ) -> ContactProblem:
-        return ContactProblem(G, g, part * self._mu, low, high, "convex", self._facets, self._fit)
+    def _problem(self, G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray) -> ContactProblem:
+        return ContactProblem(G, g, self._mu, low, high, "convex", self._facets, self._fit)
 
     def share(
         self, grasp_map: FloatArray, wrench: FloatArray, normal_min: FloatArray, normal_max: FloatArray
@@ -204,40 +198,23 @@ class SolverAllocation:
 
         The grasp map is (6, 3n), the wrench (6,) [N, N m], the bounds on normal forces (n,) [N].
         """
+        self.status, forces = Status.INVALID, self._last
         size = max(np.abs(grasp_map).max(initial=0.0), np.abs(wrench).max())
-        if not size <= LARGEST:  # not finite, or too large to square: hold the last command
-            self.status, forces = Status.INVALID, self._last
-        else:
-            forces = self._solve(grasp_map, wrench, normal_min, normal_max)
-        if self._facets is None or self._fit == "inner":
-            forces = np.array([c.project(f) for c, f in zip(self._cones, forces, strict=True)])
-        forces[normal_max <= 0.0] = 0.0
-        self._last = forces
-        return forces
-
-    def _solve(
-        self, grasp_map: FloatArray, wrench: FloatArray, normal_min: FloatArray, normal_max: FloatArray
-    ) -> FloatArray:
-        """Return what the solver says, first within a share of the friction, then within all of it."""
-        size = _draw()(
-            np.ascontiguousarray(grasp_map), wrench, self._weights, self._last, normal_max, self._reference
-        )
-        weighted = self._weights[:, None] * grasp_map
-        G = grasp_map.T @ weighted + self._force_weight * np.eye(grasp_map.shape[1])
-        g = -weighted.T @ wrench - self._force_weight * self._reference.ravel()
-        allowed = MARGIN_COST**2 * size
-        forces = self._last
-        for part in SHARES:
+        if size <= LARGEST:  # finite, and small enough to square
+            weighted = self._weights[:, None] * grasp_map
+            G = grasp_map.T @ weighted + self._force_weight * np.eye(grasp_map.shape[1])
             try:
-                problem = self._problem(0.5 * (G + G.T), g, part, normal_min, normal_max)
+                problem = self._problem(0.5 * (G + G.T), -weighted.T @ wrench, normal_min, normal_max)
                 solution = solve(problem, self._solver, tol=1e-9, warm_start=self._last)
             except ProblemError:  # too large for double precision
-                self.status = Status.INVALID
-                return self._last
-            self.status = solution.status
-            if not np.isfinite(solution.forces).all():
-                continue
-            forces = solution.forces
-            if float(self._weights @ (grasp_map @ forces.ravel() - wrench) ** 2) <= allowed:
-                break
+                pass
+            else:
+                self.status = solution.status
+                forces = solution.forces if np.isfinite(solution.forces).all() else forces
+        if self._facets is None or self._fit == "inner":
+            forces = np.array(
+                [FrictionCone(float(m)).project(f) for m, f in zip(self._mu, forces, strict=True)]
+            )
+        forces[normal_max <= 0.0] = 0.0
+        self._last = forces
         return forces

@@ -14,6 +14,7 @@ from surefoot.contact import Status
 from surefoot.errors import NoSolution, ProblemError
 from surefoot.log import Log
 from surefoot.log.formats import read_log
+from surefoot.numerics.phases import runs_of
 from surefoot.planning.certificate import certify
 from surefoot.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.robot import Robot
@@ -345,8 +346,5 @@ def contact_phases(log: Log) -> list[Phase]:
     out = []
     for number, name in enumerate(feet):
         loads: FloatArray = log["forces"][:, foot == number, 2].sum(axis=1)
-        on = np.concatenate([[False], loads > least, [False]]).astype(np.int8)
-        starts, ends = np.flatnonzero(np.diff(on) == 1), np.flatnonzero(np.diff(on) == -1)
-        spans = zip(starts.tolist(), ends.tolist(), strict=True)
-        out += [Phase(name, round(a * dt, 9), round(b * dt, 9)) for a, b in spans]
+        out += [Phase(name, round(a * dt, 9), round(b * dt, 9)) for a, b in runs_of(loads > least)]
     return out

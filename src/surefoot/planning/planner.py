@@ -13,7 +13,7 @@ from surefoot.arrays import of_kind, real_number, whole_number
 from surefoot.errors import ProblemError
 from surefoot.planning.plan import Plan
 from surefoot.planning.tasks.table import TASKS, find_task
-from surefoot.planning.tasks.task import Iteration, PlanRequest, Task, Tell
+from surefoot.planning.tasks.task import PlanRequest, Task, Tell
 from surefoot.robot import Robot, load_robot
 from surefoot.terrain import FlatTerrain, Terrain
 
@@ -93,7 +93,7 @@ def plan(
     request = _checked(found, PlanRequest(robot, amount, mu, dt, knots, seed, max_iterations))
     asked = {"start": start, "payload": payload, "direction": direction, "turn": turn, "terrain": terrain}
     request = replace(request, **_checked_extra(found, request, asked))
-    return found.plan(request, tell or _silent)
+    return found.plan(request, tell or (lambda iteration: None))
 
 
 def _checked_extra(task: Task, request: PlanRequest, extra: dict[str, Any]) -> dict[str, Any]:
@@ -114,10 +114,6 @@ def _checked_extra(task: Task, request: PlanRequest, extra: dict[str, Any]) -> d
             name = robot.foot_names[int(off.argmax())]
             raise ProblemError(f"start must stand on the ground, {name} is {off.max():.3g} m off it")
     return extra
-
-
-def _silent(iteration: Iteration) -> None:
-    """Tell nobody."""
 
 
 def _checked(task: Task, request: PlanRequest) -> PlanRequest:

@@ -159,7 +159,7 @@ def contact_jacobian(
     """
     import pinocchio
 
-    _check(reference)
+    check_name("reference", reference, REFERENCES)
     configuration = robot.configuration(q)
     points = attached(robot, configuration, contacts)
     pinocchio.computeJointJacobians(robot.model, robot.data, configuration)
@@ -209,7 +209,7 @@ def contact_drift(
     """
     import pinocchio
 
-    _check(reference)
+    check_name("reference", reference, REFERENCES)
     if rolling and reference in ("local", "world"):
         raise ProblemError(f"rolling needs reference 'contact' or 'local_world_aligned', got {reference!r}")
     configuration = robot.configuration(q)
@@ -316,10 +316,6 @@ def contact_powers(
         at_contacts += float(f[start : start + point.dim] @ own)
         start += point.dim
     return at_contacts, joints
-
-
-def _check(reference: str) -> None:
-    check_name("reference", reference, REFERENCES)
 
 
 def attached(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attachment]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.collision.shapes import positive
 from surefoot.errors import ProblemError
 from surefoot.robot import Foot, Robot
 from surefoot.robot.libraries import import_pinocchio
@@ -19,7 +20,7 @@ def ball(mass: float = 1.0, radius: float = 0.1) -> Robot:
     >>> ball(2.0, 0.1).mass
     2.0
     """
-    m, r = _positive("mass", mass), _positive("radius", radius)
+    m, r = positive("mass", mass), positive("radius", radius)
     return _body("ball", m, np.full(3, 0.4 * m * r * r), np.zeros((1, 3)), r)
 
 
@@ -30,7 +31,7 @@ def box(
 
     It touches with its eight corners, which are spheres of radius `rounding` [m] inside the box.
     """
-    m, edges = _positive("mass", mass), finite_array("size", size, (3,))
+    m, edges = positive("mass", mass), finite_array("size", size, (3,))
     radius = real_number("rounding", rounding, low=0.0)
     if (edges <= 2.0 * radius).any():
         raise ProblemError(f"size must be above twice the rounding ({2.0 * radius:g}), got {edges.min():g}")
@@ -58,8 +59,8 @@ def falling_cat(half_mass: float = 1.0, half_inertia: float = 0.003, leg_mass: f
     pinocchio = import_pinocchio()
     model: Any = pinocchio.Model()
     moments = np.array([half_inertia, 2.0 * half_inertia, 2.0 * half_inertia])
-    half = pinocchio.Inertia(_positive("half_mass", half_mass), np.zeros(3), np.diag(moments))
-    leg = pinocchio.Inertia.FromSphere(_positive("leg_mass", leg_mass), 0.01)
+    half = pinocchio.Inertia(positive("half_mass", half_mass), np.zeros(3), np.diag(moments))
+    leg = pinocchio.Inertia.FromSphere(positive("leg_mass", leg_mass), 0.01)
     here = pinocchio.SE3.Identity()
     front = model.addJoint(0, pinocchio.JointModelFreeFlyer(), here, "front")
     spine = pinocchio.SE3(np.eye(3), np.array([-0.2, 0.0, 0.0]))
@@ -88,10 +89,3 @@ def _body(name: str, mass: float, moments: FloatArray, centres: FloatArray, radi
     body = Robot(name, model, empty, empty, (), nominal, True)
     body.feet = (Foot(name, frame, centres, radius),)
     return body
-
-
-def _positive(name: str, value: float) -> float:
-    number = real_number(name, value, low=0.0)
-    if not 0.0 < number < np.inf:
-        raise ProblemError(f"{name} must be positive and finite, got {number:g}")
-    return number

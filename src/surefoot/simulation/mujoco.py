@@ -20,7 +20,7 @@ from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators
 from surefoot.simulation.actuated import equipped
-from surefoot.simulation.mujoco_actuators import LOAD_TYPES, fit_actuators, load_joints, motor_figures
+from surefoot.simulation.mujoco_actuators import fit_actuators
 from surefoot.simulation.mujoco_contacts import (
     FACE_TYPES,
     OWN_TYPES,
@@ -45,9 +45,6 @@ from surefoot.stepping.bodies import finite_vector
 from surefoot.terrain import Terrain
 from surefoot.terrain.frames import surface_frames
 
-_FLOAT = np.dtype(np.float64)
-STOCK = 32
-"""Arrays for the contacts of so many steps are made at a time."""
 LARGEST = 1e10
 """Speed from which MuJoCo itself calls a state bad [rad/s, m/s]."""
 HEAVIEST = 1e9
@@ -163,16 +160,11 @@ class MujocoWorld:
         """Keep hold of arrays of MuJoCo's data that stay in their places, and of compiled functions."""
         data, first = self.data, self.robot.base_dof
         self._qpos, self._qvel, self._effort = data.qpos, data.qvel, data.qfrc_applied[first:]
-        self._no_torques = np.zeros(self.robot.joints)
-        self._joints_shape = self._no_torques.shape
-        self._motors = motor_figures(self.actuators, self.robot.joints)
         self._pushed = data.xfrc_applied[self.base_body, :3]
         self._places, self._twists, self._centres = data.geom_xpos, data.cvel, data.subtree_com
         self._planar, self._contact = bool(self.terrain.planar), data.contact
-        self._spare: list[tuple[FloatArray, ...]] = []
         self._read = entry_point(read_contacts, *OWN_TYPES)
         self._face = entry_point(face_principal, *FACE_TYPES)
-        self._load = entry_point(load_joints, *LOAD_TYPES)
         self._turn = entry_point(to_pinocchio, VECTOR, VECTOR)
         self._largest = entry_point(largest, VECTOR)
 
@@ -263,12 +255,10 @@ class MujocoWorld:
 
     def _drive(self, torques: FloatArray) -> None:
         """Have the motors give (joints,) torques [N m] in the next step, if they can; keep the state."""
-        wanted, given = self._joints_shape, self._no_torques.copy()
-        if type(torques) is not np.ndarray or torques.dtype != _FLOAT or torques.shape != wanted:
-            torques = finite_array("torques", torques, wanted)
-        asked = np.ascontiguousarray(torques)
-        if not self._load(asked, *self._motors, given, self._effort, self._qpos, self._qvel, *self._before):
-            finite_array("torques", torques, wanted)  # says which is not finite
+        given = finite_vector("torques", torques, self.robot.joints).copy()
+        if self.actuators is not None:
+            given = self.actuators.given(given, self._qvel[self.robot.base_dof :])
+        self._effort[:], self._before[0][:], self._before[1][:] = given, self._qpos, self._qvel
         self.applied = given
 
     def _driven(self) -> None:
@@ -315,7 +305,8 @@ class MujocoWorld:
         The ground that was near in the step `before`, a part of a millisecond ago, is near still.
         """
         data, contact, links, normals = self.data, self._contact, self._links, self._normals
-        points, forces, velocities, positions, gaps, others = self._blank()
+        points, gaps = np.zeros((3, len(self.contact_foot), 3)), np.zeros(len(self.contact_foot))
+        forces, velocities, positions = points
         over = None
         if before is not None and before.normals is not None and not self._planar:
             over = before.gaps.copy(), before.normals.copy()
@@ -341,19 +332,9 @@ class MujocoWorld:
             gaps, normals = over
         if links is None:
             return ContactReading(forces, gaps, velocities, positions, None, normals)
-        if beside or data.nl:  # joints at their stops count, too
-            others = links.force(data, self._frames)
+        # joints at their stops count, too
+        others = links.force(data, self._frames) if beside or data.nl else np.zeros(self.model.nv)
         return ContactReading(forces, gaps, velocities, positions, others, normals)
-
-    def _blank(self) -> tuple[FloatArray, ...]:
-        """Return zeros (3, p, 3), its three parts, (p,) and (nv,), from a stock of them."""
-        if not self._spare:
-            p, nv = len(self.contact_foot), self.model.nv
-            stock = np.zeros((STOCK, 10 * p + nv))
-            points = stock[:, : 9 * p].reshape(STOCK, 3, p, 3)
-            parts = (*points.transpose(1, 0, 2, 3), stock[:, 9 * p : 10 * p], stock[:, 10 * p :])
-            self._spare = list(zip(points, *parts, strict=True))
-        return self._spare.pop()
 
     def _ground_near(self, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the gaps (p,) [m] and the ground's normals (p, 3) of (p, 3) spheres."""

@@ -15,7 +15,6 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState, as_controller
 from surefoot.drive.standstill import Standstill
 from surefoot.errors import ProblemError, SurefootError, WriteError
-from surefoot.kernels import kernel
 from surefoot.log import CHANNELS, Ending, Log
 from surefoot.log.channels import Channel
 from surefoot.log.recorder import Recorder
@@ -29,7 +28,7 @@ from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
 from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Outward, Sensing, TrueState
 from surefoot.simulation.world import World
-from surefoot.simulation.world_facts import facts_before, softness_of
+from surefoot.simulation.world_facts import facts_before
 from surefoot.spatial import GRAVITY
 
 PLAIN = 5.0
@@ -102,7 +101,8 @@ def run(
         log = out.carry_out(observers, height)
     finally:
         gc.unfreeze()
-    log.facts.update(softness_of(world, log))
+    declare = getattr(world, "softness", None)
+    log.facts.update({} if declare is None else declare(log))
     for observer in observers:
         observer.end(log)
     return log
@@ -152,8 +152,6 @@ class _Run:
         more = (*self.sensing.channels, *self.ground.channels)
         self.recorder = _recorder(world, controller, more, scenario, folder)
         self.limits = AT_LIMIT * world.robot.effort_limits
-        any_reached(self.limits, self.limits)  # so that no step of the run waits for a compiler
-        loaded_feet(world.contact_foot, world.contacts().forces, len(world.robot.feet), 0.0)
         self.stop = Standstill(world.robot, world.dt)
         self.touches = LinkTouches(world)
         self.outward = Outward(world, scenario.scanner, scenario.seed)
@@ -247,7 +245,7 @@ class _Run:
         row = [
             moment.time, moment.q, moment.v, moment.torques, reading.forces, command.forces, reading.gaps,
             reading.velocities, reading.positions, normals, command.active, command.attained,
-            any_reached(np.asarray(command.torques), self.limits),
+            (np.abs(command.torques) >= self.limits).any(),
             NO_PUSH if moment.push is None else moment.push, moment.mu, moment.controller_time,
         ]  # fmt: skip
         if self._others is not None:
@@ -266,7 +264,6 @@ class _Run:
         self.recorder.write(row)
 
 
-@kernel
 def loaded_feet(contact_foot: IntArray, forces: FloatArray, feet: int, least: float) -> BoolArray:
     """Return which feet (feet,) have a contact point with more than the least normal force [N].
 
@@ -278,16 +275,5 @@ def loaded_feet(contact_foot: IntArray, forces: FloatArray, feet: int, least: fl
         Number of feet, and the force.
     """
     out = np.zeros(feet, dtype=np.bool_)
-    for k in range(len(contact_foot)):
-        if forces[k, 2] > least:
-            out[contact_foot[k]] = True
-    return out
-
-
-@kernel
-def any_reached(torques: FloatArray, limits: FloatArray) -> bool:
-    """Return whether a torque (joints,) is at its limit (joints,), of either sign [N m]."""
-    out = False
-    for j in range(len(torques)):
-        out = out or abs(torques[j]) >= limits[j]
+    out[contact_foot[forces[:, 2] > least]] = True
     return out

@@ -5,12 +5,10 @@ A world may leave out both attributes that are asked for here: then the log says
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-from surefoot.log import Log
 from surefoot.robot.actuators import Actuators
 from surefoot.simulation.world import World
 
@@ -39,17 +37,3 @@ def facts_before(world: World) -> dict[str, Any]:
     if world.terrain.text:
         out["terrain"] = world.terrain.text
     return out
-
-
-def softness_of(world: World, log: Log) -> Mapping[str, float]:
-    """Return the facts `sinking`, `creep`, `stopping` of a world that declares itself soft, else none.
-
-    Parameters
-    ----------
-    world
-        Its method ``softness(log)`` declares, if it has one.
-    log
-        Of the run that ended: its touchdowns say how fast the ground was hit.
-    """
-    declare: Callable[[Log], Mapping[str, float]] | None = getattr(world, "softness", None)
-    return {} if declare is None else declare(log)

@@ -123,13 +123,16 @@ def jump(
     share = np.clip((t - 0.7 * push) / (flight + 0.4 * push), 0.0, 1.0)
     reference = np.tile(q, (knots + 1, 1))
     reference[:, :3] += share[:, None] * (end - q)[:3]
-    reference[:, 2] += _flight_height(np.asarray(t - push), flight)
+    flown = np.clip(t - push, 0.0, flight)
+    reference[:, 2] += 0.5 * GRAVITY * flown * (flight - flown)
     up = rotation_from_quaternion(q[3:7]).T @ np.asarray(ground.normal(q[:2]))
     reference[:, 3:7] = _turned(q[3:7], up, way[1] * share)
     within = np.concatenate([[0.01, 0.02, 0.02], np.full(4, 0.015), np.full(robot.joints, 0.02)])
     windows = {knots: StateWindow.at(reference[-1], np.zeros(robot.model.nv), within, REST)}
     if height > 0.0:
-        windows[round((push + 0.5 * flight) / dt)] = _above(q, height)
+        low = np.full(len(q), -np.inf)
+        low[2] = q[2] + height
+        windows[round((push + 0.5 * flight) / dt)] = StateWindow(low)
     weights = ScheduleWeights(change=QUIET) if height > 0.0 else ScheduleWeights()
     reach = float(robot.nominal[2])
     return ScheduleProblem(
@@ -218,19 +221,6 @@ def _spread(robot: Robot, q: FloatArray) -> StateWindow:
         else:
             high[knee] = most - FOLD * (most - least)
     return StateWindow(low, high)
-
-
-def _above(q: FloatArray, height: float) -> StateWindow:
-    """Return a window of the base at least so much above where it is in (nq,) q [m]."""
-    low = np.full(len(q), -np.inf)
-    low[2] = q[2] + height
-    return StateWindow(low)
-
-
-def _flight_height(t: FloatArray, flight: float) -> FloatArray:
-    """Return how much higher than at its ends a flight is [m]."""
-    inside = np.clip(t, 0.0, flight)
-    return np.asarray(0.5 * GRAVITY * inside * (flight - inside))
 
 
 def _turned(quaternion: FloatArray, axis: FloatArray, angle: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.numerics.phases import runs_of
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.transcription.knot import Row, SymbolicKnot, stacked
 from surefoot.planning.transcription.nlp import Block, Sides, pack
@@ -145,9 +146,7 @@ def swing_heights(problem: ScheduleProblem) -> FloatArray:
     stance = problem.stance
     out = np.full(stance.shape, -np.inf)
     for point in range(stance.shape[1]):
-        on = np.concatenate([[True], stance[:, point], [True]])
-        edges = np.flatnonzero(np.diff(on.astype(np.int8)))
-        for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        for begin, end in runs_of(~stance[:, point]):
             share = np.arange(1, end - begin + 1) / (end - begin + 1)
             out[begin:end, point] = problem.clearance * np.sin(np.pi * share)
     return out

@@ -44,8 +44,7 @@ class Landing:
         self._turn = quick * TURN
         feet, com = reference.feet[-1], reference.com[-1]
         rotation = reference.rotation[-1]
-        yaw = math.atan2(rotation[1, 0], rotation[0, 0])
-        back = rotation_about([0.0, 0.0, 1.0], -yaw)
+        back = _heading(rotation).T
         self._lean = back @ rotation
         self._feet = (feet - com) @ back.T
         self._still = np.zeros(robot.joints)
@@ -55,9 +54,7 @@ class Landing:
 
     def begin(self, now: Kinematics) -> None:
         """Take the heading of this moment for the one to keep."""
-        ahead = now.rotation[:, 0]
-        yaw = math.atan2(ahead[1], ahead[0])
-        self._heading = rotation_about([0.0, 0.0, 1.0], yaw)
+        self._heading = _heading(now.rotation)
 
     def tasks(self, now: Kinematics, stance: BoolArray) -> Tasks:
         """Return the tasks for a stance (n,) of one foot or more."""
@@ -75,6 +72,11 @@ class Landing:
         return Tasks(
             stance, com, turn, feet, self._still, np.zeros((len(self._owner), 3)), self._frames, gaps
         )
+
+
+def _heading(rotation: FloatArray) -> FloatArray:
+    """Return the turn (3, 3) about the vertical that a body's x axis has."""
+    return rotation_about([0.0, 0.0, 1.0], math.atan2(rotation[1, 0], rotation[0, 0]))
 
 
 def lowered(now: Kinematics) -> FloatArray:

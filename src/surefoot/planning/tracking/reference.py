@@ -10,6 +10,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.errors import ProblemError
 from surefoot.log import Log
+from surefoot.numerics.phases import runs_of
 from surefoot.robot import Robot
 from surefoot.spatial import (
     GRAVITY,
@@ -192,9 +193,8 @@ class Reference:
 
     def flights(self) -> list[tuple[float, float]]:
         """Return when no foot stands, from start to end [s]."""
-        off = np.concatenate([[False], ~self.stance.any(axis=1), [False]]).astype(np.int8)
-        starts, ends = np.flatnonzero(np.diff(off) == 1), np.flatnonzero(np.diff(off) == -1)
-        return [(float(self.time[a]), float(self.time[b])) for a, b in zip(starts, ends, strict=True)]
+        off = np.asarray(~self.stance.any(axis=1))
+        return [(float(self.time[a]), float(self.time[b])) for a, b in runs_of(off)]
 
     def _place(self, time: float) -> tuple[int, float]:
         """Return the knot that a time falls into, and the share of it that is over."""

@@ -26,17 +26,12 @@ def window_miss(problem: DirectProblem, motion: Motion) -> float:
     worst = 0.0
     scale = np.concatenate([np.ones(nq), np.full(nv, 0.1)])
     for k, window in [*problem.windows.items(), (problem.knots, problem.end)]:
-        state = np.concatenate([motion.q[k], motion.v[k]])
-        sides = [(window.q_low, window.v_low, 1.0), (window.q_high, window.v_high, -1.0)]
-        for q, v, sign in sides:
-            free = -sign * np.inf
-            edge = np.concatenate(
-                [np.full(nq, free) if q is None else q, np.full(nv, free) if v is None else v]
-            )
-            beyond = scale * sign * (edge - state)
-            if not np.isfinite(state).all():
-                return np.inf
-            worst = max(worst, float(beyond.max()))
+        state, high = np.concatenate([motion.q[k], motion.v[k]]), np.full(nq + nv, np.inf)
+        low = -high
+        window.narrow(low, high, nq, k)
+        if not np.isfinite(state).all():
+            return np.inf
+        worst = max(worst, float((scale * np.maximum(low - state, state - high)).max()))
     return worst
 
 
