@@ -77,6 +77,19 @@ def test_a_push_fells_it_and_the_walk_goes_on(recover: bool) -> None:
     assert float(np.linalg.norm(robot.world.state()[0][:2] - place)) > 1.0
 
 
+def test_a_body_that_sinks_upright_has_fallen() -> None:
+    """Its drives do nothing any more: it never leans, and lies on the ground."""
+    loop, robot = looped(), MotorRobot(GO2, DT)
+    loop.reset()
+    drive(loop, robot, 0.05)
+    drive(loop, robot, 5.0, "stand", until="stand")
+    while loop.mode is Mode.STAND and loop.time < 12.0:
+        loop.step(robot.read())
+        robot.take(None)
+        robot.step()
+    assert loop.fault == FALLEN
+
+
 def test_who_does_not_know_how() -> None:
     robot = sf.load_robot("a1")
     loop, still = RobotLoop(robot, DT), np.zeros(12)

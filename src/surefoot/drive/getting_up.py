@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from surefoot.drive.robot_loop import RobotLoop
 
 FALLEN = "the robot has fallen"
-"""The fault of one that leans too much."""
+"""The fault of one that leans too much, or whose body is down."""
 ROLL_TIME, INSIDE = 0.3, 0.1
 """Time to each posture [s], and by how much they stay within the joints' ranges [rad]."""
 TRIES = 4

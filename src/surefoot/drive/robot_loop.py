@@ -31,8 +31,9 @@ from surefoot.robot.rotors import with_rotors
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.terrain import FlatTerrain, Terrain
 
-UPRIGHT = 0.5
-"""A robot that leans more than this lies on its side or back [rad]."""
+UPRIGHT, LOW = 0.5, 0.4
+"""A robot that leans more than this lies on its side or back [rad]; one whose body is lower over the ground
+than this share of its usual height has fallen."""
 SETTLE = 0.4
 """Time in a posture before what follows begins [s]."""
 SLOW = 0.05
@@ -285,7 +286,7 @@ class RobotLoop:
         watch = self.watch
         if watch.silent >= self.limits.outage or (watch.blind and watch.silent < self.limits.patience):
             self._stop(watch.reason)
-        elif self._lean() > self.limits.tilt and not (self.mode is Mode.STAND_UP and self._player.lying):
+        elif self._down() and not (self.mode is Mode.STAND_UP and self._player.lying):
             self._recovery.fell(self)
             self._stop(FALLEN)
         elif self.mode in CONTROLLED and self.tracker.lost:
@@ -382,6 +383,13 @@ class RobotLoop:
             return False
         slow = float(np.linalg.norm(state.v[:2])) < SLOW * math.sqrt(GRAVITY * self.walker.height)
         return bool(feet.stance.all()) and slow
+
+    def _down(self) -> bool:
+        """Whether the base leans as one that has fallen, or is as low by the estimate."""
+        if self._lean() > self.limits.tilt or self.state is None:
+            return self._lean() > self.limits.tilt
+        q = self.state.q
+        return bool(q[2] - self.terrain.height(q[:2]) < LOW * self.robot.nominal[2])
 
     def _lean(self) -> float:
         """Return how far the base leans [rad]."""
