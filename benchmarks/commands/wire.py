@@ -99,6 +99,7 @@ def _serve(kind: str) -> None:
         command = dialect.asked(targets)
         command.reserve = message.tick  # beside the checksum, which nobody needs here
         end.send(command)
+        command.reserve = 0  # the message is made once, and the next one's checksum is over zero
 
 
 def _measure(seconds: float) -> dict[str, Any]:
