@@ -55,6 +55,13 @@ def test_what_a_simulator_knows_besides_changes_nothing(walked: tuple[Log, dict[
     told = identify_robot(robot, silent)
     assert set(told.parameters) == NAMES - {"delay"}
     assert math.isinf(told.parameters["mu"].high)
+    assert not any("below zero" in note for note in told.notes)
+
+
+def test_another_robot_s_model_is_doubted(walked: tuple[Log, dict[str, float]]) -> None:
+    """Its joints have the same names."""
+    told = identify_robot(sf.load_robot("b1"), walked[0].rows(slice(0, 2500)))
+    assert any("payload: below zero" in note for note in told.notes)
 
 
 def test_wrong_logs_are_named(walked: tuple[Log, dict[str, float]]) -> None:

@@ -154,6 +154,11 @@ def identify_robot(robot: Robot, log: Log, seed: int = 0) -> RobotFit:
         if name not in FACTORS or _figures(motors)[k].any()
     }
     notes = [f"{n}: the model gives no such figure of this robot's motors" for n in units if n not in found]
+    notes += [
+        f"{n}: below zero, so that the model is not this robot's, or other torques moved it"
+        for n, e in found.items()
+        if e.high < 0.0
+    ]
     delay = _latency(rows, log, dt) if "forces_commanded" in log else None
     if delay is None:
         notes.append("delay: the log does not say which forces were commanded")
