@@ -21,7 +21,7 @@ from surefoot.terrain import FlatTerrain, rough_ground
 pytest.importorskip("mujoco")
 
 
-@pytest.mark.parametrize(("name", "speed"), [("g1", 0.3), ("talos", 0.0)])
+@pytest.mark.parametrize(("name", "speed"), [("g1", 0.3), ("talos", 0.0), ("icub", 0.2)])
 def test_humanoids_walk_lawfully(name: str, speed: float) -> None:
     from surefoot.simulation.mujoco import MujocoWorld
 
@@ -71,6 +71,8 @@ def test_the_controller_follows_from_the_feet() -> None:
     assert default_gait(load_robot("go2")) == "trot"
     with pytest.raises(ModelError, match="two flat feet"):
         BipedController(load_robot("bolt"), still)
+    with pytest.raises(ModelError, match="legs have 80% of its mass"):
+        walking_controller(load_robot("alexander"), still)
     with pytest.raises(ProblemError, match="valid names: stand, walk"):
         walking_controller(load_robot("talos"), still, "trot")
 

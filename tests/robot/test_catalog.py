@@ -109,6 +109,14 @@ def test_poses_come_from_the_files() -> None:
             assert value == pytest.approx(float(wanted.get(joint) or 0.0)), joint
 
 
+def test_nobody_walks_on_straight_knees() -> None:
+    robot = load("icub")
+    knee = robot.model.joints[robot.model.getJointId("l_knee")].idx_q
+    assert robot.nominal[knee] == -0.9  # -0.2 in its SRDF
+    feet = robot.foot_positions(sf.place(robot))
+    assert feet[:, 2] == pytest.approx(0.005, abs=1e-6)  # the edge of a sole is a little round
+
+
 def test_what_cannot_be_read_says_why() -> None:
     assert set(UNREADABLE).isdisjoint(CATALOG)
     with pytest.raises(ModelError, match=r"cassie cannot be loaded by name: .*SDF"):

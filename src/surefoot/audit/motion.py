@@ -61,7 +61,7 @@ def heading_velocity(log: Log) -> FloatArray:
     R = rotation_from_quaternion(log["q"][:, 3:7])
     linear = np.einsum("tij,tj->ti", R, log["v"][:, :3])
     angular = np.einsum("tij,tj->ti", R, log["v"][:, 3:6])
-    yaw = np.arctan2(R[:, 1, 0], R[:, 0, 0])
+    yaw = np.arctan2(R[:, 1, 0], R[:, 0, 0]) + float(log.facts.get("ahead", 0.0))
     c, s = np.cos(yaw), np.sin(yaw)
     return np.column_stack(
         [c * linear[:, 0] + s * linear[:, 1], -s * linear[:, 0] + c * linear[:, 1], angular[:, 2]]

@@ -24,7 +24,7 @@ from surefoot.control.whole_body import WholeBodyCommand, WholeBodyController
 from surefoot.estimation.wrench_observer import BLOCK
 from surefoot.log.channels import CHANNELS, Channel
 from surefoot.robot import Robot
-from surefoot.spatial import GRAVITY
+from surefoot.spatial import GRAVITY, heading_of
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import Terrain
 
@@ -147,7 +147,8 @@ class Walker(Tick):
     def facts(self) -> dict[str, Any]:  # type: ignore[override]
         """What the log should say about it."""
         low, high = self._normals
-        return {
+        x, y = heading_of(self.robot.nominal[3:7])
+        return ({} if x == 1.0 else {"ahead": -math.atan2(y, x)}) | {
             "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": self.settings.mu,
             "gait": self.schedule.name, "notes": self.notes,
             "behaviours": [behaviour.name for behaviour in self.arbiter.behaviours],

@@ -92,6 +92,7 @@ FACTS: dict[str, Fact] = {
     "normal_max": Fact("largest one [N]"),
     "mu_controller": Fact("friction that the controller believes in"),
     "gait": Fact("name of the gait", text=True),
+    "ahead": Fact("where the robot walks ahead, from the x axis of its base, zero by default [rad]"),
     "cone": Fact("of the world's friction: elliptic (round) or pyramidal", text=True),
     "moment_friction": Fact("of contact moments: rolling, rolling, torsional [m]", ("p", 3)),
     "contact_margin": Fact("gap from which the world's contacts push [m]", ("p",)),

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, distribution
 from importlib.resources import files
 from pathlib import Path
@@ -65,6 +66,8 @@ class CatalogEntry:
     unlimited
         Beginnings of the names of joints whose position limits in the file are wrong or missing; they get
         half a turn either way.
+    bent
+        Angles [rad] of joints whose names end so, in place of the SRDF's: nobody walks on straight knees.
     """
 
     urdf: str
@@ -75,6 +78,7 @@ class CatalogEntry:
     pose: str | None = None
     upright: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     unlimited: tuple[str, ...] = ()
+    bent: Mapping[str, float] = field(default_factory=dict)
 
 
 def _entry(table: dict[str, Any]) -> CatalogEntry:

@@ -372,6 +372,9 @@ def _nominal(
         poses = {item.key(): np.array(item.data()) for item in model.referenceConfigurations}
         for name in NOMINAL_POSES if entry.pose is None else (entry.pose,):
             if name in poses:
+                for joint, title in zip(model.joints, model.names, strict=True):
+                    for end in (end for end in entry.bent if title.endswith(end)):
+                        poses[name][joint.idx_q] = entry.bent[end]
                 return poses[name]
     q = np.array(pinocchio.neutral(model))
     if fixed:

@@ -36,6 +36,7 @@ from surefoot.control.whole_body import Kinematics, Tasks
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot
 from surefoot.robot.centroidal import composite_inertia
+from surefoot.robot.nominal import chain
 from surefoot.spatial import GRAVITY, rotation_exp, rotation_log
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.stance.gait_library import named_gait
@@ -46,6 +47,9 @@ DESCENT = 0.06
 REACH = 0.194
 """How far either side of its middle a flat foot goes while it carries, in heights of the centre of mass: with
 more its heel would have to rise (of one seed each, G1 walks at 0.6 m/s and falls at 0.62)."""
+HEAVY = 0.6
+"""Largest share of the mass in the legs: steps are planned for a body on light ones. (Talos has 0.39 there,
+G1 0.43, iCub 0.45; Alexander's file, which holds no trunk, has 0.80, and falls within 4 s at 0.2 m/s.)"""
 PERIOD = 2.0 * math.pi / 1.96
 """Length of a cycle of the gait, in units of sqrt(h / g)."""
 
@@ -95,6 +99,11 @@ class BipedController(Walker):
     ) -> None:
         if not robot.floating or len(robot.feet) != 2 or not all(f.flat for f in robot.feet):
             raise ModelError(f"{robot.name} cannot walk here: it needs a free base and two flat feet")
+        if (share := _leg_share(robot)) > HEAVY:
+            raise ModelError(
+                f"{robot.name} cannot walk here: its legs have {share:.0%} of its mass, and steps are "
+                f"planned for {HEAVY:.0%} at most; give it its trunk"
+            )
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.settings = settings or BipedSettings()
         self.terrain = FlatTerrain() if terrain is None else terrain
@@ -302,3 +311,10 @@ class BipedController(Walker):
         return Tasks(
             feet.stance, com, turn, wanted, joints, plan.first, feet.frames, self._pressed
         )  # fmt: skip
+
+
+def _leg_share(robot: Robot) -> float:
+    """Return the share of a robot's mass that its legs have."""
+    frames = [robot.model.getFrameId(foot.name) for foot in robot.feet]
+    legs = {joint for frame in frames for joint in chain(robot.model, frame)}
+    return float(sum(robot.model.inertias[joint].mass for joint in legs)) / robot.mass
