@@ -37,8 +37,8 @@ def outcome(stepper: Stepper, a: Step, b: Step) -> np.ndarray:
     return np.concatenate([moved, b.state.v - a.state.v, (b.impulses - a.impulses).ravel(), left.ravel()])
 
 
-def differences(stepper: Stepper, state: State, torques, push, mu) -> dict[str, np.ndarray]:
-    """Differences by everything that goes in."""
+def differences(stepper: Stepper, state: State, torques, push, mu, between=outcome) -> dict[str, np.ndarray]:
+    """Differences, as `between` has them of two steps, by everything that goes in."""
     model, joints = stepper.bodies.model, stepper.robot.joints
 
     def taken(name: str, way: np.ndarray) -> Step:
@@ -58,7 +58,7 @@ def differences(stepper: Stepper, state: State, torques, push, mu) -> dict[str, 
     def slope(name: str, e: np.ndarray) -> np.ndarray:
         """Central differences over two widths, of fourth order together."""
         near, far = (
-            outcome(stepper, taken(name, -w * e), taken(name, w * e)) / (2.0 * w) for w in (STEP, 2.0 * STEP)
+            between(stepper, taken(name, -w * e), taken(name, w * e)) / (2.0 * w) for w in (STEP, 2.0 * STEP)
         )
         return (4.0 * near - far) / 3.0
 
@@ -216,9 +216,10 @@ def test_inertial_parameters(height: float) -> None:
             assert np.abs(own[rows] - wanted[rows]).max() < 1e-5 * max(np.abs(wanted[rows]).max(), 1e-3)
 
 
-def test_products_are_adjoint_and_agree_with_the_blocks() -> None:
+@pytest.mark.parametrize("order", [1, 2])
+def test_products_are_adjoint_and_agree_with_the_blocks(order: int) -> None:
     robot, q, v, torques = go2_at(sf.FlatTerrain(), 2e-4, 0)
-    stepper, rng = Stepper(robot), np.random.default_rng(5)
+    stepper, rng = Stepper(robot, options=StepOptions(order=order)), np.random.default_rng(5)
     state = stepper.step(stepper.start(q, v), torques, mu=0.5).state
     d = step_derivative(stepper, state, torques, mu=0.5)
     given = {"q": rng.normal(size=18), "v": rng.normal(size=18), "torques": rng.normal(size=12), "mu": 0.3,
