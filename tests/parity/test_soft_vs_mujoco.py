@@ -15,6 +15,7 @@ from surefoot.simulation.bodies import ball
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.terrain import FlatTerrain
+from tests.moving import lifted
 
 SOFTNESS = {
     "default": ((0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)),
@@ -32,9 +33,7 @@ def test_a_dropped_ball(solref, solimp):
         MujocoWorld(body, dt=dt, solref=solref, solimp=solimp),
         RigidWorld(body, dt=dt, law=law),
     ):
-        q = body.nominal.copy()
-        q[2] += 0.02
-        world.reset(q)
+        world.reset(lifted(body.nominal, 0.02))
         path = []
         for _ in range(7500):
             world.step(np.zeros(0))

@@ -9,21 +9,20 @@ import numpy as np
 
 import surefoot as sf
 from surefoot.simulation.rigid import RigidWorld
+from tests.moving import advance, lifted
 
 
 def flight_errors(world_of: Callable[..., Any], steps: Sequence[float], exact: float) -> list[float]:
     """Return how far velocities are off after 20 ms in the air, with motors and a push, at each step."""
     robot, rng = sf.load_robot("go2"), np.random.default_rng(3)
-    q, v = robot.nominal.copy(), rng.normal(size=18)
-    q[2] += 2.0
+    q, v = lifted(robot.nominal, 2.0), rng.normal(size=18)
     q[3:7] = np.array([0.3, -0.2, 0.1, 0.9]) / np.linalg.norm([0.3, -0.2, 0.1, 0.9])
     torques, push = rng.normal(size=12), np.array([20.0, -30.0, 10.0])
 
     def flown(world: Any) -> np.ndarray:
         world.reset(q, v)
         assert np.allclose(world.state()[1], v, rtol=0.0, atol=1e-12)
-        for _ in range(round(0.02 / world.dt)):
-            world.step(torques, push)
+        advance(world, round(0.02 / world.dt), torques, push)
         assert world.contacts().forces.max() == 0.0
         return world.state()[1]
 
@@ -37,6 +36,5 @@ def flight_errors(world_of: Callable[..., Any], steps: Sequence[float], exact: f
 
 def contacts_after(world: Any, steps: int) -> Any:
     """Return the contacts of a body without joints after so many steps."""
-    for _ in range(steps):
-        world.step(np.zeros(0))
+    advance(world, steps, np.zeros(0))
     return world.contacts()

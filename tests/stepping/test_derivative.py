@@ -21,6 +21,7 @@ from surefoot.stepping import State, Step, StepOptions, Stepper, step_derivative
 from surefoot.stepping import motion as rules
 from surefoot.stepping.state import StepRemainder
 from surefoot.terrain import Terrain
+from tests.moving import lifted
 from tests.stepping.waves import ROUGH
 
 STEP, NEAR = 1e-6, 2e-6
@@ -98,8 +99,7 @@ def check(stepper: Stepper, state: State, torques, push=None, mu=0.5, touching=F
 
 def go2_at(terrain: Terrain, height: float, seed: int, speed: float = 0.5):
     robot, rng = sf.load_robot("go2"), np.random.default_rng(seed)
-    q = sf.place(robot, terrain)
-    q[2] += height
+    q = lifted(sf.place(robot, terrain), height)
     v = speed * rng.normal(size=18)
     v[2] -= 0.5
     return robot, q, v, 5.0 * rng.normal(size=12)
@@ -177,8 +177,7 @@ def test_g1_lands_on_both_soles() -> None:
     robot = sf.load_robot("g1")
     stepper = Stepper(robot)
     rng = np.random.default_rng(3)
-    q = sf.place(robot)
-    q[2] += 3e-4
+    q = lifted(sf.place(robot), 3e-4)
     v = np.zeros(robot.model.nv)
     v[:3] = 0.02, 0.01, -0.35
     torques = rng.normal(size=robot.joints)
@@ -290,8 +289,7 @@ def test_smoothing_reaches_a_ball_above_the_ground() -> None:
     m, height, kappa, dt = 2.0, 0.03, 1e-3, 1e-3
     body = ball(m, 0.1)
     stepper = Stepper(body)
-    q = body.nominal.copy()
-    q[2] += height
+    q = lifted(body.nominal, height)
     state, speed = stepper.start(q, np.r_[0.0, 0.0, -0.4, np.zeros(3)]), -0.4
     assert step_derivative(stepper, state, np.zeros(0), mu=0.0).forces["q"].any() == np.False_
     d = step_derivative(stepper, state, np.zeros(0), mu=0.0, smoothing=kappa)

@@ -21,6 +21,7 @@ from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import Knot, State, Step, StepOptions, Stepper, step_derivative
 from surefoot.terrain import Terrain
+from tests.moving import lifted
 from tests.robot.constraints import constraints
 from tests.stepping.test_derivative import differences, paired_arms
 from tests.stepping.waves import ROUGH
@@ -188,8 +189,7 @@ def test_forces_of_a_fall_are_lawful() -> None:
     """Signorini for the gaps at the end, Coulomb and dissipation, read off one by one."""
     robot = sf.load_robot("go2")
     world = RigidWorld(robot, mu=0.4, order=1)
-    q = sf.place(robot)
-    q[2] += 0.05
+    q = lifted(sf.place(robot), 0.05)
     world.reset(q, np.r_[0.5, 0.2, 0.0, np.zeros(15)])
     touched = 0
     for _ in range(300):
@@ -231,8 +231,7 @@ def test_smoothing_reaches_a_ball_above_the_ground() -> None:
     """Against the root of λ (v + λ/m - g dt + gap/dt) = κ, straight above a plane."""
     m, height, kappa, dt, speed = 2.0, 0.03, 1e-3, 1e-3, -0.4
     body = ball(m, 0.1)
-    q = body.nominal.copy()
-    q[2] += height
+    q = lifted(body.nominal, height)
     knot = Knot(Stepper(body, options=replace(OPTIONS, dt=dt)))
     assert knot.step(q, np.r_[0.0, 0.0, speed, np.zeros(3)], np.zeros(0), 0.0)
 
