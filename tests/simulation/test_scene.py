@@ -205,7 +205,6 @@ def test_a_rigid_world_knows_a_scene():
         (lambda: Scene([Body("a", CUBE, friction=-1.0)]), "friction"),
         (lambda: Scene([Body("a", CUBE, restitution=1.5)]), "restitution"),
         (lambda: Scene([Body("a", CUBE)]).pose("b"), "unknown body 'b'"),
-        (lambda: RigidWorld(sf.load_robot("go2"), collision="all"), "unknown collision 'all'"),
     ],
 )
 def test_wrong_scenes_are_told(make, words):

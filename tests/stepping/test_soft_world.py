@@ -283,7 +283,6 @@ def test_extreme_laws_and_speeds_give_a_lawful_step_or_a_named_error(name, power
     [
         ({"restitution": 0.3}, "restitution is of rigid contacts"),
         ({"stabilisation": "baumgarte"}, "baumgarte"),
-        ({"law": "soft"}, "unknown law"),
     ],
 )
 def test_wrong_options_are_named(options, words):

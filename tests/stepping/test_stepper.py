@@ -177,7 +177,7 @@ def test_bodies_with_one_many_and_no_contact_points(body: sf.Robot) -> None:
         ({"dt": 0.0}, "dt"),
         ({"dt": np.nan}, "dt"),
         ({"restitution": 1.5}, "restitution"),
-        ({"stabilisation": "hope"}, "unknown stabilisation 'hope'"),
+        ({"stabilisation": "hope"}, "unknown stabilisation 'hope'; valid names: baumgarte, none"),
         ({"law": "none"}, "unknown law 'none'"),
     ],
 )
