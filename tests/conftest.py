@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import json
 import os
 import signal
 import sys
@@ -156,3 +157,15 @@ def go2() -> Any:
 def robot(go2: Any) -> Any:
     """Return the same, where the name does not matter."""
     return go2
+
+
+@pytest.fixture
+def answer(capfd: pytest.CaptureFixture[str]) -> Callable[..., Any]:
+    """Return what runs a command line: it gives the JSON that is printed, once the exit code is as told."""
+    from surefoot.cli.main import main
+
+    def ask(*words: str, code: int = 0) -> Any:
+        assert main([*words, "--json"]) == code
+        return json.loads(capfd.readouterr().out)
+
+    return ask

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from tests.equilibrium.test_batch import assert_same_region
 
 sys.path.insert(0, str(Path(__file__).parent))  # pytest's importlib mode leaves the folder out
 from stance_families import FAMILIES, question
@@ -27,9 +28,4 @@ def test_verdicts_and_regions_are_those_of_the_single_calls(family: str) -> None
         assert verdict.margin == pytest.approx(alone.margin, rel=1e-9)
         assert verdict.verify() == alone.verify()
         single = sf.com_region(q.stance, q.mass, tol=1e-3)
-        assert (region.empty, region.converged) == (single.empty, single.converged)
-        assert region.force_limit == single.force_limit
-        for a, b in ((region, single), (single, region)):  # inner polygon within the other's outer one
-            if len(a.inner) and len(b.directions):
-                over = (b.directions @ a.inner.T - b.heights[:, None]).max()
-                assert over <= 1e-9 * max(1e-3, np.abs(b.heights).max())
+        assert_same_region(region, single, 1e-9, 1e-3)

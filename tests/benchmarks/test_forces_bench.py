@@ -1,7 +1,5 @@
 """The forces benchmark: its instances, its judgement of rivals and its table."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,6 @@ from benchmarks.forces.race import best_known, judge, run_all, run_ours
 from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, available
 from benchmarks.problems.allocation_program import objective, program
 from benchmarks.problems.allocations import CLASSES, four_feet
-from surefoot.cli.main import main
 
 ALL = available(EXACT_RIVALS) + available(FACET_RIVALS)
 
@@ -73,9 +70,8 @@ def test_table():
     assert all(r.cone_violation > 1.0 for r in outer)
 
 
-def test_command_prints_json(capsys):
-    assert main(["bench", "forces", "--count", "2", "--instances", "2", "--no-stands", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_command_prints_json(answer):
+    found = answer("bench", "forces", "--count", "2", "--instances", "2", "--no-stands")
     assert [row["trajectory"] for row in found["warm"]] == ["made"]
     assert found["accuracy"]["0.1"]["not_solved"] == 0
     assert {"solver", "timing", "cone"} <= set(found["rows"][0])

@@ -1,15 +1,12 @@
 """`surefoot bench walk` and `speeds`: JSON alone on stdout, and tables."""
 
-import json
-
 import pytest
 
 from surefoot.cli.main import main
 
 
-def test_json_is_the_only_output(capsys):
-    assert main(["bench", "walk", "--scene", "trot", "--calls", "12", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_json_is_the_only_output(answer):
+    found = answer("bench", "walk", "--scene", "trot", "--calls", "12")
     assert found["horizon"] == 10
     assert found["rows"][0]["method"] == "surefoot, exact cones"
     assert {row["scene"] for row in found["rows"]} == {"trot"}
@@ -23,9 +20,8 @@ def test_tables(capsys):
     assert "Clarabel, exact cones" in out
 
 
-def test_a_ladder_of_speeds(capsys):
-    assert main(["bench", "speeds", "--quick", "--json"]) == 0
-    (row,) = json.loads(capsys.readouterr().out)
+def test_a_ladder_of_speeds(answer):
+    (row,) = answer("bench", "speeds", "--quick")
     assert row["robot"] == "go2"
     assert row["commanded"] == row["wanted"] == [0.5, 0.0, 0.0]
     assert (row["walked"], row["good"], row["lawful"]) == (1, 1, 1)

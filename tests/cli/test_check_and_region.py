@@ -1,6 +1,5 @@
 """`surefoot check`, `surefoot region` and `surefoot bench statics` from the command line."""
 
-import json
 from pathlib import Path
 
 import pytest
@@ -26,15 +25,8 @@ def slides(tmp_path):
     return str(path)
 
 
-def facts(capsys, *arguments):
-    code = main([*arguments, "--json"])
-    captured = capsys.readouterr()
-    return code, json.loads(captured.out)
-
-
-def test_possible_stance_exits_zero_and_says_why(capsys, tmp_path):
-    code, found = facts(capsys, "check", str(EXAMPLES / "go2_three_legs.yaml"), "--out", str(tmp_path))
-    assert code == 0
+def test_possible_stance_exits_zero_and_says_why(answer, tmp_path):
+    found = answer("check", str(EXAMPLES / "go2_three_legs.yaml"), "--out", str(tmp_path))
     assert found["possible"] is True
     assert found["verdict"].startswith("possible: margin")
     assert sum(row["force"][2] for row in found["contacts"]) == pytest.approx(16.085 * 9.81, rel=1e-6)
@@ -44,9 +36,8 @@ def test_possible_stance_exits_zero_and_says_why(capsys, tmp_path):
     assert Path(found["picture"]).stat().st_size > 10_000
 
 
-def test_impossible_stance_exits_one_with_a_certificate(capsys, slides, tmp_path):
-    code, found = facts(capsys, "check", slides, "--out", str(tmp_path / "runs"))
-    assert code == 1
+def test_impossible_stance_exits_one_with_a_certificate(answer, slides, tmp_path):
+    found = answer("check", slides, "--out", str(tmp_path / "runs"), code=1)
     assert found["possible"] is False
     assert found["friction_needed"] == pytest.approx(0.57735, abs=1e-4)
     assert len(found["certificate"]) == 6
@@ -54,9 +45,8 @@ def test_impossible_stance_exits_one_with_a_certificate(capsys, slides, tmp_path
     assert Path(found["picture"]).exists()
 
 
-def test_more_friction_on_the_command_line_helps(capsys, slides):
-    code, found = facts(capsys, "check", slides, "--mu", "0.6", "--no-picture")
-    assert code == 0
+def test_more_friction_on_the_command_line_helps(answer, slides):
+    found = answer("check", slides, "--mu", "0.6", "--no-picture")
     assert found["picture"] is None
 
 
@@ -72,29 +62,24 @@ def test_tables_are_readable(capsys, slides):
     assert "37.74" in text
 
 
-def test_robot_on_a_slope(capsys):
+def test_robot_on_a_slope(answer):
     pytest.importorskip("pinocchio")
-    code, found = facts(capsys, "check", "go2", "--slope", "30", "--mu", "0.5", "--no-picture")
-    assert code == 1
+    found = answer("check", "go2", "--slope", "30", "--mu", "0.5", "--no-picture", code=1)
     assert found["friction_needed"] == pytest.approx(0.57735, abs=1e-4)
-    code, found = facts(capsys, "check", "go2", "--slope", "20", "--no-picture")
-    assert code == 0
+    found = answer("check", "go2", "--slope", "20", "--no-picture")
     assert found["motors"]["possible"] is True
-    code, found = facts(capsys, "check", "go2", "--lift", "FL,FR", "--no-picture")
-    assert code == 1
+    found = answer("check", "go2", "--lift", "FL,FR", "--no-picture", code=1)
     assert [row["name"] for row in found["contacts"]] == ["RL_foot", "RR_foot"]
 
 
-def test_region_draws_and_says_where_the_weight_is(capsys, slides, tmp_path):
-    code, found = facts(capsys, "region", str(EXAMPLES / "g1_hand_on_wall.yaml"), "--out", str(tmp_path))
-    assert code == 0
+def test_region_draws_and_says_where_the_weight_is(answer, capfd, slides, tmp_path):
+    found = answer("region", str(EXAMPLES / "g1_hand_on_wall.yaml"), "--out", str(tmp_path))
     assert found["com_inside"] is True
     assert found["com_region"]["area"] > 0.1
     assert found["zmp_region"]["gap"] <= 1e-3
     assert Path(found["picture"]).stat().st_size > 10_000
-    code, found = facts(capsys, "region", slides, "--out", str(tmp_path))
-    assert code == 0
+    found = answer("region", slides, "--out", str(tmp_path))
     assert found["com_inside"] is False
     assert found["com_region"]["corners"] == []
     assert main(["region", str(EXAMPLES / "chimney.yaml"), "--no-picture"]) == 0
-    assert "zero-moment point" in capsys.readouterr().out
+    assert "zero-moment point" in capfd.readouterr().out

@@ -1,7 +1,8 @@
 from __future__ import annotations
 
-import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,11 +18,8 @@ def test_cone_prints_half_spaces_rays_and_errors(tmp_path: Path, capfd: pytest.C
     assert len(list(tmp_path.glob("cone-*/pyramids.png"))) == 1
 
 
-def test_cone_json(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert (
-        main(["cone", "--mu", "0.5", "--facets", "6", "--json", "--no-picture", "--out", str(tmp_path)]) == 0
-    )
-    facts = json.loads(capfd.readouterr().out)
+def test_cone_json(tmp_path: Path, answer: Callable[..., Any]) -> None:
+    facts = answer("cone", "--mu", "0.5", "--facets", "6", "--no-picture", "--out", str(tmp_path))
     assert np.all(np.array(facts["halfspaces"]) @ np.array(facts["rays"]).T <= 1e-12)
     assert facts["fit_error"]["radial"] == pytest.approx(1 - np.cos(np.pi / 6))
     assert not list(tmp_path.iterdir())

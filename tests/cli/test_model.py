@@ -1,19 +1,12 @@
 from __future__ import annotations
 
-import json
-
 import pytest
 
 from surefoot.cli.main import main
 
 
-def facts(capsys, *arguments):
-    assert main(["model", *arguments, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
-
-
-def test_go2(capsys):
-    found = facts(capsys, "go2")
+def test_go2(answer):
+    found = answer("model", "go2")
     assert found["mass"] == pytest.approx(16.085, abs=1e-3)
     assert sum(j["mass"] for j in found["joints"]) == pytest.approx(found["mass"], rel=1e-9)
     assert found["contact_jacobian"] == {
@@ -24,15 +17,15 @@ def test_go2(capsys):
     assert found["centroidal"]["principal_moments"][0] > 0.05
 
 
-def test_g1_feet_are_patches(capsys):
-    found = facts(capsys, "g1")
+def test_g1_feet_are_patches(answer):
+    found = answer("model", "g1")
     assert [f["shape"] for f in found["feet"]] == ["patch", "patch"]
     assert [f["rank_of_its_leg"] for f in found["feet"]] == [6, 6]
     assert found["contact_jacobian"]["rank"] == 12
 
 
-def test_fixed_arm_without_feet(capsys):
-    found = facts(capsys, "panda")
+def test_fixed_arm_without_feet(answer):
+    found = answer("model", "panda")
     assert found["feet"] == []
     assert not found["floating_base"]
     assert found["contact_jacobian"]["rank"] == 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
-import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +16,9 @@ from surefoot.experiments.experiment import Measured, MeasuredQuantity, WorldExp
 from surefoot.simulation.drake_python import VARIABLE
 
 
-def asked(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[str, Any]]:
-    code = main(["worlds", *words, "--json"])
-    return code, json.loads(capsys.readouterr().out)
-
-
-def test_rigid_world_slides_as_it_should(capsys: pytest.CaptureFixture[str]) -> None:
-    code, found = asked(capsys, "slide", "--world", "rigid")
+def test_rigid_world_slides_as_it_should(answer: Callable[..., Any]) -> None:
+    found = answer("worlds", "slide", "--world", "rigid")
     row = found["experiments"]["slide"]["rows"][0]
-    assert code == 0
     assert found["agrees"]
     assert row["exact"] == pytest.approx(2.0**2 / (2.0 * 0.4 * 9.81), rel=1e-12)
     assert row["error"] <= row["tolerance"]
@@ -40,32 +34,30 @@ def test_tables_are_printed(capsys: pytest.CaptureFixture[str], monkeypatch: pyt
 
 
 def test_a_world_that_does_not_keep_to_it_is_exit_1(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    answer: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def wrong(world: str, dt: float) -> Measured:
         return (MeasuredQuantity("x", "m", 2.0, 1.0),)
 
     made = EXPERIMENTS["drop"]
     monkeypatch.setitem(EXPERIMENTS, "drop", WorldExperiment("drop", made.says, made.compares, wrong))
-    code, found = asked(capsys, "drop", "--world", "rigid")
-    assert code == 1
+    found = answer("worlds", "drop", "--world", "rigid", code=1)
     assert found["experiments"]["drop"]["rows"][0]["verdict"] == "differs"
 
 
 def test_absent_worlds_are_one_line_each(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    answer: Callable[..., Any], capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv(VARIABLE, raising=False)
     if importlib.util.find_spec("pydrake") is not None:
         pytest.skip("Drake is here")
-    code, found = asked(capsys, "drop", "--world", "rigid", "--world", "drake")
-    assert code == 0
+    found = answer("worlds", "drop", "--world", "rigid", "--world", "drake")
     assert found["worlds"] == ["rigid"]
     assert "pip install -e '.[drake]'" in found["absent"]["drake"]
     assert main(["worlds", "drop", "--world", "drake"]) == 2
-    assert "drake is not installed; run: pip install -e '.[drake]'" in capsys.readouterr().err
+    assert "drake is not installed; run: pip install -e '.[drake]'" in capfd.readouterr().err
     assert main(["stand", "go2", "--world", "drake", "--no-video", "--no-report"]) == 2
-    assert "drake is not installed" in capsys.readouterr().err
+    assert "drake is not installed" in capfd.readouterr().err
 
 
 def test_help_names_every_experiment() -> None:
@@ -73,14 +65,13 @@ def test_help_names_every_experiment() -> None:
 
 
 def test_engines_at_their_defaults(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    answer: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """MuJoCo's pyramid lets a slide at 45 degrees go sqrt(2) as far; tuned and exact cones do not."""
     pytest.importorskip("mujoco")
     monkeypatch.delenv("SUREFOOT_NEWTON_PYTHON", raising=False)
     words = ["--defaults", "--world", "mujoco", "--world", "rigid", "--world", "newton"]
-    code, found = asked(capsys, "slide", "slide at 45 deg", *words, "--out", str(tmp_path))
-    assert code == 0
+    found = answer("worlds", "slide", "slide at 45 deg", *words, "--out", str(tmp_path))
     error = {(row["engine"], row["case"]): row["error"] for row in found["rows"]}
     assert error["mujoco", "slide at 45 deg"] == pytest.approx(2.0**0.5 - 1.0, abs=0.02)
     assert error["mujoco", "slide"] < 0.01

@@ -77,20 +77,8 @@ def test_turning_an_outer_pyramid_moves_its_overshoot_only():
         assert worst == pytest.approx(math.sqrt(2.0) - 1.0)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [((-0.1,), "mu"), ((math.nan,), "mu"), (("rough",), "mu must be a number")],
-)
-def test_bad_friction_is_named(arguments, message):
-    with pytest.raises(ProblemError, match=message):
-        FrictionCone(*arguments)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"), [((2,), "facets"), ((4.5,), "facets"), ((8, "middle"), "inner, outer")]
-)
-def test_bad_pyramids_are_named(arguments, message):
-    with pytest.raises(ProblemError, match=message):
-        FrictionCone(0.5).polyhedral(*arguments)
+def test_bad_pyramids_are_named():
+    with pytest.raises(ProblemError, match="inner, outer"):
+        FrictionCone(0.5).polyhedral(8, "middle")
     with pytest.raises(ProblemError, match="finite mu"):
         FrictionCone(math.inf).polyhedral(8)

@@ -9,11 +9,9 @@ without a word. A new member of a family is one line in its table, in `test_hard
 from __future__ import annotations
 
 import math
-from functools import cache
 
 import numpy as np
 
-from surefoot.robot import Robot, load_robot
 from surefoot.stance import PointContact, Stance
 
 NOT_FINITE = [math.nan, math.inf, -math.inf]
@@ -21,11 +19,6 @@ EXTREME = [1e6, -1e12, 1e100, -1e200, 1e308, 1e-310]
 MU, LOW, HIGH = 0.6, 5.0, 200.0
 FEET = [[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]]
 WRENCH = np.array([10.0, -5.0, 160.0, 1.0, -2.0, 0.5])
-
-
-@cache
-def robot_of(name: str) -> Robot:
-    return load_robot(name)
 
 
 def grasp() -> np.ndarray:

@@ -32,8 +32,8 @@ from tests.conformance.hard_inputs import (
     MU,
     NOT_FINITE,
     check_forces,
-    robot_of,
 )
+from tests.robots import robot_of
 
 
 class Standing:

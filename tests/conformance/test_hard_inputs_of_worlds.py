@@ -18,10 +18,8 @@ from surefoot.simulation.drake.world import DrakeWorld
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.world import World
-from tests.conformance.hard_inputs import (
-    NOT_FINITE,
-    robot_of,
-)
+from tests.conformance.hard_inputs import NOT_FINITE
+from tests.robots import robot_of
 
 WORLDS: dict[str, Callable[..., World]] = {
     "rigid": RigidWorld, "mujoco": MujocoWorld, "drake": DrakeWorld, "bullet": BulletWorld,

@@ -46,8 +46,6 @@ def test_a_share_of_the_shift_opens_by_what_is_left(share: float) -> None:
 def test_what_is_no_law_is_refused() -> None:
     with pytest.raises(sf.ProblemError, match="unknown law 'newton'; valid names: convex, coulomb"):
         law_of("newton")
-    with pytest.raises(sf.ProblemError, match="unknown law 3"):
-        sf.ContactProblem(np.eye(3), np.ones(3), 0.5, law=3)  # type: ignore[arg-type]
     with pytest.raises(sf.ProblemError, match="shift must be a number between 0 and 1, got 2"):
         sf.laws.Law("too much", shift=2.0)
     with pytest.raises(sf.ProblemError, match="the name of another law"):

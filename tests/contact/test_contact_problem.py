@@ -29,7 +29,6 @@ def random_matrix(seed: int, contacts: int, dof: int) -> np.ndarray:
         ({"mu": "slippery"}, "mu must be numeric"),
         ({"normal_min": [0.0, 3.0], "normal_max": 2.0}, "at contact 1"),
         ({"normal_min": np.inf}, "normal_min must be finite"),
-        ({"law": "viscous"}, "unknown law 'viscous'"),
         ({"facets": 2}, "facets must be a whole number >= 3"),
         ({"compliance": -1.0}, "compliance"),
         ({"compliance": [1.0, 2.0, 3.0, 4.0]}, "compliance must be a number or have shape"),

@@ -88,8 +88,6 @@ def test_what_cannot_walk_is_refused() -> None:
         WalkingController(robot_of("panda"), FORWARD)
     with pytest.raises(ModelError, match=r"g1 cannot walk here: .* three or more point feet"):
         WalkingController(robot_of("g1"), FORWARD)
-    with pytest.raises(ProblemError, match="unknown gait for 4 feet 'hop'"):
-        WalkingController(robot_of("go2"), FORWARD, "hop")
     with pytest.raises(ProblemError, match="the gait is for 2 feet, go2 has 4"):
         WalkingController(robot_of("go2"), FORWARD, ModeSchedule([0.5], [3, 2], feet=2))
 

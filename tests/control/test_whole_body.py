@@ -7,6 +7,7 @@ import pinocchio
 import pytest
 
 from surefoot.control.whole_body import Tasks, TaskWeights, WholeBodyController
+from surefoot.control.whole_body_tasks import WholeBodyCommand
 from surefoot.errors import ModelError
 from surefoot.robot import Robot
 from surefoot.solvers.backends import ConeProgram, solve_program
@@ -201,35 +202,36 @@ def cone_rows(
     return stack(G, g, nx), stack(K, [np.zeros(3)] * len(K), nx)
 
 
+def check_optimal(
+    robot: Robot, q: np.ndarray, v: np.ndarray, tasks: Tasks, bounds: tuple[float, float], limits: np.ndarray
+) -> WholeBodyCommand:
+    """Return the command, whose forces and accelerations have to be the oracle's."""
+    mu, weights = 0.5, TaskWeights(force=0.3)
+    command = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), limits).step(q, v, tasks)
+    a, f = oracle(robot, q, v, tasks, mu, bounds, weights, 8.0, limits)
+    assert command.forces == pytest.approx(f, abs=2e-4 * robot.mass * GRAVITY)
+    assert command.accelerations == pytest.approx(a, abs=1e-2)
+    return command
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("seed", range(6))
 def test_the_command_is_optimal(name: str, seed: int) -> None:
     robot, q, v, tasks = random_case(name, 100 + seed)
     weight = robot.mass * GRAVITY
-    bounds, mu, weights = (0.01 * weight, 0.8 * weight), 0.5, TaskWeights(force=0.3)
-    free = np.full(robot.joints, np.inf)
-    controller = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), effort_limits=free)
-    command = controller.step(q, v, tasks)
-    a, f = oracle(robot, q, v, tasks, mu, bounds, weights, 8.0, free)
-    assert command.forces == pytest.approx(f, abs=2e-4 * weight)
-    assert command.accelerations == pytest.approx(a, abs=1e-2)
+    check_optimal(robot, q, v, tasks, (0.01 * weight, 0.8 * weight), np.full(robot.joints, np.inf))
 
 
 @pytest.mark.parametrize("name", ["go2", "anymal"])
 @pytest.mark.parametrize("seed", range(6))
 def test_the_command_is_optimal_under_torque_limits(name: str, seed: int) -> None:
     robot, q, v, tasks = random_case(name, 200 + seed, feet_down=3)
-    weight = robot.mass * GRAVITY
     tasks = tasks._replace(feet=0.1 * tasks.feet)
-    bounds, mu, weights = (0.0, 0.8 * weight), 0.5, TaskWeights(force=0.3)
-    free = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), np.full(robot.joints, np.inf))
-    worst = np.abs(free.step(q, v, tasks).torques)
-    limits = np.full(robot.joints, 0.8 * worst.max())
-    command = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), limits).step(q, v, tasks)
+    bounds = (0.0, 0.8 * robot.mass * GRAVITY)
+    free = check_optimal(robot, q, v, tasks, bounds, np.full(robot.joints, np.inf))
+    limits = np.full(robot.joints, 0.8 * np.abs(free.torques).max())
+    command = check_optimal(robot, q, v, tasks, bounds, limits)
     assert command.feasible
-    a, f = oracle(robot, q, v, tasks, mu, bounds, weights, 8.0, limits)
-    assert command.forces == pytest.approx(f, abs=2e-4 * weight)
-    assert command.accelerations == pytest.approx(a, abs=1e-2)
     assert (np.abs(command.torques) <= limits + 1e-12).all()
 
 
@@ -238,19 +240,14 @@ def test_a_leg_in_the_air_too_weak_for_its_task_gives_way_optimally(seed: int) -
     robot, q, v, tasks = random_case("go2", 600 + seed, feet_down=3)
     foot = int(np.flatnonzero(~tasks.stance)[0])
     tasks = tasks._replace(feet=20.0 * tasks.feet, forces=np.abs(tasks.forces))
-    free = np.full(robot.joints, np.inf)
-    bounds, mu, weights = (0.0, 400.0), 0.5, TaskWeights(force=0.3)
-    torques = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), free).step(q, v, tasks).torques
+    torques = check_optimal(robot, q, v, tasks, (0.0, 400.0), np.full(robot.joints, np.inf)).torques
     leg = slice(3 * foot, 3 * foot + 3)
     limits = np.full(robot.joints, 1e3)
     worst = 3 * foot + int(np.abs(torques[leg]).argmax())
     limits[worst] = 0.6 * abs(torques[worst])
-    command = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), limits).step(q, v, tasks)
+    command = check_optimal(robot, q, v, tasks, (0.0, 400.0), limits)
     assert command.feasible
     assert abs(command.torques[worst]) == pytest.approx(limits[worst])
-    a, f = oracle(robot, q, v, tasks, mu, bounds, weights, 8.0, limits)
-    assert command.forces == pytest.approx(f, abs=2e-4 * robot.mass * GRAVITY)
-    assert command.accelerations == pytest.approx(a, abs=1e-2)
 
 
 def test_forces_stay_in_their_cones_whatever_is_asked() -> None:

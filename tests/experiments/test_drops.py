@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from surefoot.arrays import FloatArray
 from surefoot.contact.engines import EngineContact, translate
 from surefoot.contact.laws.soft import Hertz, HuntCrossley, MujocoLaw, SoftLaw, SpringDamper, behaviour
 from surefoot.errors import ProblemError
 from surefoot.experiments.drops import measure
 from surefoot.simulation import drake_python
+from tests.stepping.test_soft_world import ImplicitStep
 
 LAWS = {
     "bouncy": (SpringDamper(2e4, 40.0), 4.0),
@@ -50,21 +50,6 @@ def test_the_law_is_mujocos_own(words: dict[str, tuple[float, ...]]) -> None:
     assert got.restitution == pytest.approx(found.translated.restitution, rel=0.01, abs=1e-3)
     if found.law.solimp[0] == found.law.solimp[1]:  # elsewhere 2 % of the depth is no small motion
         assert got.frequency == pytest.approx(found.translated.frequency, rel=0.01)
-
-
-class ImplicitStep(SoftLaw):
-    """A law as an implicit step of dt makes it: the overlap at the step's end counts."""
-
-    def __init__(self, law: SoftLaw, dt: float) -> None:
-        super().__init__()
-        self.__dict__.update(law=law, dt=dt)
-
-    def pressed(self, depth: FloatArray, rate: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        force, by_depth, by_rate = self.law.pressed(depth, rate)
-        return force + self.dt * by_depth * rate, by_depth, by_rate + self.dt * by_depth
-
-    def stored(self, depth: FloatArray) -> FloatArray:
-        return self.law.stored(depth)
 
 
 @pytest.mark.long

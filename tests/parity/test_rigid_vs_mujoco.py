@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -11,27 +13,31 @@ from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
+from surefoot.simulation.world import World
 from surefoot.spatial import GRAVITY
+from surefoot.terrain import Terrain
 
 
-def standing_forces(world_type, degrees: float) -> np.ndarray:
-    """Mean contact forces over the last 0.2 s of 1.5 s of standing: (4, 3)."""
-    ground, robot = sf.SlopeTerrain(degrees), sf.load_robot("go2")
+def standing(world_type, robot: sf.Robot, ground: Terrain, steps: int, push=None) -> Iterator[World]:
+    """Yield the world after every step of standing; it is pushed from 0.3 to 0.5 s."""
     q = sf.place(robot, ground)
     controller = StandingController(robot, StandingPlan(robot, ground, q), ground, q)
     world = world_type(robot, ground)
     world.reset(q)
-    forces = []
-    for k in range(1500):
+    for k in range(steps):
         torques = controller.step(RobotState(*world.state(), k * world.dt)).torques
-        world.step(torques)
-        forces.append(world.contacts().forces)
-    return np.mean(forces[-200:], axis=0)
+        world.step(torques, push if 300 <= k < 500 else None)
+        yield world
 
 
 @pytest.mark.parametrize("degrees", [0.0, 10.0])
 def test_standing_forces_agree_within_two_percent(degrees):
-    rigid, soft = standing_forces(RigidWorld, degrees), standing_forces(MujocoWorld, degrees)
+    """Their means over the last 0.2 s of 1.5 s."""
+    robot, ground = sf.load_robot("go2"), sf.SlopeTerrain(degrees)
+    rigid, soft = (
+        np.mean([w.contacts().forces for w in standing(kind, robot, ground, 1500)][-200:], axis=0)
+        for kind in (RigidWorld, MujocoWorld)
+    )
     apart = np.linalg.norm(rigid - soft, axis=1) / np.linalg.norm(rigid, axis=1)
     assert apart.max() < 5e-3  # measured 0.1 %
     assert rigid[:, 2].min() > 30.0
@@ -39,14 +45,9 @@ def test_standing_forces_agree_within_two_percent(degrees):
 
 def test_soles_carry_the_same_wrench():
     """G1's eight corners share their load as they like; each sole's force and centre of pressure agree."""
-    robot, ground, found = sf.load_robot("g1"), sf.FlatTerrain(), []
-    q = sf.place(robot, ground)
+    robot, found = sf.load_robot("g1"), []
     for world_type in (RigidWorld, MujocoWorld):
-        controller = StandingController(robot, StandingPlan(robot, ground, q), ground, q)
-        world = world_type(robot, ground)
-        world.reset(q)
-        for k in range(1000):
-            world.step(controller.step(RobotState(*world.state(), k * world.dt)).torques)
+        *_, world = standing(world_type, robot, sf.FlatTerrain(), 1000)
         reading = world.contacts()
         normal = reading.forces[:, 2].reshape(2, 4)
         places = reading.positions.reshape(2, 4, 3)
@@ -58,19 +59,14 @@ def test_soles_carry_the_same_wrench():
 
 @pytest.mark.parametrize(("name", "push"), [("go2", [48.0, 24.0, 0.0]), ("g1", [40.0, 20.0, 0.0])])
 def test_a_push_moves_the_base_alike(name, push):
-    robot, ground, paths = sf.load_robot(name), sf.FlatTerrain(), []
-    q = sf.place(robot, ground)
-    for world_type in (RigidWorld, MujocoWorld):
-        controller = StandingController(robot, StandingPlan(robot, ground, q), ground, q)
-        world, path = world_type(robot, ground), []
-        world.reset(q)
-        for k in range(1000):
-            torques = controller.step(RobotState(*world.state(), k * world.dt)).torques
-            world.step(torques, np.array(push) if 300 <= k < 500 else None)
-            path.append(world.state()[0][:3] - q[:3])
-        paths.append(np.array(path))
-    assert np.abs(paths[0]).max() > 5e-3
-    assert np.abs(paths[0] - paths[1]).max() < 0.01 * np.abs(paths[0]).max()  # measured: 0.1 %
+    robot = sf.load_robot(name)
+    paths = [
+        np.array([w.state()[0][:3] for w in standing(kind, robot, sf.FlatTerrain(), 1000, np.array(push))])
+        for kind in (RigidWorld, MujocoWorld)
+    ]
+    moved = np.abs(paths[0] - sf.place(robot)[:3]).max()
+    assert moved > 5e-3
+    assert np.abs(paths[0] - paths[1]).max() < 0.01 * moved  # measured: 0.1 %
 
 
 def test_a_stack_carries_the_same_forces_and_sinks_only_in_mujoco():

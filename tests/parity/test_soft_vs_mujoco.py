@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.control.controller import RobotState
-from surefoot.control.standing import StandingController
-from surefoot.control.standing_plan import StandingPlan
 from surefoot.laws import MujocoLaw
-from surefoot.robot import place
 from surefoot.simulation.bodies import ball
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.terrain import FlatTerrain
+from tests.moving import lifted
+from tests.parity.test_rigid_vs_mujoco import standing
 
 SOFTNESS = {
     "default": ((0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)),
@@ -32,9 +32,7 @@ def test_a_dropped_ball(solref, solimp):
         MujocoWorld(body, dt=dt, solref=solref, solimp=solimp),
         RigidWorld(body, dt=dt, law=law),
     ):
-        q = body.nominal.copy()
-        q[2] += 0.02
-        world.reset(q)
+        world.reset(lifted(body.nominal, 0.02))
         path = []
         for _ in range(7500):
             world.step(np.zeros(0))
@@ -50,23 +48,13 @@ def test_a_dropped_ball(solref, solimp):
 
 
 def test_go2_rests_at_mujocos_depth():
-    robot = sf.load_robot("go2")
-    depths, law = [], None
-    terrain = FlatTerrain()
-    q = place(robot, terrain)
-    for kind in ("mujoco", "rigid"):
-        if kind == "mujoco":
-            world = MujocoWorld(robot, solref=(0.02, 1.0), solimp=(0.9, 0.95))
-            bodies = world.model.geom_bodyid[world._geoms]
-            inverse = world.model.body_invweight0[bodies, 0]
-            assert np.ptp(inverse) < 5e-3 * inverse.mean()  # one effective mass does for four feet
-            law = MujocoLaw((0.02, 1.0), (0.9, 0.95), mass=float(1.0 / inverse.mean()))
-        else:
-            world = RigidWorld(robot, law=law)
-        world.reset(q)
-        controller = StandingController(robot, StandingPlan(robot, terrain, q, []), terrain, q, 0.6)
-        for _ in range(1500):
-            world.step(controller.step(RobotState(*world.state(), world.time)).torques)
+    robot, soft = sf.load_robot("go2"), {"solref": (0.02, 1.0), "solimp": (0.9, 0.95)}
+    made = MujocoWorld(robot, **soft)
+    inverse = made.model.body_invweight0[made.model.geom_bodyid[made._geoms], 0]
+    assert np.ptp(inverse) < 5e-3 * inverse.mean()  # one effective mass does for four feet
+    law, depths = MujocoLaw(**soft, mass=float(1.0 / inverse.mean())), []
+    for kind in (partial(MujocoWorld, **soft), partial(RigidWorld, law=law)):
+        *_, world = standing(kind, robot, FlatTerrain(), 1500)
         seen = world.contacts()
         assert seen.forces[:, 2].sum() == pytest.approx(robot.mass * 9.81, rel=1e-3)
         depths.append(-seen.gaps)

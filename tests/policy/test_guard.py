@@ -29,11 +29,6 @@ class Held(Controller):
         return Command(self.targets.torques(state.q[7:], state.v[6:]), joint_targets=self.targets)
 
 
-@pytest.fixture(scope="module")
-def go2() -> Robot:
-    return sf.load_robot("go2")
-
-
 def standing(robot: Robot, q: np.ndarray) -> np.ndarray:
     """Return torques with which every foot carries a quarter of the weight."""
     gravity = pinocchio.computeGeneralizedGravity(robot.model, robot.data, q)

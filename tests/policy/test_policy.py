@@ -37,11 +37,6 @@ PLAIN: dict[str, Any] = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def go2() -> Robot:
-    return sf.load_robot("go2")
-
-
 def net(folder: Path, size: int = 45, actions: int = 12, **more: Any) -> Path:
     """Write a network whose first actions are its last inputs, and 0.1 more."""
     return write_onnx(

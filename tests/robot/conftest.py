@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cache
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pinocchio
 import pytest
 
 import surefoot as sf
+from tests.robots import robot_of
 
 HANDS = {"g1": "left_rubber_hand", "panda": "panda_hand_tcp", "go2": "radar", "anymal": "base"}
-
-
-@cache
-def load(name: str) -> sf.Robot:
-    return sf.load_robot(name)
 
 
 def random_state(robot: sf.Robot, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -52,6 +48,15 @@ def random_stance(robot: sf.Robot, q: np.ndarray, rng: np.random.Generator) -> s
     return sf.Stance(contacts)
 
 
+@pytest.fixture(params=[(name, seed) for name in HANDS for seed in range(5)], ids=lambda p: f"{p[0]}-{p[1]}")
+def case(request: pytest.FixtureRequest) -> tuple[Any, ...]:
+    """Return a robot, a state, a stance and a generator that goes on from there."""
+    name, seed = request.param
+    robot, rng = robot_of(name), np.random.default_rng(100 + seed)
+    q, v = random_state(robot, rng)
+    return robot, q, v, random_stance(robot, q, rng), rng
+
+
 @pytest.fixture(scope="session")
 def make() -> SimpleNamespace:
-    return SimpleNamespace(robot=load, state=random_state, stance=random_stance)
+    return SimpleNamespace(robot=robot_of, state=random_state, stance=random_stance)

@@ -1,4 +1,4 @@
-"""Attached contacts as Pinocchio's own constraint models."""
+"""Attached contacts as Pinocchio's own constraint models, and how far two arrays are apart."""
 
 from __future__ import annotations
 
@@ -10,6 +10,11 @@ import pinocchio
 
 import surefoot as sf
 from surefoot.robot.jacobians import Attachment
+
+
+def relative(a: np.ndarray, b: np.ndarray) -> float:
+    """Return the largest difference over the largest entry."""
+    return float(np.abs(a - b).max() / max(np.abs(b).max(), 1e-300))
 
 
 def constraints(robot: sf.Robot, q: np.ndarray, points: Sequence[Attachment]) -> tuple[Any, Any, Any]:

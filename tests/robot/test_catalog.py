@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
-from functools import cache
 
 import numpy as np
 import pinocchio as pin
@@ -13,6 +12,7 @@ import surefoot as sf
 from surefoot.errors import ModelError
 from surefoot.robot import robot_names
 from surefoot.robot.catalog import CATALOG, UNREADABLE, find, robots_folder
+from tests.robots import robot_of as load
 
 LEGGED = sorted(name for name, entry in CATALOG.items() if not entry.fixed_base)
 FLAT = {
@@ -28,11 +28,6 @@ NO_LEGS = {
     "hextilt", "iris", "kinova", "panda", "pr2", "so_arm", "tiago", "tiago_pro", "ur", "xarm", "z1",
 }  # fmt: skip
 MASSES = {"talos": 90.27, "icub": 28.35, "bolt": 1.254, "romeo": 40.53, "solo8": 2.177, "human": 74.71}
-
-
-@cache
-def load(name: str) -> sf.Robot:
-    return sf.load_robot(name)
 
 
 def test_no_legged_robot_is_left_out() -> None:

@@ -8,20 +8,7 @@ import surefoot as sf
 from surefoot.robot import centroidal
 from surefoot.robot.jacobians import contact_jacobian
 from surefoot.spatial import rotation_from_quaternion
-
-ROBOTS = ("go2", "anymal", "g1", "panda")
-
-
-def relative(a: np.ndarray, b: np.ndarray) -> float:
-    return float(np.abs(a - b).max() / max(np.abs(b).max(), 1e-300))
-
-
-@pytest.fixture(params=[(name, seed) for name in ROBOTS for seed in range(5)], ids=lambda p: f"{p[0]}-{p[1]}")
-def case(request, make):
-    name, seed = request.param
-    robot, rng = make.robot(name), np.random.default_rng(300 + seed)
-    q, v = make.state(robot, rng)
-    return robot, q, v, make.stance(robot, q, rng), rng
+from tests.robot.constraints import relative
 
 
 def test_momentum_is_the_sum_over_links(case):

@@ -9,21 +9,9 @@ import pytest
 import surefoot as sf
 from surefoot.robot import dynamics
 from surefoot.robot.jacobians import Baumgarte, attach, contact_drift, contact_error, contact_jacobian
-from tests.robot.constraints import constraints
+from tests.robot.constraints import constraints, relative
 
 ROBOTS = ("go2", "anymal", "g1", "panda")
-
-
-def relative(a: np.ndarray, b: np.ndarray) -> float:
-    return float(np.abs(a - b).max() / max(np.abs(b).max(), 1e-300))
-
-
-@pytest.fixture(params=[(name, seed) for name in ROBOTS for seed in range(5)], ids=lambda p: f"{p[0]}-{p[1]}")
-def case(request, make):
-    name, seed = request.param
-    robot, rng = make.robot(name), np.random.default_rng(200 + seed)
-    q, v = make.state(robot, rng)
-    return robot, q, v, make.stance(robot, q, rng), rng
 
 
 def pinocchio_answer(robot, q, v, tau, points):

@@ -15,23 +15,11 @@ from surefoot.robot.jacobians import (
     contact_jacobian,
     contact_powers,
 )
+from tests.robot.constraints import relative
 
-ROBOTS = ("go2", "anymal", "g1", "panda")
 STEP = 1e-6
 """Finite differences are central with this step: error about STEP**2 + 1e-16 / STEP, relative 1e-9."""
 FD = 2e-8
-
-
-def relative(a: np.ndarray, b: np.ndarray) -> float:
-    return float(np.abs(a - b).max() / max(np.abs(b).max(), 1e-300))
-
-
-@pytest.fixture(params=[(name, seed) for name in ROBOTS for seed in range(5)], ids=lambda p: f"{p[0]}-{p[1]}")
-def case(request, make):
-    name, seed = request.param
-    robot, rng = make.robot(name), np.random.default_rng(100 + seed)
-    q, v = make.state(robot, rng)
-    return robot, q, v, make.stance(robot, q, rng), rng
 
 
 def moved(robot, q, v, dt):

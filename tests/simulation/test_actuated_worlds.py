@@ -13,6 +13,7 @@ from surefoot.errors import ProblemError
 from surefoot.robot.actuators import Actuators
 from surefoot.robot.motor_limits import MotorLimits
 from surefoot.simulation.worlds import make_world
+from tests.moving import advance, lifted
 
 LINK = """<link name="{0}"><inertial><mass value="1"/>
 <inertia ixx="0.02" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
@@ -43,8 +44,7 @@ def spin(
     """Return the speed of the axle [rad/s] after a time under a torque."""
     there = make_world(world, disc, actuators=actuators)
     there.reset(np.zeros(2), np.array([v, 0.0]))
-    for _ in range(round(time / there.dt)):
-        there.step(np.array([torque, 0.0]))
+    advance(there, round(time / there.dt), np.array([torque, 0.0]))
     return float(there.state()[1][0])
 
 
@@ -101,8 +101,7 @@ def test_steps_with_friction_are_not_differentiated(disc: sf.Robot) -> None:
 def test_both_worlds_drop_a_braked_robot_alike() -> None:
     """A Go2 that hangs in the air, its motors holding against the fall of its legs: one motion in both."""
     robot = sf.load_robot("go2")
-    q = robot.nominal.copy()
-    q[2] += 1.0
+    q = lifted(robot.nominal, 1.0)
     ends = []
     for name in WORLDS:
         world = make_world(name, robot, actuators="real", dt=2e-4)

@@ -13,11 +13,11 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import MissingExtra, ModelError, ProblemError
 from surefoot.simulation.bodies import ball
 from surefoot.simulation.bullet import BulletWorld
-from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import rough_ground
 from tests.audit.broken_controllers import broken_runs
+from tests.simulation.engine_worlds import contacts_after, flight_errors
 
 HERE = importlib.util.find_spec("pybullet") is not None
 bullet = pytest.mark.skipif(not HERE, reason="PyBullet is not here: pip install -e '.[bullet]'")
@@ -32,24 +32,7 @@ def test_without_pybullet_the_extra_is_named() -> None:
 @bullet
 def test_flight_is_pinocchios() -> None:
     """In the air, with motors and a push, its error is that of semi-implicit Euler: first order."""
-    robot = sf.load_robot("go2")
-    rng = np.random.default_rng(3)
-    q, v = robot.nominal.copy(), rng.normal(size=18)
-    q[2] += 2.0
-    q[3:7] = np.array([0.3, -0.2, 0.1, 0.9]) / np.linalg.norm([0.3, -0.2, 0.1, 0.9])
-    torques, push = rng.normal(size=12), np.array([20.0, -30.0, 10.0])
-    exact = RigidWorld(robot, dt=2e-5)
-    exact.reset(q, v)
-    for _ in range(1000):
-        exact.step(torques, push)
-    errors = []
-    for dt in (1e-3, 5e-4):
-        world = BulletWorld(robot, dt=dt)
-        world.reset(q, v)
-        for _ in range(round(0.02 / dt)):
-            world.step(torques, push)
-        assert world.contacts().forces.max() == 0.0
-        errors.append(np.abs(world.state()[1] - exact.state()[1]).max())
+    errors = flight_errors(BulletWorld, (1e-3, 5e-4), 2e-5)
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
     assert errors[1] < 0.05
 
@@ -71,9 +54,7 @@ def test_a_state_comes_back_as_it_was_put() -> None:
 @bullet
 def test_a_payload_weighs_and_rests() -> None:
     world = BulletWorld(ball(2.0, 0.1), payload=1.0)
-    for _ in range(500):
-        world.step(np.zeros(0))
-    reading = world.contacts()
+    reading = contacts_after(world, 500)
     assert reading.forces[0, 2] == pytest.approx(3.0 * GRAVITY, rel=1e-3)
     assert abs(reading.gaps[0]) < 1e-3
 
@@ -104,9 +85,7 @@ def test_a_softness_that_is_translated_gives_way_as_its_law_says() -> None:
     law = sf.laws.SpringDamper(stiffness=2e4, damping=200.0)
     contact = sf.translate(law, to="bullet", mass=2.0).parameters
     world = BulletWorld(ball(2.0, 0.1), contact=contact)
-    for _ in range(1500):
-        world.step(np.zeros(0))
-    assert world.contacts().gaps[0] == pytest.approx(-2.0 * GRAVITY / 2e4, rel=0.01)
+    assert contacts_after(world, 1500).gaps[0] == pytest.approx(-2.0 * GRAVITY / 2e4, rel=0.01)
 
 
 @bullet

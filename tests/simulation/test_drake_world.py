@@ -15,9 +15,9 @@ from surefoot.errors import ModelError, ProblemError
 from surefoot.simulation import drake_python
 from surefoot.simulation.bodies import ball
 from surefoot.simulation.drake.world import DrakeWorld
-from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import rough_ground
+from tests.simulation.engine_worlds import contacts_after, flight_errors
 
 pytestmark = pytest.mark.skipif(
     not drake_python.present(), reason="Drake is not here; SUREFOOT_DRAKE_PYTHON names a Python with it"
@@ -26,35 +26,14 @@ pytestmark = pytest.mark.skipif(
 
 def test_flight_is_pinocchios() -> None:
     """In the air, with motors and a push, Drake's error is that of semi-implicit Euler: first order in dt."""
-    robot = sf.load_robot("go2")
-    rng = np.random.default_rng(3)
-    q, v = robot.nominal.copy(), rng.normal(size=18)
-    q[2] += 2.0
-    q[3:7] = np.array([0.3, -0.2, 0.1, 0.9]) / np.linalg.norm([0.3, -0.2, 0.1, 0.9])
-    torques, push = rng.normal(size=12), np.array([20.0, -30.0, 10.0])
-    exact = RigidWorld(robot, dt=1e-4)
-    exact.reset(q, v)
-    for _ in range(200):
-        exact.step(torques, push)
-    errors = []
-    for dt in (2e-3, 1e-3):
-        world = DrakeWorld(robot, dt=dt)
-        world.reset(q, v)
-        assert np.allclose(world.state()[1], v, rtol=0.0, atol=1e-12)
-        for _ in range(round(0.02 / dt)):
-            world.step(torques, push)
-        assert world.contacts().forces.max() == 0.0
-        errors.append(np.abs(world.state()[1] - exact.state()[1]).max())
-        world.close()
+    errors = flight_errors(DrakeWorld, (2e-3, 1e-3), 1e-4)
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
     assert errors[1] < 0.05
 
 
 def test_a_payload_weighs_and_rests() -> None:
     world = DrakeWorld(ball(2.0, 0.1), payload=1.0)
-    for _ in range(300):
-        world.step(np.zeros(0))
-    reading = world.contacts()
+    reading = contacts_after(world, 300)
     assert reading.forces[0, 2] == pytest.approx(3.0 * GRAVITY, rel=1e-4)
     assert -1e-5 < reading.gaps[0] < 0.0
     assert world.time == pytest.approx(0.3)
@@ -65,9 +44,7 @@ def test_friction_can_change() -> None:
     for mu in (0.5, 0.1):
         world.set_friction(mu)
         world.reset(world.robot.nominal, np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
-        for _ in range(50):
-            world.step(np.zeros(0))
-        stops.append(world.contacts().forces[0])
+        stops.append(contacts_after(world, 50).forces[0])
     for force, mu in zip(stops, (0.5, 0.1), strict=True):
         assert np.linalg.norm(force[:2]) == pytest.approx(mu * force[2], rel=1e-3)
 
@@ -75,9 +52,7 @@ def test_friction_can_change() -> None:
 def test_contact_in_drakes_words() -> None:
     words = sf.translate(SpringDamper(1e4, 100.0), "drake", 2.0).parameters
     world = DrakeWorld(ball(2.0, 0.1), contact=words)
-    for _ in range(1000):
-        world.step(np.zeros(0))
-    assert world.contacts().gaps[0] == pytest.approx(-2.0 * GRAVITY / 1e4, rel=1e-4)
+    assert contacts_after(world, 1000).gaps[0] == pytest.approx(-2.0 * GRAVITY / 1e4, rel=1e-4)
     with pytest.raises(ProblemError, match="valid names: lagged, sap, similar, tamsi"):
         DrakeWorld(ball(), contact={"discrete_contact_approximation": "soft", "each_body": {}})
 

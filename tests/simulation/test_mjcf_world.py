@@ -21,6 +21,7 @@ from surefoot.simulation.sensors import SensorModel
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.terrain import FlatTerrain, SlopeTerrain
 from tests.legged import write_legged
+from tests.moving import advance, lifted
 
 MODELS = Path(__file__).parents[2] / "examples" / "models"
 MOTORS, SERVOS = MODELS / "quadruped.xml", MODELS / "quadruped_servos.xml"
@@ -59,8 +60,7 @@ def test_figures_of_the_file_are_those_of_joints_and_world() -> None:
 def test_actuators_give_the_torques_that_are_asked_for(path: Path) -> None:
     """In the air, joints moving: MuJoCo's actuators at their controls are torques at the joints."""
     world = MjcfWorld(load(path), path)
-    q = world.robot.nominal.copy()
-    q[2] += 1.0
+    q = lifted(world.robot.nominal, 1.0)
     rng = np.random.default_rng(4)
     world.reset(q, np.concatenate([np.zeros(6), rng.normal(size=12)]))
     for _ in range(20):
@@ -125,8 +125,7 @@ def test_payload_and_links(tmp_path: Path) -> None:
     robot = load(MOTORS)
     world = MjcfWorld(robot, MOTORS, payload=3.0)
     assert float(world.model.body_mass.sum()) == pytest.approx(robot.mass + 3.0)
-    for _ in range(1500):
-        world.step(np.zeros(12))
+    advance(world, 1500, np.zeros(12))
     named = {name for pair in world.touching() for name in pair}
     assert "floor" in named
     assert named & {"trunk", "FL_shin", "FL_thigh", "FL_hip"}

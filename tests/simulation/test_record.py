@@ -11,6 +11,7 @@ import pytest
 import surefoot as sf
 from surefoot.errors import ModelError, ProblemError
 from surefoot.terrain.frames import surface_frames
+from tests.simulation.recordings import recorded
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -94,8 +95,7 @@ def test_gaps_and_velocities_are_those_of_the_surface() -> None:
     model = mujoco.MjModel.from_xml_string(xml)
     data = mujoco.MjData(model)
     data.qvel[:] = [0.4, 0.0, 0.0, 0.0, 3.0, 1.0]
-    with sf.record(model, data) as log:
-        mujoco.mj_step(model, data, 500)
+    log = recorded(model, 500, data)
     height = log["q"][:, 2]
     np.testing.assert_allclose(log["gaps"][:, 0], height - 0.1, atol=1e-12)
     from surefoot.spatial import rotation_from_quaternion

@@ -13,6 +13,7 @@ from surefoot.audit.balance import left_over
 from surefoot.audit.report import AuditReport
 from surefoot.audit.rows import Rows
 from surefoot.audit.setting import setting_of
+from tests.simulation.recordings import recorded
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -50,15 +51,14 @@ def legged(option: str = "", joint: str = "") -> Any:
 
 def marked(model: Any, seconds: float = 0.6, push: Callable[[Any], None] | None = None) -> sf.Log:
     """Record a legged model that marches on the spot."""
-    data = mujoco.MjData(model)
-    with sf.record(model, data) as log:
-        while data.time < seconds:
-            wave = 0.2 * np.sin(12.0 * data.time) * np.repeat([1.0, -1.0, -1.0, 1.0], 2)
-            data.ctrl[:] = 40.0 * (wave * np.tile([1.0, -2.0], 4) - data.qpos[7:]) - 1.0 * data.qvel[6:]
-            if push is not None:
-                push(data)
-            mujoco.mj_step(model, data)
-    return log
+
+    def march(data: Any) -> None:
+        wave = 0.2 * np.sin(12.0 * data.time) * np.repeat([1.0, -1.0, -1.0, 1.0], 2)
+        data.ctrl[:] = 40.0 * (wave * np.tile([1.0, -2.0], 4) - data.qpos[7:]) - 1.0 * data.qvel[6:]
+        if push is not None:
+            push(data)
+
+    return recorded(model, round(1e3 * seconds), before=march)
 
 
 def settled(model: Any) -> Any:
@@ -75,12 +75,7 @@ def slid(
     model = mujoco.MjModel.from_xml_string(CRATE.format(option=option, geom=geom, gravcomp=gravcomp))
     data = settled(model)
     data.qvel[:2] = speed
-    with sf.record(model, data) as log:
-        for _ in range(500):
-            if push is not None:
-                push(data)
-            mujoco.mj_step(model, data)
-    return log
+    return recorded(model, 500, data, push)
 
 
 def names(report: AuditReport) -> list[str]:
@@ -134,9 +129,7 @@ def test_compensated_gravity_a_spring_and_a_weld_are_named() -> None:
     held.body("crate").pos[2] = 0.1
     data = mujoco.MjData(held)
     data.qpos[2] = 0.12
-    with sf.record(held, data) as log:
-        mujoco.mj_step(held, data, 300)
-    report = sf.audit_log(log)
+    report = sf.audit_log(recorded(held, 300, data))
     assert report.verdict == "broken"
     assert "constraints to the world" in report.sentence
 
@@ -148,23 +141,21 @@ def test_a_model_that_is_not_free_is_judged_where_it_is() -> None:
     <body pos='0 0 -.2'><joint name='hip' axis='0 1 0' damping='1'/>
     <geom type='capsule' fromto='0 0 0 .1 0 -.3' size='.04'/></body></body></worldbody>
     <actuator><motor joint='hip'/></actuator></mujoco>"""
+
+    def swing(data: Any) -> None:
+        data.ctrl[:] = 2.0 * np.sin(50.0 * data.time)
+
+    def push(data: Any) -> None:
+        data.qfrc_applied[0] = 8.0
+
     for height in (0.6, 50.0):  # lands, or never touches anything
         model = mujoco.MjModel.from_xml_string(hopper.format(z=height))
-        data = mujoco.MjData(model)
-        with sf.record(model, data) as log:
-            for k in range(300):
-                data.ctrl[:] = 2.0 * np.sin(0.05 * k)
-                mujoco.mj_step(model, data)
+        log = recorded(model, 300, before=swing)
         assert np.abs(rest(log)[:, :3]).max() < 1e-6
         assert log.doubts == () or height > 1.0  # seven joints are no quaternion
         report = sf.audit_log(log)
         assert report.lawful, report.sentence
-        data = mujoco.MjData(model)
-        with sf.record(model, data) as pushed:
-            for _ in range(300):
-                data.qfrc_applied[0] = 8.0
-                mujoco.mj_step(model, data)
-        assert sf.audit_log(pushed).verdict == "broken"
+        assert sf.audit_log(recorded(model, 300, before=push)).verdict == "broken"
 
 
 def test_rotors_dampers_and_dry_friction_are_no_broken_law(tmp_path: Any) -> None:
@@ -207,8 +198,7 @@ def test_moments_share_the_cone_of_a_slide(cone: str, condim: int) -> None:
     )
     data = settled(model)
     data.qvel[:] = [0.8, 0.3, 0.0, 0.0, 0.0, 20.0]
-    with sf.record(model, data) as log:
-        mujoco.mj_step(model, data, 300)
+    log = recorded(model, 300, data)
     moved = np.abs(log["contact_moments"]).max()
     assert moved > 0.1
     report = sf.audit_log(log)
@@ -254,39 +244,32 @@ def test_momentum_and_energy_are_those_of_the_model() -> None:
         np.testing.assert_allclose(log["momentum"][row], momentum, atol=1e-9)
 
 
+def crate(text: str = CRATE, lift: float = 0.0) -> tuple[Any, Any]:
+    """Return the crate's model, and its data with it lifted."""
+    model = mujoco.MjModel.from_xml_string(text.format(option="", geom="", gravcomp=0.0))
+    data = mujoco.MjData(model)
+    data.qpos[2] += lift
+    return model, data
+
+
 def test_a_start_below_the_ground_is_named() -> None:
-    model = mujoco.MjModel.from_xml_string(CRATE.format(option="", geom="", gravcomp=0.0))
     for lift, symptom in ((-0.02, "starts in the ground"), (0.0, None)):
-        data = mujoco.MjData(model)
-        data.qpos[2] += lift
-        with sf.record(model, data) as log:
-            while data.time < 0.6:
-                mujoco.mj_step(model, data)
-        report = sf.audit_log(log)
+        model, data = crate(lift=lift)
+        report = sf.audit_log(recorded(model, 300, data))
         assert report.verdict == ("lawful" if symptom is None else "broken")
         assert [s.name for s in report.symptoms[:1]] == ([] if symptom is None else [symptom])
 
 
 def test_a_body_that_never_touches_is_audited() -> None:
-    model = mujoco.MjModel.from_xml_string(CRATE.format(option="", geom="", gravcomp=0.0))
-    data = mujoco.MjData(model)
-    data.qpos[2] += 5.0
-    with sf.record(model, data) as log:
-        while data.time < 0.3:
-            mujoco.mj_step(model, data)
+    model, data = crate(lift=5.0)
+    log = recorded(model, 150, data)
     assert log["contact_positions"].shape[1] == 0
     assert sf.audit_log(log).verdict == "lawful"
 
 
 def test_a_free_joint_with_a_rotors_inertia_is_named() -> None:
     """`<joint type="free">` takes the joints' defaults, as in Unitree's B2, H1-2 and R1."""
-    text = CRATE.format(option="", geom="", gravcomp=0.0)
-    model = mujoco.MjModel.from_xml_string(text.replace("<freejoint/>", "<joint type='free' armature='2'/>"))
-    data = mujoco.MjData(model)
-    data.qpos[2] += 5.0
-    with sf.record(model, data) as log:
-        while data.time < 0.3:
-            mujoco.mj_step(model, data)
-    report = sf.audit_log(log)
+    model, data = crate(CRATE.replace("<freejoint/>", "<joint type='free' armature='2'/>"), lift=5.0)
+    report = sf.audit_log(recorded(model, 150, data))
     assert report.verdict == "broken"  # it falls as if it weighed 7 kg: g 5 / 7
     assert "armature on the root: up to 14 N" in report.symptoms[0].evidence

@@ -15,6 +15,7 @@ from surefoot.simulation.run import Scenario, run
 from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 from surefoot.simulation.worlds import make_world
 from surefoot.terrain import FlatTerrain
+from tests.simulation.recordings import recorded
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -57,10 +58,7 @@ def test_rest_depth_and_creep_are_the_engines(cone: str, ratio: int, mu: float, 
 @pytest.mark.parametrize("soft", SOFTNESS)
 @pytest.mark.parametrize("drop", [0.005, 0.02, 0.2])
 def test_a_ball_lands_as_deep_as_declared(soft: str, drop: float) -> None:
-    model = scene(SPHERE, 0.1 + drop, soft)
-    data = mujoco.MjData(model)
-    with sf.record(model, data) as log:
-        mujoco.mj_step(model, data, 1000)
+    log = recorded(scene(SPHERE, 0.1 + drop, soft), 1000)
     deepest = -float(log["gaps"].min())
     declared = log.fact("sinking")
     assert deepest <= declared
@@ -69,10 +67,7 @@ def test_a_ball_lands_as_deep_as_declared(soft: str, drop: float) -> None:
 
 
 def test_a_box_that_sinks_by_the_defaults_is_lawful_and_it_is_said() -> None:
-    model = scene(BOX, 0.12)
-    data = mujoco.MjData(model)
-    with sf.record(model, data) as log:
-        mujoco.mj_step(model, data, 1000)
+    log = recorded(scene(BOX, 0.12), 1000)
     report = sf.audit_log(log)
     assert log["gaps"].min() < -4e-3
     assert report.lawful, report.sentence
@@ -80,20 +75,14 @@ def test_a_box_that_sinks_by_the_defaults_is_lawful_and_it_is_said() -> None:
 
 
 def test_what_is_deeper_than_declared_is_still_found() -> None:
-    model = scene(BOX, 0.12)
-    data = mujoco.MjData(model)
-    with sf.record(model, data) as log:
-        mujoco.mj_step(model, data, 500)
+    log = recorded(scene(BOX, 0.12), 500)
     log.arrays["gaps"] = log["gaps"] - 1e-3
     assert "penetration" in sf.audit_log(log).laws_broken
 
 
 def test_depth_that_is_only_there_declares_nothing() -> None:
     """A box that starts 8 mm in the ground has not landed: only its rest depth is declared."""
-    model = scene(BOX, 0.092)
-    data = mujoco.MjData(model)
-    with sf.record(model, data) as log:
-        mujoco.mj_step(model, data, 500)
+    log = recorded(scene(BOX, 0.092), 500)
     assert log.fact("sinking") < 1e-3
     assert "penetration" in sf.audit_log(log).laws_broken
 
@@ -130,10 +119,7 @@ def test_a_world_declares_its_ground(solref: tuple[float, float] | None) -> None
 
 @pytest.mark.parametrize("fact", ["sinking", "creep", "stopping"])
 def test_a_world_cannot_declare_everything_away(fact: str) -> None:
-    model = scene(BOX, 0.12)
-    data = mujoco.MjData(model)
-    with sf.record(model, data) as log:
-        mujoco.mj_step(model, data, 300)
+    log = recorded(scene(BOX, 0.12), 300)
     arrays, facts = dict(log.arrays), {**log.facts, fact: 1e9}
     if fact == "creep":  # it is told row by row
         arrays["contact_creep"] = np.full_like(log["contact_creep"], 1e9)
@@ -165,8 +151,7 @@ def test_a_box_that_tumbles_down_is_lawful_and_one_that_sticks_beyond_its_cone_i
     model = mujoco.MjModel.from_xml_string(DROP.format(cone=cone, height=0.3 + 0.1 * seed, turn=turn))
     data = mujoco.MjData(model)
     data.qvel[:] = [0.5, -0.3, 0.0, 1.0, 2.0, -1.0]
-    with sf.record(model, data) as log:
-        mujoco.mj_step(model, data, 600)
+    log = recorded(model, 600, data)
     report = sf.audit_log(log)
     assert report.verdict == "lawful"
     assert any("after a hard touchdown" in note for note in report.notes)

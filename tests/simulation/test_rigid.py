@@ -13,6 +13,7 @@ from surefoot.simulation.bodies import ball, box
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
 from surefoot.terrain.terrain import Terrain
+from tests.moving import advance, lifted
 from tests.simulation.rigid_runs import NONE, on_slope, run
 
 
@@ -41,9 +42,7 @@ def tumbled(body, q, v, seconds):
 def test_ball_bounces_with_its_restitution(e):
     body = ball(0.5, 0.1)
     world = RigidWorld(body, restitution=e)
-    q = body.nominal.copy()
-    q[2] += 0.3
-    world.reset(q)
+    world.reset(lifted(body.nominal, 0.3))
     before = after = None
     for _ in range(600):
         _, last = world.state()
@@ -117,8 +116,7 @@ def test_second_order_in_dt_under_a_push():
     for dt in (4e-3, 2e-3, 1e-3, 1.25e-4):
         world = RigidWorld(robot, dt=dt)
         world.reset(q, v)
-        for _ in range(round(0.08 / dt)):
-            world.step(torques, np.array([30.0, 10.0, 5.0]))
+        advance(world, round(0.08 / dt), torques, np.array([30.0, 10.0, 5.0]))
         ends.append(np.concatenate(world.state()))
     errors = [np.abs(end - ends[-1]).max() for end in ends[:3]]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
@@ -188,8 +186,7 @@ def test_a_terrain_that_gives_no_height_is_named():
 
     body = ball(1.0, 0.1)
     world = RigidWorld(body, Hole())
-    q = body.nominal.copy()
-    q[2] += 0.5
+    q = lifted(body.nominal, 0.5)
     world.reset(q, np.array([5.0, 0, 0, 0, 0, 0]))
     with pytest.raises(SimulationError, match="gap between feet and ground became non-finite"):
         run(world, 0.2)

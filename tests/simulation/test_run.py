@@ -218,9 +218,3 @@ def test_any_function_of_the_state_is_a_controller(go2: sf.Robot) -> None:
 def test_what_is_missing_for_a_run_is_named(go2: sf.Robot, parts: tuple[Any, ...], said: str) -> None:
     with pytest.raises(sf.ProblemError, match=said):
         sf.run(*(sf.MujocoWorld(go2) if part == "world" else part for part in parts))
-
-
-@pytest.mark.parametrize("bad", [-1.0, 0.0, np.nan, np.inf, "x", None])
-def test_a_scenario_that_is_none_is_refused(bad: Any) -> None:
-    with pytest.raises(sf.ProblemError, match="duration of a scenario must be"):
-        sf.Scenario(bad)

@@ -12,6 +12,7 @@ from surefoot.laws import HuntCrossley
 from surefoot.simulation.bodies import ball, box
 from surefoot.simulation.trajectory_gradient import TrajectoryGradient
 from surefoot.spatial import GRAVITY
+from tests.moving import advance
 
 NONE = np.zeros(0)
 
@@ -19,8 +20,7 @@ NONE = np.zeros(0)
 def bounced(speed=1.5, spin=-8.0, height=0.5, mu=0.1, restitution=0.8, mass=0.4, seconds=0.5) -> None:
     world = sf.RigidWorld(ball(mass, 0.1), mu=mu, restitution=restitution, dt=4e-3)
     world.reset([0, 0, 0.1 + height, 0, 0, 0, 1], np.array([speed, 0, 0, 0, spin, 0]))
-    for _ in range(round(seconds / world.dt)):
-        world.step(NONE)
+    advance(world, round(seconds / world.dt), NONE)
 
 
 def pushed(mass, mu, steps=40) -> None:
@@ -34,8 +34,7 @@ def pushed(mass, mu, steps=40) -> None:
 def landed(stiffness, dissipation) -> None:
     world = sf.RigidWorld(ball(1.0, 0.1), dt=2e-3, law=HuntCrossley(stiffness, dissipation))
     world.reset([0, 0, 0.12, 0, 0, 0, 1])
-    for _ in range(100):
-        world.step(NONE)
+    advance(world, 100, NONE)
 
 
 def walked(kp=60.0, kd=3.0, mu=0.25, speed=0.4, payload=1.0, torques=None, order=2) -> None:
@@ -142,8 +141,7 @@ def test_scenes_have_the_gradient_of_differences() -> None:
         balls = [sf.Body(n, Sphere(0.1), 1.0, (0.0, 0.0, float(z)), restitution=0.8, fixed=n == "low")
                  for n, z in (("low", 0.1), ("high", 0.3 + height))]  # fmt: skip
         world = sf.SceneWorld(sf.Scene(balls), dt=4e-3)
-        for _ in range(100):
-            world.step()
+        advance(world, 100)
 
     slope = sf.trajectory_gradient(fell, lambda q, v: q[-1, 2], wrt=["height"])(height=0.5).gradient["height"]
     assert slope == pytest.approx(1.8 * (0.4 / np.sqrt(1.0 / GRAVITY) - 1.0) - 0.8, rel=1e-4)

@@ -133,7 +133,6 @@ def test_what_is_no_problem_is_named(G: np.ndarray, g: np.ndarray, words: str) -
         {"mu": 0.5, "law": "glue"},
         {"mu": 0.5, "tol": np.nan},
         {"mu": [0.5, 0.5]},
-        {"contacts": 1.5},
     ],
 )
 def test_wrong_settings_are_named(arguments: dict[str, object]) -> None:

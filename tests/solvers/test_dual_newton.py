@@ -225,14 +225,3 @@ def test_a_steady_change_is_foretold_and_noise_is_not():
     np.testing.assert_allclose(run_memory(work, 2, tuple(jump - 3.0 * d)), jump - 6.0 * d)
     layout.set_limits(work, np.zeros(2), np.ones(2), np.ones(2, dtype=np.bool_))
     assert work[3, layout.TREND] == 0.0
-
-
-def test_sum_of_outer_products():
-    @kernel
-    def run(work, first, end):
-        return wrench._sum_outer(six.scaled_identity(2.0), work, first, end, layout.BLOCK)
-
-    work = np.random.default_rng(0).normal(size=(7, layout.WIDTH))
-    V = work[2:6, layout.BLOCK : layout.BLOCK + 6]
-    np.testing.assert_allclose(full(run(work, 2, 6)), 2.0 * np.eye(6) + V.T @ V, rtol=1e-12)
-    assert np.array_equal(full(run(work, 3, 3)), 2.0 * np.eye(6))

@@ -109,8 +109,6 @@ def test_mode_schedule_merges_runs_of_a_foot() -> None:
         (lambda: Gait("nan", [0.0, math.nan], [15], feet=4), "is NaN"),
         (lambda: Gait.from_phases("x", 0.5, 0.0, [0.0, 0.5]), "duty of gait x must be above 0"),
         (lambda: Gait.from_phases("x", -0.5, 0.5, [0.0, 0.5]), "period must be"),
-        (lambda: named_gait("hop"), "unknown gait for 4 feet 'hop'; valid names: bound"),
-        (lambda: named_gait("trot", feet=6), "unknown gait for 6 feet 'trot'; valid names: ripple"),
     ],
 )
 def test_wrong_schedules_are_told(make: object, message: str) -> None:

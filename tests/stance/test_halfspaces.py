@@ -98,7 +98,6 @@ def test_no_contacts_no_rows() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"facets": 2}, "facets"),
         ({"fit": "middle"}, "fit"),
         ({"axes": "body"}, "valid names: contact, world"),
         ({"swing": ["XX"]}, "XX"),

@@ -10,6 +10,7 @@ from benchmarks.work_precision import PERIOD, motions
 from surefoot.collision import Box
 from surefoot.simulation.bodies import ball, box
 from surefoot.spatial import GRAVITY
+from tests.moving import advance, lifted
 
 MOTIONS = {motion.name: motion for motion in motions()}
 
@@ -41,8 +42,7 @@ def test_an_impact_while_another_contact_presses_is_met_in_time() -> None:
     for dt, tol in ((0.01, 1e-5), (1e-5, None)):
         world = sf.RigidWorld(body, mu=2.0, dt=dt, tol=tol)
         world.reset(start)
-        for _ in range(round(0.09 / dt)):
-            world.step(np.zeros(0))
+        advance(world, round(0.09 / dt), np.zeros(0))
         ends.append(np.r_[world.state()[0][:3], world.state()[1]])
     assert ends[0] == pytest.approx(ends[1], abs=2e-4)
     assert abs(ends[0][2] - 0.1) < 1e-6  # it lies
@@ -50,8 +50,7 @@ def test_an_impact_while_another_contact_presses_is_met_in_time() -> None:
 
 def test_a_step_is_one_step_to_whoever_looks() -> None:
     world = sf.RigidWorld(ball(2.0, 0.1), dt=0.02, tol=1e-4)
-    q = world.robot.nominal.copy()
-    q[2] += 0.02
+    q = lifted(world.robot.nominal, 0.02)
     world.reset(q)
     pushes = []
     for _ in range(10):
@@ -70,8 +69,7 @@ def test_scenes_take_a_stated_error_too() -> None:
     cube = Box((0.2, 0.2, 0.2))
     bodies = [sf.Body("low", cube, 2.0, (0, 0, 0.1)), sf.Body("high", cube, 1.0, (0, 0, 0.35))]
     world = sf.SceneWorld(sf.Scene(bodies), dt=0.02, tol=1e-4)
-    for _ in range(15):
-        world.step()
+    advance(world, 15)
     assert world.pose("high").position[2] == pytest.approx(0.3, abs=1e-4)
 
 

@@ -21,6 +21,7 @@ from surefoot.stepping import State, Step, StepOptions, Stepper, step_derivative
 from surefoot.stepping import motion as rules
 from surefoot.stepping.state import StepRemainder
 from surefoot.terrain import Terrain
+from tests.moving import lifted
 from tests.stepping.waves import ROUGH
 
 STEP, NEAR = 1e-6, 2e-6
@@ -37,8 +38,8 @@ def outcome(stepper: Stepper, a: Step, b: Step) -> np.ndarray:
     return np.concatenate([moved, b.state.v - a.state.v, (b.impulses - a.impulses).ravel(), left.ravel()])
 
 
-def differences(stepper: Stepper, state: State, torques, push, mu) -> dict[str, np.ndarray]:
-    """Differences by everything that goes in."""
+def differences(stepper: Stepper, state: State, torques, push, mu, between=outcome) -> dict[str, np.ndarray]:
+    """Differences, as `between` has them of two steps, by everything that goes in."""
     model, joints = stepper.bodies.model, stepper.robot.joints
 
     def taken(name: str, way: np.ndarray) -> Step:
@@ -58,7 +59,7 @@ def differences(stepper: Stepper, state: State, torques, push, mu) -> dict[str, 
     def slope(name: str, e: np.ndarray) -> np.ndarray:
         """Central differences over two widths, of fourth order together."""
         near, far = (
-            outcome(stepper, taken(name, -w * e), taken(name, w * e)) / (2.0 * w) for w in (STEP, 2.0 * STEP)
+            between(stepper, taken(name, -w * e), taken(name, w * e)) / (2.0 * w) for w in (STEP, 2.0 * STEP)
         )
         return (4.0 * near - far) / 3.0
 
@@ -98,8 +99,7 @@ def check(stepper: Stepper, state: State, torques, push=None, mu=0.5, touching=F
 
 def go2_at(terrain: Terrain, height: float, seed: int, speed: float = 0.5):
     robot, rng = sf.load_robot("go2"), np.random.default_rng(seed)
-    q = sf.place(robot, terrain)
-    q[2] += height
+    q = lifted(sf.place(robot, terrain), height)
     v = speed * rng.normal(size=18)
     v[2] -= 0.5
     return robot, q, v, 5.0 * rng.normal(size=12)
@@ -177,8 +177,7 @@ def test_g1_lands_on_both_soles() -> None:
     robot = sf.load_robot("g1")
     stepper = Stepper(robot)
     rng = np.random.default_rng(3)
-    q = sf.place(robot)
-    q[2] += 3e-4
+    q = lifted(sf.place(robot), 3e-4)
     v = np.zeros(robot.model.nv)
     v[:3] = 0.02, 0.01, -0.35
     torques = rng.normal(size=robot.joints)
@@ -216,9 +215,10 @@ def test_inertial_parameters(height: float) -> None:
             assert np.abs(own[rows] - wanted[rows]).max() < 1e-5 * max(np.abs(wanted[rows]).max(), 1e-3)
 
 
-def test_products_are_adjoint_and_agree_with_the_blocks() -> None:
+@pytest.mark.parametrize("order", [1, 2])
+def test_products_are_adjoint_and_agree_with_the_blocks(order: int) -> None:
     robot, q, v, torques = go2_at(sf.FlatTerrain(), 2e-4, 0)
-    stepper, rng = Stepper(robot), np.random.default_rng(5)
+    stepper, rng = Stepper(robot, options=StepOptions(order=order)), np.random.default_rng(5)
     state = stepper.step(stepper.start(q, v), torques, mu=0.5).state
     d = step_derivative(stepper, state, torques, mu=0.5)
     given = {"q": rng.normal(size=18), "v": rng.normal(size=18), "torques": rng.normal(size=12), "mu": 0.3,
@@ -289,8 +289,7 @@ def test_smoothing_reaches_a_ball_above_the_ground() -> None:
     m, height, kappa, dt = 2.0, 0.03, 1e-3, 1e-3
     body = ball(m, 0.1)
     stepper = Stepper(body)
-    q = body.nominal.copy()
-    q[2] += height
+    q = lifted(body.nominal, height)
     state, speed = stepper.start(q, np.r_[0.0, 0.0, -0.4, np.zeros(3)]), -0.4
     assert step_derivative(stepper, state, np.zeros(0), mu=0.0).forces["q"].any() == np.False_
     d = step_derivative(stepper, state, np.zeros(0), mu=0.0, smoothing=kappa)

@@ -11,6 +11,7 @@ from surefoot.collision import Sphere
 from surefoot.simulation.bodies import ball, box
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import State, StepOptions, Stepper, step_derivative
+from tests.moving import advance, lifted
 from tests.stepping.test_derivative import fine_motion  # noqa: F401
 
 E, RADIUS = 0.8, 0.1
@@ -19,8 +20,7 @@ E, RADIUS = 0.8, 0.1
 def world_of(robot: sf.Robot, height: float, v=(0.0,) * 6, **settings) -> sf.RigidWorld:
     """A world whose body starts `height` above its nominal place, with 0.8 of restitution."""
     world = sf.RigidWorld(robot, restitution=settings.pop("restitution", E), **settings)
-    q = robot.nominal.copy()
-    q[2] += height
+    q = lifted(robot.nominal, height)
     world.reset(q, np.array(v, dtype=np.float64))
     return world
 
@@ -122,8 +122,7 @@ def test_a_tumbling_box_bounces_to_rest_and_its_slopes_are_those_of_the_run(orde
     def run(width: float, steps: int = 120) -> sf.RigidWorld:
         world = sf.RigidWorld(body, mu=0.25, restitution=0.4, dt=4e-3, order=order, solver_tol=1e-12)
         world.reset(pinocchio.integrate(body.model, q, width * way[:6]), v + width * way[6:])
-        for _ in range(steps):
-            world.step(np.zeros(0))
+        advance(world, steps, np.zeros(0))
         return world
 
     world = run(0.0, 0)
@@ -149,8 +148,7 @@ def test_a_tumbling_box_bounces_to_rest_and_its_slopes_are_those_of_the_run(orde
 def test_what_touches_slowly_does_not_bounce_and_the_rest_of_the_step_is_ordinary() -> None:
     """A ball a little faster than the least speed that bounces comes down again at once, too slowly."""
     stepper = Stepper(ball(0.4, RADIUS), options=StepOptions(dt=4e-3, restitution=0.1, solver_tol=1e-12))
-    q = stepper.robot.nominal.copy()
-    q[2] += 1e-4
+    q = lifted(stepper.robot.nominal, 1e-4)
     state = stepper.start(q, np.r_[0.3, 0.0, -0.1, 0.0, 1.0, 0.0])
     d = step_derivative(stepper, state, np.zeros(0), mu=0.3)
     assert [p.rest is not None for p in d.step.pieces] == [False, True]
@@ -173,8 +171,7 @@ def test_without_restitution_impacts_are_located_where_that_is_asked_for() -> No
     ends = []
     for impacts in ("auto", "stepped", "located"):
         world = world_of(ball(0.4, RADIUS), 0.5, [1.5] + 5 * [0.0], restitution=0.0, mu=9.0, impacts=impacts)
-        for _ in range(round(0.32 / world.dt)):
-            world.step(np.zeros(0))
+        advance(world, round(0.32 / world.dt), np.zeros(0))
         ends.append(np.concatenate(world.state()))
     assert np.array_equal(ends[0], ends[1])
     for order in (1, 2):
@@ -205,8 +202,7 @@ def test_a_robot_and_a_scene_bounce_at_the_time_of_their_touch() -> None:
     balls = [sf.Body(n, Sphere(RADIUS), 1.0, (0.0, 0.0, z), restitution=E, fixed=n == "low")
              for n, z in (("low", 0.1), ("high", 0.8))]  # fmt: skip
     scene = sf.SceneWorld(sf.Scene(balls), dt=4e-3)
-    for _ in range(100):
-        scene.step()
+    advance(scene, 100)
     t = np.sqrt(2.0 * 0.5 / GRAVITY)
     up = 0.4 - t
     assert scene.pose("high").position[2] - 0.3 == pytest.approx(

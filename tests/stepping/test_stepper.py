@@ -176,8 +176,8 @@ def test_bodies_with_one_many_and_no_contact_points(body: sf.Robot) -> None:
     [
         ({"dt": 0.0}, "dt"),
         ({"dt": np.nan}, "dt"),
-        ({"restitution": 1.5}, "restitution"),
-        ({"stabilisation": "hope"}, "unknown stabilisation 'hope'"),
+        ({"restitution": 1.5}, "restitution must be a number between 0 and 1"),
+        ({"stabilisation": "hope"}, "unknown stabilisation 'hope'; valid names: baumgarte, none"),
         ({"law": "none"}, "unknown law 'none'"),
     ],
 )

@@ -65,7 +65,6 @@ def test_rough_ground_is_seeded():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: SlopeTerrain(90.0), "slope"),
         (lambda: StairsTerrain(tread=0.0), "tread"),
         (lambda: StairsTerrain(steps=0), "steps"),
         (lambda: StairsTerrain(rise=math.nan), "rise"),
