@@ -144,6 +144,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     CleanRun(duration=0.3).make().save(place / "log.npz")
     CleanRun(duration=0.3).make().save(place / "crate.npz")
     CleanRun(duration=0.3).make().save(place / "walk.mcap")
+    CleanRun(gait="trot", velocity=(0.5, 0.0, 0.0), duration=2.5).make().save(place / "walk.npz")
+    (place / "sweep.yaml").write_text(
+        "experiment: walk\nsettings: {robot: go2}\nranges: {armature: [0, 0.1]}\n"
+    )
     write_table(CleanRun(duration=0.3), place)  # run.csv, run.yaml
     write_hopper(place)
     (place / "raw.csv").write_text("".join(f"{0.01 * k},36.8,36.8\n" for k in range(50)))
