@@ -1,4 +1,4 @@
-"""Footholds: Raibert's rule, the move between edges, and the plane under the feet."""
+"""Footholds: Raibert's rule, the search around edges, and the plane under the feet."""
 
 import math
 
@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surefoot.control.foothold import FINE, choose_foothold, step_place
+from surefoot.control import foothold
+from surefoot.control.foothold import choose_foothold, step_place
 from surefoot.control.walking_kernels import plane_through, slope_frames
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, rough_ground
 
@@ -38,19 +39,29 @@ def test_a_turning_body_leans_into_the_turn() -> None:
 def test_the_search_leaves_planes_alone(x: float, y: float) -> None:
     place = np.array([x, y])
     for ground in (FlatTerrain(), SlopeTerrain(20.0)):
-        assert choose_foothold(ground, place, 0.03, np.array([0.1, 0.0])) is place
+        assert choose_foothold(ground, place, 0.08, 0.03) is place
 
 
 @given(st.floats(-0.2, 3.5))
 @settings(max_examples=60, deadline=None)
 def test_the_search_keeps_off_edges(x: float) -> None:
     stairs = StairsTerrain(0.1, 0.3)
-    chosen = choose_foothold(stairs, np.array([x, 0.0]), 0.03, np.array([0.1, 0.0]))
+    chosen = choose_foothold(stairs, np.array([x, 0.0]), 0.08, 0.03)
     risers = stairs.levels()[0][1:-1]
-    assert np.abs(chosen[0] - risers).min() >= 0.03 - FINE
-    assert np.abs(chosen - [x, 0.0]).max() <= 0.15 + 1e-12
-    if np.abs(x - risers).min() > 0.03 + FINE:
+    assert np.abs(chosen[0] - risers).min() >= 0.03 - 1e-9
+    assert np.abs(chosen - [x, 0.0]).max() <= 0.08 + 1e-12
+    if np.abs(x - risers).min() > 0.031:
         assert chosen == pytest.approx([x, 0.0])
+
+
+def test_the_search_prefers_level_places_on_bumps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(foothold, "TILT_WEIGHT", 0.5)
+    ground = rough_ground(3, 0.1)
+    rng = np.random.default_rng(0)
+    places = rng.uniform(-2.0, 2.0, (60, 2))
+    chosen = np.array([choose_foothold(ground, p, 0.08, 0.03) for p in places])
+    tilt = [np.arccos(ground.normal(p)[..., 2]).mean() for p in (places, chosen)]
+    assert tilt[1] < 0.75 * tilt[0]
 
 
 @given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.floats(-1.0, 1.0))
@@ -86,17 +97,18 @@ def test_on_steps_a_foot_is_moved_between_the_edges(rise: float) -> None:
     stairs, way = StairsTerrain(rise, 0.3), np.array([0.15, 0.0])
     behind = 0.13 if rise < 0.0 else 0.045
     for x in np.linspace(0.01, 0.29, 29):
-        place = choose_foothold(stairs, np.array([0.6 + x, 0.1]), 0.045, way)
+        place = choose_foothold(stairs, np.array([0.6 + x, 0.1]), 0.08, 0.045, way)
         assert place[1] == pytest.approx(0.1)
         treads = np.clip(x, [behind - 0.3, behind, behind + 0.3], [-0.045, 0.255, 0.555])
         assert abs(place[0] - 0.6 - x) == pytest.approx(np.abs(treads - x).min(), abs=0.006)
         assert np.abs(place[0] - 0.6 - treads).min() < 0.006
     narrow = StairsTerrain(rise, 0.08)
-    place = choose_foothold(narrow, np.array([0.17, 0.0]), 0.045, way)
+    place = choose_foothold(narrow, np.array([0.17, 0.0]), 0.08, 0.045, way)
     assert place[0] % 0.08 == pytest.approx(0.04, abs=0.011)
 
 
-def test_without_edges_along_the_way_the_place_stays() -> None:
+def test_without_edges_along_the_way_the_search_is_the_old_one() -> None:
     rough = rough_ground(1, 0.02)
     for place in np.random.default_rng(0).uniform(-1.0, 1.0, (5, 2)):
-        assert choose_foothold(rough, place, 0.03, np.array([0.1, 0.0])) is place
+        along = choose_foothold(rough, place, 0.08, 0.03, np.array([0.1, 0.0]))
+        np.testing.assert_array_equal(along, choose_foothold(rough, place, 0.08, 0.03))

@@ -34,6 +34,9 @@ CATCH_REACH, CATCH_ASIDE = 0.8, 0.35
 """Farthest from its place that a foot catches a body, in heights of the centre of mass, and nearest to the
 middle of the body, as a share of the foot's own distance from there."""
 NEAR = np.arange(-LOOK, LOOK + 0.5 * FINE, FINE)
+EDGE_WEIGHT, TILT_WEIGHT = 3.0, 0.05
+"""Cost of a height difference within the margin to edges, and of the ground's slope, over that of the
+distance [-]."""
 
 
 @kernel
@@ -174,10 +177,10 @@ def nearest_shift(windows: tuple[FloatArray, FloatArray], ahead: FloatArray) -> 
 
 
 def choose_foothold(
-    terrain: Terrain, place: FloatArray, margin: float, way: FloatArray, before: FloatArray | None = None,
-    more: float = math.inf,
+    terrain: Terrain, place: FloatArray, reach: float, margin: float,
+    way: FloatArray | None = None, before: FloatArray | None = None, more: float = math.inf,
 ) -> FloatArray:  # fmt: skip
-    """Return the (2,) place [m] to step on near the nominal one, world axes: on steps, between their edges.
+    """Return the (2,) place [m] to step on near the nominal one: between edges of steps, or on level ground.
 
     Parameters
     ----------
@@ -185,6 +188,8 @@ def choose_foothold(
         As believed.
     place
         (2,) the nominal one [m].
+    reach
+        How far it may be moved on ground without steps, along each axis [m].
     margin
         Distance to edges that is wanted [m].
     way
@@ -193,9 +198,11 @@ def choose_foothold(
         (2,) where the foot was to stand before [m]: the tread there is kept where it is near enough, and
         moves the foot by no `more` than the nearest [m].
     """
-    length = math.hypot(float(way[0]), float(way[1]))
-    if terrain.planar or length < 1e-6:
+    if terrain.planar:
         return place
+    length = 0.0 if way is None else math.hypot(float(way[0]), float(way[1]))
+    if way is None or length < 1e-6:
+        return _most_level(terrain, place, reach, margin)
     windows = step_windows(terrain, place, way / length, margin)
     shift = math.inf if windows is None else float(nearest_shift(windows, np.zeros(1))[0])
     if windows is not None and before is not None:
@@ -203,4 +210,23 @@ def choose_foothold(
         tread = int(np.abs(np.clip(last, *windows) - last).argmin())
         kept = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
         shift = kept if abs(kept) <= min(FARTHEST, abs(shift) + more) else shift
-    return np.asarray(place + shift * (way / length)) if abs(shift) <= FARTHEST else place
+    if abs(shift) <= FARTHEST:
+        return np.asarray(place + shift * (way / length))
+    return _most_level(terrain, place, reach, margin)
+
+
+def _most_level(terrain: Terrain, place: FloatArray, reach: float, margin: float) -> FloatArray:
+    """Return the best (2,) place about one, by the ground around each [m]."""
+    steps = np.linspace(-reach, reach, 9)
+    grid = np.stack(np.meshgrid(steps, steps[::2], indexing="ij"), axis=-1).reshape(-1, 2)
+    candidates = place + grid
+    angles = np.arange(8) * (0.25 * math.pi)
+    ring = margin * np.column_stack([np.cos(angles), np.sin(angles)])
+    middle = terrain.height(candidates)
+    around = terrain.height(candidates[:, None, :] + ring)
+    rise = np.ptp(np.concatenate([around, middle[:, None]], axis=1), axis=1)
+    lean = np.abs(around - middle[:, None]).max(axis=1)
+    if terrain.noise > 0.0:  # what may be noise is no edge
+        rise, lean = np.maximum(rise - terrain.noise, 0.0), np.maximum(lean - terrain.noise, 0.0)
+    cost = np.linalg.norm(grid, axis=1) + EDGE_WEIGHT * rise + TILT_WEIGHT * lean / margin
+    return np.asarray(candidates[int(np.argmin(cost))])

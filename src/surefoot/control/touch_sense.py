@@ -8,10 +8,19 @@ edge pushes back: a foot in the air that is pushed sideways more than upwards, a
 something, and is lifted over it [1]_. A leg that brakes, or a jolt of the body, looks like a push, but its
 foot goes on.
 
+Some landings are none. What is measured of the ground is a force at the foot by the torques of its leg. An
+edge that touches the shin gives such a force as well, and so does a leg whose mass is not quite what is
+believed. A foot that is taken to stand then is loaded in the air, and strikes the ground within some
+hundredths of a second. So a touch well above ground that is known counts only once it has lasted, and a foot
+that feels nothing more right after its landing has not landed: contact is judged by height and force together
+[2]_.
+
 References
 ----------
 .. [1] M. Focchi et al., "Heuristic planning for rough terrain locomotion in presence of external disturbances
    and variable perception quality", in Advances in Robotics Research, Springer 2020 (a step reflex like it).
+.. [2] G. Bledt, P. Wensing, S. Ingersoll, S. Kim, "Contact model fusion for event-based locomotion in
+   unstructured terrains", ICRA 2018.
 """
 
 from __future__ import annotations
@@ -32,6 +41,8 @@ LONGEST_WAIT, WAIT_CAREFUL = 1.5, 3.0
 """Longest time that the gait waits for a foot, over sqrt(h / g), and where it goes carefully."""
 SLOWING = 1.3
 """Deceleration of late feet that should go on more slowly, as a share of g."""
+AT_ONCE = 3.0
+"""A foot that lifts after no more than so many steps lifts now."""
 LEAD_TIME = 0.03
 """Time in which late feet gain the body's speed [s]."""
 USUAL = FootSearch(SEARCH_SPEED)
@@ -47,6 +58,12 @@ STOPPED = 0.5
 """A foot that has struck something has less than this share of the speed that it should have, along it."""
 SOONEST, LATEST = 0.15, 1.0
 """Shares of its swing between which a foot can strike something: lift-off drags."""
+LASTING, LASTING_FAR = 0.02, 0.1
+"""How long a force must last that is measured above the ground, and far above it [s]."""
+FAR = 3.0
+"""How far above the ground is far, over what may be noise."""
+YOUNG, SILENT = 0.04, 0.008
+"""So long after a landing it may be taken back [s], if nothing has touched the foot for this long [s]."""
 
 
 class TouchSense:
@@ -77,6 +94,7 @@ class TouchSense:
     def begin(self, state: RobotState, centres: FloatArray, radii: FloatArray) -> None:
         """Start a walk with feet of `radii` (n,) at (n, 3) `centres` [m]."""
         self._waited, self.asked = 0.0, NOTHING
+        self._landings = LandingWatch(len(radii), self.dt)
         self.belief.radius = float(radii.mean())
         self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self._height)
 
@@ -113,6 +131,10 @@ class TouchSense:
                 if self.belief.may_strike(soles[k], speeds[k]):
                     self.belief.stumbled(state.time)
                     feet.interrupt(k, clock, now.centres[k])
+        above = self.belief.above(soles, ground & ~feet.stance)
+        ground = self._landings.believe(ground, feet.stance, above)
+        for k in np.flatnonzero(self._landings.taken_back(feet.stance)).tolist():
+            feet.take_back(k, now.centres[k])
         return ground
 
     def _seek(self, state: RobotState, feet: Feet, clock: float, search: FootSearch) -> None:
@@ -128,12 +150,12 @@ class TouchSense:
             feet.slow_search(clock, slower, self._lead * self.dt * flow[:2])
         feet.heading, feet.careful = heading_of(state.q[3:7]), search.careful
 
-    def learn(self, state: RobotState, feet: Feet, now: Kinematics) -> None:
+    def learn(self, state: RobotState, feet: Feet, now: Kinematics, clock: float) -> None:
         """Let the belief learn where the feet are, and hold the gait while one looks for the ground.
 
         Parameters
         ----------
-        state, feet, now
+        state, feet, clock, now
             As for `sort`.
         """
         soles = now.centres - feet.radii[:, None] * feet.frames[:, :, 2]
@@ -144,12 +166,19 @@ class TouchSense:
         overdue = feet.overdue()
         if not overdue.any():
             self._waited = 0.0
-        elif (
-            self._waited < self._fall * (WAIT_CAREFUL if feet.careful else LONGEST_WAIT)
-            and (feet.stance | overdue).all()
+        elif self._waited < self._fall * (WAIT_CAREFUL if feet.careful else LONGEST_WAIT) and (
+            (feet.stance | overdue).all() or self._lifts_next(feet, clock)
         ):
             self._waited += self.dt
             feet.wait += self.dt
+
+    def _lifts_next(self, feet: Feet, clock: float) -> bool:
+        """Return whether another foot would lift now, where care is taken not to stand on too few."""
+        if not feet.careful:
+            return False
+        phases = feet.schedule.phases(clock)
+        lifting = (phases[:, 0] > 0.0) & (phases[:, 2] <= clock + AT_ONCE * self.dt)
+        return bool((feet.stance & lifting).any())
 
 
 def sort_touches(
@@ -182,3 +211,40 @@ def sort_touches(
     swinging = ~feet.late & ~feet.again & (feet.share > SOONEST) & (feet.share < LATEST)
     light = ~feet.stance & (along < SENSED * weight)
     return sensed & ~struck & ~light, struck & against & stopped & swinging
+
+
+class LandingWatch:
+    """Doubts landings.
+
+    Parameters
+    ----------
+    feet
+        Number of them.
+    dt
+        Time between steps [s].
+    """
+
+    def __init__(self, feet: int, dt: float) -> None:
+        self.dt = dt
+        self._felt, self._silent = np.zeros((2, feet))
+        self._stood = np.full(feet, np.inf)
+
+    def believe(self, sensed: BoolArray, stance: BoolArray, above: FloatArray) -> BoolArray:
+        """Return which feet have landed of those that feel the ground: (n,).
+
+        Parameters
+        ----------
+        sensed, stance
+            (n,) which feet feel it, and which are taken to stand on it.
+        above
+            (n,) how far above the ground they are by what is known of it, over what may be noise [-].
+        """
+        self._felt = np.where(sensed, self._felt + self.dt, 0.0)
+        self._silent = np.where(sensed, 0.0, self._silent + self.dt)
+        lasting = np.where(above > FAR, LASTING_FAR, np.where(above > 1.0, LASTING, 0.0))
+        return sensed & (stance | (self._felt >= lasting))
+
+    def taken_back(self, stance: BoolArray) -> BoolArray:
+        """Return which feet that carry have not landed after all: (n,); to be called at each step."""
+        self._stood = np.where(stance, self._stood + self.dt, 0.0)
+        return stance & (self._stood < YOUNG) & (self._silent >= SILENT)

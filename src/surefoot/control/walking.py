@@ -207,7 +207,7 @@ class WalkingController(Walker):
     def _learn(self, state: RobotState, now: Kinematics, clock: float) -> None:
         """Learn what the feet have found of the ground."""
         if self._touch is not None and self.feet is not None:
-            self._touch.learn(state, self.feet, now)
+            self._touch.learn(state, self.feet, now, clock)
 
     def _move_body(self, request: Request, now: Kinematics) -> None:
         """Move the wanted body by one step, and let the models know of friction and load."""

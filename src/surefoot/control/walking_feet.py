@@ -111,6 +111,7 @@ class Feet(Bound):
         self._timing = np.zeros((n, 6))
         self._bind()
         self.apex[:], self.duration[:] = self.centres[:, 2], 1.0
+        self._aimed = self.target.copy()  # where a foot was on its way to before it landed
         self.frames = np.array([self.terrain.frame(c[:2]) for c in self.centres])
         self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
         self._lifted = np.full(n, -np.inf)
@@ -120,6 +121,7 @@ class Feet(Bound):
         self._late_from = np.zeros(n)
         self._lift_first[:] = swing.EVEN if self.terrain.planar else LIFT_FIRST
         self._timing[:, 5] = DOWN
+        self._reach = 1.2 * self.clearance
 
     def _bind(self) -> None:
         """Find the parts of what swings are computed from."""
@@ -186,6 +188,13 @@ class Feet(Bound):
         self.start[k], self.share[k], self.duration[k] = centre, 0.0, rest
         self._lift_first[k], self.again[k] = LIFT_LATER[-1], True
 
+    def take_back(self, k: int, centre: FloatArray) -> None:
+        """Take back the landing of foot k, now at (3,) [m]: it swings on, or is looked for below."""
+        if self.planned[k]:
+            self._sensed[k] = -np.inf
+        else:
+            self.stance[k], self.target[k] = False, self._aimed[k]
+
     def slow_search(self, time: float, fastest: float, ahead: FloatArray) -> None:
         """Let late feet go down at another speed from now on, without a jump.
 
@@ -250,7 +259,7 @@ class Feet(Bound):
 
     def _land(self, k: int, centre: FloatArray) -> None:
         self.stance[k], self.late[k] = True, False
-        self.target[k] = centre
+        self._aimed[k], self.target[k] = self.target[k], centre
         if not self.terrain.planar:
             self.frames[k] = self.terrain.frame(centre[:2])
         self.ground[k] = centre - self.radii[k] * self.frames[k, :, 2]
@@ -269,7 +278,7 @@ class Feet(Bound):
             before = self.target[k, :2]
         more = math.inf if share > CHOSEN else SAME_TREAD * float(self.radii[k])
         margin = float(2.0 * self.radii.mean())
-        xy = choose_foothold(self.terrain, place, margin, way, before, more)
+        xy = choose_foothold(self.terrain, place, self._reach, margin, way, before, more)
         normal = self.frames[k, :, 2] if self.terrain.planar else self.terrain.normal(xy)
         self.target[k, :2] = xy
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical

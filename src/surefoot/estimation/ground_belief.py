@@ -118,6 +118,13 @@ class BeliefTerrain(Terrain):
         """Learn that a foot struck an edge at a time [s]."""
         self.struck_at = time
 
+    def above(self, soles: FloatArray, asked: BoolArray) -> FloatArray:
+        """Return how far (n, 3) soles are above the ground, of those `asked`, over what may be noise: (n,).
+
+        Zero where nothing is known.
+        """
+        return np.zeros(len(soles))
+
     def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
         """Return whether there may be an edge before a foot: (3,) sole [m] and velocity [m/s]."""
         return True

@@ -88,6 +88,14 @@ class MappedGround(BeliefTerrain):
         R = rotation_from_quaternion(state.q[3:7])
         self.watch.look(self.map, state.q[:2], math.atan2(R[1, 0], R[0, 0]), state.time)
 
+    def above(self, soles: FloatArray, asked: BoolArray) -> FloatArray:
+        """See `BeliefTerrain.above`."""
+        out = np.zeros(len(soles))
+        for k in np.flatnonzero(asked).tolist():
+            if math.isfinite(self.map.variance(soles[k, :2])):
+                out[k] = (soles[k, 2] - float(self.height(soles[k, :2]))) / self.noise
+        return out
+
     def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
         """See `BeliefTerrain.may_strike`: not where the ground before the foot is known to be low."""
         path = self._path_ahead(sole, velocity)
