@@ -112,3 +112,16 @@ def test_without_edges_along_the_way_the_search_is_the_old_one() -> None:
     for place in np.random.default_rng(0).uniform(-1.0, 1.0, (5, 2)):
         along = choose_foothold(rough, place, 0.08, 0.03, np.array([0.1, 0.0]))
         np.testing.assert_array_equal(along, choose_foothold(rough, place, 0.08, 0.03))
+
+
+def test_a_tread_is_kept_only_if_it_is_not_much_farther() -> None:
+    stairs, way = StairsTerrain(0.12, 0.3), np.array([0.15, 0.0])
+    place, last = np.array([0.29, 0.0]), np.array([0.39, 0.0])  # 1 cm before an edge, and beyond it
+    for before, more, moved in (
+        (None, 1.0, -0.035),
+        (last, 1.0, 0.055),
+        (last, 0.03, 0.055),
+        (last, 0.01, -0.035),
+    ):
+        chosen = choose_foothold(stairs, place, 0.08, 0.045, way, before, more)
+        assert chosen[0] - place[0] == pytest.approx(moved, abs=0.006)

@@ -130,6 +130,15 @@ def test_stairs_that_are_seen_are_known_to_millimetres(rise: float, yaw: float) 
     assert belief.noise_at(flat[0]) < belief.noise_at(np.array([-0.6, 0.0])) == belief.noise
 
 
+def test_a_foot_well_above_seen_ground_is_told_so() -> None:
+    belief = before_stairs(-0.12, 0.0)
+    soles = np.array([[0.15, 0.1, -0.12], [0.15, 0.1, -0.06], [0.15, 0.1, -0.06], [5.0, 0.0, 1.0]])
+    above = belief.above(soles, np.array([True, True, False, True]))
+    assert abs(above[0]) < 1.0
+    assert above[1] * belief.noise == pytest.approx(0.06, abs=0.01)
+    assert above[2:].tolist() == [0.0, 0.0]  # not asked, and not known
+
+
 def test_a_foot_strikes_nothing_where_the_ground_before_it_is_low() -> None:
     ahead = np.array([1.0, 0.0, 0.5])
     assert before_stairs(0.12, 0.0).may_strike(np.array([-0.04, 0.1, 0.06]), ahead)  # a riser

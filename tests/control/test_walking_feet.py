@@ -117,6 +117,27 @@ def test_a_swing_over_a_plane_is_as_high_above_it_whatever_its_slope(degrees: fl
     assert above.max() - above[0] == pytest.approx(clearance, abs=2e-3)
 
 
+def test_a_landing_that_is_taken_back_goes_on_or_down(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2] + [0.1, 0.0])
+    goal = feet.target[1].copy()
+    high = CENTRES.copy()
+    high[1] += [0.05, 0.0, 0.04]
+    assert feet.update(0.2 * EARLY + 0.01, DOWN, high)
+    assert feet.target[1] == pytest.approx(high[1])
+    feet.take_back(1, high[1])  # in its swing: goes on to where it was to stand
+    assert not feet.stance[1]
+    assert feet.target[1] == pytest.approx(goal)
+    feet.update(0.17, UP, high)
+    assert feet.motions(0.17)[1, 0, 0] == pytest.approx(goal[0], abs=0.03)
+    assert feet.update(0.21, DOWN, high)
+    assert feet.stance[1]
+    feet.take_back(1, high[1])  # in its stance: looked for below
+    feet.update(0.211, ~np.array([False, True, False, False]), high)
+    assert feet.late[1]
+    assert feet.motions(0.25)[1, 0, 2] < high[1, 2]
+
+
 def test_with_a_heading_feet_move_off_edges_along_it() -> None:
     stairs = StairsTerrain(-0.12, 0.3)
     feet = Feet(TROT, stairs, np.full(4, 0.02), 0.06, 0.1, CENTRES.copy())

@@ -1,7 +1,9 @@
-"""Where to put a foot down: Raibert's rule, moved off the edges of steps.
+"""Where to put a foot down: Raibert's rule on the terrain, moved off edges and steep ground.
 
 The nominal place lies below the hip at the middle of the coming stance, plus a share of the speed error
-that a pendulum of the body's height would need to catch itself [1]_.
+that a pendulum of the body's height would need to catch itself [1]_. On terrain that is not a plane,
+candidates around it are weighed by their distance, by the height differences within the foot's reach
+(edges) and by the part of the friction cone that the ground's tilt uses.
 
 Between the edges of steps a foot keeps a margin from the edges on both sides, and more from one behind it
 that it came down over: a shin leans back over it.
@@ -177,10 +179,15 @@ def nearest_shift(windows: tuple[FloatArray, FloatArray], ahead: FloatArray) -> 
 
 
 def choose_foothold(
-    terrain: Terrain, place: FloatArray, reach: float, margin: float,
-    way: FloatArray | None = None, before: FloatArray | None = None, more: float = math.inf,
-) -> FloatArray:  # fmt: skip
-    """Return the (2,) place [m] to step on near the nominal one: between edges of steps, or on level ground.
+    terrain: Terrain,
+    place: FloatArray,
+    reach: float,
+    margin: float,
+    way: FloatArray | None = None,
+    before: FloatArray | None = None,
+    more: float = math.inf,
+) -> FloatArray:
+    """Return the (2,) place [m] to step on near the nominal one, world axes; the nominal one on a plane.
 
     Parameters
     ----------
@@ -189,11 +196,11 @@ def choose_foothold(
     place
         (2,) the nominal one [m].
     reach
-        How far it may be moved on ground without steps, along each axis [m].
+        Largest distance from it, along each axis, where the ground is rough [m].
     margin
         Distance to edges that is wanted [m].
     way
-        (2,) of the foot [m], along which it is moved.
+        (2,) of the foot [m]: on steps across it the foot is moved along it, between the edges.
     before
         (2,) where the foot was to stand before [m]: the tread there is kept where it is near enough, and
         moves the foot by no `more` than the nearest [m].
@@ -201,17 +208,16 @@ def choose_foothold(
     if terrain.planar:
         return place
     length = 0.0 if way is None else math.hypot(float(way[0]), float(way[1]))
-    if way is None or length < 1e-6:
-        return _most_level(terrain, place, reach, margin)
-    windows = step_windows(terrain, place, way / length, margin)
-    shift = math.inf if windows is None else float(nearest_shift(windows, np.zeros(1))[0])
-    if windows is not None and before is not None:
-        last = float((before - place) @ way) / length
-        tread = int(np.abs(np.clip(last, *windows) - last).argmin())
-        kept = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
-        shift = kept if abs(kept) <= min(FARTHEST, abs(shift) + more) else shift
-    if abs(shift) <= FARTHEST:
-        return np.asarray(place + shift * (way / length))
+    if way is not None and length > 1e-6:
+        windows = step_windows(terrain, place, way / length, margin)
+        shift = math.inf if windows is None else float(nearest_shift(windows, np.zeros(1))[0])
+        if windows is not None and before is not None:
+            last = float((before - place) @ way) / length
+            tread = int(np.abs(np.clip(last, *windows) - last).argmin())
+            kept = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
+            shift = kept if abs(kept) <= min(FARTHEST, abs(shift) + more) else shift
+        if abs(shift) <= FARTHEST:
+            return np.asarray(place + shift * (way / length))
     return _most_level(terrain, place, reach, margin)
 
 

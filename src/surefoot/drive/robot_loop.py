@@ -386,10 +386,9 @@ class RobotLoop:
 
     def _down(self) -> bool:
         """Whether the base leans as one that has fallen, or is as low by the estimate."""
-        if self._lean() > self.limits.tilt or self.state is None:
-            return self._lean() > self.limits.tilt
-        q = self.state.q
-        return bool(q[2] - self.terrain.height(q[:2]) < LOW * self.robot.nominal[2])
+        q = None if self.state is None else self.state.q
+        low = q is not None and q[2] - self.terrain.height(q[:2]) < LOW * self.robot.nominal[2]
+        return bool(low) or self._lean() > self.limits.tilt
 
     def _lean(self) -> float:
         """Return how far the base leans [rad]."""
