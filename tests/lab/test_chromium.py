@@ -108,7 +108,7 @@ def move(tab: Tab, session: Session, control: Control) -> None:
             break
         if keys:  # drawn anew, a control loses the focus
             tab.ask(f"{found}.focus()")
-        for key in keys[-2:]:  # a list that came round to the same word, a key that was too early
+        for key in keys:  # one was too early; a closed list needs all, its first only opens it
             tab.press(key)
         if not keys and tries % 200 == 0:  # a page too busy to hear a click
             tab.ask(f"{found}.click()")
