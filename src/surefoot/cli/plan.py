@@ -39,7 +39,15 @@ def plan(
     payload: Annotated[float, typer.Option(help="Mass on the base that the plan knows of [kg].")] = 0.0,
     direction: Annotated[float, typer.Option(help="Where to jump, from ahead to the left [deg].")] = 0.0,
     turn: Annotated[float, typer.Option(help="By how much to turn left in a jump [deg].")] = 0.0,
-    terrain: Annotated[str | None, typer.Option(help="Ground of a jump, a plane: flat or slope:DEG.")] = None,
+    terrain: Annotated[
+        str | None,
+        typer.Option(help="Ground of a jump: slope:DEG, stairs:HEIGHT,DEPTH or pit:START,LENGTH,DEPTH [m]."),
+    ] = None,
+    over: Annotated[float, typer.Option(help="Width of a gap ahead that a jump clears [m].")] = 0.0,
+    start: Annotated[
+        Path | None,
+        typer.Option(help="Pose to start from: a list of numbers (YAML, JSON), or where a plan or log ends."),
+    ] = None,
     execute: Annotated[
         str | None, typer.Option(help="World to carry it out in: mujoco. The audit judges the run.")
     ] = None,
@@ -67,6 +75,7 @@ def plan(
         "mu": mu, "dt": dt, "seed": seed, "max_iterations": max_iterations,
         "payload": payload, "direction": math.radians(direction), "turn": math.radians(turn),
         "terrain": None if terrain is None else read_terrain(terrain, "--terrain"),
+        "over": over, "start": None if start is None else _pose(start),
     }  # fmt: skip
     with ends_softly() as stop:
         screen = plain_console(stderr=True, quiet=leaving.as_json)
@@ -91,6 +100,17 @@ def _words(words: list[str]) -> tuple[str | None, str, float | None]:
     if len(rest) > 2:
         raise ProblemError(f"plan takes [ROBOT] TASK [AMOUNT], got {' '.join(words)}")
     return robot, rest[0], parsing.number("AMOUNT", rest[1]) if rest[1:] else None
+
+
+def _pose(file: Path) -> Any:
+    """Return the configuration that a file lists, or that of the end of a plan or log."""
+    from surefoot.log.formats import read_log
+    from surefoot.text_files import read_yaml
+
+    if file.suffix in (".yaml", ".yml", ".json"):
+        return read_yaml(file, "the start")
+    log = read_log(file)
+    return log.facts.get("end_q", log["q"][-1])
 
 
 def _robot(name: str | None, feet: str | None, task: Any) -> Any:
