@@ -27,14 +27,15 @@ class PassedGround(LevelsTerrain):
 
     Parameters
     ----------
-    terrain
-        The ground as it is.
+    edges, tops
+        The ground as it is, see `LevelsTerrain.levels`.
     robot, q, end
         Whose feet go from (nq,) q to (nq,) end.
     """
 
-    def __init__(self, terrain: LevelsTerrain, robot: Robot, q: FloatArray, end: FloatArray) -> None:
-        edges, tops = terrain.levels()
+    def __init__(
+        self, edges: FloatArray, tops: FloatArray, robot: Robot, q: FloatArray, end: FloatArray
+    ) -> None:
         feet = np.vstack([robot.foot_positions(q), robot.foot_positions(end)])[:, 0]
         ends = np.clip(np.searchsorted(edges, [feet.min(), feet.max()], side="right") - 1, 0, len(tops) - 1)
         first, last = int(ends[0]), int(ends[1])
@@ -70,7 +71,8 @@ class PassedGround(LevelsTerrain):
 
 def passed(terrain: Terrain, robot: Robot, q: FloatArray, end: FloatArray) -> PassedGround | None:
     """Return what lies between the feet of two configurations (nq,) on ground in steps; None on a plane."""
-    return PassedGround(terrain, robot, q, end) if isinstance(terrain, LevelsTerrain) else None
+    levels = terrain.levels()
+    return None if levels is None else PassedGround(*levels, robot, q, end)
 
 
 def climbed(terrain: Terrain, robot: Robot, q: FloatArray, end: FloatArray) -> float:

@@ -17,7 +17,6 @@ from surefoot.robot.motor_limits import MotorLimits
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.terrain import FlatTerrain, Terrain
-from surefoot.terrain.levels import LevelsTerrain
 
 
 @dataclass(frozen=True)
@@ -142,7 +141,7 @@ class ScheduleProblem:
         if self.schedule.feet != len(robot.feet):
             sizes = f"the schedule has {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
             raise ProblemError(sizes)
-        if not (self.terrain.planar or isinstance(self.terrain, LevelsTerrain)):
+        if not self.terrain.planar and self.terrain.levels() is None:
             raise ProblemError(f"a scheduled motion takes a plane or steps for ground, got {self.terrain!r}")
         real_number("dt", self.dt, low=1e-4, high=0.2)
         whole_number("knots", self.knots, low=2)
