@@ -83,7 +83,6 @@ def test_feet_that_dip_into_a_ditch_on_their_way_are_noticed(go2, standing, rise
     way[51:, 0] += 0.8
     ground = PitTerrain(0.25, 0.3, 0.3)
     between = passed(ground, go2, way[0], way[-1])
-    assert between is not None
     assert bool(foot_hits(way, go2, between)) == bool(told)
     made = plan_from(replace(standing, q=way), go2, FOUND, ground)
     assert made.status is Status.ALMOST  # the replay stays where it is

@@ -115,7 +115,6 @@ def test_a_jump_over_a_gap_is_solved_and_lands(go2):
     pytest.importorskip("mujoco")
     plan = sf.plan(go2, "jump", over=0.3).raise_if_failed()
     ditch = plan.terrain
-    assert (ditch.length, ditch.depth > 0.3) == (0.3, True)
     x = plan["contact_positions"][..., 0]
     inside = (x > ditch.start) & (x < ditch.start + ditch.length)
     assert inside.any()

@@ -26,17 +26,17 @@ EXECUTORS = ("mujoco",)
 class JumpOptions:
     """Where a jump begins, and where it goes."""
 
-    direction: Annotated[float, typer.Option(help="Where to jump, from ahead to the left [deg].")] = (0.0,)
-    turn: Annotated[float, typer.Option(help="By how much to turn left in a jump [deg].")] = (0.0,)
+    direction: Annotated[float, typer.Option(help="Where to jump, from ahead to the left [deg].")] = 0.0
+    turn: Annotated[float, typer.Option(help="By how much to turn left in a jump [deg].")] = 0.0
     terrain: Annotated[
         str | None,
         typer.Option(help="Ground of a jump: slope:DEG, stairs:HEIGHT,DEPTH or pit:START,LENGTH,DEPTH [m]."),
-    ] = (None,)
-    over: Annotated[float, typer.Option(help="Width of a gap ahead that a jump clears [m].")] = (0.0,)
+    ] = None
+    over: Annotated[float, typer.Option(help="Width of a gap ahead that a jump clears [m].")] = 0.0
     start: Annotated[
         Path | None,
         typer.Option(help="Pose to start from: a list of numbers (YAML, JSON), or where a plan or log ends."),
-    ] = (None,)
+    ] = None
 
     @property
     def numbers(self) -> dict[str, Any]:
