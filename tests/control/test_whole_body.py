@@ -206,11 +206,13 @@ def check_optimal(
     robot: Robot, q: np.ndarray, v: np.ndarray, tasks: Tasks, bounds: tuple[float, float], limits: np.ndarray
 ) -> WholeBodyCommand:
     """Return the command, whose forces and accelerations have to be the oracle's."""
-    mu, weights = 0.5, TaskWeights(force=0.3)
-    command = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), limits).step(q, v, tasks)
-    a, f = oracle(robot, q, v, tasks, mu, bounds, weights, 8.0, limits)
-    assert command.forces == pytest.approx(f, abs=2e-4 * robot.mass * GRAVITY)
-    assert command.accelerations == pytest.approx(a, abs=1e-2)
+    mu, alike = 0.5, TaskWeights(swing=1.0, joints=1e-3, body=100.0, force=0.3)
+    for weights in (alike, TaskWeights(force=0.3)):
+        command = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), limits).step(q, v, tasks)
+        a, f = oracle(robot, q, v, tasks, mu, bounds, weights, 8.0, limits)
+        assert command.forces == pytest.approx(f, abs=2e-4 * robot.mass * GRAVITY)
+        # a cost that is right to a share tells what weighs little by its root less
+        assert command.accelerations == pytest.approx(a, abs=1e-2 / np.sqrt(weights.swing))
     return command
 
 
@@ -248,6 +250,21 @@ def test_a_leg_in_the_air_too_weak_for_its_task_gives_way_optimally(seed: int) -
     command = check_optimal(robot, q, v, tasks, (0.0, 400.0), limits)
     assert command.feasible
     assert abs(command.torques[worst]) == pytest.approx(limits[worst])
+
+
+def test_the_body_is_not_thrown_up_to_lift_feet_faster_than_their_motors_can() -> None:
+    robot = robot_of("go2")
+    q, v, stance = robot.nominal, np.zeros(robot.model.nv), np.array([True, False, False, True])
+    feet = np.zeros((4, 6))
+    feet[~stance, 2] = 150.0
+    frames, weight = np.tile(np.eye(3), (4, 1, 1)), robot.mass * GRAVITY
+    forces = np.where(stance, 0.5 * weight, 0.0)[:, None] * [0.0, 0.0, 1.0]
+    tasks = Tasks(stance, np.zeros(3), np.zeros(3), feet, np.zeros(12), forces, frames, np.zeros(4))
+    limits = np.where(np.repeat(stance, 3), 45.0, 2.0)
+    command = WholeBodyController(robot, normal_max=1.5 * weight, effort_limits=limits).step(q, v, tasks)
+    data = robot.model.createData()
+    pinocchio.centerOfMass(robot.model, data, q, v, command.accelerations)
+    assert abs(data.acom[0][2]) < 3.0
 
 
 def test_forces_stay_in_their_cones_whatever_is_asked() -> None:

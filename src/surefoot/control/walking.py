@@ -39,9 +39,8 @@ from surefoot.terrain.plane_ahead import plane_ahead
 
 LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
-LOW, YIELDING = 0.5, 0.02
-"""While a body is caught: height of the swings over the usual one, for they are quick, and weight of the feet
-in the air over their own: legs that rush must not turn the body."""
+LOW = 0.5
+"""Height of the swings over the usual one while a body is caught, for they are quick."""
 CALM, UNEASY, UNEASE_TIME = 0.06, 0.15, 1.0
 """Up to the first error of its velocity, as a share of sqrt(g h), a body moves as planned; from the second on
 feet are lifted in full, and ever less for so long after it [s]."""
@@ -228,8 +227,6 @@ class WalkingController(Walker):
         assert self.feet is not None
         self.feet.hurry(1.0 if recovery is None else recovery.rate, self.dt)
         self.planner.rate = self.feet.rate
-        if (recovery is None) != (self._recovery is None):
-            self.whole_body.weigh_swing(1.0 if recovery is None else YIELDING)
         if recovery is not None:
             self.body.velocity[:], self.body.acceleration = recovery.velocity, recovery.acceleration
         self._recovery = recovery

@@ -36,12 +36,10 @@ from surefoot.control.whole_body_step import (
     OFFSET,
     ROTATIONS,
     ROWS,
-    SWING,
     TARGET,
     TOUCHING,
     TWISTS,
     WANTED,
-    WEIGHTS,
     E,
     force_problem,
     kinematics,
@@ -149,7 +147,6 @@ class WholeBodyController(Bound):
         points = self.robot.contact_points
         legs, square = points.foot_support[:, 6:].any(axis=0), max(float(self.robot.nominal[2]), 0.05) ** 2
         weights = np.array([w.linear, w.angular * square, w.swing, w.swing * square, *rates])
-        self._swing = w.swing
         joints = w.joints * square * np.where(legs, 1.0, w.body)
         self._numbers, self._memory = step_memory(int(self.robot.model.nv), points, weights, joints)
         self._bind()
@@ -168,13 +165,8 @@ class WholeBodyController(Bound):
         for distributor in (self._distributor, self._limited):
             distributor.set_friction(np.full(len(self.point_foot), mu))
 
-    def weigh_swing(self, share: float) -> None:
-        """Let feet in the air count for a share of the weight [-] of their task from now on."""
-        self._part(WEIGHTS, 8)[SWING] = share * self._swing
-
     def reset(self) -> None:
         """Forget the forces of the step before, and which feet stood."""
-        self.weigh_swing(1.0)
         self._set_stance(np.ones(len(self._stance), dtype=bool))
         for distributor in (self._distributor, self._limited):
             distributor.reset()

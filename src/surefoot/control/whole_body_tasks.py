@@ -20,7 +20,8 @@ class TaskWeights:
     angular
         Base orientation, per squared unit of angular acceleration times the base's height.
     swing
-        Feet in the air.
+        Feet in the air. They cost no more than a little of the body's motion: where a leg's motors cannot
+        lift it as fast as is wanted, with a weight of 1 those on the ground throw the body up to lift it.
     joints
         Joint accelerations times the base's height, of legs; joints outside the legs count `body` times
         as much.
@@ -32,9 +33,9 @@ class TaskWeights:
 
     linear: float = 1.0
     angular: float = 1.0
-    swing: float = 1.0
-    joints: float = 1e-3
-    body: float = 100.0
+    swing: float = 0.02
+    joints: float = 2e-5
+    body: float = 5e3
     force: float = 0.1
 
 
