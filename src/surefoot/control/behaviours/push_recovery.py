@@ -70,4 +70,4 @@ class PushRecovery:
         rate = min(max(self._schedule.stance_time * speed / (STRIDE * self._height), 1.0), QUICKEST)
         more = 1.0 - min(1.0, GIVE / off)
         velocity = np.array([forward + more * ahead, left + more * aside, turn])
-        return Request(recovery=Recovery(rate, velocity, BACK * GRAVITY))
+        return Request(recovery=Recovery(rate, velocity, BACK * GRAVITY), height=0.8 * self._height)
