@@ -26,7 +26,7 @@ BEGINS, ENDS = 0.4, 0.2
 before by twice as much, as shares of sqrt(g h)."""
 GIVE = 0.5
 """The wanted velocity is never farther from the body's, likewise."""
-STRIDE, QUICKEST = 1.0, 1.6
+STRIDE, QUICKEST = 0.75, 1.6
 """Way of the body over a stance, in heights of the centre of mass, and most that the gait is hurried by."""
 BACK = 0.3
 """Change of the wanted velocity on the way back, as a share of g: half of the friction that is counted on."""
