@@ -9,6 +9,7 @@ import pytest
 
 from surefoot.cli.main import main
 from surefoot.planning import Plan
+from surefoot.robot import load_robot, place
 
 pytest.importorskip("casadi")
 
@@ -27,10 +28,13 @@ def test_a_ball_is_planned_and_saved(tmp_path: Path, capfd: pytest.CaptureFixtur
 
 
 def test_a_jump_is_planned_in_words(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    shown = ["--no-video", "--no-report", "--out", str(tmp_path)]
-    assert main(["plan", "jump", "0.2", "--dt", "0.02", *shown]) == 0
+    pose = tmp_path / "pose.json"
+    pose.write_text(json.dumps(place(load_robot("go2"), at=(0.1, 0.0)).tolist()))
+    shown = ["--no-video", "--no-report", "--out", str(tmp_path), "--start", str(pose), "--over", "0.05"]
+    assert main(["plan", "jump", "--dt", "0.02", *shown]) == 0
     said = capfd.readouterr().out
     assert "jump: solved" in said
+    assert "the feet get 0.50" in said
     assert "FL_foot" in said
 
 

@@ -10,10 +10,11 @@ import pytest
 
 from surefoot.contact import Status
 from surefoot.planning import PlanSearch, plan_from, rollout
-from surefoot.planning.certificate import certify, link_hits, momentum_error
+from surefoot.planning.certificate import certify, foot_hits, link_hits, momentum_error
+from surefoot.planning.levels import passed
 from surefoot.planning.planner import plan
 from surefoot.robot import place
-from surefoot.terrain import FlatTerrain
+from surefoot.terrain import FlatTerrain, PitTerrain
 
 casadi = pytest.importorskip("casadi")
 FOUND = PlanSearch("stand", "by hand", cost=0.0, reached=True, iterations=1, seconds=0.0, goal="stands")
@@ -72,6 +73,20 @@ def test_an_end_that_a_finer_run_does_not_reach_is_noticed(go2, standing) -> Non
     made = plan_from(replace(standing, q=moved), go2, FOUND)
     assert made.status is Status.ALMOST
     assert "ends 3 cm off" in made.facts["goal"]
+
+
+@pytest.mark.parametrize(("rise", "told"), [(-0.02, "mm into the ditch"), (0.02, "")])
+def test_feet_that_dip_into_a_ditch_on_their_way_are_noticed(go2, standing, rise, told) -> None:
+    """They touch nothing there: the ditch is deep."""
+    way = standing.q.copy()
+    way[50, :3] += [0.3, 0.0, rise]
+    way[51:, 0] += 0.8
+    ground = PitTerrain(0.25, 0.3, 0.3)
+    between = passed(ground, go2, way[0], way[-1])
+    assert bool(foot_hits(way, go2, between)) == bool(told)
+    made = plan_from(replace(standing, q=way), go2, FOUND, ground)
+    assert made.status is Status.ALMOST  # the replay stays where it is
+    assert told in made.facts["goal"]
 
 
 def test_joints_that_a_replay_drives_too_fast_are_noticed(go2, standing) -> None:

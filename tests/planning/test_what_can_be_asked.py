@@ -14,7 +14,7 @@ from surefoot.planning.tasks.task import PlanRequest
 from surefoot.robot.actuators import unknown_limits
 from surefoot.robot.legs import Legs
 from surefoot.simulation.plan_execution import execute
-from surefoot.terrain import PitTerrain
+from surefoot.terrain import PitTerrain, StairsTerrain, rough_ground
 
 pytest.importorskip("casadi")
 
@@ -87,7 +87,13 @@ def test_limits_that_no_motor_has_are_unknown(go2):
         ("stand-up", {"payload": 1.0}, "takes no payload; it takes none of these"),
         ("backflip", {"turn": 1.0}, "takes no turn; it takes start, payload"),
         ("jump", {"terrain": "flat"}, "terrain"),
-        ("jump", {"terrain": PitTerrain(0.5, 0.2, 0.3)}, "takes a plane"),
+        ("jump", {"terrain": PitTerrain(0.5, 0.2, 0.3)}, "FL_foot lands at x = 0.624 m, too near an edge"),
+        ("jump", {"terrain": rough_ground(1, 0.05)}, "takes a plane or steps"),
+        ("jump-up", {"over": 0.1}, "takes no over"),
+        ("jump", {"over": 0.6}, "takes a jump of 1.05 m, go2 is asked for 1.01 m at most"),
+        ("jump", {"over": 0.3, "amount": 0.5}, "leaves 0.0532 m, got 0.3; straight on it takes 0.747 m"),
+        ("jump", {"over": 0.1, "terrain": sf.FlatTerrain()}, "over and terrain both say"),
+        ("jump", {"start": [0.0] * 5}, r"start must have shape \(19,\), got \(5,\)"),
         ("jump", {"payload": math.nan}, "payload"),
     ],
 )
@@ -96,8 +102,29 @@ def test_what_a_task_does_not_take_is_named(go2, task, asked, told):
         sf.plan(None if task == "ball" else go2, task, **asked)
 
 
-def test_a_start_off_the_ground_is_refused(go2):
+@pytest.mark.parametrize(("by", "told"), [(0.02, "0.02 m off it"), (-0.05, "0.05 m in it")])
+def test_a_start_off_the_ground_is_refused(go2, by, told):
     q = sf.place(go2)
-    q[2] += 0.02
-    with pytest.raises(sf.errors.ProblemError, match="stand on the ground"):
+    q[2] += by
+    with pytest.raises(sf.errors.ProblemError, match=told):
         sf.plan(go2, "jump", start=q)
+
+
+@pytest.mark.long
+def test_a_jump_over_a_gap_is_solved_and_lands(go2):
+    pytest.importorskip("mujoco")
+    plan = sf.plan(go2, "jump", over=0.3).raise_if_failed()
+    ditch = plan.terrain
+    x = plan["contact_positions"][..., 0]
+    inside = (x > ditch.start) & (x < ditch.start + ditch.length)
+    assert inside.any()
+    assert not plan["forces"][inside].any()
+    done = execute(plan, seed=0)
+    assert (done.landed, done.laws) == (True, []), done.why
+
+
+@pytest.mark.long
+def test_a_jump_lands_on_a_step(go2):
+    plan = sf.plan(go2, "jump", 0.7, terrain=StairsTerrain(0.15, 2.0, 1))
+    assert plan.status.value in ("solved", "almost"), plan.facts["goal"]
+    assert plan["contact_positions"][-1, :, 2] == pytest.approx(0.15, abs=1e-3)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -21,6 +22,34 @@ EXECUTORS = ("mujoco",)
 """Worlds that a plan can be carried out in."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class JumpOptions:
+    """Where a jump begins, and where it goes."""
+
+    direction: Annotated[float, typer.Option(help="Where to jump, from ahead to the left [deg].")] = 0.0
+    turn: Annotated[float, typer.Option(help="By how much to turn left in a jump [deg].")] = 0.0
+    terrain: Annotated[
+        str | None,
+        typer.Option(help="Ground of a jump: slope:DEG, stairs:HEIGHT,DEPTH or pit:START,LENGTH,DEPTH [m]."),
+    ] = None
+    over: Annotated[float, typer.Option(help="Width of a gap ahead that a jump clears [m].")] = 0.0
+    start: Annotated[
+        Path | None,
+        typer.Option(help="Pose to start from: a list of numbers (YAML, JSON), or where a plan or log ends."),
+    ] = None
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """As `surefoot.plan` takes them."""
+        from surefoot.terrain import read_terrain
+
+        return {
+            "direction": math.radians(self.direction), "turn": math.radians(self.turn), "over": self.over,
+            "terrain": None if self.terrain is None else read_terrain(self.terrain, "--terrain"),
+            "start": None if self.start is None else _pose(self.start),
+        }  # fmt: skip
+
+
 def plan(
     *,
     wanted: Annotated[
@@ -37,9 +66,7 @@ def plan(
     seed: Annotated[int, typer.Option(help="Of random starts, and of the executed run.")] = 0,
     max_iterations: Annotated[int | None, typer.Option(help="Most iterations of the search.")] = None,
     payload: Annotated[float, typer.Option(help="Mass on the base that the plan knows of [kg].")] = 0.0,
-    direction: Annotated[float, typer.Option(help="Where to jump, from ahead to the left [deg].")] = 0.0,
-    turn: Annotated[float, typer.Option(help="By how much to turn left in a jump [deg].")] = 0.0,
-    terrain: Annotated[str | None, typer.Option(help="Ground of a jump, a plane: flat or slope:DEG.")] = None,
+    jumping: JumpOptions,
     execute: Annotated[
         str | None, typer.Option(help="World to carry it out in: mujoco. The audit judges the run.")
     ] = None,
@@ -53,7 +80,6 @@ def plan(
     from surefoot.cli import parsing
     from surefoot.cli.signals import ends_softly
     from surefoot.planning.tasks.table import find_task
-    from surefoot.terrain import read_terrain
 
     console = plain_console(quiet=leaving.as_json)
     parsing.friction("--mu", mu)
@@ -65,8 +91,7 @@ def plan(
     who = _robot(robot, feet, found)
     numbers = {
         "mu": mu, "dt": dt, "seed": seed, "max_iterations": max_iterations,
-        "payload": payload, "direction": math.radians(direction), "turn": math.radians(turn),
-        "terrain": None if terrain is None else read_terrain(terrain, "--terrain"),
+        "payload": payload, **jumping.numbers,
     }  # fmt: skip
     with ends_softly() as stop:
         screen = plain_console(stderr=True, quiet=leaving.as_json)
@@ -91,6 +116,17 @@ def _words(words: list[str]) -> tuple[str | None, str, float | None]:
     if len(rest) > 2:
         raise ProblemError(f"plan takes [ROBOT] TASK [AMOUNT], got {' '.join(words)}")
     return robot, rest[0], parsing.number("AMOUNT", rest[1]) if rest[1:] else None
+
+
+def _pose(file: Path) -> Any:
+    """Return the configuration that a file lists, or that of the end of a plan or log."""
+    from surefoot.log.formats import read_log
+    from surefoot.text_files import read_yaml
+
+    if file.suffix in (".yaml", ".yml", ".json"):
+        return read_yaml(file, "the start")
+    log = read_log(file)
+    return log.facts.get("end_q", log["q"][-1])
 
 
 def _robot(name: str | None, feet: str | None, task: Any) -> Any:

@@ -5,7 +5,8 @@ Three checks that share no arithmetic with the knots of a plan:
 - **momentum**: Pinocchio's whole-body momentum at the knots, against that of the start plus gravity's, the
   ground's impulses and those of motors that push against the world;
 - **links**: nothing but feet on the ground touches at any knot: as boxes and capsules (`robot_geometry`), two
-  links also as they are; for robots that have shapes;
+  links also as they are; for robots that have shapes. Ditches that a motion passes over count as filled, and
+  feet stay out of them and of steps at the knots and in the replay;
 - **replay**: the plan's torques with feedback of its joints through steps of second order, ten to a knot::
 
       tau = tau_k + K (q_k + s (q_{k+1} - q_k) - q) + D ((q_{k+1} - q_k) / dt - v),
@@ -30,6 +31,7 @@ from surefoot.arrays import FloatArray
 from surefoot.collision import Geometry, robot_geometry
 from surefoot.collision.shapes import coal
 from surefoot.errors import SimulationError
+from surefoot.planning.levels import passed
 from surefoot.planning.trajectory import TorquePolicy, Trajectory
 from surefoot.planning.transcription.planar import passive_joints
 from surefoot.robot import Robot
@@ -110,9 +112,20 @@ def certify(
     """Return what the checks say of a lawful motion; `problem` where more touches than feet the ground."""
     begun = time.process_time()
     momentum = momentum_error(trajectory, robot, terrain)
-    apart, speed = replayed(trajectory, robot, terrain, problem)
-    hits = link_hits(trajectory, robot, terrain)
+    apart, speed, replay = replayed(trajectory, robot, terrain, problem)
+    between = passed(terrain, robot, trajectory.q[0], trajectory.q[-1])
+    hits = link_hits(trajectory, robot, between or terrain)
+    if between is not None:
+        hits |= foot_hits(np.vstack([trajectory.q, replay]), robot, between)
     return Certificate(momentum, apart, speed, hits, time.process_time() - begun)
+
+
+def foot_hits(configurations: FloatArray, robot: Robot, between: Terrain) -> dict[tuple[str, str], float]:
+    """Return which feet are deeper than `DEEP` in what a motion passes over (T, nq): names to depth [m]."""
+    feet = np.array([robot.foot_positions(q) for q in configurations])
+    depths = (robot.contact_points.foot_radii - between.gap(feet)).max(axis=0)
+    named = zip(robot.foot_names, depths.tolist(), strict=True)
+    return {(name, "the ditch or step that it passes"): depth for name, depth in named if depth > DEEP}
 
 
 def link_hits(trajectory: Trajectory, robot: Robot, terrain: Terrain) -> dict[tuple[str, str], float]:
@@ -126,7 +139,9 @@ def link_hits(trajectory: Trajectory, robot: Robot, terrain: Terrain) -> dict[tu
     for q in trajectory.q:
         gaps = near.at(q).gaps
         for contact in np.flatnonzero(gaps < -DEEP):
-            one, other = near.names[near.group[contact]]
+            # ground of boxes has pieces, which come first or last
+            one, other = sorted(near.names[near.group[contact]], key=lambda name: name.startswith("ground"))
+            other = "ground" if other.startswith("ground") else other
             if one.split(":")[0] not in feet if other == "ground" else meet(near.data, one, other):
                 found[one, other] = max(found.get((one, other), 0.0), -float(gaps[contact]))
     return found
@@ -211,10 +226,11 @@ def feedback(trajectory: Trajectory, robot: Robot) -> TorquePolicy:
 
 def replayed(
     trajectory: Trajectory, robot: Robot, terrain: Terrain, problem: DirectProblem | None = None
-) -> tuple[float, float]:
+) -> tuple[float, float, FloatArray]:
     """Return how far from the plan's end a replay by steps of second order ends [m], and its joints' speed.
 
-    The speed is the largest over its limit, see `Certificate`; infinite both where the replay is lost.
+    The speed is the largest over its limit, see `Certificate`; infinite both where the replay is lost. The
+    configurations (T, nq) that it went through come third.
 
     Where bodies touch beside feet on the ground (`problem`), by first-order steps of a tenth of the knot:
     what touches there are points on slides, whose motion between impulses has nothing of second order.
@@ -226,20 +242,20 @@ def replayed(
 
         finer = replace(problem, dt=fine, knots=steps, reference=None, windows={})
         motion = touching_rollout(finer, torques)
-        end, angles = motion.q[-1], motion.q[:, -robot.joints :]
+        went = motion.q
     else:
         stepper = Stepper(robot, terrain, StepOptions(dt=fine))
-        state, angles = stepper.start(t.q[0], t.v[0]), np.empty((steps, robot.joints))
+        state, went = stepper.start(t.q[0], t.v[0]), np.empty((steps, robot.model.nq))
         try:
             for k in range(steps):
                 state = stepper.step(state, torques(k, state.q, state.v), mu=t.mu).state
-                angles[k] = state.q[-robot.joints :]
+                went[k] = state.q
         except SimulationError:
-            return np.inf, np.inf
-        end = state.q
+            return np.inf, np.inf, went[:k]
+    end, angles = went[-1], went[:, -robot.joints :]
     apart = float(np.linalg.norm(robot.com(end) - robot.com(t.q[-1])))
     ways = (
         np.abs(angles[FINER:] - angles[:-FINER]) / t.dt
     )  # in coarse knots the feedback makes joints tremble
     use = float((ways / robot.speed_limits).max())
-    return (apart, use) if np.isfinite(apart) else (np.inf, np.inf)
+    return (apart, use, went) if np.isfinite(apart) else (np.inf, np.inf, went[:0])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import of_kind, real_number, whole_number
+from surefoot.arrays import FloatArray, finite_array, of_kind, real_number, whole_number
 from surefoot.errors import ProblemError
 from surefoot.planning.plan import Plan
 from surefoot.planning.tasks.table import TASKS, find_task
@@ -19,8 +19,8 @@ from surefoot.terrain import FlatTerrain, Terrain
 
 ON_GROUND = 2e-3
 """How far from the ground feet may be at the start [m]."""
-RANGES = {"payload": (0.0, 1e3), "direction": (-pi, pi), "turn": (-pi, pi)}
-"""Least and largest values [kg, rad, rad]."""
+RANGES = {"payload": (0.0, 1e3), "direction": (-pi, pi), "turn": (-pi, pi), "over": (0.0, 1e2)}
+"""Least and largest values [kg, rad, rad, m]."""
 
 
 def task_names() -> tuple[str, ...]:
@@ -43,6 +43,7 @@ def plan(
     direction: float = 0.0,
     turn: float = 0.0,
     terrain: Terrain | None = None,
+    over: float = 0.0,
     tell: Tell | None = None,
 ) -> Plan:
     """Return a motion through contact that does a task.
@@ -66,14 +67,19 @@ def plan(
     max_iterations
         Of the optimiser; None for the task's.
     start
-        (nq,) the configuration to start from, at rest on the ground [m, -, rad]; None for the nominal pose.
+        (nq,) the configuration to start from, at rest on the ground [m, -, rad]; None for the nominal pose. A
+        jump ends as it starts.
     payload
         Mass on the base that the plan knows of [kg].
     direction, turn
         Of a jump: where to, from straight ahead to the left, and by how much the robot turns to the left on
         the way [rad].
     terrain
-        Of a jump: a plane; None for flat ground.
+        Of a jump: a plane, or level ground in steps along x (stairs, a ditch) that it lands on or beyond;
+        None for flat ground.
+    over
+        Of a jump: width of a gap in flat ground ahead, along x, that neither feet nor links may go into [m];
+        a jump without an amount is as long as that takes.
     tell
         Called with every `Iteration`.
 
@@ -91,7 +97,10 @@ def plan(
     """
     found = find_task(task)
     request = _checked(found, PlanRequest(robot, amount, mu, dt, knots, seed, max_iterations))
-    asked = {"start": start, "payload": payload, "direction": direction, "turn": turn, "terrain": terrain}
+    asked = {
+        "start": start, "payload": payload, "direction": direction, "turn": turn, "terrain": terrain,
+        "over": over,
+    }  # fmt: skip
     request = replace(request, **_checked_extra(found, request, asked))
     return found.plan(request, tell or (lambda iteration: None))
 
@@ -106,18 +115,32 @@ def _checked_extra(task: Task, request: PlanRequest, extra: dict[str, Any]) -> d
             raise ProblemError(f"the task {task.name} takes no {name}; it takes {takes}")
     ground = extra["terrain"] or FlatTerrain()
     of_kind("terrain", ground, Terrain)
+    if extra["over"] and extra["terrain"] is not None:
+        raise ProblemError(f"over and terrain both say what the ground is: give one, got {ground!r} as well")
     if extra["start"] is not None:
-        robot = request.robot or load_robot("go2")
-        q = extra["start"] = robot.configuration(extra["start"])
-        off = np.abs(ground.gap(robot.foot_positions(q)) - robot.contact_points.foot_radii)
-        if off.max() > ON_GROUND:
-            name = robot.foot_names[int(off.argmax())]
-            raise ProblemError(f"start must stand on the ground, {name} is {off.max():.3g} m off it")
+        extra["start"] = _checked_start(request.robot or load_robot("go2"), extra["start"], ground)
     return extra
 
 
+def _checked_start(robot: Robot, start: ArrayLike, ground: Terrain) -> FloatArray:
+    """Return a configuration (nq,) that stands on the ground, its joints within their limits."""
+    q = robot.configuration(finite_array("start", start, (robot.model.nq,)))
+    gaps = ground.gap(robot.foot_positions(q)) - robot.contact_points.foot_radii
+    worst = int(np.abs(gaps).argmax())
+    if abs(gaps[worst]) > ON_GROUND:
+        where = f"{abs(gaps[worst]):.3g} m {'off' if gaps[worst] > 0.0 else 'in'} it"
+        raise ProblemError(f"start must stand on the ground, {robot.foot_names[worst]} is {where}")
+    limits = robot.model.lowerPositionLimit, q, robot.model.upperPositionLimit
+    angles = zip(robot.joint_names, *(np.array(side)[-robot.joints :] for side in limits), strict=True)
+    for name, least, at, most in angles:
+        if least < most and not least <= at <= most:
+            limits_said = f"beyond its limits from {least:.4g} to {most:.4g}"
+            raise ProblemError(f"start has {name} at {at:.4g}, {limits_said}")
+    return q
+
+
 def _checked(task: Task, request: PlanRequest) -> PlanRequest:
-    """Return a request with its blanks filled in, after checking what does not depend on the task."""
+    """Return a request, after checking what does not depend on the task."""
     real_number("mu", request.mu, low=0.0, high=1e6)
     whole_number("seed", request.seed)
     if request.dt is not None:
@@ -132,5 +155,4 @@ def _checked(task: Task, request: PlanRequest) -> PlanRequest:
         if not task.amount:
             raise ProblemError(f"the task {task.name} takes no number, got {request.amount!r}")
         real_number(task.amount, request.amount, low=-1e3, high=1e3)
-    amount = task.default if request.amount is None else request.amount
-    return replace(request, amount=amount)
+    return request

@@ -112,6 +112,10 @@ class Terrain(ABC):
         """
         return rotation_from_normal(self.normal(xy), heading)
 
+    def levels(self) -> tuple[FloatArray, FloatArray] | None:
+        """Return edges and heights of ground in steps along x, see `LevelsTerrain`; None for other ground."""
+        return None
+
     def shapes(self) -> tuple[Shape, ...]:
         """Return the ground as values that engines and renderers build: planes, boxes, grids.
 

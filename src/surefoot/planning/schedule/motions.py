@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.planning.levels import AHEAD, climbed
 from surefoot.planning.schedule.problem import ScheduleProblem, ScheduleWeights
 from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot, place
@@ -52,6 +53,8 @@ SOFTLY, REACH = 0.4, 0.3
 its height."""
 HEAD = 0.45
 """How near the ground the trunk's corners may come where it is upside down: heads reach beyond them."""
+TUCK = 0.45
+"""How far feet are expected to be drawn up on the way onto a step, as a share of the base's height."""
 APART, SPREAD = 0.15, 0.25
 """How far rear legs stay behind front ones in a jump, and right legs from left ones, as such shares."""
 BODY, KNEE = 0.18, 0.15
@@ -101,9 +104,9 @@ def jump(
     way
         Direction of the jump from straight ahead to the left, and turn of the robot to the left [rad].
     q
-        (nq,) the start; None for the nominal pose on the terrain.
+        (nq,) the start; None for the nominal pose on the terrain, before steps that it begins with.
     terrain
-        A plane; None for flat ground.
+        A plane, or level ground in steps along x; None for flat ground.
 
     Raises
     ------
@@ -111,8 +114,9 @@ def jump(
         For a robot that is no quadruped, and a jump that is none.
     """
     scale, ground = time_scale(robot), FlatTerrain() if terrain is None else terrain
-    q = place(robot, ground) if q is None else q
+    q = begun(robot, ground, distance) if q is None else q
     end = landed(robot, q, distance, way, ground)
+    end[2] += (climb := climbed(ground, robot, q, end))
     longest = min(FLIGHT * scale, 2.0 * QUICK * lift_speed(robot, q) / GRAVITY)
     flight = max(longest, 2.0 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY))
     dt = round(KNOT * scale, 3) if dt is None else dt
@@ -133,6 +137,12 @@ def jump(
         low = np.full(len(q), -np.inf)
         low[2] = q[2] + height
         windows[round((push + 0.5 * flight) / dt)] = StateWindow(low)
+    if climb > 0.0:
+        legs = Legs(robot)
+        up, feet = np.array([0.0, 0.0, 1.0]), legs.feet(q[7:])
+        lifts = min(climb, TUCK * float(robot.nominal[2])) * np.sin(math.pi * flown / flight)
+        for k in np.flatnonzero(lifts):
+            reference[k, 7:] = legs.reach(feet + lifts[k] * up, q[7:])
     weights = ScheduleWeights(change=QUIET) if height > 0.0 else ScheduleWeights()
     reach = float(robot.nominal[2])
     return ScheduleProblem(
@@ -143,10 +153,17 @@ def jump(
     )  # fmt: skip
 
 
+def begun(robot: Robot, terrain: Terrain, distance: float) -> FloatArray:
+    """Return where a jump begins that is told nothing else (nq,): such that it ends just behind a step."""
+    feet = robot.foot_positions(robot.nominal)[:, 0]
+    before = max(distance + feet.min() - 2.0 * AHEAD, feet.max() + 2.0 * AHEAD)
+    return place(robot, terrain, at=terrain.approach(before))
+
+
 def landed(
     robot: Robot, q: FloatArray, distance: float, way: tuple[float, float], terrain: Terrain
 ) -> FloatArray:
-    """Return where a jump ends (nq,); the robot turns about the middle of its feet.
+    """Return where a jump ends (nq,) but for steps; the robot turns about the middle of its feet.
 
     `way` holds the direction of the jump and its turn [rad].
     """

@@ -9,6 +9,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
 from surefoot.errors import ProblemError
+from surefoot.planning.levels import PassedGround, passed
 from surefoot.planning.transcription.touches import BodyTouch
 from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot
@@ -77,7 +78,7 @@ class ScheduleProblem:
     mu
         Friction that may be used.
     terrain
-        A plane.
+        A plane, or level ground in steps along x: feet stand where q and the end of the reference have them.
     torque_share, speed_share
         Of the robot's limits that may be used.
     motors, motor_share
@@ -140,8 +141,8 @@ class ScheduleProblem:
         if self.schedule.feet != len(robot.feet):
             sizes = f"the schedule has {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
             raise ProblemError(sizes)
-        if not self.terrain.planar:
-            raise ProblemError(f"a scheduled motion takes a plane for ground, got {self.terrain!r}")
+        if not self.terrain.planar and self.terrain.levels() is None:
+            raise ProblemError(f"a scheduled motion takes a plane or steps for ground, got {self.terrain!r}")
         real_number("dt", self.dt, low=1e-4, high=0.2)
         whole_number("knots", self.knots, low=2)
         real_number("mu", self.mu, low=0.0, high=1e6)
@@ -179,6 +180,24 @@ class ScheduleProblem:
         """(knots, p) which contact points stand in each knot."""
         feet = self.schedule.horizon(0.0, self.dt, self.knots)
         return np.asarray(feet[:, self.robot.contact_points.foot])
+
+    @property
+    def passed(self) -> PassedGround | None:
+        """Ground in steps that feet and links pass over; None for a plane."""
+        return passed(self.terrain, self.robot, self.q, self.reference[-1])
+
+    @property
+    def heights(self) -> FloatArray:
+        """(knots, p) of the ground where points stand, the lower one in flight [m]; on planes 0."""
+        stance = self.stance
+        if self.terrain.planar:
+            return np.zeros(stance.shape)
+        feet, robot = self.robot.contact_points.foot, self.robot
+        before, after = (
+            self.terrain.height(robot.foot_positions(q)[feet, :2]) for q in (self.q, self.reference[-1])
+        )
+        stays = np.logical_and.accumulate(stance, axis=0)
+        return np.where(stays, before, np.where(stance, after, np.minimum(before, after)))
 
     @property
     def torque_limits(self) -> FloatArray:

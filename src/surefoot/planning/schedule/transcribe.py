@@ -45,16 +45,26 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
     slip = np.where(np.repeat(stance, 2, axis=1), 0.0, inf)
     size = ca.sqrt(shares[0, :] ** 2 + shares[1, :] ** 2 + ROUND**2)
     joints, places = body_corners(robot)
-    corners = ca.mtimes(ca.DM(knot.frame[:, 2:].T), body.body_points(q_after, joints, places)) - knot.height
+    above = body.body_points(q_after, joints, places)
+    corners = ca.mtimes(ca.DM(knot.frame[:, 2:].T), above) - knot.height
     least = np.full(len(joints), problem.body_clearance)
     least[: len(np.unique(robot.contact_points.joints))] = problem.knee_clearance
+    swung, heights = knot.gaps(q_after), problem.heights
+    if problem.passed is not None:
+        # the knot's gaps are to height 0, of which the bounds of feet that stand know
+        centres, knees = body.sphere_centres(q_after), np.unique(robot.contact_points.joints)
+        swung = swung - problem.passed.smooth(centres[0, :])
+        own = np.searchsorted(knees, robot.contact_points.joints).tolist()
+        above = ca.horzcat(0.5 * (above[:, own] + centres), above)  # shanks lie across an edge
+        corners = above[2, :] - problem.passed.smooth(above[0, :])
+        least = np.concatenate([np.full(p, 0.5 * problem.knee_clearance), least])
     rows: list[Row] = [
         (knot.missing_effort(weight * knot.world(shares), torques) / weight, 0.0, 0.0),
         (knot.missed_way() / dt, 0.0, 0.0),
-        ((knot.gaps(knot.q) / dt + speeds[2, :]).T, 0.0, np.where(stance, 0.0, inf)),
+        ((knot.gaps(knot.q) / dt + speeds[2, :]).T, heights / dt, np.where(stance, heights / dt, inf)),
         (ca.reshape(speeds[:2, :], 2 * p, 1), -slip, slip),
         ((problem.mu * shares[2, :] - size).T, np.where(stance, -ROUND, -inf), inf),
-        (knot.gaps(q_after).T, swing_heights(problem), inf),
+        (swung.T, swing_heights(problem), inf),
         (corners.T, least, inf),
     ]
     for axis, least_gap in enumerate((problem.leg_gap, problem.leg_spread)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,7 @@ from surefoot.robot.actuators import limited_robot, unknown_limits
 from surefoot.stepping.bodies import loaded_robot
 
 if TYPE_CHECKING:
-    from surefoot.planning.schedule import ScheduleProblem
+    from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem
 
 ROAD = "schedule"
 FEEDBACK = 0.95
@@ -67,7 +67,7 @@ def judged(motion: Trajectory, robot: Robot, goal: Goal) -> tuple[bool, str]:
 
 def scheduled_plan(
     task: str, problem: ScheduleProblem, request: PlanRequest, tell: Tell, goal: Goal,
-    patience: float = PATIENCE,
+    patience: float = PATIENCE, easier: Sequence[ScheduleProblem] = (),
 ) -> Plan:  # fmt: skip
     """Return the plan of a problem: SOLVED where its exact rollout is lawful and does what the goal says.
 
@@ -81,17 +81,24 @@ def scheduled_plan(
         Of the exact motion: that of the optimiser's torques, with small corrections, through exact steps.
     patience
         CPU time after which the search gives up [s].
+    easier
+        Problems that lead up to it: the motion of each is where the next one's search starts.
     """
     from surefoot.planning.schedule import optimise
     from surefoot.planning.transcription.follow import follow
     from surefoot.planning.transcription.judge import departure
 
-    begun = time.perf_counter()
+    begun, spent = time.perf_counter(), time.process_time()
 
     def heard(number: int, cost: float, violation: float) -> None:
         tell(Iteration(number, cost, violation, "whole body over the schedule"))
 
-    motion = optimise(problem, None, request.max_iterations or MOST, heard, max_cpu_time=patience)
+    motion: ScheduledMotion | None = None
+    for one in [*easier, problem]:
+        left = max(patience - (time.process_time() - spent), 1.0)
+        guess = motion if motion is not None and motion.found else None
+        motion = optimise(one, guess, request.max_iterations or MOST, heard, max_cpu_time=left)
+    assert motion is not None
     lost = not motion.iterate.finite
     trajectory = (
         Trajectory.blank(problem.robot, problem.knots, problem.dt, request.mu)

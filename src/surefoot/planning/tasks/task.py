@@ -58,7 +58,7 @@ class PlanRequest:
         Of random starts.
     max_iterations
         Of the optimiser.
-    start, payload, direction, turn, terrain
+    start, payload, direction, turn, terrain, over
         See `surefoot.plan`; angles in radians.
     """
 
@@ -74,6 +74,7 @@ class PlanRequest:
     direction: float = 0.0
     turn: float = 0.0
     terrain: Terrain | None = None
+    over: float = 0.0
 
 
 class Task(Protocol):
@@ -90,7 +91,7 @@ class Task(Protocol):
     robots
         Whether a robot of the catalogue can be given; else the task has its own.
     takes
-        Which of start, payload, direction, turn and terrain can be given.
+        Which of start, payload, direction, turn, terrain and over can be given.
     """
 
     name: str

@@ -20,6 +20,8 @@ DEPTH = 3e-4
 """How deep in the ground stance feet are wanted [m]."""
 NEAR, SLOW, BRAKE = 0.05, 0.7, 80.0
 """Swinging feet that come so near the ground [m] slow down to this speed [m/s], at this rate [1/s]."""
+STEP = 0.01
+"""How much higher or lower than where they stood feet land on another level [m]."""
 SWING = 30.0
 """Rate at which they take it [1/s]."""
 
@@ -50,7 +52,9 @@ class Landing:
         self._still = np.zeros(robot.joints)
         self._frames = np.tile(np.eye(3), (len(robot.feet), 1, 1))
         points = robot.contact_points
-        self._owner, self._radii = points.foot, points.foot_radii
+        climbed = feet[:, 2] - reference.feet[0, :, 2]
+        self._owner = points.foot
+        self._stand = points.foot_radii + np.where(np.abs(climbed) > STEP, climbed, 0.0)
 
     def begin(self, now: Kinematics) -> None:
         """Take the heading of this moment for the one to keep."""
@@ -68,7 +72,7 @@ class Landing:
         feet = np.zeros((len(stance), 6))
         if not stance.all():
             feet[:, :3] = lowered(now)
-        gaps = pressed(now, self._radii)
+        gaps = pressed(now, self._stand)
         return Tasks(
             stance, com, turn, feet, self._still, np.zeros((len(self._owner), 3)), self._frames, gaps
         )
@@ -91,9 +95,11 @@ def gently(now: Kinematics, radii: FloatArray) -> FloatArray:
     return np.where(near, BRAKE * (-SLOW - now.twists[:, 2]), -np.inf)
 
 
-def pressed(now: Kinematics, radii: FloatArray) -> FloatArray:
-    """Return the gaps (n,) that stance feet on the plane z = 0 are to close [m]: down to a little inside it.
+def pressed(now: Kinematics, stand: FloatArray) -> FloatArray:
+    """Return the gaps (n,) that feet which stand with their centres at (n,) heights are to close [m].
+
+    Down to a little inside the ground.
 
     A foot that just touches creeps out of soft ground as the leg extends, and then leaves it for an instant.
     """
-    return np.asarray(now.centres[:, 2] - radii + DEPTH)
+    return np.asarray(now.centres[:, 2] - stand + DEPTH)

@@ -47,7 +47,8 @@ class SymbolicKnot:
     q, v, q_after, v_after
         Their parts.
     frame, height
-        (3, 3) rotation_world_contact of the plane, and its distance from the origin along its normal [m].
+        (3, 3) rotation_world_contact of the plane, and its distance from the origin along its normal
+        [m]; of ground in steps upright and 0.
     """
 
     def __init__(self, robot: Robot, terrain: Terrain, dt: float) -> None:
@@ -58,7 +59,7 @@ class SymbolicKnot:
         self.q, self.v = self.x[: body.nq], self.x[body.nq :]
         self.q_after, self.v_after = self.after[: body.nq], self.after[body.nq :]
         self.frame = np.asarray(terrain.frame([0.0, 0.0]))
-        self.height = float(terrain.height([0.0, 0.0])) * self.frame[2, 2]
+        self.height = float(terrain.height([0.0, 0.0])) * self.frame[2, 2] if terrain.planar else 0.0
         self._rows = list(carried_momentum(robot.model))
         self._turn, self._local = body.base_turn(self.q), body.at_origin(self.q)
         self._com, self._linear, self._angular = body.momentum(self._local, self.v_after)
