@@ -23,6 +23,7 @@ from benchmarks.problems.tosses import random_tosses
 from surefoot.estimation.identify import identify
 from surefoot.estimation.toss_model import ThrownModel
 
+RESAMPLES = 400
 LAW = {"mu": 0.18, "restitution": 0.15, "rounding": 0.0026}
 GROUND = (0.003, 0.01, -0.005)
 """Height [m] and slopes."""
@@ -32,14 +33,12 @@ TRUTH = LAW | {
     "tilt_y": float(np.degrees(np.arctan(GROUND[2]))),
     "gravity": 9.81, "scale": 1.0, "com_z": 0.0, "spread_z": float(np.sqrt(0.5 * 0.00081 / 0.37)),
 }  # fmt: skip
-STEPS, RESAMPLES = 2, 400
-"""Of the simulation between frames, of data and fit alike, and of the bootstrap."""
 
 
 def one_set(seed: int, tosses: int) -> dict[str, list[float]]:
     """Return error and ends of the interval less the truth, by parameter, of one made-up set."""
-    recorded = random_tosses(tosses, list(LAW.values()), ground=GROUND, seed=seed, steps=STEPS)
-    fit = identify(recorded, ThrownModel(steps=STEPS), resamples=RESAMPLES)
+    recorded = random_tosses(tosses, list(LAW.values()), ground=GROUND, seed=seed)
+    fit = identify(recorded, ThrownModel(), resamples=RESAMPLES)
     rows = {name: [fit[name].value, fit[name].low, fit[name].high] for name in TRUTH}
     return {name: [v - TRUTH[name] for v in row] for name, row in rows.items()}
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:  # the other commands need no compiled code
     from surefoot.estimation.identify import TossFit
     from surefoot.estimation.tosses import Tosses
 
-EXPECTED = 45.0
+EXPECTED = 80.0
 """Simulations of all tosses that a fit takes, give or take: for the progress bar."""
 NAMED = "auto"
 

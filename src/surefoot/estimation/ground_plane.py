@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import stats
 from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import BoolArray, FloatArray
@@ -87,6 +88,17 @@ class GroundPoints:
         # a shade of damping: a resample may hold one toss only
         normal += 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3)
         return np.asarray(np.linalg.solve(normal, right[..., None])[..., 0])
+
+    def draws(self, weights: FloatArray) -> FloatArray:
+        """Return planes (S, 3) of bootstrap samples (S, B), as wide as Student's interval of such a fit.
+
+        Residuals are smaller than errors, by sqrt((n - d) / n), and the bootstrap takes the ones for the
+        others.
+        """
+        tosses, plane = int(self.use.sum()), self.planes(np.ones((1, len(self.points))))
+        free = max(1, tosses - plane.size)
+        wider = np.sqrt(tosses / free) * stats.t.ppf(0.975, free) / stats.norm.ppf(0.975)
+        return np.asarray(plane + wider * (self.planes(weights) - plane))
 
 
 def ground_points(tosses: Tosses, corners: FloatArray, width: float) -> GroundPoints:

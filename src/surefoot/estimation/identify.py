@@ -15,13 +15,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
 
 from surefoot.arrays import FloatArray, IntArray, whole_number
 from surefoot.errors import ProblemError
 from surefoot.estimation.free_flight import TossFlight, flying_frames
 from surefoot.estimation.ground_plane import GroundPlane, ground_points
-from surefoot.estimation.impacts import first_impacts
+from surefoot.estimation.impacts import ImpactFit, judged_impacts
 from surefoot.estimation.thrown_body import ThrownBody, TossParameter, cube_body, thrown_body
 from surefoot.estimation.toss_errors import TossErrors, deviations, resample, toss_errors
 from surefoot.estimation.toss_model import ThrownModel, TossModel, TossScene
@@ -41,6 +40,8 @@ SOON, LATER = 8, 25
 """Frames after the first touch that tell the body: few, while the law is still wrong, then more."""
 SURE = 0.2
 """Standard error of gravity [m/s²] above which the standard value is taken."""
+SLOPES = ("slope_x", "slope_y")
+"""What the ground's slopes are called among what is held."""
 UNKNOWN = 0.5
 """An interval as wide as this share of a parameter's range says that the data cannot tell it."""
 
@@ -68,8 +69,12 @@ class BodyFit(NamedTuple):
         Those of the body and its surroundings, by name.
     flight
         The first states.
-    law
-        Numbers of the law it was fitted with, by name.
+    values
+        Of everything that was fitted on the way, the first law and the ground's slopes too, by name.
+    draws
+        (S,) what the bootstrap samples say of the same but the law, by name.
+    nominal
+        The body before it was fitted.
     notes
         A line each.
     """
@@ -79,7 +84,9 @@ class BodyFit(NamedTuple):
     gravity: float
     parameters: dict[str, Estimate]
     flight: TossFlight
-    law: dict[str, float]
+    values: dict[str, float]
+    draws: dict[str, FloatArray]
+    nominal: ThrownBody
     notes: tuple[str, ...]
 
     def scene(self, tosses: Tosses) -> TossScene:
@@ -91,21 +98,6 @@ class BodyFit(NamedTuple):
         """Return (B,) the frames before the first touch."""
         places = sphere_places(self.body.tree, tosses.poses)
         return flying_frames(tosses, places, self.plane, self.body.width)
-
-
-class ImpactFit(NamedTuple):
-    """First impacts that a law was judged by: median errors of velocity [m/s] and spin [rad/s] after them.
-
-    The floors are what noise alone would leave; `log_likelihood` (I,) is that of each impact.
-    """
-
-    impacts: int
-    velocity_error_median: float
-    velocity_floor: float
-    spin_error_median: float
-    spin_floor: float
-    log_likelihood: FloatArray
-    log_likelihood_mean: float
 
 
 @dataclass(frozen=True)
@@ -214,11 +206,13 @@ def identify(
         for one in (tosses, others):
             if one is not None and one.joints != len(body.joints):
                 raise ProblemError(f"the model has {len(body.joints)} joints, the tosses have {one.joints}")
-        found = identify_body(tosses, body, draws, seed, tick)
+        first = ThrownModel(steps=simulator.steps if isinstance(simulator, ThrownModel) else None)
+        found = identify_body(tosses, body, first, draws, tick)
     scene, before, own = found.scene(tosses), found.before(tosses), simulator.parameters
-    values, spread, settled = np.array([found.law.get(p.name, p.start) for p in own]), draws, True
-    for horizon in (LATER, len(tosses.states)):
-        best = _search_law(tosses, simulator, scene, before + horizon, values, draws, tick)
+    values, spread, settled = np.array([found.values.get(p.name, p.start) for p in own]), draws, True
+    known = all(p.name in found.values for p in own)
+    for horizon in (len(tosses.states),) if known else (LATER, len(tosses.states)):
+        best = _search_law(tosses, simulator, found, scene, before + horizon, values, draws, tick)
         values, spread, settled = best.values, best.draws, best.settled
     notes = list(found.notes)
     if not settled:
@@ -228,6 +222,7 @@ def identify(
     if wide:
         notes.append(f"{simulator.name}: the tosses hardly tell {', '.join(wide)}")
     width, poses = found.body.width, simulator.rollout(values, scene)
+    noise = found.flight.position_noise, found.flight.rotation_noise
     judged, test_scene, test_poses, test_errors = tosses, scene, None, None
     if others is not None:
         judged, test_scene = others, found.scene(others)
@@ -236,48 +231,43 @@ def identify(
     return TossFit(
         simulator.name, fitted | found.parameters, toss_errors(tosses, poses, width, before), test_errors,
         poses, test_poses, found,
-        _impacts((tosses, scene), (judged, test_scene), found.flight, simulator, values),
-        found.flight.position_noise, found.flight.rotation_noise,
+        judged_impacts((tosses, scene), (judged, test_scene), simulator, values, noise), *noise,
         count / len(tosses), time.perf_counter() - begin, tuple(notes),
     )  # fmt: skip
 
 
-def _impacts(
-    fitted: tuple[Tosses, TossScene], others: tuple[Tosses, TossScene], flight: TossFlight,
-    simulator: TossModel, values: FloatArray,
-) -> ImpactFit | None:  # fmt: skip
-    """Judge a law by impacts in other tosses, or the same; its own spread is that in the fitted ones."""
-    noise = flight.position_noise, flight.rotation_noise
-    if not noise[0] > 0.0:
-        return None
-    seen = first_impacts(*fitted, simulator, values, noise)
-    judged = seen if others[0] is fitted[0] else first_impacts(*others, simulator, values, noise)
-    if seen is None or judged is None or len(seen.which) < LEAST:
-        return None
-    logs = judged.likelihood(seen.spreads())
-    medians = (*judged.median(slice(0, 3)), *judged.median(slice(3, 6)))
-    return ImpactFit(len(logs), *medians, logs, float(logs.mean()))
-
-
 def _search_law(
-    tosses: Tosses, simulator: TossModel, scene: TossScene, ends: IntArray, values: FloatArray,
-    draws: FloatArray, tick: Callable[[float], None],
+    tosses: Tosses, simulator: TossModel, found: BodyFit, scene: TossScene, ends: IntArray,
+    values: FloatArray, draws: FloatArray, tick: Callable[[float], None],
 ) -> SearchResult:  # fmt: skip
-    """Fit a law to the frames before (B,) ends."""
-    part = tosses.until(ends)
-    scene = scene._replace(frames=part.frames)
+    """Fit a law to the frames before (B,) ends; how far the body's numbers are known has its share."""
+    part, names, count = tosses.until(ends), list(found.draws), len(values)
+    values = np.append(values, [found.values[name] for name in names])
+    fixed, whole = values[count:], bool((ends >= tosses.frames).all())
 
     def simulate(values: FloatArray) -> FloatArray:
         tick(len(part.states) / len(tosses.states) * len(tosses))
-        return deviations(part, simulator.rollout(values, scene), scene.body.width, scene.body.arm)
+        here = scene._replace(frames=part.frames)
+        if np.any(values[count:] != fixed):
+            now = found.values | dict(zip(names, values[count:].tolist(), strict=True))
+            here = _scene(part, found.nominal.at(now), found.flight, now)
+        return deviations(part, simulator.rollout(values[:count], here), here.body.width, here.body.arm)
 
-    return search(simulate, simulator.parameters, values, part.frames, draws)
+    held = np.stack([found.draws[name] for name in names], axis=1) if whole else None
+    return search(simulate, simulator.parameters, values, part.frames, draws, held)
+
+
+def _scene(tosses: Tosses, body: ThrownBody, flight: TossFlight, now: dict[str, float]) -> TossScene:
+    """Return the scene of a body and a ground whose numbers are these, by name."""
+    plane = GroundPlane(now["ground"], np.array([now[name] for name in SLOPES]))
+    starts = flight.corrected(body.tree, now["gravity"])
+    return TossScene(starts, tosses.frames, tosses.dt, plane, now["gravity"], body)
 
 
 def identify_body(
-    tosses: Tosses, body: ThrownBody, draws: FloatArray, seed: int, tick: Callable[[float], None]
+    tosses: Tosses, body: ThrownBody, law: ThrownModel, draws: FloatArray, tick: Callable[[float], None]
 ) -> BodyFit:
-    """Find the body, the ground, gravity, first states; `draws` are (S, B) weights of bootstrap samples."""
+    """Find body, ground, gravity, first states by a first law; `draws` (S, B) weigh bootstrap samples."""
     points = ground_points(tosses, corners := sphere_places(body.tree, tosses.poses), body.width)
     height, *slope = (float(x) for x in points.planes(np.ones((1, len(tosses))))[0])
     plane, notes = GroundPlane(height, np.array(slope)), []
@@ -285,15 +275,15 @@ def identify_body(
         notes.append(
             "few tosses come to rest: the ground is taken from the lowest places that corners reached"
         )
-    planes = _widened(points.planes(draws), np.array([height, *slope]), int(points.use.sum()))
+    planes = points.draws(draws)
     chosen = np.unique(np.linspace(0, len(tosses) - 1, min(FEW, len(tosses))).round().astype(np.int64))
-    some, few = tosses.subset(chosen), resample(chosen.size, len(draws), seed)
     before = flying_frames(tosses, corners, plane, body.width)
-    fit = _BodySearch(tosses, body, plane, before, tick)
+    fit = _BodySearch(tosses, body, law, plane, before, tick)
     gravity = fit.falls(draws, notes)
-    part = _BodySearch(some, body, plane, before[chosen], tick, dict(fit.values))
+    part = _BodySearch(tosses.subset(chosen), body, law, plane, before[chosen], tick, dict(fit.values))
+    part.draws = {"gravity": fit.draws["gravity"], **dict(zip(SLOPES, planes[:, 1:].T, strict=True))}
     for horizon in (SOON, LATER):
-        part.lands(horizon, few)
+        part.lands(horizon, draws[:, chosen])
     values = part.values
     known = body.at(values)
     flight = TossFlight(tosses, before, known.tree, gravity)
@@ -306,22 +296,24 @@ def identify_body(
             np.degrees(np.arctan(slope[k])), np.degrees(np.arctan(planes[:, 1 + k])), "deg"
         )
     ground = GroundPlane(values["ground"], plane.slope)
-    return BodyFit(known, ground, gravity, estimates, flight, values, tuple(notes))
+    return BodyFit(known, ground, gravity, estimates, flight, values, part.draws, body, tuple(notes))
 
 
 class _BodySearch:
     """The steps that find a body: each goes on from the values, by name, that the last one left."""
 
     def __init__(
-        self, tosses: Tosses, body: ThrownBody, plane: GroundPlane, before: IntArray,
+        self, tosses: Tosses, body: ThrownBody, law: ThrownModel, plane: GroundPlane, before: IntArray,
         tick: Callable[[float], None], values: dict[str, float] | None = None,
     ) -> None:  # fmt: skip
         self._tosses, self._body, self._plane, self._before = tosses, body, plane, before
-        self._tick, self._law = tick, ThrownModel()
+        self._tick, self._law = tick, law
         start = {"gravity": GRAVITY, "ground": plane.height}
+        start |= dict(zip(SLOPES, plane.slope.tolist(), strict=True))
         start |= {p.name: p.start for p in (*body.parameters, *self._law.parameters)}
         self.values = start | (values or {})
         self.estimates: dict[str, Estimate] = {}
+        self.draws: dict[str, FloatArray] = {}
         self._flight = TossFlight(tosses, before, body.at(self.values).tree, self.values["gravity"])
 
     def falls(self, draws: FloatArray, notes: list[str]) -> float:
@@ -334,6 +326,7 @@ class _BodySearch:
         if not found.high - found.low < 4.0 * SURE:
             notes.append("too little free flight to tell gravity: the standard one is taken")
             self.values = {**self.values, **{p.name: p.start for p in (gravity, *own)}}
+            self.draws["gravity"] = np.full(len(draws), GRAVITY)
             self.estimates["gravity"] = Estimate(GRAVITY, GRAVITY, GRAVITY, "m/s²")
         elif abs(found.value / GRAVITY - 1.0) > SCALE:
             notes.append(
@@ -348,38 +341,29 @@ class _BodySearch:
         self._fit((*self._law.parameters, ground, *self._body.parameters), horizon, draws)
 
     def _fit(self, parameters: Sequence[TossParameter], horizon: int | None, draws: FloatArray) -> None:
-        names, law = [p.name for p in parameters], [p.name for p in self._law.parameters]
+        law, given = [p.name for p in self._law.parameters], ["gravity", *SLOPES] if horizon else []
+        names = [p.name for p in parameters]
         part = self._tosses.until(np.maximum(self._before + (horizon or 0), 2))
         fixed, width, arm = self.values, self._body.width, self._body.arm
 
         def simulate(values: FloatArray) -> FloatArray:
-            now = fixed | dict(zip(names, values.tolist(), strict=True))
-            body = self._body.at(now)
-            starts = self._flight.corrected(body.tree, now["gravity"])
-            height = now["ground"] if horizon is not None else -1e3
-            plane = GroundPlane(height, self._plane.slope)
-            scene = TossScene(starts, part.frames, part.dt, plane, now["gravity"], body)
+            now = fixed | dict(zip([*names, *given], values.tolist(), strict=True))
+            now["ground"] = now["ground"] if horizon is not None else -1e3
+            scene = _scene(part, self._body.at(now), self._flight, now)
             self._tick(len(part.states) / len(self._tosses.states) * len(self._tosses))
             poses = self._law.rollout(np.array([now[name] for name in law]), scene)
             return deviations(part, poses, width, arm)
 
-        best = search(simulate, parameters, np.array([fixed[n] for n in names]), part.frames, draws)
+        held = np.stack([self.draws[name] for name in given], axis=1) if given else None
+        values = np.array([fixed[name] for name in (*names, *given)])
+        best = search(simulate, parameters, values, part.frames, draws, held)
         self.values = fixed | dict(zip(names, best.values.tolist(), strict=True))
         for k, p in enumerate(parameters):
             if p.name not in law:
+                self.draws[p.name] = best.draws[:, k]
                 self.estimates[p.name] = _estimate(best.values[k], best.draws[:, k], p.unit)
         now = self._body.at(self.values)
         self._flight = TossFlight(self._tosses, self._before, now.tree, self.values["gravity"])
-
-
-def _widened(draws: FloatArray, fitted: FloatArray, tosses: int) -> FloatArray:
-    """Return (S, d) bootstrap draws as wide as Student's interval of a fit of d numbers to so many tosses.
-
-    Residuals are smaller than errors, by sqrt((n - d) / n), and the bootstrap takes the ones for the others.
-    """
-    free = max(1, tosses - fitted.size)
-    wider = np.sqrt(tosses / free) * stats.t.ppf(0.975, free) / stats.norm.ppf(0.975)
-    return np.asarray(fitted + wider * (draws - fitted))
 
 
 def _estimate(value: float, draws: FloatArray, unit: str) -> Estimate:

@@ -10,6 +10,7 @@ that is the floor's and the law's own; the second is fitted to some tosses and j
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
@@ -28,7 +29,24 @@ AFTER = 8
 CLEAR = 0.01
 """Height of the lowest corner that counts as flight after a touch, in widths."""
 DRAWS = 8
+LEAST = 8
+"""Impacts that a law can be judged by."""
 FREEDOM = 3.0
+
+
+class ImpactFit(NamedTuple):
+    """First impacts that a law was judged by: median errors of velocity [m/s] and spin [rad/s] after them.
+
+    The floors are what noise alone would leave; `log_likelihood` (I,) is that of each impact.
+    """
+
+    impacts: int
+    velocity_error_median: float
+    velocity_floor: float
+    spin_error_median: float
+    spin_floor: float
+    log_likelihood: FloatArray
+    log_likelihood_mean: float
 
 
 @dataclass(frozen=True)
@@ -135,3 +153,29 @@ def first_impacts(
     carried = np.median(np.square(shaken), axis=0) / stats.chi2.median(1)
     own = flight.deviations(noise)[:, nv:]
     return Impacts(chosen, errors, np.sqrt(carried + own**2))
+
+
+def judged_impacts(
+    fitted: tuple[Tosses, TossScene], others: tuple[Tosses, TossScene], simulator: TossModel,
+    values: FloatArray, noise: tuple[float, float],
+) -> ImpactFit | None:  # fmt: skip
+    """Judge a law by impacts in other tosses, or the same; its own spread is that in the fitted ones.
+
+    Parameters
+    ----------
+    fitted, others
+        Tosses and their scenes; None comes back where few first impacts are over at once.
+    simulator, values
+        What is judged, and its (k,) parameters.
+    noise
+        Standard deviations of a recorded coordinate [m] and angle [rad].
+    """
+    if not noise[0] > 0.0:
+        return None
+    seen = first_impacts(*fitted, simulator, values, noise)
+    judged = seen if others[0] is fitted[0] else first_impacts(*others, simulator, values, noise)
+    if seen is None or judged is None or len(seen.which) < LEAST:
+        return None
+    logs = judged.likelihood(seen.spreads())
+    medians = (*judged.median(slice(0, 3)), *judged.median(slice(3, 6)))
+    return ImpactFit(len(logs), *medians, logs, float(logs.mean()))

@@ -3,8 +3,11 @@
 The loss of a toss is the root mean square e of its corners' deviations over its frames, made robust as
 sqrt(c² + e²) - c with the median error for c: a square for tosses that fit, the distance itself for those
 that end on another face. A single toss jumps where a corner lands first, the mean over many hardly does, so
-that differences over steps that show have slopes to go by [1]_. Intervals are bootstraps of the linearised
-fit: one gradient a toss, then sums over resampled tosses. The model is a black box: all get this search.
+that differences over steps that show have slopes to go by [1]_. They are taken along the principal axes of
+the curvature: parameters that make up for each other leave a valley across them, and single steps see its
+bend rather than its fall. Intervals are bootstraps of the linearised fit, of what leaving out each toss moves
+(the jackknife, since few tosses can bend a fit to themselves), with a share for what is held but not exactly
+known. The model is a black box: all get this search.
 
 References
 ----------
@@ -28,6 +31,10 @@ ROUNDS, TRIALS = 10, 5
 """Linearisations, and steps tried in each."""
 SAME = 3e-4
 """Relative decrease of the loss that ends a search."""
+PART, NEAR, WIDEST = 0.5, 2e-3, 10.0
+"""Differences move tosses by this share of the median error or of so many widths, within so many steps."""
+NARROW = 1e-4
+"""Least share of a mean curvature along an axis that is taken for told."""
 DAMP, LESS, MORE = 1e-3, 0.1, 10.0
 """First damping, and its change after a step that helped and one that did not."""
 
@@ -59,37 +66,60 @@ class Residuals(NamedTuple):
     scale: float
 
 
+class Slopes(NamedTuple):
+    """Derivatives per step of the parameters.
+
+    Those of the deviations (N, m, d), weights (N,) of their rows; the gradient (B, d) of each toss and its
+    curvature (B, d, d) by Gauss and Newton.
+    """
+
+    rows: FloatArray
+    weight: FloatArray
+    moments: FloatArray
+    squares: FloatArray
+
+
 def search(
     simulate: Callable[[FloatArray], FloatArray],
     parameters: Sequence[TossParameter],
     values: FloatArray,
     frames: IntArray,
     draws: FloatArray,
+    held: FloatArray | None = None,
 ) -> SearchResult:
     """Fit parameters.
 
     Parameters
     ----------
     simulate
-        From (d,) values to (N, m) deviations, see `toss_errors.deviations`.
+        From (d + h,) values, the last of them held, to (N, m) deviations, see `toss_errors.deviations`.
     parameters, values
-        What is fitted, and (d,) where the search begins.
+        What is fitted, and (d + h,) where the search begins.
     frames
         (B,) rows of each toss.
     draws
         (S, B) weights of the tosses in each bootstrap sample.
+    held
+        (S, h) what the bootstrap samples say of the numbers that are held; none if there are none.
     """
-    owner = np.repeat(np.arange(frames.size), frames)
+    first, count = np.cumsum(frames) - frames, len(parameters)
     low, high, steps = (np.array([getattr(p, k) for p in parameters]) for k in ("low", "high", "step"))
-    values, damp, settled = np.clip(values, low, high), DAMP, False
-    here = _residuals(simulate(values), owner, frames, None)
+    fixed, values = values[count:], np.clip(values[:count], low, high)
+
+    def rows(values: FloatArray, others: FloatArray = fixed) -> FloatArray:
+        found = simulate(np.concatenate([values, others]))
+        return np.clip(np.nan_to_num(found, nan=LOST), -LOST, LOST)
+
+    damp, settled, axes = DAMP, False, np.eye(count)
+    here = _residuals(rows(values), first, frames, None)
     for _ in range(ROUNDS):
-        square, moments = _linearised(simulate, values, steps, high, here, owner, frames)
-        slope, better = moments.mean(axis=0), None
+        slopes = _slopes(rows, values, steps, axes, (low, high), here, frames)
+        square, slope, better = slopes.squares.mean(axis=0), slopes.moments.mean(axis=0), None
+        axes = _axes(square, here.scale)
         for _ in range(TRIALS):
             lifted = square + damp * np.diag(np.diag(square) + 1e-12)
             ahead = np.clip(values - steps * _within(lifted, slope, values, steps, low, high), low, high)
-            there = _residuals(simulate(ahead), owner, frames, here.scale)
+            there = _residuals(rows(ahead), first, frames, here.scale)
             if there.loss < here.loss:
                 better = there
                 break
@@ -101,12 +131,14 @@ def search(
         values, here, damp = ahead, better, LESS * damp
         if settled:
             break
-    square, moments = _linearised(simulate, values, steps, high, here, owner, frames)
-    turned = (draws - 1.0) @ moments / frames.size
-    inverse = np.linalg.pinv(
-        square + 1e-9 * np.trace(square) / len(values) * np.eye(len(values)), hermitian=True
-    )
-    return SearchResult(values, np.clip(values - steps * (turned @ inverse), low, high), settled)
+    moments = slopes.moments  # flat beyond c, the loss bends by less than its squares do
+    bent = np.einsum("bk,bl,b->bkl", moments, moments, 1.0 / np.sqrt(here.scale**2 + here.errors**2))
+    squares = slopes.squares - bent
+    total = squares.sum(axis=0)
+    moved = (draws - 1.0) @ np.einsum("bkl,bl->bk", _inverse(total - squares), moments)
+    if held is not None:
+        moved += _share(rows, values, fixed, held, here, slopes) @ _inverse(total)
+    return SearchResult(values, np.clip(values - steps * moved, low, high), settled)
 
 
 def _within(
@@ -120,27 +152,55 @@ def _within(
     return out
 
 
-def _residuals(rows: FloatArray, owner: IntArray, frames: IntArray, scale: float | None) -> Residuals:
-    rows = np.clip(np.nan_to_num(rows, nan=LOST), -LOST, LOST)
-    errors = np.sqrt(np.bincount(owner, np.einsum("ni,ni->n", rows, rows)) / frames)
+def _residuals(rows: FloatArray, first: IntArray, frames: IntArray, scale: float | None) -> Residuals:
+    errors = np.sqrt(np.add.reduceat(np.einsum("ni,ni->n", rows, rows), first) / frames)
     c = max(float(np.median(errors)), FLOOR) if scale is None else scale
     return Residuals(rows, float(np.mean(np.sqrt(c * c + errors**2) - c)), errors, c)
 
 
-def _linearised(
-    simulate: Callable[[FloatArray], FloatArray], values: FloatArray, steps: FloatArray, high: FloatArray,
-    here: Residuals, owner: IntArray, frames: IntArray,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return the curvature (d, d) and the gradients of all tosses (B, d), per step of the parameters."""
-    J = np.empty((*here.rows.shape, len(values)))
-    for k, step in enumerate(steps):
-        way = step if values[k] + step <= high[k] else -step
-        moved = values.copy()
-        moved[k] += way
-        rows = np.clip(np.nan_to_num(simulate(moved), nan=LOST), -LOST, LOST)
-        J[:, :, k] = (rows - here.rows) * (step / way)
-    weight = (1.0 / (frames * np.sqrt(here.scale**2 + here.errors**2)))[owner]
-    square = np.einsum("nik,nil,n->kl", J, J, weight) / frames.size
+def _axes(square: FloatArray, scale: float) -> FloatArray:
+    """Return the principal axes of a curvature (d, d), in columns, so long that each moves tosses alike."""
+    size = np.sqrt(np.maximum(np.diag(square), 1e-12))
+    values, vectors = np.linalg.eigh(square / np.outer(size, size))
+    axes = PART * np.sqrt(min(scale, NEAR)) * vectors / np.sqrt(np.maximum(values, NARROW)) / size[:, None]
+    return np.asarray(axes / np.maximum(np.abs(axes).max(axis=0) / WIDEST, 1.0))
+
+
+def _slopes(
+    rows: Callable[[FloatArray], FloatArray], values: FloatArray, steps: FloatArray, axes: FloatArray,
+    ends: tuple[FloatArray, FloatArray], here: Residuals, frames: IntArray,
+) -> Slopes:  # fmt: skip
+    """Return derivatives per step of the parameters, by differences along axes (d, d) within their ranges."""
+    J, ways = np.empty((*here.rows.shape, len(values))), np.empty((len(values), len(values)))
+    for k, way in enumerate(steps * axes.T):
+        up, down = np.clip(values + way, *ends), np.clip(values - way, *ends)
+        J[:, :, k], ways[:, k] = rows(up) - rows(down), (up - down) / steps
+    J = J @ np.linalg.inv(ways)
+    weight = np.repeat(1.0 / (frames * np.sqrt(here.scale**2 + here.errors**2)), frames)
     terms = np.einsum("nik,ni,n->nk", J, here.rows, weight)
-    moments = np.stack([np.bincount(owner, terms[:, k]) for k in range(len(values))], axis=1)
-    return np.asarray(square), np.asarray(moments)
+    squares = np.einsum("nik,nil,n->nkl", J, J, weight)
+    first = np.cumsum(frames) - frames
+    return Slopes(J, weight, np.add.reduceat(terms, first), np.add.reduceat(squares, first))
+
+
+def _inverse(square: FloatArray) -> FloatArray:
+    """Return the inverses of curvatures (..., d, d); what nothing tells is left where it is."""
+    size = square.shape[-1]
+    lift = 1e-9 * np.trace(square, axis1=-2, axis2=-1)[..., None, None] / size * np.eye(size)
+    return np.asarray(np.linalg.pinv(square + lift, hermitian=True))
+
+
+def _share(
+    rows: Callable[[FloatArray, FloatArray], FloatArray], values: FloatArray, fixed: FloatArray,
+    held: FloatArray, here: Residuals, slopes: Slopes,
+) -> FloatArray:  # fmt: skip
+    """Return the gradients (S, d) that draws (S, h) of what is held make, one deviation a way."""
+    spread = np.maximum(held.std(axis=0), 1e-12)
+    left, sizes, ways = np.linalg.svd((held - fixed) / spread, full_matrices=False)
+    out, count = np.zeros((len(held), len(values))), np.sqrt(len(held))
+    for k in np.flatnonzero(sizes > 1e-6 * sizes[0]):
+        there = np.clip(fixed + sizes[k] / count * ways[k] * spread, held.min(axis=0), held.max(axis=0))
+        change = rows(values, there) - here.rows
+        slope = np.einsum("nik,ni,n->k", slopes.rows, change, slopes.weight)
+        out += np.outer(count * left[:, k], slope)
+    return out
