@@ -83,6 +83,10 @@ def test_a_controlled_robot_has_the_gradient_of_differences(order: int) -> None:
         assert found[name] == pytest.approx(
             float(differences(gradient, name, **given)), rel=1e-3, abs=1e-8
         ), name
+    few, looks = list(given)[:5], []
+    dense = sf.trajectory_gradient(walked, lambda q, v: looks.append(q) or gradient.loss(q, v), wrt=few)
+    assert dense(**given).gradient == pytest.approx({name: found[name] for name in few}, rel=1e-5)
+    assert len(looks) == 2 * len(few) + 1  # however many states the loss looks at
     way = rng.normal(size=(60, 12))
     ends = [gradient.value(**{**given, "torques": given["torques"] + s * 1e-4 * way}) for s in (-1.0, 1.0)]
     assert float((found["torques"] * way).sum()) == pytest.approx((ends[1] - ends[0]) / 2e-4, rel=1e-3)

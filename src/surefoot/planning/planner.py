@@ -96,12 +96,15 @@ def plan(
         If what its search needs is not installed.
     """
     found = find_task(task)
-    request = _checked(found, PlanRequest(robot, amount, mu, dt, knots, seed, max_iterations))
+    request = PlanRequest(robot, amount, mu, dt, knots, seed, max_iterations)
+    _check(found, request)
     asked = {
         "start": start, "payload": payload, "direction": direction, "turn": turn, "terrain": terrain,
         "over": over,
     }  # fmt: skip
     request = replace(request, **_checked_extra(found, request, asked))
+    if request.amount is None and not request.over:
+        request = replace(request, amount=found.default)
     return found.plan(request, tell or (lambda iteration: None))
 
 
@@ -123,24 +126,18 @@ def _checked_extra(task: Task, request: PlanRequest, extra: dict[str, Any]) -> d
 
 
 def _checked_start(robot: Robot, start: ArrayLike, ground: Terrain) -> FloatArray:
-    """Return a configuration (nq,) that stands on the ground, its joints within their limits."""
+    """Return a configuration (nq,) that stands on the ground."""
     q = robot.configuration(finite_array("start", start, (robot.model.nq,)))
     gaps = ground.gap(robot.foot_positions(q)) - robot.contact_points.foot_radii
     worst = int(np.abs(gaps).argmax())
     if abs(gaps[worst]) > ON_GROUND:
         where = f"{abs(gaps[worst]):.3g} m {'off' if gaps[worst] > 0.0 else 'in'} it"
         raise ProblemError(f"start must stand on the ground, {robot.foot_names[worst]} is {where}")
-    limits = robot.model.lowerPositionLimit, q, robot.model.upperPositionLimit
-    angles = zip(robot.joint_names, *(np.array(side)[-robot.joints :] for side in limits), strict=True)
-    for name, least, at, most in angles:
-        if least < most and not least <= at <= most:
-            limits_said = f"beyond its limits from {least:.4g} to {most:.4g}"
-            raise ProblemError(f"start has {name} at {at:.4g}, {limits_said}")
     return q
 
 
-def _checked(task: Task, request: PlanRequest) -> PlanRequest:
-    """Return a request, after checking what does not depend on the task."""
+def _check(task: Task, request: PlanRequest) -> None:
+    """Refuse what no task, or this one, can be asked."""
     real_number("mu", request.mu, low=0.0, high=1e6)
     whole_number("seed", request.seed)
     if request.dt is not None:
@@ -155,4 +152,3 @@ def _checked(task: Task, request: PlanRequest) -> PlanRequest:
         if not task.amount:
             raise ProblemError(f"the task {task.name} takes no number, got {request.amount!r}")
         real_number(task.amount, request.amount, low=-1e3, high=1e3)
-    return request

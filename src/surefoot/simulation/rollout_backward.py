@@ -1,11 +1,15 @@
-"""The gradient of a loss of a rollout's states by what goes into its steps, in reverse.
+"""The gradient of a loss of a rollout's states by what goes into its steps: in reverse, or by few, forwards.
 
 With x the state (q, v, and what a step leaves to the next), p the parameters and w the gradient by x_k::
 
     w_N = ∂L/∂x_N,    w_k = ∂L/∂x_k + w_k+1 (∂f/∂x + ∂f/∂τ ∂τ/∂x)
     ∂L/∂p = w_0 ∂x_0/∂p + Σ w_k+1 (∂f/∂p + ∂f/∂τ ∂τ/∂p)
 
-∂f are a step's own derivative (`stepping.derivative_stages`), taken on the way back; what the user's
+By no more numbers than the state has, it is cheaper to go forwards: how all states move with each parameter,
+T_k+1 = ∂f/∂x T_k + ∂f/∂τ (∂τ/∂x T_k + ∂τ/∂p) + ∂f/∂p, and the loss along these motions, two looks each. On
+the way back a loss of all states is looked at twice for every component of each of them.
+
+∂f are a step's own derivative (`stepping.derivative_stages`), taken on the way; what the user's
 functions do, ∂τ/∂x, ∂x₀/∂p, masses by p and so on, are differences of those functions alone, at the recorded
 states (`recorder`): no step is taken for them. So a gradient costs a few rollouts, however many parameters
 there are.
@@ -22,7 +26,7 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 from surefoot.simulation.recorder import Recorder
 from surefoot.simulation.rigid import RigidWorld
-from surefoot.stepping import State, Step
+from surefoot.stepping import State
 from surefoot.stepping.derivative import stages_of
 from surefoot.stepping.derivative_impact import Laws, law_fields
 from surefoot.stepping.derivative_stages import StepArguments
@@ -177,59 +181,87 @@ class Backward:
         apart = [a - b for a, b in zip(moved, self.here, strict=True)]
         return not any(a.any() for a in apart[:4]) and not apart[4][1::2].any()
 
-    def through(self, loss_rates: FloatArray) -> dict[str, Any]:
-        """Return the gradient by every parameter, for that of the loss by the states (n + 1, 2nv)."""
+    def slopes(
+        self, by_states: Callable[[], FloatArray], along: Callable[[FloatArray], FloatArray]
+    ) -> dict[str, Any]:
+        """Return the gradient by every parameter.
+
+        Parameters
+        ----------
+        by_states
+            Returns the gradient of the loss by the states (n + 1, 2nv).
+        along
+            Returns the rates (c,) of the loss along c motions of them (n + 1, 2nv, c).
+        """
         where, rates = self._rates()
-        out = {n: np.zeros(v.shape) for n, v in self.values.items()}
         fixed = [np.array([getattr(r, name) for r in rates]).T for name in ("inertia", "restitution", "law")]
         each = np.array([r.each for r in rates]).transpose(1, 2, 0)
-        kept, n = list(self.taken.steps), self.taken.count
-        weight, left = loss_rates[-1], np.zeros(3 * len(self.world.robot.contact_points))
-        for k in reversed(range(n)):
-            step = kept[k - n] if n - k <= len(kept) else None
-            state, left, own = self._step_back(
-                k, step, each[k], fixed, np.concatenate([weight, 0.0 * left, left])
+        start = np.array([r.start for r in rates]).T
+        out = {n: np.zeros(v.shape) for n, v in self.values.items()}
+        if len(where) > 2 * self.model.nv or any(isinstance(entry, int) for _, entry in where):
+            whole = self._back_through(by_states(), where, (start, each, fixed), out)
+        else:
+            whole = along(self._motions(start, each, fixed))
+        for (name, entry), slope in zip(where, whole, strict=True):
+            if not isinstance(entry, int):
+                out[name][entry] += slope
+        return {name: float(v) if v.ndim == 0 else v for name, v in out.items()}
+
+    def _motions(self, start: FloatArray, each: FloatArray, fixed: list[FloatArray]) -> FloatArray:
+        """Return how all states move with each of c parameters (n + 1, 2nv, c)."""
+        left, out = np.zeros((3 * len(self.world.robot.contact_points), start.shape[1])), [start]
+        for k, own in enumerate(each):
+            into = own if self.feedback is None else own + self.feedback[k] @ out[-1]
+            state, _, left = np.split(
+                self._ahead(k, out[-1], left, into, fixed), [len(start), len(start) + len(left)]
             )
+            out.append(state)
+        return np.array(out)
+
+    def _back_through(
+        self, loss_rates: FloatArray, where: list[tuple[str, Any]],
+        rates: tuple[FloatArray, FloatArray, list[FloatArray]], out: dict[str, FloatArray],
+    ) -> FloatArray:  # fmt: skip
+        """Return the gradient by the parameters (c,) of the whole rollout; write that by those of steps."""
+        start, each, fixed = rates
+        weight, left = loss_rates[-1], np.zeros(3 * len(self.world.robot.contact_points))
+        whole, n, size, before = np.zeros(len(where)), len(each), weight.size, weight.size + left.size
+        eye = np.eye(before, before + len(where))
+        fixed = [np.hstack([np.zeros((len(f), before)), f]) for f in fixed]
+        for k in reversed(range(n)):
+            into = np.hstack([np.zeros((len(each[k]), before)), each[k]])
+            if self.feedback is not None:
+                into[:, :size] = self.feedback[k]
+            behind = self._ahead(k, eye[:size], eye[size:], into, fixed)
+            back = np.concatenate([weight, 0.0 * left, left]) @ behind
+            state, left, own = np.split(back, [size, before])
+            whole += own
             for g, (name, entry) in zip(own, where, strict=True):
                 if isinstance(entry, int):
                     out[name].reshape(n, -1)[k, entry] += g
-                else:
-                    out[name][entry] += g
             weight = state + loss_rates[k]
-        for (name, entry), rate in zip(where, rates, strict=True):
-            if not isinstance(entry, int):
-                out[name][entry] += weight @ rate.start
-        return {name: float(v) if v.ndim == 0 else v for name, v in out.items()}
+        return np.asarray(whole + weight @ start)
 
-    def _step_back(
-        self, k: int, step: Step | None, each: FloatArray, fixed: list[FloatArray], weight: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the gradient by a step's state, what was left to it, and the parameters' directions."""
-        taken, joints, nv, stepper = self.taken, self.world.robot.joints, self.model.nv, self.world.stepper
+    def _ahead(
+        self, k: int, state: FloatArray, left: FloatArray, into: FloatArray, fixed: list[FloatArray]
+    ) -> FloatArray:
+        """Return the rates (2nv + 6p, c) behind a step for c of its state, of what was left, and put in."""
+        taken, stepper, joints, nv = self.taken, self.world.stepper, self.world.robot.joints, len(state) // 2
         push = taken.pushes[k] if taken.pushes[k].any() else None
-        state = taken.states[k]
-        if step is None:
-            step = stepper.step(state, taken.torques[k], push, taken.mu[k])
-        stages = stages_of(stepper, StepArguments(state, taken.torques[k], push, taken.mu[k], 0.0, step))
+        here, behind = taken.states[k], taken.count - k
+        kept, given = behind <= len(taken.steps), (here, taken.torques[k], push, taken.mu[k])
+        step = taken.steps[-behind] if kept else stepper.step(*given)
+        stages = stages_of(stepper, StepArguments(*given, 0.0, step))
         both: bool | None = False
         for response, near in stages.responses:
             response.regular, foot = True, self.world.contact_foot[near]
             if foot.size > np.unique(foot).size:  # redundant: signs of their gaps would pull them apart
                 both = None
-        points = (weight.size - 2 * nv) // 2
         heard = step.impact is not None and step.impact.velocities is not step.impact.leaving
-        before = 2 * nv + (points if heard else 0)
-        eye = np.eye(before, before + each.shape[1])
-        into = np.hstack([np.zeros((each.shape[0], before)), each])
-        if self.feedback is not None:
-            into[:, : 2 * nv] = self.feedback[k]
-        inertia, restitution, law = (
-            np.hstack([np.zeros((len(f), before)), f]) if f.any() else None for f in fixed
-        )
+        inertia, restitution, law = (f if f.any() else None for f in fixed)
         columns = (
-            eye[:nv], eye[nv : 2 * nv], into[:joints], into[joints + 3 :], into[joints : joints + 3],
-            eye[2 * nv :] if heard else np.zeros((points, eye.shape[1])),
+            state[:nv], state[nv:], into[:joints], into[joints + 3 :], into[joints : joints + 3],
+            left if heard else 0.0 * left,
         )  # fmt: skip
         laws = Laws(None if restitution is None else restitution[0], law)
-        back = weight @ stages.through(columns, inertia, both, laws=laws)
-        return back[: 2 * nv], back[2 * nv : before] if heard else np.zeros(points), back[before:]
+        return stages.through(columns, inertia, both, laws=laws)

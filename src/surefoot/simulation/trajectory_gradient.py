@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,7 +40,8 @@ class TrajectoryGradient:
         if taken.world.stepper.geometry is not None:
             found = {name: self._differences(parameters, name, value) for name, value in values.items()}
         else:
-            found = Backward(self._run, parameters, values, taken).through(self._loss_rates(taken))
+            way = Backward(self._run, parameters, values, taken)
+            found = way.slopes(partial(self._loss_rates, taken), partial(self._loss_along, taken))
         return LossGradient(float(self.loss(*_arrays(taken.states))), found)
 
     def _differences(self, parameters: dict[str, Any], name: str, value: FloatArray) -> Any:
@@ -136,6 +138,23 @@ class TrajectoryGradient:
         if states is not None and recorder.count != len(states) - 1:
             raise ProblemError("a rollout takes as many steps whatever its parameters are, this one does not")
         return recorder
+
+    def _loss_along(self, taken: Recorder, motions: FloatArray) -> FloatArray:
+        """Return the rates (c,) of the loss along motions of all states (n + 1, 2nv, c), by differences."""
+        assert taken.world is not None
+        integrate, nv = taken.world.stepper.bodies.moved, motions.shape[1] // 2
+        q, v = _arrays(taken.states)
+
+        def at(way: FloatArray) -> float:
+            moved = [integrate(here, step) for here, step in zip(q, way[:, :nv], strict=True)]
+            return float(self.loss(np.array(moved), v + way[:, nv:]))
+
+        out = np.zeros(motions.shape[2])
+        for j, motion in enumerate(np.moveaxis(motions, 2, 0)):
+            size = float(np.abs(motion).max()) or 1.0
+            way = np.ascontiguousarray(motion) * (WIDTH / size)
+            out[j] = (at(way) - at(-way)) * (size / (2.0 * WIDTH))
+        return out
 
     def _loss_rates(self, taken: Recorder) -> FloatArray:
         """Return the gradient (n + 1, 2nv) of the loss by every state, by differences of the loss.

@@ -10,7 +10,7 @@ import pytest
 import surefoot as sf
 from surefoot.audit.laws import log_laws
 from surefoot.control.behaviours.behaviour import NOTHING, Request
-from surefoot.control.behaviours.push_recovery import ENDS, GIVE, QUICKEST, PushRecovery
+from surefoot.control.behaviours.push_recovery import ENDS, GIVE, LOW, QUICKEST, PushRecovery
 from surefoot.control.foothold import CATCH_REACH, catching_place
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
@@ -38,6 +38,7 @@ def test_a_pushed_body_is_gone_with_in_quick_steps_until_it_is_caught(way: tuple
         flow = share * UNIT * np.array([*way, 0.0])
         return recovery.propose(view_of(now=motion(com_velocity=flow), velocity=velocity))
 
+    assert asked(1.4).height == LOW * HEIGHT
     caught = asked(1.4).recovery
     assert caught is not None
     assert 1.0 < caught.rate <= QUICKEST

@@ -26,8 +26,11 @@ BEGINS, ENDS = 0.4, 0.2
 before by twice as much, as shares of sqrt(g h)."""
 GIVE = 0.5
 """The wanted velocity is never farther from the body's, likewise."""
-STRIDE, QUICKEST = 1.0, 1.6
+STRIDE, QUICKEST = 0.75, 1.6
 """Way of the body over a stance, in heights of the centre of mass, and most that the gait is hurried by."""
+LOW = 0.8
+"""Height of the body meanwhile, as a share of its own: feet far aside of a tall body are out of their legs'
+reach, and drag."""
 BACK = 0.3
 """Change of the wanted velocity on the way back, as a share of g: half of the friction that is counted on."""
 
@@ -70,4 +73,4 @@ class PushRecovery:
         rate = min(max(self._schedule.stance_time * speed / (STRIDE * self._height), 1.0), QUICKEST)
         more = 1.0 - min(1.0, GIVE / off)
         velocity = np.array([forward + more * ahead, left + more * aside, turn])
-        return Request(recovery=Recovery(rate, velocity, BACK * GRAVITY))
+        return Request(recovery=Recovery(rate, velocity, BACK * GRAVITY), height=LOW * self._height)

@@ -192,12 +192,10 @@ class ScheduleProblem:
         stance = self.stance
         if self.terrain.planar:
             return np.zeros(stance.shape)
-        feet, robot = self.robot.contact_points.foot, self.robot
-        before, after = (
-            self.terrain.height(robot.foot_positions(q)[feet, :2]) for q in (self.q, self.reference[-1])
-        )
+        ends = [self.robot.foot_positions(q)[:, :2] for q in (self.q, self.reference[-1])]
+        before, after = self.terrain.height(ends)[:, self.robot.contact_points.foot]
         stays = np.logical_and.accumulate(stance, axis=0)
-        return np.where(stays, before, np.where(stance, after, np.minimum(before, after)))
+        return np.asarray(np.where(stays, before, np.where(stance, after, np.minimum(before, after))))
 
     @property
     def torque_limits(self) -> FloatArray:

@@ -44,13 +44,10 @@ class Jump:
 
         robot, ground = mover(request), request.terrain or FlatTerrain()
         reach = 3.0 * float(robot.nominal[2])
-        asked = float(self.default if request.amount is None else request.amount)
-        if request.amount is None and request.over:
+        asked = request.amount
+        if asked is None:  # as far as a gap takes
             stood = robot.nominal if request.start is None else request.start
-            asked = math.ceil(100.0 * least_way(robot, stood, request.over)) / 100.0
-            if asked > reach:
-                takes = f"over {request.over:g} m takes a jump of {asked:g} m"
-                raise ProblemError(f"{takes}, {robot.name} is asked for {reach:.3g} m at most")
+            asked = min(math.ceil(100.0 * least_way(robot, stood, request.over)) / 100.0, reach)
         real_number(self.amount, asked, low=0.0 if self.up else -reach, high=reach)
         if self.up and asked < 0.02:
             raise ProblemError(f"height [m] must be at least 0.02, got {asked:g}")
@@ -83,8 +80,7 @@ class Jump:
             said = f"{words} {got:.3f} m of {asked:g} asked for, {said}"
             return bool(enough and still and flown), said
 
-        patience = PATIENCE * (1 + self.up + len(lower))
-        return scheduled_plan(self.name, problem, request, tell, goal, patience, lower)
+        return scheduled_plan(self.name, problem, request, tell, goal, PATIENCE * (1 + self.up), lower)
 
 
 class JumpUp(Jump):

@@ -80,7 +80,7 @@ def scheduled_plan(
     goal
         Of the exact motion: that of the optimiser's torques, with small corrections, through exact steps.
     patience
-        CPU time after which the search gives up [s].
+        CPU time after which the search gives up [s], of each problem.
     easier
         Problems that lead up to it: the motion of each is where the next one's search starts.
     """
@@ -88,16 +88,15 @@ def scheduled_plan(
     from surefoot.planning.transcription.follow import follow
     from surefoot.planning.transcription.judge import departure
 
-    begun, spent = time.perf_counter(), time.process_time()
+    begun = time.perf_counter()
 
     def heard(number: int, cost: float, violation: float) -> None:
         tell(Iteration(number, cost, violation, "whole body over the schedule"))
 
     motion: ScheduledMotion | None = None
     for one in [*easier, problem]:
-        left = max(patience - (time.process_time() - spent), 1.0)
         guess = motion if motion is not None and motion.found else None
-        motion = optimise(one, guess, request.max_iterations or MOST, heard, max_cpu_time=left)
+        motion = optimise(one, guess, request.max_iterations or MOST, heard, max_cpu_time=patience)
     assert motion is not None
     lost = not motion.iterate.finite
     trajectory = (

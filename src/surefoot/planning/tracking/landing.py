@@ -52,8 +52,7 @@ class Landing:
         self._still = np.zeros(robot.joints)
         self._frames = np.tile(np.eye(3), (len(robot.feet), 1, 1))
         points = robot.contact_points
-        climbed = feet[:, 2] - reference.feet[0, :, 2]
-        self._owner = points.foot
+        self._owner, climbed = points.foot, feet[:, 2] - reference.feet[0, :, 2]
         self._stand = points.foot_radii + np.where(np.abs(climbed) > STEP, climbed, 0.0)
 
     def begin(self, now: Kinematics) -> None:
