@@ -68,14 +68,6 @@ def test_positive_definite_problems_are_never_called_infeasible(
     assert found[sf.Status.SOLVED] >= least * sum(found.values()), found
 
 
-def test_the_ray_that_was_none() -> None:
-    """A positive definite problem that Lemke's method, unscaled, left along a ray."""
-    lcp = sf.LCP([[0.0191, -550.0], [-550.0, 3.6e7]], [-90.0, 20.0])
-    solution = sf.solve_lcp(lcp)
-    assert solution.solved
-    assert exact_error(lcp, solution.z) <= 1e-8
-
-
 def contradiction(seed: int, spread: float) -> sf.LCP:
     """The optimality conditions of a quadratic program whose inequalities contradict each other."""
     rng = np.random.default_rng(seed)
@@ -204,14 +196,3 @@ def test_what_is_not_finite_is_refused(bad: float) -> None:
         sf.LCP([[1.0, bad], [0.0, 1.0]], [1.0, 1.0])
     with pytest.raises(sf.ProblemError, match=r"q\[1\] is"):
         sf.LCP(np.eye(2), [1.0, bad])
-
-
-def test_a_ray_of_the_friction_pyramid_is_no_verdict() -> None:
-    """A body squeezed by two walls has no solution; the pyramid's ray alone does not say so."""
-    for seed in range(10):
-        rng = np.random.default_rng(seed)
-        frame, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-        other = frame @ np.diag([1.0, -1.0, -1.0])
-        J = np.vstack([frame.T, other.T])
-        problem = sf.ContactProblem(J @ J.T, [0.1, 0.0, -1.0, 0.0, 0.1, -1.0], 0.5).polyhedral(6)
-        assert sf.solve(problem, "lemke").status not in (sf.Status.SOLVED, sf.Status.INVALID), seed

@@ -2,12 +2,9 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from benchmarks.forces.race import distributor_for
-from benchmarks.forces.warm import loop_times, measure
-from benchmarks.problems.allocations import pushed_stance
+from benchmarks.forces.warm import measure
 from benchmarks.problems.trajectories import SCENES, simulate
 
 
@@ -22,20 +19,3 @@ def test_a_simulated_stand_on_a_slope_has_active_cones():
     assert row.active == 1.0
     assert row.iterations_warm < row.iterations_cold
     assert 0.0 < row.loop_warm.median < row.warm.median
-
-
-def test_loops_take_the_same_steps_as_calls():
-    """The compiled loop is given each step's memory anew, so its iterations are those of single calls."""
-    trajectory = pushed_stance(40, 0.02)
-    for warm in (False, True):
-        distributor = distributor_for(trajectory[0])
-        expected = []
-        for instance in trajectory:
-            if not warm:
-                distributor.reset()
-            distributor.solve(instance.grasp_map, instance.wrench)
-            expected.append(distributor.iterations)
-        times, iterations = loop_times(trajectory, warm)
-        assert np.all(times > 0.0)
-        assert len(set(expected)) > 1
-        np.testing.assert_array_equal(iterations, expected)

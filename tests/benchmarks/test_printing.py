@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.table import Table
 
-from benchmarks.printing import report, show
+from benchmarks.printing import report
 
 
 def _table() -> Table:
@@ -16,17 +16,6 @@ def _table() -> Table:
     table.add_row("ours", "1.0")
     table.add_row("theirs", "2.0")
     return table
-
-
-def test_as_json_all_tables_are_one_list(capsys: pytest.CaptureFixture[str]) -> None:
-    show((_table() for _ in range(2)), as_json=True)
-    first, second = json.loads(capsys.readouterr().out)
-    assert first == second
-    assert first == {
-        "title": "two solvers",
-        "columns": ["solver", "time [µs]"],
-        "rows": [["ours", "1.0"], ["theirs", "2.0"]],
-    }
 
 
 def test_a_record_is_printed_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,11 +16,9 @@ from benchmarks.stacks.bench import TRIALS, Bench, measure
 from benchmarks.stacks.judging import Trial
 from benchmarks.stacks.measures import Measures, outside_cones, stance_slides
 from benchmarks.stacks.setting import HARD, IDEAL, Setting
-from benchmarks.stacks.stack import START, ramp_time, ramped
 from benchmarks.stacks.table import rows
 from benchmarks.stacks.tasks import TASKS, Bound, choose_tasks
 from surefoot.cli.main import main
-from surefoot.control.walking_body import BodyPlan
 from surefoot.errors import ProblemError
 from surefoot.log import CHANNELS, Log
 from surefoot.spatial import GRAVITY
@@ -32,17 +30,6 @@ GOOD = Measures(
 
 def trial(task: str = "speed-0.5", seed: int = 0, outcome: str = "done", **changed: Any) -> Trial:
     return Trial("surefoot", task, seed, outcome, "", replace(GOOD, **changed), 150.0, 300.0, 2.0, 8.0)
-
-
-def test_the_ramp_is_that_of_the_controllers() -> None:
-    asked, height, dt = (1.2, -0.3, 0.8), 0.3, 1e-3
-    body = BodyPlan(height, np.zeros(3), 0.0)
-    for k in range(2000):
-        if k * dt >= START:
-            body.advance(np.array(asked), np.zeros(3), dt)
-        assert ramped(asked, (k + 1) * dt, height) == pytest.approx(body.velocity, abs=2.5e-3)
-    assert ramped(asked, ramp_time(asked, height), height) == pytest.approx(asked)
-    assert np.abs(ramped(asked, ramp_time(asked, height) - 0.01, height) - asked).max() > 1e-3
 
 
 def synthetic(**arrays: Any) -> Log:

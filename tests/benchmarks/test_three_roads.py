@@ -10,16 +10,8 @@ import pytest
 from benchmarks.three_roads.__main__ import main
 from benchmarks.three_roads.roads import ROADS, travel
 from benchmarks.three_roads.task import hopper_jump, reached
-from surefoot.planning import rollout
 
 pytest.importorskip("casadi")
-
-
-def test_standing_still_is_no_jump() -> None:
-    task = hopper_jump()
-    p = task.problem
-    still = rollout(p.robot, p.q, p.v, np.zeros((p.knots, p.robot.joints)), dt=p.dt)
-    assert not reached(p, still)
 
 
 def test_torques_beyond_the_limits_do_not_count() -> None:

@@ -72,15 +72,6 @@ def test_a_robot_that_fell_lies_and_stands_up_again(robot: sf.Robot) -> None:
     assert run.time < 0.1
 
 
-def test_a_choice_that_cannot_be_leaves_the_old_one(robot: sf.Robot) -> None:
-    run = WalkRun(robot)
-    for wrong in ({"gait": "hop"}, {"payload": -1.0}, {"mu": -0.1}):
-        with pytest.raises(ProblemError):
-            run.choose(replace(run.choices, **wrong))  # type: ignore[arg-type]
-        assert run.choices == Choices()
-    go(run, 20)
-
-
 def test_the_mouse_pulls_and_lets_go(robot: sf.Robot) -> None:
     run = WalkRun(robot)
     page = PushPage(run)

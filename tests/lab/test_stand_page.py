@@ -112,13 +112,3 @@ def test_a_value_that_cannot_be_is_refused_and_changes_nothing(
 def test_a_mouse_that_points_nowhere_is_refused(point: list[float]) -> None:
     with pytest.raises(ProblemError, match="nowhere"):
         Grip("/com", "update", np.zeros(3), np.array(point), EYE)
-
-
-def test_feet_can_be_lifted_to_the_last(state: StandState) -> None:
-    page = StandPage(state)
-    for name in state.names:
-        page.change(f"on {name}", False)
-        shown = page.drawing()
-        assert isinstance(shown.shapes[f"/feet/{name}"], Ball)
-        assert f"/cones/{name}" not in shown.shapes
-    assert "It cannot stand" in shown.text

@@ -15,7 +15,7 @@ from surefoot.errors import ProblemError
 from surefoot.log.doubts import find_doubts
 from surefoot.log.formats import read_log
 from surefoot.log.log import Log
-from surefoot.log.mapping import LogMapping, Take, read_mapping
+from surefoot.log.mapping import LogMapping, Take
 from surefoot.spatial import rotation_from_quaternion
 
 GO1 = Path(__file__).resolve().parents[3] / "shared" / "data" / "go1_log" / "go1.csv"
@@ -291,11 +291,6 @@ def test_arrays_that_do_not_fit(arrays: dict[str, Any], message: str) -> None:
         sf.log_from_arrays({"forces": np.zeros((5, 4, 3))}, dt=0.1, feet=["a", "b"])
 
 
-def test_a_mapping_file_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(ProblemError, match="cannot read the mapping"):
-        read_mapping(tmp_path / "none.yaml")
-
-
 @pytest.mark.shared
 @pytest.mark.skipif(not GO1.exists(), reason=f"no data file {GO1}")
 def test_the_walking_go1_is_read() -> None:
@@ -333,9 +328,3 @@ def test_names_that_do_not_fit_a_table_are_refused(tmp_path: Path) -> None:
     for given in ({"columns": ["time"]}, {"mapping": tmp_path / "none.yaml"}):
         with pytest.raises(ProblemError, match="format npz take no mapping and no columns"):
             read_log(saved, **given)
-
-
-def test_a_log_goes_over_its_channels() -> None:
-    log = Log({"time": np.arange(3.0), "mu": np.ones(3)})
-    assert [*log] == ["time", "mu"]
-    assert {name: log[name][0] for name in log} == {"time": 0.0, "mu": 1.0}

@@ -50,10 +50,6 @@ def test_a_fast_run_takes_as_long_as_what_it_shows() -> None:
     assert pace(0.002, 101, speed=2.0).time - 100.0 == pytest.approx(0.5 + 0.002)
 
 
-def test_a_slow_run_never_sleeps() -> None:
-    assert pace(0.02, 101).slept == 0.0
-
-
 def test_a_run_that_was_held_up_does_not_hurry_afterwards() -> None:
     clock = Clock()
     pacer = Pacer(1.0, clock.now, clock.sleep)
@@ -88,14 +84,6 @@ def test_keys(keys: list[int], velocity: tuple[float, float, float]) -> None:
     steered = steering()
     assert all(steered.press(key) for key in keys)
     assert steered.velocity == pytest.approx(velocity)
-
-
-def test_keys_go_on_from_what_was_granted() -> None:
-    steered = steering(0.25)
-    for _ in range(9):
-        steered.press(UP)
-    steered.press(DOWN)
-    assert steered.velocity[0] == pytest.approx(0.15)
 
 
 class FakeView:

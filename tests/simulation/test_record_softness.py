@@ -10,7 +10,7 @@ from surefoot.audit.setting import SOFTEST, setting_of
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.robot import load_robot, place
-from surefoot.simulation.record_softness import HardestLanding, soft_contact
+from surefoot.simulation.record_softness import soft_contact
 from surefoot.simulation.run import Scenario, run
 from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 from surefoot.simulation.worlds import make_world
@@ -85,18 +85,6 @@ def test_depth_that_is_only_there_declares_nothing() -> None:
     log = recorded(scene(BOX, 0.092), 500)
     assert log.fact("sinking") < 1e-3
     assert "penetration" in sf.audit_log(log).laws_broken
-
-
-def test_a_heavier_landing_is_deeper_and_rounding_is_no_softness() -> None:
-    model = scene(SPHERE, 0.1)
-    data = mujoco.MjData(model)
-    mujoco.mj_step(model, data, 10)
-    found = soft_contact(mujoco, model, (0, 1), data.contact[0])
-    assert found is not None
-    depths = [found.sinking(50.0, HardestLanding(1.0, 0.0, 0.0, a)) for a in (0.05, 0.2, 1.0)]
-    assert depths[0] > depths[1] > depths[2] > 0.0
-    assert found.sinking(0.0) == pytest.approx(0.0, abs=1e-12)
-    assert found.stopping(50.0, 0.0) == 0.0
 
 
 @pytest.mark.parametrize("solref", [None, (0.01, 1.0)])

@@ -210,23 +210,6 @@ def test_forces_of_a_fall_are_lawful() -> None:
     assert world.worst_residual < 1e-8
 
 
-def test_a_foot_sees_the_ground_before_it_touches() -> None:
-    """20 ms before it would be 1 cm in the ground a foot stops at its surface: gap + dt u_n = 0."""
-    body = ball(1.0, 0.1)
-    stepper = Stepper(body, options=replace(OPTIONS, dt=0.02))
-    q = body.nominal.copy()
-    q[2] = 0.11
-    state = stepper.start(q, np.r_[0.0, 0.0, -1.0, np.zeros(3)])
-    d = step_derivative(stepper, state, np.zeros(0))
-    assert d.step.state.q[2] == pytest.approx(0.1)
-    assert d.A[2, 2] == pytest.approx(0.0, abs=1e-12)  # wherever it started it ends on the ground
-    assert d.A[8, 2] == pytest.approx(-1.0 / 0.02)
-    q[2] = 0.2
-    far = step_derivative(stepper, stepper.start(q, state.v), np.zeros(0))
-    assert far.A[2, 2] == pytest.approx(1.0)
-    assert far.modes == ("open",)
-
-
 def test_smoothing_reaches_a_ball_above_the_ground() -> None:
     """Against the root of λ (v + λ/m - g dt + gap/dt) = κ, straight above a plane."""
     m, height, kappa, dt, speed = 2.0, 0.03, 1e-3, 1e-3, -0.4
