@@ -19,6 +19,7 @@ REPEATS, MOVING = 8, 0.3
 than this [rad/s]: it is frozen. White noise in steps repeats itself twice or three times."""
 FORGET = 0.9
 """What is kept of the mismatch between angles and speeds from one reading to the next."""
+FLUNG = "a joint is out of range"
 CONTRADICTIONS = 3
 """Contradictory readings in a row that end the patience with them."""
 
@@ -201,7 +202,7 @@ class ReadingWatch:
         if float(np.abs(readings.accelerometer).max()) > limits.hardest:
             return "the acceleration is out of range"
         if ((q < self._low) | (q > self._high) | (np.abs(readings.speeds) > self._fastest)).any():
-            return "a joint is out of range"
+            return FLUNG
         return ""
 
     def _contradictory(self, now: RobotReadings, said: FloatArray) -> str:
@@ -223,6 +224,8 @@ class ReadingWatch:
         drift = keep * self._drift + now.positions - last.positions
         drift -= 0.5 * elapsed * (now.speeds + last.speeds)
         slack = keep * self._slack + 0.5 * elapsed * np.abs(now.speeds - last.speeds)
+        if self.reason == FLUNG:  # faster than is believed, so that nothing was compared meanwhile
+            slack += self.silent * self._fastest
         before, after = (rotation_from_quaternion(r.quaternion) for r in (last, now))
         rate = 0.5 * (last.gyro + now.gyro)
         turn = keep * self._turn + rotation_log(rotation_exp(-elapsed * rate) @ before.T @ after)

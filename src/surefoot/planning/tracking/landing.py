@@ -52,8 +52,9 @@ class Landing:
         self._still = np.zeros(robot.joints)
         self._frames = np.tile(np.eye(3), (len(robot.feet), 1, 1))
         points = robot.contact_points
-        self._owner, climbed = points.foot, feet[:, 2] - reference.feet[0, :, 2]
-        self._stand = points.foot_radii + np.where(np.abs(climbed) > STEP, climbed, 0.0)
+        self._owner, first = points.foot, reference.feet[0, :, 2]
+        climbed, stood = feet[:, 2] - first, np.abs(first - points.foot_radii) < STEP
+        self._stand = points.foot_radii + np.where(stood & (np.abs(climbed) > STEP), climbed, 0.0)
 
     def begin(self, now: Kinematics) -> None:
         """Take the heading of this moment for the one to keep."""
