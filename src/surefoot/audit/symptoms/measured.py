@@ -14,6 +14,8 @@ from surefoot.audit.symptoms.symptom import Evidence, Judge, symptom
 _SIGNS = np.array([[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
 AT_STOP = 0.01
 """A joint is at its stop within this [rad, m]."""
+FLAT = 0.01
+"""A true force that varies by this standard deviation [m g] is no multiple of one that does not."""
 
 
 def compared(judge: Callable[[Episode, FloatArray], Evidence | None]) -> Judge:
@@ -231,7 +233,8 @@ def clipped(e: Episode, true: FloatArray) -> Evidence | None:
     at = np.isclose(e.force[:, 2], top, rtol=1e-9)
     if top <= 0.0 or at.mean() < 0.3 or float(np.nanmin(true[at, 2] - top)) < -0.01 * e.weight:
         return None
-    return Evidence(0.985, f"stays at {top:.4g} N in {100 * at.mean():.0f} % of the rows, none is higher")
+    varies = float(np.nanstd(true[at, 2])) > FLAT * e.weight  # which no scale makes the same to nine digits
+    return Evidence(0.998 if varies else 0.985, f"stays at {top:.4g} N in {100 * at.mean():.0f} % of the rows, none is higher")
 
 
 @symptom(
