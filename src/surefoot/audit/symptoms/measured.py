@@ -234,7 +234,10 @@ def clipped(e: Episode, true: FloatArray) -> Evidence | None:
     if top <= 0.0 or at.mean() < 0.3 or float(np.nanmin(true[at, 2] - top)) < -0.01 * e.weight:
         return None
     varies = float(np.nanstd(true[at, 2])) > FLAT * e.weight  # which no scale makes the same to nine digits
-    return Evidence(0.998 if varies else 0.985, f"stays at {top:.4g} N in {100 * at.mean():.0f} % of the rows, none is higher")
+    return Evidence(
+        0.998 if varies else 0.985,
+        f"stays at {top:.4g} N in {100 * at.mean():.0f} % of the rows, none is higher",
+    )
 
 
 @symptom(
