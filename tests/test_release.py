@@ -100,10 +100,6 @@ def test_the_source_archive_builds_the_same_wheel(wheel: Path, tmp_path: Path) -
     assert files_of(tmp_path / done.stdout.strip().splitlines()[-1]) == files_of(wheel)
 
 
-def test_every_extra_has_something_to_try() -> None:
-    assert set(EXTRAS) <= set(IMPORTED) | {"lab"}
-
-
 @pytest.mark.skipif(
     "SUREFOOT_RELEASE" not in os.environ, reason="installs from the network: make test-release"
 )
