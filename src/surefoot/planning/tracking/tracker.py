@@ -59,6 +59,7 @@ AROUND = (0.03, 0.05)
 
 def whole_body(robot: Robot, least: float = 0.0) -> WholeBodyController:
     """Return the control of a robot on the ground, its stance feet with a `least` normal force [N]."""
+    # a plan's swings are within its motors: its feet may ask as much of the body as the body itself
     weights = TaskWeights(swing=1.0, joints=1e-3, body=100.0, force=FORCE_SHARE)
     return WholeBodyController(robot, FRICTION, least, weights=weights, baumgarte=BAUMGARTE)
 
