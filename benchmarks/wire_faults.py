@@ -25,7 +25,6 @@ from surefoot.control.controller import JointTargets
 from surefoot.drive.loop_log import LoopLog
 from surefoot.drive.modes import Mode
 from surefoot.drive.wire import wired_loop
-from surefoot.drive.wire.checksum import checksum
 from surefoot.drive.wire.dialect import dialect_of
 from surefoot.drive.wire.link import WireEnd
 from surefoot.simulation import motor_robot
@@ -69,28 +68,39 @@ class SlowRobot(WiredRobot):
 
 def _set(name: str, value: float) -> Spoiler:
     """Return what sets a number of one motor."""
-    return lambda message, rng, kept: setattr(message.motor_state[kept["joint"]], name, value)
+
+    def spoil(message: Any, rng: np.random.Generator, kept: dict[str, Any]) -> None:
+        values = message[f"motor_state.{name}"]
+        values[kept["joint"]] = value
+        message[f"motor_state.{name}"] = values
+
+    return spoil
 
 
 def _freeze(message: Any, rng: np.random.Generator, kept: dict[str, Any]) -> None:
     """Let an encoder tell what it told first."""
-    motor = message.motor_state[kept["joint"]]
-    first = kept.setdefault("first", (motor.q, motor.dq))
-    kept["off"] = abs(motor.q - first[0])
-    motor.q, motor.dq = first
+    joint, names = kept["joint"], ("motor_state.q", "motor_state.dq")
+    told = [message[name] for name in names]
+    first = kept.setdefault("first", [values[joint] for values in told])
+    kept["off"] = abs(float(told[0][joint] - first[0]))
+    for name, values, value in zip(names, told, first, strict=True):
+        values[joint] = value
+        message[name] = values
 
 
 def _swap(message: Any, rng: np.random.Generator, kept: dict[str, Any]) -> None:
     """Let a thigh and the calf below it tell each other's numbers."""
     thigh = 3 * (kept["joint"] // 3) + 1
-    one, other = message.motor_state[thigh], message.motor_state[thigh + 1]
-    one.q, other.q, one.dq, other.dq = other.q, one.q, other.dq, one.dq
+    for name in ("motor_state.q", "motor_state.dq"):
+        values = message[name]
+        values[[thigh, thigh + 1]] = values[[thigh + 1, thigh]]
+        message[name] = values
 
 
 def _jump(message: Any, rng: np.random.Generator, kept: dict[str, Any]) -> None:
     """Let the robot's clock jump."""
     jump = kept.setdefault("jump", int(rng.choice([-3600_000, -500, 500, 3600_000])))
-    message.tick = (message.tick + jump) % 2**32
+    message["tick"] = (int(message["tick"]) + jump) % 2**32
 
 
 SPOILED: dict[str, Spoiler] = {
@@ -123,8 +133,8 @@ class FaultyEnd(WireEnd):
             return
         if self.fault in SPOILED:
             SPOILED[self.fault](message, self._rng, self.kept)
-            message.crc = checksum(message)
-        message.crc ^= self.fault == "checksums of readings are wrong"
+            message.seal()
+        message["crc"] ^= self.fault == "checksums of readings are wrong"
         super().send(message)
 
     def _rng_says_lost(self) -> bool:
@@ -134,7 +144,7 @@ class FaultyEnd(WireEnd):
         """See `WireEnd`."""
         message = super().receive(timeout * SLOWER)
         if message is not None:
-            message.crc ^= self.fault == "checksums of commands are wrong"
+            message["crc"] ^= self.fault == "checksums of commands are wrong"
         return None if self.fault == "commands are lost" else message
 
 

@@ -97,9 +97,8 @@ def _serve(kind: str) -> None:
                 loop.steer([0.5, 0.0, 0.0])
                 loop.go(goal)
         command = dialect.asked(targets)
-        command.reserve = message.tick  # beside the checksum, which nobody needs here
-        end.send(command)
-        command.reserve = 0  # the message is made once, and the next one's checksum is over zero
+        command["reserve"] = message["tick"]
+        end.send(command.seal())
 
 
 def _measure(seconds: float) -> dict[str, Any]:
@@ -120,13 +119,12 @@ def _measure(seconds: float) -> dict[str, Any]:
             due = time.perf_counter()
             end.send(state)
             command = end.receive(0.2)
-            while command is not None and command.reserve != state.tick:
+            while command is not None and command["reserve"] != state["tick"]:
                 command = end.receive(0.2)
             if command is None:
                 continue
             if kind == "loop":
                 begin = begin or body.time
-                command.reserve = 0
                 targets = dialect.targets(command)
                 body.take(None if targets is None else JointTargets(*(v[np.argsort(order)] for v in targets)))
             if begin and body.time - begin > 4.4:

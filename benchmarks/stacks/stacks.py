@@ -34,7 +34,7 @@ def choose_stacks(
     Parameters
     ----------
     names
-        None for all.
+        None for all; a policy's name leaves out what is not named, too.
     checkouts
         Folders of peers; None for what the environment says.
     policies
@@ -47,9 +47,13 @@ def choose_stacks(
     """
     present: list[Stack] = []
     absent: dict[str, str] = {}
+    learned = [LearnedStack(policy) for policy in policies]
+    known = (*NAMES, *(stack.name for stack in learned))
     for name in names or NAMES:
+        if name not in known:
+            raise ProblemError(unknown_name("stack", name, known))
         if name not in NAMES:
-            raise ProblemError(unknown_name("stack", name, NAMES))
+            continue
         stack = _made(name, checkouts.get(name))
         why = stack.missing()
         if why and names:
@@ -58,10 +62,10 @@ def choose_stacks(
             absent[name] = why
         else:
             present.append(stack)
-    for learned in map(LearnedStack, policies):
-        if learned.missing():
-            raise ProblemError(f"--policy {learned.missing()}")
-        present.append(learned)
+    for stack in learned:
+        if stack.missing():
+            raise ProblemError(f"--policy {stack.missing()}")
+        present.append(stack)
     return Chosen(tuple(present), absent)
 
 

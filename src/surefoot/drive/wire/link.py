@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import struct
 from functools import cache
 from typing import Any
 
 from surefoot.arrays import whole_number
 from surefoot.drive.wire.dialect import Dialect
+from surefoot.drive.wire.packed import Packed
 from surefoot.errors import ProblemError, needs
 
 STATE, COMMAND = "rt/lowstate", "rt/lowcmd"
@@ -79,19 +81,27 @@ class WireEnd:
         said, heard = (states, commands) if robot_side else (commands, states)
         self._writer, self._reader = DataWriter(party, said), DataReader(party, heard)
         self._waiting, self._party = WaitSet(party), party
+        self._heard = commands.data_type if robot_side else states.data_type
+        self._carrier: Any = object.__new__(said.data_type)
         fresh = ReadCondition(self._reader, SampleState.NotRead | ViewState.Any | InstanceState.Any)
         self._waiting.attach(fresh)
 
-    def send(self, message: Any) -> None:
+    def send(self, message: Packed) -> None:
         """Send a message."""
-        self._writer.write(message)
+        self._carrier.data = bytes(message.data)
+        self._writer.write(self._carrier)
 
-    def receive(self, timeout: float) -> Any | None:
+    def receive(self, timeout: float) -> Packed | None:
         """Return the newest message that has not been received yet, None if none comes in time [s]."""
         if timeout > 0.0:
             self._waiting.wait(round(timeout * 1e9))
         newest = self._reader.take(AT_ONCE)
-        return newest[-1] if newest and hasattr(newest[-1], "crc") else None
+        if not newest or not isinstance(newest[-1], self._heard):
+            return None
+        try:
+            return Packed(self._heard, newest[-1].data)
+        except struct.error:  # cut off on its way
+            return None
 
     def close(self) -> None:
         """Leave the wire."""

@@ -67,7 +67,7 @@ class WiredLoop:
             self._due += dt
         else:
             readings = self.dialect.readings(message)
-            self._machine = getattr(message, "mode_machine", 0)
+            self._machine = 0 if self.dialect.headed else int(message["mode_machine"])
             self._due = now + (PATIENT if self.slow else LATE * dt)
         targets = self.loop.step(readings, None if self.slow else now)
         self.end.send(self.dialect.asked(targets, self._machine))
