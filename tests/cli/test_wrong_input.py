@@ -87,6 +87,7 @@ CASES = [
         for c in BOTH
         for n in ("''", "@0,0,0", "1@", "1@a,b,c", "1@0,0,nan")
     ),
+    *((f"{c} icub_full", "its joint neck_yaw moves less than 1e-10 kg m²") for c in ("stand", "walk")),
     ("walk solo12 --gait stand", "gait 'stand' takes no steps"),
     *((f"walk solo12 --scenario {f}", "cannot read the scenario") for f in ("folder", "noise.dat")),
     *(

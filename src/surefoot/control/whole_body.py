@@ -146,8 +146,12 @@ class WholeBodyController(Bound):
         """Bring the weights into their units and make the memory of a step; rates as for `contact_rows`."""
         points = self.robot.contact_points
         legs, square = points.foot_support[:, 6:].any(axis=0), max(float(self.robot.nominal[2]), 0.05) ** 2
-        weights = np.array([w.linear, w.angular * square, w.swing, w.swing * square, *rates])
-        joints = w.joints * square * np.where(legs, 1.0, w.body)
+        spare = points.foot_support[:, 6:].sum(axis=1) > np.where(points.flat, 6, 3)
+        # joints that a light foot leaves free would be flung about to move the body
+        lightness = w.swing if spare.any() and w.swing > 0.0 else 1.0
+        swing = w.swing / lightness
+        weights = np.array([w.linear, w.angular * square, swing, swing * square, *rates])
+        joints = w.joints * square * np.where(legs, 1.0 / lightness, w.body)
         self._numbers, self._memory = step_memory(int(self.robot.model.nv), points, weights, joints)
         self._bind()
 

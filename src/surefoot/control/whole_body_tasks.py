@@ -22,6 +22,7 @@ class TaskWeights:
     swing
         Feet in the air. They cost no more than a little of the body's motion: where a leg's motors cannot
         lift it as fast as is wanted, with a weight of 1 those on the ground throw the body up to lift it.
+        Where legs have more joints than a foot's place takes, feet weigh 1, the legs' joints as much more.
     joints
         Joint accelerations times the base's height, of legs; joints outside the legs count `body` times
         as much.

@@ -60,6 +60,13 @@ def mass_matrix(robot: Robot, q: ArrayLike) -> FloatArray:
     return np.asarray(M + np.triu(M, 1).T)
 
 
+def joint_inertias(robot: Robot) -> FloatArray:
+    """Return what a torque on each joint meets in the nominal pose, all else free: (joints,) [kg m², kg]."""
+    values, axes = np.linalg.eigh(mass_matrix(robot, robot.nominal))
+    compliance = (axes**2 / np.maximum(values, 1e-300)).sum(axis=1)
+    return np.asarray(1.0 / compliance[robot.base_dof :])
+
+
 def bias_forces(robot: Robot, q: ArrayLike, v: ArrayLike) -> FloatArray:
     """Return h: Coriolis, centrifugal and gravity terms of M v̇ + h = τ: (nv,) [N, N m]."""
     import pinocchio

@@ -5,12 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray, of_kind
+from surefoot.errors import ModelError
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators, actuators_of
+from surefoot.robot.dynamics import joint_inertias
 from surefoot.robot.rotors import with_rotors
 
 HOLD = 0.5
 """Share of a joint's momentum that its friction may take away in a step: all of it would chatter."""
+LEAST_INERTIA = 1e-10
+"""Least that a joint has to move [kg m²]: 1 mN m turns that by 10 krad/s within a step of 1 ms."""
 
 
 def equipped(robot: Robot, actuators: str | Actuators) -> tuple[Robot, Actuators | None]:
@@ -20,10 +24,20 @@ def equipped(robot: Robot, actuators: str | Actuators) -> tuple[Robot, Actuators
     ------
     ProblemError
         For an unknown name, or a value that does not fit the robot.
+    ModelError
+        If a joint moves next to nothing, which no step of any world can follow.
     """
     of_kind("robot", robot, Robot)
     chosen = actuators_of(robot, actuators)
-    return (robot, None) if chosen is None else (with_rotors(robot, chosen.armature), chosen)
+    robot = robot if chosen is None else with_rotors(robot, chosen.armature)
+    inertias = joint_inertias(robot)
+    if inertias.min(initial=np.inf) < LEAST_INERTIA:
+        joint = robot.joint_names[int(inertias.argmin())]
+        raise ModelError(
+            f"{robot.name} cannot be simulated: its joint {joint} moves less than {LEAST_INERTIA:g} kg m²; "
+            "give the links behind it their masses"
+        )
+    return robot, chosen
 
 
 class JointFriction:
@@ -44,11 +58,7 @@ class JointFriction:
     """
 
     def __init__(self, robot: Robot, actuators: Actuators, dt: float) -> None:
-        import pinocchio
-
-        M = np.triu(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))
-        M = M + np.triu(M, 1).T
-        inertia = 1.0 / np.diag(np.linalg.inv(M))[robot.base_dof :]
+        inertia = joint_inertias(robot)
         self._damping = actuators.damping / (1.0 + actuators.damping * dt / (HOLD * inertia))
         self._friction = actuators.friction
         self._creep = np.maximum(actuators.friction * dt / (HOLD * inertia), 1e-9)
