@@ -16,6 +16,8 @@ from surefoot.planning.transcription.nlp import Iterate, Nlp, OnIteration, pack,
 
 OPTIONS: dict[str, Any] = {"tol": 1e-7, "mu_strategy": "adaptive"}
 """Of Ipopt: exact steps with a little feedback mend what its tolerance leaves."""
+NEAR: dict[str, Any] = dict.fromkeys(("mu_init", "bound_push", "bound_frac", "slack_bound_push"), 1e-2)
+"""Of Ipopt's, for a start that is near: barrier, and how far inside their bounds variables begin."""
 ACCEPTED = 1e-6
 """Largest violation of a row or bound, in its own scale, of a motion that counts as found."""
 
@@ -49,6 +51,17 @@ def guess_from(problem: ScheduleProblem) -> Guess:
     share = stance / np.maximum(stance.sum(axis=1, keepdims=True), 1)
     impulses[:, :, 2] = share * (problem.weight * problem.dt)
     return Guess(problem.reference, speeds, np.zeros((n, robot.joints)), impulses)
+
+
+def resampled(guess: Guess, dt: float, problem: ScheduleProblem) -> Guess:
+    """Return a motion over knots of length dt [s] at those of a problem."""
+    last = len(guess.torques)
+    at = np.minimum(problem.dt / dt * np.arange(problem.knots + 1), last)
+    k = np.minimum((at + 1e-9).astype(np.int64), last - 1)
+    share = (at - k)[:, None]
+    q, v = (a[k] + share * (a[k + 1] - a[k]) for a in (guess.q, guess.v))
+    q[:, 3:7] /= np.linalg.norm(q[:, 3:7], axis=1, keepdims=True)
+    return Guess(q, v, guess.torques[k[:-1]], problem.dt / dt * guess.impulses[k[:-1]])
 
 
 def pack_guess(problem: ScheduleProblem, guess: Guess) -> FloatArray:

@@ -19,6 +19,7 @@ from surefoot.stepping.bodies import loaded_robot
 
 if TYPE_CHECKING:
     from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem
+    from surefoot.planning.transcription.guess import Guess
 
 ROAD = "schedule"
 FEEDBACK = 0.95
@@ -82,9 +83,10 @@ def scheduled_plan(
     patience
         CPU time after which the search gives up [s], of each problem.
     easier
-        Problems that lead up to it: the motion of each is where the next one's search starts.
+        Problems that lead up to it: the motion of each is where the next one's search starts. Knots may be
+        of other lengths.
     """
-    from surefoot.planning.schedule import optimise
+    from surefoot.planning.schedule.search import NEAR, optimise, resampled
     from surefoot.planning.transcription.follow import follow
     from surefoot.planning.transcription.judge import departure
 
@@ -94,9 +96,15 @@ def scheduled_plan(
         tell(Iteration(number, cost, violation, "whole body over the schedule"))
 
     motion: ScheduledMotion | None = None
+    most, iterations, before = request.max_iterations or MOST, 0, problem.dt
     for one in [*easier, problem]:
-        guess = motion if motion is not None and motion.found else None
-        motion = optimise(one, guess, request.max_iterations or MOST, heard, max_cpu_time=patience)
+        guess: Guess | None = motion if motion is not None and (motion.found or most == 0) else None
+        options: dict[str, Any] = {"max_cpu_time": patience}
+        if guess is not None and one.dt != before:
+            guess, options = resampled(guess, before, one), options | NEAR
+        motion = optimise(one, guess, most, heard, **options)
+        iterations, before = iterations + motion.iterate.iterations, one.dt
+        most = 0 if motion.iterate.said == "interrupted" else most
     assert motion is not None
     lost = not motion.iterate.finite
     trajectory = (
@@ -114,12 +122,12 @@ def scheduled_plan(
         said += f"; the exact motion departs by {off:.1e} from the optimiser's"
     stopped = Status.MAX_ITERATIONS if ended.startswith("Maximum_") else Status.STALLED
     search = PlanSearch(
-        task, ROAD, motion.iterate.cost, bool(done and motion.found), motion.iterate.iterations,
+        task, ROAD, motion.iterate.cost, bool(done and motion.found), iterations,
         time.perf_counter() - begun, said, stopped,
     )  # fmt: skip
     facts: dict[str, Any] = {"mode_events": list(getattr(problem.schedule, "event_times", []))}
     if request.payload:
         facts |= {"payload": request.payload, "payload_position": np.zeros(3)}
-    if ended == "interrupted":
+    if ended == "interrupted" or most == 0:
         facts["interrupted"] = True
     return plan_from(trajectory, problem.robot, search, problem.terrain, **facts)

@@ -15,13 +15,15 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.robot.libraries import import_casadi
-from surefoot.robot.symbolic_tape import mapped
+from surefoot.robot.symbolic_tape import Tape, tapes_of
 
 Expression = Any
 Sides = tuple[FloatArray, FloatArray]
 """Least and largest values."""
 OnIteration = Callable[[int, float, float], None]
 """Who hears of the number of an iteration, its cost and its violation."""
+DERIVED = ("slope", "jacobian", "hessian")
+"""Gradient of the cost of a block, Jacobian of its rows, upper half of its Lagrangian's Hessian."""
 QUIET: dict[str, Any] = {
     "print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes", "show_eval_warnings": False,
 }  # fmt: skip
@@ -211,9 +213,10 @@ def build_nlp(
     lam_f, lam_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", len(asked))
     seen = ca.reshape(x[places.T.ravel().tolist()], block.size, count)
     given = ca.repmat(p[:shared], 1, count), ca.reshape(p[shared:], own, count)
-    functions = _functions(block)
-    maps = {name: mapped(functions[name], count) for name in ("slope", "jacobian", "hessian")}
-    cost, rows = functions["value"].map(count)(seen, *given)
+    value, write = _functions(block)
+    functions = tapes_of(value, DERIVED, write)
+    maps = {name: f.mapped(count) if isinstance(f, Tape) else f.map(count) for name, f in functions.items()}
+    cost, rows = value.map(count)(seen, *given)
     g = ca.reshape(rows, m * count, 1)[asked]
     f = ca.sum2(cost)
     # gradient: the blocks' own, added where they share variables
@@ -248,20 +251,23 @@ def build_nlp(
     return {"x": x, "p": p, "f": f, "g": g}, options
 
 
-def _functions(block: Block) -> dict[str, Any]:
-    """Return value, slope, Jacobian and upper Hessian of one block, as compiled expressions."""
+def _functions(block: Block) -> tuple[Any, Callable[[], dict[str, Any]]]:
+    """Return cost and rows of one block as a compiled expression, and what derives the others (`DERIVED`)."""
     ca = import_casadi()
     z = ca.vertcat(block.x, block.u, block.after)
     given = [z, block.parameter, block.data]
-    lam_f, lam_g = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", block.rows.shape[0])
-    lagrangian = lam_f * block.cost + ca.dot(lam_g, block.rows)
-    curved = ca.triu(ca.hessian(lagrangian, z)[0])
-    return {
-        "value": ca.Function("value", given, [block.cost, block.rows]),
-        "slope": ca.Function("slope", given, [ca.densify(ca.gradient(block.cost, z))]),
-        "jacobian": ca.Function("jacobian", given, [ca.jacobian(block.rows, z)]),
-        "hessian": ca.Function("hessian", [*given, lam_f, lam_g], [curved]),
-    }
+
+    def write() -> dict[str, Any]:
+        lam_f, lam_g = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", block.rows.shape[0])
+        lagrangian = lam_f * block.cost + ca.dot(lam_g, block.rows)
+        curved = ca.triu(ca.hessian(lagrangian, z)[0])
+        return {
+            "slope": ca.Function("slope", given, [ca.densify(ca.gradient(block.cost, z))]),
+            "jacobian": ca.Function("jacobian", given, [ca.jacobian(block.rows, z)]),
+            "hessian": ca.Function("hessian", [*given, lam_f, lam_g], [curved]),
+        }
+
+    return ca.Function("value", given, [block.cost, block.rows]), write
 
 
 def _placed(
