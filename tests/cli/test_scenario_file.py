@@ -166,13 +166,7 @@ OF_WALK = [
     ("period: 0.4", ["--planner", "contact-implicit"], "takes no --gait or period"),
     ("latency: 0.01", ["--planner", "contact-implicit"], "takes no --commands"),
 ]
-OF_STAND = [
-    (
-        "estimator: truth",
-        [],
-        "unknown key for this command 'estimator'; valid names: delay, ice",
-    ),
-]
+OF_STAND = [("estimator: truth", [], "unknown key for this command 'estimator'; valid names: delay, ice")]
 
 
 @pytest.mark.parametrize(

@@ -7,13 +7,7 @@ import pinocchio
 import pytest
 
 from surefoot.errors import ModelError
-from surefoot.estimation.foot_kinematics import (
-    FLOOR,
-    FootKinematics,
-    base_state,
-    over_ground,
-    roll,
-)
+from surefoot.estimation.foot_kinematics import FLOOR, FootKinematics, base_state, over_ground, roll
 from surefoot.estimation.live_arrays import live_parts
 from surefoot.robot import load_robot
 from surefoot.spatial import rotation_about, rotation_from_normal, rotation_from_quaternion

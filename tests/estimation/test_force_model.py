@@ -79,14 +79,8 @@ def test_another_recording_may_have_another_offset(made_up: Path, fitted: sf.For
 
 
 def test_the_command(made_up: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = [
-        "--model",
-        str(made_up / "hopper.urdf"),
-        "--test",
-        str(made_up / "kept.csv"),
-        "--out",
-        str(tmp_path),
-    ]
+    leg, kept = str(made_up / "hopper.urdf"), str(made_up / "kept.csv")
+    words = ["--model", leg, "--test", kept, "--out", str(tmp_path)]
     assert main(["identify", str(made_up / "hopper.csv"), *words, "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
     assert facts["fit"]["KFE"]["friction"]["unit"] == "N m"

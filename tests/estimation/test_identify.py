@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from benchmarks.problems.tosses import ELBOW, POSITION_NOISE, ROTATION_NOISE, random_tosses, write_tosses
 from surefoot.arrays import FloatArray
@@ -14,11 +15,14 @@ from surefoot.estimation.free_flight import TossFlight, flying_frames
 from surefoot.estimation.ground_plane import GroundPlane, GroundPoints, ground_points
 from surefoot.estimation.identify import TossFit, identify
 from surefoot.estimation.impacts import first_impacts
+from surefoot.estimation.levelled import find_levelled
 from surefoot.estimation.thrown_body import TossParameter, cube_body, thrown_body
 from surefoot.estimation.toss_errors import paired_difference, resample, toss_errors
 from surefoot.estimation.toss_model import ThrownModel, TossScene
 from surefoot.estimation.toss_search import search
 from surefoot.estimation.tosses import Cube, Tosses
+from surefoot.experiments.tosses import DrakeBody
+from surefoot.simulation import drake_python
 from surefoot.stepping.falling_tree import sphere_places
 
 TRUTH, GROUND = (0.2, 0.2, 0.003), (0.003, 0.01, -0.005)
@@ -127,6 +131,39 @@ def test_the_search_follows_a_bent_valley_stays_in_its_range_and_doubts_what_is_
             np.testing.assert_allclose(found.values, least, atol=1e-3)
             np.testing.assert_allclose(found.draws - found.values, held * [0.0, 0.0, 1.0], atol=1e-4)
         assert found.values[2] <= 0.7
+
+
+@pytest.mark.skipif(not drake_python.present(), reason="Drake is not installed")
+def test_drake_throws_the_same_body_onto_the_same_ground(tosses: Tosses) -> None:
+    plane, body = GroundPlane(GROUND[0], np.array(GROUND[1:])), cube_body(Cube()).at({"com_z": COM})
+    flight = TossFlight(tosses, np.full(16, 12), body.tree, 9.81)
+    scene = TossScene(flight.starts, tosses.frames, tosses.dt, plane, 9.81, body)
+    poses = DrakeBody().rollout(np.array([0.2, 5.0, 0.5, 0.003]), scene)
+    assert toss_errors(tosses, poses, WIDTH, np.full(16, 15)).position.mean() < 0.2
+
+
+def test_a_range_that_is_a_point_stops_no_search() -> None:
+    own = [TossParameter("a", 0.5, 0.01, 0.0, 1.0), TossParameter("b", 0.5, 0.01, 0.5, 0.5)]
+    draws, begin = resample(5, 20, 0), np.array([0.5, 0.5])
+    found = search(lambda x: np.tile(x - 0.3, (5, 1)), own, begin, np.full(5, 1), draws)
+    np.testing.assert_allclose(found.values, [0.3, 0.5], atol=1e-3)
+
+
+def test_tosses_that_were_levelled_one_by_one_stand_upright_again() -> None:
+    true = random_tosses(24, (0.2, 0.2, 0.0), ground=(0.0, 0.01, -0.02), seed=2, steps=2)
+    body, camera, states = cube_body(Cube()), Rotation.from_rotvec([0.03, -0.02, 0.0]), true.states.copy()
+    states[:, :3] = camera.apply(states[:, :3])
+    states[:, 3:7] = (camera * Rotation.from_quat(states[:, 3:7])).as_quat()
+    ends = sphere_places(body.tree, states[true.starts[1:] - 1, :7])[:, :, 2].min(axis=1)
+    states[:, 2] -= np.repeat(ends, true.frames)
+    recorded = Tosses(states, true.starts, true.dt)
+    found = find_levelled(recorded, body)
+    assert found is not None
+    assert (found.turn * camera).magnitude() < 0.003
+    np.testing.assert_allclose(found.slope, [0.01, -0.02], atol=0.003)
+    off = found.upright(recorded).poses[:, 2] - true.poses[:, 2]
+    assert np.abs(off - np.median(off)).max() < 0.0015
+    assert find_levelled(true, body) is None
 
 
 def test_the_ground_is_where_the_cube_rests() -> None:

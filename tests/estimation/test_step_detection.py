@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.estimation.flight_fit import StairSteps
-from surefoot.estimation.step_detection import (
-    FINE,
-    LOOKS,
-    PATIENCE,
-    StepWatch,
-    find_edges,
-    find_flight,
-)
+from surefoot.estimation.step_detection import FINE, LOOKS, PATIENCE, StepWatch, find_edges, find_flight
 from surefoot.terrain import FlatTerrain, StairsTerrain, Terrain, read_terrain
 
 WAYS = np.arange(-1.0, 1.1, FINE)

@@ -53,7 +53,7 @@ def identify(
     rivals: Annotated[
         str,
         typer.Option(
-            help="Simulators to be tuned by the same search: mujoco, or none; auto: with --test, if there."
+            help="Simulators tuned by the same search: mujoco, drake, none; auto: mujoco, with --test."
         ),
     ] = NAMED,
     resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,

@@ -18,8 +18,6 @@ from surefoot.stepping import falling_impact as layout
 from surefoot.stepping.falling import throw
 from surefoot.stepping.falling_tree import FallingBody
 
-MARGIN = 0.04
-"""Height of the lowest corner above the ground that counts as flight, in widths."""
 FEWEST, MOST = 4, 40
 """Frames that a fit needs, and those it takes."""
 ENOUGH = 8
@@ -34,7 +32,7 @@ SKY = np.array([0.0, 0.0, 1e3])
 
 def flying_frames(tosses: Tosses, corners: FloatArray, plane: GroundPlane, width: float) -> IntArray:
     """Return (B,) the number of frames before one of (N, k, 3) corners first comes close to the ground."""
-    down = plane.above(corners).min(axis=1) < MARGIN * width
+    down = plane.above(corners).min(axis=1) < plane.clear * width
     out = np.empty(len(tosses), dtype=np.int64)
     for k, (a, b) in enumerate(zip(tosses.starts[:-1], tosses.starts[1:], strict=True)):
         out[k] = int(np.argmax(down[a:b])) if down[a:b].any() else b - a

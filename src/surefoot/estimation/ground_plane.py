@@ -23,6 +23,8 @@ FLAT = 0.06
 """Corners within this share of a width above the lowest one carry what lies still; three at least."""
 FEWEST = 3
 """Tosses at rest that make a plane."""
+CLEAR = 0.04
+"""Height above the ground that counts as flight, in widths, where that is well known."""
 OUTLIER = 5.0
 """Distances from the plane beyond this many median ones do not count."""
 
@@ -37,10 +39,13 @@ class GroundPlane:
         [m].
     slope
         (2,) rise per metre along x and y.
+    clear
+        Height of the lowest corner above it that counts as flight, in widths.
     """
 
     height: float
     slope: FloatArray
+    clear: float = CLEAR
 
     @property
     def rotation(self) -> Rotation:
@@ -123,10 +128,10 @@ def ground_points(tosses: Tosses, corners: FloatArray, width: float) -> GroundPo
             a + int(low[a:b, 2].argmin()) for a, b in zip(tosses.starts[:-1], tosses.starts[1:], strict=True)
         ]
         points, use = low[rows], np.ones(len(tosses), dtype=bool)
-    return _without_outliers(GroundPoints(points, use, resting))
+    return without_outliers(GroundPoints(points, use, resting))
 
 
-def _without_outliers(found: GroundPoints) -> GroundPoints:
+def without_outliers(found: GroundPoints) -> GroundPoints:
     """Drop points far from the plane through the others."""
     for _ in range(3):
         height, *slope = found.planes(np.ones((1, len(found.points))))[0]

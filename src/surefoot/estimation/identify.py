@@ -19,8 +19,9 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray, whole_number
 from surefoot.errors import ProblemError
 from surefoot.estimation.free_flight import TossFlight, flying_frames
-from surefoot.estimation.ground_plane import GroundPlane, ground_points
+from surefoot.estimation.ground_plane import CLEAR, GroundPlane, ground_points
 from surefoot.estimation.impacts import ImpactFit, judged_impacts
+from surefoot.estimation.levelled import Levelled, find_levelled
 from surefoot.estimation.thrown_body import ThrownBody, TossParameter, cube_body, thrown_body
 from surefoot.estimation.toss_errors import TossErrors, deviations, resample, toss_errors
 from surefoot.estimation.toss_model import ThrownModel, TossModel, TossScene
@@ -42,6 +43,8 @@ SURE = 0.2
 """Standard error of gravity [m/s²] above which the standard value is taken."""
 SLOPES = ("slope_x", "slope_y")
 """What the ground's slopes are called among what is held."""
+WIDE = 0.15
+"""Height above a ground that levelled tosses tell, to a few mm, that counts as flight, in widths."""
 UNKNOWN = 0.5
 """An interval as wide as this share of a parameter's range says that the data cannot tell it."""
 
@@ -75,6 +78,8 @@ class BodyFit(NamedTuple):
         (S,) what the bootstrap samples say of the same but the law, by name.
     nominal
         The body before it was fitted.
+    levelled
+        How the tosses stood before they were levelled one by one; None if they were not.
     notes
         A line each.
     """
@@ -87,12 +92,17 @@ class BodyFit(NamedTuple):
     values: dict[str, float]
     draws: dict[str, FloatArray]
     nominal: ThrownBody
+    levelled: Levelled | None
     notes: tuple[str, ...]
 
     def scene(self, tosses: Tosses) -> TossScene:
         """Return the scene of tosses, these or others of the same body on the same ground."""
         flight = TossFlight(tosses, self.before(tosses), self.body.tree, self.gravity)
         return TossScene(flight.starts, tosses.frames, tosses.dt, self.plane, self.gravity, self.body)
+
+    def upright(self, tosses: Tosses) -> Tosses:
+        """Return tosses in the axes of the scene, which are their own unless they were levelled."""
+        return tosses if self.levelled is None else self.levelled.upright(tosses)
 
     def before(self, tosses: Tosses) -> IntArray:
         """Return (B,) the frames before the first touch."""
@@ -113,7 +123,7 @@ class TossFit:
     train, test
         Errors on the tosses it was fitted to, and on the others (None without any).
     train_poses, test_poses
-        (N, nq) the simulated poses behind them.
+        (N, nq) the simulated poses behind them, in the axes of `found`.
     found
         The body and its surroundings.
     impacts
@@ -207,7 +217,9 @@ def identify(
             if one is not None and one.joints != len(body.joints):
                 raise ProblemError(f"the model has {len(body.joints)} joints, the tosses have {one.joints}")
         first = ThrownModel(steps=simulator.steps if isinstance(simulator, ThrownModel) else None)
-        found = identify_body(tosses, body, first, draws, tick)
+        levelled = find_levelled(tosses, body)
+        found = identify_body(tosses, body, first, draws, tick, levelled)
+    tosses = found.upright(tosses)
     scene, before, own = found.scene(tosses), found.before(tosses), simulator.parameters
     values, spread, settled = np.array([found.values.get(p.name, p.start) for p in own]), draws, True
     known = all(p.name in found.values for p in own)
@@ -225,9 +237,10 @@ def identify(
     noise = found.flight.position_noise, found.flight.rotation_noise
     judged, test_scene, test_poses, test_errors = tosses, scene, None, None
     if others is not None:
-        judged, test_scene = others, found.scene(others)
+        judged = found.upright(others)
+        test_scene = found.scene(judged)
         test_poses = simulator.rollout(values, test_scene)
-        test_errors = toss_errors(others, test_poses, width, found.before(others))
+        test_errors = toss_errors(judged, test_poses, width, found.before(judged))
     return TossFit(
         simulator.name, fitted | found.parameters, toss_errors(tosses, poses, width, before), test_errors,
         poses, test_poses, found,
@@ -265,12 +278,18 @@ def _scene(tosses: Tosses, body: ThrownBody, flight: TossFlight, now: dict[str, 
 
 
 def identify_body(
-    tosses: Tosses, body: ThrownBody, law: ThrownModel, draws: FloatArray, tick: Callable[[float], None]
-) -> BodyFit:
+    tosses: Tosses, body: ThrownBody, law: ThrownModel, draws: FloatArray, tick: Callable[[float], None],
+    levelled: Levelled | None = None,
+) -> BodyFit:  # fmt: skip
     """Find body, ground, gravity, first states by a first law; `draws` (S, B) weigh bootstrap samples."""
-    points = ground_points(tosses, corners := sphere_places(body.tree, tosses.poses), body.width)
+    clear, notes = (CLEAR if levelled is None else WIDE), []
+    if levelled is not None:
+        tosses = levelled.upright(tosses)
+        notes.append(levelled.note)
+    corners = sphere_places(body.tree, tosses.poses)
+    points = ground_points(tosses, corners, body.width) if levelled is None else levelled.touches
     height, *slope = (float(x) for x in points.planes(np.ones((1, len(tosses))))[0])
-    plane, notes = GroundPlane(height, np.array(slope)), []
+    plane = GroundPlane(height, np.array(slope), clear)
     if not points.resting:
         notes.append(
             "few tosses come to rest: the ground is taken from the lowest places that corners reached"
@@ -295,8 +314,10 @@ def identify_body(
         estimates[name] = _estimate(
             np.degrees(np.arctan(slope[k])), np.degrees(np.arctan(planes[:, 1 + k])), "deg"
         )
-    ground = GroundPlane(values["ground"], plane.slope)
-    return BodyFit(known, ground, gravity, estimates, flight, values, part.draws, body, tuple(notes))
+    ground = GroundPlane(values["ground"], plane.slope, clear)
+    return BodyFit(
+        known, ground, gravity, estimates, flight, values, part.draws, body, levelled, tuple(notes)
+    )
 
 
 class _BodySearch:

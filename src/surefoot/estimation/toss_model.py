@@ -20,16 +20,16 @@ LONGEST_STEP = 2e-3
 """Of a simulation [s]."""
 FRICTION = TossParameter("mu", 0.2, 0.01, 0.01, 2.0)
 _RESTITUTION = TossParameter("restitution", 0.2, 0.03, 0.0, 0.95)
-_ROUNDING = TossParameter("rounding", 3e-3, 5e-4, 0.0, 0.02, "m")
+ROUNDING = TossParameter("rounding", 3e-3, 5e-4, 0.0, 0.02, "m")
 LAWS: dict[str, dict[TossParameter, int | None]] = {
-    "rigid": {FRICTION: layout.MU, _RESTITUTION: layout.POISSON, _ROUNDING: None},
-    "newton": {FRICTION: layout.MU, _RESTITUTION: layout.RESTITUTION, _ROUNDING: None},
+    "rigid": {FRICTION: layout.MU, _RESTITUTION: layout.POISSON, ROUNDING: None},
+    "newton": {FRICTION: layout.MU, _RESTITUTION: layout.RESTITUTION, ROUNDING: None},
     "tangential": {
-        FRICTION: layout.MU, _RESTITUTION: layout.POISSON, _ROUNDING: None,
+        FRICTION: layout.MU, _RESTITUTION: layout.POISSON, ROUNDING: None,
         TossParameter("tangential", 0.0, 0.05, -0.9, 0.9): layout.TANGENTIAL,
     },
     "growing-friction": {
-        FRICTION: layout.MU, _RESTITUTION: layout.POISSON, _ROUNDING: None,
+        FRICTION: layout.MU, _RESTITUTION: layout.POISSON, ROUNDING: None,
         TossParameter("growth", 0.0, 0.01, -0.2, 0.5, "s/m"): layout.GROWTH,
     },
 }  # fmt: skip
@@ -125,18 +125,29 @@ class ThrownModel:
                 rounding = float(value)
             else:
                 law[slot] = value
-        axes, tree = scene.plane.rotation, scene.body.rounded(rounding)
-        origin, back = np.array([0.0, 0.0, scene.plane.height]), axes.inv()
-        nq = 6 + tree.masses.size
-        starts = scene.starts.copy()
-        starts[:, :3] = back.apply(starts[:, :3] - origin)
-        starts[:, 3:7] = (back * Rotation.from_quat(starts[:, 3:7])).as_quat()
-        for at in (nq, nq + 3):
-            starts[:, at : at + 3] = back.apply(starts[:, at : at + 3])
-        poses = np.empty((int(scene.frames.sum()), nq))
+        tree = scene.body.rounded(rounding)
+        gravity, starts = in_plane(scene)
+        poses = np.empty((int(scene.frames.sum()), 6 + tree.masses.size))
         steps = self.steps or max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
-        gravity = back.apply([0.0, 0.0, -scene.gravity])
         throw(tree, law, gravity, starts, scene.frames, scene.dt, steps, poses)
-        poses[:, :3] = axes.apply(poses[:, :3]) + origin
-        poses[:, 3:7] = (axes * Rotation.from_quat(poses[:, 3:7])).as_quat()
-        return poses
+        return in_world(poses, scene)
+
+
+def in_plane(scene: TossScene) -> tuple[FloatArray, FloatArray]:
+    """Return gravity (3,) [m/s²] and the first states (B, nq + nv) in the axes of the ground."""
+    back, starts = scene.plane.rotation.inv(), scene.starts.copy()
+    nq = (starts.shape[1] + 1) // 2
+    starts[:, :3] = back.apply(starts[:, :3] - [0.0, 0.0, scene.plane.height])
+    starts[:, 3:7] = (back * Rotation.from_quat(starts[:, 3:7])).as_quat()
+    for at in (nq, nq + 3):
+        starts[:, at : at + 3] = back.apply(starts[:, at : at + 3])
+    return np.asarray(back.apply([0.0, 0.0, -scene.gravity])), starts
+
+
+def in_world(poses: FloatArray, scene: TossScene) -> FloatArray:
+    """Turn (N, nq) poses from the axes of the ground to the world's, in place; return them."""
+    axes = scene.plane.rotation
+    poses[:, :3] = axes.apply(poses[:, :3])
+    poses[:, 2] += scene.plane.height
+    poses[:, 3:7] = (axes * Rotation.from_quat(poses[:, 3:7])).as_quat()
+    return poses

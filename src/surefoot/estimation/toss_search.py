@@ -35,6 +35,8 @@ PART, NEAR, WIDEST = 0.5, 2e-3, 10.0
 """Differences move tosses by this share of the median error or of so many widths, within so many steps."""
 NARROW = 1e-4
 """Least share of a mean curvature along an axis that is taken for told."""
+HIDDEN = 1e-6
+"""A combination of parameters that differences move by less than this share is not shown by them."""
 DAMP, LESS, MORE = 1e-3, 0.1, 10.0
 """First damping, and its change after a step that helped and one that did not."""
 
@@ -175,7 +177,8 @@ def _slopes(
     for k, way in enumerate(steps * axes.T):
         up, down = np.clip(values + way, *ends), np.clip(values - way, *ends)
         J[:, :, k], ways[:, k] = rows(up) - rows(down), (up - down) / steps
-    J = J @ np.linalg.inv(ways)
+    long = np.maximum(np.abs(ways).max(axis=0), 1e-300)  # ranges may have left two ways alike, or none
+    J = J / long @ np.linalg.pinv(ways / long, rcond=HIDDEN)
     weight = np.repeat(1.0 / (frames * np.sqrt(here.scale**2 + here.errors**2)), frames)
     terms = np.einsum("nik,ni,n->nk", J, here.rows, weight)
     squares = np.einsum("nik,nil,n->nkl", J, J, weight)

@@ -11,7 +11,9 @@ from scipy.spatial.transform import Rotation
 from surefoot.arrays import FloatArray
 from surefoot.collision import Solid
 from surefoot.estimation.thrown_body import ThrownBody, TossParameter
-from surefoot.estimation.toss_model import FRICTION, TossScene
+from surefoot.estimation.toss_model import FRICTION, ROUNDING, TossScene, in_plane, in_world
+from surefoot.simulation.drake.world import STICTION, WORKER
+from surefoot.simulation.drake_python import Worker
 from surefoot.simulation.mujoco_spec import import_mujoco
 from surefoot.spatial import quaternion_wxyz, quaternion_xyzw
 
@@ -121,5 +123,66 @@ def _geom(solid: Solid, scale: float) -> str:
     return f'<geom type="{kind}" size="{_text(size)}" pos="{place}" quat="{_turn(solid.rotation)}"/>'
 
 
-RIVALS = {MujocoBody.name: MujocoBody}
+class DrakeBody:
+    """Drake's point contact at rounded corners: its own choice "lagged", steps of a millisecond.
+
+    Of a joint's losses it has the damping; it lives in an interpreter of its own, see `drake_python`.
+
+    Raises
+    ------
+    MissingExtra
+        If Drake is not installed, and no other interpreter is named.
+    """
+
+    name = "drake"
+    parameters = (
+        FRICTION,
+        TossParameter("stiffness_log10", 4.5, 0.1, 3.0, 7.0, "log N/m"),
+        TossParameter("dissipation", 1.0, 0.1, 0.0, 50.0, "s/m"),
+        ROUNDING,
+    )
+
+    def __init__(self) -> None:
+        self._worker = Worker(WORKER)
+
+    def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
+        """Return (sum of frames, nq) positions [m], quaternions and joints."""
+        mu, stiffness, dissipation, rounding = (float(v) for v in values)
+        tree, steps = scene.body.rounded(rounding), max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
+        gravity, starts = in_plane(scene)
+        nq = 6 + tree.masses.size
+        # quaternions (w, x, y, z) before places, angular velocities before the others
+        order = [6, 3, 4, 5, 0, 1, 2, *range(7, nq)]
+        order += [*range(nq + 3, nq + 6), *range(nq, nq + 3), *range(nq + 6, 2 * nq - 1)]
+        spheres = zip((tree.links + 1).tolist(), tree.points.tolist(), tree.radii.tolist(), strict=True)
+        material = {"point_contact_stiffness": 10.0**stiffness, "hunt_crossley_dissipation": dissipation}
+        level = {"rotation": np.eye(3).tolist(), "place": [0.0] * 3}
+        words = {
+            "dt": scene.dt / steps, "mu": mu, "gravity": gravity.tolist(), "material": material,
+            "approximation": "lagged", "near_rigid": None, "stiction": STICTION, "ground": [level],
+            "spheres": list(spheres), "joints": [_drake_joint(scene.body, i) for i in range(nq - 6)],
+        }  # fmt: skip
+        self._worker.ask(["scene", words])
+        told = self._worker.ask(["throw", starts[:, order].tolist(), scene.frames.tolist(), steps])
+        poses = np.empty((len(told["q"]), nq))
+        poses[:, order[:nq]] = told["q"]
+        return in_world(poses, scene)
+
+
+def _drake_joint(body: ThrownBody, i: int) -> dict[str, Any]:
+    """Return a link, and the joint that it hangs on, as Drake's worker takes it."""
+    tree = body.tree
+    kind = "free" if i == 0 else ("prismatic" if tree.sliding[i] else "revolute")
+    arrays = {
+        "rotation": tree.turns[i], "place": tree.places[i], "axis": tree.axes[i], "com": tree.centres[i],
+        "inertia": tree.inertias[i],
+    }  # fmt: skip
+    return {
+        "kind": kind, "parent": int(tree.parents[i]) + 1, "low": -math.inf, "high": math.inf,
+        "mass": float(tree.masses[i]), "damping": float(tree.damping[i]),
+        **{name: value.tolist() for name, value in arrays.items()},
+    }  # fmt: skip
+
+
+RIVALS: dict[str, Any] = {one.name: one for one in (MujocoBody, DrakeBody)}
 """Rivals by name, which is that of the simulator's package as well: what `--rivals` chooses from."""

@@ -43,8 +43,8 @@ def draw_tosses(train: Tosses, test: Tosses | None, fits: Mapping[str, TossFit],
     errors = {name: _errors(fit) for name, fit in fits.items()}
     _draw_shares(axes[0, 0], {n: e.position for n, e in errors.items()}, "mean position error [width]")
     _draw_shares(axes[0, 1], {n: e.rotation for n, e in errors.items()}, "mean rotation error [deg]")
-    tosses = train if test is None else test
     first = next(iter(fits.values()))
+    tosses = first.found.upright(train if test is None else test)
     poses = first.train_poses if test is None or first.test_poses is None else first.test_poses
     size = next(iter(errors.values())).position
     which = int(np.argsort(size)[size.size // 2])

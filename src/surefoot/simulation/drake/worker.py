@@ -77,9 +77,8 @@ class DrakeScene:
         if joint["kind"] == "free":
             return self.plant.AddJoint(QuaternionFloatingJoint(name, frame, body.body_frame()))
         kind = RevoluteJoint if joint["kind"] == "revolute" else PrismaticJoint
-        return self.plant.AddJoint(
-            kind(name, frame, body.body_frame(), joint["axis"], joint["low"], joint["high"], 0.0)
-        )
+        low, high, damping = joint["low"], joint["high"], joint.get("damping", 0.0)
+        return self.plant.AddJoint(kind(name, frame, body.body_frame(), joint["axis"], low, high, damping))
 
     def touch(self, joint: int, place: list[float], radius: float) -> Any:
         """Return the geometry of a contact sphere on the body of a joint, place and radius in [m]."""
@@ -127,6 +126,17 @@ class DrakeScene:
         self.effort.FixValue(self.context, np.zeros(len(v)))
         self.simulator.Initialize()
         return self.state()
+
+    def throw(self, starts: list[list[float]], frames: list[int], steps: int) -> dict[str, Any]:
+        """Return the places in every frame, so many steps apart, from starts with places and velocities."""
+        out = []
+        for start, count in zip(starts, frames, strict=True):
+            out.append(self.reset(start[: len(self.positions)], start[len(self.positions) :])["q"])
+            for _ in range(1, count):
+                self.count += steps - 1
+                self.advance()
+                out.append(self.state()["q"])
+        return {"q": out}
 
     def step(self, effort: list[float]) -> dict[str, Any]:
         """Take a step under (nv,) generalised forces [N, N m]."""
