@@ -22,13 +22,16 @@ from surefoot.estimation.thrown_body import cube_body
 from surefoot.estimation.toss_errors import toss_errors
 from surefoot.estimation.toss_model import ThrownModel, TossScene
 from surefoot.estimation.tosses import Tosses, read_tosses
-from surefoot.experiments.tosses import MujocoBody
+from surefoot.experiments.tosses import DrakeBody, MujocoBody
+from surefoot.simulation import drake_python
 from surefoot.simulation.bullet import import_bullet
 from surefoot.spatial import GRAVITY
 from surefoot.stepping.falling_tree import sphere_places
 
 MUJOCO = (0.02, 1.0, 0.9, 0.95)
 """Its solref and the first two of its solimp."""
+DRAKE = (6.0, 50.0, 1e-4)
+"""Its stiffness [log N/m] and dissipation [s/m]; its corners are spheres this small [m]."""
 BULLET_STEP = 1.0 / 240.0
 """[s]."""
 
@@ -80,6 +83,9 @@ def errors(tosses: Tosses, mu: float) -> Table:
         "PyBullet": bullet(mu, tosses, scene),
         "rigid, no restitution": ThrownModel().rollout(np.array([mu, 0.0, 0.0]), scene),
     }
+    if drake_python.present():
+        for kind in ("lagged", "similar"):
+            found[f"Drake, {kind}"] = DrakeBody(kind).rollout(np.array([mu, *DRAKE]), scene)
     rows = []
     for name, poses in found.items():
         e = toss_errors(tosses, poses, width, before)

@@ -124,9 +124,14 @@ def _geom(solid: Solid, scale: float) -> str:
 
 
 class DrakeBody:
-    """Drake's point contact at rounded corners: its own choice "lagged", steps of a millisecond.
+    """Drake's point contact at rounded corners, with Hunt and Crossley's dissipation, steps of a millisecond.
 
     Of a joint's losses it has the damping; it lives in an interpreter of its own, see `drake_python`.
+
+    Parameters
+    ----------
+    approximation
+        "similar", convex; "lagged", Drake's default, takes the last step's normal force, and corners chatter.
 
     Raises
     ------
@@ -142,8 +147,8 @@ class DrakeBody:
         ROUNDING,
     )
 
-    def __init__(self) -> None:
-        self._worker = Worker(WORKER)
+    def __init__(self, approximation: str = "similar") -> None:
+        self._worker, self._approximation = Worker(WORKER), approximation
 
     def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
         """Return (sum of frames, nq) positions [m], quaternions and joints."""
@@ -159,7 +164,7 @@ class DrakeBody:
         level = {"rotation": np.eye(3).tolist(), "place": [0.0] * 3}
         words = {
             "dt": scene.dt / steps, "mu": mu, "gravity": gravity.tolist(), "material": material,
-            "approximation": "lagged", "near_rigid": None, "stiction": STICTION, "ground": [level],
+            "approximation": self._approximation, "near_rigid": None, "stiction": STICTION, "ground": [level],
             "spheres": list(spheres), "joints": [_drake_joint(scene.body, i) for i in range(nq - 6)],
         }  # fmt: skip
         self._worker.ask(["scene", words])
