@@ -212,13 +212,9 @@ def identify(
             progress(count)
 
     if found is None:
-        body = cube_body(tosses.cube) if model is None else thrown_body(model)
-        for one in (tosses, others):
-            if one is not None and one.joints != len(body.joints):
-                raise ProblemError(f"the model has {len(body.joints)} joints, the tosses have {one.joints}")
+        body = _thrown(model, tosses, others)
         first = ThrownModel(steps=simulator.steps if isinstance(simulator, ThrownModel) else None)
-        levelled = find_levelled(tosses, body)
-        found = identify_body(tosses, body, first, draws, tick, levelled)
+        found = identify_body(tosses, body, first, draws, tick, find_levelled(tosses, body))
     tosses = found.upright(tosses)
     scene, before, own = found.scene(tosses), found.before(tosses), simulator.parameters
     values, spread, settled = np.array([found.values.get(p.name, p.start) for p in own]), draws, True
@@ -247,6 +243,15 @@ def identify(
         judged_impacts((tosses, scene), (judged, test_scene), simulator, values, noise), *noise,
         count / len(tosses), time.perf_counter() - begin, tuple(notes),
     )  # fmt: skip
+
+
+def _thrown(model: Robot | str | Path | None, tosses: Tosses, others: Tosses | None) -> ThrownBody:
+    """Return the body of a model, or the cube that the tosses name; it has the joints of all of them."""
+    body = cube_body(tosses.cube) if model is None else thrown_body(model)
+    for one in (tosses, others):
+        if one is not None and one.joints != len(body.joints):
+            raise ProblemError(f"the model has {len(body.joints)} joints, the tosses have {one.joints}")
+    return body
 
 
 def _search_law(
