@@ -236,15 +236,19 @@ def _error_table(facts: dict[str, Any], part: str) -> Any:
 
 def _impact_lines(facts: dict[str, Any]) -> Iterator[str]:
     """Yield what the first impacts say of every law and rival."""
+    from surefoot.estimation.toss_errors import paired_difference
+
     judged = facts["test"] or facts["train"]
     others = {**facts["laws"], **judged["rivals"]}
     for name, found in ((facts["law"], facts["impacts"]), *((n, o["impacts"]) for n, o in others.items())):
         if found is not None:
+            ours, logs = facts["impacts"]["log_likelihood"], found["log_likelihood"]
+            gap = f", {facts['law']} less this {_gap(vars(paired_difference(ours, logs)))}"
             yield (
                 f"{name}: after {found['impacts']} first impacts median errors of "
                 f"{found['velocity_error_median']:.4f} m/s and {found['spin_error_median']:.3f} rad/s (noise "
                 f"alone {found['velocity_floor']:.4f} and {found['spin_floor']:.3f}), log-likelihood "
-                f"{found['log_likelihood_mean']:.3f} an impact"
+                f"{found['log_likelihood_mean']:.3f} an impact{gap if logs is not ours else ''}"
             )
 
 
