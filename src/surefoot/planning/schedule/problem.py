@@ -95,8 +95,8 @@ class ScheduleProblem:
     force_min
         Least normal force of a point that stands [N].
     leg_gap
-        How far behind the front legs' knees and feet the rear ones' stay, along the base's x axis [m]; 0 for
-        any.
+        How far behind the front legs' knees and feet the rear ones' stay, along the base's x axis, and rear
+        hips behind front feet where only rear feet stand [m]; 0 for any.
     leg_spread
         How far apart knees and feet of left and right legs stay, along the base's y axis [m]; 0 for any.
     body_clearance, knee_clearance

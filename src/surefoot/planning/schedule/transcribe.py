@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.numerics.phases import runs_of
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.transcription.knot import Row, SymbolicKnot, stacked
@@ -69,7 +69,10 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
     ]
     for axis, least_gap in enumerate((problem.leg_gap, problem.leg_spread)):
         if least_gap > 0.0:
-            rows.append((_leg_gaps(robot, body, q_after, axis), least_gap, inf))
+            gaps = _leg_gaps(robot, body, q_after, axis)
+            least = np.full((problem.knots, gaps.shape[0]), least_gap)
+            least[~_reared(problem), 8:] = -inf
+            rows.append((gaps, least, inf))
     if problem.stance_reach > 0.0:
         rows.append((_reach(robot, body, q_after), np.where(stance, problem.stance_reach, -inf), inf))
     if np.isfinite(problem.touchdown_speed):
@@ -108,23 +111,31 @@ def _difference(problem: ScheduleProblem, q: Any) -> Any:
     return ca.sumsqr(base) + 0.5 * ca.sumsqr(joints - swapped)
 
 
-def _leg_gaps(robot: Robot, body: SymbolicBody, q: Any, axis: int) -> Any:
-    """Return how far apart knees and feet of neighbouring legs are along an axis of the base (8, 1) [m].
+def _reared(problem: ScheduleProblem) -> BoolArray:
+    """Return in which knots (knots,) feet stand, and no front one: rear thighs come up to those."""
+    front = np.isin(problem.robot.contact_points.foot, quadruped_order(problem.robot)[:2])
+    return np.asarray(problem.stance.any(axis=1) & ~problem.stance[:, front].any(axis=1))
 
-    Axis 0: how far those of rear legs are behind those of front legs on their side; axis 1: how far those of
-    right legs are to the right of left ones.
+
+def _leg_gaps(robot: Robot, body: SymbolicBody, q: Any, axis: int) -> Any:
+    """Return how far apart knees and feet of neighbouring legs are along an axis of the base (m, 1) [m].
+
+    Axis 0: how far those of rear legs are behind those of front legs on their side, and last their hips
+    behind front feet; axis 1: how far those of right legs are to the right of left ones.
     """
     ca, points = import_casadi(), robot.contact_points
     order = quadruped_order(robot)
     number = [int(np.flatnonzero(points.foot == k)[0]) for k in order]
-    joints = np.repeat(points.joints[number], 2)
+    joints = np.repeat(points.joints[number], 2).tolist()
+    hips = [int(robot.model.parents[knee]) for knee in joints[4::2]]
     places = np.zeros((8, 3))
     places[1::2] = points.places[number]
-    seen = body.body_points(q, [*joints.tolist(), 1], np.vstack([places, np.zeros(3)]))
-    ahead = body.body_points(q, [1], np.eye(3)[[axis]]) - seen[:, 8]
-    along = ca.mtimes(ahead.T, seen[:, :8])
+    seen = body.body_points(q, [*joints, *hips, 1], np.vstack([places, np.zeros((3, 3))]))
+    ahead = body.body_points(q, [1], np.eye(3)[[axis]]) - seen[:, 10]
+    along = ca.mtimes(ahead.T, seen[:, :10])
     legs = ((0, 2), (1, 3)) if axis == 0 else ((0, 1), (2, 3))
     pairs = [(2 * one + a, 2 * other + b) for one, other in legs for a in (0, 1) for b in (0, 1)]
+    pairs += [(1, 8), (3, 9)] if axis == 0 else []
     return ca.vertcat(*(along[one] - along[other] for one, other in pairs))
 
 
