@@ -2,7 +2,8 @@
 
 Both run in real time by a clock that is slower than the machine's, so that a busy machine is late for nobody:
 what is late, silent or stopped is so by that clock, in the code that a real robot would meet. Joints count as
-damped when the robot has taken targets without stiffness and torque, asked for or of its own accord.
+damped when the robot has taken targets without stiffness and torque, asked for or of its own accord. While
+nothing goes wrong both wait for each other, however busy the machine is: the clock stands meanwhile.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ SLOWER, DOMAIN = 16.0, 94
 """Length of a second of both sides' clock [s], and DDS's domain."""
 ALLOWED, LASTS, ON_THE_WAY = 0.02, 0.3, 0.2
 """Time until the joints are damped [s], length of a fault [s], and of the walk before it [m]."""
+PATIENT = 2.0
+"""How long a message is waited for that nobody holds back, by the machine's clock [s]."""
 LONGEST = 12.0
 """Longest time until the robot walks again [s]."""
 WRONG = 0.1
@@ -61,9 +64,13 @@ class SlowRobot(WiredRobot):
 
     def step(self) -> None:
         """See `WiredRobot`."""
-        late = motor_robot.clock.perf_counter() - self._due  # type: ignore[attr-defined]
-        motor_robot.clock.lost.value += max(late, 0.0)  # type: ignore[attr-defined]
+        clock: Any = motor_robot.clock  # type: ignore[attr-defined]
+        late = clock.perf_counter() - self._due
+        clock.lost.value += max(late, 0.0)
+        due = self._due + self.robot.dt
         super().step()
+        clock.lost.value += self._due - due  # held up while it spoke
+        self._due = due
 
 
 def _set(name: str, value: float) -> Spoiler:
@@ -121,9 +128,11 @@ class FaultyEnd(WireEnd):
     """An end of the wire by the slow clock; at the robot's side things go wrong there."""
 
     fault = ""
+    trouble: Any = None  # whether something goes wrong anywhere: a value of both processes
 
     def begin(self, fault: str, seed: int) -> None:
         """Let something go wrong from now on."""
+        self.trouble.value = True
         self.fault, self._rng = fault, np.random.default_rng(seed)
         self.kept: dict[str, Any] = {"joint": int(self._rng.integers(12)), "off": WRONG}
 
@@ -143,6 +152,8 @@ class FaultyEnd(WireEnd):
     def receive(self, timeout: float) -> Any | None:
         """See `WireEnd`."""
         message = super().receive(timeout * SLOWER)
+        if message is None and not self.trouble.value:
+            message = super().receive(PATIENT)
         if message is not None:
             message["crc"] ^= self.fault == "checksums of commands are wrong"
         return None if self.fault == "commands are lost" else message
@@ -176,7 +187,7 @@ class WatchedLoop(sf.RobotLoop):
         return targets
 
 
-def _walk(end: Any, told: Any, lost: Any, out: Path) -> None:
+def _walk(end: Any, told: Any, lost: Any, trouble: Any, out: Path) -> None:
     """Be the controller: stand up and walk whenever that is possible, until told to end."""
     wired_loop.clock = SlowClock(lost)  # type: ignore[attr-defined, assignment]
     robot = sf.load_robot("go2")
@@ -185,6 +196,7 @@ def _walk(end: Any, told: Any, lost: Any, out: Path) -> None:
     log = LoopLog(loop)
     loop.steer([0.5, 0.0, 0.0])
     with closing(FaultyEnd(dialect, False, "lo", DOMAIN)) as wire:
+        wire.trouble = trouble
         wired = wired_loop.WiredLoop(loop, wire, dialect, watch=log.note)
         told.send(0.0)
         wired.wait(30.0)
@@ -222,21 +234,22 @@ def _go_wrong(wired: WiredRobot, fault: str, seed: int, other: int) -> tuple[flo
             damped = body.time
     if fault == STOPPED[0]:
         os.kill(other, signal.SIGCONT)
-    end.fault = ""
+    end.fault, end.trouble.value = "", False
     if fault in BEARABLE:
         return LASTS, damped is None and body.world.state()[0][2] > 0.25
     if end.kept["off"] < WRONG:
         return 0.0, True
-    late = np.inf if damped is None else damped - wrong
+    late = np.inf if damped is None else max(damped - wrong, 0.0)
     return late, late <= ALLOWED + 1e-9
 
 
-def _suffer(count: int, other: int, told: Any, lost: Any) -> None:
+def _suffer(count: int, other: int, told: Any, lost: Any, trouble: Any) -> None:
     """Be the robot: walk, let something go wrong, and begin anew."""
     motor_robot.clock = SlowClock(lost)  # type: ignore[attr-defined, assignment]
     robot = sf.load_robot("go2")
     dialect, body = dialect_of(robot), WatchedBody(robot)
     with closing(FaultyEnd(dialect, True, "lo", DOMAIN)) as wire:
+        wire.trouble = trouble
         told.recv()
         wired = SlowRobot(body, wire, dialect)
         for k in range(count):
@@ -254,16 +267,12 @@ def suffer(count: int, out: Path, said: Callable[[str], None]) -> dict[str, Any]
     """Return what came of so many faults; `said` is called with a line for each."""
     sys.path.append(str(Path(__file__).parents[1]))  # where new processes find this module
     context = multiprocessing.get_context("spawn")
-    end, lost, (ours, theirs), (mine, his) = (
-        context.Event(),
-        context.Value("d"),
-        context.Pipe(),
-        context.Pipe(),
-    )
-    controller = context.Process(target=_walk, args=(end, theirs, lost, out), daemon=True)
+    end, lost, trouble = context.Event(), context.Value("d"), context.Value("b")
+    (ours, theirs), (mine, his) = context.Pipe(), context.Pipe()
+    controller = context.Process(target=_walk, args=(end, theirs, lost, trouble, out), daemon=True)
     controller.start()
     theirs.close()  # who dies ends the pipe
-    robot = context.Process(target=_suffer, args=(count, controller.pid, his, lost), daemon=True)
+    robot = context.Process(target=_suffer, args=(count, controller.pid, his, lost, trouble), daemon=True)
     robot.start()
     his.close()
     mine.send(ours.recv())

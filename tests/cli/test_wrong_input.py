@@ -173,6 +173,8 @@ RUNS = [
     ("bench walk --scene moon", "unknown scene 'moon'; valid names:"),
     ("bench softening --problem cube", "valid names: ball"),
     ("bench stacks --stack moon", "unknown stack 'moon'"),
+    ("drive go2 --interface eth7", "hang it up"),
+    ("drive go2 --terrain-knowledge map", "valid names: blind, exact"),
     (
         "bench stacks --stack go2-convex-mpc",
         "set --go2-convex-mpc or SUREFOOT_GO2_CONVEX_MPC to a checkout of",

@@ -14,6 +14,7 @@ import surefoot as sf
 from surefoot.compilation.dispatcher import Kernel
 from surefoot.control.controller import Wrapper
 from surefoot.control.walkers import walking_controller
+from surefoot.simulation.motor_robot import MotorRobot
 
 new, spent, watched = [], [], False
 original = Kernel.compile
@@ -46,6 +47,18 @@ assert log["saturated"].any(), "no torque met its limit"
 print("step [ms of CPU]: median %.2f, 99 %% %.2f, 99.9 %% %.2f, most %.2f"
       % tuple(np.percentile(spent, [50, 99, 99.9, 100])))
 assert not new, new
+if sys.argv[1] == "go2":  # and of the loop of a real robot
+    loop, body = sf.RobotLoop(robot), MotorRobot(robot)
+    body.lie_down()
+    for k in range(2400):
+        if k in (5, 1900):
+            loop.go("stand" if k == 5 else "walk")
+            loop.steer((0.4, 0.0, 0.2))
+        readings, watched = body.read(), True
+        targets, watched = loop.step(readings), False
+        body.take(targets)
+        body.step()
+    assert loop.mode == "walk" and not new, new
 """
 
 

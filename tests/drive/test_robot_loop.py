@@ -202,3 +202,6 @@ def test_after_an_outage_joints_may_be_anywhere(seconds: float, said: str) -> No
         came = reading(k, rng, GO2.nominal[7:] + (0.5 if k == last else 0.0), np.zeros(12))
         watch.look(came if k < 20 or k == last else None, k * DT)
     assert watch.reason == said
+    for k in range(last + 1, last + 200):  # nor is a clock that was held up late for ever
+        watch.look(reading(k, rng, GO2.nominal[7:] + 0.5, np.zeros(12)), k * DT + 0.05)
+    assert not watch.reason

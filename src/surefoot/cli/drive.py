@@ -91,6 +91,7 @@ def drive(
         log = LoopLog(loop)
         wired = WiredLoop(loop, wire, dialect, slow_motion, log.note)
         gc.freeze()
+        gc.disable()  # the loop collects between its steps
         wired.wait(30.0)
         say(plain_console(quiet=as_json), f"{model.name} speaks on {interface}: standing up")
         try:

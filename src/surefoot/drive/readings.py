@@ -9,17 +9,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, IntArray, real_number
+from surefoot.drive.reading_checks import ENDLESS, FROZEN, OUTSIDE, SOUND, beyond, contradicts, frozen
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
-from surefoot.spatial import rotation_exp, rotation_from_quaternion, rotation_log
 
 REPEATS, MOVING = 8, 0.3
 """Readings in a row in which a sensor says the same to the last digit while a joint elsewhere moves faster
 than this [rad/s]: it is frozen. White noise in steps repeats itself twice or three times."""
 FORGET = 0.9
 """What is kept of the mismatch between angles and speeds from one reading to the next."""
-FLUNG = "a joint is out of range"
+REASONS = (
+    "", "a reading is not finite", "the attitude is no unit quaternion", "the turn rate is out of range",
+    "the acceleration is out of range", "a joint is out of range", "a sensor is frozen",
+    "a joint's angles contradict its speeds", "the attitude contradicts the gyro",
+)  # fmt: skip
+"""By what `reading_checks` returns."""
 CONTRADICTIONS = 3
 """Contradictory readings in a row that end the patience with them."""
 
@@ -54,6 +59,12 @@ class RobotReadings(NamedTuple):
         """Return the readings with joints in another order, (joints,) numbers of them."""
         q, v, torques = self.positions[order], self.speeds[order], self.torques[order]
         return self._replace(positions=q, speeds=v, torques=torques)
+
+    def felt(self, least: float) -> BoolArray | None:
+        """Return which (n,) feet feel more than a force [N] by their own sensors; None without any."""
+        if self.forces is None or not np.isfinite(self.forces).all():
+            return None
+        return np.asarray(self.forces > least)
 
 
 def motor_order(robot: Robot, motors: Sequence[str] | None) -> tuple[IntArray, IntArray]:
@@ -144,21 +155,29 @@ class ReadingWatch:
         self.last: RobotReadings | None = None
         self.silent, self.reason = 0.0, ""
         self._clock, self._offset = -math.inf, math.inf
-        self._said = np.zeros(0)
-        self._repeated = np.zeros(0, dtype=np.int64)
+        joints = len(self._low)
+        self._said, self._last = np.zeros((2, 10 + 3 * joints))
+        self._repeated = np.zeros(3 + joints, dtype=np.int64)
         self._contradictions = 0
         self._compare_anew()
 
     def _compare_anew(self) -> None:
         """Forget by how much angles and attitude are off what speeds and gyro say."""
-        self._drift, self._turn = np.zeros(len(self._low)), np.zeros(3)
-        self._slack, self._room = np.zeros(len(self._low)), 0.0
+        self._kept = np.zeros(2 * len(self._low) + 4)
 
     @property
     def blind(self) -> bool:
         """Whether control is impossible."""
         late = self.silent >= self.limits.patience - 0.5 * self.dt
         return self.last is None or late or self._contradictions >= CONTRADICTIONS
+
+    @property
+    def lean(self) -> float:
+        """How far the base leans by the last usable reading [rad]; infinite before the first."""
+        if self.last is None:
+            return math.inf
+        x, y, z, w = self.last.quaternion.tolist()
+        return math.acos(max(1.0 - 2.0 * (x * x + y * y) / (x * x + y * y + z * z + w * w), -1.0))
 
     def look(self, readings: RobotReadings | None, now: float) -> bool:
         """Return whether a reading that came at a time [s] can be used; None for one that did not come."""
@@ -167,22 +186,27 @@ class ReadingWatch:
             self.silent += self.dt
             self.reason = fault
             return False
+        assert readings is not None
         self.silent, self.reason, self._contradictions, self.last = 0.0, "", 0, readings
+        self._last = self._came
         return True
 
     def _fault(self, readings: RobotReadings | None, now: float) -> str:
         """Return why a reading cannot be used, empty if it can."""
         if readings is None:
             return "no reading came"
-        time, *rows = readings[:7]
-        said = np.concatenate(rows)
-        if not math.isfinite(time) or not np.isfinite(said).all():
-            return "a reading is not finite"
-        return self._late(time, now) or self._beyond(readings) or self._contradictory(readings, said)
+        said, limits = np.concatenate(readings[1:7]), self.limits
+        self._came = said
+        wrong = beyond(said, self._low, self._high, self._fastest, limits.turning, limits.hardest)
+        if not math.isfinite(readings.time) or wrong == ENDLESS:
+            return REASONS[ENDLESS]
+        return self._late(readings.time, now) or REASONS[wrong or self._contradictory(said)]
 
     def _late(self, time: float, now: float) -> str:
         """Return what is wrong with a reading's time."""
         before, self._clock = self._clock, time
+        if self.silent >= self.limits.outage:  # what is late for so long has a clock that was held up
+            self._offset = math.inf
         if time == before:
             return "a reading came twice"
         if time < before:  # out of order once, or a clock that was set back: the next one tells
@@ -192,60 +216,24 @@ class ReadingWatch:
         self._offset = min(self._offset + 1e-4 * self.dt, now - time)
         return "a reading is late" if now - time > self._offset + self.limits.latest else ""
 
-    def _beyond(self, readings: RobotReadings) -> str:
-        """Return what is out of range."""
-        limits, q = self.limits, readings.positions
-        if abs(float(np.linalg.norm(readings.quaternion)) - 1.0) > 0.02:
-            return "the attitude is no unit quaternion"
-        if float(np.abs(readings.gyro).max()) > limits.turning:
-            return "the turn rate is out of range"
-        if float(np.abs(readings.accelerometer).max()) > limits.hardest:
-            return "the acceleration is out of range"
-        if ((q < self._low) | (q > self._high) | (np.abs(readings.speeds) > self._fastest)).any():
-            return FLUNG
-        return ""
-
-    def _contradictory(self, now: RobotReadings, said: FloatArray) -> str:
+    def _contradictory(self, said: FloatArray) -> int:
         """Return what contradicts itself, or the reading before."""
-        last, limits = self.last, self.limits
-        if last is None:
-            self._said = said
-            self._repeated = np.zeros(3 + len(self._low), dtype=np.int64)
-            return ""
-        if self._frozen(now, said):
+        if self.last is None:
+            self._said[:], self._repeated[:] = said, 0
+            return SOUND
+        if frozen(said, self._said, self._repeated, MOVING, REPEATS - 1):
             self._contradictions = CONTRADICTIONS
-            return "a sensor is frozen"
+            return FROZEN
+        limits = self.limits
         if self.silent >= limits.outage:  # damped since then, joints may be anywhere
             self._compare_anew()
-            return ""
+            return SOUND
         elapsed = self.silent + self.dt
-        keep = FORGET ** (elapsed / self.dt)
-        # the trapezoid's error is within half the change of the speed, and is kept as long as the drift
-        drift = keep * self._drift + now.positions - last.positions
-        drift -= 0.5 * elapsed * (now.speeds + last.speeds)
-        slack = keep * self._slack + 0.5 * elapsed * np.abs(now.speeds - last.speeds)
-        if self.reason == FLUNG:  # faster than is believed, so that nothing was compared meanwhile
-            slack += self.silent * self._fastest
-        before, after = (rotation_from_quaternion(r.quaternion) for r in (last, now))
-        rate = 0.5 * (last.gyro + now.gyro)
-        turn = keep * self._turn + rotation_log(rotation_exp(-elapsed * rate) @ before.T @ after)
-        room = keep * self._room + 0.5 * elapsed * float(np.abs(now.gyro - last.gyro).max())
-        if (np.abs(drift) > limits.mismatch + slack).any():
-            self._contradictions += 1
-            return "a joint's angles contradict its speeds"
-        if float(np.abs(turn).max()) > limits.turned + room:
-            self._contradictions += 1
-            return "the attitude contradicts the gyro"
-        self._drift, self._turn, self._slack, self._room = drift, turn, slack, room
-        return ""
-
-    def _frozen(self, now: RobotReadings, said: FloatArray) -> bool:
-        """Return whether a sensor goes on saying the same while others move."""
-        same, self._said = said == self._said, said
-        joints = len(self._low)
-        still = same[10 : 10 + joints] & same[10 + joints : 10 + 2 * joints]
-        groups = np.concatenate([[same[:4].all(), same[4:7].all(), same[7:10].all()], still])
-        moves = np.abs(now.speeds) > MOVING
-        others = moves.sum() - np.concatenate([np.zeros(3, dtype=np.int64), moves]) > 0
-        self._repeated = np.where(groups & others, self._repeated + 1, 0)
-        return bool((self._repeated >= REPEATS - 1).any())
+        # faster than is believed, so that nothing was compared meanwhile
+        flung = self.silent if self.reason == REASONS[OUTSIDE] else 0.0
+        found = contradicts(
+            said, self._last, self._kept, elapsed, FORGET ** (elapsed / self.dt), limits.mismatch,
+            limits.turned, flung * self._fastest,
+        )  # fmt: skip
+        self._contradictions += found != SOUND
+        return found

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
+from surefoot.arrays import finite_array, of_kind, real_number
 from surefoot.control.controller import Command, JointTargets, RobotState
 from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walker import Walker
@@ -28,7 +28,7 @@ from surefoot.estimation.state_estimator import Reading
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators, actuators_of
 from surefoot.robot.rotors import with_rotors
-from surefoot.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
 
 UPRIGHT, LOW = 0.5, 0.4
@@ -142,10 +142,21 @@ class RobotLoop:
         made = {name: self._balance(name, mu, latency) for name in dict.fromkeys(names.values())}
         self._balances = {mode: made[name] for mode, name in names.items()}
         self.reset()
-        q, v = robot.nominal, np.zeros(robot.model.nv)
+        self._rehearse()
+
+    def _rehearse(self) -> None:
+        """Walk, damp and stand in imagination, for all that a step calls to be compiled or loaded."""
+        robot, q, v = self.robot, self.robot.nominal, np.zeros(self.robot.model.nv)
         start = RobotState(q, v, 0.0, np.ones(len(robot.feet), dtype=bool), v[6:])
-        for _, controller in made.values():
-            controller.warm_up(start)  # compiles or loads all that a step may call
+        for walker, controller in dict.fromkeys(self._balances.values()):
+            walker.steer(SLOW * np.ones(3))
+            controller.warm_up(start)
+        level, up = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, GRAVITY])
+        for k in range(4):
+            if k == 2:
+                self._begin()
+            self.step(RobotReadings(k * self.dt, level, np.zeros(3), up, q[7:], v[6:], v[6:]))
+        self.reset()
 
     def _balance(self, gait: str, mu: float, latency: float | None) -> tuple[Walker, LatencyCompensation]:
         """Return a controller that balances and what makes joint targets of its commands."""
@@ -209,7 +220,7 @@ class RobotLoop:
             self.mode = Mode(goal)
             return
         anywhere = self.mode in POWERLESS
-        leans = anywhere and self._lean() > UPRIGHT
+        leans = anywhere and self.watch.lean > UPRIGHT
         self._player.take(goal, last.positions, self.time, anywhere=anywhere, leans=leans)
         self.mode = Mode.STAND_UP if goal == "stand" else Mode(goal)
 
@@ -229,10 +240,12 @@ class RobotLoop:
     @property
     def can_rise(self) -> bool:
         """Whether the robot can stand up from how it lies."""
-        return self._player.roll_over.known or self._lean() <= UPRIGHT
+        return self._player.roll_over.known or self.watch.lean <= UPRIGHT
 
     def steer(self, velocity: ArrayLike, posture: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Take another velocity and posture for `walk`; standing, the posture alone.
+
+        A direction that is new takes 20 ms: here, or in the next step of a robot that walks already.
 
         Parameters
         ----------
@@ -249,6 +262,9 @@ class RobotLoop:
         velocity, posture = finite_array("velocity", velocity, (3,)), finite_array("posture", posture, (3,))
         VelocityCommand(np.zeros(1), velocity[None], posture[None])  # or raise
         self._velocity, self._posture = velocity, posture
+        if self.mode is not Mode.WALK:  # what it asks of the legs is worked out now: no step waits for it
+            self._balances[Mode.WALK][0].steer(velocity, posture)
+            self._steered = ()
 
     def step(self, readings: RobotReadings | None, now: float | None = None) -> JointTargets:
         """Return the joints' targets, in the order of the motors; never raises on what is read.
@@ -310,7 +326,7 @@ class RobotLoop:
             if self.mode is not Mode.STAND_UP or self._player.rest(self.time) < SETTLE:
                 return targets
             if self._player.lying:
-                if not self._player.go_on(targets.positions, self.time, self._lean() > UPRIGHT):
+                if not self._player.go_on(targets.positions, self.time, self.watch.lean > UPRIGHT):
                     self._stop(f"the robot rolled {TRIES} times and is not on its belly")
                 return targets
             self._begin()
@@ -336,10 +352,7 @@ class RobotLoop:
         state = self._sense(usable)
         self.state, self.command = state, self._controller.step(state)
         self.tracker.plan(self.command)
-        targets = self.command.joint_targets
-        if targets is None:
-            return self._damp._replace(feedforward=self.command.torques)
-        return targets
+        return self.command.joint_targets or self._damp._replace(feedforward=self.command.torques)
 
     def _choose(self) -> None:
         """Tell the walker where to go, and change to another where the mode asks for it."""
@@ -364,17 +377,11 @@ class RobotLoop:
             before = self._reading
             self._reading = before._replace(positions=before.positions + self.dt * before.speeds)
         self.tracker.acted(last.torques)
-        felt = self._felt(last.forces)
+        felt = last.felt(FELT * self.robot.mass * GRAVITY)
         state = self.tracker.state(
             self._reading, self.time - self._began, felt=None if felt is None else lambda _: felt
         )
         return state._replace(torques=last.torques if usable else None)
-
-    def _felt(self, forces: FloatArray | None) -> BoolArray | None:
-        """Return which feet touch by their own sensors; None without any."""
-        if forces is None or not np.isfinite(forces).all():
-            return None
-        return np.asarray(forces > FELT * self.robot.mass * GRAVITY)
 
     def _still(self) -> bool:
         """Whether a robot that balances stands on all feet and hardly moves."""
@@ -388,11 +395,4 @@ class RobotLoop:
         """Whether the base leans as one that has fallen, or is as low by the estimate."""
         q = None if self.state is None else self.state.q
         low = q is not None and q[2] - self.terrain.height(q[:2]) < LOW * self.robot.nominal[2]
-        return bool(low) or self._lean() > self.limits.tilt
-
-    def _lean(self) -> float:
-        """Return how far the base leans [rad]."""
-        last = self.watch.last
-        if last is None:
-            return math.inf
-        return math.acos(min(max(float(rotation_from_quaternion(last.quaternion)[2, 2]), -1.0), 1.0))
+        return bool(low) or self.watch.lean > self.limits.tilt

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.controller import JointTargets
+from surefoot.kernels import kernel
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
@@ -36,12 +39,26 @@ class TargetLimits:
         What is not finite is taken for zero, and its joint gets no stiffness. A torque beyond its limit is
         brought back by lower gains, after the feed-forward torque has been clipped.
         """
-        known = np.isfinite(np.array(targets)).all(axis=0)
-        rows = np.where(known, np.array(targets), 0.0)
-        goal, rate = np.clip(rows[0], self.low, self.high), np.clip(rows[1], -self.speed, self.speed)
-        kp, kd = np.clip(rows[2], 0.0, self._gains[0]), np.clip(rows[3], 0.0, self._gains[1])
-        torque = np.clip(rows[4], -self.effort, self.effort)
-        pull = kp * (goal - positions) + kd * (rate - speeds)
-        left = np.clip(torque + pull, -self.effort, self.effort) - torque
-        share = np.where(np.abs(pull) > np.abs(left), left / np.where(pull == 0.0, 1.0, pull), 1.0)
-        return JointTargets(goal, rate, share * kp, share * kd, torque)
+        rows = np.array(targets, dtype=np.float64)
+        held(rows, positions, speeds, self.low, self.high, self.speed, self.effort, *self._gains)
+        return JointTargets(*rows)
+
+
+@kernel
+def held(
+    rows: FloatArray, positions: FloatArray, speeds: FloatArray, low: FloatArray, high: FloatArray,
+    fastest: FloatArray, effort: FloatArray, stiffest: float, hardest: float,
+) -> None:  # fmt: skip
+    """Bring (5, joints) targets within the limits of (joints,), see `TargetLimits.hold`."""
+    for j in range(rows.shape[1]):
+        for k in range(5):
+            if not math.isfinite(rows[k, j]):
+                rows[:, j] = 0.0
+        goal, rate = min(max(rows[0, j], low[j]), high[j]), min(max(rows[1, j], -fastest[j]), fastest[j])
+        kp, kd = min(max(rows[2, j], 0.0), stiffest), min(max(rows[3, j], 0.0), hardest)
+        torque = min(max(rows[4, j], -effort[j]), effort[j])
+        pull = kp * (goal - positions[j]) + kd * (rate - speeds[j])
+        left = min(max(torque + pull, -effort[j]), effort[j]) - torque
+        share = left / pull if abs(pull) > abs(left) else 1.0
+        rows[0, j], rows[1, j] = goal, rate
+        rows[2, j], rows[3, j], rows[4, j] = share * kp, share * kd, torque

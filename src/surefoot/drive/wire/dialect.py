@@ -52,6 +52,7 @@ class Dialect:
         self._said.extend((Packed(self.state), Packed(self.command)))
         for message in self._said if self.headed else ():
             message["head"], message["level_flag"] = HEAD, LOW_LEVEL
+        self._said[0].seal()  # compiles or loads the checksum before anybody waits for it
 
     def told(self, readings: RobotReadings, mode_machine: int = 0) -> Packed:
         """Return the message of a robot that reads this, joints in the order of the motors."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import time as clock
 from collections.abc import Callable
 
@@ -73,6 +74,8 @@ class WiredLoop:
         self.end.send(self.dialect.asked(targets, self._machine))
         if self.watch is not None:
             self.watch(self.loop)
+        if not gc.isenabled():
+            gc.collect(1)  # what the step leaves, in the time that nobody waits for
 
     def go(self, goal: str, seconds: float | None = None) -> bool:
         """Go to a mode and stay for a time [s], None until it is reached; return whether no fault came.
