@@ -34,11 +34,13 @@ class LoadAdaptation:
     Parameters
     ----------
     robot
-        As its model says; with point feet.
+        As its model says.
     dt
         Time between steps [s].
     mpc, whole_body
         Whose models.
+    upright
+        (3, 3) rotation from the base's axes to those that the MPC turns; None where they are the same.
 
     Attributes
     ----------
@@ -48,12 +50,16 @@ class LoadAdaptation:
         (4,) mass and first moment that the models have, base axes [kg, kg m].
     """
 
-    def __init__(self, robot: Robot, dt: float, mpc: ConvexMpc, whole_body: WholeBodyController) -> None:
+    def __init__(
+        self, robot: Robot, dt: float, mpc: ConvexMpc, whole_body: WholeBodyController,
+        upright: FloatArray | None = None,
+    ) -> None:  # fmt: skip
         self.robot, self.dt = robot, dt
         self.observer = WrenchObserver(robot, dt)
         self.mpc, self.whole_body = mpc, whole_body
         mpc.fading = FADING
         self.inertia, self.com, _ = composite_inertia(robot, robot.nominal)
+        self.upright = np.eye(3) if upright is None else upright
         self.reset()
 
     @property
@@ -72,7 +78,7 @@ class LoadAdaptation:
         self.load = np.zeros(4)
         self.observer.reset()
         self.whole_body.carry(None)
-        self.mpc.carry(self.robot.mass, self.inertia)
+        self.mpc.carry(self.robot.mass, self.upright @ self.inertia @ self.upright.T)
         self.whole_body.outside[:] = self.mpc.outside[:] = 0.0
 
     def observe(self, state: RobotState) -> None:
@@ -116,7 +122,7 @@ class LoadAdaptation:
         reduced = max(load.mass, 0.0) * mass / total
         inertia = self.inertia + reduced * point_inertia(arm)
         self.whole_body.carry(load)
-        self.mpc.carry(total, inertia)
+        self.mpc.carry(total, self.upright @ inertia @ self.upright.T)
         if body is not None:
             moved = shift - self._shift
             body.height += float(moved[2])

@@ -128,6 +128,8 @@ def foot_forces(
 ) -> None:  # fmt: skip
     """Fill forces (n, 3) [N] that the legs' rows of a residual (nv,) mean, and velocities (n, 3) [m/s].
 
+    Forces of (n, 6) get the moments of flat feet about their points as well [N m], none for points.
+
     The least squares f of Jᵀ f = residual in a leg's joints, where levers are short damped by `damping` times
     the root of their sum of squares; a flat foot takes a moment as well. `twists` (6, nv), `support` (n, nv),
     points (n, 3) and answers in world axes.
@@ -165,7 +167,7 @@ def foot_forces(
         if solved:
             solve_lower(S[:rows, :rows], f[:rows])
             solve_upper(S[:rows, :rows], f[:rows])
-        for r in range(3):
+        for r in range(forces.shape[1]):
             forces[k, r] = f[r] if solved else 0.0
 
 

@@ -44,7 +44,7 @@ def sum_wrench(
         is added.
     """
     nv, n = v.shape[0], points.shape[0]
-    rest, forces, speeds, wrench = np.empty(nv), np.empty((n, 3)), np.empty((n, 3)), np.zeros(6)
+    rest, forces, speeds, wrench = np.empty(nv), np.empty((n, 6)), np.empty((n, 3)), np.zeros(6)
     for i in range(nv):
         rest[i] = bias[i] - (torques[i - 6] if i >= 6 else 0.0)
         for j in range(nv):
@@ -61,7 +61,7 @@ def sum_wrench(
         turn = cross(arm, (forces[k, 0], forces[k, 1], forces[k, 2]))
         for a in range(3):
             wrench[a] -= forces[k, a]
-            wrench[3 + a] -= turn[a]
+            wrench[3 + a] -= turn[a] + forces[k, 3 + a]
     wrench[2] -= load[0] * GRAVITY
     for j in range(3):
         wrench[3] -= GRAVITY * pose[1, j] * load[1 + j]

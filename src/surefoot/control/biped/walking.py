@@ -27,6 +27,7 @@ from surefoot.control.biped.step_planner import (
     pressure_path,
 )
 from surefoot.control.controller import RobotState
+from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.mpc import BodyReference, BodyState, MpcPlan
 from surefoot.control.walker import Walker
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
@@ -87,6 +88,7 @@ class BipedController(Walker):
 
     settings: BipedSettings
     soles: Soles
+    load: LoadAdaptation
 
     def __init__(
         self,
@@ -156,20 +158,29 @@ class BipedController(Walker):
         share = LegMomentum(self.robot, Posture(self.robot, 1.0, most).swing).balancing()
         self._posture = Posture(self.robot, s.joint_stiffness * self._pendulum, min(share, 1.0) * most)
         self._legs = LegMomentum(self.robot, self._posture.swing)
-        self._unit_spin = np.linalg.inv(self._inertia)
         self._point_foot = self.whole_body.point_foot
         self._pressed = np.full(2, s.sole_press * self.height)
         self._set_behaviours(self.robot.contact_points.foot_radii, 0.5 * self._geometry.width, False)
-        self.load = None
+        self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, self._upright)
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: the next step begins a walk from where the robot stands."""
-        for part in (self.mpc, self.whole_body, self.arbiter):
+        for part in (self.mpc, self.whole_body, self.arbiter, self.load):
             part.reset()
         self.feet = None
-        self._planned_at = -math.inf
+        self._planned_at, self._low = -math.inf, self._rise
         self._plan_made: MpcPlan | None = None
+
+    def _adapt(self, state: RobotState) -> None:
+        """Learn of the load, and bring the models up before a plan."""
+        self.load.observe(state)
+        if self._due(state.time):
+            self.load.update_models(None if self.feet is None else self.body)
+
+    def _due(self, time: float) -> bool:
+        """Return whether it is time for another plan."""
+        return time - self._planned_at >= self._interval - 0.5 * self.dt
 
     def _begin(self, now: Kinematics, state: RobotState) -> Feet:
         """Start from where the robot stands."""
@@ -193,7 +204,8 @@ class BipedController(Walker):
     def _move_body(self, request: Request, now: Kinematics) -> None:
         """Move the wanted body by one step, which rises before it walks."""
         body = self.body
-        body.height = min(body.height + self._rise * self.dt / self.start, self.height)
+        rise = min(self._low, self._rise * self.dt / self.start)
+        body.height, self._low = body.height + rise, self._low - rise
         body.ceiling = request.height
         body.advance(self.arbiter.velocity, now.com, self.dt)
 
@@ -203,7 +215,8 @@ class BipedController(Walker):
     ) -> None:  # fmt: skip
         """Choose the landings of feet in the air, and plan the forces of the steps ahead, if it is time."""
         time = state.time
-        if changed or time - self._planned_at >= self._interval - 0.5 * self.dt:
+        self.load.pull(now, state.q[:3])
+        if changed or self._due(time):
             self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
             self._aim(clock, time)
             self._replan(now, clock, time)
@@ -263,7 +276,7 @@ class BipedController(Walker):
         yaw = body.yaw + body.velocity[2] * times
         speeds = foot_speeds(self.soles, steps, clock + times, self.settings.clearance * self.height)
         momentum = self._legs.momentum(speeds, np.column_stack([flow, flow @ body.slope]), yaw)
-        gained = np.repeat(np.diff(momentum, axis=0), 2, axis=0)[:, :2] / (dt * self.robot.mass * GRAVITY)
+        gained = np.repeat(np.diff(momentum, axis=0), 2, axis=0)[:, :2] / (dt * self.mpc.mass * GRAVITY)
         pressure += np.column_stack([gained[:, 1], -gained[:, 0]])
         xy, flow = self._preview.motion(now.com[:2], pressure)
         self._note_offsets(steps, clock, pressure)
@@ -272,7 +285,7 @@ class BipedController(Walker):
         place[:, 2] = body.position[2] + (place[:, :2] - body.position[:2]) @ body.slope
         speed[:, 2] = speed[:, :2] @ body.slope
         rotation = slope_frames(yaw[: N + 1], np.zeros(2))
-        inverse = rotation @ self._unit_spin @ rotation.transpose(0, 2, 1)
+        inverse = rotation @ np.linalg.inv(self.mpc.inertia) @ rotation.transpose(0, 2, 1)
         self._leg_spin = np.einsum("tij,tj->ti", inverse, momentum[: N + 1])
         turned = np.zeros((N + 1, 3))
         turned[1:] = np.cumsum(0.5 * dt * (self._leg_spin[1:] + self._leg_spin[:-1]), axis=0)
