@@ -162,6 +162,8 @@ class BipedController(Walker):
         self._pressed = np.full(2, s.sole_press * self.height)
         self._set_behaviours(self.robot.contact_points.foot_radii, 0.5 * self._geometry.width, False)
         self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, self._upright)
+        # what is left of the wrench changes with every step of a biped: no plan beyond it may count on it
+        self.mpc.fading = math.inf
         self.reset()
 
     def reset(self) -> None:
