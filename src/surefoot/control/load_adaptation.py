@@ -46,6 +46,8 @@ class LoadAdaptation:
     ----------
     observer
         What it knows.
+    shift
+        (3,) how far the load moves the centre of mass, base axes [m].
     load
         (4,) mass and first moment that the models have, base axes [kg, kg m].
     """
@@ -74,7 +76,7 @@ class LoadAdaptation:
     def reset(self) -> None:
         """Forget the load."""
         self._torques: FloatArray | None = None  # of the step that has begun
-        self._time, self._shift = 0.0, np.zeros(3)
+        self._time, self.shift, self.rotation = 0.0, np.zeros(3), np.eye(3)
         self.load = np.zeros(4)
         self.observer.reset()
         self.whole_body.carry(None)
@@ -124,10 +126,10 @@ class LoadAdaptation:
         self.whole_body.carry(load)
         self.mpc.carry(total, self.upright @ inertia @ self.upright.T)
         if body is not None:
-            moved = shift - self._shift
+            moved = shift - self.shift
             body.height += float(moved[2])
             body.position += self.rotation @ moved
-            self._shift = shift
+            self.shift = shift
         self.load = np.array([load.mass, *load.moment])
 
     def pull(self, now: Kinematics, base: FloatArray) -> None:

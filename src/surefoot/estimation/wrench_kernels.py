@@ -10,8 +10,9 @@ from surefoot.kernels import kernel
 from surefoot.numerics.vectors import cross
 from surefoot.spatial import GRAVITY
 
-DAMPING = 0.005
-"""Share of a leg's lever below which its foot's force is damped, see `foot_forces`."""
+DAMPING, SOLE_DAMPING = 0.005, 0.0005
+"""Share of a leg's lever below which its foot's force is damped, see `foot_forces`; for soles: there turns
+count beside the levers, which are short."""
 
 
 @kernel
@@ -49,7 +50,7 @@ def sum_wrench(
         rest[i] = bias[i] - (torques[i - 6] if i >= 6 else 0.0)
         for j in range(nv):
             rest[i] += M[i, j] * (after[j] - v[j]) / dt
-    foot_forces(twists, support, points, flat, rest, v, DAMPING, forces, speeds)
+    foot_forces(twists, support, points, flat, rest, v, SOLE_DAMPING if flat[0] else DAMPING, forces, speeds)
     for a in range(3):
         for b in range(3):
             wrench[a] += pose[a, b] * rest[b]

@@ -55,6 +55,11 @@ PERIOD = 2.0 * math.pi / 1.96
 """Length of a cycle of the gait, in units of sqrt(h / g)."""
 
 
+LADEN, NOTICED = 0.05, 0.1
+"""Beyond this share of the mass a robot carries a load, less is how far documents are off;
+time that it takes to tell [s]."""
+
+
 class BipedController(Walker):
     """Walks a robot on two flat feet; call `step` at a fixed rate.
 
@@ -171,14 +176,17 @@ class BipedController(Walker):
         for part in (self.mpc, self.whole_body, self.arbiter, self.load):
             part.reset()
         self.feet = None
-        self._planned_at, self._low = -math.inf, self._rise
+        self._planned_at, self._laden = -math.inf, False
         self._plan_made: MpcPlan | None = None
 
     def _adapt(self, state: RobotState) -> None:
-        """Learn of the load, and bring the models up before a plan."""
-        self.load.observe(state)
-        if self._due(state.time):
-            self.load.update_models(None if self.feet is None else self.body)
+        """Learn of the load; one that is found before the first step goes into all models."""
+        load, due = self.load, self._due(state.time)
+        load.observe(state)
+        if due and NOTICED < state.time < self.start:
+            self._laden |= load.observer.load.mass > LADEN * self.robot.mass
+        if due and self._laden:
+            load.update_models(None if self.feet is None else self.body)
 
     def _due(self, time: float) -> bool:
         """Return whether it is time for another plan."""
@@ -206,8 +214,8 @@ class BipedController(Walker):
     def _move_body(self, request: Request, now: Kinematics) -> None:
         """Move the wanted body by one step, which rises before it walks."""
         body = self.body
-        rise = min(self._low, self._rise * self.dt / self.start)
-        body.height, self._low = body.height + rise, self._low - rise
+        highest = self.height + float(self.load.shift[2])
+        body.height = min(body.height + self._rise * self.dt / self.start, highest)
         body.ceiling = request.height
         body.advance(self.arbiter.velocity, now.com, self.dt)
 
@@ -217,7 +225,8 @@ class BipedController(Walker):
     ) -> None:  # fmt: skip
         """Choose the landings of feet in the air, and plan the forces of the steps ahead, if it is time."""
         time = state.time
-        self.load.pull(now, state.q[:3])
+        if self._laden:
+            self.load.pull(now, state.q[:3])
         if changed or self._due(time):
             self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
             self._aim(clock, time)
