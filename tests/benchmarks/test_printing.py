@@ -6,16 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
-from rich.table import Table
 
 from benchmarks.printing import report
-
-
-def _table() -> Table:
-    table = Table("solver", "time [µs]", title="two solvers")
-    table.add_row("ours", "1.0")
-    table.add_row("theirs", "2.0")
-    return table
 
 
 def test_a_record_is_printed_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,8 +1,4 @@
-"""`surefoot bench walk` and `speeds`: JSON alone on stdout, and tables."""
-
-import pytest
-
-from surefoot.cli.main import main
+"""`surefoot bench walk` and `speeds`: JSON alone on stdout."""
 
 
 def test_json_is_the_only_output(answer):
@@ -10,14 +6,6 @@ def test_json_is_the_only_output(answer):
     assert found["horizon"] == 10
     assert found["rows"][0]["method"] == "surefoot, exact cones"
     assert {row["scene"] for row in found["rows"]} == {"trot"}
-
-
-@pytest.mark.long
-def test_tables(capsys):
-    assert main(["bench", "walk", "--scene", "limit", "--calls", "12"]) == 0
-    out = capsys.readouterr().out
-    assert "limit" in out
-    assert "Clarabel, exact cones" in out
 
 
 def test_a_ladder_of_speeds(answer):

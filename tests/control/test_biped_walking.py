@@ -21,21 +21,24 @@ from surefoot.terrain import FlatTerrain, rough_ground
 pytest.importorskip("mujoco")
 
 
-@pytest.mark.parametrize(("name", "speed"), [("g1", 0.3), ("talos", 0.0), ("icub", 0.2)])
-def test_humanoids_walk_lawfully(name: str, speed: float) -> None:
+@pytest.mark.parametrize(
+    ("name", "speed", "load"), [("g1", 0.3, 0.0), ("g1", 0.3, 3.0), ("talos", 0.0, 0.0), ("icub", 0.2, 0.0)]
+)
+def test_humanoids_walk_lawfully(name: str, speed: float, load: float) -> None:
     from surefoot.simulation.mujoco import MujocoWorld
 
     robot = load_robot(name)
     controller = walking_controller(robot, VelocityCommand.constant(speed))
-    log = run(MujocoWorld(robot, FlatTerrain(), 0.6), controller, Scenario(4.0, 0.6, seed=1))
+    world = MujocoWorld(robot, FlatTerrain(), 0.6, payload=load, payload_position=(0.08, 0.0, 0.15))
+    log = run(world, controller, Scenario(4.0, 0.6, seed=1))
     summary = summarise_walk(log)
     assert summary.outcome == "walked"
     assert summary.velocity.within
-    assert summary.tilt_max_deg < 2.0
+    assert summary.tilt_max_deg < (6.0 if load else 2.0)  # it leans until it knows
     assert summary.commanded_cone_excess < 1e-6
     assert audit_log(log).lawful
-    swings = (~log["planned"]).any(axis=0)
-    assert swings.all()
+    assert (~log["planned"]).any(axis=0).all()
+    assert log["load_estimated"][-1, :3] == pytest.approx([load, 0.08 * load, 0.0], abs=0.3)
 
 
 def test_soles_come_down_gently_on_rough_ground() -> None:

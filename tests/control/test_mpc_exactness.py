@@ -79,6 +79,17 @@ def forces_of(plan, program):
     return plan.forces[program.step, program.foot]
 
 
+def cheapest(mpc, program, **form):
+    """Return the least cost and its forces by Clarabel; at worst that of 1e-9."""
+    found = []
+    for tol in (1e-10, 1e-11):
+        wanted = solve_exact(matrices(mpc, program, None, dense=False, **form), tol)
+        # outside the cones by 1e-8 N, where its tolerance lets it, a force costs less than any inside
+        inside = [project_truncated(*f, *b) for f, b in zip(wanted, program.bounds, strict=True)]
+        found.append((tracking_cost(mpc, program, np.array(inside)), wanted))
+    return min(found, key=lambda answer: answer[0])
+
+
 @pytest.mark.parametrize("kind", ACHIEVED)
 @pytest.mark.parametrize("deviation", [1.0, 3.0])
 def test_forces_and_cost_are_clarabels(kind, deviation):
@@ -91,11 +102,8 @@ def test_forces_and_cost_are_clarabels(kind, deviation):
         assert plan.solved
         if program.step.size == 0:
             continue
-        wanted = solve_exact(matrices(mpc, program, None, sparse=False, dense=False), 1e-11)
+        least, wanted = cheapest(mpc, program, sparse=False)
         mine = forces_of(plan, program)
-        # outside the cones by 1e-8 N, where its tolerance lets it, a force costs less than any inside
-        inside = [project_truncated(*f, *b) for f, b in zip(wanted, program.bounds, strict=True)]
-        least = tracking_cost(mpc, program, np.array(inside))
         cost = max(cost, (tracking_cost(mpc, program, mine) - least) / least)
         force = max(force, float(np.abs(mine - wanted).max()))
     assert cost <= ACHIEVED[kind][0]
@@ -110,7 +118,7 @@ def test_other_horizons_are_solved_as_exactly(steps):
         given = instance(rng, kind, steps)
         plan, program = mpc.solve(*given), horizon_program(mpc, *given)
         assert plan.solved
-        wanted = solve_exact(matrices(mpc, program, None, sparse=True, dense=False), 1e-11)  # with states
+        _, wanted = cheapest(mpc, program, sparse=True)  # with states
         assert np.abs(forces_of(plan, program) - wanted).max(initial=0.0) <= 5e-3
 
 

@@ -1,20 +1,13 @@
 """Domain randomisation: ranges as data, experiments over samples of them, on many workers, safe to kill."""
 
-from surefoot.sweep.config import SweepConfig, read_sweep, sweep_from_dict
-from surefoot.sweep.driver import SweepResult, run_sweep
-from surefoot.sweep.experiment import EXPERIMENTS, SweepExperiment, number
-from surefoot.sweep.space import NumberRange, Space, TextRange
-
-__all__ = [
-    "EXPERIMENTS",
-    "NumberRange",
-    "Space",
-    "SweepConfig",
-    "SweepExperiment",
-    "SweepResult",
-    "TextRange",
-    "number",
-    "read_sweep",
-    "run_sweep",
-    "sweep_from_dict",
-]
+from surefoot.sweep.config import SweepConfig as SweepConfig
+from surefoot.sweep.config import read_sweep as read_sweep
+from surefoot.sweep.config import sweep_from_dict as sweep_from_dict
+from surefoot.sweep.driver import SweepResult as SweepResult
+from surefoot.sweep.driver import run_sweep as run_sweep
+from surefoot.sweep.experiment import EXPERIMENTS as EXPERIMENTS
+from surefoot.sweep.experiment import SweepExperiment as SweepExperiment
+from surefoot.sweep.experiment import number as number
+from surefoot.sweep.space import NumberRange as NumberRange
+from surefoot.sweep.space import Space as Space
+from surefoot.sweep.space import TextRange as TextRange

@@ -103,6 +103,12 @@ def test_a_search_that_is_stopped_is_not_solved(go2, asked) -> None:
     assert plan(go2, **asked, max_iterations=3).status is not Status.SOLVED
 
 
+@pytest.mark.long
+def test_what_motors_cannot_do_is_not_found(go2) -> None:
+    problem = replace(jump(go2, 0.4, 0.0, 0.6, 0.02), torque_share=0.15)
+    assert not optimise(problem, max_iterations=60).found
+
+
 @pytest.mark.parametrize("name", ["go2", "a1", "anymal_c", "solo12"])
 def test_mirrored_joints_move_mirrored_feet(name: str) -> None:
     robot = load_robot(name)

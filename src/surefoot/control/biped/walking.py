@@ -53,11 +53,9 @@ HEAVY = 0.6
 G1 0.43, iCub 0.45; Alexander's file, which holds no trunk, has 0.80, and falls within 4 s at 0.2 m/s.)"""
 PERIOD = 2.0 * math.pi / 1.96
 """Length of a cycle of the gait, in units of sqrt(h / g)."""
-
-
 LADEN, NOTICED = 0.05, 0.1
-"""Beyond this share of the mass a robot carries a load, less is how far documents are off;
-time that it takes to tell [s]."""
+"""A robot carries a load from this share of its mass on (less is how far documents are off), and how long it
+takes to tell [s]."""
 
 
 class BipedController(Walker):
@@ -296,7 +294,8 @@ class BipedController(Walker):
         place[:, 2] = body.position[2] + (place[:, :2] - body.position[:2]) @ body.slope
         speed[:, 2] = speed[:, :2] @ body.slope
         rotation = slope_frames(yaw[: N + 1], np.zeros(2))
-        inverse = rotation @ np.linalg.inv(self.mpc.inertia) @ rotation.transpose(0, 2, 1)
+        mobility = np.linalg.inv(np.asarray(self.mpc.inertia, dtype=np.float64))
+        inverse = rotation @ mobility @ rotation.transpose(0, 2, 1)
         self._leg_spin = np.einsum("tij,tj->ti", inverse, momentum[: N + 1])
         turned = np.zeros((N + 1, 3))
         turned[1:] = np.cumsum(0.5 * dt * (self._leg_spin[1:] + self._leg_spin[:-1]), axis=0)

@@ -8,26 +8,17 @@ from __future__ import annotations
 import importlib.util
 
 from surefoot.errors import SolverNotFound
-from surefoot.solvers.backends.backend import Backend, Options
+from surefoot.solvers.backends.backend import Backend as Backend
+from surefoot.solvers.backends.backend import Options as Options
 from surefoot.solvers.backends.clarabel import Clarabel
 from surefoot.solvers.backends.daqp import Daqp
 from surefoot.solvers.backends.ecos import Ecos
-from surefoot.solvers.backends.program import ConeProgram, End, Outcome
+from surefoot.solvers.backends.program import ConeProgram as ConeProgram
+from surefoot.solvers.backends.program import End as End
+from surefoot.solvers.backends.program import Outcome as Outcome
 from surefoot.solvers.backends.proxqp import ProxQp
 from surefoot.solvers.backends.qp import Highs, Osqp, Piqp, Quadprog
 from surefoot.solvers.backends.scs import Scs
-
-__all__ = [
-    "BACKENDS",
-    "Backend",
-    "ConeProgram",
-    "End",
-    "Options",
-    "Outcome",
-    "backend",
-    "installed",
-    "solve_program",
-]
 
 BACKENDS: dict[str, type[Backend]] = {
     kind.name: kind for kind in (Clarabel, Ecos, Scs, Osqp, ProxQp, Piqp, Daqp, Quadprog, Highs)
