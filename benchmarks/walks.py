@@ -47,6 +47,8 @@ class Walk:
         See `Scenario`: None for a robot that is told the true state, and that sees nothing.
     pushes, ice, patches, faults
         What disturbs it.
+    commands
+        Velocities one after the other, in place of `velocity`.
     """
 
     robot: str = "go2"
@@ -64,11 +66,12 @@ class Walk:
     ice: tuple[Ice, ...] = ()
     patches: tuple[IcePatch, ...] = ()
     faults: Faults | None = None
+    commands: VelocityCommand | None = None
 
     @property
     def command(self) -> VelocityCommand:
         """The velocity that is asked for."""
-        return VelocityCommand.constant(*self.velocity)
+        return self.commands or VelocityCommand.constant(*self.velocity)
 
     @property
     def counted_on(self) -> float:
@@ -85,7 +88,7 @@ class Walk:
         motors = self.motors(robot)
         return walking_controller(seen, self.command, self.gait, terrain, self.counted_on, motors)
 
-    def log(self, seed: int, duration: float) -> Log:
+    def log(self, seed: int, duration: float, *observers: Any) -> Log:
         """Return what happens with a seed in so long a time [s]."""
         robot, terrain = known_robot(self.robot), read_terrain(self.terrain)
         controller = self.controller(robot, terrain)
@@ -94,7 +97,7 @@ class Walk:
             duration, self.mu, self.pushes, self.ice, seed, self.faults, sensors=self.sensors,
             scanner=self.scanner, patches=self.patches,
         )  # fmt: skip
-        return run(world, controller, scenario)
+        return run(world, controller, scenario, observers)
 
     def summary(self, seed: int, duration: float) -> WalkSummary:
         """Return what the walk with a seed came to."""

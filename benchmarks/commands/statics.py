@@ -23,7 +23,8 @@ def statics(
 
     Exit code 1 if a verdict disagrees outside the band around the boundary or does not verify.
     """
-    from benchmarks.statics.race import BAND, agreement, races, random_cases
+    from benchmarks.problems.stances import random_cases
+    from benchmarks.statics.race import BAND, agreement, races
 
     extras.require(["clarabel"])
     parsing.seed(seed)

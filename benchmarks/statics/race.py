@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.problems.stances import StanceCase, random_case, random_cases
+from benchmarks.problems.stances import StanceCase, random_case
 from benchmarks.statics import rivals
 from benchmarks.timing import Timing, one_core, time_calls
 from surefoot.cones.representation import convert
@@ -241,6 +241,3 @@ def _two_soles(rng: np.random.Generator) -> StanceCase:
         place = np.array([rng.uniform(-0.1, 0.1), 0.1 * side, rng.uniform(0.0, 0.1)])
         feet.append(PatchContact(place, 0.2, 0.1, normal / np.linalg.norm(normal), rng.uniform(0.4, 0.9)))
     return StanceCase(Stance(feet), np.array([0.0, 0.0, 0.8]), 35.0, np.zeros(6), "patches")
-
-
-__all__ = ["Agreement", "Race", "agreement", "races", "random_cases"]
