@@ -175,7 +175,7 @@ def _soft(told: Any) -> Rows:
     ]
 
 
-TASKS = "speed- turn-3 push- payload- ice slope- stairs- delay noise weak-joint robot- estimate real-time"
+TASKS = "speed- turn-3 push- payload- ice slope- stairs- delay noise weak-joint robot- estimate"
 EVERY_TASK = "surefoot bench stacks --stack surefoot --seeds 20"
 STACKS = " ".join([EVERY_TASK, *(f"--task {name}" for name in TASKS.split())])
 STACK_COLUMNS = (

@@ -177,10 +177,10 @@ def reading(k: int, rng: np.random.Generator, positions: np.ndarray, speeds: np.
     return RobotReadings(k * DT, turn, gyro, pull, *noisy, np.zeros(12))
 
 
-@pytest.mark.parametrize("wrong", [False, True])
-def test_speeds_that_jump_between_readings_contradict_no_angles(wrong: bool) -> None:
+@pytest.mark.parametrize(("wrong", "faster"), [(False, 1.5), (True, 1.5), (True, np.inf)])
+def test_speeds_that_jump_between_readings_contradict_no_angles(wrong: bool, faster: float) -> None:
     """The trapezoid is off by half of each jump, and all add up; an angle that is wrong is still found."""
-    watch, rng = ReadingWatch(GO2, DT, ReadingLimits()), np.random.default_rng(0)
+    watch, rng = ReadingWatch(GO2, DT, ReadingLimits(faster=faster)), np.random.default_rng(0)
     q, thigh, said = GO2.nominal[7:].copy(), np.eye(12)[1], []
     for k in range(80):
         # for 8 readings the thigh goes on at 10 rad/s, and every other one finds it just turned back

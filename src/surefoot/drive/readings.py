@@ -230,10 +230,11 @@ class ReadingWatch:
             return SOUND
         elapsed = self.silent + self.dt
         # faster than is believed, so that nothing was compared meanwhile
-        flung = self.silent if self.reason == REASONS[OUTSIDE] else 0.0
+        flung = self.reason == REASONS[OUTSIDE]
+        slack = self.silent * self._fastest if flung else np.zeros_like(self._fastest)  # may be infinite
         found = contradicts(
             said, self._last, self._kept, elapsed, FORGET ** (elapsed / self.dt), limits.mismatch,
-            limits.turned, flung * self._fastest,
+            limits.turned, slack,
         )  # fmt: skip
         self._contradictions += found != SOUND
         return found
