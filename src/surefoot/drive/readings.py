@@ -231,7 +231,8 @@ class ReadingWatch:
         elapsed = self.silent + self.dt
         # faster than is believed, so that nothing was compared meanwhile
         flung = self.reason == REASONS[OUTSIDE]
-        slack = self.silent * self._fastest if flung else np.zeros_like(self._fastest)  # may be infinite
+        # a turn is more than joints with limits make in an outage; without, room would be endless for good
+        slack = np.minimum(self.silent * self._fastest if flung else np.zeros_like(self._fastest), math.tau)
         found = contradicts(
             said, self._last, self._kept, elapsed, FORGET ** (elapsed / self.dt), limits.mismatch,
             limits.turned, slack,
