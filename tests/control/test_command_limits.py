@@ -12,11 +12,11 @@ from surefoot.control.command_limits import (
     SPEED_SHARE,
     LeggedBody,
     Limits,
-    demand_of,
     ground_left,
     hurried,
 )
 from surefoot.control.gait_choice import GaitChoice, choose_gait
+from surefoot.control.leg_demand import LegDemand
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
 from surefoot.stance.adaptive_gait import AdaptiveGait, Pace
@@ -59,7 +59,7 @@ def test_an_impossible_command_is_slowed_to_the_edge_of_the_possible(
     assert len(out.notes) == 1
     assert "from 1 s on is more than this gait can do: slowed to" in out.notes[0]
     assert "limit" in out.notes[0] or "allowed" in out.notes[0] or "reach" in out.notes[0]
-    table = demand_of(go2(), *velocity, HEIGHT)
+    table = LegDemand(go2(), np.array(velocity), HEIGHT)
     pace = hurried(PACE, out.hurry_at(bound.size_of(slowed)))
     assert bound.use(table, pace, share)[0] <= SPEED_MOST + 1e-3
     faster = [bound.use(table, hurried(PACE, s), 1.02 * share) for s in np.linspace(0.0, 1.0, 21)]
@@ -72,7 +72,7 @@ def test_the_gait_hurries_no_more_than_the_joints_need() -> None:
     assert (np.diff(out.hurry) >= 0.0).all()
     assert 0.3 < out.hurry_at(2.0) < 1.0
     assert out.hurry_at(0.6) == 0.0
-    table = demand_of(go2(), 2.0, 0.0, 0.0, HEIGHT)
+    table = LegDemand(go2(), np.array([2.0, 0.0, 0.0]), HEIGHT)
     assert bound.use(table, hurried(PACE, out.hurry_at(2.0)), 1.0)[0] <= SPEED_SHARE
     assert bound.use(table, hurried(PACE, out.hurry_at(2.0) - 0.1), 1.0)[0] > SPEED_SHARE
 

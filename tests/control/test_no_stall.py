@@ -13,6 +13,7 @@ import numpy as np
 import surefoot as sf
 from surefoot.compilation.dispatcher import Kernel
 from surefoot.control.controller import Wrapper
+from surefoot.control.leg_demand import table_of
 from surefoot.control.walkers import walking_controller
 from surefoot.simulation.motor_robot import MotorRobot
 
@@ -53,12 +54,13 @@ if sys.argv[1] == "go2":  # and of the loop of a real robot
     for k in range(2400):
         if k in (5, 1900):
             loop.go("stand" if k == 5 else "walk")
-            loop.steer((0.4, 0.0, 0.2))
+        if k % 60 == 0:  # to where it never went
+            loop.steer((0.4, 0.1 * np.sin(k), 0.2 * np.cos(k)))
         readings, watched = body.read(), True
         targets, watched = loop.step(readings), False
         body.take(targets)
         body.step()
-    assert loop.mode == "walk" and not new, new
+    assert loop.mode == "walk" and not new and table_of.cache_info().misses == 1, new
 """
 
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -47,8 +46,6 @@ FRACTIONS = np.linspace(0.1, 1.0, 10)
 """Parts of a commanded velocity for which the timing is found."""
 COMMANDS_KEPT = 3
 """Commands whose speeds a gait stays ready for."""
-TABLES_KEPT = 32
-"""Tables of joints' demands that are kept: a controller asks for one a velocity, many times."""
 
 
 def hurried(pace: Pace, share: float, least_duty: float = HURRIED_DUTY) -> Pace:
@@ -174,11 +171,12 @@ class Limits:
         for row, time in zip(values, command.times, strict=True):
             if not row.any():
                 continue
-            share, reason = self._share(row)
+            table = LegDemand(self.robot, row, self.height)
+            share, reason = self._share(table, self.size_of(row))
             if share < 1.0:
                 notes.append(f"{slowed_note(row, time, share)}; {reason}")
                 row *= share
-            more = self._needed(row)
+            more = self._needed(table, share, self.size_of(row))
             grid = np.union1d(sizes, FRACTIONS * self.size_of(row))
             ends = np.append(0.0, FRACTIONS * self.size_of(row)), np.append(0.0, more)
             hurry = np.maximum(np.interp(grid, sizes, hurry), np.interp(grid, *ends))
@@ -201,18 +199,17 @@ class Limits:
         size = self.size_of(velocity)
         return self.hurried(max(limited.hurry_at(size) for limited in self._last))
 
-    def _needed(self, row: FloatArray) -> FloatArray:
-        """Return how far the gait must hurry at each of `FRACTIONS` of a velocity: (10,)."""
-        table = demand_of(self.robot, *row.tolist(), self.height)
+    def _needed(self, table: LegDemand, share: float, size: float) -> FloatArray:
+        """Return how far the gait must hurry at `FRACTIONS` of a share of a velocity, of a size: (10,)."""
         out, at, root = [], 0, math.sqrt(GRAVITY * self.height)
         most = min(BRISK, self.hurries[-1]) if self.terrain.planar else 0.0
         for part in FRACTIONS:
             while at + 1 < len(self.hurries):
-                use = self.use(table, self.hurried(self.hurries[at]), float(part))[0]
-                if use <= SPEED_SHARE:
+                speeds = table.speeds(self.hurried(self.hurries[at]), share * float(part))
+                if use_of(speeds, self.robot.speed_limits).max() <= SPEED_SHARE:
                     break
                 at += 1
-            brisk = np.interp(self.size_of(part * row) / root, (BRISK_FROM, BRISK_TO), (0.0, most))
+            brisk = np.interp(part * size / root, (BRISK_FROM, BRISK_TO), (0.0, most))
             out.append(max(self.hurries[at], brisk))
         return np.array(out)
 
@@ -224,11 +221,9 @@ class Limits:
         worst = speeds if speeds.max() / SPEED_MOST >= torques.max() / TORQUE_SHARE else torques
         return float(speeds.max()), float(torques.max()), int(worst.argmax())
 
-    def _share(self, row: FloatArray) -> tuple[float, str]:
+    def _share(self, table: LegDemand, size: float) -> tuple[float, str]:
         """Return the largest share of a velocity that is possible, and what stands in the way of more."""
-        table = demand_of(self.robot, *row.tolist(), self.height)
         most, reason = 1.0, ""
-        size = self.size_of(row)
         if size > self.ground.fastest:
             most, reason = self.ground.fastest / size, self.ground.reason
         if self._possible(table, most):
@@ -242,8 +237,9 @@ class Limits:
     def _possible(self, table: LegDemand, times: float) -> bool:
         """Return whether some timing keeps joint speeds and torques within their shares."""
         for share in self.hurries[::-1]:
-            speed, torque, _ = self.use(table, self.hurried(share), times)
-            if speed <= SPEED_MOST and torque <= TORQUE_SHARE:
+            pace = self.hurried(share)
+            fits = use_of(table.speeds(pace, times), self.robot.speed_limits).max() <= SPEED_MOST
+            if fits and self.use(table, pace, times)[1] <= TORQUE_SHARE:
                 return True
         return False
 
@@ -269,12 +265,6 @@ def use_of(wanted: FloatArray, limits: FloatArray) -> FloatArray:
     shares = np.full(wanted.shape, np.inf)
     np.divide(wanted, limits, out=shares, where=np.isfinite(wanted))
     return shares
-
-
-@lru_cache(TABLES_KEPT)
-def demand_of(robot: Robot, forward: float, left: float, turn: float, height: float) -> LegDemand:
-    """Return what a velocity [m/s, m/s, rad/s] asks of a robot's joints at a height [m]; made once."""
-    return LegDemand(robot, np.array([forward, left, turn]), height)
 
 
 def ground_left(terrain: Terrain, mu: float, height: float) -> GroundLimit:

@@ -28,7 +28,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.rotations import log_between
-from surefoot.numerics.vectors import Three, cross
+from surefoot.numerics.vectors import cross, times
 from surefoot.solvers.dual_newton.horizon import newton
 from surefoot.solvers.dual_newton.riccati import costates, tracking
 from surefoot.spatial import GRAVITY
@@ -203,16 +203,6 @@ def _is_rotation(R: FloatArray) -> bool:
 
 
 @inline_kernel
-def _times(A: FloatArray, v: Three) -> Three:
-    """Return A v."""
-    return (
-        A[0, 0] * v[0] + A[0, 1] * v[1] + A[0, 2] * v[2],
-        A[1, 0] * v[0] + A[1, 1] * v[1] + A[1, 2] * v[2],
-        A[2, 0] * v[0] + A[2, 1] * v[1] + A[2, 2] * v[2],
-    )
-
-
-@inline_kernel
 def _fill_columns(
     lever: FloatArray, frame: FloatArray, R: FloatArray, heading: FloatArray, mass: float,
     inverse: FloatArray, out: FloatArray,
@@ -221,8 +211,8 @@ def _fill_columns(
     arm = lever[0], lever[1], lever[2]
     for a in range(3):
         f = frame[0, a], frame[1, a], frame[2, a]
-        turn = _times(R, _times(inverse, _times(R.T, cross(arm, f))))
-        f, turn = _times(heading.T, f), _times(heading.T, turn)
+        turn = times(R, times(inverse, times(R.T, cross(arm, f))))
+        f, turn = times(heading.T, f), times(heading.T, turn)
         for j in range(3):
             out[a, j], out[a, 3 + j] = f[j] / mass, turn[j]
 
@@ -284,8 +274,8 @@ def _add_wrench(
         share = math.exp(-(k + 0.5) * dt / fading)
         R = rotations[k]
         f = wrench[0], wrench[1], wrench[2]
-        turn = _times(R, _times(inverse, _times(R.T, (wrench[3], wrench[4], wrench[5]))))
-        f, turn = _times(heading.T, f), _times(heading.T, turn)
+        turn = times(R, times(inverse, times(R.T, (wrench[3], wrench[4], wrench[5]))))
+        f, turn = times(heading.T, f), times(heading.T, turn)
         for j in range(3):
             for axis, a in ((j, f[j] / mass), (3 + j, turn[j])):
                 drift[k + 1, 0, axis] += 0.5 * dt * dt * share * a

@@ -245,8 +245,6 @@ class RobotLoop:
     def steer(self, velocity: ArrayLike, posture: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Take another velocity and posture for `walk`; standing, the posture alone.
 
-        A direction that is new takes 20 ms: here, or in the next step of a robot that walks already.
-
         Parameters
         ----------
         velocity
@@ -262,9 +260,6 @@ class RobotLoop:
         velocity, posture = finite_array("velocity", velocity, (3,)), finite_array("posture", posture, (3,))
         VelocityCommand(np.zeros(1), velocity[None], posture[None])  # or raise
         self._velocity, self._posture = velocity, posture
-        if self.mode is not Mode.WALK:  # what it asks of the legs is worked out now: no step waits for it
-            self._balances[Mode.WALK][0].steer(velocity, posture)
-            self._steered = ()
 
     def step(self, readings: RobotReadings | None, now: float | None = None) -> JointTargets:
         """Return the joints' targets, in the order of the motors; never raises on what is read.

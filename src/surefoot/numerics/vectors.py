@@ -15,6 +15,16 @@ def cross(a: Three, b: Three) -> Three:
 
 
 @inline_kernel
+def times(A: FloatArray, v: Three) -> Three:
+    """Return A v for A (3, 3)."""
+    return (
+        A[0, 0] * v[0] + A[0, 1] * v[1] + A[0, 2] * v[2],
+        A[1, 0] * v[0] + A[1, 1] * v[1] + A[1, 2] * v[2],
+        A[2, 0] * v[0] + A[2, 1] * v[1] + A[2, 2] * v[2],
+    )
+
+
+@inline_kernel
 def dot(x: FloatArray, y: FloatArray) -> float:
     """Return x . y for arrays (n,)."""
     total = 0.0

@@ -29,7 +29,7 @@ from surefoot.simulation.rigid import RigidWorld
 from surefoot.stepping import State
 from surefoot.stepping.derivative import stages_of
 from surefoot.stepping.derivative_impact import Laws, law_fields
-from surefoot.stepping.derivative_stages import StepArguments
+from surefoot.stepping.derivative_stages import InputRates, StepArguments
 
 WIDTH = 1e-6
 """Half of a difference, in units of what is moved where that is above one."""
@@ -259,9 +259,8 @@ class Backward:
                 both = None
         heard = step.impact is not None and step.impact.velocities is not step.impact.leaving
         inertia, restitution, law = (f if f.any() else None for f in fixed)
-        columns = (
-            state[:nv], state[nv:], into[:joints], into[joints + 3 :], into[joints : joints + 3],
-            left if heard else 0.0 * left,
-        )  # fmt: skip
         laws = Laws(None if restitution is None else restitution[0], law)
-        return stages.through(columns, inertia, both, laws=laws)
+        return stages.through(InputRates(
+            state[:nv], state[nv:], into[:joints], into[joints + 3 :], into[joints : joints + 3],
+            left if heard else 0.0 * left, inertia, both, laws=laws,
+        ))  # fmt: skip

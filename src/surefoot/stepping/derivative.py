@@ -19,7 +19,7 @@ from surefoot.errors import ProblemError
 from surefoot.stepping.derivative_first_order import FirstOrderStages
 from surefoot.stepping.derivative_impact import TOUCHING
 from surefoot.stepping.derivative_located import LocatedStages
-from surefoot.stepping.derivative_stages import Stages, StepArguments
+from surefoot.stepping.derivative_stages import InputRates, Stages, StepArguments
 from surefoot.stepping.state import State, Step
 from surefoot.stepping.stepper import Stepper
 
@@ -96,9 +96,10 @@ class StepDerivative:
         edges = np.cumsum(list(sizes.values()))[:-1]
         return dict(zip(sizes, np.split(columns, edges, axis=1), strict=True))
 
-    def _inputs(self, columns: FloatArray) -> tuple[FloatArray, ...]:
+    def _inputs(self, columns: FloatArray) -> InputRates:
         """Return rows of columns by input."""
-        return tuple(np.split(columns, np.cumsum(list(self._sizes.values()))[:-1]))
+        rows: Any = np.split(columns, np.cumsum(list(self._sizes.values()))[:-1])
+        return InputRates(*rows)
 
     def _part(self, name: str) -> FloatArray:
         return self._blocks[name][: 2 * self._sizes["v"]]
@@ -216,9 +217,8 @@ class StepDerivative:
         own = None if inertia is None else finite_array("inertia", inertia, self.inertia.shape[1:]).ravel()
         kinked = any(response.distance <= 10.0 * KINK for response, _ in self._stages.responses)
         if kinked or self.touching.size:
-            out = self._stages.through(
-                self._inputs(flat[:, None]), inertia=None if own is None else own[:, None], one_sided=True
-            )[:, 0]
+            inputs = self._inputs(flat[:, None])._replace(one_sided=True)
+            out = self._stages.through(inputs._replace(inertia=None if own is None else own[:, None]))[:, 0]
         else:
             out = np.hstack(list(self._blocks.values())) @ flat
             if own is not None:

@@ -8,13 +8,11 @@ At fixed impulses λ, with a = (v⁺ - v) / dt and inverse dynamics ID::
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.stepping.derivative_impact import NO_LAWS, Laws, Rates
-from surefoot.stepping.derivative_stages import Stages
+from surefoot.stepping.derivative_impact import Rates
+from surefoot.stepping.derivative_stages import InputRates, Stages
 from surefoot.stepping.state import Impact
 
 
@@ -32,22 +30,15 @@ class FirstOrderStages(Stages):
             self._work.heavy, options.dt, impact, seen, options.dt, options.pull, request.smoothing
         )
 
-    def through(
-        self,
-        columns: Sequence[FloatArray],
-        inertia: FloatArray | None = None,
-        one_sided: bool | None = False,
-        seconds: FloatArray | None = None,
-        laws: Laws = NO_LAWS,
-    ) -> FloatArray:
+    def through(self, given: InputRates) -> FloatArray:
         """See `Stages.through`: (2nv + 6p, c)."""
         import pinocchio
 
-        q, v, torques, mu, push, leaving = columns
+        q, v, torques, mu, push, leaving, inertia, one_sided, _, laws = given
         effort = self._pushing(q, push)
         effort[self.stepper.robot.base_dof :] += torques
         dt, impact = self.stepper.options.dt, self.main.impact
         rates = Rates(q, v, dt * effort + self.main.takes(inertia), mu[0], leaving, None, laws)
-        after, left, given = self.main.through(rates, one_sided)
+        after, left, impulses = self.main.through(rates, one_sided)
         by_q, by_way = pinocchio.dIntegrate(self.stepper.bodies.model, impact.q, dt * impact.after)
-        return np.vstack([by_q @ q + dt * by_way @ after, after, given, left])
+        return np.vstack([by_q @ q + dt * by_way @ after, after, impulses, left])

@@ -13,7 +13,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.numerics.vectors import Three, cross
+from surefoot.numerics.vectors import Three, cross, times
 
 
 @inline_kernel
@@ -133,7 +133,7 @@ def force_rates(
         f = _three(impulses, c, 0)
         if f[0] == 0.0 and f[1] == 0.0 and f[2] == 0.0:
             continue
-        force = _times(frames[c], f)
+        force = times(frames[c], f)
         place, at, turning = _three(positions, c, 0), _centre(c, positions, radii, frames), _turning(turns, c)
         moment = cross(place, force)
         for k in range(n):
@@ -144,7 +144,7 @@ def force_rates(
             change = 0.0, 0.0, 0.0
             if turning:
                 point = _turn(turns, c, point, radii[c], turn)
-                change = _times(turn, f)
+                change = times(turn, f)
             swing = cross(point, force)
             if turning:
                 swing = _plus(swing, cross(place, change))
@@ -163,16 +163,6 @@ def force_rates(
                     total -= z * bent[2] + d * twisted[2]
                 out[j, k] += total
     return out
-
-
-@inline_kernel
-def _times(A: FloatArray, x: Three) -> Three:
-    """Return A x for A (3, 3)."""
-    return (
-        A[0, 0] * x[0] + A[0, 1] * x[1] + A[0, 2] * x[2],
-        A[1, 0] * x[0] + A[1, 1] * x[1] + A[1, 2] * x[2],
-        A[2, 0] * x[0] + A[2, 1] * x[1] + A[2, 2] * x[2],
-    )
 
 
 @kernel

@@ -13,14 +13,12 @@ linearizing hybrid dynamical systems", Proceedings of the IEEE 112, 2024.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.stepping.derivative_contact import Response
-from surefoot.stepping.derivative_impact import NO_LAWS, Exchange, Laws, Rates
-from surefoot.stepping.derivative_stages import Coast, Stages
+from surefoot.stepping.derivative_impact import Exchange, Rates
+from surefoot.stepping.derivative_stages import Coast, InputRates, Stages
 from surefoot.stepping.state import Impact
 
 AT_ONCE = 1e30
@@ -51,26 +49,17 @@ class LocatedStages(Stages):
         found = [(e.response, e.impact.near) for e in self.touches if e is not None and e.response]
         return found + ([] if self.rest is None else self.rest.responses)
 
-    def through(
-        self,
-        columns: Sequence[FloatArray],
-        inertia: FloatArray | None = None,
-        one_sided: bool | None = False,
-        seconds: FloatArray | None = None,
-        laws: Laws = NO_LAWS,
-    ) -> FloatArray:
+    def through(self, given: InputRates) -> FloatArray:
         """See `Stages.through`: (2nv + 6p, c)."""
-        q, v, torques, mu, push, leaving = columns
+        q, v, torques, mu, _, leaving, inertia, one_sided, _, laws = given
         n, T, effort, nothing = len(q), np.vstack([q, v]), np.zeros_like(v), np.zeros_like(leaving)
         effort[self.stepper.robot.base_dof :] = torques
-        given, left, late = nothing, nothing, np.zeros(T.shape[1])
+        total, left, late = nothing, nothing, np.zeros(T.shape[1])
         for k, touch in enumerate(self.touches):
             if self.rest is not None and touch is None:
-                rest = self.rest.through(
-                    [T[:n], T[n:], torques, mu, push, left], inertia, one_sided, -late, laws
-                )
-                given, left = given + rest[2 * n : -len(left)], rest[-len(left) :]
-                return np.vstack([rest[: 2 * n], given, left])
+                rest = self.rest.through(given._replace(q=T[:n], v=T[n:], leaving=left, seconds=-late))
+                total, left = total + rest[2 * n : -len(left)], rest[-len(left) :]
+                return np.vstack([rest[: 2 * n], total, left])
             T = self._coasted(k, T, effort, inertia)
             wait = -late  # the end of the step stays where it is
             if touch is not None:
@@ -80,5 +69,5 @@ class LocatedStages(Stages):
             if touch is not None:
                 rates = Rates(T[:n], T[n:], touch.takes(inertia) + 0.0 * T[n:], mu[0], nothing, None, laws)
                 after, left, impulses = touch.through(rates, one_sided)
-                T, given = np.vstack([T[:n], after]), given + impulses
-        return np.vstack([T, given, left])
+                T, total = np.vstack([T[:n], after]), total + impulses
+        return np.vstack([T, total, left])

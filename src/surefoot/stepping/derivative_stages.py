@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -34,6 +33,21 @@ class StepArguments(NamedTuple):
     mu: float
     smoothing: float
     step: Step | None = None
+
+
+class InputRates(NamedTuple):
+    """Rates of what goes into a step, c columns of each; those of its length `seconds` (c,)."""
+
+    q: FloatArray
+    v: FloatArray
+    torques: FloatArray
+    mu: FloatArray
+    push: FloatArray
+    leaving: FloatArray
+    inertia: FloatArray | None = None
+    one_sided: bool | None = False
+    seconds: FloatArray | None = None
+    laws: Laws = NO_LAWS
 
 
 class Work:
@@ -219,20 +233,9 @@ class Stages:
         out[:, active] += flow[:, 2 * n :]
         return np.asarray(out)
 
-    def through(
-        self,
-        columns: Sequence[FloatArray],
-        inertia: FloatArray | None = None,
-        one_sided: bool | None = False,
-        seconds: FloatArray | None = None,
-        laws: Laws = NO_LAWS,
-    ) -> FloatArray:
-        """Return the rates (2nv + 6p, c) of q, v, impulses and leaving for c columns of what goes in.
-
-        The columns are those of q, v, torques, mu, push and leaving; `seconds` (c,) of the step's length,
-        `laws` of what contacts are made of.
-        """
-        q, v, torques, mu, push, leaving = columns
+    def through(self, given: InputRates) -> FloatArray:
+        """Return the rates (2nv + 6p, c) of q, v, impulses and leaving for those of what goes in."""
+        q, v, torques, mu, push, leaving, inertia, one_sided, seconds, laws = given
         n, points = len(v), len(leaving)
         T = np.vstack([q, v])
         effort = np.zeros_like(v)
@@ -243,8 +246,8 @@ class Stages:
         if self.arrival is not None:
             taken = self.arrival.takes(inertia) + np.zeros_like(v)
             rates = Rates(T[:n], T[n:], taken, mu[0], 0.0 * leaving, None, laws)
-            after, _, given = self.arrival.through(rates, one_sided)
-            T, impulses = np.vstack([T[:n], after]), impulses + given
+            after, _, got = self.arrival.through(rates, one_sided)
+            T, impulses = np.vstack([T[:n], after]), impulses + got
         T = self._coasted(0, T, None, inertia)
         if seconds is not None:
             T += np.outer(self.coasts[0].pace, 0.5 * seconds)
@@ -254,18 +257,19 @@ class Stages:
         if seconds is not None:
             effort += np.outer(self.main.force, seconds)
         rates = Rates(T[:n], T[n:], effort, mu[0], leaving, seconds, laws)
-        after, left, given = self.main.through(rates, one_sided)
+        after, left, got = self.main.through(rates, one_sided)
         T = self._coasted(1, np.vstack([T[:n], after]), None, inertia)
         if seconds is not None:
             T += np.outer(self.coasts[1].pace, 0.5 * seconds)
-        return np.vstack([T, impulses + given, left])
+        return np.vstack([T, impulses + got, left])
 
     def by_inertia(self) -> FloatArray:
         """Return the derivatives (2nv + 6p, 10 bodies) by all inertial parameters."""
         model, points = self.stepper.bodies.model, len(self.stepper.robot.contact_points)
         count = 10 * (model.njoints - 1)
         sizes = (model.nv, model.nv, self.stepper.robot.joints, 1, 3, 3 * points)
-        return self.through([np.zeros((size, count)) for size in sizes], np.eye(count))
+        nothing: Any = (np.zeros((size, count)) for size in sizes)
+        return self.through(InputRates(*nothing)._replace(inertia=np.eye(count)))
 
     def _pushed(
         self, out: Exchange, T: FloatArray, inertia: FloatArray | None, one_sided: bool | None

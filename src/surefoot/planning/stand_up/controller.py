@@ -58,7 +58,7 @@ class StandUpController(Controller):
     def reset(self) -> None:
         """Forget the past: the next step is the first of the plan."""
         self.whole_body.reset()
-        self.phase, self.tries = ROLLING, 1
+        self.phase = ROLLING
         self._since: float | None = None
         self._from = self._lying
 
@@ -95,7 +95,6 @@ class StandUpController(Controller):
             elif clock > self._rolled + WAIT:
                 self._begin(FOLDING, state)
         elif self.phase == FOLDING and clock >= FOLD:
-            self.tries += 1
             self._begin(RISING if level else ROLLING, state)
         elif self.phase == RISING and clock >= law.duration - self._rolled:
             if sensed.all() and level:
