@@ -58,7 +58,7 @@ def tests_of(room: str) -> list[str]:
 
 
 def mutations(file: Path, source: str) -> Iterator[Mutation]:
-    """Yield every change of a single line that a file (below the package) can have."""
+    """Yield every change of a single line that a file of the package may have, some of them no Python."""
     lines = source.splitlines()
     for node in ast.walk(ast.parse(source)):
         number, end = getattr(node, "lineno", 0), getattr(node, "end_lineno", 0)
@@ -68,7 +68,7 @@ def mutations(file: Path, source: str) -> Iterator[Mutation]:
         start, stop = (_column(line, getattr(node, name)) for name in ("col_offset", "end_col_offset"))
         for text in _changed(node):
             after = line[:start] + text + line[stop:]
-            if after != line and _compiles(lines, number, after):
+            if after != line:
                 yield Mutation(file, number, line, after)
 
 
@@ -77,9 +77,16 @@ def _column(line: str, offset: int) -> int:
     return len(line.encode()[:offset].decode())
 
 
-def _compiles(lines: list[str], number: int, after: str) -> bool:
+def _changed_file(one: Mutation, folder: Path) -> str:
+    """Return the text of a file of a checkout with one line changed."""
+    lines = (folder / PACKAGE / one.file).read_text(encoding="utf-8").splitlines(keepends=True)
+    lines[one.line - 1] = one.after + "\n"
+    return "".join(lines)
+
+
+def _compiles(one: Mutation) -> bool:
     try:
-        ast.parse("\n".join([*lines[: number - 1], after, *lines[number:]]))
+        ast.parse(_changed_file(one, ROOT))
     except SyntaxError:
         return False
     return True
@@ -121,8 +128,11 @@ def drawn(rooms: list[str], count: int, seed: int) -> list[Mutation]:
             for one in mutations(file, path.read_text(encoding="utf-8")):
                 per_line.setdefault((file, one.line), []).append(one)
     chance = random.Random(seed)
-    chosen = chance.sample(sorted(per_line), min(count, len(per_line)))
-    return [chance.choice(per_line[place]) for place in chosen]
+    places, found = sorted(per_line), list[Mutation]()
+    for place in chance.sample(places, len(places)):
+        if len(found) < count and (compiling := [one for one in per_line[place] if _compiles(one)]):
+            found.append(chance.choice(compiling))
+    return found
 
 
 class Judge:
@@ -160,10 +170,9 @@ class Judge:
     def clean(self, room: str) -> bool:
         """Return whether a room's tests pass without a change; the first look at a room takes its time."""
         if room not in self._seconds:
-            if self._fails(room, None):  # compiles as well
-                return False
             begin = time.perf_counter()
-            self._fails(room, None)
+            if self._fails(room, None):
+                return False
             self._seconds[room] = time.perf_counter() - begin
         return True
 
@@ -171,9 +180,7 @@ class Judge:
         """Return whether the tests of its room find a change."""
         path = self._copy / PACKAGE / one.file
         source = path.read_text(encoding="utf-8")
-        lines = source.splitlines(keepends=True)
-        lines[one.line - 1] = one.after + "\n"
-        path.write_text("".join(lines), encoding="utf-8")
+        path.write_text(_changed_file(one, self._copy), encoding="utf-8")
         room = room_of(one.file)
         try:
             return self._fails(room, max(LEAST, PATIENCE * self._seconds[room]))
