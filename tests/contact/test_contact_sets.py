@@ -228,6 +228,7 @@ def test_three_row_contacts_become_the_short_form() -> None:
         (lambda: C.Bilateral(9), "rows must be at most 6"),
         (lambda: C.Bilateral(3, normal_max=1.0), "a bilateral contact takes no normal bounds"),
         (lambda: C.Pyramid(0.5, 2), "facets must be a whole number >= 3"),
+        (lambda: C.Pyramid(-0.5), "mu must be a number between 0"),
         (lambda: C.Point(0.5, normal_min=2.0, normal_max=1.0), "normal_min must be finite and <= normal_max"),
         (
             lambda: sf.ContactProblem(np.eye(3), np.ones(3), 0.5, contacts=[C.Point(0.5)]),

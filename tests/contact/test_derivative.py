@@ -59,6 +59,11 @@ def test_the_point_is_polished() -> None:
     np.testing.assert_allclose(d.forces, sf.solve(problem, tol=1e-14).forces, rtol=1e-12, atol=1e-13)
 
 
+def test_the_condition_of_a_contact_that_sticks_is_that_of_its_matrix() -> None:
+    d = sf.solve(sf.ContactProblem(np.diag([1.0, 2.0, 4.0]), [0.1, 0.0, -1.0], 0.5)).derivative()
+    assert d.condition == pytest.approx(4.0)
+
+
 def test_unsolved_problems_have_none() -> None:
     impossible = sf.ContactProblem(np.diag([1.0, 1.0, 0.0]), [0.0, 0.0, -1.0], 0.5)
     with pytest.raises(NoSolution):
