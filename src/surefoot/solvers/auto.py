@@ -62,9 +62,7 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
         return _run(problem, settings, warm_start, 0, plans.PYRAMIDS[problem.law], start)
     if problem.contacts <= COMPILED_CONTACTS:
         return _run(problem, settings, warm_start, 0, _small_plan(problem, warm_start), start)
-    forces, plan = start_forces(problem, warm_start), plans.CONES_LARGE[problem.law]
-    if problem.contacts > plans.CROWD and problem.law == "coulomb":
-        plan = plans.PILES
+    forces = start_forces(problem, warm_start)
     looks: list[InfeasibilityProof | None] = []
 
     def infeasible(error: float) -> bool:
@@ -79,7 +77,7 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     guess = None if far > NO_GUESS else forces.reshape(-1, 3)
     if error <= settings.tol or (looks and looks[0] is not None):
         return Answer(forces.reshape(-1, 3), done, proof=looks[0] if looks else None)
-    return _run(problem, settings, guess, done, plan, start)
+    return _run(problem, settings, guess, done, plans.CONES_LARGE[problem.law], start)
 
 
 def _small_plan(problem: ContactProblem, forces: FloatArray | None) -> Plan:

@@ -43,7 +43,6 @@ CONES: dict[str, Plan] = {
         PlanStage("admm", 1500),
         PlanStage(ON_BLOCKS, 20_000),
         PlanStage("admm", 10_000, warm=True),
-        PlanStage("nsgs", 20_000, warm=True),
     ),
     "convex": (
         PlanStage(PARTS),
@@ -69,15 +68,6 @@ CONES_LARGE: dict[str, Plan] = {
     ),
 }
 """After sweeps and Newton steps on blocks."""
-PILES: Plan = (
-    PlanStage(PARTS),
-    PlanStage("nsgs", 400, warm=True),
-    PlanStage(ADMM_AND_NEWTON, 20_000, warm=True),
-    PlanStage(PROOF),
-    PlanStage("nsgs", 20_000, warm=True),
-)
-"""In place of Coulomb's for more contacts than `CROWD`."""
-CROWD = 300
 PYRAMIDS: dict[str, Plan] = {
     "coulomb": (
         PlanStage("admm", 2000, warm=True),
