@@ -2,8 +2,9 @@
 
 Every problem of the package's own sets, of a folder of FCLIB and Siconos files, and of the adversary's
 families is solved by the whole plan first. Where the first call leaves it unsolved, it is solved again
-without each of the stages that were asked, one at a time: a stage earns its place by problems that are then
-no longer decided (SOLVED, or INFEASIBLE with its proof), or by the time that it saves.
+without each of the stages that were asked, one at a time, and without all stages of a solver ("all"): a stage
+earns its place by problems that are then no longer decided (SOLVED, or INFEASIBLE with its proof), or by the
+time of the processor that it saves.
 """
 
 from __future__ import annotations
@@ -14,11 +15,10 @@ import time
 import zlib
 from collections import defaultdict
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from unittest.mock import patch
 
 import numpy as np
@@ -30,28 +30,21 @@ from surefoot.solvers import auto, plans
 from surefoot.solvers.compiled import COMPILED_CONTACTS
 from surefoot.solvers.solver import solve
 
-TRY = auto.try_stage
-ADVERSARY = Path(__file__).parents[2] / "tests" / "adversary"
+TRY, RUN = auto.try_stage, auto._run
+Stages = frozenset[plans.PlanStage]
+TESTS = Path(__file__).parents[2] / "tests"
 TOLERANCE = {"robot": 1e-9, "large": 1e-6, "files": 1e-8, "adversary": 1e-8}
 """Wanted velocity error by set."""
 DECIDED = Status.SOLVED, Status.INFEASIBLE
 
 
-@dataclass(frozen=True)
-class Loss:
-    """What one stage does for the problems that reached it.
+class Run(NamedTuple):
+    """A problem that reached a stage: decided with it and without, seconds of the processor for either."""
 
-    Attributes
-    ----------
-    asked, lost
-        Problems that reached it, and those decided with it and not without it.
-    seconds, without
-        Time on those that reached it, with and without it [s].
-    """
-
-    asked: int
-    lost: tuple[str, ...]
+    problem: str
+    before: bool
     seconds: float
+    after: bool
     without: float
 
 
@@ -62,38 +55,42 @@ def sets(folder: Path | None, seeds: int, quick: bool) -> Iterator[tuple[str, Na
         yield from ((name, p) for p in given[:: 6 if quick else 1])
     if folder is not None:
         yield from (("files", p) for p in problems_in(folder))
-    sys.path.insert(0, str(ADVERSARY))
+    sys.path[:0] = [str(TESTS / "adversary"), str(TESTS / "conformance")]
     from families import FAMILIES  # type: ignore[import-not-found]
+    from test_set_mixtures import mixture  # type: ignore[import-not-found]
 
     for family, draw in FAMILIES.items():
         for seed in range(seeds):
             case = draw(np.random.default_rng([zlib.crc32(family.encode()), seed]))
             yield "adversary", NamedProblem(f"{family}-{seed}", family, ContactProblem(**case.arguments))
+    for seed in range(4 * seeds):
+        yield "adversary", NamedProblem(f"mixture-{seed}", "mixture", mixture(seed)[0])
 
 
-def table_of(problem: ContactProblem) -> tuple[dict[str, plans.Plan], str, str]:
-    """Return the table that holds a problem's plan, its key there, and what to call it."""
-    law = str(problem.law)
+def plan_of(problem: ContactProblem) -> str:
+    """Return what to call a problem's plan."""
     if problem.general:
-        return plans.GENERAL, plans.ANY_LAW, "any kind"
+        return "any kind"
+    law = str(problem.law)
     if problem.facets is not None:
-        return plans.PYRAMIDS, law, "pyramids"
-    few = problem.contacts <= COMPILED_CONTACTS
-    return (plans.CONES, law, "few") if few else (plans.CONES_LARGE, law, "many")
+        return f"{law}, pyramids"
+    return f"{law}, many" if problem.contacts > COMPILED_CONTACTS else f"{law}, few"
 
 
-@contextmanager
-def without(table: dict[str, plans.Plan], key: str, stage: plans.PlanStage) -> Iterator[None]:
-    """Leave a stage out of a plan for a while."""
-    with patch.dict(table, {key: tuple(s for s in table[key] if s != stage)}):
-        yield
+def without(dropped: Stages) -> AbstractContextManager[Any]:
+    """Leave stages out of every plan for a while, those of connected parts as well."""
+
+    def run(problem: Any, settings: Any, forces: Any, done: int, plan: plans.Plan, start: float) -> Any:
+        return RUN(problem, settings, forces, done, tuple(s for s in plan if s not in dropped), start)
+
+    return patch.object(auto, "_run", run)
 
 
 def decided(problem: ContactProblem, tol: float, most: float) -> tuple[bool, float]:
     """Solve a problem; return whether that decided it, and the time it took [s]."""
-    start = time.perf_counter()
+    start = time.process_time()
     found = solve(problem, "auto", tol, max_time=most)
-    return found.status in DECIDED, time.perf_counter() - start
+    return found.status in DECIDED, time.process_time() - start
 
 
 def _watched(asked: list[plans.PlanStage], stage: plans.PlanStage, *given: Any) -> Any:
@@ -102,26 +99,23 @@ def _watched(asked: list[plans.PlanStage], stage: plans.PlanStage, *given: Any) 
     return TRY(stage, *given)
 
 
-def ablate(folder: Path | None, seeds: int, most: float, quick: bool) -> dict[tuple[str, str], Loss]:
-    """Return the loss of every stage, by plan and stage."""
-    rows: dict[tuple[str, str], list[tuple[str, bool, bool, float, float]]] = defaultdict(list)
+def ablate(folder: Path | None, seeds: int, most: float, quick: bool) -> dict[tuple[str, str], list[Run]]:
+    """Return the problems that reached every stage, by plan and stage."""
+    rows: dict[tuple[str, str], list[Run]] = defaultdict(list)
     for kind, named in sets(folder, seeds, quick):
         problem = named.problem
         asked: list[plans.PlanStage] = []
         with patch.object(auto, "try_stage", partial(_watched, asked)):
             first = decided(problem, TOLERANCE[kind], most)
-        table, key, size = table_of(problem)
-        for stage in dict.fromkeys(s for s in asked if s in table[key]):
-            with without(table, key, stage):
-                then = decided(problem.replace(), TOLERANCE[kind], most)
-            rows[f"{key}, {size}", stage.label].append((named.name, first[0], then[0], first[1], then[1]))
-    return {
-        place: Loss(
-            len(runs), tuple(name for name, before, after, *_ in runs if before and not after),
-            sum(r[3] for r in runs), sum(r[4] for r in runs),
-        )
-        for place, runs in rows.items()
-    }  # fmt: skip
+        found: dict[Stages, tuple[bool, float]] = {}
+        places = [(plan_of(problem), s.label, frozenset([s])) for s in dict.fromkeys(asked)]
+        places += [("all", n, frozenset(s for s in asked if s.name == n)) for n in {s.name for s in asked}]
+        for plan, label, dropped in places:
+            if dropped not in found:
+                with without(dropped):
+                    found[dropped] = decided(problem.replace(), TOLERANCE[kind], most)
+            rows[plan, label].append(Run(named.name, *first, *found[dropped]))
+    return rows
 
 
 def main() -> None:
@@ -136,12 +130,11 @@ def main() -> None:
     found = ablate(given.folder, seeds, most, given.quick)
     print("| plan | stage | reached by | lost without it | time with it [s] | without |")
     print("| --- | --- | --- | --- | --- | --- |")
-    for (plan, stage), loss in found.items():
-        counts = f"{loss.asked} | {len(loss.lost)}"
-        print(f"| {plan} | {stage} | {counts} | {loss.seconds:.2f} | {loss.without:.2f} |")
-    for (plan, stage), loss in found.items():
-        if loss.lost:
-            print(f"{plan}, {stage}: {', '.join(loss.lost)}", file=sys.stderr)
+    for (plan, stage), runs in sorted(found.items()):
+        lost = [run.problem for run in runs if run.before and not run.after]
+        times = f"{sum(run.seconds for run in runs):.2f} | {sum(run.without for run in runs):.2f}"
+        print(f"| {plan} | {stage} | {len(runs)} | {len(lost)} | {times} |", flush=True)
+        print(f"{plan}, {stage}: {', '.join(lost)}", file=sys.stderr)
 
 
 if __name__ == "__main__":
