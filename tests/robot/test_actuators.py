@@ -117,6 +117,23 @@ def test_whole_body_control_knows_rotors_friction_and_curve(push: float, swing: 
     np.testing.assert_allclose(command.torques - REAL.losses(v[6:]), moved[6:], atol=slack)
 
 
+@pytest.mark.parametrize(
+    ("left", "speed", "most", "way"),
+    [(0.8, 15.0, 140.0, (300.0, 0.0, -300.0)), (0.03, 3.0, -150.0, (-100.0, 0.0, -100.0))],
+)
+def test_a_knee_in_the_air_passes_neither_its_speed_limit_nor_its_stop(left, speed, most, way) -> None:
+    """So near to its stop [rad] and as fast [rad/s], whatever is wanted of the foot [m/s²].
+
+    It takes up the 0.7 rad/s that are left in 5 ms, or slows by at least v² / 2 over the way that is left.
+    """
+    q, v = GO2.nominal.copy(), np.zeros(18)
+    q[18], v[17] = GO2.model.upperPositionLimit[18] - left, speed
+    swung = tasks(0.0, 1.0)._replace(feet=np.outer([0.0, 0.0, 0.0, 1.0], [*way, 0.0, 0.0, 0.0]))
+    command = WholeBodyController(GO2, actuators=REAL).step(q, v, swung)
+    assert command.feasible
+    assert command.accelerations[17] <= most + 1e-3
+
+
 def test_own_figures_change_the_command() -> None:
     heavy = own(armature=np.full(12, 0.2))
     light, loaded = (WholeBodyController(GO2, actuators=a) for a in (own(), heavy))

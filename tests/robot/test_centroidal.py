@@ -93,15 +93,6 @@ def test_block_structure(make, name):
     assert relative((T @ v)[:3], R @ v[:3]) < 1e-12
 
 
-def test_average_angular_velocity_of_a_stiff_robot(make):
-    robot, rng = make.robot("g1"), np.random.default_rng(8)
-    q, _ = make.state(robot, rng)
-    v = np.zeros(robot.model.nv)
-    v[3:6] = [0.3, -1.0, 2.0]
-    h = centroidal.momentum(robot, q, v)
-    assert relative(h.average_angular_velocity, rotation_from_quaternion(q[3:7]) @ v[3:6]) < 1e-9
-
-
 def test_base_velocity_for_zero_momentum(make):
     robot, rng = make.robot("go2"), np.random.default_rng(9)
     q, v = make.state(robot, rng)

@@ -13,7 +13,6 @@ from surefoot.robot.jacobians import (
     contact_drift,
     contact_error,
     contact_jacobian,
-    contact_powers,
 )
 from tests.robot.constraints import relative
 
@@ -85,13 +84,6 @@ def test_rolling_is_refused_in_turning_axes(make):
     robot = make.robot("go2")
     with pytest.raises(sf.ProblemError, match="rolling needs reference"):
         contact_drift(robot, robot.nominal, np.zeros(18), robot.stance(), "local", rolling=True)
-
-
-def test_power_is_the_same_at_contacts_and_joints(case):
-    robot, q, v, stance, rng = case
-    at_contacts, in_joints = contact_powers(robot, q, v, stance, rng.normal(size=stance.dim))
-    assert abs(at_contacts - in_joints) < 1e-9 * max(1.0, abs(in_joints))
-    assert abs(in_joints) > 1e-3
 
 
 def test_error_grows_with_the_contact_velocity_and_baumgarte_pulls_it_back(make):

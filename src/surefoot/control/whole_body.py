@@ -34,6 +34,7 @@ from surefoot.control.whole_body_step import (
     GAIN,
     MAP,
     OFFSET,
+    PINNED_SLACK,
     ROTATIONS,
     ROWS,
     TARGET,
@@ -42,6 +43,7 @@ from surefoot.control.whole_body_step import (
     WANTED,
     E,
     force_problem,
+    gain_range,
     kinematics,
     part,
     reduce,
@@ -63,11 +65,9 @@ from surefoot.robot.rotors import with_rotors
 
 PINNING_ROUNDS = 4
 """How often torques may be pinned in a step [-]: a bound on the time."""
-PINNED_SLACK = 1e-6
-"""Share of its limit by which a torque exceeds it before it is pinned [-]: rounding is less."""
 TORQUE_SLACK = 0.01
 """Share of their limits by which torques may exceed them in a feasible step [-]: clipped, it hardly shows."""
-_Range = tuple[FloatArray, FloatArray, FloatArray]
+_Range = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 _Answer = tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]
 
 
@@ -132,6 +132,8 @@ class WholeBodyController(Bound):
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
         self.actuators = actuators
         self.outside, self.friction = np.zeros(6), np.zeros(robot.joints)
+        self._any = np.outer([-math.inf, math.inf], np.ones(robot.joints))
+        self._stops = np.array([robot.model.lowerPositionLimit, robot.model.upperPositionLimit])[:, 7:]
         w = weights or TaskWeights()
         self._set_memory(w, (*baumgarte, *(sole_damping or (baumgarte[1], baumgarte[1]))))
         points, weight = len(self.point_foot), w.force / robot.mass**2
@@ -197,7 +199,7 @@ class WholeBodyController(Bound):
         pin.computeJointJacobiansTimeVariation(model, data, q, v)
         pin.centerOfMass(model, data, q, v, False)
         pin.updateFramePlacements(model, data)
-        self._v = v
+        self._q, self._v = q, v
         return Kinematics(
             *kinematics(
                 self._numbers, self._memory, v, views.twists, views.twist_rates, views.rotation, views.com,
@@ -275,6 +277,7 @@ class WholeBodyController(Bound):
             tasks.gaps,
         )  # fmt: skip
         self._set_stance(tasks.stance)
+        pinned: dict[int, int] = {}
         for _ in range(PINNING_ROUNDS):
             if not sound:
                 return self.damping(self._v)
@@ -282,7 +285,7 @@ class WholeBodyController(Bound):
             unloaded, loaded, excess, finite = exceeded
             if not unloaded > 1.0 + PINNED_SLACK:
                 break
-            rows = self._pin_torques(rows, torques, span)
+            rows = self._pin_joints(rows, torques, accelerations[6:], span, pinned)
             sound = reduce(numbers, memory, rows)
         if status is Status.INVALID or not finite:
             return self.damping(self._v)
@@ -306,11 +309,15 @@ class WholeBodyController(Bound):
         return part(self._numbers, self._memory, which, *shape)
 
     def _usable(self) -> _Range:
-        """Return middle and half of the range of torques that move the legs, and what friction takes."""
+        """Return middle and half of the range of torques that move the legs, and what friction takes.
+
+        With the range of accelerations that joints may have which no contact loads, see `gain_range`.
+        """
         if self.actuators is None:
-            return self.friction, self.limits, self.friction  # no friction: the range is about zero
-        middle, half, self.friction = self.actuators.usable(self._v[6:], self.limits)
-        return middle, half, self.friction
+            return self.friction, self.limits, self.friction, self._any  # no friction: a range about zero
+        motors, speed = self.actuators, self._v[6:]
+        middle, half, self.friction = motors.usable(speed, self.limits)
+        return middle, half, self.friction, gain_range(self._q[7:], speed, self._stops, motors.limits.speed)
 
     def _share(self, tasks: Tasks, span: _Range) -> tuple[FloatArray, Status, _Answer]:
         """Return forces and what follows from them, the torques of loaded joints within their limits."""
@@ -330,19 +337,26 @@ class WholeBodyController(Bound):
             self._numbers, self._memory, forces, views.mass_matrix, views.bias, *span, self._loose
         )
 
-    def _pin_torques(self, rows: int, torques: FloatArray, span: _Range) -> int:
-        """Hold unloaded joints' torques at the limits that they exceed; return the number of constraints."""
-        views, (middle, half, _) = self._views, span
+    def _pin_joints(
+        self, rows: int, torques: FloatArray, accelerations: FloatArray, span: _Range, pinned: dict[int, int]
+    ) -> int:
+        """Hold unloaded joints at the limits that their torques or accelerations exceed.
+
+        Returns the number of constraints; `pinned` are the rows of joints: each is held by one of both.
+        """
+        views, (middle, half, _, gains) = self._views, span
         wanted = self._part(WANTED, -1)
         constraints = self._part(E, len(wanted), -1)
-        away = torques - middle
-        for joint in np.flatnonzero(self._loose & (np.abs(away) > (1.0 + PINNED_SLACK) * half)):
-            if rows == len(wanted):
-                break
-            pinned = middle[joint] + math.copysign(half[joint], away[joint])
-            constraints[rows] = views.mass_matrix[6 + joint]
-            wanted[rows] = pinned - views.bias[6 + joint]
-            rows += 1
+        away, kept = torques - middle, np.clip(accelerations, *gains)
+        fast = np.abs(accelerations - kept) > PINNED_SLACK * (gains[1] - gains[0])
+        for joint in np.flatnonzero(self._loose & (fast | (np.abs(away) > (1.0 + PINNED_SLACK) * half))):
+            row = pinned.setdefault(int(joint), rows)
+            rows = max(rows, row + 1)
+            if fast[joint]:
+                constraints[row], wanted[row] = np.arange(6 + len(away)) == 6 + joint, kept[joint]
+                continue
+            constraints[row] = views.mass_matrix[6 + joint]
+            wanted[row] = middle[joint] + math.copysign(half[joint], away[joint]) - views.bias[6 + joint]
         return rows
 
     def _unloaded(self) -> BoolArray:
@@ -359,7 +373,7 @@ class WholeBodyController(Bound):
 
     def _within_limits(self, tasks: Tasks, span: _Range) -> FloatArray:
         """Return the forces that respect the loaded joints' limits, as far as that is possible: (p, 3)."""
-        views, (middle, half, _) = self._views, span
+        views, (middle, half, *_) = self._views, span
         M, nv = views.mass_matrix[6:], len(views.bias)
         ground = self._part(ROWS, -1, nv).T
         # torques = slope f + offset, of a = offset + gain w put into the joints' rows of the dynamics

@@ -41,6 +41,11 @@ H, C, E, WANTED = range(12, 16)
 OFFSET, GAIN, ROOT, TARGET, MAP, ROWS = range(16, 22)
 # contacts: normals, arms and touching points of the feet (n, 3), frames (p, 3, 3) and places (p, 3) of points
 NORMALS, ARMS, TOUCHING, FRAMES, SPOTS, END = range(22, 28)
+PINNED_SLACK = 1e-6
+"""Share of its range by which a torque or an acceleration exceeds it before it is pinned [-]: rounding is
+less."""
+SPEEDING, STOPPING = 200.0, 30.0
+"""Rates at which joints that no contact loads approach their speed limits, and their stops [1/s]."""
 LINEAR, ANGULAR, SWING, TURN, RATES = range(5)
 """What the weights are: of the base's tasks, of feet in the air, and four rates as for `contact_rows`."""
 
@@ -236,14 +241,14 @@ def reduce(numbers: IntArray, memory: FloatArray, count: int) -> bool:
 @kernel
 def torques_of(
     numbers: IntArray, memory: FloatArray, forces: FloatArray, M: FloatArray, bias: FloatArray,
-    middle: FloatArray, half: FloatArray, losses: FloatArray, loose: BoolArray,
+    middle: FloatArray, half: FloatArray, losses: FloatArray, gains: FloatArray, loose: BoolArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]:  # fmt: skip
     """Return torques (joints,) and accelerations (nv,) of forces, the command, and what is exceeded.
 
     The command is that of the motors (joints,): the torques inside their range, and what friction takes.
     Exceeded are the largest distances from the range's middle over its half [-] among the joints that no
     contact loads and among the others, at least zero; the largest excess [N m], of either sign; and whether
-    all torques are finite.
+    all torques are finite. A joint that no contact loads is infinitely far if its acceleration is.
 
     Parameters
     ----------
@@ -255,6 +260,8 @@ def torques_of(
         (nv, nv), (nv,) mass matrix and bias forces.
     middle, half, losses
         (joints,) see `torque_range` [N m].
+    gains
+        (2, joints) range of the accelerations of joints that no contact loads, see `gain_range` [rad/s²].
     loose
         (joints,) which of them no contact loads.
     """
@@ -287,8 +294,30 @@ def torques_of(
             continue
         share = size / half[j] if size > 0.0 else 0.0
         if loose[j]:
-            light = max(light, share)
+            beyond = max(gains[0, j] - a[6 + j], a[6 + j] - gains[1, j])
+            light = max(light, math.inf if beyond > PINNED_SLACK * (gains[1, j] - gains[0, j]) else share)
         else:
             heavy = max(heavy, share)
         most = max(most, size - half[j])
     return torques, a, command, (light, heavy, most, finite)
+
+
+@kernel
+def gain_range(q: FloatArray, v: FloatArray, stops: FloatArray, fastest: FloatArray) -> FloatArray:
+    """Return the accelerations with which joints neither pass their speed limits nor run into their stops.
+
+    What is left to a speed limit, or to the speed that a joint may have so near to its stop, is taken up at
+    the rate `SPEEDING`: (2, joints) least and largest [rad/s²].
+
+    Parameters
+    ----------
+    q, v
+        (joints,) each [rad], [rad/s].
+    stops, fastest
+        (2, joints) least and largest positions [rad]; (joints,) speed limits [rad/s].
+    """
+    out = np.empty((2, len(v)))
+    for j in range(len(v)):
+        out[0, j] = SPEEDING * (max(STOPPING * (stops[0, j] - q[j]), -fastest[j]) - v[j])
+        out[1, j] = SPEEDING * (min(STOPPING * (stops[1, j] - q[j]), fastest[j]) - v[j])
+    return out

@@ -63,15 +63,6 @@ class Momentum:
         """(3,) velocity of the centre of mass [m/s]."""
         return self.linear / self.mass
 
-    @property
-    def average_angular_velocity(self) -> FloatArray:
-        """(3,) the angular velocity that a body of this inertia and momentum has [rad/s].
-
-        It is not the rate of any orientation: a shape that changes can turn a robot whose average
-        angular velocity is zero throughout.
-        """
-        return np.asarray(np.linalg.solve(self.inertia, self.angular))
-
 
 def momentum_matrix(robot: Robot, q: ArrayLike) -> FloatArray:
     """Return A_G with h = A_G v: (6, nv) [kg, kg m for a rate in m/s]."""

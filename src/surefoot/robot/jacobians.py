@@ -287,37 +287,6 @@ class Baumgarte:
         return -kd * velocity - kp * error
 
 
-def contact_powers(
-    robot: Robot, q: ArrayLike, v: ArrayLike, contacts: Contacts, forces: ArrayLike
-) -> tuple[float, float]:
-    """Return the power of contact forces, counted at the contacts and at the joints [W].
-
-    The two are equal: fᵀ J v = τᵀ v with τ = Jᵀ f. The first is counted without J, from the velocities
-    of the points as forward kinematics gives them.
-
-    Parameters
-    ----------
-    forces
-        (sum of dims,) forces (wrenches of patches) on the robot in contact axes [N, N m].
-    """
-    import pinocchio
-
-    configuration = robot.configuration(q)
-    velocity = finite_array("v", v, (robot.model.nv,))
-    points = attached(robot, configuration, contacts)
-    f = finite_array("forces", forces, (sum(p.dim for p in points),))
-    joints = float(contact_jacobian(robot, configuration, points).T @ f @ velocity)
-    pinocchio.forwardKinematics(robot.model, robot.data, configuration, velocity)
-    at_contacts, start = 0.0, 0
-    for point in points:
-        kind = _kind(pinocchio, "contact")
-        twist = pinocchio.getFrameVelocity(robot.model, robot.data, *_carried(robot, point), kind)
-        own = _in_axes(np.array(twist.vector)[:, None], point, "contact")[: point.dim, 0]
-        at_contacts += float(f[start : start + point.dim] @ own)
-        start += point.dim
-    return at_contacts, joints
-
-
 def attached(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attachment]:
     """Return a stance's contacts attached at a configuration (nq,) [m, -, rad], attached ones as they are."""
     return attach(robot, q, contacts) if isinstance(contacts, Stance) else contacts
