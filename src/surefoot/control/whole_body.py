@@ -17,8 +17,9 @@ that six numbers are left: the problem becomes force distribution in the metric 
 the torques as rows. A joint that no contact loads (a leg in the air, an arm) has no force to trade: its
 torque is pinned at the limit and the tasks give way; with actuators its acceleration is, too, where it would
 pass its speed limit or run into its stop, see `gain_range` (what is pinned stays pinned within a step, by one
-of both: the answer is optimal if none of them would come back). What no forces can meet is clipped and flagged. Flat feet
-push at the corners of their soles: sums of corner forces in friction cones are exactly a sole's wrenches.
+of both: the answer is optimal if none of them would come back). What no forces can meet is clipped and
+flagged. Flat feet push at the corners of their soles: sums of corner forces in friction cones are exactly a
+sole's wrenches.
 """
 
 from __future__ import annotations
