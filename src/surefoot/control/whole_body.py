@@ -311,10 +311,7 @@ class WholeBodyController(Bound):
         return part(self._numbers, self._memory, which, *shape)
 
     def _usable(self) -> _Range:
-        """Return middle and half of the range of torques that move the legs, and what friction takes.
-
-        With the range of accelerations that joints may have which no contact loads, see `gain_range`.
-        """
+        """Return `Actuators.usable` of now, and the accelerations of unloaded joints, see `gain_range`."""
         if self.actuators is None:
             return self.friction, self.limits, self.friction, self._any  # no friction: a range about zero
         motors, speed = self.actuators, self._v[6:]
@@ -342,10 +339,7 @@ class WholeBodyController(Bound):
     def _pin_joints(
         self, rows: int, torques: FloatArray, accelerations: FloatArray, span: _Range, pinned: dict[int, int]
     ) -> int:
-        """Hold unloaded joints at the limits that their torques or accelerations exceed.
-
-        Returns the number of constraints; `pinned` are the rows of joints: each is held by one of both.
-        """
+        """Hold unloaded joints at limits that they exceed, in their `pinned` rows; return how many rows are."""
         views, (middle, half, _, gains) = self._views, span
         wanted = self._part(WANTED, -1)
         constraints = self._part(E, len(wanted), -1)
