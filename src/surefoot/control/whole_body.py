@@ -339,7 +339,7 @@ class WholeBodyController(Bound):
     def _pin_joints(
         self, rows: int, torques: FloatArray, accelerations: FloatArray, span: _Range, pinned: dict[int, int]
     ) -> int:
-        """Hold unloaded joints at limits that they exceed, in their `pinned` rows; return the number of rows."""
+        """Hold unloaded joints at limits that they exceed, in `pinned` rows; return the number of rows."""
         views, (middle, half, _, gains) = self._views, span
         wanted = self._part(WANTED, -1)
         constraints = self._part(E, len(wanted), -1)
