@@ -34,7 +34,7 @@ SLOW, TURN = 1e-3, 0.05
 """Largest angle turned in a span for which its middle says enough, and in a piece of others [rad]."""
 TERMS = 60
 """Most terms of an exponential."""
-InputRates = Callable[[Any, FloatArray, FloatArray, FloatArray], FloatArray]
+Inputs = Callable[[Any, FloatArray, FloatArray, FloatArray], FloatArray]
 """∂a/∂p (nv, m) from Pinocchio's data after the derivatives of a, q, v and a."""
 
 
@@ -71,7 +71,7 @@ class FlowDerivative:
         v: FloatArray,
         seconds: float,
         effort: FloatArray | None = None,
-        inputs: InputRates | None = None,
+        inputs: Inputs | None = None,
     ) -> FloatArray:
         """Return the derivative (2nv, 2nv + m) of where q and v lead in `seconds`, by q, v and the inputs."""
         nv = v.size
@@ -92,7 +92,7 @@ class FlowDerivative:
         return total[: 2 * nv]
 
     def _rate(
-        self, q: FloatArray, v: FloatArray, after: float, effort: FloatArray | None, inputs: InputRates | None
+        self, q: FloatArray, v: FloatArray, after: float, effort: FloatArray | None, inputs: Inputs | None
     ) -> FloatArray:
         """Return the matrix of the variational equation `after` seconds."""
         ahead = self.motion.advance(q, v, after, effort)
