@@ -36,6 +36,8 @@ def test_a_jump_is_planned_in_words(tmp_path: Path, capfd: pytest.CaptureFixture
     assert "jump: solved" in said
     assert "the feet get 0.50" in said
     assert "FL_foot" in said
+    (found,) = tmp_path.glob("plan-jump-*/plan.npz")
+    assert main(["plan", "jump", "--dt", "0.02", "--near", str(found), "--max-iterations", "6", *shown]) == 0
 
 
 def test_what_is_not_solved_is_exit_code_1(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.planning.schedule.motions import QUICK, jump, landed, lift_speed, time_scale
+from surefoot.planning.tasks import scheduled
 from surefoot.planning.tasks.scheduled import mover
 from surefoot.planning.tasks.task import PlanRequest
 from surefoot.robot.actuators import unknown_limits
@@ -87,6 +88,7 @@ def test_limits_that_no_motor_has_are_unknown(go2):
         ("stand-up", {"payload": 1.0}, "takes no payload; it takes none of these"),
         ("backflip", {"turn": 1.0}, "takes no turn; it takes start, payload"),
         ("jump", {"terrain": "flat"}, "terrain"),
+        ("jump", {"near": "plan.npz"}, "near must be a Plan"),
         ("jump", {"terrain": PitTerrain(0.5, 0.2, 0.3)}, "FL_foot lands at x = 0.624 m, too near an edge"),
         ("jump", {"terrain": rough_ground(1, 0.05)}, "takes a plane or steps"),
         ("jump-up", {"over": 0.1}, "takes no over"),
@@ -108,6 +110,18 @@ def test_a_start_off_the_ground_is_refused(go2, by, told):
     q[2] += by
     with pytest.raises(sf.errors.ProblemError, match=told):
         sf.plan(go2, "jump", start=q)
+
+
+def test_a_search_from_a_near_plan_ends_in_the_same_motion_sooner(go2, monkeypatch):
+    kept = sf.plan(go2, "jump", 0.25, dt=0.02)
+    far, near = (sf.plan(go2, "jump", 0.35, dt=0.02, near=one) for one in (None, kept))
+    assert near.iterations < 0.6 * far.iterations
+    assert near.cost == pytest.approx(far.cost, rel=1e-5)
+    assert np.abs(near["q"] - far["q"]).max() < 1e-3
+    monkeypatch.setattr(scheduled, "BRIEF", 1e-9)  # a search from a plan that is not near begins anew
+    assert sf.plan(go2, "jump", 0.35, dt=0.02, near=kept).iterations == far.iterations
+    with pytest.raises(sf.errors.ProblemError, match="the same robot, kind of task and knots"):
+        sf.plan(go2, "jump", near=kept)
 
 
 @pytest.mark.long

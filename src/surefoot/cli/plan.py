@@ -37,16 +37,21 @@ class JumpOptions:
         Path | None,
         typer.Option(help="Pose to start from: a list of numbers (YAML, JSON), or where a plan or log ends."),
     ] = None
+    near: Annotated[
+        Path | None, typer.Option(help="Saved plan of the same task to start the search from: it is shorter.")
+    ] = None
 
     @property
     def numbers(self) -> dict[str, Any]:
         """As `surefoot.plan` takes them."""
+        from surefoot.planning.plan import Plan
         from surefoot.terrain import read_terrain
 
         return {
             "direction": math.radians(self.direction), "turn": math.radians(self.turn), "over": self.over,
             "terrain": None if self.terrain is None else read_terrain(self.terrain, "--terrain"),
             "start": None if self.start is None else _pose(self.start),
+            "near": None if self.near is None else Plan.read(self.near),
         }  # fmt: skip
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.rotations import turn_between
 
 (SOUND, ENDLESS, NO_UNIT, TURNS, HARD, OUTSIDE, FROZEN, DRIFTS, TWISTS) = range(9)
 """What is wrong: nothing, a number that is not finite, the length of the quaternion, the turn rate, the
@@ -136,15 +137,10 @@ def _unexplained(said: FloatArray, last: FloatArray, elapsed: float) -> FloatArr
     rate = math.sqrt((said[4] + last[4]) ** 2 + (said[5] + last[5]) ** 2 + (said[6] + last[6]) ** 2)
     half = 0.25 * elapsed * rate
     for r in range(3):
-        way[r] = -math.sin(half) * (said[4 + r] + last[4 + r]) / max(rate, 1e-300)
+        way[r] = math.sin(half) * (said[4 + r] + last[4 + r]) / max(rate, 1e-300)
     way[3] = math.cos(half)
-    back = np.array([-last[0], -last[1], -last[2], last[3]])
-    rest = _times(way, _times(back, said[:4]))
-    sine = math.sqrt(rest[0] ** 2 + rest[1] ** 2 + rest[2] ** 2)
-    angle = 2.0 * math.atan2(sine, abs(rest[3]))
     out = np.empty(3)
-    for r in range(3):
-        out[r] = rest[r] * (math.copysign(angle, rest[3]) / max(sine, 1e-300))
+    turn_between(_times(last, way), said, out)
     return out
 
 

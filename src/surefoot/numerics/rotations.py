@@ -19,6 +19,20 @@ def rotation_of(q: FloatArray, out: FloatArray) -> None:
 
 
 @inline_kernel
+def turn_between(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
+    """Fill out (3,) with the rotation vector of R_aᵀ R_b, of length at most pi, from quaternions (4,)."""
+    x = a[3] * b[0] - a[0] * b[3] - a[1] * b[2] + a[2] * b[1]
+    y = a[3] * b[1] - a[1] * b[3] - a[2] * b[0] + a[0] * b[2]
+    z = a[3] * b[2] - a[2] * b[3] - a[0] * b[1] + a[1] * b[0]
+    w = a[3] * b[3] + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    if w < 0.0:
+        x, y, z, w = -x, -y, -z, -w
+    sine = math.sqrt(x * x + y * y + z * z)
+    scale = 2.0 * math.atan2(sine, w) / sine if sine > 1e-12 else 2.0 / w
+    out[0], out[1], out[2] = scale * x, scale * y, scale * z
+
+
+@inline_kernel
 def log_between(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
     """Fill out (3,) with the rotation vector of A Bᵀ, rotations (3, 3), of length at most pi [rad]."""
     x = y = z = trace = 0.0

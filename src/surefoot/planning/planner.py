@@ -44,6 +44,7 @@ def plan(
     turn: float = 0.0,
     terrain: Terrain | None = None,
     over: float = 0.0,
+    near: Plan | None = None,
     tell: Tell | None = None,
 ) -> Plan:
     """Return a motion through contact that does a task.
@@ -80,6 +81,9 @@ def plan(
     over
         Of a jump: width of a gap in flat ground ahead, along x, that neither feet nor links may go into [m];
         a jump without an amount is as long as that takes.
+    near
+        A plan over a schedule for the same task, robot and number of knots: the search starts from its motion
+        and multipliers. What is found is judged all the same; a start that is near costs half the time.
     tell
         Called with every `Iteration`.
 
@@ -100,7 +104,7 @@ def plan(
     _check(found, request)
     asked = {
         "start": start, "payload": payload, "direction": direction, "turn": turn, "terrain": terrain,
-        "over": over,
+        "over": over, "near": near,
     }  # fmt: skip
     request = replace(request, **_checked_extra(found, request, asked))
     if request.amount is None and not request.over:
@@ -112,6 +116,8 @@ def _checked_extra(task: Task, request: PlanRequest, extra: dict[str, Any]) -> d
     """Return what a task is asked for beside its number, checked."""
     for name, (low, high) in RANGES.items():
         extra[name] = real_number(name, extra[name], low=low, high=high)
+    if extra["near"] is not None:
+        of_kind("near", extra["near"], Plan)
     for name, value in extra.items():
         if value is not None and not np.array_equal(value, 0.0) and name not in task.takes:
             takes = ", ".join(task.takes) or "none of these"

@@ -15,7 +15,7 @@ from surefoot.errors import ModelError, ProblemError
 from surefoot.planning.planner import plan
 from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
 from surefoot.planning.schedule.motions import backflip, jump, modes
-from surefoot.planning.schedule.search import guess_from, pack_guess, resampled
+from surefoot.planning.schedule.search import guess_from, pack_guess
 from surefoot.planning.schedule.transcribe import transcribe
 from surefoot.planning.tasks.backflip import turned
 from surefoot.robot import load_robot
@@ -189,7 +189,7 @@ def test_front_feet_keep_ahead_of_rear_hips_that_push(go2) -> None:
 
 def test_a_motion_over_long_knots_is_the_same_over_short_ones(go2) -> None:
     coarse, fine = backflip(go2, 0.6, 0.02), backflip(go2, 0.6, 0.01)
-    start = resampled(guess_from(coarse), coarse.dt, fine)
+    start = guess_from(coarse).stretched(fine.knots, pace=0.5)
     assert np.abs(start.q - fine.reference).max() < 0.02
     assert start.impulses.sum() == pytest.approx(guess_from(fine).impulses.sum(), rel=0.02)
 

@@ -6,27 +6,11 @@ first order as Pinocchio's. Quaternions are (x, y, z, w).
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.kernels import inline_kernel, kernel
-from surefoot.numerics.rotations import rotation_of
-
-
-@inline_kernel
-def turn_between(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
-    """Fill out (3,) with the rotation vector of R_aᵀ R_b, of length at most pi, from quaternions at [3:7]."""
-    x = a[6] * b[3] - a[3] * b[6] - a[4] * b[5] + a[5] * b[4]
-    y = a[6] * b[4] - a[4] * b[6] - a[5] * b[3] + a[3] * b[5]
-    z = a[6] * b[5] - a[5] * b[6] - a[3] * b[4] + a[4] * b[3]
-    w = a[6] * b[6] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
-    if w < 0.0:
-        x, y, z, w = -x, -y, -z, -w
-    sine = math.sqrt(x * x + y * y + z * z)
-    scale = 2.0 * math.atan2(sine, w) / sine if sine > 1e-12 else 2.0 / w
-    out[0], out[1], out[2] = scale * x, scale * y, scale * z
+from surefoot.kernels import kernel
+from surefoot.numerics.rotations import rotation_of, turn_between
 
 
 @kernel
@@ -40,7 +24,7 @@ def difference(floating: bool, a: FloatArray, b: FloatArray, out: FloatArray) ->
             out[i] = 0.0
             for j in range(3):
                 out[i] += R[j, i] * (b[j] - a[j])
-        turn_between(a, b, out[3:6])
+        turn_between(a[3:7], b[3:7], out[3:6])
     for i in range(6 if floating else 0, out.size):
         out[i] = b[i + shift] - a[i + shift]
 

@@ -25,7 +25,7 @@ class Backflip:
     name, meaning = "backflip", "a full turn backwards in the air, from standing to standing"
     amount, robots = "", True
     default: float | None = None
-    takes: tuple[str, ...] = ("start", "payload")
+    takes: tuple[str, ...] = ("start", "payload", "near")
 
     def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan of a backflip, see `Task.plan`."""

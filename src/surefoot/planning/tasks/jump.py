@@ -34,7 +34,7 @@ class Jump:
 
     name, meaning = "jump", "all feet leave the ground and land further on"
     amount, default, robots = "distance [m]", 0.4, True
-    takes: tuple[str, ...] = ("start", "payload", "direction", "turn", "terrain", "over")
+    takes: tuple[str, ...] = ("start", "payload", "direction", "turn", "terrain", "over", "near")
     up = False
 
     def plan(self, request: PlanRequest, tell: Tell) -> Plan:
@@ -88,7 +88,7 @@ class JumpUp(Jump):
 
     name, meaning = "jump-up", "all feet leave the ground and land where they were"
     amount, default = "height [m]", 0.15
-    takes = ("start", "payload", "turn", "terrain")
+    takes = ("start", "payload", "turn", "terrain", "near")
     up = True
 
 

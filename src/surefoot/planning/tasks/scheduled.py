@@ -30,6 +30,8 @@ OVER = 1e-3
 """By how much a joint may exceed a limit [N m, rad/s, rad]: rounding, and a little feedback."""
 PATIENCE = 20.0
 """CPU time after which a search gives up [s]."""
+BRIEF = 0.2
+"""Share of that for a search from a near plan: one that is further off begins anew."""
 MOST = 600
 """Iterations of a search."""
 Goal = Callable[[Trajectory], tuple[bool, str]]
@@ -84,9 +86,9 @@ def scheduled_plan(
         CPU time after which the search gives up [s], of each problem.
     easier
         Problems that lead up to it: the motion of each is where the next one's search starts. Knots may be
-        of other lengths.
+        of other lengths. Left out where a search from a near plan finds a motion.
     """
-    from surefoot.planning.schedule.search import NEAR, optimise, resampled
+    from surefoot.planning.schedule.search import HELD, NEAR, optimise
     from surefoot.planning.transcription.follow import follow
     from surefoot.planning.transcription.judge import departure
 
@@ -97,14 +99,19 @@ def scheduled_plan(
 
     motion: ScheduledMotion | None = None
     most, iterations, before = request.max_iterations or MOST, 0, problem.dt
-    for one in [*easier, problem]:
+    stages: list[tuple[ScheduleProblem, Plan | None]] = [(one, None) for one in (*easier, problem)]
+    if request.near is not None:
+        stages.insert(0, (problem, request.near))
+    for one, near in stages:
         guess: Guess | None = motion if motion is not None and (motion.found or most == 0) else None
-        options: dict[str, Any] = {"max_cpu_time": patience}
+        options: dict[str, Any] = {"max_cpu_time": patience if near is None else BRIEF * patience}
         if guess is not None and one.dt != before:
-            guess, options = resampled(guess, before, one), options | NEAR
-        motion = optimise(one, guess, most, heard, **options)
+            guess, options = guess.stretched(one.knots, pace=one.dt / before), options | NEAR
+        motion = optimise(one, guess, most, heard, near, **options)
         iterations, before = iterations + motion.iterate.iterations, one.dt
         most = 0 if motion.iterate.said == "interrupted" else most
+        if near is not None and motion.found:
+            break
     assert motion is not None
     lost = not motion.iterate.finite
     trajectory = (
@@ -126,6 +133,8 @@ def scheduled_plan(
         time.perf_counter() - begun, said, stopped,
     )  # fmt: skip
     facts: dict[str, Any] = {"mode_events": list(getattr(problem.schedule, "event_times", []))}
+    if motion.found:
+        facts |= dict(zip(HELD, (motion.iterate.variables, *motion.iterate.multipliers), strict=True))
     if request.payload:
         facts |= {"payload": request.payload, "payload_position": np.zeros(3)}
     if ended == "interrupted" or most == 0:

@@ -58,7 +58,7 @@ class PlanRequest:
         Of random starts.
     max_iterations
         Of the optimiser.
-    start, payload, direction, turn, terrain, over
+    start, payload, direction, turn, terrain, over, near
         See `surefoot.plan`; angles in radians.
     """
 
@@ -75,6 +75,7 @@ class PlanRequest:
     turn: float = 0.0
     terrain: Terrain | None = None
     over: float = 0.0
+    near: Plan | None = None
 
 
 class Task(Protocol):
@@ -91,7 +92,7 @@ class Task(Protocol):
     robots
         Whether a robot of the catalogue can be given; else the task has its own.
     takes
-        Which of start, payload, direction, turn, terrain and over can be given.
+        Which of start, payload, direction, turn, terrain, over and near can be given.
     """
 
     name: str

@@ -63,17 +63,20 @@ class Guess:
         rate = own / (problem.knots * problem.dt)
         return guess.stretched(problem.knots, rate)
 
-    def stretched(self, knots: int, rate: float = 1.0) -> Guess:
-        """Return the guess on another number of knots, `rate` times as fast."""
+    def stretched(self, knots: int, rate: float = 1.0, pace: float | None = None) -> Guess:
+        """Return the guess on another number of knots, `rate` times as fast.
+
+        A knot is `pace` of its own; None for as many as make both end together.
+        """
         have = len(self.torques)
-        at = np.linspace(0.0, have, knots + 1)
+        pace = have / knots if pace is None else pace
+        at = np.minimum(pace * np.arange(knots + 1), have)
         first = np.minimum(at.astype(np.int64), have - 1)
         share = (at - first)[:, None]
         q = (1.0 - share) * self.q[first] + share * self.q[first + 1]
         v = (1.0 - share) * self.v[first] + share * self.v[first + 1]
         nearest = np.minimum(((at[:-1] + at[1:]) / 2.0).astype(np.int64), have - 1)
-        scale = have / knots / rate
-        return Guess(q, rate * v, self.torques[nearest].copy(), scale * self.impulses[nearest])
+        return Guess(q, rate * v, self.torques[nearest].copy(), pace / rate * self.impulses[nearest])
 
     def checked(self, problem: DirectProblem) -> Guess:
         """Return the guess if it fits a problem.
