@@ -107,6 +107,7 @@ def scheduled_plan(
         options: dict[str, Any] = {"max_cpu_time": patience if near is None else BRIEF * patience}
         if guess is not None and one.dt != before:
             guess, options = guess.stretched(one.knots, pace=one.dt / before), options | NEAR
+            guess.q[:, 3:7] /= np.linalg.norm(guess.q[:, 3:7], axis=1, keepdims=True)
         motion = optimise(one, guess, most, heard, near, **options)
         iterations, before = iterations + motion.iterate.iterations, one.dt
         most = 0 if motion.iterate.said == "interrupted" else most
