@@ -106,7 +106,8 @@ def optimise(
     begin, multipliers = pack_guess(problem, guess_from(problem) if guess is None else guess), None
     kept = np.flatnonzero((np.isfinite(rows[0]) | np.isfinite(rows[1])).ravel())  # the others bound nothing
     if near is not None:
-        begin, *multipliers = _held(near, (len(begin), len(begin), len(kept)))
+        begin, of_bounds, of_rows = _held(near, (len(begin), len(begin), len(kept)))
+        multipliers = of_bounds, of_rows
         options = WARM | options
     found = Nlp(block, problem.knots, kept).solve(
         begin, problem.reference[1:], variable_bounds(problem), rows, multipliers=multipliers, tell=tell,
