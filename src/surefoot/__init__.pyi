@@ -21,7 +21,6 @@ from .contact.files import read_problem as read_problem
 from .contact.files import write_problem as write_problem
 from .contact.lcp import LCP as LCP
 from .contact.warm_start import carry_over as carry_over
-from .contact.warm_start import persisting as persisting
 from .control.controller import Command as Command
 from .control.controller import Controller as Controller
 from .control.controller import RobotState as RobotState

@@ -2,39 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, IntArray, finite_array, of_kind
+from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ProblemError
-
-
-def persisting(before: Sequence[Hashable], after: Sequence[Hashable]) -> IntArray:
-    """Return, for each of the m contacts of `after`, its number in `before`, or -1 if it is new: (m,).
-
-    Parameters
-    ----------
-    before, after
-        What each contact is called in the two problems (foot names, pairs of geometry ids, ...).
-
-    Raises
-    ------
-    ProblemError
-        If a name occurs twice.
-
-    Examples
-    --------
-    >>> persisting(["FL", "RR"], ["FR", "RR"]).tolist()
-    [-1, 1]
-    """
-    for names in (before, after):
-        of_kind("contact names", names, Sequence)
-        if len(set(names)) != len(names):
-            raise ProblemError(f"a contact name occurs twice in {list(names)!r:.80}")
-    place = {name: k for k, name in enumerate(before)}
-    return np.array([place.get(name, -1) for name in after], dtype=np.int64)
 
 
 def carry_over(forces: ArrayLike, kept: ArrayLike) -> FloatArray:
@@ -45,7 +17,7 @@ def carry_over(forces: ArrayLike, kept: ArrayLike) -> FloatArray:
     forces
         (n, 3) forces of the last solution [N or N s].
     kept
-        (m,) whole numbers: which contact each new one was, -1 for none; see `persisting`.
+        (m,) whole numbers: which contact each new one was, -1 for none.
 
     Returns
     -------

@@ -23,7 +23,7 @@ BOUNDS = 2
 class HalfSpaces:
     """A @ forces <= b for stance feet and E @ forces = e for swing feet, over the stacked forces.
 
-    How many rows there are follows from the contacts, `facets` and `swing` alone (`row_counts`), never from
+    How many rows there are follows from the contacts, `facets` and `swing` alone, never from
     friction or bounds: a QP can be set up for them beforehand.
 
     Attributes
@@ -95,20 +95,6 @@ class HalfSpaces:
         return int(count)
 
 
-def row_counts(
-    contacts: Sequence[Contact], facets: int = 8, swing: Sequence[bool] | Sequence[str] = ()
-) -> tuple[int, int]:
-    """Return the numbers of rows (m, p) of A and E that `halfspaces` will return."""
-    m = p = 0
-    whole_number("facets", facets, low=3)
-    for contact, off in zip(contacts, swing_mask(contacts, swing), strict=True):
-        if off:
-            p += contact.dim
-        else:
-            m += contact.side_count(facets) + BOUNDS
-    return m, p
-
-
 def halfspaces(
     contacts: Sequence[Contact],
     facets: int = 8,
@@ -118,9 +104,11 @@ def halfspaces(
 ) -> HalfSpaces:
     """Return the rows of contacts; see `Stance.halfspaces`."""
     check_name("axes", axes, ["contact", "world"])
+    whole_number("facets", facets, low=3)
     mask = swing_mask(contacts, swing)
-    m, p = row_counts(contacts, facets, mask)
+    on = [c for c, off in zip(contacts, mask, strict=True) if not off]
     dim = sum(c.dim for c in contacts)
+    m, p = sum(c.side_count(facets) + BOUNDS for c in on), dim - sum(c.dim for c in on)
     A, b, E = np.zeros((m, dim)), np.zeros(m), np.zeros((p, dim))
     rows: list[slice] = []
     at, low, low_off = 0, 0, 0

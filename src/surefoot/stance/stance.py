@@ -17,7 +17,7 @@ from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError, check_name
 from surefoot.spatial import skew
 from surefoot.stance.contact import Contact, PatchContact, PointContact
-from surefoot.stance.halfspaces import Axes, HalfSpaces, halfspaces, row_counts
+from surefoot.stance.halfspaces import Axes, HalfSpaces, halfspaces
 
 
 class Stance:
@@ -142,7 +142,7 @@ class Stance:
         -------
         HalfSpaces
             A @ forces <= b with facets + 2 rows per stance foot (18 for a patch), E @ forces = e with
-            three rows per swing foot (six for a patch); `halfspace_counts` tells how many beforehand.
+            three rows per swing foot (six for a patch).
 
         Raises
         ------
@@ -154,16 +154,10 @@ class Stance:
         >>> feet = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
         >>> stance = Stance([PointContact(p, mu=0.6, normal_min=10.0, normal_max=500.0) for p in feet])
         >>> rows = stance.halfspaces(facets=4, swing=[False, True, True, False])  # a trot
-        >>> rows.A.shape, rows.E.shape, stance.halfspace_counts(4, [False, True, True, False])
-        ((12, 12), (6, 12), (12, 6))
+        >>> rows.A.shape, rows.E.shape
+        ((12, 12), (6, 12))
         """
         return halfspaces(self.contacts, facets, fit, axes, swing)
-
-    def halfspace_counts(
-        self, facets: int = 8, swing: Sequence[bool] | Sequence[str] = ()
-    ) -> tuple[int, int]:
-        """Return how many rows A and E of `halfspaces` have."""
-        return row_counts(self.contacts, facets, swing)
 
     def cone(self) -> ProductCone:
         """Return the product of the contacts' cones, for the stacked forces."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -99,6 +99,19 @@ def draw_columns(axis: Any, x: Any, columns: Any, names: Iterable[str], **line: 
     """Draw the columns of a (T, n) array over x, each in its own colour and with its name."""
     for k, name in enumerate(names):
         axis.plot(x, columns[:, k], **({"color": FOOT_COLOURS[k % 8], "label": name} | line))
+
+
+def draw_panels(
+    path: Path, x: FloatArray, panels: Mapping[str, tuple[Any, Sequence[str]]], title: str
+) -> Path:
+    """Write a picture of panels below each other over (n,) x [s]: label -> ((n, k) curves, their names)."""
+    figure, axes = new_panels([*panels], (7.5, 0.9 + 1.5 * len(panels)), title)
+    for axis, (curves, names) in zip(axes, panels.values(), strict=True):
+        values = np.asarray(curves, dtype=np.float64).reshape(len(x), -1)
+        draw_columns(axis, x, values, names)
+        at_least(axis, values, 1e-3 * max(float(np.abs(values).max()), 1e-9))  # no magnified rounding
+        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8)
+    return save(figure, path)
 
 
 @contextmanager
