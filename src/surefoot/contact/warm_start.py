@@ -17,7 +17,7 @@ def carry_over(forces: ArrayLike, kept: ArrayLike) -> FloatArray:
     forces
         (n, 3) forces of the last solution [N or N s].
     kept
-        (m,) whole numbers: which contact each new one was, -1 for none.
+        (m,) whole numbers: which contact each new one was, -1 for none [-].
 
     Returns
     -------
