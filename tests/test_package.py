@@ -41,8 +41,8 @@ def test_unknown_name_is_an_attribute_error() -> None:
 )
 def test_absent_package_is_one_clear_error(module: str, package: str, call: str) -> None:
     code = (
-        f"import sys; sys.modules[{module!r}] = None\n"
-        f"try:\n    {call}\nexcept ImportError as error:\n    print(error)"
+        f"import sys; sys.modules[{module!r}] = None; from surefoot.errors import SurefootError\n"
+        f"try:\n    {call}\nexcept ImportError as x:\n    assert isinstance(x, SurefootError)\n    print(x)"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.startswith(f"{package} is not installed; run: pip install -e '.[")

@@ -216,10 +216,14 @@ class Limits:
     def use(self, table: LegDemand, pace: Pace, times: float) -> tuple[float, float, int]:
         """Return the shares of joint speed and torque limits that a pace needs, and the joint in the way."""
         speeds = use_of(table.speeds(pace, times), self.robot.speed_limits)
-        torques = table.torques(pace, times, self.ground.up, FORCE_FACTOR)
-        torques = use_of(torques, self.robot.effort_limits)
+        torques = self._torques(table, pace, times)
         worst = speeds if speeds.max() / SPEED_MOST >= torques.max() / TORQUE_SHARE else torques
         return float(speeds.max()), float(torques.max()), int(worst.argmax())
+
+    def _torques(self, table: LegDemand, pace: Pace, times: float) -> FloatArray:
+        """Return the shares of the torque limits that a pace needs: (joints,)."""
+        torques = table.torques(pace, times, self.ground.up, FORCE_FACTOR)
+        return use_of(torques, self.robot.effort_limits)
 
     def _share(self, table: LegDemand, size: float) -> tuple[float, str]:
         """Return the largest share of a velocity that is possible, and what stands in the way of more."""
@@ -239,7 +243,7 @@ class Limits:
         for share in self.hurries[::-1]:
             pace = self.hurried(share)
             fits = use_of(table.speeds(pace, times), self.robot.speed_limits).max() <= SPEED_MOST
-            if fits and self.use(table, pace, times)[1] <= TORQUE_SHARE:
+            if fits and self._torques(table, pace, times).max() <= TORQUE_SHARE:
                 return True
         return False
 
