@@ -30,14 +30,7 @@ def draw(rng):
         x, y, z = *foot, -0.3
         A[:3, 3 * k : 3 * k + 3] = np.eye(3)
         A[3:, 3 * k : 3 * k + 3] = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
-    wrench = np.array([0.0, 0.0, 160.0, 0.0, 0.0, 0.0]) + rng.normal(size=6) * [
-        40.0,
-        40.0,
-        40.0,
-        8.0,
-        8.0,
-        8.0,
-    ]
+    wrench = np.array([0.0, 0.0, 160.0, 0.0, 0.0, 0.0]) + rng.normal(size=6) * np.repeat([40.0, 8.0], 3)
     J = np.zeros((12, 12))
     for k in range(4):
         J[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = rng.normal(size=(3, 3)) * 0.2

@@ -6,10 +6,7 @@ import pytest
 from surefoot import ProblemError
 from surefoot.cones.nearest import nearest_in_cone
 from surefoot.cones.polyhedral import PolyhedralCone
-from surefoot.cones.representation import (
-    convert,
-    representation_gap,
-)
+from surefoot.cones.representation import _distinct, convert, representation_gap
 
 KINDS = ("plain", "upward", "flat", "line inside", "redundant", "long and short", "units", "integer", "thin")
 
@@ -133,6 +130,15 @@ def test_scale_of_rays_and_units_do_not_matter():
         back /= np.linalg.norm(back, axis=1, keepdims=True)
         nearest = np.abs(back[:, None] - reference[None]).max(axis=2).min(axis=1)
         assert nearest.max() < 1e-7
+
+
+def test_rows_that_repeat_to_the_last_bit_are_compared_once(monkeypatch):
+    """Qhull repeats a facet for each of its simplices; pairs are for rows that rounding keeps apart."""
+    rows, passes = np.linalg.qr(np.random.default_rng(0).normal(size=(6, 6)))[0], []
+    monkeypatch.setattr(np, "flatnonzero", lambda mask: passes.append(mask) or mask.nonzero()[0])
+    assert len(_distinct(np.repeat(rows, 50, axis=0))) == 6
+    assert not passes
+    assert len(_distinct(np.vstack([rows, rows + 1e-13]))) == 6
 
 
 def test_self_check_sees_wrong_representations():

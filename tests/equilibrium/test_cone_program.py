@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
+from surefoot.equilibrium.row_blocks import IN_ONE
 from surefoot.solvers.backends import ConeProgram, End, solve_program
 
 
@@ -29,13 +30,8 @@ def clarabel_value(B, b, c, lorentz):
     pytest.importorskip("clarabel")
     m, split = len(c), 3 * lorentz
     minus, zeros = -np.eye(m), np.zeros(m)
-    program = ConeProgram.of(
-        None,
-        c,
-        zero=(B, b),
-        nonneg=(minus[split:], zeros[split:]),
-        second_order=(minus[:split], zeros[:split]),
-    )
+    lines, cones = (minus[split:], zeros[split:]), (minus[:split], zeros[:split])
+    program = ConeProgram.of(None, c, zero=(B, b), nonneg=lines, second_order=cones)
     found = solve_program(program, tol=None)
     assert found.end is End.SOLVED
     return float(c @ found.x)
@@ -43,7 +39,7 @@ def clarabel_value(B, b, c, lorentz):
 
 def solve(B, b, c, lorentz, start, kernel=minimise):
     x, y, z = start.copy(), np.empty(len(b)), np.empty(len(c))
-    status, iterations = kernel(B, b, c, lorentz, x, y, z, 1e-10, -1e9, 0.0)
+    status, iterations = kernel(B, b, c, lorentz, x, y, z, 1e-10, -1e9, 0.0, IN_ONE, np.empty(0))
     return status, iterations, x, y, z
 
 

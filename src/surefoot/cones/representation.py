@@ -185,7 +185,8 @@ def _distinct(rows: FloatArray) -> FloatArray:
     """Drop rows that repeat another one: Qhull splits a facet into simplices with equal normals."""
     mark = rows @ np.sin(np.arange(1.0, rows.shape[1] + 1.0))
     order = np.argsort(mark)
-    mark, rows = mark[order], rows[order]
+    new = np.append(True, (rows[order[1:]] != rows[order[:-1]]).any(axis=1))  # most repeat to the last bit
+    mark, rows = mark[order[new]], rows[order[new]]
     keep = np.ones(len(rows), dtype=np.bool_)
     near = 1
     while near < len(rows):

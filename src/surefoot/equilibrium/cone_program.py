@@ -35,8 +35,9 @@ from surefoot.equilibrium.row_blocks import (
     dot_span,
     factor,
     factor_rows,
+    first_row,
+    pieces,
     solve_factored,
-    whole_spans,
 )
 from surefoot.equilibrium.scaling import apply, corrector_target, scale, step_to_boundary
 from surefoot.kernels import inline_kernel, kernel
@@ -59,7 +60,7 @@ _FEASIBLE = 1e-9
 @inline_kernel
 def _factor(
     B: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int, BW: FloatArray, M: FloatArray,
-    spans: IntArray, axis: FloatArray, free: FloatArray,
+    spans: IntArray | None, axis: FloatArray, free: FloatArray,
 ) -> float:  # fmt: skip
     """Set BW = B W and M to the Cholesky factor of B W W B'; return the least share that a pivot kept."""
     _normal_matrix(B, v, eta, lorentz, BW, M, spans)
@@ -72,47 +73,44 @@ def _factor(
 @inline_kernel
 def _normal_matrix(
     B: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int, BW: FloatArray, M: FloatArray,
-    spans: IntArray,
+    spans: IntArray | None,
 ) -> None:  # fmt: skip
     """Set BW = B W and the lower triangle of M = B W W B', both where the spans are."""
     for j in range(B.shape[0]):
-        a, b = spans[j, 1], spans[j, 2]
-        for k in range(min(a // 3, lorentz), min(b // 3, lorentz)):
-            i = 3 * k
-            # W = η (2 v vᵀ - diag(1, -1, -1)): the Nesterov-Todd scaling of a Lorentz cone
-            dot = 2.0 * (B[j, i] * v[i] + B[j, i + 1] * v[i + 1] + B[j, i + 2] * v[i + 2])
-            BW[j, i] = eta[k] * (dot * v[i] - B[j, i])
-            BW[j, i + 1] = eta[k] * (dot * v[i + 1] + B[j, i + 1])
-            BW[j, i + 2] = eta[k] * (dot * v[i + 2] + B[j, i + 2])
-        for i in range(max(a, 3 * lorentz), b):
-            BW[j, i] = B[j, i] * v[i]
-        for i in range(spans[j, 3], spans[j, 4]):
-            BW[j, i] = B[j, i] * v[i]
-        for q in range(spans[j, 0], j + 1):
-            M[j, q] = dot_span(BW[j], BW[q], spans[q])
+        for low, high in pieces(spans, j, v.size):
+            for k in range(min(low // 3, lorentz), min(high // 3, lorentz)):
+                i = 3 * k
+                # W = η (2 v vᵀ - diag(1, -1, -1)): the Nesterov-Todd scaling of a Lorentz cone
+                dot = 2.0 * (B[j, i] * v[i] + B[j, i + 1] * v[i + 1] + B[j, i + 2] * v[i + 2])
+                BW[j, i] = eta[k] * (dot * v[i] - B[j, i])
+                BW[j, i + 1] = eta[k] * (dot * v[i + 1] + B[j, i + 1])
+                BW[j, i + 2] = eta[k] * (dot * v[i + 2] + B[j, i + 2])
+            for i in range(max(low, 3 * lorentz), high):
+                BW[j, i] = B[j, i] * v[i]
+        for q in range(first_row(spans, j), j + 1):
+            M[j, q] = dot_span(BW[j], BW[q], spans, q)
 
 
 @inline_kernel
 def _direction(
     B: FloatArray, BW: FloatArray, M: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int,
     rp: FloatArray, target: FloatArray, Wrd: FloatArray, dx: FloatArray, dz: FloatArray, dy: FloatArray,
-    spans: IntArray, free: FloatArray,
+    spans: IntArray | None, free: FloatArray,
 ) -> None:  # fmt: skip
     """Solve B dx = rp, B' dy + dz = rd, W^-1 dx + W dz = target; dx and dz come out scaled."""
     r, m = B.shape
     for j in range(r):
         # eliminate dx and dz: B W W Bᵀ dy = rp + B W (W rd - target)
         s = rp[j]
-        for i in range(spans[j, 1], spans[j, 2]):
-            s += BW[j, i] * (Wrd[i] - target[i])
-        for i in range(spans[j, 3], spans[j, 4]):
-            s += BW[j, i] * (Wrd[i] - target[i])
+        for low, high in pieces(spans, j, m):
+            for i in range(low, high):
+                s += BW[j, i] * (Wrd[i] - target[i])
         dy[j] = s
     solve_factored(M, dy, spans, free)
     for i in range(m):
         dz[i] = Wrd[i]
     for j in range(r):
-        advance_span(dz, -dy[j], BW[j], spans[j])
+        advance_span(dz, -dy[j], BW[j], spans, j)
     for i in range(m):
         dx[i] = target[i] - dz[i]
 
@@ -120,16 +118,15 @@ def _direction(
 @inline_kernel
 def _refine(
     BW: FloatArray, M: FloatArray, rp: FloatArray, dx: FloatArray, dz: FloatArray, dy: FloatArray,
-    rest: FloatArray, more: FloatArray, spans: IntArray, free: FloatArray,
+    rest: FloatArray, more: FloatArray, spans: IntArray | None, free: FloatArray,
 ) -> None:  # fmt: skip
     """Solve once more for what B dx = rp still lacks: M loses digits near the cones' boundary."""
     r, m = BW.shape
     for j in range(r):
         s = rp[j]
-        for i in range(spans[j, 1], spans[j, 2]):
-            s -= BW[j, i] * dx[i]
-        for i in range(spans[j, 3], spans[j, 4]):
-            s -= BW[j, i] * dx[i]
+        for low, high in pieces(spans, j, m):
+            for i in range(low, high):
+                s -= BW[j, i] * dx[i]
         rest[j] = s
     solve_factored(M, rest, spans, free)
     for j in range(r):
@@ -137,7 +134,7 @@ def _refine(
     for i in range(m):
         more[i] = 0.0
     for j in range(r):
-        advance_span(more, rest[j], BW[j], spans[j])
+        advance_span(more, rest[j], BW[j], spans, j)
     for i in range(m):
         dx[i] += more[i]
         dz[i] -= more[i]
@@ -146,20 +143,7 @@ def _refine(
 @kernel
 def minimise(
     B: FloatArray, b: FloatArray, c: FloatArray, lorentz: int, x: FloatArray, y: FloatArray, z: FloatArray,
-    tol: float, floor: float, zero: float,
-) -> tuple[int, int]:  # fmt: skip
-    """Solve the cone program in place, from a strictly feasible x: `minimise_blocks` in one block.
-
-    Parameters, shapes and what is returned are those of `minimise_blocks`.
-    """
-    spans, axis = whole_spans(B.shape[0], B.shape[1]), np.empty(0)
-    return minimise_blocks(B, b, c, lorentz, x, y, z, tol, floor, zero, spans, axis)
-
-
-@kernel
-def minimise_blocks(
-    B: FloatArray, b: FloatArray, c: FloatArray, lorentz: int, x: FloatArray, y: FloatArray, z: FloatArray,
-    tol: float, floor: float, zero: float, spans: IntArray, axis: FloatArray,
+    tol: float, floor: float, zero: float, spans: IntArray | None, axis: FloatArray,
 ) -> tuple[int, int]:  # fmt: skip
     """Solve the cone program in place, from a strictly feasible x.
 
@@ -178,7 +162,7 @@ def minimise_blocks(
     zero
         What the objective is counted from.
     spans
-        (r, 5): what each row touches (`row_blocks`); B is zero elsewhere.
+        (r or more, 5): what each row touches (`row_blocks`); B is zero elsewhere. None: all touch everything.
     axis
         (r,), of length one: the equations hold but for a multiple of it, and y is at right angles to it. Or
         (0,): all of them hold.
@@ -267,7 +251,7 @@ def _copy(
 @inline_kernel
 def _gap(
     B: FloatArray, b: FloatArray, c: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray, rd: FloatArray,
-    weight: FloatArray, spans: IntArray,
+    weight: FloatArray, spans: IntArray | None,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Return the gap, the objective, the gap's own rounding, and the share of the dual equations unmet.
 
@@ -279,14 +263,11 @@ def _gap(
     for i in range(m):
         rd[i], weight[i] = c[i] - z[i], abs(c[i]) + abs(z[i])
     for j in range(r):
-        for i in range(spans[j, 1], spans[j, 2]):
-            part = B[j, i] * y[j]
-            rd[i] -= part
-            weight[i] += abs(part)
-        for i in range(spans[j, 3], spans[j, 4]):
-            part = B[j, i] * y[j]
-            rd[i] -= part
-            weight[i] += abs(part)
+        for low, high in pieces(spans, j, m):
+            for i in range(low, high):
+                part = B[j, i] * y[j]
+                rd[i] -= part
+                weight[i] += abs(part)
         bound += b[j] * y[j]
     for i in range(m):
         if abs(rd[i]) > lost * weight[i]:  # divisions are dear
@@ -301,7 +282,7 @@ def _gap(
 
 @inline_kernel
 def _missing(
-    B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray, spans: IntArray, axis: FloatArray
+    B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray, spans: IntArray | None, axis: FloatArray
 ) -> tuple[float, float]:
     """Set rp = b - B x, or zero where that is rounding; return its largest share of its terms, and of all.
 
@@ -310,16 +291,14 @@ def _missing(
     worst, most, largest, along = 0.0, 0.0, 0.0, 0.0
     if axis.size > 0:  # what is missed along the axis is the free unknown's
         for j in range(rp.size):
-            along += axis[j] * (b[j] - dot_span(B[j], x, spans[j]))
+            along += axis[j] * (b[j] - dot_span(B[j], x, spans, j))
     for j in range(rp.size):
         free = along * axis[j] if axis.size > 0 else 0.0
         s, size = b[j] - free, abs(b[j]) + abs(free)
-        for i in range(spans[j, 1], spans[j, 2]):
-            s -= B[j, i] * x[i]
-            size += abs(B[j, i] * x[i])
-        for i in range(spans[j, 3], spans[j, 4]):
-            s -= B[j, i] * x[i]
-            size += abs(B[j, i] * x[i])
+        for low, high in pieces(spans, j, x.size):
+            for i in range(low, high):
+                s -= B[j, i] * x[i]
+                size += abs(B[j, i] * x[i])
         if abs(s) > worst * size:
             worst = abs(s) / size
         most, largest = max(most, abs(s)), max(largest, size)
@@ -328,18 +307,18 @@ def _missing(
 
 
 @inline_kernel
-def _slack(B: FloatArray, c: FloatArray, y: FloatArray, out: FloatArray, spans: IntArray) -> None:
+def _slack(B: FloatArray, c: FloatArray, y: FloatArray, out: FloatArray, spans: IntArray | None) -> None:
     """Set out (m,) to c - B' y."""
     for i in range(c.size):
         out[i] = c[i]
     for j in range(y.size):
-        advance_span(out, -y[j], B[j], spans[j])
+        advance_span(out, -y[j], B[j], spans, j)
 
 
 @inline_kernel
 def _set_slack(
     B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: FloatArray, trial: FloatArray,
-    spans: IntArray,
+    spans: IntArray | None,
 ) -> None:  # fmt: skip
     """Set z = c - B' y, so that the dual equations hold to rounding, if that is inside the cone."""
     m = c.size
@@ -357,13 +336,13 @@ def _set_slack(
 
 @inline_kernel
 def _dual_start(
-    B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: FloatArray, spans: IntArray,
+    B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: FloatArray, spans: IntArray | None,
     axis: FloatArray,
 ) -> None:  # fmt: skip
     """Set y = B c and z = c - B' y, moved into the cone along its axis."""
     r, m = B.shape
     for j in range(r):
-        y[j] = dot_span(B[j], c, spans[j])
+        y[j] = dot_span(B[j], c, spans, j)
     if axis.size > 0:
         advance(y, -dot(axis, y), axis)
     _slack(B, c, y, z, spans)

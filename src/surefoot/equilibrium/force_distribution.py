@@ -336,8 +336,9 @@ class ForceDistributor:
 
     def reset(self, forces: ArrayLike | None = None) -> None:
         """Forget the warm start; the last command becomes `forces`, (n, 3) [N], or none."""
-        self._results[layout.WARM] = self._results[layout.ROWS_WARM] = 0.0
-        self._results[layout.HAS_LAST] = 0.0 if forces is None else 1.0
+        results = self._results
+        results[layout.WARM] = results[layout.ROWS_WARM] = 0.0
+        results[layout.HAS_LAST] = 0.0 if forces is None else 1.0
         last = np.zeros(self._forces_shape) if forces is None else finite_array("forces", forces)
         if last.shape != self._forces_shape:
             raise ProblemError(f"forces must have shape {self._forces_shape}, got {last.shape}")

@@ -124,7 +124,7 @@ class Equations:
     kept
         Which bounds take part, in the order of the rows; one that is ten million loads away does not.
     blocks
-        (g, 6): rows of A that are alone with their columns (`row_blocks`).
+        (g, 6): rows of A that are alone with their columns (`row_blocks`); None without any.
     """
 
     A: FloatArray
@@ -136,7 +136,7 @@ class Equations:
     length: float
     row_scale: FloatArray
     kept: IntArray
-    blocks: IntArray
+    blocks: IntArray | None
 
     def wrench_multiplier(self, y: FloatArray) -> FloatArray:
         """Return the (6,) wrench multiplier of scaled multipliers, so that y.load is in newtons [-, 1/m]."""
@@ -183,7 +183,8 @@ def equations(question: Question) -> Equations:
     w = question.load / scale
     w[3:] /= length
     lorentz = len(points) if question.facets is None else 0
-    kept, blocks = np.zeros(0, dtype=np.int64), IN_ONE
+    kept: IntArray = np.zeros(0, dtype=np.int64)
+    blocks: IntArray | None = IN_ONE
     row_scale = np.zeros(0)
     if limits is not None and len(limits):
         size = np.linalg.norm(limits.rows, axis=1)
@@ -197,7 +198,7 @@ def equations(question: Question) -> Equations:
         reach = np.maximum(1.0, np.abs(distance))  # slacks are counted in it, to be of size one
         row_scale = size * reach
         count = len(row_scale)
-        blocks = groups + np.array([6, 6, 0, 0, len(axis), len(axis)])
+        blocks = groups + np.array([6, 6, 0, 0, len(axis), len(axis)]) if len(groups) else IN_ONE
         A = np.block([[A, np.zeros((6, count))], [rows / row_scale[:, None], np.eye(count)]])
         w = np.concatenate([w, distance / reach])
         axis = np.concatenate([axis, 1.0 / reach])

@@ -28,8 +28,14 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.equilibrium.cone_program import UNBOUNDED, minimise_blocks
-from surefoot.equilibrium.row_blocks import advance_span, dot_span, local_rows, orthonormal_blocks
+from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
+from surefoot.equilibrium.row_blocks import (
+    advance_span,
+    dot_span,
+    local_rows,
+    orthonormal_blocks,
+    pieces,
+)
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.orthogonal import coordinates, pull_back, reflect, turn_first_row
 from surefoot.numerics.vectors import advance, dot
@@ -127,7 +133,7 @@ def proof_reach(A: FloatArray, w: FloatArray, y: FloatArray, lorentz: int) -> fl
 
 @kernel
 def most_margin(
-    A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, blocks: IntArray
+    A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, blocks: IntArray | None
 ) -> tuple[int, float, FloatArray, FloatArray, float]:
     """Maximise t with A x = w, x - t e in K; all quantities scaled (|w| about 1, rows about 1).
 
@@ -138,7 +144,7 @@ def most_margin(
     lorentz
         Number of 3-D Lorentz cones at the front of x; the rest are half-lines.
     blocks
-        (g, 6): rows of A that are alone with their columns (`row_blocks`), at its end; none of them: (0, 6).
+        (g, 6): rows of A that are alone with their columns (`row_blocks`), at its end; None where none are.
 
     Returns
     -------
@@ -181,14 +187,14 @@ def _column_scales(e: FloatArray, lorentz: int) -> FloatArray:
 
 @kernel
 def _most_margin(
-    A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, blocks: IntArray
+    A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, blocks: IntArray | None
 ) -> tuple[int, float, FloatArray, FloatArray, float]:
     """Return what `most_margin` does, in columns that need no scaling."""
     p, m = A.shape
     Q, T, pivots = np.empty((p, m)), np.empty((p, p)), np.empty(p, dtype=np.int64)
     b, a, h, full = np.zeros(p), np.zeros(p), np.zeros(p), np.zeros(p)
     x, y = np.zeros(m), np.zeros(p)
-    spans = np.empty((p, 5), dtype=np.int64)
+    spans = blocks if blocks is None else np.empty((p, 5), dtype=np.int64)
     rank = orthonormal_blocks(A, blocks, Q, T, pivots, spans)
     apart = local_rows(spans) > 0
     if coordinates(T, pivots, rank, w, b) > BAND:
@@ -196,10 +202,10 @@ def _most_margin(
         reach = proof_reach(A, w, y, lorentz)
         return (UNREACHABLE if reach >= REACH else UNDECIDED), -math.inf, x, y, reach
     for j in range(rank):
-        advance_span(x, b[j], Q[j], spans[j])
+        advance_span(x, b[j], Q[j], spans, j)
     least_norm = x.copy()  # A⁺ w: what all solutions have in common; t0 is its margin
     for j in range(rank):
-        a[j] = dot_span(Q[j], e, spans[j])
+        a[j] = dot_span(Q[j], e, spans, j)
     steepest = _largest(e)
     alpha = math.sqrt(dot(a, a)) if apart else turn_first_row(Q, rank, a, h, b)
     t0 = depth(x, e, lorentz)
@@ -219,9 +225,9 @@ def _most_margin(
     if apart:  # t stays an unknown of its own, along the direction of a; else row 0 alone has to do with it
         axis = a[:rank] / alpha
         c, zero = _combined(Q, axis, spans, m), dot(axis, b[:rank])
-    status, _ = minimise_blocks(
+    status, _ = minimise(
         Q[first:rank], b[first:rank], c, lorentz, x, dual, z, tol, zero - _ENDLESS_MARGIN * unit, zero,
-        spans[first:rank], axis,
+        spans, axis,
     )  # fmt: skip
     _raise_apices(c, zero, alpha, e, x)
     _restore(Q, b, rank, x, spans)
@@ -249,11 +255,11 @@ def _largest(e: FloatArray) -> float:
 
 
 @inline_kernel
-def _combined(Q: FloatArray, weights: FloatArray, spans: IntArray, m: int) -> FloatArray:
+def _combined(Q: FloatArray, weights: FloatArray, spans: IntArray | None, m: int) -> FloatArray:
     """Return Q' weights (m,)."""
     out = np.zeros(m)
     for j in range(weights.size):
-        advance_span(out, weights[j], Q[j], spans[j])
+        advance_span(out, weights[j], Q[j], spans, j)
     return out
 
 
@@ -287,16 +293,15 @@ def _settled(A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, x: Float
 
 
 @inline_kernel
-def _restore(Q: FloatArray, b: FloatArray, rank: int, x: FloatArray, spans: IntArray) -> None:
+def _restore(Q: FloatArray, b: FloatArray, rank: int, x: FloatArray, spans: IntArray | None) -> None:
     """Move x onto Q x = b by the shortest way: the equations then hold to rounding."""
     for j in range(rank):
         s = b[j]
         # term by term: a sum taken off at the end would lose the last digits
-        for i in range(spans[j, 1], spans[j, 2]):
-            s -= Q[j, i] * x[i]
-        for i in range(spans[j, 3], spans[j, 4]):
-            s -= Q[j, i] * x[i]
-        advance_span(x, s, Q[j], spans[j])
+        for low, high in pieces(spans, j, x.size):
+            for i in range(low, high):
+                s -= Q[j, i] * x[i]
+        advance_span(x, s, Q[j], spans, j)
 
 
 @kernel

@@ -18,6 +18,7 @@ from surefoot.arrays import FloatArray
 from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
 from surefoot.equilibrium.margin import GAP
 from surefoot.equilibrium.polygons import to_segment
+from surefoot.equilibrium.row_blocks import IN_ONE
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.vectors import dot
 
@@ -82,7 +83,7 @@ def _most_force(
     for i in range(c.size):
         c[i] = -1.0 if i >= 3 * lorentz or i % 3 == 0 else 0.0
         x[i] = start[i]
-    status, _ = minimise(B, b, c, lorentz, x, y, z, _COARSE, -_MOST_FORCE, 0.0)
+    status, _ = minimise(B, b, c, lorentz, x, y, z, _COARSE, -_MOST_FORCE, 0.0, IN_ONE, c[:0])
     value, lack = _lower_bound(B, b, c, lorentz, y)
     if status == UNBOUNDED or lack >= 0.5 or not -value < _MOST_FORCE:
         return math.inf
@@ -138,7 +139,7 @@ def trace(
             size = size if size > 0.0 else 1.0
             for i in range(m):
                 c[i] /= size
-            status, _ = minimise(B, b, c, lorentz, x, y, z, GAP + 1e-5 * tol / size, -1e7, 0.0)
+            status, _ = minimise(B, b, c, lorentz, x, y, z, GAP + 1e-5 * tol / size, -1e7, 0.0, IN_ONE, c[:0])
             if status == UNBOUNDED:
                 return WITHOUT_BOUND, count, math.inf
             for q in range(2):

@@ -8,6 +8,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.equilibrium.margin import LEAST_MU, most_margin
+from surefoot.equilibrium.row_blocks import IN_ONE
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.vectors import cross
 
@@ -42,7 +43,7 @@ def stand(
     scale = load_scale(load, length)
     for k in range(3):
         w[k], w[k + 3] = load[k] / scale, load[k + 3] / (scale * length)
-    outcome, t, x, y, reach = most_margin(A, e, w, n, np.empty((0, 6), dtype=np.int64))
+    outcome, t, x, y, reach = most_margin(A, e, w, n, IN_ONE)
     for i in range(n):
         height = x[3 * i] * scale
         x[3 * i], x[3 * i + 1] = mu[i] * x[3 * i + 1] * scale, mu[i] * x[3 * i + 2] * scale

@@ -17,9 +17,10 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.cholesky import HUGE, VANISHED
 from surefoot.numerics.orthogonal import orthonormal_rows, scale_row
+from surefoot.numerics.vectors import advance, dot
 
-IN_ONE: IntArray = np.zeros((0, 6), dtype=np.int64)
-"""No blocks: all rows in one piece."""
+IN_ONE = None
+"""No blocks, and no spans: rows are in one piece, and kernels are compiled for that."""
 MANY = 32
 """Rows from which on blocks are looked for: fewer cost less in one piece."""
 
@@ -42,7 +43,7 @@ def find_blocks(rows: FloatArray, unit: int) -> tuple[IntArray, IntArray]:
     """
     count, m = rows.shape
     if count < MANY:
-        return np.arange(count), IN_ONE
+        return np.arange(count), np.zeros((0, 6), dtype=np.int64)
     touched = rows != 0.0
     some = touched.any(axis=1)
     low = np.where(some, touched.argmax(axis=1) // unit * unit, 0)
@@ -60,23 +61,39 @@ def find_blocks(rows: FloatArray, unit: int) -> tuple[IntArray, IntArray]:
 
 
 @inline_kernel
-def dot_span(u: FloatArray, v: FloatArray, span: IntArray) -> float:
-    """Return u . v over a span's columns, u and v (m,)."""
+def first_row(spans: IntArray | None, j: int) -> int:
+    """Return the row from which on row j touches others; `spans` (m, 6), None for rows in one piece."""
+    return 0 if spans is None else spans[j, 0]
+
+
+@inline_kernel
+def pieces(spans: IntArray | None, j: int, m: int) -> tuple[tuple[int, int], ...]:
+    """Return from where to where row j touches columns, m in all; `spans` (m, 6), None for all of them."""
+    # 0 m is no literal: both are of one type
+    return ((0 * m, m), (m, m)) if spans is None else ((spans[j, 1], spans[j, 2]), (spans[j, 3], spans[j, 4]))
+
+
+@inline_kernel
+def dot_span(u: FloatArray, v: FloatArray, spans: IntArray | None, j: int) -> float:
+    """Return u . v over the columns of row j, u and v (m,)."""
+    if spans is None:
+        return float(dot(u, v))
     total = 0.0
-    for i in range(span[1], span[2]):
-        total += u[i] * v[i]
-    for i in range(span[3], span[4]):
-        total += u[i] * v[i]
+    for low, high in pieces(spans, j, u.size):
+        for i in range(low, high):
+            total += u[i] * v[i]
     return total
 
 
 @inline_kernel
-def advance_span(u: FloatArray, t: float, v: FloatArray, span: IntArray) -> None:
-    """Add t v to u over a span's columns, u and v (m,)."""
-    for i in range(span[1], span[2]):
-        u[i] += t * v[i]
-    for i in range(span[3], span[4]):
-        u[i] += t * v[i]
+def advance_span(u: FloatArray, t: float, v: FloatArray, spans: IntArray | None, j: int) -> None:
+    """Add t v to u over the columns of row j, u and v (m,)."""
+    if spans is None:
+        advance(u, t, v)
+        return
+    for low, high in pieces(spans, j, u.size):
+        for i in range(low, high):
+            u[i] += t * v[i]
 
 
 @inline_kernel
@@ -88,17 +105,10 @@ def _touch_all(spans: IntArray, m: int, low: int) -> None:
 
 
 @kernel
-def whole_spans(p: int, m: int) -> IntArray:
-    """Return the spans (p, 5) of rows that touch all m columns and all rows."""
-    spans = np.empty((p, 5), dtype=np.int64)
-    _touch_all(spans, m, 0)
-    return spans
-
-
-@kernel
 def orthonormal_blocks(
-    A: FloatArray, blocks: IntArray, Q: FloatArray, T: FloatArray, pivots: IntArray, spans: IntArray
-) -> int:
+    A: FloatArray, blocks: IntArray | None, Q: FloatArray, T: FloatArray, pivots: IntArray,
+    spans: IntArray | None,
+) -> int:  # fmt: skip
     """Factor A = T Q as `orthonormal_rows` does, with the rows of each block in that block's span.
 
     Parameters
@@ -106,9 +116,9 @@ def orthonormal_blocks(
     A
         (p, m), the border's rows first.
     blocks
-        (g, 6): rows from and to, columns from and to, columns of slacks from and to.
+        (g, 6): rows from and to, columns from and to, columns of slacks from and to. None: all in one piece.
     Q, T, pivots, spans
-        (p, m), (p, p), (p,), (p, 5): outputs, blocks first and the border last.
+        (p, m), (p, p), (p,), (p, 5): outputs, blocks first and the border last; no spans without blocks.
 
     Returns
     -------
@@ -116,8 +126,8 @@ def orthonormal_blocks(
         The rank. Rows are in one piece, with nothing in blocks (`local_rows`), where there are no blocks or
         the rows of one depend on each other, so that its own factor would not do.
     """
-    if blocks.shape[0] == 0:
-        return _in_one(A, Q, T, pivots, spans)
+    if blocks is None or spans is None:
+        return orthonormal_rows(A, Q, T, pivots)
     T[:, :] = 0.0
     Q[:, :] = 0.0
     rank = 0
@@ -132,7 +142,8 @@ def orthonormal_blocks(
                 part[j, b - a + i - c] = A[top + j, i]
         q, t, at = np.empty_like(part), np.empty((count, count)), np.empty(count, dtype=np.int64)
         if orthonormal_rows(part, q, t, at) < count:
-            return _in_one(A, Q, T, pivots, spans)
+            _touch_all(spans, A.shape[1], 0)
+            return orthonormal_rows(A, Q, T, pivots)
         for k in range(count):
             row = rank + k
             for i in range(a, b):
@@ -148,13 +159,6 @@ def orthonormal_blocks(
 
 
 @inline_kernel
-def _in_one(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArray, spans: IntArray) -> int:
-    """Factor A in one piece; return the rank."""
-    _touch_all(spans, A.shape[1], 0)
-    return orthonormal_rows(A, Q, T, pivots)
-
-
-@inline_kernel
 def _border(
     A: FloatArray, local: int, Q: FloatArray, T: FloatArray, pivots: IntArray, spans: IntArray
 ) -> int:
@@ -167,15 +171,15 @@ def _border(
             rest[j, i] = A[j, i]
         for _ in range(2):  # Gram-Schmidt, twice against rounding
             for k in range(local):
-                s = dot_span(rest[j], Q[k], spans[k])
-                advance_span(rest[j], -s, Q[k], spans[k])
+                s = dot_span(rest[j], Q[k], spans, k)
+                advance_span(rest[j], -s, Q[k], spans, k)
                 T[j, k] += s
     q, t, at = np.empty_like(rest), np.empty((head, head)), np.empty(head, dtype=np.int64)
     more = orthonormal_rows(rest, q, t, at)
     for n in range(more):
         row = local + n
         for k in range(local):
-            advance_span(q[n], -dot_span(q[n], Q[k], spans[k]), Q[k], spans[k])
+            advance_span(q[n], -dot_span(q[n], Q[k], spans, k), Q[k], spans, k)
         size = 0.0
         for i in range(m):
             size += q[n, i] * q[n, i]
@@ -185,30 +189,30 @@ def _border(
         for j in range(head):
             T[j, row] = t[j, n]
         pivots[row] = at[n]
-    _touch_all(spans[: local + more], m, local)
+    _touch_all(spans, m, local)
     return more
 
 
 @inline_kernel
-def local_rows(spans: IntArray) -> int:
+def local_rows(spans: IntArray | None) -> int:
     """Return how many rows of (rows, 5) spans are in blocks: those with their own slacks."""
     count = 0
-    while count < spans.shape[0] and spans[count, 3] < spans[count, 4]:
+    while spans is not None and count < spans.shape[0] and spans[count, 3] < spans[count, 4]:
         count += 1
     return count
 
 
 @inline_kernel
-def _reduced(A: FloatArray, i: int, j: int, spans: IntArray) -> float:
+def _reduced(A: FloatArray, i: int, j: int, spans: IntArray | None) -> float:
     """Return A[i, j] less the product of what rows i and j of the factor have before column j."""
     total: float = A[i, j]
-    for k in range(max(spans[i, 0], spans[j, 0]), j):
+    for k in range(max(first_row(spans, i), first_row(spans, j)), j):
         total -= A[i, k] * A[j, k]
     return total
 
 
 @inline_kernel
-def guarded_cholesky(A: FloatArray, spans: IntArray, low: int, high: int) -> float:
+def guarded_cholesky(A: FloatArray, spans: IntArray | None, low: int, high: int) -> float:
     """Factor columns `low` to `high` of a semidefinite A (n, n), in its lower triangle, those before done.
 
     Pivots that vanish are made huge; entries before a row's first one are zero and are not read. Returns the
@@ -223,24 +227,24 @@ def guarded_cholesky(A: FloatArray, spans: IntArray, low: int, high: int) -> flo
             least = square / top
         A[j, j] = math.sqrt(square) if square > VANISHED * top else HUGE
         for i in range(j + 1, A.shape[0]):
-            if spans[i, 0] <= j:
+            if first_row(spans, i) <= j:
                 A[i, j] = _reduced(A, i, j, spans) / A[j, j]
     return least
 
 
 @inline_kernel
 def _free_share(
-    L: FloatArray, spans: IntArray, axis: FloatArray, free: FloatArray, j: int, low: int
+    L: FloatArray, spans: IntArray | None, axis: FloatArray, free: FloatArray, j: int, low: int
 ) -> float:
     """Return entry j of `axis` less what the factor's rows before `low` account for."""
     total: float = axis[j]
-    for k in range(spans[j, 0], low):
+    for k in range(first_row(spans, j), low):
         total -= L[j, k] * free[k]
     return total
 
 
 @inline_kernel
-def factor(M: FloatArray, spans: IntArray, axis: FloatArray, free: FloatArray) -> float:
+def factor(M: FloatArray, spans: IntArray | None, axis: FloatArray, free: FloatArray) -> float:
     """Factor M (r, r), and with it the unknown along `axis` (r,), if any; return the least share kept.
 
     M u + axis t = v, axis.u = 0: M alone is nearly singular close to a solution. The blocks L L' are taken
@@ -265,19 +269,21 @@ def factor(M: FloatArray, spans: IntArray, axis: FloatArray, free: FloatArray) -
 
 
 @inline_kernel
-def _remove(rows: FloatArray, M: FloatArray, spans: IntArray, j: int, low: int, high: int) -> None:
+def _remove(rows: FloatArray, M: FloatArray, spans: IntArray | None, j: int, low: int, high: int) -> None:
     """Take what lies along rows `low` to `high` out of row j, twice against rounding, and note it in M."""
     last = rows.shape[1] - 1
     for _ in range(2):
         for k in range(low, high):
-            s = dot_span(rows[k], rows[j], spans[k]) + rows[k, last] * rows[j, last]
-            advance_span(rows[j], -s, rows[k], spans[k])
+            s = dot_span(rows[k], rows[j], spans, k) + rows[k, last] * rows[j, last]
+            advance_span(rows[j], -s, rows[k], spans, k)
             rows[j, last] -= s * rows[k, last]
             M[j, k] += s
 
 
 @inline_kernel
-def factor_rows(BW: FloatArray, M: FloatArray, spans: IntArray, axis: FloatArray, free: FloatArray) -> None:
+def factor_rows(
+    BW: FloatArray, M: FloatArray, spans: IntArray | None, axis: FloatArray, free: FloatArray
+) -> None:
     """Set the lower triangle of M (r, r) to the factor L of BW = L rows, both (r, m); `free` as in `factor`.
 
     The same as Cholesky's gives, to twice its digits: near the cones' boundary the products in M lose half.
@@ -285,26 +291,25 @@ def factor_rows(BW: FloatArray, M: FloatArray, spans: IntArray, axis: FloatArray
     (r, m), local, pivot = BW.shape, local_rows(spans), 0.0
     rows = np.empty((r, m + 1))
     for j in range(r):
-        for i in range(spans[j, 1], spans[j, 2]):
-            rows[j, i] = BW[j, i]
-        for i in range(spans[j, 3], spans[j, 4]):
-            rows[j, i] = BW[j, i]
-        rows[j, m], top = 0.0, dot_span(BW[j], BW[j], spans[j])
-        for k in range(spans[j, 0], j):
+        first = first_row(spans, j)
+        for a, b in pieces(spans, j, m):
+            for i in range(a, b):
+                rows[j, i] = BW[j, i]
+        rows[j, m], top = 0.0, dot_span(BW[j], BW[j], spans, j)
+        for k in range(first, j):
             M[j, k] = 0.0
-        _remove(rows, M, spans, j, spans[j, 0], min(j, local))
+        _remove(rows, M, spans, j, first, min(j, local))
         if axis.size > 0 and j >= local:  # one more column: the unknown's along the axis
             free[j] = _free_share(M, spans, axis, free, j, local)
             rows[j, m] = free[j] / math.sqrt(pivot)
             top += rows[j, m] ** 2
-        _remove(rows, M, spans, j, max(local, spans[j, 0]), j)
-        size = math.sqrt(dot_span(rows[j], rows[j], spans[j]) + rows[j, m] ** 2)
+        _remove(rows, M, spans, j, max(local, first), j)
+        size = math.sqrt(dot_span(rows[j], rows[j], spans, j) + rows[j, m] ** 2)
         # a row that depends on those before carries no new equation: a huge pivot drops it
         M[j, j] = size if size > 1e-14 * math.sqrt(top) else HUGE
-        for i in range(spans[j, 1], spans[j, 2]):
-            rows[j, i] /= M[j, j]
-        for i in range(spans[j, 3], spans[j, 4]):
-            rows[j, i] /= M[j, j]
+        for a, b in pieces(spans, j, m):
+            for i in range(a, b):
+                rows[j, i] /= M[j, j]
         rows[j, m] /= M[j, j]
         if axis.size > 0 and j < local:
             free[j] = _free_share(M, spans, axis, free, j, j) / M[j, j]
@@ -314,14 +319,14 @@ def factor_rows(BW: FloatArray, M: FloatArray, spans: IntArray, axis: FloatArray
 
 
 @inline_kernel
-def solve_factored(L: FloatArray, v: FloatArray, spans: IntArray, free: FloatArray) -> None:
+def solve_factored(L: FloatArray, v: FloatArray, spans: IntArray | None, free: FloatArray) -> None:
     """Replace v (r,) by the solution u of M u + axis t = v, axis.u = 0, or of M u = v without an axis."""
     r, local, across = v.size, local_rows(spans), 0.0
     for i in range(r):
         total = v[i]
         if free.size > 0 and i >= local:
             total -= free[i] * across / free[r]
-        for k in range(spans[i, 0], i):
+        for k in range(first_row(spans, i), i):
             total -= L[i, k] * v[k]
         v[i] = total / L[i, i]
         if free.size > 0 and i < local:
@@ -334,6 +339,6 @@ def solve_factored(L: FloatArray, v: FloatArray, spans: IntArray, free: FloatArr
                 v[j] -= free[j] * across / free[r]
         total = v[i]
         for k in range(i + 1, r):
-            if spans[k, 0] <= i:
+            if first_row(spans, k) <= i:
                 total -= L[k, i] * v[k]
         v[i] = total / L[i, i]

@@ -294,7 +294,8 @@ def _vector(name: str, value: ArrayLike, size: int) -> FloatArray:
     """Return a finite vector, at little cost when it is one already."""
     if isinstance(value, (list, tuple, np.ndarray)):
         vector = np.array(value)
-        if vector.dtype == np.float64 and vector.shape == (size,) and np.abs(vector).max() <= LARGEST:
+        if vector.dtype == np.float64 and vector.shape == (size,) and math.hypot(*vector.tolist()) <= LARGEST:
+            # no entry is larger; others are looked at one by one
             return vector
     vector = finite_array(name, value, (size,))
     if np.abs(vector).max() > LARGEST:
