@@ -147,6 +147,8 @@ def in_plane(scene: TossScene) -> tuple[FloatArray, FloatArray]:
 def in_world(poses: FloatArray, scene: TossScene) -> FloatArray:
     """Turn (N, nq) poses from the axes of the ground to the world's, in place; return them."""
     axes = scene.plane.rotation
+    # a throw of a law that blows up has no place, and no turn that SciPy takes
+    poses[~np.isfinite(poses).all(axis=1), :7] = [np.nan] * 3 + [0.0, 0.0, 0.0, 1.0]
     poses[:, :3] = axes.apply(poses[:, :3])
     poses[:, 2] += scene.plane.height
     poses[:, 3:7] = (axes * Rotation.from_quat(poses[:, 3:7])).as_quat()
