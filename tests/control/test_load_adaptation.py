@@ -39,8 +39,7 @@ def with_point_mass(robot: Robot, load: Load) -> pinocchio.Model:
 def found(robot: Robot, mass: float, place: np.ndarray) -> LoadAdaptation:
     """Return an adaptation whose observer has found a payload, and whose models know it."""
     out = adaptation(robot)
-    out.observer.state[0] = mass / robot.mass
-    out.observer.state[1:4] = mass * place / (robot.mass * out.observer.height)
+    out.observer.values[:4] = [mass, *(mass * place)]
     out.update_models(None)
     return out
 
@@ -76,7 +75,7 @@ def test_whatever_is_found_leaves_masses_that_can_be(mass: float) -> None:
     """A lighter robot, and a centre of mass that is elsewhere than the model's, have inertias too."""
     robot = robot_of("go2")
     out = found(robot, mass, PLACE)
-    out.observer.state[1:4] = [0.08, -0.08, 0.05]
+    out.observer.values[1:4] = np.array([0.08, -0.08, 0.05]) * robot.mass * out.observer.height
     out.update_models(None)
     out.whole_body.update(robot.nominal, np.zeros(18))
     M, _ = out.whole_body.dynamics()
@@ -115,8 +114,7 @@ def test_the_body_keeps_its_place_when_its_centre_of_mass_moves() -> None:
     out.pull(now, robot.nominal[:3])
     body = BodyPlan(0.3, now.com.copy(), 0.0)
     before = now.com - body.position, now.com[2] - body.height
-    out.observer.state[0] = 5.0 / robot.mass
-    out.observer.state[1:4] = 5.0 * PLACE / (robot.mass * out.observer.height)
+    out.observer.values[:4] = [5.0, *(5.0 * PLACE)]
     out.update_models(body)
     now = out.whole_body.update(robot.nominal, np.zeros(18))
     assert np.allclose(now.com - body.position, before[0], atol=1e-9)
@@ -127,7 +125,7 @@ def test_of_a_wrench_no_more_is_handed_on_than_the_bound() -> None:
     robot = robot_of("go2")
     out = adaptation(robot)
     now = out.whole_body.update(robot.nominal, np.zeros(18))
-    out.observer.state[4:] = [0.2, -0.2, 0.03, 0.0, 0.0, -0.2]
+    out.observer.values[4:] = out.observer.wrench_unit * [0.2, -0.2, 0.03, 0.0, 0.0, -0.2]
     out.pull(now, robot.nominal[:3])
     weight, height = robot.mass * 9.81, out.observer.height
     wanted = np.array([0.1, -0.1, 0.03, 0.0, 0.0, -0.1 * height]) * weight

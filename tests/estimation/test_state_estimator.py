@@ -148,15 +148,19 @@ def test_a_foot_that_moves_over_the_ground_is_not_used(robot: Robot) -> None:
     assert used.tolist() == [False, True, True, True]
 
 
+def feed(estimator: StateEstimator, reading: Reading, feet: np.ndarray) -> None:
+    estimator.predict(reading)
+    estimator.update(feet)
+    estimator.applied(np.zeros(12))
+
+
 def test_without_contact_it_is_lost_and_says_so(robot: Robot) -> None:
     estimator = StateEstimator(InvariantEkf(robot, 0.001))
     reading = Reading(np.zeros(3), REST, robot.nominal[7:], np.zeros(12))
     none = np.zeros(4, dtype=bool)
     for k in range(305):
         assert estimator.health is Health.GOOD or k >= 299
-        estimator.predict(reading)
-        estimator.update(none)
-        estimator.applied(np.zeros(12))
+        feed(estimator, reading, none)
     assert estimator.health is Health.NO_CONTACT
     estimator.reset(robot.nominal)
     assert estimator.health is Health.GOOD
@@ -169,9 +173,7 @@ def test_what_feet_contradict_is_diverged(robot: Robot) -> None:
     creep = 0.02 * np.random.default_rng(12).normal(size=12)
     for _ in range(600):
         reading = Reading(np.zeros(3), REST, angles.copy(), np.zeros(12))
-        estimator.predict(reading)
-        estimator.update(everyone)
-        estimator.applied(np.zeros(12))
+        feed(estimator, reading, everyone)
         angles += creep
     assert estimator.health is Health.DIVERGED
 
@@ -180,9 +182,7 @@ def test_a_broken_accelerometer_is_found(robot: Robot) -> None:
     estimator, everyone = StateEstimator(InvariantEkf(robot, 0.001)), np.ones(4, dtype=bool)
     reading = Reading(np.zeros(3), 0.6 * REST, robot.nominal[7:], np.zeros(12))
     for _ in range(2000):
-        estimator.predict(reading)
-        estimator.update(everyone)
-        estimator.applied(np.zeros(12))
+        feed(estimator, reading, everyone)
     assert estimator.health is Health.DIVERGED
     estimator.reset(robot.nominal)
     estimator.predict(reading._replace(gyro=np.full(3, np.nan)))

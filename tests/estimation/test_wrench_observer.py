@@ -14,7 +14,6 @@ from surefoot.estimation.wrench_observer import (
     MOST,
     Instant,
     WrenchObserver,
-    filter_wrench,
 )
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -95,7 +94,7 @@ def test_the_filters_step_is_kalmans() -> None:
     gain = before @ H.T @ np.linalg.inv(H @ before @ H.T + np.diag(noise))
     state = keep * x + gain @ (y - H @ (keep * x))
     covariance = (np.eye(10) - gain @ H) @ before
-    x, P = filter_wrench(x, P, y, rotation, noise, keep, drive)
+    x, P = kernels.filter_wrench(x, P, y, rotation, noise, keep, drive)
     assert np.allclose(x, state, rtol=1e-9, atol=1e-12)
     assert np.allclose(P, covariance, rtol=1e-9, atol=1e-9)
 

@@ -67,11 +67,7 @@ class LoadAdaptation:
     @property
     def rows(self) -> dict[str, FloatArray]:
         """The values of the channels: (4,) [kg, kg m], (6,) [N, N m]."""
-        load = self.observer.load
-        return {
-            "load_estimated": np.array([load.mass, *load.moment]),
-            "wrench_estimated": self.observer.wrench,
-        }
+        return {"load_estimated": self.observer.carried, "wrench_estimated": self.observer.wrench}
 
     def reset(self) -> None:
         """Forget the load."""
@@ -130,7 +126,7 @@ class LoadAdaptation:
             body.height += float(moved[2])
             body.position += self.rotation @ moved
             self.shift = shift
-        self.load = np.array([load.mass, *load.moment])
+        self.load = self.observer.carried
 
     def pull(self, now: Kinematics, base: FloatArray) -> None:
         """Hand on the rest of the wrench at a state, with (3,) the place of the base [m]."""

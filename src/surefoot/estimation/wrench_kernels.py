@@ -109,3 +109,33 @@ def tell_wrench(
     turn = cross(arm, (on_com[0], on_com[1], on_com[2]))
     for a in range(3):
         on_com[3 + a] += turn[a]
+
+
+@kernel
+def filter_wrench(
+    state: FloatArray, covariance: FloatArray, wrench: FloatArray, rotation: FloatArray, noise: FloatArray,
+    keep: FloatArray, drive: FloatArray,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Take a Kalman filter's step: states that fade, then wrench = weight of the load + rest + noise.
+
+    All in units in which gravity is one; returned are state and covariance after it.
+
+    Parameters
+    ----------
+    state, covariance
+        (10,), (10, 10): mass and first moment of the load in base axes, force and moment of the rest.
+    wrench
+        (6,) as measured, world axes.
+    rotation
+        (3, 3) or more columns: of the base in the world.
+    noise
+        (6,) variances of the measurement.
+    keep, drive
+        (10,) share of each state that is left, and variance that it gains.
+    """
+    x, P = keep * state, keep[:, None] * covariance * keep + np.diag(drive)
+    H = np.zeros((6, 10))
+    H[:, 4:] = np.eye(6)
+    H[2, 0], H[3, 1:4], H[4, 1:4] = -1.0, -rotation[1, :3], rotation[0, :3]
+    gain = np.linalg.solve(H @ P @ H.T + np.diag(noise), H @ P).T
+    return x + gain @ (wrench - H @ x), P - gain @ H @ P

@@ -135,6 +135,8 @@ class WrenchObserver:
     ----------
     state
         (10,) mass and first moment of the payload, force and moment of the rest, in their units.
+    values
+        The same in kg, kg m, N and N m: an array of its own after every block.
     height
         Of the centre of mass over the feet [m].
     """
@@ -153,6 +155,7 @@ class WrenchObserver:
         self.state, self._covariance = np.zeros(10), np.diag(DEVIATIONS**2)
         self._sum, self._count = np.zeros(6), 0
         self._spread, self._last = np.zeros(6), np.full(6, np.nan)
+        self.values = self.state * self._unit
 
     def observe(
         self, before: Instant, after: FloatArray, torques: FloatArray, touching: BoolArray,
@@ -197,17 +200,23 @@ class WrenchObserver:
         change = np.where(np.isfinite(self._last), mean - self._last, 0.0)
         self._spread += watch * (0.5 * change**2 - self._spread)
         self._last, noise = mean, np.maximum(NOISE, self._spread)
-        x, self._covariance = filter_wrench(self.state, self._covariance, mean, pose, noise, keep, drive)
+        x, self._covariance = kernels.filter_wrench(
+            self.state, self._covariance, mean, pose, noise, keep, drive
+        )
         x[0] = np.clip(x[0], LEAST, MOST)
         reach = FURTHEST * max(abs(x[0]), LIGHT)
         x[1:] = np.clip(x[1:], *(sign * np.array([reach] * 3 + [LARGEST] * 6) for sign in (-1.0, 1.0)))
-        self.state = x
+        self.state, self.values = x, x * self._unit
+
+    @property
+    def carried(self) -> FloatArray:
+        """The payload's (4,) mass [kg] and first moment [kg m]."""
+        return np.asarray(self.values[:4])
 
     @property
     def load(self) -> Load:
         """The payload."""
-        mass = float(self.state[0]) * self.robot.mass
-        moment = self.state[1:4] * self._unit[1:4]
+        mass, moment = float(self.carried[0]), self.carried[1:]
         known = math.copysign(max(abs(mass), LIGHT * self.robot.mass), mass)
         return Load(mass, moment, moment / known)
 
@@ -219,32 +228,4 @@ class WrenchObserver:
     @property
     def wrench(self) -> FloatArray:
         """The rest (6,): force and moment about the base's origin, world axes [N, N m]."""
-        return np.asarray(self.state[4:] * self._unit[4:])
-
-
-def filter_wrench(
-    state: FloatArray, covariance: FloatArray, wrench: FloatArray, rotation: FloatArray, noise: FloatArray,
-    keep: FloatArray, drive: FloatArray,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Take a Kalman filter's step: states that fade, then wrench = weight of the load + rest + noise.
-
-    All in units in which gravity is one; returned are state and covariance after it.
-
-    Parameters
-    ----------
-    state, covariance
-        (10,), (10, 10): mass and first moment of the load in base axes, force and moment of the rest.
-    wrench
-        (6,) as measured, world axes.
-    rotation
-        (3, 3) or more columns: of the base in the world.
-    noise
-        (6,) variances of the measurement.
-    keep, drive
-        (10,) share of each state that is left, and variance that it gains.
-    """
-    x, P = keep * state, keep[:, None] * covariance * keep + np.diag(drive)
-    H = np.hstack([np.zeros((6, 4)), np.eye(6)])
-    H[2, 0], H[3, 1:4], H[4, 1:4] = -1.0, -rotation[1, :3], rotation[0, :3]
-    gain = np.linalg.solve(H @ P @ H.T + np.diag(noise), H @ P).T
-    return x + gain @ (wrench - H @ x), P - gain @ H @ P
+        return np.asarray(self.values[4:])
