@@ -91,7 +91,7 @@ def test_cost_gradient_and_hessian_are_those_of_the_residuals(name: str) -> None
     costs, at, model = CASES[name], motion(), go2().model
     tables = costs.tables(go2(), N)
     assert at.differentiate(1e-2)
-    lx, lxx, lu, luu = cost_slopes(at.floating, at.motion, at.feet, *tables)
+    lx, lxx, lu, luu = cost_slopes(at.floating, at.motion, at.feet, tables)
     total = 0.0
     for k in range(N + 1):
         q, v, u = at.q[k], at.v[k], at.torques[min(k, N - 1)]

@@ -6,6 +6,8 @@ All knots at once.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -27,6 +29,15 @@ Feet = tuple[FloatArray, FloatArray, FloatArray]
 gaps (N, p)."""
 KIND = np.array([0, 0, 1])
 """Which weight and width a contact's axes have: slip or landing."""
+
+
+class Tables(NamedTuple):
+    """Costs over a horizon as arrays; they may be written to."""
+
+    state: StateTable
+    torque: TorqueTable
+    foot: FootTable
+    joint: JointTable
 
 
 def state_errors(floating: bool, motion: Motion, state: StateTable) -> FloatArray:
@@ -88,15 +99,7 @@ def _point_speeds(motion: Motion, feet: Feet) -> FloatArray:
     return (feet[0] @ motion[1][:-1, :, None]).reshape(N, rows // 3, 3)
 
 
-def motion_cost(
-    floating: bool,
-    motion: Motion,
-    feet: Feet,
-    state: StateTable,
-    torque: TorqueTable,
-    foot: FootTable,
-    joint: JointTable,
-) -> float:
+def motion_cost(floating: bool, motion: Motion, feet: Feet, tables: Tables) -> float:
     """Return the cost of N knots.
 
     Parameters
@@ -105,9 +108,10 @@ def motion_cost(
         Whether the configuration begins with a free flyer.
     motion, feet
         See `Motion`, `Feet`; the derivatives of J v are not read here.
-    state, torque, foot, joint
+    tables
         See `Costs.tables`.
     """
+    state, torque, foot, joint = tables
     error, over = state_errors(floating, motion, state), _beyond(motion, joint)
     off, coupling = motion[2] - torque[1], joint[2]
     total = np.sum(state[0] * error**2) + np.sum(joint[1] * over**2) + np.sum((off @ torque[0]) * off)
@@ -121,13 +125,7 @@ def motion_cost(
 
 
 def cost_slopes(
-    floating: bool,
-    motion: Motion,
-    feet: Feet,
-    state: StateTable,
-    torque: TorqueTable,
-    foot: FootTable,
-    joint: JointTable,
+    floating: bool, motion: Motion, feet: Feet, tables: Tables
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return gradients and Gauss-Newton Hessians of `motion_cost`, whose parameters these are.
 
@@ -136,6 +134,7 @@ def cost_slopes(
     (N + 1, 2nv), (N + 1, 2nv, 2nv), (N, m), (N, m, m)
         By the states, and by the torques.
     """
+    state, torque, foot, joint = tables
     R, (N, m), n = torque[0], motion[2].shape, motion[1].shape[1]
     error, over = state_errors(floating, motion, state), _beyond(motion, joint)
     lx, lxx = state[0] * error, np.zeros((N + 1, 2 * n, 2 * n))

@@ -23,24 +23,14 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_array, real_number
 from surefoot.errors import ProblemError
-from surefoot.planning.shooting.cost_terms import FootTable, JointTable, StateTable, TorqueTable
+from surefoot.planning.shooting.cost_terms import FootTable, JointTable, StateTable, Tables, TorqueTable
 from surefoot.robot import Robot
-
-
-class Tables(NamedTuple):
-    """Costs over a horizon as arrays, in the order of the kernels' arguments; they may be written to."""
-
-    state: StateTable
-    torque: TorqueTable
-    foot: FootTable
-    joint: JointTable
 
 
 @dataclass(frozen=True)

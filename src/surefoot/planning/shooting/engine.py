@@ -74,7 +74,7 @@ class Engine:
         """Differentiate the current motion and its cost; return whether the central paths were reached."""
         now = self.now
         done = now.differentiate(smoothing)
-        self._cost = cost_slopes(now.floating, now.motion, now.feet, *self.tables)
+        self._cost = cost_slopes(now.floating, now.motion, now.feet, self.tables)
         return done
 
     def backward(self) -> bool:

@@ -12,8 +12,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import ModelError, NoSolution
-from surefoot.planning.shooting.cost_terms import Feet, Motion, motion_cost
-from surefoot.planning.shooting.costs import Tables
+from surefoot.planning.shooting.cost_terms import Feet, Motion, Tables, motion_cost
 from surefoot.planning.shooting.state_space import difference, feedback
 from surefoot.robot import Robot
 from surefoot.stepping.knot import Knot
@@ -170,7 +169,7 @@ class Horizon:
 
     def price(self, tables: Tables) -> float:
         """Return the cost of the motion, kept as `cost`."""
-        self.cost = motion_cost(self.floating, self.motion, self.feet, *tables)
+        self.cost = motion_cost(self.floating, self.motion, self.feet, tables)
         return self.cost
 
     def differentiate(self, smoothing: float) -> bool:
