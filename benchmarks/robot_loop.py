@@ -70,6 +70,7 @@ class LoopTrial:
         self._late.append(
             self.loop.step(sf.RobotReadings(data.time, tilted, *self.sensors.read(q, v), given))
         )
+        self.loop.plan_ahead()  # as on the wire
         data.ctrl[motor] = self._late[0].torques(q[7:], v[6:])
         data.xfrc_applied[model.jnt_bodyid[0], :3] = force
         self.mujoco.mj_step(model, data)

@@ -5,7 +5,14 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+
+from surefoot.control.controller import RobotState
+from surefoot.control.mpc import ConvexMpc
+from surefoot.control.walkers import walking_controller
+from surefoot.control.walking_body import VelocityCommand
+from tests.robots import robot_of
 
 PROGRAM = """
 import sys, time
@@ -71,3 +78,22 @@ def test_no_step_compiles(robot: str, capsys: pytest.CaptureFixture[str]) -> Non
     with capsys.disabled():
         print(f"\n{robot}: {done.stdout.strip()}")
     assert done.returncode == 0, done.stderr[-2000:]
+
+
+@pytest.mark.parametrize("robot", ["go2", pytest.param("g1", marks=pytest.mark.long)])
+def test_plans_can_wait_until_a_command_is_sent(robot: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The MPC runs between steps then; whoever does not call for it has the same torques later."""
+    planned, solve = [], ConvexMpc.solve
+    monkeypatch.setattr(ConvexMpc, "solve", lambda *a, **k: planned.append(0) or solve(*a, **k))
+    model = robot_of(robot)
+    first, twin = (walking_controller(model, VelocityCommand.constant(0.2)) for _ in "ab")
+    first.answers_first = twin.answers_first = True
+    for k in range(1200):
+        state = RobotState(model.nominal, np.zeros(model.model.nv), 1e-3 * k)
+        before = len(planned)
+        torques = first.step(state).torques
+        assert len(planned) == before or k == 0
+        first.plan_ahead()
+        assert np.array_equal(twin.step(state).torques, torques)
+    assert not first.feet.stance.all()
+    assert len(planned) > 60

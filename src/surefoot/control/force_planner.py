@@ -146,7 +146,7 @@ class ForcePlanner:
         self._horizon = reference, places, contacts
         self.begun = time
 
-    def solve(self, time: float, now: Kinematics, frames: FloatArray, mu: float | None) -> None:
+    def solve(self, time: float, now: Kinematics, frames: FloatArray, mu: float = math.inf) -> None:
         """Plan from the state of now.
 
         Parameters
@@ -158,14 +158,14 @@ class ForcePlanner:
         frames
             (n, 3, 3) of the feet's ground, rotation_world_contact.
         mu
-            Friction to count on; None for that of the MPC [-].
+            Friction to count on; infinite for that of the MPC [-].
         """
         assert self._horizon is not None, "set_up comes first"
         reference, places, contacts = self._horizon
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
         plan = self.mpc.solve(
             state, reference, places, contacts, frames,
-            mu=None if mu is None else np.full(len(self.radii), mu),
+            mu=None if mu == math.inf else np.full(len(self.radii), mu),
         )  # fmt: skip
         motion, dt = self.motion, self.mpc.dt
         motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity

@@ -10,6 +10,8 @@ is how feet touch the ground, where they go, and what is planned over them.
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
+from functools import partial
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.behaviours.arbiter import Arbiter
@@ -31,6 +33,8 @@ class Tick(Controller):
     ----------
     start, dt
         Time at which the gait begins, and of a step [s].
+    answers_first
+        Whether plans wait until a command is given, and count from the next on; False until it is set.
     command
         Wanted velocity over time, after limits.
     body, feet
@@ -49,6 +53,8 @@ class Tick(Controller):
     whole_body: WholeBodyController
     start: float
     dt: float
+    answers_first = False
+    _outstanding: Callable[[], None] | None = None
 
     def step(self, state: RobotState) -> WalkCommand:
         """Return the command for a state; where no foot senses, the gait's plan is taken for the contacts.
@@ -56,11 +62,13 @@ class Tick(Controller):
         Never raises on a hard instance; see `WholeBodyCommand.feasible`. A state that is not finite, or too
         large to compute with, gets a command that slows the joints, and changes nothing else.
         """
+        self.plan_ahead()  # if nobody has
         if not computable(state.q, state.v):
             return self._damped(state.v)
         # sense: what the robot carries, where it is, which feet stand
         self._adapt(state)
         now = self.whole_body.update(state.q, state.v)
+        begins = self.feet is None
         feet = self._begin(now, state) if self.feet is None else self.feet
         clock = state.time - self.start - feet.wait
         sensed = feet.planned.copy() if state.contact is None else state.contact
@@ -73,12 +81,21 @@ class Tick(Controller):
         take_posture(self.body, self.command.posture_at(max(clock, 0.0)), self.dt)
         # plan: body, and footholds, swing and forces as they fall due
         self._move_body(request, now)
-        self._plan(state, now, request, clock, standing, changed)
+        self._bound_forces(state, now, clock, standing)
+        self._outstanding = partial(self._plan, now, request, clock, state.time, changed)
+        if begins or not self.answers_first:
+            self.plan_ahead()
         # torques
         body = self.whole_body.solve(self._tasks(state, now, clock))
         if self.load is not None:
             self.load.acted(state.time, body.torques, feet.stance)
         return self._commanded(body, feet)
+
+    def plan_ahead(self) -> None:
+        """Make the plan that the last step has left to this; see `answers_first`."""
+        plan, self._outstanding = self._outstanding, None
+        if plan is not None:
+            plan()
 
     def _view(self, state: RobotState, now: Kinematics, feet: Feet, clock: float) -> WalkView:
         """Return what behaviours may read."""
@@ -112,10 +129,11 @@ class Tick(Controller):
         """Move the wanted body by one step, as is asked for."""
 
     @abstractmethod
-    def _plan(
-        self, state: RobotState, now: Kinematics, request: Request, clock: float, standing: BoolArray,
-        changed: bool,
-    ) -> None:  # fmt: skip
+    def _bound_forces(self, state: RobotState, now: Kinematics, clock: float, standing: BoolArray) -> None:
+        """Bound the forces by what the feet do now, and tell the torques of the load."""
+
+    @abstractmethod
+    def _plan(self, now: Kinematics, request: Request, clock: float, time: float, changed: bool) -> None:
         """Plan footholds, swings and forces, if they are due or a foot has lifted or landed."""
 
     @abstractmethod

@@ -148,10 +148,10 @@ class WalkingController(Walker):
             if part is not None:
                 part.reset()
         self.feet: Feet | None = None
+        self._outstanding = None
         self._aimed_at = -math.inf
         self._fits = True  # the gait follows the speed fast enough
         self._new_load = True  # what has been learned of the load since the models were brought up
-        self._recovery: Recovery | None = None
         self._unease = 1.0  # how far the body is from its plan
         self._aimless = False  # a foot has just lifted, and does not know yet where it goes
 
@@ -229,35 +229,29 @@ class WalkingController(Walker):
         self.planner.rate = self.feet.rate
         if recovery is not None:
             self.body.velocity[:], self.body.acceleration = recovery.velocity, recovery.acceleration
-        self._recovery = recovery
 
-    def _plan(
-        self, state: RobotState, now: Kinematics, request: Request, clock: float, standing: BoolArray,
-        changed: bool,
-    ) -> None:  # fmt: skip
-        """Bound the forces, then set up a plan, solve one that is set up, or choose footholds: one a step."""
-        feet, time = self.feet, state.time
-        assert feet is not None
+    def _bound_forces(self, state: RobotState, now: Kinematics, clock: float, standing: BoolArray) -> None:
+        """Bound the forces by the ramps of the feet, and tell the torques of the load."""
+        assert self.feet is not None
         if self.load is not None:
             self.load.pull(now, state.q[:3])
         low, high = self._normals
-        top = high * self.planner.shares(clock, feet.stance, standing)
+        top = high * self.planner.shares(clock, self.feet.stance, standing)
         self.whole_body.bound_normals(np.minimum(low, top), top)
+
+    def _plan(self, now: Kinematics, request: Request, clock: float, time: float, changed: bool) -> None:
+        """Set up a plan, solve one that is set up, or choose footholds: one a step."""
+        assert self.feet is not None
         if changed or self._due(time):
-            self.planner.set_up(time, clock, feet, self.body, self._stance_time)
+            self.planner.set_up(time, clock, self.feet, self.body, self._stance_time)
             self._aimless |= changed
             if self.planner.forces is None:
-                self._plan_forces(now, request, time)
+                self.planner.solve(time, now, self.feet.frames, request.mu)
         elif self.planner.pending:
-            self._plan_forces(now, request, time)
+            self.planner.solve(time, now, self.feet.frames, request.mu)
         elif self._aimless or time - self._aimed_at >= self._interval:
             self._aim(now, request, clock, time)
             self._new_load = True
-
-    def _plan_forces(self, now: Kinematics, request: Request, time: float) -> None:
-        """Run the MPC on what has been set up."""
-        assert self.feet is not None
-        self.planner.solve(time, now, self.feet.frames, request.mu if request.mu < math.inf else None)
 
     def _follow_ground(self, elapsed: float) -> None:
         """Let the body follow the ground, `elapsed` after the last time [s]."""
@@ -281,14 +275,14 @@ class WalkingController(Walker):
         usual = self._eased(now) * (self.settings.clearance * self.height if own is None else own)
         lifted = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
         feet.clearance = lifted + request.clearance
-        if self._recovery is not None:
+        if request.recovery is not None:
             feet.clearance *= LOW
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self.terrain.unsure)
             feet.stride = self._steps.stride
         for k in np.flatnonzero(~(feet.stance | feet.planned)).tolist():
             _, _, end = schedule.phase(k, clock)
-            caught, left = self._recovery is not None, max(end - clock, 0.0) / feet.rate
+            caught, left = request.recovery is not None, max(end - clock, 0.0) / feet.rate
             place = (catching_place if caught else step_place)(
                 now.com, now.com_velocity, self.planner.offsets[k], self.body.yaw,
                 self.arbiter.asked if caught else self.body.velocity, left, self.height,

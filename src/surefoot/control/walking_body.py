@@ -259,11 +259,13 @@ class BodyPlan:
 
 def take_posture(body: BodyPlan, posture: FloatArray, dt: float) -> None:
     """Bring a body nearer to a commanded (3,) posture in a step of dt [s], see `VelocityCommand`."""
-    wanted = min(max(posture[0], -LOWEST * body.height), HIGHEST * body.height), posture[1]
+    given, now = posture.tolist(), body.posture.tolist()
+    if not any(now + given):
+        return
+    wanted = min(max(given[0], -LOWEST * body.height), HIGHEST * body.height), given[1]
     most = CROUCH_RATE * body.height * dt, PITCH_RATE * dt
-    for k in range(2):
-        body.posture[k] += min(max(wanted[k] - body.posture[k], -most[k]), most[k])
-    body.posture[2] = posture[2]
+    body.posture[:2] = [a + min(max(b - a, -c), c) for a, b, c in zip(now, wanted, most, strict=False)]
+    body.posture[2] = given[2]
 
 
 def slowed_note(velocity: FloatArray, time: float, share: float) -> str:

@@ -161,7 +161,8 @@ class WholeBodyController(Bound):
 
     def _bind(self) -> None:
         """Make what every step reads of its memory, here and in a copy."""
-        self._map, self._target = self._part(MAP, 6, -1), self._part(TARGET, 6)
+        self._problem = self._part(MAP, 6, -1), self._part(TARGET, 6)
+        self._seen = self._part(TWISTS, 6, -1), self._part(TOUCHING, -1, 3)
 
     @property
     def point_foot(self) -> IntArray:
@@ -235,11 +236,10 @@ class WholeBodyController(Bound):
 
         Its arrays are this controller's: they hold until the next `update`.
         """
-        views, n = self._views, len(self._stance)
+        views = self._views
         pose = np.empty((3, 4))
         pose[:, :3], pose[:, 3] = views.rotation, views.place
-        twists, touching = self._part(TWISTS, 6, -1), self._part(TOUCHING, n, 3)
-        return Instant(views.mass_matrix, views.bias, self._v, twists, touching, pose)
+        return Instant(views.mass_matrix, views.bias, self._v, *self._seen, pose)
 
     @property
     def foot_rotations(self) -> FloatArray:
@@ -297,7 +297,7 @@ class WholeBodyController(Bound):
     def warm_up(self) -> None:
         """Compile or load what `solve` calls only where torques meet their limits."""
         p, joints = len(self.point_foot), self.robot.joints
-        self._limited.solve(self._map, self._target, None, None, np.zeros((3 * p, joints)), np.zeros(joints))
+        self._limited.solve(*self._problem, None, None, np.zeros((3 * p, joints)), np.zeros(joints))
         reduce(self._numbers, self._memory, 6)
         self.reset()
 
@@ -321,7 +321,7 @@ class WholeBodyController(Bound):
     def _share(self, tasks: Tasks, span: _Range) -> tuple[FloatArray, Status, _Answer]:
         """Return forces and what follows from them, the torques of loaded joints within their limits."""
         distributor = self._distributor
-        forces = distributor.solve(self._map, self._target, tasks.forces)
+        forces = distributor.solve(*self._problem, tasks.forces)
         answer = self._answer(forces, span)
         if answer[3][1] > 1.0:
             distributor = self._limited
@@ -381,8 +381,7 @@ class WholeBodyController(Bound):
         # in units in which the range is as wide as the box of the limits
         scale = np.divide(self.limits, half, out=np.ones_like(half), where=np.isfinite(half) & (half > 0.0))
         return self._limited.solve(
-            self._map,
-            self._target,
+            *self._problem,
             tasks.forces,
             self._stance[self.point_foot],
             jacobian=(scale[:, None] * slope).T,

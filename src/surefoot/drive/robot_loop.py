@@ -283,6 +283,11 @@ class RobotLoop:
             targets = self.target_limits.hold(targets, last.positions, last.speeds)
         return JointTargets(*(values[self._back] for values in targets))
 
+    def plan_ahead(self) -> None:
+        """Plan coming steps once the targets are sent: from its first call on `step` leaves that to it."""
+        self.walker.answers_first = True
+        self.walker.plan_ahead()
+
     def _ordered(self, readings: RobotReadings) -> RobotReadings | None:
         """Return readings in the order of the robot's joints; None for wrong shapes."""
         joints = (self.robot.joints,)

@@ -39,6 +39,8 @@ RULES: dict[str, tuple[str, Callable[[Any, Any], bool]]] = {
 """Of each quantity the rule, and whether a new request takes the place of the one that is held."""
 LOGGED = Request._fields[: len(RULES)]
 """Quantities in the order of the channel ``asked_by``: those of `RULES`, all but the note."""
+NOBODY: IntArray = np.full(len(LOGGED), -1)
+"""What it says where nobody asks for anything [-]."""
 
 
 class Arbiter:
@@ -75,11 +77,11 @@ class Arbiter:
         self.notes[:] = [note for note in self.notes if note not in self._said]
         self._said.clear()
         self.asked, self.velocity = np.zeros(3), np.zeros(3)
-        self.asked_by: IntArray = np.full(len(LOGGED), -1)
+        self.asked_by = NOBODY
 
     def merge(self, view: WalkView) -> Request:
         """Return what all behaviours together ask for."""
-        merged, asked_by = NOTHING, np.full(len(LOGGED), -1)
+        merged, asked_by = NOTHING, NOBODY.copy()
         for rank, behaviour in enumerate(self.behaviours):
             request = behaviour.propose(view)
             if request is not NOTHING:

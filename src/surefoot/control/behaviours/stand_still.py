@@ -26,16 +26,16 @@ class StandStill:
     name = "stand still"
 
     def __init__(self, walk: WalkFacts) -> None:
-        self.height = walk.height
+        self._unit = math.sqrt(GRAVITY * walk.height)
 
     def reset(self) -> None:
         """Forget nothing: it knows the present alone."""
 
     def propose(self, view: WalkView) -> Request:
         """Ask for no speed before the gait begins, and for steps of a body that moves."""
-        x, y = view.now.com_velocity[0], view.now.com_velocity[1]
+        x, y, _ = view.now.com_velocity.tolist()
         drift = None
-        if math.hypot(x, y) > UNREST * math.sqrt(GRAVITY * self.height) and not view.velocity.any():
+        if math.hypot(x, y) > UNREST * self._unit and not any(view.velocity.tolist()):
             drift = np.array([x, y, 0.0])
         if view.clock < 0.0:
             return STANDING._replace(step_times=drift)

@@ -173,7 +173,7 @@ class BipedController(Walker):
         """Forget the past: the next step begins a walk from where the robot stands."""
         for part in (self.mpc, self.whole_body, self.arbiter, self.load):
             part.reset()
-        self.feet = None
+        self.feet = self._outstanding = None
         self._planned_at, self._laden = -math.inf, False
         self._plan_made: MpcPlan | None = None
 
@@ -217,14 +217,13 @@ class BipedController(Walker):
         body.ceiling = request.height
         body.advance(self.arbiter.velocity, now.com, self.dt)
 
-    def _plan(
-        self, state: RobotState, now: Kinematics, request: Request, clock: float, standing: BoolArray,
-        changed: bool,
-    ) -> None:  # fmt: skip
-        """Choose the landings of feet in the air, and plan the forces of the steps ahead, if it is time."""
-        time = state.time
+    def _bound_forces(self, state: RobotState, now: Kinematics, clock: float, standing: BoolArray) -> None:
+        """Tell the torques of the load."""
         if self._laden:
             self.load.pull(now, state.q[:3])
+
+    def _plan(self, now: Kinematics, request: Request, clock: float, time: float, changed: bool) -> None:
+        """Choose the landings of feet in the air, and plan the forces of the steps ahead, if it is time."""
         if changed or self._due(time):
             self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
             self._aim(clock, time)

@@ -72,6 +72,7 @@ class WiredLoop:
             self._due = now + (PATIENT if self.slow else LATE * dt)
         targets = self.loop.step(readings, None if self.slow else now)
         self.end.send(self.dialect.asked(targets, self._machine))
+        self.loop.plan_ahead()
         if self.watch is not None:
             self.watch(self.loop)
         if not gc.isenabled():
