@@ -12,7 +12,6 @@ import multiprocessing
 import os
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from contextlib import closing
@@ -265,7 +264,6 @@ def _suffer(count: int, other: int, told: Any, lost: Any, trouble: Any) -> None:
 
 def suffer(count: int, out: Path, said: Callable[[str], None]) -> dict[str, Any]:
     """Return what came of so many faults; `said` is called with a line for each."""
-    sys.path.append(str(Path(__file__).parents[1]))  # where new processes find this module
     context = multiprocessing.get_context("spawn")
     end, lost, trouble = context.Event(), context.Value("d"), context.Value("b")
     (ours, theirs), (mine, his) = context.Pipe(), context.Pipe()

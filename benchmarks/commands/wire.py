@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import multiprocessing
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -16,6 +17,7 @@ from rich.console import Console
 from benchmarks.printing import table
 from surefoot.cli import extras
 from surefoot.cli.console import plain_console, say, show
+from surefoot.errors import SurefootError
 from surefoot.log.formats import read_log
 
 SHARES = (50.0, 99.0, 99.9, 100.0)
@@ -30,13 +32,14 @@ def wire(
 ) -> int:
     """Time the answers of a controller that walks a Go2 over loopback, and of an echo in the same run."""
     extras.require(["cyclonedds", "mujoco", "pin", "example-robot-data"])
+    sys.path.append(str(Path(__file__).parents[2]))  # where new processes find these modules
     if faults:
         return _suffer(min(faults, 2) if quick else faults, json)
     context = multiprocessing.get_context("spawn")
     servers = [context.Process(target=_serve, args=(kind,), daemon=True) for kind in ("loop", "echo")]
     for server in servers:
         server.start()
-    times = _measure(2.0 if quick else seconds)
+    times = _measure(2.0 if quick else seconds, servers)
     for server in servers:
         server.terminate()
     rows = {kind: [1e6 * float(np.percentile(t, s)) for s in SHARES] for kind, t in times.items()}
@@ -102,10 +105,12 @@ def _serve(kind: str) -> None:
         command = dialect.asked(targets)
         command["reserve"] = message["tick"]
         end.send(command.seal())
+        if loop is not None:
+            loop.plan_ahead()
         gc.collect(1)
 
 
-def _measure(seconds: float) -> dict[str, Any]:
+def _measure(seconds: float, servers: list[Any]) -> dict[str, Any]:
     """Return the times between a state and its answer [s] while the loop walks a robot in MuJoCo."""
     from surefoot.control.controller import JointTargets
     from surefoot.simulation.motor_robot import MotorRobot
@@ -119,6 +124,8 @@ def _measure(seconds: float) -> dict[str, Any]:
     begin, turn, ends = 0.0, time.perf_counter(), [("echo", echo), ("loop", loop)]
     gc.freeze()
     while begin == 0.0 or body.time - begin < 4.4 + seconds:
+        if not all(server.is_alive() for server in servers):
+            raise SurefootError("who should answer has ended: see above")
         time.sleep(max(turn - time.perf_counter(), 0.0))
         turn = max(turn + body.dt, time.perf_counter())
         state = dialect.told(body.read().ordered(order))

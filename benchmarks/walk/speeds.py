@@ -58,7 +58,7 @@ class Conditions:
 
 
 @dataclass(frozen=True)
-class Trial:
+class Figures:
     """What a run came to: error of the velocity [m/s, rad/s], slip [m], shares of limits, rates [N m/ms]."""
 
     error: float
@@ -68,12 +68,18 @@ class Trial:
     rate: float
     usual_rate: float
     laws: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Trial(Figures):
+    """One run; whether it ended upright, and went as it should."""
+
     walked: bool
     good: bool
 
 
 @dataclass(frozen=True)
-class SpeedRow:
+class SpeedRow(Figures):
     """One commanded velocity of a robot; worst values of all seeds.
 
     Attributes
@@ -98,13 +104,6 @@ class SpeedRow:
     walked: int
     good: int
     lawful: int
-    error: float
-    slip: float
-    speed_use: float
-    torque_use: float
-    rate: float
-    usual_rate: float
-    laws: tuple[str, ...]
 
 
 def pace_of(robot: str) -> tuple[float, float, float]:
@@ -197,7 +196,7 @@ def _row(
 
     broken = tuple(f"{n} x {law}" for law, n in laws.most_common())
     return SpeedRow(
-        robot, wanted, commanded, len(trials), sum(t.walked for t in trials), sum(t.good for t in trials),
-        sum(not t.laws for t in trials), worst("error"), worst("slip"), worst("speed_use"),
-        worst("torque_use"), worst("rate"), worst("usual_rate"), broken,
+        worst("error"), worst("slip"), worst("speed_use"), worst("torque_use"), worst("rate"),
+        worst("usual_rate"), broken, robot, wanted, commanded, len(trials), sum(t.walked for t in trials),
+        sum(t.good for t in trials), sum(not t.laws for t in trials),
     )  # fmt: skip
