@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -139,17 +140,21 @@ def ros_messages(store: Any) -> list[tuple[str, str, int, Any]]:
     return out
 
 
+def write_all(writer: Any, store: Any, serialize: Callable[[Any, str], Any]) -> None:
+    known = {}
+    for topic, kind, at, message in ros_messages(store):
+        if topic not in known:
+            known[topic] = writer.add_connection(topic, kind, typestore=store)
+        writer.write(known[topic], at, serialize(message, kind))
+
+
 def test_a_bag_of_ros_2(tmp_path: Path) -> None:
     from rosbags.rosbag2 import Writer
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE)
     with Writer(tmp_path / "walk", version=9) as writer:
-        known = {}
-        for topic, kind, at, message in ros_messages(store):
-            if topic not in known:
-                known[topic] = writer.add_connection(topic, kind, typestore=store)
-            writer.write(known[topic], at, store.serialize_cdr(message, kind))
+        write_all(writer, store, store.serialize_cdr)
     check(read_log(tmp_path / "walk"))
     check(read_log(next((tmp_path / "walk").glob("*.db3"))))
     (tmp_path / "walk" / "metadata.yaml").unlink()
@@ -163,11 +168,7 @@ def write_ros1(path: Path) -> Path:
 
     store = get_typestore(Stores.ROS1_NOETIC)
     with Writer(path) as writer:
-        known = {}
-        for topic, kind, at, message in ros_messages(store):
-            if topic not in known:
-                known[topic] = writer.add_connection(topic, kind, typestore=store)
-            writer.write(known[topic], at, store.serialize_ros1(message, kind))
+        write_all(writer, store, store.serialize_ros1)
     return path
 
 

@@ -23,6 +23,13 @@ def block(rng: np.random.Generator, spread: float = 1.0) -> np.ndarray:
     return J @ J.T
 
 
+def coupled(W: np.ndarray, share: float) -> np.ndarray:
+    """Return a block whose normal and tangents couple by less: little enough, and the law has one answer."""
+    W[2, :2] *= share
+    W[:2, 2] *= share
+    return W
+
+
 def local(
     W: np.ndarray, q: np.ndarray, mu: float, low: float, high: float, convex: bool, guess=(0.0, 0.0)
 ) -> np.ndarray:
@@ -57,10 +64,7 @@ def test_prepare_inverts_the_block() -> None:
 )  # fmt: skip
 def test_solution_obeys_the_laws(seed: int, mu: float, convex: bool, bound: tuple[float, float]) -> None:
     rng = np.random.default_rng(seed)
-    W, q = block(rng), rng.normal(size=3)
-    if not convex:  # Coulomb's law has one solution where normal and tangents couple less than mu allows
-        W[2, :2] *= 0.3
-        W[:2, 2] *= 0.3
+    W, q = coupled(block(rng), 1.0 if convex else 0.3), rng.normal(size=3)
     force = local(W, q, mu, *bound, convex)
     problem = sf.ContactProblem(W, q, mu, *bound, "convex" if convex else "coulomb")
     assert sf.residuals(problem, force[None]).velocity_error < 1e-8
@@ -71,9 +75,8 @@ def test_matches_a_projected_fixed_point(convex: bool) -> None:
     """r <- P(r - rho (u + shift)) with a small rho: slow, simple, and the definition of a solution."""
     rng = np.random.default_rng(3)
     for _ in range(20):
-        W, q, mu = block(rng, 0.5) + 0.2 * np.eye(3), rng.normal(size=3), rng.uniform(0.1, 0.8)
-        W[2, :2] *= 0.3
-        W[:2, 2] *= 0.3
+        W = coupled(block(rng, 0.5) + 0.2 * np.eye(3), 0.3)
+        q, mu = rng.normal(size=3), rng.uniform(0.1, 0.8)
         cone, twin, rho = sf.FrictionCone(mu), np.zeros(3), 0.5 / np.linalg.norm(W, 2)
         for _ in range(4000):
             u = W @ twin + q
@@ -85,9 +88,7 @@ def test_matches_a_projected_fixed_point(convex: bool) -> None:
 def test_any_guess_leads_to_the_same_force() -> None:
     rng = np.random.default_rng(5)
     for _ in range(50):
-        W, q = block(rng, 1.5), rng.normal(size=3) - [0, 0, 1.0]
-        W[2, :2] *= 0.2
-        W[:2, 2] *= 0.2
+        W, q = coupled(block(rng, 1.5), 0.2), rng.normal(size=3) - [0, 0, 1.0]
         first = local(W, q, 0.5, 0.0, np.inf, False)
         for guess in ((1.0, 0.0), (-1.0, 0.2), (0.0, -3.0)):
             assert local(W, q, 0.5, 0.0, np.inf, False, guess) == pytest.approx(first, abs=1e-7)
@@ -97,9 +98,7 @@ def test_the_circle_search_finds_what_newton_finds() -> None:
     rng = np.random.default_rng(6)
     found = 0
     for _ in range(60):
-        W, q = block(rng, 0.5), rng.normal(size=3) - [0, 0, 1.0]
-        W[2, :2] *= 0.2
-        W[:2, 2] *= 0.2
+        W, q = coupled(block(rng, 0.5), 0.2), rng.normal(size=3) - [0, 0, 1.0]
         force = local(W, q, 0.4, 0.0, np.inf, False)
         push = np.hypot(*force[:2])
         if push < 0.999 * 0.4 * force[2] or push == 0.0:
