@@ -22,8 +22,8 @@ FEWEST, MOST = 4, 40
 """Frames that a fit needs, and those it takes."""
 ENOUGH = 8
 """Frames from which a toss has a say in the noise."""
-TURNS = 3
-"""Gauss-Newton steps; the third is below the noise."""
+TURNS, HALVINGS, SAME = 12, 8, 1e-3
+"""Gauss-Newton steps, halvings of one that fits a toss worse, and the share of a fit that ends them."""
 STEPS = 2
 """Of the simulation between frames."""
 SKY = np.array([0.0, 0.0, 1e3])
@@ -74,7 +74,8 @@ class TossFlight:
         self.starts = self._guess()
         for _ in range(TURNS):
             self._derive(tree, gravity)
-            self.starts = self.corrected(tree, gravity)
+            if self._descend(tree, gravity):
+                break
         off = self._off(self.starts, tree, gravity)
         long = self.used >= ENOUGH
         free = np.maximum(counts - 2, 1)
@@ -85,9 +86,32 @@ class TossFlight:
 
     def corrected(self, tree: FallingBody, gravity: float) -> FloatArray:
         """Return the first states (B, nq + nv) of another body, by one more Gauss-Newton step."""
-        change = -self._told(self._off(self.starts, tree, gravity))
-        change[self.used == 0] = 0.0
-        return self._moved(self.starts, change)
+        return self._moved(self.starts, self._change(self._off(self.starts, tree, gravity)))
+
+    def _change(self, off: FloatArray) -> FloatArray:
+        """Return the Gauss-Newton step (B, 2 nv) for (rows, nv) differences; 0 where too few frames fly."""
+        return np.where(self.used[:, None] == 0, 0.0, -self._told(off))
+
+    def _descend(self, tree: FallingBody, gravity: float) -> bool:
+        """Take for every toss so much of the Gauss-Newton step as fits it better; return if all are at rest.
+
+        A body that is not known yet bends long flights so much that whole steps throw some of them away.
+        """
+        off = self._off(self.starts, tree, gravity)
+        change, before = self._change(off), self._squares(off)
+        for _ in range(HALVINGS):
+            ahead = self._moved(self.starts, change)
+            after = self._squares(self._off(ahead, tree, gravity))
+            worse = after > before
+            if not worse.any():
+                break
+            change[worse] *= 0.5
+        self.starts = np.where(worse[:, None], self.starts, ahead)
+        return bool((after > (1.0 - SAME) * before).all())
+
+    def _squares(self, off: FloatArray) -> FloatArray:
+        """Return the sums of squares (B,) of (rows, nv) differences."""
+        return np.asarray(np.bincount(self._owner, (off**2).sum(axis=1), len(self.starts)))
 
     def apart(self, poses: FloatArray) -> FloatArray:
         """Return how far the first states (B, 2 nv) of other motions are, from poses in the rows used."""
