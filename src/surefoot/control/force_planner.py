@@ -94,11 +94,11 @@ class ForcePlanner:
         To be called at every step: a foot's ramp begins when it first carries, and goes on while the foot
         feels the ground, (n,); None where that is not known, and all do.
         """
-        shares, schedule = np.ones(len(self.radii)), self.schedule
+        shares, phases = np.empty(len(self.radii)), self.schedule.phases(time)
         elapsed = max(time - self._time, 0.0)
         self._time = time
         early = ramp_shares(
-            schedule.phases(time), stance, stance if touching is None else touching, self._stood,
+            phases, stance, stance if touching is None else touching, self._stood,
             self._landed, time, elapsed, LANDED, self.ramp * self.rate, shares,
         )  # fmt: skip
         for k in range(len(shares)) if early else ():
@@ -171,7 +171,7 @@ class ForcePlanner:
         motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity
         motion[3] = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
         motion[4] = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
-        self.forces, self.rotation, self.made, self._horizon = plan.first, now.rotation, time, None
+        self.forces, self.rotation, self.made, self._horizon = plan.first, now.rotation.copy(), time, None
 
 
 @kernel

@@ -130,8 +130,8 @@ class LoadAdaptation:
 
     def pull(self, now: Kinematics, base: FloatArray) -> None:
         """Hand on the rest of the wrench at a state, with (3,) the place of the base [m]."""
-        self.rotation = now.rotation
+        self.rotation = now.rotation.copy()
         tell_wrench(
-            self.observer.wrench, MOST * self.observer.wrench_unit,
+            self.observer.wrench, MOST, self.observer.wrench_unit,
             now.rotation, base, now.com, self.whole_body.outside, self.mpc.outside,
         )  # fmt: skip

@@ -237,7 +237,7 @@ class WalkingController(Walker):
             self.load.pull(now, state.q[:3])
         low, high = self._normals
         top = high * self.planner.shares(clock, self.feet.stance, standing)
-        self.whole_body.bound_normals(np.minimum(low, top), top)
+        self.whole_body.bound_normals(low, top)
 
     def _plan(self, now: Kinematics, request: Request, clock: float, time: float, changed: bool) -> None:
         """Set up a plan, solve one that is set up, or choose footholds: one a step."""
@@ -323,10 +323,8 @@ class WalkingController(Walker):
         feet, planner = self.feet, self.planner
         assert feet is not None
         assert planner.forces is not None
-        motion = np.array([now.com, now.com_velocity, now.angular_velocity])
-        since = state.time - planner.made
         gain = self._gain(self.settings.body_stiffness)
-        com, turn = follow(planner.motion, planner.rotation, since, motion, now.rotation, *gain)
+        com, turn = follow(planner.motion, planner.rotation, state.time - planner.made, *now[:4], *gain)
         wanted = feet.accelerations(clock, now.centres, now.twists, self._gain(self.settings.swing_stiffness))
         return Tasks(
             feet.stance, com, turn, wanted, np.zeros(self.robot.joints), planner.forces, feet.frames,

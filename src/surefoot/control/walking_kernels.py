@@ -21,8 +21,8 @@ COM, VELOCITY, SPIN, ACCELERATION, TURNING = 0, 1, 2, 3, 4
 
 @kernel
 def follow(
-    motion: FloatArray, rotation: FloatArray, t: float, now: FloatArray, now_rotation: FloatArray,
-    stiffness: float, damping: float,
+    motion: FloatArray, rotation: FloatArray, t: float, com: FloatArray, velocity: FloatArray,
+    now_rotation: FloatArray, spin: FloatArray, stiffness: float, damping: float,
 ) -> FloatArray:  # fmt: skip
     """Return the (2, 3) accelerations of centre of mass and of turning that keep a body on its motion.
 
@@ -35,8 +35,8 @@ def follow(
         (3, 3) of the body at the start, and now.
     t
         Time since the start [s].
-    now
-        (3, 3) rows centre of mass, its velocity and the angular velocity now.
+    com, velocity, spin
+        (3,) centre of mass, its velocity and the angular velocity now.
     stiffness, damping
         Of the feedback [1/s²], [1/s].
     """
@@ -46,11 +46,11 @@ def follow(
     half = 0.5 * t * t
     for i in range(3):
         a, b = motion[ACCELERATION, i], motion[TURNING, i]
-        miss = motion[COM, i] + t * motion[VELOCITY, i] + half * a - now[COM, i]
-        lag = motion[VELOCITY, i] + t * a - now[VELOCITY, i]
+        miss = motion[COM, i] + t * motion[VELOCITY, i] + half * a - com[i]
+        lag = motion[VELOCITY, i] + t * a - velocity[i]
         out[0, i] = a + stiffness * miss + damping * lag
         miss = t * motion[SPIN, i] + half * b - turned[i]
-        out[1, i] = b + stiffness * miss + damping * (motion[SPIN, i] + t * b - now[SPIN, i])
+        out[1, i] = b + stiffness * miss + damping * (motion[SPIN, i] + t * b - spin[i])
     return out
 
 

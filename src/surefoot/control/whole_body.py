@@ -30,28 +30,9 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, of_kind
 from surefoot.contact import Status
+from surefoot.control import whole_body_step as compiled
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.model_views import ModelViews
-from surefoot.control.whole_body_step import (
-    GAIN,
-    MAP,
-    OFFSET,
-    PINNED_SLACK,
-    ROTATIONS,
-    ROWS,
-    TARGET,
-    TOUCHING,
-    TWISTS,
-    WANTED,
-    E,
-    force_problem,
-    gain_range,
-    kinematics,
-    part,
-    reduce,
-    step_memory,
-    torques_of,
-)
 from surefoot.control.whole_body_tasks import Kinematics as Kinematics
 from surefoot.control.whole_body_tasks import Tasks as Tasks
 from surefoot.control.whole_body_tasks import TaskWeights as TaskWeights
@@ -69,7 +50,6 @@ PINNING_ROUNDS = 4
 """How often torques may be pinned in a step [-]: a bound on the time."""
 TORQUE_SLACK = 0.01
 """Share of their limits by which torques may exceed them in a feasible step [-]: clipped, it hardly shows."""
-_Range = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 _Answer = tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]
 
 
@@ -104,8 +84,6 @@ class WholeBodyController(Bound):
         Of the robot with its load [kg].
     outside
         (6,) known wrench on the base beside the ground's, about its origin, base axes [N, N m].
-    friction
-        (joints,) part of the last commanded torques that makes up for the motors' friction [N m].
 
     Raises
     ------
@@ -133,8 +111,8 @@ class WholeBodyController(Bound):
         self.mass = robot.mass
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
         self.actuators = actuators
-        self.outside, self.friction = np.zeros(6), np.zeros(robot.joints)
-        self._any = np.outer([-math.inf, math.inf], np.ones(robot.joints))
+        self.outside, self._span = np.zeros(6), np.zeros((5, robot.joints))  # as for `torques_of`
+        self._span[1], self._span[3], self._span[4] = self.limits, -math.inf, math.inf  # of ideal motors
         self._stops = np.array([robot.model.lowerPositionLimit, robot.model.upperPositionLimit])[:, 7:]
         w = weights or TaskWeights()
         self._set_memory(w, (*baumgarte, *(sole_damping or (baumgarte[1], baumgarte[1]))))
@@ -142,7 +120,7 @@ class WholeBodyController(Bound):
         bounds = np.full(points, mu), np.full(points, normal_min), np.full(points, normal_max)
         self._distributor = ForceDistributor(*bounds, 1.0, weight)
         self._limited = ForceDistributor(*bounds, 1.0, weight, torque_limit=self.limits)
-        self._bounds: tuple[bytes, bytes] | None = None
+        self._bounds = b""
         self._stance: BoolArray = np.ones(len(robot.feet), dtype=bool)
         self._loose = self._unloaded()
 
@@ -156,18 +134,34 @@ class WholeBodyController(Bound):
         swing = w.swing / lightness
         weights = np.array([w.linear, w.angular * square, swing, swing * square, *rates])
         joints = w.joints * square * np.where(legs, 1.0 / lightness, w.body)
-        self._numbers, self._memory = step_memory(int(self.robot.model.nv), points, weights, joints)
+        self._numbers, self._memory = compiled.step_memory(int(self.robot.model.nv), points, weights, joints)
         self._bind()
 
     def _bind(self) -> None:
         """Make what every step reads of its memory, here and in a copy."""
-        self._problem = self._part(MAP, 6, -1), self._part(TARGET, 6)
-        self._seen = self._part(TWISTS, 6, -1), self._part(TOUCHING, -1, 3)
+        self._problem = self._part(compiled.MAP, 6, -1), self._part(compiled.TARGET, 6)
+        self._seen = (
+            self._part(compiled.TWISTS, 6, -1),
+            self._part(compiled.TOUCHING, -1, 3),
+            self._part(compiled.POSE, 3, 4),
+        )
+        feet = (
+            self._part(compiled.CENTRES, -1, 3),
+            self._part(compiled.MOVING, -1, 6),
+            self._part(compiled.DRIFTS, -1, 6),
+        )
+        com, speed, spin = self._part(compiled.BODY, 3, 3)
+        self._moved = com, speed, self._part(compiled.BASE, 3, 3), spin, *feet
 
     @property
     def point_foot(self) -> IntArray:
         """(p,) the foot of every contact point."""
         return self.robot.contact_points.foot
+
+    @property
+    def friction(self) -> FloatArray:
+        """(joints,) part of the last commanded torques that makes up for the motors' friction [N m]."""
+        return np.asarray(self._span[2])
 
     def set_friction(self, mu: float) -> None:
         """Change the friction [-] that the controller believes in."""
@@ -183,7 +177,8 @@ class WholeBodyController(Bound):
     def update(self, q: FloatArray, v: FloatArray) -> Kinematics:
         """Compute what depends on the state alone and return the part that tasks need.
 
-        q is (nq,) [m, -, rad], v is (nv,) [m/s, rad/s], both in Pinocchio's order.
+        q is (nq,) [m, -, rad], v is (nv,) [m/s, rad/s], both in Pinocchio's order. What is returned are this
+        controller's own arrays, which the next `update` changes.
         """
         self._known = computable(q, v)
         if self._known:
@@ -203,12 +198,11 @@ class WholeBodyController(Bound):
         pin.centerOfMass(model, data, q, v, False)
         pin.updateFramePlacements(model, data)
         self._q, self._v = q, v
-        return Kinematics(
-            *kinematics(
-                self._numbers, self._memory, v, views.twists, views.twist_rates, views.rotation, views.com,
-                views.com_velocity, views.frame_rotations, views.frame_places,
-            )
+        compiled.kinematics(
+            self._numbers, self._memory, v, views.twists, views.twist_rates, views.rotation, views.place,
+            views.com, views.com_velocity, views.frame_rotations, views.frame_places,
         )  # fmt: skip
+        return Kinematics(*self._moved)
 
     def carry(self, load: Load | None) -> None:
         """Take a load on the base into the model from the next `update` on, in place of the one before.
@@ -236,26 +230,23 @@ class WholeBodyController(Bound):
 
         Its arrays are this controller's: they hold until the next `update`.
         """
-        views = self._views
-        pose = np.empty((3, 4))
-        pose[:, :3], pose[:, 3] = views.rotation, views.place
-        return Instant(views.mass_matrix, views.bias, self._v, *self._seen, pose)
+        return Instant(self._views.mass_matrix, self._views.bias, self._v, *self._seen)
 
     @property
     def foot_rotations(self) -> FloatArray:
         """(n, 3, 3) rotations of the frames of the feet at the last `update` [-]; its own array."""
-        return self._part(ROTATIONS, -1, 3, 3)
+        return self._part(compiled.ROTATIONS, -1, 3, 3)
 
-    def bound_normals(self, low: FloatArray, high: FloatArray) -> None:
-        """Change the bounds (n,) on every foot's normal forces [N]; a flat foot's hold for each corner."""
-        given = low.tobytes(), high.tobytes()
+    def bound_normals(self, low: float, high: FloatArray) -> None:
+        """Change the bounds on feet's normal forces [N], (n,) upper ones; a flat foot's hold for each corner."""
+        given = high.tobytes()
         if given == self._bounds:
             return  # most of the time: between the ramps of a stance
         self._bounds = given
         at = self.point_foot
-        on, least, most = self._stance[at], low[at], high[at]
+        on, most = self._stance[at], high[at]
         for distributor in (self._distributor, self._limited):
-            distributor.set_bounds(least, most, on)
+            distributor.set_bounds(np.minimum(low, most), most, on)
 
     def dynamics(self) -> tuple[FloatArray, FloatArray]:
         """Return mass matrix (nv, nv) [kg, kg m²] and bias forces (nv,) [N, N m] of the last `update`.
@@ -272,8 +263,8 @@ class WholeBodyController(Bound):
         if not self._known:
             return self.damping(self._v)
         views, numbers, memory = self._views, self._numbers, self._memory
-        span = self._usable()
-        rows, sound = force_problem(
+        self._set_span()
+        rows, sound = compiled.force_problem(
             numbers, memory, views.mass_matrix, views.bias, self.mass, self.outside, tasks.stance,
             tasks.com_acceleration, tasks.turn_acceleration, tasks.feet, tasks.joints, tasks.frames,
             tasks.gaps,
@@ -283,12 +274,12 @@ class WholeBodyController(Bound):
         for _ in range(PINNING_ROUNDS):
             if not sound:
                 return self.damping(self._v)
-            forces, status, (torques, accelerations, command, exceeded) = self._share(tasks, span)
+            forces, status, (torques, accelerations, command, exceeded) = self._share(tasks)
             unloaded, loaded, excess, finite = exceeded
-            if not unloaded > 1.0 + PINNED_SLACK:
+            if not unloaded > 1.0 + compiled.PINNED_SLACK:
                 break
-            rows = self._pin_joints(rows, torques, accelerations[6:], span, pinned)
-            sound = reduce(numbers, memory, rows)
+            rows = self._pin_joints(rows, torques, accelerations[6:], pinned)
+            sound = compiled.reduce(numbers, memory, rows)
         if status is Status.INVALID or not finite:
             return self.damping(self._v)
         feasible = max(unloaded, loaded) <= 1.0 + TORQUE_SLACK
@@ -298,7 +289,7 @@ class WholeBodyController(Bound):
         """Compile or load what `solve` calls only where torques meet their limits."""
         p, joints = len(self.point_foot), self.robot.joints
         self._limited.solve(*self._problem, None, None, np.zeros((3 * p, joints)), np.zeros(joints))
-        reduce(self._numbers, self._memory, 6)
+        compiled.reduce(self._numbers, self._memory, 6)
         self.reset()
 
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
@@ -308,44 +299,45 @@ class WholeBodyController(Bound):
 
     def _part(self, which: int, *shape: int) -> FloatArray:
         """Return a view of a part of the memory of a step, see `part`."""
-        return part(self._numbers, self._memory, which, *shape)
+        return compiled.part(self._numbers, self._memory, which, *shape)
 
-    def _usable(self) -> _Range:
-        """Return `Actuators.usable` of now, and the accelerations of unloaded joints, see `gain_range`."""
-        if self.actuators is None:
-            return self.friction, self.limits, self.friction, self._any  # no friction: a range about zero
-        motors, speed = self.actuators, self._v[6:]
-        middle, half, self.friction = motors.usable(speed, self.limits)
-        return middle, half, self.friction, gain_range(self._q[7:], speed, self._stops, motors.limits.speed)
+    def _set_span(self) -> None:
+        """Find `Actuators.usable` of now, and the accelerations of unloaded joints, see `gain_range`."""
+        if self.actuators is not None:
+            motors, speed = self.actuators, self._v[6:]
+            motors.usable(speed, self.limits, self._span)
+            compiled.gain_range(self._q[7:], speed, self._stops, motors.limits.speed, self._span)
 
-    def _share(self, tasks: Tasks, span: _Range) -> tuple[FloatArray, Status, _Answer]:
+    def _share(self, tasks: Tasks) -> tuple[FloatArray, Status, _Answer]:
         """Return forces and what follows from them, the torques of loaded joints within their limits."""
         distributor = self._distributor
         forces = distributor.solve(*self._problem, tasks.forces)
-        answer = self._answer(forces, span)
+        answer = self._answer(forces)
         if answer[3][1] > 1.0:
             distributor = self._limited
-            forces = self._within_limits(tasks, span)
-            answer = self._answer(forces, span)
+            forces = self._within_limits(tasks)
+            answer = self._answer(forces)
         return forces, distributor.status, answer
 
-    def _answer(self, forces: FloatArray, span: _Range) -> _Answer:
+    def _answer(self, forces: FloatArray) -> _Answer:
         """Return torques, accelerations, the command and what is exceeded, see `torques_of`."""
         views = self._views
-        return torques_of(
-            self._numbers, self._memory, forces, views.mass_matrix, views.bias, *span, self._loose
+        return compiled.torques_of(
+            self._numbers, self._memory, forces, views.mass_matrix, views.bias, self._span, self._loose
         )
 
     def _pin_joints(
-        self, rows: int, torques: FloatArray, accelerations: FloatArray, span: _Range, pinned: dict[int, int]
+        self, rows: int, torques: FloatArray, accelerations: FloatArray, pinned: dict[int, int]
     ) -> int:
         """Hold unloaded joints at limits that they exceed, in `pinned` rows; return the number of rows."""
-        views, (middle, half, _, gains) = self._views, span
-        wanted = self._part(WANTED, -1)
-        constraints = self._part(E, len(wanted), -1)
+        views, (middle, half, _, *gains) = self._views, self._span
+        wanted = self._part(compiled.WANTED, -1)
+        constraints = self._part(compiled.E, len(wanted), -1)
         away, kept = torques - middle, np.clip(accelerations, *gains)
-        fast = np.abs(accelerations - kept) > PINNED_SLACK * (gains[1] - gains[0])
-        for joint in np.flatnonzero(self._loose & (fast | (np.abs(away) > (1.0 + PINNED_SLACK) * half))):
+        fast = np.abs(accelerations - kept) > compiled.PINNED_SLACK * (gains[1] - gains[0])
+        for joint in np.flatnonzero(
+            self._loose & (fast | (np.abs(away) > (1.0 + compiled.PINNED_SLACK) * half))
+        ):
             row = pinned.setdefault(int(joint), rows)
             rows = max(rows, row + 1)
             if fast[joint]:
@@ -367,14 +359,14 @@ class WholeBodyController(Bound):
             self._loose = self._unloaded()
             self._distributor.set_active(stance[self.point_foot])
 
-    def _within_limits(self, tasks: Tasks, span: _Range) -> FloatArray:
+    def _within_limits(self, tasks: Tasks) -> FloatArray:
         """Return the forces that respect the loaded joints' limits, as far as that is possible: (p, 3)."""
-        views, (middle, half, *_) = self._views, span
+        views, (middle, half, *_) = self._views, self._span
         M, nv = views.mass_matrix[6:], len(views.bias)
-        ground = self._part(ROWS, -1, nv).T
+        ground = self._part(compiled.ROWS, -1, nv).T
         # torques = slope f + offset, of a = offset + gain w put into the joints' rows of the dynamics
-        slope = M @ (self._part(GAIN, nv, 6) @ ground[:6]) - ground[6:]
-        offset = M @ self._part(OFFSET, nv) + views.bias[6:]
+        slope = M @ (self._part(compiled.GAIN, nv, 6) @ ground[:6]) - ground[6:]
+        offset = M @ self._part(compiled.OFFSET, nv) + views.bias[6:]
         slope[self._loose], offset[self._loose] = 0.0, 0.0
         loaded = ~self._loose
         offset[loaded] -= middle[loaded]

@@ -32,15 +32,16 @@ NV, FEET, POINTS, SUPPORT, FLAT, FRAME, FOOT, PARTS = range(8)
 # (n,), points' centres (p, 3)
 WEIGHTS, JOINTS, MIDDLES, RADII, OFFSETS = range(5)
 # state: data.J (6, nv); rotations (n, 3, 3) and places (n, 3) of the feet's frames; centres (n, 3), twists
-# and drifts (n, 6) of the feet; rotation of the base (3, 3)
-TWISTS, ROTATIONS, PLACES, CENTRES, MOVING, DRIFTS, BASE = range(5, 12)
+# and drifts (n, 6) of the feet; rotation of the base (3, 3), and with its place (3, 4); centre of mass, its
+# velocity and the base's angular one (3, 3)
+TWISTS, ROTATIONS, PLACES, CENTRES, MOVING, DRIFTS, BASE, POSE, BODY = range(5, 14)
 # the least ½ aᵀ H a - cᵀ a of the tasks (nv, nv), (nv,) under the constraints E a = e + [w; 0] (r, nv), (r,)
-H, C, E, WANTED = range(12, 16)
+H, C, E, WANTED = range(14, 18)
 # accelerations are offset + gain w (nv,), (nv, 6), contact forces f cost ½ ||map f - target||² (6, 3p), (6,),
 # and push along the rows (3p, nv)
-OFFSET, GAIN, ROOT, TARGET, MAP, ROWS = range(16, 22)
+OFFSET, GAIN, ROOT, TARGET, MAP, ROWS = range(18, 24)
 # contacts: normals, arms and touching points of the feet (n, 3), frames (p, 3, 3) and places (p, 3) of points
-NORMALS, ARMS, TOUCHING, FRAMES, SPOTS, END = range(22, 28)
+NORMALS, ARMS, TOUCHING, FRAMES, SPOTS, END = range(24, 30)
 PINNED_SLACK = 1e-6
 """Share of its range by which a torque or an acceleration exceeds it before it is pinned [-]: rounding is
 less."""
@@ -71,7 +72,7 @@ def step_memory(
     n, p = len(points.flat), len(points.foot)
     most = 6 + int(np.where(points.flat, 6, 3).sum()) + len(joints)
     lengths = [
-        8, len(joints), 3 * n, n, 3 * p, 6 * nv, 9 * n, 3 * n, 3 * n, 6 * n, 6 * n, 9, nv * nv, nv,
+        8, len(joints), 3 * n, n, 3 * p, 6 * nv, 9 * n, 3 * n, 3 * n, 6 * n, 6 * n, 9, 12, 9, nv * nv, nv,
         most * nv, most, nv, 6 * nv, 36, 6, 18 * p, 3 * p * nv, 3 * n, 3 * n, 3 * n, 9 * p, 3 * p,
     ]  # fmt: skip
     starts = np.cumsum([0, *lengths])
@@ -113,10 +114,10 @@ def _whole(numbers: IntArray, part: int, rows: int, columns: int) -> Any:  # als
 @kernel
 def kinematics(
     numbers: IntArray, memory: FloatArray, v: FloatArray, twists: FloatArray, rates: FloatArray,
-    rotation: FloatArray, com: FloatArray, com_velocity: FloatArray, frame_rotations: FloatArray,
-    frame_places: FloatArray,
-) -> tuple[FloatArray, ...]:  # fmt: skip
-    """Return the fields of `Kinematics` for what `ModelViews` show, and put them into the memory.
+    rotation: FloatArray, place: FloatArray, com: FloatArray, com_velocity: FloatArray,
+    frame_rotations: FloatArray, frame_places: FloatArray,
+) -> None:  # fmt: skip
+    """Put what `ModelViews` show, and the fields of `Kinematics`, into the memory.
 
     Parameters
     ----------
@@ -126,8 +127,8 @@ def kinematics(
         (nv,).
     twists, rates
         (6, nv) each: data.J and data.dJ.
-    rotation, com, com_velocity
-        (3, 3) of the base, (3,), (3,).
+    rotation, place, com, com_velocity
+        (3, 3) and (3,) of the base, (3,), (3,).
     frame_rotations, frame_places
         (frames, 3, 3), (frames, 3) of all frames of the model.
     """
@@ -142,17 +143,18 @@ def kinematics(
             places[k, i] = frame_places[frame[k], i]
             for j in range(3):
                 rotations[k, i, j] = frame_rotations[frame[k], i, j]
-    base, spin, own = np.empty((3, 3)), np.zeros(3), _matrix(numbers, memory, BASE, 3, 3)
+    base, pose = _matrix(numbers, memory, BASE, 3, 3), _matrix(numbers, memory, POSE, 3, 4)
+    body = _matrix(numbers, memory, BODY, 3, 3)
     for i in range(3):
+        body[0, i], body[1, i], body[2, i], pose[i, 3] = com[i], com_velocity[i], 0.0, place[i]
         for j in range(3):
-            own[i, j] = base[i, j] = rotation[i, j]
-            spin[i] += rotation[i, j] * v[3 + j]
+            base[i, j] = pose[i, j] = rotation[i, j]
+            body[2, i] += rotation[i, j] * v[3 + j]
     support, middles = _whole(numbers, SUPPORT, n, nv), _matrix(numbers, memory, MIDDLES, n, 3)
     centres, moving, drifts = feet_motion(J, rates, support, v, rotations, places, middles)
     _matrix(numbers, memory, CENTRES, n, 3)[:] = centres
     _matrix(numbers, memory, MOVING, n, 6)[:] = moving
     _matrix(numbers, memory, DRIFTS, n, 6)[:] = drifts
-    return com.copy(), com_velocity.copy(), base, spin, centres, moving, drifts
 
 
 @kernel
@@ -241,7 +243,7 @@ def reduce(numbers: IntArray, memory: FloatArray, count: int) -> bool:
 @kernel
 def torques_of(
     numbers: IntArray, memory: FloatArray, forces: FloatArray, M: FloatArray, bias: FloatArray,
-    middle: FloatArray, half: FloatArray, losses: FloatArray, gains: FloatArray, loose: BoolArray,
+    span: FloatArray, loose: BoolArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]:  # fmt: skip
     """Return torques (joints,) and accelerations (nv,) of forces, the command, and what is exceeded.
 
@@ -258,10 +260,9 @@ def torques_of(
         (p, 3) contact frames [N].
     M, bias
         (nv, nv), (nv,) mass matrix and bias forces.
-    middle, half, losses
-        (joints,) see `torque_range` [N m].
-    gains
-        (2, joints) range of the accelerations of joints that no contact loads, see `gain_range` [rad/s²].
+    span
+        (5, joints) what motors give and friction takes, see `torque_range` [N m]; the range of the
+        accelerations of joints that no contact loads, see `gain_range` [rad/s²].
     loose
         (joints,) which of them no contact loads.
     """
@@ -280,6 +281,7 @@ def torques_of(
             total += gain[j, i] * ground[i]
         a[j] = total
     torques, command = np.empty(nv - 6), np.empty(nv - 6)
+    middle, half = span[0], span[1]
     light, heavy, most, finite = 0.0, 0.0, -math.inf, True
     for j in range(nv - 6):
         # the joints' rows of M a + h = S' tau + J' f
@@ -287,15 +289,15 @@ def torques_of(
         for i in range(nv):
             total += M[6 + j, i] * a[i]
         torques[j] = total
-        command[j] = min(max(total, middle[j] - half[j]), middle[j] + half[j]) + losses[j]
+        command[j] = min(max(total, middle[j] - half[j]), middle[j] + half[j]) + span[2, j]
         size = abs(total - middle[j])
         if not math.isfinite(size):
             finite = False
             continue
         share = size / half[j] if size > 0.0 else 0.0
         if loose[j]:
-            beyond = max(gains[0, j] - a[6 + j], a[6 + j] - gains[1, j])
-            light = max(light, math.inf if beyond > PINNED_SLACK * (gains[1, j] - gains[0, j]) else share)
+            beyond = max(span[3, j] - a[6 + j], a[6 + j] - span[4, j])
+            light = max(light, math.inf if beyond > PINNED_SLACK * (span[4, j] - span[3, j]) else share)
         else:
             heavy = max(heavy, share)
         most = max(most, size - half[j])
@@ -303,11 +305,11 @@ def torques_of(
 
 
 @kernel
-def gain_range(q: FloatArray, v: FloatArray, stops: FloatArray, fastest: FloatArray) -> FloatArray:
-    """Return the accelerations with which joints neither pass their speed limits nor run into their stops.
+def gain_range(q: FloatArray, v: FloatArray, stops: FloatArray, fastest: FloatArray, out: FloatArray) -> None:
+    """Fill the accelerations with which joints neither pass their speed limits nor run into their stops.
 
     What is left to a speed limit, or to the speed that a joint may have so near to its stop, is taken up at
-    the rate `SPEEDING`: (2, joints) least and largest [rad/s²].
+    the rate `SPEEDING`: least and largest [rad/s²], the last two rows of `out` (5, joints).
 
     Parameters
     ----------
@@ -316,8 +318,7 @@ def gain_range(q: FloatArray, v: FloatArray, stops: FloatArray, fastest: FloatAr
     stops, fastest
         (2, joints) least and largest positions [rad]; (joints,) speed limits [rad/s].
     """
-    out = np.empty((2, len(v)))
     for j in range(len(v)):
-        out[0, j] = SPEEDING * (max(STOPPING * (stops[0, j] - q[j]), -fastest[j]) - v[j])
-        out[1, j] = SPEEDING * (min(STOPPING * (stops[1, j] - q[j]), fastest[j]) - v[j])
+        out[3, j] = SPEEDING * (max(STOPPING * (stops[0, j] - q[j]), -fastest[j]) - v[j])
+        out[4, j] = SPEEDING * (min(STOPPING * (stops[1, j] - q[j]), fastest[j]) - v[j])
     return out

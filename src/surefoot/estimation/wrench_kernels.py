@@ -84,22 +84,24 @@ def point_inertia(arm: FloatArray) -> FloatArray:
 
 @kernel
 def tell_wrench(
-    wrench: FloatArray, most: FloatArray, rotation: FloatArray, base: FloatArray, com: FloatArray,
-    on_base: FloatArray, on_com: FloatArray,
+    wrench: FloatArray, share: float, unit: FloatArray, rotation: FloatArray, base: FloatArray,
+    com: FloatArray, on_base: FloatArray, on_com: FloatArray,
 ) -> None:  # fmt: skip
     """Fill a wrench, bounded, as it acts on the base in its own axes and about the centre of mass.
 
     Parameters
     ----------
-    wrench, most
-        (6,) force and moment about the base's origin, world axes, and the bound on each [N, N m].
+    wrench, share, unit
+        (6,) force and moment about the base's origin, world axes; each is bounded by a share of its unit, (6,)
+        [N, N m].
     rotation, base, com
         (3, 3) of the base in the world; (3,) places of its origin and of the centre of mass [m].
     on_base, on_com
         Filled: (6,) about the base's origin, base axes; about the centre of mass, world axes [N, N m].
     """
     for a in range(6):
-        on_com[a] = min(max(wrench[a], -most[a]), most[a])
+        most = share * unit[a]
+        on_com[a] = min(max(wrench[a], -most), most)
     for a in range(3):
         on_base[a] = on_base[3 + a] = 0.0
         for b in range(3):

@@ -133,16 +133,16 @@ class Actuators:
         """Return what the motors give of (joints,) torques at (joints,) joint speeds [N m]."""
         return self.limits.clip(torques, speed)
 
-    def usable(self, speed: FloatArray, limits: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the range of torques that move the legs at joint speeds (joints,) [rad/s], and the losses.
+    def usable(self, speed: FloatArray, limits: FloatArray, out: FloatArray) -> None:
+        """Fill `out` (>= 3, joints) with the range of torques that move the legs, and the losses [N m].
 
-        The middle, half of the range, and what friction takes of a motor's torque: (joints,) each [N m], for
-        commands within ± limits (joints,) [N m]; speeds that are not finite count as rest.
+        The middle, half of the range, and what friction takes of a motor's torque, at joint speeds (joints,)
+        [rad/s], for commands within ± limits (joints,) [N m]; speeds that are not finite count as rest.
         """
         motors = self.limits
-        return torque_range(
+        torque_range(
             speed, self.damping, self.friction, motors.effort, motors.speed, motors.knee, motors.driving,
-            CREEP, limits, LEAST_SHARE,
+            CREEP, limits, LEAST_SHARE, out,
         )  # fmt: skip
 
 
@@ -231,9 +231,9 @@ def friction_losses(speed: FloatArray, damping: FloatArray, friction: FloatArray
 @kernel
 def torque_range(
     speed: FloatArray, damping: FloatArray, friction: FloatArray, effort: FloatArray, fastest: FloatArray,
-    knee: float, driving: float, creep: float, limits: FloatArray, least: float,
-) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
-    """Return middle and half of the range of torques that move the legs, and what friction takes.
+    knee: float, driving: float, creep: float, limits: FloatArray, least: float, out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill middle and half of the range of torques that move the legs, and what friction takes.
 
     Motors drive a joint less than they brake it, so the range is not symmetric: middle ± half. Of a motor's
     torque, friction takes its part, see `friction_losses`: what is left for the leg is moved by it.
@@ -250,23 +250,19 @@ def torque_range(
         (joints,) bounds of the command [N m].
     least
         Half the range is at least this share of those.
-
-    Returns
-    -------
-    tuple[FloatArray, FloatArray, FloatArray]
-        (joints,) each [N m]; half is infinite where a bound is.
+    out
+        (>= 3, joints) its first rows [N m]; half is infinite where a bound is.
     """
     known = np.empty(len(speed))
     for j in range(len(speed)):
         known[j] = speed[j] if math.isfinite(speed[j]) else 0.0
     losses = friction_losses(known, damping, friction, creep)
     low, high = motor_bounds(known, effort, fastest, knee, driving)
-    middle, half = np.empty(len(speed)), np.empty(len(speed))
+    out[2] = losses
     for j in range(len(speed)):
         bottom, top = max(low[j], -limits[j]), min(high[j], limits[j])
         if math.isfinite(bottom) and math.isfinite(top):
-            middle[j] = 0.5 * (top + bottom) - losses[j]
-            half[j] = max(0.5 * (top - bottom), least * limits[j])
+            out[0, j] = 0.5 * (top + bottom) - losses[j]
+            out[1, j] = max(0.5 * (top - bottom), least * limits[j])
         else:
-            middle[j], half[j] = 0.0, math.inf
-    return middle, half, losses
+            out[0, j], out[1, j] = 0.0, math.inf

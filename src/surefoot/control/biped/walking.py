@@ -268,7 +268,7 @@ class BipedController(Walker):
         linear, angular, legs = (np.diff(v[:2], axis=0)[0] / dt for v in
                                  (plan.linear_velocity, plan.angular_velocity, self._leg_spin))  # fmt: skip
         self._motion = np.array([now.com, now.com_velocity, now.angular_velocity, linear, angular - legs])
-        self._planned_at, self._rotation = time, now.rotation
+        self._planned_at, self._rotation = time, now.rotation.copy()
 
     def _reference(self, now: Kinematics, steps: list[Footstep], clock: float) -> BodyReference:
         """Return the reference: the pendulum over the footsteps, upright along the heading.
@@ -316,9 +316,8 @@ class BipedController(Walker):
         """Return the whole-body tasks: the plan's motion now, feedback on it, feet in the air, posture."""
         soles, feet, plan = self.soles, self.soles.feet, self._plan_made
         assert plan is not None
-        motion = np.array([now.com, now.com_velocity, now.angular_velocity])
         since, gain = state.time - self._planned_at, self._gain(self.settings.body_stiffness)
-        com, turn = follow(self._motion, self._rotation, since, motion, now.rotation, *gain)
+        com, turn = follow(self._motion, self._rotation, since, *now[:4], *gain)
         swing = self._gain(self.settings.swing_stiffness)
         wanted = feet.accelerations(clock, now.centres, now.twists, swing)
         ks, ds = swing
