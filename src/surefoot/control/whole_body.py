@@ -30,7 +30,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, of_kind
 from surefoot.contact import Status
-from surefoot.control import whole_body_step as compiled
+from surefoot.control import whole_body_step as core
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.model_views import ModelViews
 from surefoot.control.whole_body_tasks import Kinematics as Kinematics
@@ -134,24 +134,17 @@ class WholeBodyController(Bound):
         swing = w.swing / lightness
         weights = np.array([w.linear, w.angular * square, swing, swing * square, *rates])
         joints = w.joints * square * np.where(legs, 1.0 / lightness, w.body)
-        self._numbers, self._memory = compiled.step_memory(int(self.robot.model.nv), points, weights, joints)
+        self._numbers, self._memory = core.step_memory(int(self.robot.model.nv), points, weights, joints)
         self._bind()
 
     def _bind(self) -> None:
         """Make what every step reads of its memory, here and in a copy."""
-        self._problem = self._part(compiled.MAP, 6, -1), self._part(compiled.TARGET, 6)
-        self._seen = (
-            self._part(compiled.TWISTS, 6, -1),
-            self._part(compiled.TOUCHING, -1, 3),
-            self._part(compiled.POSE, 3, 4),
-        )
-        feet = (
-            self._part(compiled.CENTRES, -1, 3),
-            self._part(compiled.MOVING, -1, 6),
-            self._part(compiled.DRIFTS, -1, 6),
-        )
-        com, speed, spin = self._part(compiled.BODY, 3, 3)
-        self._moved = com, speed, self._part(compiled.BASE, 3, 3), spin, *feet
+        part = self._part
+        self._problem = part(core.MAP, 6, -1), part(core.TARGET, 6)
+        self._seen = part(core.TWISTS, 6, -1), part(core.TOUCHING, -1, 3), part(core.POSE, 3, 4)
+        feet = part(core.CENTRES, -1, 3), part(core.MOVING, -1, 6), part(core.DRIFTS, -1, 6)
+        com, speed, spin = part(core.BODY, 3, 3)
+        self._moved = com, speed, part(core.BASE, 3, 3), spin, *feet
 
     @property
     def point_foot(self) -> IntArray:
@@ -180,17 +173,9 @@ class WholeBodyController(Bound):
         q is (nq,) [m, -, rad], v is (nv,) [m/s, rad/s], both in Pinocchio's order. What is returned are this
         controller's own arrays, which the next `update` changes.
         """
-        self._known = computable(q, v)
-        if self._known:
-            return self._update(q, v)
-        with np.errstate(all="ignore"):
-            return self._update(q, v)
-
-    def _update(self, q: FloatArray, v: FloatArray) -> Kinematics:
-        """See `update`."""
         import pinocchio as pin
 
-        views = self._views
+        self._known, views = computable(q, v), self._views
         model, data = views.model, views.data
         pin.crba(model, data, q)
         pin.nonLinearEffects(model, data, q, v)
@@ -198,7 +183,7 @@ class WholeBodyController(Bound):
         pin.centerOfMass(model, data, q, v, False)
         pin.updateFramePlacements(model, data)
         self._q, self._v = q, v
-        compiled.kinematics(
+        core.kinematics(
             self._numbers, self._memory, v, views.twists, views.twist_rates, views.rotation, views.place,
             views.com, views.com_velocity, views.frame_rotations, views.frame_places,
         )  # fmt: skip
@@ -235,10 +220,10 @@ class WholeBodyController(Bound):
     @property
     def foot_rotations(self) -> FloatArray:
         """(n, 3, 3) rotations of the frames of the feet at the last `update` [-]; its own array."""
-        return self._part(compiled.ROTATIONS, -1, 3, 3)
+        return self._part(core.ROTATIONS, -1, 3, 3)
 
     def bound_normals(self, low: float, high: FloatArray) -> None:
-        """Change the bounds on feet's normal forces [N], (n,) upper ones; a flat foot's hold for each corner."""
+        """Change the bounds on normal forces [N], (n,) upper ones; a flat foot's hold for each corner."""
         given = high.tobytes()
         if given == self._bounds:
             return  # most of the time: between the ramps of a stance
@@ -264,7 +249,7 @@ class WholeBodyController(Bound):
             return self.damping(self._v)
         views, numbers, memory = self._views, self._numbers, self._memory
         self._set_span()
-        rows, sound = compiled.force_problem(
+        rows, sound = core.force_problem(
             numbers, memory, views.mass_matrix, views.bias, self.mass, self.outside, tasks.stance,
             tasks.com_acceleration, tasks.turn_acceleration, tasks.feet, tasks.joints, tasks.frames,
             tasks.gaps,
@@ -276,10 +261,10 @@ class WholeBodyController(Bound):
                 return self.damping(self._v)
             forces, status, (torques, accelerations, command, exceeded) = self._share(tasks)
             unloaded, loaded, excess, finite = exceeded
-            if not unloaded > 1.0 + compiled.PINNED_SLACK:
+            if not unloaded > 1.0 + core.PINNED_SLACK:
                 break
             rows = self._pin_joints(rows, torques, accelerations[6:], pinned)
-            sound = compiled.reduce(numbers, memory, rows)
+            sound = core.reduce(numbers, memory, rows)
         if status is Status.INVALID or not finite:
             return self.damping(self._v)
         feasible = max(unloaded, loaded) <= 1.0 + TORQUE_SLACK
@@ -289,7 +274,7 @@ class WholeBodyController(Bound):
         """Compile or load what `solve` calls only where torques meet their limits."""
         p, joints = len(self.point_foot), self.robot.joints
         self._limited.solve(*self._problem, None, None, np.zeros((3 * p, joints)), np.zeros(joints))
-        compiled.reduce(self._numbers, self._memory, 6)
+        core.reduce(self._numbers, self._memory, 6)
         self.reset()
 
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
@@ -299,14 +284,14 @@ class WholeBodyController(Bound):
 
     def _part(self, which: int, *shape: int) -> FloatArray:
         """Return a view of a part of the memory of a step, see `part`."""
-        return compiled.part(self._numbers, self._memory, which, *shape)
+        return core.part(self._numbers, self._memory, which, *shape)
 
     def _set_span(self) -> None:
         """Find `Actuators.usable` of now, and the accelerations of unloaded joints, see `gain_range`."""
         if self.actuators is not None:
             motors, speed = self.actuators, self._v[6:]
             motors.usable(speed, self.limits, self._span)
-            compiled.gain_range(self._q[7:], speed, self._stops, motors.limits.speed, self._span)
+            core.gain_range(self._q[7:], speed, self._stops, motors.limits.speed, self._span)
 
     def _share(self, tasks: Tasks) -> tuple[FloatArray, Status, _Answer]:
         """Return forces and what follows from them, the torques of loaded joints within their limits."""
@@ -322,7 +307,7 @@ class WholeBodyController(Bound):
     def _answer(self, forces: FloatArray) -> _Answer:
         """Return torques, accelerations, the command and what is exceeded, see `torques_of`."""
         views = self._views
-        return compiled.torques_of(
+        return core.torques_of(
             self._numbers, self._memory, forces, views.mass_matrix, views.bias, self._span, self._loose
         )
 
@@ -331,13 +316,11 @@ class WholeBodyController(Bound):
     ) -> int:
         """Hold unloaded joints at limits that they exceed, in `pinned` rows; return the number of rows."""
         views, (middle, half, _, *gains) = self._views, self._span
-        wanted = self._part(compiled.WANTED, -1)
-        constraints = self._part(compiled.E, len(wanted), -1)
+        wanted = self._part(core.WANTED, -1)
+        constraints = self._part(core.E, len(wanted), -1)
         away, kept = torques - middle, np.clip(accelerations, *gains)
-        fast = np.abs(accelerations - kept) > compiled.PINNED_SLACK * (gains[1] - gains[0])
-        for joint in np.flatnonzero(
-            self._loose & (fast | (np.abs(away) > (1.0 + compiled.PINNED_SLACK) * half))
-        ):
+        fast = np.abs(accelerations - kept) > core.PINNED_SLACK * (gains[1] - gains[0])
+        for joint in np.flatnonzero(self._loose & (fast | (np.abs(away) > (1.0 + core.PINNED_SLACK) * half))):
             row = pinned.setdefault(int(joint), rows)
             rows = max(rows, row + 1)
             if fast[joint]:
@@ -363,10 +346,10 @@ class WholeBodyController(Bound):
         """Return the forces that respect the loaded joints' limits, as far as that is possible: (p, 3)."""
         views, (middle, half, *_) = self._views, self._span
         M, nv = views.mass_matrix[6:], len(views.bias)
-        ground = self._part(compiled.ROWS, -1, nv).T
+        ground = self._part(core.ROWS, -1, nv).T
         # torques = slope f + offset, of a = offset + gain w put into the joints' rows of the dynamics
-        slope = M @ (self._part(compiled.GAIN, nv, 6) @ ground[:6]) - ground[6:]
-        offset = M @ self._part(compiled.OFFSET, nv) + views.bias[6:]
+        slope = M @ (self._part(core.GAIN, nv, 6) @ ground[:6]) - ground[6:]
+        offset = M @ self._part(core.OFFSET, nv) + views.bias[6:]
         slope[self._loose], offset[self._loose] = 0.0, 0.0
         loaded = ~self._loose
         offset[loaded] -= middle[loaded]

@@ -321,4 +321,3 @@ def gain_range(q: FloatArray, v: FloatArray, stops: FloatArray, fastest: FloatAr
     for j in range(len(v)):
         out[3, j] = SPEEDING * (max(STOPPING * (stops[0, j] - q[j]), -fastest[j]) - v[j])
         out[4, j] = SPEEDING * (min(STOPPING * (stops[1, j] - q[j]), fastest[j]) - v[j])
-    return out

@@ -16,14 +16,15 @@ their joints miss after a push would otherwise slide the feet.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from copy import copy
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.control.controller import Command, Controller, JointTargets, RobotState, Wrapper
 from surefoot.control.damping import computable
 from surefoot.errors import ProblemError
+from surefoot.kernels import kernel
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
@@ -114,38 +115,65 @@ class JointTargetController(Held):
         inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))[first:]
         self.stiffness = np.full(robot.joints, STIFFNESS * robot.mass * GRAVITY * height)
         self.damping = 2.0 * DAMPING * np.sqrt(self.stiffness * inertia)
-        self._support = robot.contact_points.support[:, first:]
+        self._support = robot.contact_points.support[:, first:].copy()
 
     def _forget(self) -> None:
         """Let the next step's targets begin at the joints' state."""
         super()._forget()
-        self._positions: FloatArray | None = None
-        self._velocities = np.zeros(self.robot.joints)
+        self._kept: FloatArray | None = None  # (2, joints) positions and velocities to go on from
 
     def _ask(self, state: RobotState) -> Command:
         """Return the controller's command with targets for the joints."""
-        command = super()._ask(state)
-        return replace(command, joint_targets=self._targets(state, command))
+        command = copy(super()._ask(state))
+        object.__setattr__(command, "joint_targets", self._targets(state, command))
+        return command
 
     def _targets(self, state: RobotState, command: Command) -> JointTargets | None:
         """Return the targets that go with a command, in the middle of the time that it is held."""
         joints = self.robot.joints
         if command.accelerations is None or not computable(state.q, state.v):
-            self._positions = None
+            self._kept = None
             return None
         q, v = state.q[len(state.q) - joints :], state.v[len(state.v) - joints :]
-        if self._positions is None:
-            self._positions, self._velocities = q.copy(), v.copy()
-        dt, rate = self.dt, command.accelerations[len(command.accelerations) - joints :]
-        forget = min(dt / MEMORY, 1.0)
-        self._positions = self._positions + forget * (q - self._positions)
-        self._velocities = self._velocities + forget * (v - self._velocities)
-        positions = self._positions + 0.5 * dt * self._velocities + 0.125 * dt * dt * rate
-        velocities = self._velocities + 0.5 * dt * rate
-        self._positions = self._positions + dt * self._velocities + 0.5 * dt * dt * rate
-        self._velocities = self._velocities + dt * rate
-        carries = self._support[command.for_points(len(self._support)).active].any(axis=0)
-        gain = np.where(carries, CARRYING, 1.0)
-        return JointTargets(
-            positions, velocities, gain * self.stiffness, gain * self.damping, command.torques
-        )
+        if self._kept is None:
+            self._kept = np.array([q, v])
+        active = np.ascontiguousarray(command.for_points(len(self._support)).active, dtype=bool)
+        rate = np.ascontiguousarray(command.accelerations[len(command.accelerations) - joints :], np.float64)
+        out = np.empty((4, joints))
+        led(q, v, rate, self.dt, self.stiffness, self.damping, self._support, active, self._kept, out)
+        return JointTargets(out[0], out[1], out[2], out[3], command.torques)
+
+
+@kernel
+def led(
+    q: FloatArray, v: FloatArray, rate: FloatArray, dt: float, stiffness: FloatArray, damping: FloatArray,
+    support: BoolArray, active: BoolArray, kept: FloatArray, out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill `out` with the first four fields of `JointTargets`: (4, joints).
+
+    Parameters
+    ----------
+    q, v, rate
+        (joints,) of now [rad], [rad/s], and accelerations that are aimed at [rad/s²].
+    dt
+        Time for which the targets are held [s].
+    stiffness, damping
+        (joints,) of legs in the air.
+    support, active
+        (p, joints) which joints move each contact point, and (p,) which of these push.
+    kept
+        (2, joints) positions and velocities at the end of the last step: brought to the end of this.
+    """
+    forget = min(dt / MEMORY, 1.0)
+    for j in range(len(q)):
+        angle = kept[0, j] + forget * (q[j] - kept[0, j])
+        speed = kept[1, j] + forget * (v[j] - kept[1, j])
+        out[0, j] = angle + 0.5 * dt * speed + 0.125 * dt * dt * rate[j]
+        out[1, j] = speed + 0.5 * dt * rate[j]
+        kept[0, j] = angle + dt * speed + 0.5 * dt * dt * rate[j]
+        kept[1, j] = speed + dt * rate[j]
+        gain = 1.0
+        for i in range(len(active)):
+            if active[i] and support[i, j]:
+                gain = CARRYING
+        out[2, j], out[3, j] = gain * stiffness[j], gain * damping[j]

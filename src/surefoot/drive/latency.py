@@ -138,7 +138,10 @@ class LatencyCompensation(Wrapper):
             None if delay is None else round(real_number("delay", delay, low=0.0, high=LONGEST) / dt)
         )
         self.meter = DelayMeter(robot.joints, dt)
-        self._past: deque[FloatArray] = deque(maxlen=round(LONGEST / dt) + 1)
+        most = round(LONGEST / dt) + 1
+        self._past: deque[FloatArray] = deque(maxlen=most)
+        # time from the middle of each of so many steps to their end
+        self._left = [k * self.dt - self.dt * (np.arange(k) + 0.5) for k in range(most + 1)]
         self._now: float | None = None
 
     def _forget(self) -> None:
@@ -158,7 +161,7 @@ class LatencyCompensation(Wrapper):
             self.meter.reported(state.torques)
         command = self.controller.step(self.ahead(state))
         aimed = command.accelerations
-        self._past.appendleft(np.zeros(self.robot.model.nv) if aimed is None else aimed)
+        self._past.append(np.zeros(self.robot.model.nv) if aimed is None else aimed)
         self.meter.commanded(command.torques)
         return command
 
@@ -170,12 +173,31 @@ class LatencyCompensation(Wrapper):
             return state
         import pinocchio
 
-        accelerations = np.array([self._past[k] for k in range(steps - 1, -1, -1)])  # the first acts now
-        delay, dt = steps * self.dt, self.dt
-        left = delay - dt * (np.arange(steps) + 0.5)
-        move = delay * state.v + dt * (left @ accelerations)
+        accelerations = np.array([self._past[k] for k in range(-steps, 0)])  # the first acts now
+        delay, v = steps * self.dt, state.v.copy()
+        move = go_on(v, accelerations, self._left[steps] @ accelerations, delay, self.dt)
         q = np.asarray(pinocchio.integrate(self.robot.model, state.q, move))
-        v = state.v + dt * accelerations.sum(axis=0)
-        if not computable(q, v):
-            return state
-        return state._replace(q=q, v=v, time=state.time + delay)
+        return RobotState(q, v, state.time + delay, *state[3:]) if computable(q, v) else state
+
+
+@kernel
+def go_on(v: FloatArray, accelerations: FloatArray, gain: FloatArray, delay: float, dt: float) -> FloatArray:
+    """Return the move (nv,) in the steps to come [m, rad], and bring the velocity to their end.
+
+    Parameters
+    ----------
+    v
+        (nv,) velocity [m/s, rad/s], changed.
+    accelerations, gain
+        (k, nv) in each step [m/s², rad/s²]; (nv,) their sum, each times what is left after it [m/s, rad/s].
+    delay, dt
+        Time of all steps and of one [s].
+    """
+    move = np.empty_like(v)
+    for j in range(len(v)):
+        move[j] = delay * v[j] + dt * gain[j]
+        total = accelerations[0, j]
+        for k in range(1, len(accelerations)):
+            total += accelerations[k, j]
+        v[j] += dt * total
+    return move

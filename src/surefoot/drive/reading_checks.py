@@ -87,7 +87,7 @@ def frozen(said: FloatArray, before: FloatArray, repeated: IntArray, moving: flo
 @kernel
 def contradicts(
     said: FloatArray, last: FloatArray, kept: FloatArray, elapsed: float, keep: float, mismatch: float,
-    turned: float, slack: FloatArray,
+    turned: float, fastest: FloatArray, flung: float,
 ) -> int:  # fmt: skip
     """Return `DRIFTS` or `TWISTS` if angles contradict speeds, or the attitude the gyro; else `SOUND`.
 
@@ -104,16 +104,18 @@ def contradicts(
         Time between the readings [s], and what is kept of the past.
     mismatch, turned
         What is allowed beyond the room [rad].
-    slack
-        (joints,) room more for the angles [rad].
+    fastest, flung
+        (joints,) largest speeds [rad/s], and for how long joints may have had them [s].
     """
-    joints = len(slack)
+    joints = len(fastest)
     after = np.empty_like(kept)
     apart = False
     for j in range(joints):
         q, v = TORQUES + j, TORQUES + joints + j
         after[j] = keep * kept[j] + said[q] - last[q] - 0.5 * elapsed * (said[v] + last[v])
-        after[joints + j] = keep * kept[joints + j] + 0.5 * elapsed * abs(said[v] - last[v]) + slack[j]
+        # a turn is more than joints with limits make in an outage; without, room would be endless for good
+        slack = min(flung * fastest[j], math.tau) if flung > 0.0 else 0.0
+        after[joints + j] = keep * kept[joints + j] + 0.5 * elapsed * abs(said[v] - last[v]) + slack
         apart = apart or abs(after[j]) > mismatch + after[joints + j]
     if apart:
         return DRIFTS

@@ -58,7 +58,7 @@ class RobotReadings(NamedTuple):
     def ordered(self, order: IntArray) -> RobotReadings:
         """Return the readings with joints in another order, (joints,) numbers of them."""
         q, v, torques = self.positions[order], self.speeds[order], self.torques[order]
-        return self._replace(positions=q, speeds=v, torques=torques)
+        return RobotReadings(*self[:4], q, v, torques, self.forces)
 
     def felt(self, least: float) -> BoolArray | None:
         """Return which (n,) feet feel more than a force [N] by their own sensors; None without any."""
@@ -231,11 +231,9 @@ class ReadingWatch:
         elapsed = self.silent + self.dt
         # faster than is believed, so that nothing was compared meanwhile
         flung = self.reason == REASONS[OUTSIDE]
-        # a turn is more than joints with limits make in an outage; without, room would be endless for good
-        slack = np.minimum(self.silent * self._fastest if flung else np.zeros_like(self._fastest), math.tau)
         found = contradicts(
             said, self._last, self._kept, elapsed, FORGET ** (elapsed / self.dt), limits.mismatch,
-            limits.turned, slack,
+            limits.turned, self._fastest, self.silent if flung else 0.0,
         )  # fmt: skip
         self._contradictions += found != SOUND
         return found

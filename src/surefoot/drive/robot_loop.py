@@ -294,8 +294,7 @@ class RobotLoop:
         rows = [np.asarray(row, dtype=np.float64) for row in readings[1:7]]
         if [row.shape for row in rows] != [(4,), (3,), (3,), joints, joints, joints]:
             return None
-        named = dict(zip(RobotReadings._fields[1:7], rows, strict=True))
-        return readings._replace(time=float(readings.time), **named).ordered(self._order)
+        return RobotReadings._make([float(readings.time), *rows, readings.forces]).ordered(self._order)
 
     def _judge(self) -> None:
         """Damp for good where control has been impossible for too long, or the robot has fallen."""

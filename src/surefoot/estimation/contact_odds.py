@@ -230,7 +230,8 @@ class ContactFusion(Bound):
     def expect(self, pushing: BoolArray, planned: BoolArray) -> None:
         """Tell the plan for the next step: (n,) which feet push, and which should stand."""
         s = self.settings
-        self._prior[:] = np.where(pushing, s.pushing, np.where(planned, 0.0, s.swing))
+        self._prior[:] = s.swing
+        self._prior[planned], self._prior[pushing] = 0.0, s.pushing
 
     def update(
         self,

@@ -197,6 +197,8 @@ class InvariantEkf(Bound):
 
         The middle of a sole that turns about its edge moves.
         """
+        if not self._corners:
+            return standing
         out = standing.copy()
         for k, corners in self._corners:
             up = (self.filter.X[:, :3] @ self.feet.rotations[k]).T @ self.normals[k]

@@ -92,7 +92,7 @@ def tell_wrench(
     Parameters
     ----------
     wrench, share, unit
-        (6,) force and moment about the base's origin, world axes; each is bounded by a share of its unit, (6,)
+        (6,) force and moment about the base's origin, world axes, each bounded by a share of its (6,) unit
         [N, N m].
     rotation, base, com
         (3, 3) of the base in the world; (3,) places of its origin and of the centre of mass [m].
