@@ -82,13 +82,11 @@ class LoadAdaptation:
     def observe(self, state: RobotState) -> None:
         """Learn from the (finite) state in which the last step has ended."""
         torques, self._torques = self._torques, None
-        if torques is None:
-            return
+        if torques is None or not 0.5 * self.dt < state.time - self._time < 1.5 * self.dt:
+            return  # a step is missing in between
         before = self.whole_body.instant()
         if before.pose[2, 2] < math.cos(LEAN):
             return
-        if not 0.5 * self.dt < state.time - self._time < 1.5 * self.dt:
-            return  # a step is missing in between
         touching = self._pushing if state.contact is None else self._pushing | state.contact
         self.observer.observe(before, state.v, torques, touching, self.load)
 

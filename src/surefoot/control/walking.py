@@ -324,9 +324,9 @@ class WalkingController(Walker):
         assert feet is not None
         assert planner.forces is not None
         gain = self._gain(self.settings.body_stiffness)
-        com, turn = follow(planner.motion, planner.rotation, state.time - planner.made, *now[:4], *gain)
+        body = follow(planner.motion, planner.rotation, state.time - planner.made, *now[:4], *gain)
         wanted = feet.accelerations(clock, now.centres, now.twists, self._gain(self.settings.swing_stiffness))
         return Tasks(
-            feet.stance, com, turn, wanted, np.zeros(self.robot.joints), planner.forces, feet.frames,
+            feet.stance, body[0], body[1], wanted, np.zeros(self.robot.joints), planner.forces, feet.frames,
             np.zeros(len(feet.radii)),
         )  # fmt: skip

@@ -30,8 +30,11 @@ def feet_motion(
     rotations: FloatArray,
     places: FloatArray,
     middles: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return centres (n, 3), twists (n, 6) and drifts (n, 6) of the feet, world axes.
+    centres: FloatArray,
+    twists: FloatArray,
+    drifts: FloatArray,
+) -> None:
+    """Fill centres (n, 3), twists (n, 6) and drifts (n, 6) of the feet, world axes.
 
     The drift is the classical acceleration of the centre, and the angular one, at zero joint
     acceleration: spatial acceleration at the world's origin, moved to the centre, plus ω x v of the
@@ -51,7 +54,6 @@ def feet_motion(
         (n, 3) centres in the feet's frames.
     """
     count, nv = support.shape
-    centres, twists, drifts = np.empty((count, 3)), np.empty((count, 6)), np.empty((count, 6))
     for k in range(count):
         twist, spatial = np.zeros(6), np.zeros(6)
         for j in range(nv):
@@ -70,7 +72,6 @@ def feet_motion(
         bend = cross(_three(twist, 3), _three(twists[k], 0))
         for i in range(3):
             drifts[k, i], drifts[k, 3 + i] = spatial[i] + swerve[i] + bend[i], spatial[3 + i]
-    return centres, twists, drifts
 
 
 @inline_kernel

@@ -135,14 +135,9 @@ def kinematics(
     nv, n = numbers[NV], numbers[FEET]
     J, places = _matrix(numbers, memory, TWISTS, 6, nv), _matrix(numbers, memory, PLACES, n, 3)
     rotations, frame = _matrices(numbers, memory, ROTATIONS, n), _whole(numbers, FRAME, 1, n)[0]
-    for i in range(6):
-        for j in range(nv):
-            J[i, j] = twists[i, j]
+    J[:] = twists
     for k in range(n):
-        for i in range(3):
-            places[k, i] = frame_places[frame[k], i]
-            for j in range(3):
-                rotations[k, i, j] = frame_rotations[frame[k], i, j]
+        places[k], rotations[k] = frame_places[frame[k]], frame_rotations[frame[k]]
     base, pose = _matrix(numbers, memory, BASE, 3, 3), _matrix(numbers, memory, POSE, 3, 4)
     body = _matrix(numbers, memory, BODY, 3, 3)
     for i in range(3):
@@ -151,10 +146,10 @@ def kinematics(
             base[i, j] = pose[i, j] = rotation[i, j]
             body[2, i] += rotation[i, j] * v[3 + j]
     support, middles = _whole(numbers, SUPPORT, n, nv), _matrix(numbers, memory, MIDDLES, n, 3)
-    centres, moving, drifts = feet_motion(J, rates, support, v, rotations, places, middles)
-    _matrix(numbers, memory, CENTRES, n, 3)[:] = centres
-    _matrix(numbers, memory, MOVING, n, 6)[:] = moving
-    _matrix(numbers, memory, DRIFTS, n, 6)[:] = drifts
+    feet_motion(
+        J, rates, support, v, rotations, places, middles, _matrix(numbers, memory, CENTRES, n, 3),
+        _matrix(numbers, memory, MOVING, n, 6), _matrix(numbers, memory, DRIFTS, n, 6),
+    )  # fmt: skip
 
 
 @kernel

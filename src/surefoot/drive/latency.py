@@ -174,30 +174,8 @@ class LatencyCompensation(Wrapper):
         import pinocchio
 
         accelerations = np.array([self._past[k] for k in range(-steps, 0)])  # the first acts now
-        delay, v = steps * self.dt, state.v.copy()
-        move = go_on(v, accelerations, self._left[steps] @ accelerations, delay, self.dt)
+        delay, dt = steps * self.dt, self.dt
+        move = delay * state.v + dt * (self._left[steps] @ accelerations)
         q = np.asarray(pinocchio.integrate(self.robot.model, state.q, move))
+        v = state.v + dt * np.add.reduce(accelerations)
         return RobotState(q, v, state.time + delay, *state[3:]) if computable(q, v) else state
-
-
-@kernel
-def go_on(v: FloatArray, accelerations: FloatArray, gain: FloatArray, delay: float, dt: float) -> FloatArray:
-    """Return the move (nv,) in the steps to come [m, rad], and bring the velocity to their end.
-
-    Parameters
-    ----------
-    v
-        (nv,) velocity [m/s, rad/s], changed.
-    accelerations, gain
-        (k, nv) in each step [m/s², rad/s²]; (nv,) their sum, each times what is left after it [m/s, rad/s].
-    delay, dt
-        Time of all steps and of one [s].
-    """
-    move = np.empty_like(v)
-    for j in range(len(v)):
-        move[j] = delay * v[j] + dt * gain[j]
-        total = accelerations[0, j]
-        for k in range(1, len(accelerations)):
-            total += accelerations[k, j]
-        v[j] += dt * total
-    return move

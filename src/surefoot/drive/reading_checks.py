@@ -79,8 +79,7 @@ def frozen(said: FloatArray, before: FloatArray, repeated: IntArray, moving: flo
             own = int(abs(said[at + joints]) > moving)
         repeated[k] = repeated[k] + 1 if same and moves - own > 0 else 0
         found = found or repeated[k] >= most
-    for i in range(len(said)):
-        before[i] = said[i]
+    before[:] = said
     return found
 
 

@@ -7,12 +7,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import Command, RobotState
 from surefoot.estimation.inekf import FilterNoise
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.state_estimator import Health, Reading, StateEstimator
-from surefoot.kernels import kernel
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators
 from surefoot.spatial import GRAVITY
@@ -116,7 +115,7 @@ class StateTracker:
             self._standing = None
             self.estimator.expect(pushing, ~pushing)
             return
-        with_points(command.active, self._foot, pushing)
+        pushing[self._foot[command.active]] = True
         self._standing = pushing
         self.estimator.expect(pushing, np.asarray(command.rows().get("planned", pushing), dtype=bool))
 
@@ -124,12 +123,3 @@ class StateTracker:
         """Tell the (joints,) torques of the motors between the last reading and the next [N m]."""
         losses = 0.0 if self._actuators is None else self._actuators.losses(self._speeds)
         self.estimator.applied(torques - losses)  # currents tell what motors give, friction included
-
-
-@kernel
-def with_points(active: BoolArray, foot: IntArray, out: BoolArray) -> None:
-    """Fill which feet (n,) have a contact point that is active, (p,) each; `foot` (p,) owns it."""
-    out[:] = False
-    for i in range(active.shape[0]):
-        if active[i]:
-            out[foot[i]] = True

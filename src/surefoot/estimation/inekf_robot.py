@@ -197,13 +197,11 @@ class InvariantEkf(Bound):
 
         The middle of a sole that turns about its edge moves.
         """
-        if not self._corners:
-            return standing
         out = standing.copy()
         for k, corners in self._corners:
             up = (self.filter.X[:, :3] @ self.feet.rotations[k]).T @ self.normals[k]
             out[k] &= float((corners @ up).min()) > -EDGE
-        return out if out.any() else standing
+        return out if not self._corners or out.any() else standing
 
     @property
     def legs(self) -> tuple[FloatArray, FloatArray]:

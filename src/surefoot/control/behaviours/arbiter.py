@@ -108,7 +108,8 @@ class Arbiter:
     def _within_caps(self, command: FloatArray, request: Request) -> FloatArray:
         """Return the (3,) velocity that is asked for within the caps."""
         asked = command if request.velocity is None else request.velocity
-        size = math.hypot(asked[0], asked[1]) + abs(asked[2]) * self.radius
+        x, y, turn = asked.tolist()
+        size = math.hypot(x, y) + abs(turn) * self.radius
         return np.asarray(asked * (request.speed_cap / size)) if size > request.speed_cap else asked
 
     @staticmethod
