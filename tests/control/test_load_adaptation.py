@@ -53,7 +53,7 @@ def test_the_models_are_those_of_the_robot_with_a_point_mass(name: str) -> None:
     q = pinocchio.integrate(robot.model, robot.nominal, 0.2 * random.normal(size=robot.model.nv))
     v = random.normal(size=robot.model.nv)
     now = out.whole_body.update(q, v)
-    M, bias = out.whole_body.dynamics()
+    M, bias, *_ = out.whole_body.instant()
     assert np.allclose(M, pinocchio.crba(true, data, q), rtol=0, atol=1e-10)
     assert np.allclose(bias, pinocchio.nonLinearEffects(true, data, q, v), rtol=0, atol=1e-8)
     assert np.allclose(now.com, pinocchio.centerOfMass(true, data, q), rtol=0, atol=1e-12)
@@ -63,7 +63,7 @@ def test_the_models_are_those_of_the_robot_with_a_point_mass(name: str) -> None:
     assert np.allclose(out.mpc.inertia, base.T @ data.Ig.inertia @ base, rtol=0, atol=1e-9)
     out.reset()
     out.whole_body.update(q, v)
-    M, bias = out.whole_body.dynamics()
+    M, bias, *_ = out.whole_body.instant()
     data = robot.model.createData()
     assert np.array_equal(M, pinocchio.crba(robot.model, data, q))
     assert np.array_equal(bias, pinocchio.nonLinearEffects(robot.model, data, q, v))
@@ -78,7 +78,7 @@ def test_whatever_is_found_leaves_masses_that_can_be(mass: float) -> None:
     out.observer.values[1:4] = np.array([0.08, -0.08, 0.05]) * robot.mass * out.observer.height
     out.update_models(None)
     out.whole_body.update(robot.nominal, np.zeros(18))
-    M, _ = out.whole_body.dynamics()
+    M = out.whole_body.instant().M
     assert np.linalg.eigvalsh(M)[0] > 0.0
     assert np.linalg.eigvalsh(out.mpc.inertia)[0] > 0.0
     assert np.isfinite(M).all()
@@ -95,7 +95,7 @@ def test_a_known_wrench_is_part_of_the_equations_of_motion() -> None:
         np.tile([0.0, 0.0, 40.0], (n, 1)), frames, np.zeros(n),
     )  # fmt: skip
     command = control.solve(tasks)
-    M, bias = control.dynamics()
+    M, bias, *_ = control.instant()
     points = now.centres - [[0.0, 0.0, foot.radius] for foot in robot.feet]
     data = robot.model.createData()
     J = pinocchio.computeJointJacobians(robot.model, data, q)

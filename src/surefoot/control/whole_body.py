@@ -211,7 +211,7 @@ class WholeBodyController(Bound):
         self.mass += load.mass
 
     def instant(self) -> Instant:
-        """Return the model at the state of the last `solve`.
+        """Return the model at the state of the last `update`; its points are those of the last `solve`.
 
         Its arrays are this controller's: they hold until the next `update`.
         """
@@ -228,17 +228,9 @@ class WholeBodyController(Bound):
         if given == self._bounds:
             return  # most of the time: between the ramps of a stance
         self._bounds = given
-        at = self.point_foot
-        on, most = self._stance[at], high[at]
+        on, most = self._stance[self.point_foot], high[self.point_foot]
         for distributor in (self._distributor, self._limited):
             distributor.set_bounds(np.minimum(low, most), most, on)
-
-    def dynamics(self) -> tuple[FloatArray, FloatArray]:
-        """Return mass matrix (nv, nv) [kg, kg m²] and bias forces (nv,) [N, N m] of the last `update`.
-
-        They are this controller's own arrays, which the next `update` changes.
-        """
-        return self._views.mass_matrix, self._views.bias
 
     def solve(self, tasks: Tasks) -> WholeBodyCommand:
         """Return the command for the state of the last `update`.

@@ -197,10 +197,7 @@ def force_problem(
         normals, rates, rows[6:], wanted[6:],
     )  # fmt: skip
     touching = _matrix(numbers, memory, TOUCHING, n, 3)
-    for i in range(6):
-        wanted[i] = outside[i] - bias[i]
-        for j in range(nv):
-            rows[i, j] = M[i, j]
+    wanted[:6], rows[:6] = outside - bias[:6], M[:6]
     for k in range(n):
         for i in range(3):
             touching[k, i] = centres[k, i] + arms[k, i]

@@ -30,6 +30,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.estimation import wrench_kernels as kernels
+from surefoot.kernels import kernel
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
@@ -195,18 +196,10 @@ class WrenchObserver:
         mean = self._sum / (self._count * self._unit[4:])
         if not np.isfinite(mean).all():
             return
-        keep, drive, watch = _decay(self._steps * self.dt)
-        mean = np.clip(mean, -VIOLENT, VIOLENT)
-        change = np.where(np.isfinite(self._last), mean - self._last, 0.0)
-        self._spread += watch * (0.5 * change**2 - self._spread)
-        self._last, noise = mean, np.maximum(NOISE, self._spread)
-        x, self._covariance = kernels.filter_wrench(
-            self.state, self._covariance, mean, pose, noise, keep, drive
+        self.state, self._covariance = take_block(
+            self.state, self._covariance, mean, self._last, self._spread, pose, *_decay(self._steps * self.dt)
         )
-        x[0] = np.clip(x[0], LEAST, MOST)
-        reach = FURTHEST * max(abs(x[0]), LIGHT)
-        x[1:] = np.clip(x[1:], *(sign * np.array([reach] * 3 + [LARGEST] * 6) for sign in (-1.0, 1.0)))
-        self.state, self.values = x, x * self._unit
+        self.values = self.state * self._unit
 
     @property
     def carried(self) -> FloatArray:
@@ -229,3 +222,35 @@ class WrenchObserver:
     def wrench(self) -> FloatArray:
         """The rest (6,): force and moment about the base's origin, world axes [N, N m]."""
         return np.asarray(self.values[4:])
+
+
+@kernel
+def take_block(
+    state: FloatArray, covariance: FloatArray, mean: FloatArray, last: FloatArray, spread: FloatArray,
+    pose: FloatArray, keep: FloatArray, drive: FloatArray, watch: float,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Return state and covariance after a block, all in units in which gravity is one.
+
+    Parameters
+    ----------
+    state, covariance, pose, keep, drive
+        As for `filter_wrench`.
+    mean
+        (6,) of the block.
+    last, spread
+        (6,) mean of the block before, not finite for none, and variance of such means: brought up to this.
+    watch
+        Share of the newest difference in that variance.
+    """
+    noise = np.empty(6)
+    for a in range(6):
+        new = min(max(mean[a], -VIOLENT), VIOLENT)
+        change = new - last[a] if math.isfinite(last[a]) else 0.0
+        spread[a] += watch * (0.5 * (change * change) - spread[a])
+        last[a], noise[a] = new, max(NOISE[a], spread[a])
+    x, P = kernels.filter_wrench(state, covariance, last, pose, noise, keep, drive)
+    x[0] = min(max(x[0], LEAST), MOST)
+    for a in range(1, 10):
+        most = FURTHEST * max(abs(x[0]), LIGHT) if a < 4 else LARGEST
+        x[a] = min(max(x[a], -most), most)
+    return x, P

@@ -243,7 +243,7 @@ class TrackingController(Controller):
             targets = Targets(planned, np.zeros_like(planned), np.zeros_like(planned))
         else:
             targets = self.flight.targets(q, v, now, planned, goal, self.dt)
-        M, bias = self.whole_body.dynamics()
+        M, bias, *_ = self.whole_body.instant()
         torques = self.flight.torques(M, bias, q[7:], v[6:], targets)
         limits = self.whole_body.limits
         torques = self.motors.clip(self._not_too_fast(np.clip(torques, -limits, limits), v[6:]), v[6:])
@@ -254,7 +254,7 @@ class TrackingController(Controller):
 
     def _not_too_fast(self, torques: FloatArray, speeds: FloatArray) -> FloatArray:
         """Return torques that take no joint of an unloaded leg beyond its speed limit by the next step."""
-        M, _ = self.whole_body.dynamics()
+        M = self.whole_body.instant().M
         inertia = 1.0 / np.diag(np.linalg.inv(M[6:, 6:])) / self.dt
         most = SPEED_MARGIN * self._speed_limits
         high, low = inertia * (most - speeds), inertia * (-most - speeds)
