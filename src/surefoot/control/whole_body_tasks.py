@@ -41,7 +41,7 @@ class TaskWeights:
 
 
 class Kinematics(NamedTuple):
-    """Where a robot is and how it moves, world axes.
+    """Where a robot is and how it moves, world axes; see `WholeBodyController.update` for whose arrays.
 
     Attributes
     ----------

@@ -94,7 +94,7 @@ class WalkView(NamedTuple):
     time, clock
         Since the run began, and on the schedule, negative before the gait begins [s].
     state, now
-        What is sensed, and where the robot is.
+        What is sensed, and where the robot is: arrays that the next step overwrites, to be copied if kept.
     command, velocity
         (3,) velocity that is commanded, and the body's wanted one now: forward, left [m/s], turn [rad/s].
     position
