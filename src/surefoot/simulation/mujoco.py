@@ -20,6 +20,7 @@ from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.robot.actuators import Actuators
 from surefoot.simulation.actuated import equipped
+from surefoot.simulation.centripetal import step_with_centripetal
 from surefoot.simulation.mujoco_actuators import fit_actuators
 from surefoot.simulation.mujoco_contacts import (
     FACE_TYPES,
@@ -74,6 +75,8 @@ class MujocoWorld:
         MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
         damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
         A solimp of fewer than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
+    centripetal
+        Whether feet count the acceleration that MuJoCo leaves out, see `simulation.centripetal`.
 
     Attributes
     ----------
@@ -93,7 +96,7 @@ class MujocoWorld:
     """
 
     substeps = 1
-    _own_softness = False
+    _own_softness, _centripetal = False, False
 
     def __init__(
         self,
@@ -107,12 +110,14 @@ class MujocoWorld:
         actuators: str | Actuators = "ideal",
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
+        centripetal: bool = False,
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         mujoco = import_mujoco()
         robot, self.actuators = equipped(robot, actuators)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain, self._own_softness = ground_of(terrain), solref is None
+        self._centripetal = centripetal
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
         self.payload_position = finite_array("payload_position", payload_position, (3,))
         spec = robot_spec(robot, self.payload, self.payload_position)
@@ -230,19 +235,26 @@ class MujocoWorld:
         elif self.base_body:
             self._pushed[:] = finite_vector("push", push, 3)
         if self.substeps == 1:
-            self._mujoco.mj_step(self.model, self.data)
+            self._advance()
         else:
             self._finely()
         if not self._largest(self._qvel) < LARGEST:
             raise self._lost()
         self._driven()
 
+    def _advance(self) -> None:
+        """Make one step of MuJoCo."""
+        if self._centripetal:
+            step_with_centripetal(self._mujoco, self.model, self.data, self._owner)
+        else:
+            self._mujoco.mj_step(self.model, self.data)
+
     def _finely(self) -> None:
         """Advance in parts, and keep what the ground did and what touched in each."""
         parts: list[ContactReading] = []
         self._touching.clear()
         for _ in range(self.substeps):
-            self._mujoco.mj_step(self.model, self.data)
+            self._advance()
             parts.append(self._last_contacts(parts[-1] if parts else None))
             if self._beside:
                 self._touching.update(self._last_touching())
