@@ -84,6 +84,7 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "seed": (lambda x: sf.Scenario(1.0, seed=x), [-1, 0.5, "x", np.nan], "seed of a scenario"),
     "gait": (sf.named_gait, ["hop", 3, None], "unknown gait for 4 feet .*; valid names: bound"),
     "slope": (sf.SlopeTerrain, [*NO_NUMBERS, 91.0], "slope|degrees|angle"),
+    "planned": (lambda x: sf.plan(x, "jump"), ["go2", 3], "robot must be a Robot"),
     "task": (lambda x: sf.plan(go2(), x), ["jmp", 3, None], "unknown task .*; valid names: backflip"),
 }  # fmt: skip
 CASES = [(name, k) for name, (_, values, _) in TABLE.items() for k in range(len(values))]

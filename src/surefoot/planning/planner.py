@@ -152,6 +152,8 @@ def _check(task: Task, request: PlanRequest) -> None:
         whole_number("knots", request.knots, low=1)
     if request.max_iterations is not None:
         whole_number("max_iterations", request.max_iterations, low=1)
+    if request.robot is not None:
+        of_kind("robot", request.robot, Robot)
     if request.robot is not None and not task.robots:
         raise ProblemError(f"the task {task.name} has a robot of its own: it takes none")
     if request.amount is not None:

@@ -1,10 +1,9 @@
 """The acceleration of a foot by velocities alone, which MuJoCo's contacts leave out.
 
 A contact of MuJoCo brings J q̈ to a reference -b J v - k r, as if that were how J v changes; what is
-missing is J̇ v [1]_. A foot on a leg that is stretched fast, with 20 m/s² by its joints' speeds, creeps by
-as much over b: at 0.06 m/s under contacts of 2 ms where Go2 takes off for a backflip, and friction that
-should hold it drives it. Taken from the reference between the halves of MuJoCo's step, the term leaves a
-fortieth of that work.
+missing is J̇ v [1]_. A foot on a leg that is stretched fast is to have 20 m/s² by its joints' speeds alone.
+It creeps by as much over b, and where Go2 takes off for a backflip friction drives it. Taken from the
+reference between the halves of MuJoCo's step, the term leaves next to nothing of that.
 
 References
 ----------
