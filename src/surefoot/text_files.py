@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -124,4 +125,15 @@ def table_of(
     for key in required:
         if key not in value:
             raise ProblemError(f"{where}: {key} is missing")
+    return value
+
+
+def finite_in_text(name: str, text: str) -> float:
+    """Return the finite number that a text holds, or raise a ProblemError that names it."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ProblemError(f"{name}: {text!r} is not a finite number")
     return value

@@ -15,7 +15,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.errors import ProblemError
-from surefoot.interop import ContactSequence, SequencePhase, export_sequence, target_names
+from surefoot.interop import TARGETS, ContactSequence, SequencePhase, export_sequence
 from surefoot.interop.targets.table import find_target
 from surefoot.simulation import drake_python
 from surefoot.stance import PointContact
@@ -56,7 +56,7 @@ def module_from(path: Path, **stand_ins: Any) -> Any:
     return made
 
 
-@pytest.mark.parametrize("name", target_names())
+@pytest.mark.parametrize("name", TARGETS)
 def test_every_target_writes_what_compiles(name: str, tmp_path: Path) -> None:
     for seed in range(10):
         sequence = random_sequence(seed, patches=name != "ocs2", lean=0.05)

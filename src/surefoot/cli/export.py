@@ -32,12 +32,12 @@ def export(
 
     Exit code 0 if every file is written, 2 for wrong input.
     """
-    from surefoot.interop import export_sequence, target_names, write_sequence
+    from surefoot.interop import TARGETS, export_sequence, write_sequence
     from surefoot.interop.targets.table import find_target
 
     targets = dict.fromkeys(to or [SEQUENCE])
     for name in targets:
-        check_name("target of --to", name, (SEQUENCE, *target_names()))
+        check_name("target of --to", name, (SEQUENCE, *TARGETS))
     sequence = _read(source, facets)
     for name in targets.keys() - {SEQUENCE}:  # refused before a folder is made
         find_target(name)(sequence)

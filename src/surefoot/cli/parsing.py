@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from surefoot.arrays import real_number
 from surefoot.errors import ProblemError
+from surefoot.text_files import finite_in_text
 
 if TYPE_CHECKING:  # loading a simulation takes longer than most commands
     from surefoot.control.standing_plan import Lift
@@ -25,23 +26,6 @@ SHORTEST_PUSH = 1e-3
 LONGEST_RUN = 3600.0
 
 
-def number(option: str, text: str) -> float:
-    """Return a finite number.
-
-    Raises
-    ------
-    ProblemError
-        Naming the option, if it is not one.
-    """
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise ProblemError(f"{option}: {text!r} is not a finite number")
-    return value
-
-
 def numbers(option: str, text: str, form: str, example: str) -> list[float]:
     """Return the finite numbers of a text whose colons, commas and @ stand as in a form.
 
@@ -51,7 +35,7 @@ def numbers(option: str, text: str, form: str, example: str) -> list[float]:
     parts, wanted = ([part.split(",") for part in re.split("[:@]", one)] for one in (text, form))
     if [len(part) for part in parts] != [len(part) for part in wanted]:
         raise ProblemError(f"{option} {text!r} is not of the form {form}, e.g. {example}")
-    return [number(option, entry) for part in parts for entry in part]
+    return [finite_in_text(option, entry) for part in parts for entry in part]
 
 
 def push(text: str) -> Push:
@@ -117,7 +101,7 @@ def lift(text: str) -> Lift:
     parts = text.split(":")
     if len(parts) != 3 or not parts[0]:
         raise ProblemError(f"--lift {text!r} is not of the form FOOT:T0:T1, e.g. FL:1:2")
-    return Lift(parts[0], number("--lift", parts[1]), number("--lift", parts[2]))
+    return Lift(parts[0], finite_in_text("--lift", parts[1]), finite_in_text("--lift", parts[2]))
 
 
 def friction(option: str, mu: float) -> float:
@@ -174,5 +158,5 @@ def velocity(text: str) -> tuple[float, float, float]:
     parts = text.split(",")
     if not 1 <= len(parts) <= 3:
         raise ProblemError(f"--velocity {text!r} is not of the form VX,VY,WZ, e.g. 0.5,0,0.2")
-    x, y, turn = ([number("--velocity", p) for p in parts] + [0.0, 0.0])[:3]
+    x, y, turn = ([finite_in_text("--velocity", p) for p in parts] + [0.0, 0.0])[:3]
     return x, y, turn

@@ -113,14 +113,14 @@ def plan(
 
 def _words(words: list[str]) -> tuple[str | None, str, float | None]:
     """Return robot (None for the default), task and number (None for the task's own)."""
-    from surefoot.cli import parsing
     from surefoot.planning.tasks.table import TASKS
+    from surefoot.text_files import finite_in_text
 
     first = bool(words[1:]) and words[0] not in TASKS and words[1][:1].isalpha()  # numbers follow a task
     robot, rest = words[0] if first else None, words[first:]
     if len(rest) > 2:
         raise ProblemError(f"plan takes [ROBOT] TASK [AMOUNT], got {' '.join(words)}")
-    return robot, rest[0], parsing.number("AMOUNT", rest[1]) if rest[1:] else None
+    return robot, rest[0], finite_in_text("AMOUNT", rest[1]) if rest[1:] else None
 
 
 def _pose(file: Path) -> Any:

@@ -6,5 +6,5 @@ from surefoot.interop.sequence_file import read_sequence as read_sequence
 from surefoot.interop.sequence_file import write_sequence as write_sequence
 from surefoot.interop.sequence_log import sequence_from_log as sequence_from_log
 from surefoot.interop.sequence_log import sequence_from_schedule as sequence_from_schedule
+from surefoot.interop.targets.table import TARGETS as TARGETS
 from surefoot.interop.targets.table import export_sequence as export_sequence
-from surefoot.interop.targets.table import target_names as target_names

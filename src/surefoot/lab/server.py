@@ -25,19 +25,6 @@ GOODBYE = 5.0
 """How long the server may take to say goodbye to its viewers [s]."""
 
 
-def import_viser() -> Any:
-    """Return the viser module.
-
-    Raises
-    ------
-    MissingExtra
-        If it is not installed.
-    """
-    with needs("viser", "lab"):
-        import viser
-    return viser
-
-
 class LabServer:
     """Serves a page until it is stopped.
 
@@ -66,7 +53,8 @@ class LabServer:
     """
 
     def __init__(self, make_page: Callable[[], Page], host: str = LOCAL, port: int = 8080) -> None:
-        viser = import_viser()
+        with needs("viser", "lab"):
+            import viser
         check_free(host, port)
         self._make_page = make_page
         self.sessions: dict[int, Session] = {}

@@ -154,8 +154,8 @@ def _check(task: Task, request: PlanRequest) -> None:
         whole_number("max_iterations", request.max_iterations, low=1)
     if request.robot is not None:
         of_kind("robot", request.robot, Robot)
-    if request.robot is not None and not task.robots:
-        raise ProblemError(f"the task {task.name} has a robot of its own: it takes none")
+        if not task.robots:
+            raise ProblemError(f"the task {task.name} has a robot of its own: it takes none")
     if request.amount is not None:
         if not task.amount:
             raise ProblemError(f"the task {task.name} takes no number, got {request.amount!r}")

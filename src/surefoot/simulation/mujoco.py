@@ -8,6 +8,7 @@ without friction or rotor inertia, and only the feet's spheres touch the ground.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -163,7 +164,10 @@ class MujocoWorld:
 
     def _look_at_data(self, feet: IntArray) -> None:
         """Keep hold of arrays of MuJoCo's data that stay in their places, and of compiled functions."""
-        data, first = self.data, self.robot.base_dof
+        data, first, mujoco = self.data, self.robot.base_dof, self._mujoco
+        self._advance = partial(mujoco.mj_step, self.model, data)
+        if self._centripetal:
+            self._advance = partial(step_with_centripetal, mujoco, self.model, data, self._owner)
         self._qpos, self._qvel, self._effort = data.qpos, data.qvel, data.qfrc_applied[first:]
         self._pushed = data.xfrc_applied[self.base_body, :3]
         self._places, self._twists, self._centres = data.geom_xpos, data.cvel, data.subtree_com
@@ -241,13 +245,6 @@ class MujocoWorld:
         if not self._largest(self._qvel) < LARGEST:
             raise self._lost()
         self._driven()
-
-    def _advance(self) -> None:
-        """Make one step of MuJoCo."""
-        if self._centripetal:
-            step_with_centripetal(self._mujoco, self.model, self.data, self._owner)
-        else:
-            self._mujoco.mj_step(self.model, self.data)
 
     def _finely(self) -> None:
         """Advance in parts, and keep what the ground did and what touched in each."""

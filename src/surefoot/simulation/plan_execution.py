@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -181,9 +180,8 @@ def execute(
     settle = (SETTLE if standing else AGAIN) if settle is None else settle
     controller = controller_of(plan, robot, dt)
     motors = motor_limits(robot, limits) if isinstance(limits, str) else limits
-    own: dict[str, Any] = {}
-    if world == "mujoco":  # fast joints lift and drag feet that do not count what their speeds mean
-        own = {"solref": (STIFF[0] * dt, STIFF[1]), "centripetal": True}
+    # fast joints lift and drag feet that do not count what their speeds mean
+    own = {"solref": (STIFF[0] * dt, STIFF[1]), "centripetal": True} if world == "mujoco" else {}
     there = make_world(
         world,
         scaled_robot(robot, surprise.mass),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from surefoot.errors import check_name
@@ -46,6 +46,5 @@ def make_world(
     check_name("world", name, WORLDS)
     made = WORLDS[name][0]
     if isinstance(made, str):
-        module, _, title = made.partition(":")
-        made = getattr(importlib.import_module(module), title)
+        made = resolve_name(made)
     return made(robot, terrain, mu, **options)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from pkgutil import resolve_name
 from typing import Any, ClassVar
 
 from surefoot.arrays import real_number
@@ -113,8 +113,7 @@ def make_experiment(name: str, settings: Mapping[str, Any] | None = None) -> Swe
     check_name("experiment", name, EXPERIMENTS)
     kind = EXPERIMENTS[name]
     if isinstance(kind, str):
-        module, _, title = kind.partition(":")
-        kind = getattr(importlib.import_module(module), title)
+        kind = resolve_name(kind)
     known = [f.name for f in fields(kind)]
     for key in settings or {}:
         check_name(f"setting of {name}", key, known)

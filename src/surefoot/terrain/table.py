@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 from surefoot.errors import ProblemError
@@ -12,6 +11,7 @@ from surefoot.terrain.rough import rough_ground
 from surefoot.terrain.slope import SlopeTerrain
 from surefoot.terrain.stairs import StairsTerrain
 from surefoot.terrain.terrain import Terrain
+from surefoot.text_files import finite_in_text
 
 TERRAINS: dict[str, tuple[str, Callable[..., Terrain]]] = {
     "flat": ("", FlatTerrain),
@@ -57,15 +57,4 @@ def read_terrain(text: str, name: str = "terrain") -> Terrain:
     numbers, make = TERRAINS.get(kind, (None, None))
     if make is None or numbers is None or len(given) != len(numbers.split(",") if numbers else []):
         raise ProblemError(f"{name} {text!r} is not one of: {terrain_forms()}")
-    return make(*(_finite(name, part) for part in given))
-
-
-def _finite(name: str, text: str) -> float:
-    """Return the finite number of a text."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise ProblemError(f"{name}: {text!r} is not a finite number")
-    return value
+    return make(*(finite_in_text(name, part) for part in given))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 
 from surefoot.errors import ProblemError, WriteError, check_name
 from surefoot.interop.sequence import ContactSequence
@@ -18,11 +18,6 @@ TARGETS: dict[str, str] = {
 """Name to "module:function"."""
 
 
-def target_names() -> tuple[str, ...]:
-    """Return the names of the tools that sequences are written for."""
-    return tuple(TARGETS)
-
-
 def find_target(name: str) -> Target:
     """Return what writes the files of a target.
 
@@ -32,8 +27,7 @@ def find_target(name: str) -> Target:
         For an unknown name.
     """
     check_name("target", name, TARGETS)
-    module, _, attribute = TARGETS[name].partition(":")
-    target: Target = getattr(import_module(module), attribute)
+    target: Target = resolve_name(TARGETS[name])
     return target
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from importlib import import_module
+from pkgutil import resolve_name
 
 from surefoot.errors import check_name
 from surefoot.planning.tasks.task import Task
@@ -28,6 +28,5 @@ def find_task(name: str) -> Task:
         For an unknown name.
     """
     check_name("task", name, TASKS)
-    module, _, attribute = TASKS[name].partition(":")
-    task: Task = getattr(import_module(module), attribute)
+    task: Task = resolve_name(TASKS[name])
     return task
