@@ -76,8 +76,6 @@ class MujocoWorld:
         MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
         damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
         A solimp of fewer than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
-    centripetal
-        Whether feet count the acceleration that MuJoCo leaves out, see `simulation.centripetal`.
 
     Attributes
     ----------
@@ -97,7 +95,7 @@ class MujocoWorld:
     """
 
     substeps = 1
-    _own_softness, _centripetal = False, False
+    _own_softness = False
 
     def __init__(
         self,
@@ -111,14 +109,12 @@ class MujocoWorld:
         actuators: str | Actuators = "ideal",
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
-        centripetal: bool = False,
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         mujoco = import_mujoco()
         robot, self.actuators = equipped(robot, actuators)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain, self._own_softness = ground_of(terrain), solref is None
-        self._centripetal = centripetal
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
         self.payload_position = finite_array("payload_position", payload_position, (3,))
         spec = robot_spec(robot, self.payload, self.payload_position)
@@ -164,10 +160,8 @@ class MujocoWorld:
 
     def _look_at_data(self, feet: IntArray) -> None:
         """Keep hold of arrays of MuJoCo's data that stay in their places, and of compiled functions."""
-        data, first, mujoco = self.data, self.robot.base_dof, self._mujoco
-        self._advance = partial(mujoco.mj_step, self.model, data)
-        if self._centripetal:
-            self._advance = partial(step_with_centripetal, mujoco, self.model, data, self._owner)
+        data, first = self.data, self.robot.base_dof
+        self._advance = partial(self._mujoco.mj_step, self.model, data)
         self._qpos, self._qvel, self._effort = data.qpos, data.qvel, data.qfrc_applied[first:]
         self._pushed = data.xfrc_applied[self.base_body, :3]
         self._places, self._twists, self._centres = data.geom_xpos, data.cvel, data.subtree_com
@@ -181,6 +175,10 @@ class MujocoWorld:
     def time(self) -> float:
         """Simulated time [s]."""
         return float(self.data.time)
+
+    def count_centripetal(self) -> None:
+        """Have feet count the acceleration that MuJoCo leaves out, see `simulation.centripetal`."""
+        self._advance = partial(step_with_centripetal, self._mujoco, self.model, self.data, self._owner)
 
     def divide(self, substeps: int) -> None:
         """Make each step in so many of MuJoCo's, 1 to 64, on ground as many times as fast as the default.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import cast
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from surefoot.robot.actuators import limited_robot
 from surefoot.robot.legs import Legs
 from surefoot.robot.motor_limits import MotorLimits, motor_limits
 from surefoot.simulation.faults import scaled_robot
+from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.observers import LinkTouches
 from surefoot.simulation.run import Scenario, run
 from surefoot.simulation.scenario import Fall
@@ -178,10 +180,8 @@ def execute(
     standing = reference.begins_standing
     dt = STEP if dt is None else dt
     settle = (SETTLE if standing else AGAIN) if settle is None else settle
-    controller = controller_of(plan, robot, dt)
     motors = motor_limits(robot, limits) if isinstance(limits, str) else limits
-    # fast joints lift and drag feet that do not count what their speeds mean
-    own = {"solref": (STIFF[0] * dt, STIFF[1]), "centripetal": True} if world == "mujoco" else {}
+    own = {"solref": (STIFF[0] * dt, STIFF[1])} if world == "mujoco" else {}
     there = make_world(
         world,
         scaled_robot(robot, surprise.mass),
@@ -191,11 +191,13 @@ def execute(
         collision="full",
         **own,
     )
+    if world == "mujoco":  # fast joints lift and drag feet that do not count their speeds
+        cast(MujocoWorld, there).count_centripetal()
     scenario = Scenario(
         reference.duration + settle, mu * surprise.friction, seed=seed, fall=NEVER,
         start=displaced(robot, reference.start, surprise) if standing else laid(reference.start, surprise),
     )  # fmt: skip
-    return judged(there, MotorLimited(controller, motors), scenario, reference, surprise)
+    return judged(there, MotorLimited(controller_of(plan, robot, dt), motors), scenario, reference, surprise)
 
 
 def _known(robot: Robot | None) -> Robot:
