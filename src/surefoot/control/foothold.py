@@ -113,8 +113,9 @@ def catching_place(
     c, s = math.cos(yaw), math.sin(yaw)
     out, pendulum = np.empty(2), math.sqrt(height / GRAVITY)
     x, y = c * com_velocity[0] + s * com_velocity[1], c * com_velocity[1] - s * com_velocity[0]
-    ahead = 0.5 * stance_time * x + pendulum * (x - velocity[0])
-    aside = 0.5 * stance_time * y + pendulum * (y - velocity[1])
+    # braked to rest, not turned round: what has slowed down till it stands may not be left far behind the body
+    ahead = 0.5 * stance_time * x + pendulum * (x - min(max(velocity[0], min(x, 0.0)), max(x, 0.0)))
+    aside = 0.5 * stance_time * y + pendulum * (y - min(max(velocity[1], min(y, 0.0)), max(y, 0.0)))
     reach, side = CATCH_REACH * height / max(math.hypot(ahead, aside), 1e-9), math.copysign(1.0, arm[1])
     ahead, aside = arm[0] + min(reach, 1.0) * ahead, arm[1] + min(reach, 1.0) * aside
     ahead, aside = ahead + left * x, side * max(side * aside, CATCH_ASIDE * abs(arm[1])) + left * y
