@@ -102,7 +102,8 @@ def catching_place(
     Parameters
     ----------
     com, com_velocity, arm, yaw, velocity, left, height, stance_time
-        As for `step_place`; the velocity is the one that the body should come back to.
+        As for `step_place`; the velocity is the one that the body should come back to. Where that goes the
+        other way, the foot brakes the body to rest.
 
     Examples
     --------
@@ -113,7 +114,7 @@ def catching_place(
     c, s = math.cos(yaw), math.sin(yaw)
     out, pendulum = np.empty(2), math.sqrt(height / GRAVITY)
     x, y = c * com_velocity[0] + s * com_velocity[1], c * com_velocity[1] - s * com_velocity[0]
-    # braked to rest, not turned round: what has slowed down till it stands may not be left far behind the body
+    # turned round by this step it would stand far ahead of a foot that lands when others have slowed it
     ahead = 0.5 * stance_time * x + pendulum * (x - min(max(velocity[0], min(x, 0.0)), max(x, 0.0)))
     aside = 0.5 * stance_time * y + pendulum * (y - min(max(velocity[1], min(y, 0.0)), max(y, 0.0)))
     reach, side = CATCH_REACH * height / max(math.hypot(ahead, aside), 1e-9), math.copysign(1.0, arm[1])

@@ -65,9 +65,9 @@ def test_a_foot_catches_within_its_reach_and_on_its_own_side(yaw: float) -> None
             assert np.linalg.norm(local - arm) <= CATCH_REACH * HEIGHT + 1e-9
             assert local[1] * arm[1] > 0.0
             assert (local - arm) @ way > -1e-9
-    # a small error takes a foot where the body comes to rest over it
+    # a small error takes a foot where the body comes to rest over it, also if it is to go the other way
     slow = np.array([0.05, 0.0, 0.0])
-    place = catching_place(np.zeros(3), slow, np.array([0.2, 0.1]), 0.0, np.zeros(3), 0.0, HEIGHT, 0.0)
+    place = catching_place(np.zeros(3), slow, np.array([0.2, 0.1]), 0.0, -9.0 * slow, 0.0, HEIGHT, 0.0)
     assert place == pytest.approx([0.2 + 0.05 * math.sqrt(HEIGHT / GRAVITY), 0.1])
 
 
