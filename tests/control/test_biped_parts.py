@@ -9,10 +9,11 @@ import pinocchio
 import pytest
 
 from surefoot.arrays import FloatArray
+from surefoot.control.biped.catching import BEGINS, CALM, PACES, Catching
 from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
 from surefoot.control.biped.posture import Posture, stretching
-from surefoot.control.biped.step_planner import Footstep, StepGeometry, pressure_path, stances
+from surefoot.control.biped.step_planner import Footstep, StepGeometry, StepPlanner, pressure_path, stances
 from surefoot.robot import load_robot, place
 from surefoot.robot.sole_plane import sole_plane
 from surefoot.stance.gait_library import named_gait
@@ -84,9 +85,52 @@ def test_feet_do_not_cross(yaw: float) -> None:
         for side in (1.0, -1.0):
             got = turn.T @ (geometry.within_reach(support + wanted, support, yaw, side) - support)
             assert 0.12 - 1e-12 <= side * got[1] <= 0.5 + 1e-12
-            assert abs(got[0]) <= 0.4 + 1e-12
+            # no step is long and wide at once
+            assert math.hypot(got[0] / 0.4, max(side * got[1] - 0.2, 0.0) / 0.3) <= 1.0 + 1e-12
     inside = support + turn @ np.array([0.3, 0.2])
     assert np.allclose(geometry.within_reach(inside, support, yaw, 1.0), inside)
+
+
+def _pushed(miss: FloatArray) -> tuple[Catching, list[Footstep], list[Footstep], FloatArray]:
+    """Return a walk on the left foot that is pushed, its steps, and those that catch it with ξ of now."""
+    gait = named_gait("walk", 2, period=0.8)
+    planner = StepPlanner(gait, StepGeometry(0.2, 0.08, 0.5, 0.4), np.array([1.0, -1.0]), 0.9)
+    catching = Catching(PendulumPreview(OMEGA, 0.02, 120), planner, 0.6)
+
+    def ahead(pace: float) -> list[Footstep]:
+        spans = [(-0.2, 0.3), *((0.2 + 0.4 * k, 0.7 + 0.4 * k) for k in range(8))]
+        return [
+            Footstep(k % 2, a / pace, b / pace, np.array([0.1 * k, 0.1 * (-1) ** k]), 0.0)
+            for k, (a, b) in enumerate(spans)
+        ]
+
+    times = catching.preview.middles
+    divergent = catching.preview.divergent(pressure_path(ahead(1.0), times))[0] + miss
+    assert catching.notice(miss)
+    steps = catching.steps(ahead, miss, divergent, 0.0)
+    return catching, ahead(1.0), steps, divergent - catching.preview.divergent(pressure_path(steps, times))[0]
+
+
+@pytest.mark.parametrize("miss", [(0.05, 0.0), (0.0, -0.04), (-0.06, 0.03)])
+def test_steps_move_to_where_the_pendulum_is_caught(miss: tuple[float, float]) -> None:
+    catching, plain, steps, left = _pushed(np.array(miss))
+    assert catching.pace == 1.0  # within reach of the gait's own steps
+    assert np.abs(left).max() < 2e-3
+    moved = np.array([one.place - two.place for one, two in zip(steps, plain, strict=True)])
+    assert (moved[0] == 0.0).all()  # it stands
+    assert np.allclose(moved[1:], moved[1], atol=1e-9)  # and the walk goes on from there
+
+
+def test_steps_come_sooner_where_legs_do_not_reach() -> None:
+    catching, plain, steps, left = _pushed(np.array([0.2, 0.1]))  # outwards over the foot that stands
+    assert catching.pace in PACES[1:]
+    assert steps[1].begin == pytest.approx(plain[1].begin / catching.pace)
+    assert np.hypot(*left) < 0.2 * np.hypot(0.2, 0.1)
+    for _ in range(CALM - 1):
+        assert catching.notice(np.zeros(2))
+    assert not catching.notice(np.zeros(2))
+    assert catching.pace == 1.0
+    assert not catching.notice(np.array([0.9 * BEGINS * 0.6, 0.0]))  # begins from a larger miss alone
 
 
 def test_leg_momentum_is_the_centroidal_one() -> None:

@@ -13,8 +13,10 @@ from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import load_robot
+from surefoot.robot.actuators import actuators_of
+from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run
-from surefoot.simulation.scenario import Scenario
+from surefoot.simulation.scenario import Push, Scenario
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, rough_ground
 
@@ -25,7 +27,6 @@ pytest.importorskip("mujoco")
     ("name", "speed", "load"), [("g1", 0.3, 0.0), ("g1", 0.3, 3.0), ("talos", 0.0, 0.0), ("icub", 0.2, 0.0)]
 )
 def test_humanoids_walk_lawfully(name: str, speed: float, load: float) -> None:
-    from surefoot.simulation.mujoco import MujocoWorld
 
     robot = load_robot(name)
     controller = walking_controller(robot, VelocityCommand.constant(speed))
@@ -41,19 +42,25 @@ def test_humanoids_walk_lawfully(name: str, speed: float, load: float) -> None:
     assert log["load_estimated"][-1, :3] == pytest.approx([load, 0.08 * load, 0.0], abs=0.3)
 
 
+def test_a_pushed_humanoid_steps_where_it_is_caught() -> None:
+    robot = load_robot("g1")
+    controller = walking_controller(robot, VelocityCommand.constant(0.3))
+    shoved = Scenario(5.0, 0.6, (Push(2.4, (0.0, 200.0, 0.0), 0.1),), seed=1)
+    log = run(MujocoWorld(robot, FlatTerrain(), 0.6), controller, shoved)
+    assert log.fact("outcome") == "done"
+    assert audit_log(log).lawful
+
+
 def test_soles_come_down_gently_on_rough_ground() -> None:
     """Soles tip over the corners that touch: let down gently, no corner strikes the ground.
 
     With no more damping than the contact constraint has, and no press, force times depth of a corner reaches
     0.54 mm times m g here.
     """
-    from surefoot.robot.actuators import actuators_of
-    from surefoot.simulation.mujoco import MujocoWorld
 
     robot, ground = load_robot("g1"), rough_ground(1, 0.03)
     motors = actuators_of(robot, "real")
-    walk = VelocityCommand.constant(0.3)
-    controller = walking_controller(robot, walk, terrain=ground, actuators=motors)
+    controller = walking_controller(robot, VelocityCommand.constant(0.3), terrain=ground, actuators=motors)
     log = run(MujocoWorld(robot, ground, 0.6, actuators=motors), controller, Scenario(4.0, 0.6, seed=1))
     assert summarise_walk(log).outcome == "walked"
     assert float(np.abs(log["forces"][..., 2] * log["gaps"]).max()) < 0.25e-3 * robot.mass * GRAVITY
@@ -81,8 +88,6 @@ def test_the_controller_follows_from_the_feet() -> None:
 
 
 def test_the_audit_knows_rotors_and_friction() -> None:
-    from surefoot.robot.actuators import actuators_of
-    from surefoot.simulation.mujoco import MujocoWorld
 
     robot = load_robot("g1")
     controller = walking_controller(

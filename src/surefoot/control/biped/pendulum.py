@@ -34,6 +34,11 @@ class PendulumPreview:
     steps
         Steps that are looked ahead; the centre of pressure stays where it is after them.
 
+    Attributes
+    ----------
+    middles
+        (steps,) times of the steps' middles [s].
+
     Examples
     --------
     >>> preview = PendulumPreview(4.0, 0.02, 100)
@@ -44,6 +49,7 @@ class PendulumPreview:
 
     def __init__(self, omega: float, dt: float, steps: int) -> None:
         self.omega, self.dt, self.steps = omega, dt, steps
+        self.middles = dt * (np.arange(steps, dtype=np.float64) + 0.5)
         keep = math.exp(-omega * dt)
         power = np.subtract.outer(np.arange(steps + 1), np.arange(steps))  # row minus column
         # ξ_i = keep^(n-i) p_last + Σ_(j >= i) (1 - keep) keep^(j-i) p_j: exact for p constant over each step

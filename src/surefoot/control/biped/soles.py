@@ -101,11 +101,14 @@ class Soles:
         corners = self._arms[self.point_foot == k] @ self._level[k].T
         return sole_plane(self.terrain, corners, xy, yaw, float(self._radii[k]))
 
-    def aim(self, k: int, place: FloatArray, yaw: float) -> None:
-        """Set where a foot in the air will touch: (2,) place of its middle [m], and its heading [rad]."""
+    def aim(self, k: int, place: FloatArray, yaw: float, latest: float | None = None) -> None:
+        """Set where a foot in the air will touch: (2,) place of its middle [m], and its heading [rad].
+
+        `latest` as for `Feet.aim`.
+        """
         feet = self.feet
         old = feet.target[k].copy()
-        feet.aim(k, place)
+        feet.aim(k, place, latest)
         if (feet.target[k] == old).all():  # too late to change
             return
         frame, height = self.ground(k, feet.target[k, :2], yaw)

@@ -52,6 +52,9 @@ class StepGeometry:
         Bounds on the distance to the left or right of a foot from the other one [m].
     longest
         Bound on the distance ahead or behind [m].
+
+    A step that is both wide and long ends within the ellipse of both bounds: on its diagonal the leg that
+    is left behind would be straight, and its foot drag.
     """
 
     width: float
@@ -73,9 +76,12 @@ class StepGeometry:
         """
         c, s = math.cos(yaw), math.sin(yaw)
         x, y = float(place[0] - support[0]), float(place[1] - support[1])
-        ahead, left = c * x + s * y, c * y - s * x
-        ahead = min(max(ahead, -self.longest), self.longest)
-        left = side * min(max(side * left, self.narrowest), self.widest)
+        ahead, out = c * x + s * y, side * (c * y - s * x)
+        room = self.widest - self.width
+        far = math.hypot(ahead / self.longest, max(out - self.width, 0.0) / room)
+        if far > 1.0:
+            ahead, out = ahead / far, min(out, self.width + (out - self.width) / far)
+        left = side * max(out, self.narrowest)
         return np.array([support[0] + c * ahead - s * left, support[1] + s * ahead + c * left])
 
 
@@ -202,16 +208,18 @@ class StepPlanner:
         return g.within_reach(wanted, support, heading, side), toes
 
     def ahead(
-        self, soles: Soles, toes: list[float], body: BodyPlan, clock: float, time: float
+        self, soles: Soles, toes: list[float], body: BodyPlan, clock: float, time: float, pace: float = 1.0
     ) -> list[Footstep]:
         """Return the stances of now and of the `time` ahead [s], those of now first.
 
-        `toes` are the headings of the feet [rad], `clock` is the gait's time [s]. After the coming foothold
-        steps follow the wanted velocity.
+        `toes` are the headings of the feet [rad], `clock` is the gait's time [s], which goes on `pace` times
+        as fast as time. After the coming foothold steps follow the wanted velocity.
         """
         feet, later, steps = soles.feet, [], []
         for k in range(2):
-            spans = stances(self.gait, k, clock, time)
+            spans = stances(self.gait, k, clock, time * pace)
+            if pace != 1.0:
+                spans = [(clock + (a - clock) / pace, clock + (b - clock) / pace) for a, b in spans]
             if feet.stance[k]:
                 if not spans or spans[0][0] > clock:  # landed early
                     spans = [(clock, spans[0][1] if spans else math.inf), *spans[1:]]

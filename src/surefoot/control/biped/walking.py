@@ -3,17 +3,20 @@
 Each millisecond: which soles stand, where the other one should be, the motion that the last plan predicts for
 now, and the torques that give it. Each `plan_interval`, and whenever a foot lifts or lands, the MPC plans the
 forces at the corners of the soles again. Its reference is the pendulum over the footsteps ahead; where the
-coming foot lands follows the divergent motion that the MPC predicts for the touchdown.
+coming foot lands follows the divergent motion that the MPC predicts for the touchdown, or, of a robot that
+was pushed, the one of now (`catching`).
 """
 
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.control.behaviours.behaviour import Request
+from surefoot.control.biped.catching import Catching
 from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
 from surefoot.control.biped.posture import Posture, stretching
@@ -53,6 +56,9 @@ HEAVY = 0.6
 G1 0.43, iCub 0.45; Alexander's file, which holds no trunk, has 0.80, and falls within 4 s at 0.2 m/s.)"""
 PERIOD = 2.0 * math.pi / 1.96
 """Length of a cycle of the gait, in units of sqrt(h / g)."""
+LATEST, SOONEST = 0.93, 0.06
+"""Up to this share of its swing a foot that catches the body is sent elsewhere, and it gets there in no less
+than this time [s]."""
 LADEN, NOTICED = 0.05, 0.1
 """A robot carries a load from this share of its mass on (less is how far documents are off), and how long it
 takes to tell [s]."""
@@ -92,6 +98,7 @@ class BipedController(Walker):
     settings: BipedSettings
     soles: Soles
     load: LoadAdaptation
+    catching: Catching
 
     def __init__(
         self,
@@ -156,7 +163,7 @@ class BipedController(Walker):
         self._preview = PendulumPreview(
             self._pendulum, fine, max(2 * round(0.5 * s.preview / fine), 2 * s.horizon + 2)
         )
-        self._middles = fine * (np.arange(self._preview.steps, dtype=np.float64) + 0.5)
+        self.catching = Catching(self._preview, self.steps, self.height)
         most = s.arm_swing / self.height
         share = LegMomentum(self.robot, Posture(self.robot, 1.0, most).swing).balancing()
         self._posture = Posture(self.robot, s.joint_stiffness * self._pendulum, min(share, 1.0) * most)
@@ -171,7 +178,7 @@ class BipedController(Walker):
 
     def reset(self) -> None:
         """Forget the past: the next step begins a walk from where the robot stands."""
-        for part in (self.mpc, self.whole_body, self.arbiter, self.load):
+        for part in (self.mpc, self.whole_body, self.arbiter, self.load, self.catching):
             part.reset()
         self.feet = self._outstanding = None
         self._planned_at, self._laden = -math.inf, False
@@ -212,6 +219,7 @@ class BipedController(Walker):
     def _move_body(self, request: Request, now: Kinematics) -> None:
         """Move the wanted body by one step, which rises before it walks."""
         body = self.body
+        self.soles.feet.hurry(self.catching.pace, self.dt)
         highest = self.height + float(self.load.shift[2])
         body.height = min(body.height + self._rise * self.dt / self.start, highest)
         body.ceiling = request.height
@@ -226,7 +234,8 @@ class BipedController(Walker):
         """Choose the landings of feet in the air, and plan the forces of the steps ahead, if it is time."""
         if changed or self._due(time):
             self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
-            self._aim(clock, time)
+            if not self.catching.active:
+                self._aim(clock, time)
             self._replan(now, clock, time)
 
     def _aim(self, clock: float, time: float) -> None:
@@ -255,8 +264,15 @@ class BipedController(Walker):
         soles = self.soles
         N, dt = self.settings.horizon, self._mpc_dt
         toes = [soles.heading(r, k) for k, r in enumerate(self.whole_body.foot_rotations)]
-        steps = self.steps.ahead(soles, toes, self.body, clock, self.settings.preview)
+        ahead = partial(self.steps.ahead, soles, toes, self.body, clock, self.settings.preview)
+        steps = ahead(self.catching.pace)
         reference = self._reference(now, steps, clock)
+        miss = (now.com_velocity - reference.linear_velocity[0])[:2] / self._pendulum
+        if clock > 0.0 and self.catching.notice(miss):
+            divergent = (now.com + now.com_velocity / self._pendulum)[:2]
+            steps = self.catching.steps(ahead, miss, divergent, clock)
+            self._send_feet(steps, clock)
+            reference = self._reference(now, steps, clock)
         middles = clock + dt * (np.arange(N, dtype=np.float64) + 0.5)
         contacts, places = self.steps.corners(soles, steps, middles)
         spin = now.angular_velocity + self._leg_spin[0]
@@ -270,6 +286,12 @@ class BipedController(Walker):
         self._motion = np.array([now.com, now.com_velocity, now.angular_velocity, linear, angular - legs])
         self._planned_at, self._rotation = time, now.rotation.copy()
 
+    def _send_feet(self, steps: list[Footstep], clock: float) -> None:
+        """Send a foot in the air to the coming one of the steps, also late in its swing."""
+        coming = next((one for one in steps if one.begin > clock), None)
+        if coming is not None and not self.soles.feet.stance[coming.foot]:
+            self.soles.aim(coming.foot, coming.place, coming.yaw, LATEST)
+
     def _reference(self, now: Kinematics, steps: list[Footstep], clock: float) -> BodyReference:
         """Return the reference: the pendulum over the footsteps, upright along the heading.
 
@@ -278,7 +300,7 @@ class BipedController(Walker):
         the pressure that gives the momentum to the pendulum's.
         """
         N, dt, body = self.settings.horizon, self._mpc_dt, self.body
-        pressure = pressure_path(steps, clock + self._middles)
+        pressure = pressure_path(steps, clock + self._preview.middles)
         flow = self._preview.motion(now.com[:2], pressure)[1][::2]
         times = dt * np.arange(len(flow), dtype=np.float64)
         yaw = body.yaw + body.velocity[2] * times
@@ -325,6 +347,11 @@ class BipedController(Walker):
             goal, spin, change = soles.turning(int(k))
             off = rotation_log(goal @ self.whole_body.foot_rotations[k].T)
             wanted[k, 3:] = change + ks * off + ds * (spin - now.twists[k, 3:])
+            if self.catching.active and not feet.late[k]:
+                # the least squared acceleration to be there at rest in time, from wherever the foot is
+                left = max((1.0 - feet.share[k]) * feet.duration[k], SOONEST)
+                way, speed = feet.target[k, :2] - now.centres[k, :2], now.twists[k, :2]
+                wanted[k, :2] = (6.0 * way / left - 4.0 * speed) / left
         c, s = math.cos(self.body.yaw), math.sin(self.body.yaw)
         apart = (now.centres[0] - now.centres[1], now.twists[0] - now.twists[1])
         lead, rate_of_lead = (c * float(a[0]) + s * float(a[1]) for a in apart)
