@@ -43,6 +43,16 @@ def test_the_audit_finds_a_plan_lawful(go2, standing):
     assert report.lawful, report.lines()
 
 
+def test_the_audit_finds_a_landing_in_knots_of_10_ms_lawful(go2):
+    """Fast joints change Coriolis forces and velocities in a step: it has one of them, or a mean."""
+    q, v = place(go2), np.zeros(18)
+    v[7::3], v[8::3] = 3.0, -6.0
+    hang = lambda k, a, w: 20.0 * (q[7:] - a[7:]) - 0.5 * w[6:]  # noqa: E731
+    landing = rollout(go2, q + 0.15 * np.eye(19)[2], v, hang, dt=0.01, steps=40)
+    report = audit_log(plan_from(landing, go2, FOUND), go2)
+    assert report.lawful, report.lines()
+
+
 @pytest.mark.parametrize(
     ("spoil", "status"),
     [

@@ -156,6 +156,8 @@ def _check(task: Task, request: PlanRequest) -> None:
         of_kind("robot", request.robot, Robot)
         if not task.robots:
             raise ProblemError(f"the task {task.name} has a robot of its own: it takes none")
+        if not request.robot.floating:
+            raise ProblemError(f"the task {task.name} moves a free base: {request.robot.name} is bolted down")
     if request.amount is not None:
         if not task.amount:
             raise ProblemError(f"the task {task.name} takes no number, got {request.amount!r}")

@@ -24,7 +24,9 @@ def test_a_walk_without_a_gait_says_how_it_plans(capsys: pytest.CaptureFixture[s
 def test_the_benchmark_prints_json_alone(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "plan", "--quick", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    solver, mpc = found["solver"], found["mpc"]
+    solver, mpc, (ours, rival) = found["solver"], found["mpc"], found["jump"].values()
+    assert ours["apart"] < 0.02
+    assert "SUREFOOT_CROCODDYL_PYTHON names no" in rival or rival["replay_off"] < 0.05
     assert solver["derivative_ratio"] > 1.0
     assert 0.0 < solver["knot"]["derivative"] < solver["ours"]["derivative"] < solver["ours"]["iteration"]
     assert solver["descent"]["ours"]["costs"][-1] < solver["descent"]["ours"]["costs"][0]

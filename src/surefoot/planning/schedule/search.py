@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 from surefoot.log import Log
+from surefoot.planning.schedule.mirror import found_in_half
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.transcribe import transcribe, variable_bounds
 from surefoot.planning.transcription.guess import Guess
@@ -18,14 +20,16 @@ from surefoot.planning.transcription.nlp import Iterate, Nlp, OnIteration, pack,
 
 OPTIONS: dict[str, Any] = {"tol": 1e-7, "mu_strategy": "adaptive"}
 """Of Ipopt: exact steps with a little feedback mend what its tolerance leaves."""
-NEAR: dict[str, Any] = dict.fromkeys(("mu_init", "bound_push", "bound_frac", "slack_bound_push"), 1e-2)
-"""Of Ipopt's, for a start that is near: barrier, and how far inside their bounds variables begin."""
 PUSHES = ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac", "mult_bound_push")
 WARM: dict[str, Any] = {
     "warm_start_init_point": "yes", "mu_init": 1e-3, **{f"warm_start_{name}": 1e-3 for name in PUSHES},
 }  # fmt: skip
 """Of Ipopt's, for a start with multipliers: 9 to 13 iterations for jumps within 0.2 m of an earlier one, with
 a hundredth of it up to twice as many."""
+CLOSE = dict.fromkeys(WARM, 1e-6) | {"warm_start_init_point": "yes"}
+"""For a start from the motion that is its own mirror image: of a robot whose sides are nearly alike."""
+LEFT = 1.0
+"""CPU time that is left for the robot itself, however long that motion took [s]."""
 HELD = ("optimum_variables", "optimum_bounds", "optimum_rows")
 """Facts of a plan that another search may start from: variables, and multipliers of bounds and rows."""
 ACCEPTED = 1e-6
@@ -102,17 +106,29 @@ def optimise(
     MissingExtra
         If CasADi is not installed.
     """
-    block, rows = transcribe(problem)
+    before, (block, rows) = time.process_time(), transcribe(problem)
     begin, multipliers = pack_guess(problem, guess_from(problem) if guess is None else guess), None
     kept = np.flatnonzero((np.isfinite(rows[0]) | np.isfinite(rows[1])).ravel())  # the others bound nothing
+    options, bounds, half = {**OPTIONS, "max_iter": max_iterations, **options}, variable_bounds(problem), None
     if near is not None:
         begin, of_bounds, of_rows = _held(near, (len(begin), len(begin), len(kept)))
-        multipliers = of_bounds, of_rows
-        options = WARM | options
+        multipliers, options = (of_bounds, of_rows), WARM | options
+    else:
+        half = found_in_half(problem, block, rows, bounds, begin, tell, **options)
+    if half is not None:
+        if half.violation <= ACCEPTED:
+            multipliers, options = (half.multipliers[0], half.multipliers[1][kept]), CLOSE | options
+        if multipliers is not None or half.said.startswith(("Maximum_", "interrupted")):
+            begin = half.variables
+        options["max_iter"] = 0 if half.said == "interrupted" else max(max_iterations - half.iterations, 0)
+        if "max_cpu_time" in options:
+            options["max_cpu_time"] = max(options["max_cpu_time"] + before - time.process_time(), LEFT)
     found = Nlp(block, problem.knots, kept).solve(
-        begin, problem.reference[1:], variable_bounds(problem), rows, multipliers=multipliers, tell=tell,
-        **{**OPTIONS, "max_iter": max_iterations, **options},
-    )  # fmt: skip
+        begin, problem.reference[1:], bounds, rows, multipliers=multipliers, tell=tell, **options
+    )
+    if half is not None:
+        said = half.said if half.said == "interrupted" else found.said
+        found = replace(found, iterations=half.iterations + found.iterations, said=said)
     robot, model = problem.robot, problem.robot.model
     states, inputs = unpack(found.variables, int(model.nq + model.nv), problem.knots)
     q, v = np.split(states, [int(model.nq)], axis=1)

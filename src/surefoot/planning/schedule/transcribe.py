@@ -14,6 +14,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.numerics.phases import runs_of
+from surefoot.planning.schedule.mirror import robot_reflections
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.transcription.knot import Row, SymbolicKnot, stacked
 from surefoot.planning.transcription.nlp import Block, Sides, pack
@@ -21,7 +22,7 @@ from surefoot.planning.transcription.window import limit_joints
 from surefoot.robot import Robot
 from surefoot.robot.libraries import import_casadi
 from surefoot.robot.motor_limits import MotorLimits
-from surefoot.robot.quadruped import body_corners, mirrored_joints, quadruped_order
+from surefoot.robot.quadruped import body_corners, quadruped_order
 from surefoot.robot.symbolic_body import SymbolicBody
 from surefoot.stepping.momentum_knot import velocity_of_way
 
@@ -103,12 +104,9 @@ def _cost(problem: ScheduleProblem, state: tuple[Any, Any, Any], u: Any) -> Any:
 
 def _difference(problem: ScheduleProblem, q: Any) -> Any:
     """Return what differs between left and right of a configuration, squared."""
-    ca = import_casadi()
-    other, sign = mirrored_joints(problem.robot)
-    joints = q[7:]
-    swapped = ca.vertcat(*(float(s) * joints[int(k)] for k, s in zip(other, sign, strict=True)))
-    base = ca.vertcat(q[1] - problem.q[1], 2.0 * q[3], 2.0 * q[5])
-    return ca.sumsqr(base) + 0.5 * ca.sumsqr(joints - swapped)
+    ca, place = import_casadi(), robot_reflections(problem.robot)[0]
+    apart = ca.mtimes(ca.sparsify(ca.DM(np.eye(len(place)) - place)), q)
+    return (0.5 * apart[1] - problem.q[1]) ** 2 + ca.sumsqr(apart[3:7]) + 0.5 * ca.sumsqr(apart[7:])
 
 
 def _reared(problem: ScheduleProblem) -> BoolArray:

@@ -13,8 +13,6 @@ from surefoot.planning.tasks.scheduled import PATIENCE, mover, scheduled_plan
 from surefoot.planning.tasks.task import PlanRequest, Tell
 from surefoot.planning.trajectory import Trajectory
 
-COARSE = 2.0
-"""Length of the knots of a search that comes first, over that of the plan's: both take 18 s, one alone 25."""
 OFF = math.radians(8.0)
 """How far the whole turn may be from a full one [rad]."""
 
@@ -33,7 +31,6 @@ class Backflip:
 
         robot = mover(request)
         problem = backflip(robot, request.mu, request.dt, request.start)
-        coarse = [] if request.dt else [backflip(robot, request.mu, COARSE * problem.dt, request.start)]
 
         def goal(motion: Trajectory) -> tuple[bool, str]:
             angle = turned(motion.q)
@@ -41,7 +38,7 @@ class Backflip:
             whole = abs(angle + 2.0 * math.pi) <= OFF
             return bool(whole and still), f"turns by {math.degrees(angle):.0f} deg, {said}"
 
-        return scheduled_plan(self.name, problem, request, tell, goal, 2.0 * PATIENCE, coarse)
+        return scheduled_plan(self.name, problem, request, tell, goal, 2.0 * PATIENCE)
 
 
 def turned(q: FloatArray) -> float:

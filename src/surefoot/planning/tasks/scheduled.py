@@ -85,10 +85,10 @@ def scheduled_plan(
     patience
         CPU time after which the search gives up [s], of each problem.
     easier
-        Problems that lead up to it: the motion of each is where the next one's search starts. Knots may be
-        of other lengths. Left out where a search from a near plan finds a motion.
+        Problems that lead up to it, over the same knots: the motion of each is where the next one's search
+        starts. Left out where a search from a near plan finds a motion.
     """
-    from surefoot.planning.schedule.search import HELD, NEAR, optimise
+    from surefoot.planning.schedule.search import HELD, optimise
     from surefoot.planning.transcription.follow import follow
     from surefoot.planning.transcription.judge import departure
 
@@ -98,18 +98,15 @@ def scheduled_plan(
         tell(Iteration(number, cost, violation, "whole body over the schedule"))
 
     motion: ScheduledMotion | None = None
-    most, iterations, before = request.max_iterations or MOST, 0, problem.dt
+    most, iterations = request.max_iterations or MOST, 0
     stages: list[tuple[ScheduleProblem, Plan | None]] = [(one, None) for one in (*easier, problem)]
     if request.near is not None:
         stages.insert(0, (problem, request.near))
     for one, near in stages:
         guess: Guess | None = motion if motion is not None and (motion.found or most == 0) else None
         options: dict[str, Any] = {"max_cpu_time": patience if near is None else BRIEF * patience}
-        if guess is not None and one.dt != before:
-            guess, options = guess.stretched(one.knots, pace=one.dt / before), options | NEAR
-            guess.q[:, 3:7] /= np.linalg.norm(guess.q[:, 3:7], axis=1, keepdims=True)
         motion = optimise(one, guess, most, heard, near, **options)
-        iterations, before = iterations + motion.iterate.iterations, one.dt
+        iterations += motion.iterate.iterations
         most = 0 if motion.iterate.said == "interrupted" else most
         if near is not None and motion.found:
             break

@@ -57,26 +57,17 @@ class Guess:
 
         Velocities and impulses are scaled to the problem's time step where the motion has its own.
         """
-        speeds = motion.ways if isinstance(motion, Trajectory) else motion.v
-        guess = cls(motion.q, speeds, motion.torques, motion.impulses)
-        own = len(guess.torques) * motion.dt if isinstance(motion, Trajectory) else problem.knots * problem.dt
-        rate = own / (problem.knots * problem.dt)
-        return guess.stretched(problem.knots, rate)
-
-    def stretched(self, knots: int, rate: float = 1.0, pace: float | None = None) -> Guess:
-        """Return the guess on another number of knots, `rate` times as fast.
-
-        A knot is `pace` of its own; None for as many as make both end together.
-        """
-        have = len(self.torques)
-        pace = have / knots if pace is None else pace
+        have, knots = len(motion.torques), problem.knots
+        pace, speeds, rate = have / knots, motion.v, 1.0
+        if isinstance(motion, Trajectory):
+            speeds, rate = motion.ways, pace * motion.dt / problem.dt
         at = np.minimum(pace * np.arange(knots + 1), have)
         first = np.minimum(at.astype(np.int64), have - 1)
         share = (at - first)[:, None]
-        q = (1.0 - share) * self.q[first] + share * self.q[first + 1]
-        v = (1.0 - share) * self.v[first] + share * self.v[first + 1]
+        q = (1.0 - share) * motion.q[first] + share * motion.q[first + 1]
+        v = (1.0 - share) * speeds[first] + share * speeds[first + 1]
         nearest = np.minimum(((at[:-1] + at[1:]) / 2.0).astype(np.int64), have - 1)
-        return Guess(q, rate * v, self.torques[nearest].copy(), pace / rate * self.impulses[nearest])
+        return cls(q, rate * v, motion.torques[nearest].copy(), pace / rate * motion.impulses[nearest])
 
     def checked(self, problem: DirectProblem) -> Guess:
         """Return the guess if it fits a problem.

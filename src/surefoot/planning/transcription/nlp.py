@@ -183,7 +183,9 @@ class Nlp:
         beyond = [low - x, x - high, sides[0] - g, g - sides[1]]
         violation = float(max(np.max(b, initial=0.0) for b in beyond))
         back = np.array(out["lam_x"]).ravel(), np.array(out["lam_g"]).ravel()
-        ended = "interrupted" if watch is not None and watch.interrupted else str(said["return_status"])
+        stopped = watch is not None and watch.interrupted
+        stopped |= said["return_status"] == "NonIpopt_Exception_Thrown"  # CasADi saw Ctrl-C before the watch
+        ended = "interrupted" if stopped else str(said["return_status"])
         record = said.get("iterations") or {}
         return Iterate(
             x, back, float(out["f"]), violation, int(said["iter_count"]), ended,
