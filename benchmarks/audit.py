@@ -1,6 +1,6 @@
 """How many seeded faults an audit finds, and how often it cries wolf: the table of docs/audit.md.
 
-Run: python -m benchmarks.audit [--runs 8] [--clean 100] [--folder FOLDER] [--json]. A fault counts as
+Run: python -m benchmarks.audit [--clean 100] [--json]. A fault counts as
 found if the first symptom that the audit tells of it has the right name, the right foot, and begins and ends
 within 50 ms of it; a fault of the log itself (NaN, clock) if the log is not lawful, at the right time.
 """
@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path
 
 from benchmarks.problems.logged_runs import clean_runs
 from surefoot.audit import AuditReport, audit_log
@@ -99,29 +98,26 @@ def score(fault: LogFault, logs: Iterator[Log], runs: int = 8) -> FaultScore:
     return FaultScore(fault, len(rows), wrong=tuple(wrong), **counts)
 
 
-def measure(
-    runs: int = 8, names: Sequence[str] | None = None, folder: Path | None = None, count: int = 100
-) -> Iterator[FaultScore]:
-    """Yield the score of every kind of fault over clean runs, kept in `folder`."""
+def measure(count: int, runs: int = 8) -> Iterator[FaultScore]:
+    """Yield the score of every kind of fault over so many clean runs."""
     kept: dict[int, Log] = {}
     chosen = clean_runs(count)
 
     def logs() -> Iterator[Log]:
         for k, run in enumerate(chosen):
             if k not in kept:
-                kept[k] = run.log(folder)
+                kept[k] = run.make()
             yield kept[k]
 
     for fault in LOG_FAULTS:
-        if names is None or fault.name in names:
-            yield score(fault, logs(), runs)
+        yield score(fault, logs(), runs)
 
 
-def false_alarms(count: int, folder: Path | None = None) -> list[str]:
+def false_alarms(count: int) -> list[str]:
     """Return a line for each clean run that is not told to be lawful, or has a symptom."""
     out = []
     for run in clean_runs(count):
-        report = audit_log(run.log(folder))
+        report = audit_log(run.make())
         if not report.lawful or report.symptoms:
             out.append(f"{run.name}: {report.sentence}")
     return out
@@ -130,23 +126,18 @@ def false_alarms(count: int, folder: Path | None = None) -> list[str]:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=8)
     parser.add_argument("--clean", type=int, default=100)
-    parser.add_argument("--folder", type=Path, default=None, help="keeps the clean runs")
-    parser.add_argument("--only", nargs="*", default=None)
     parser.add_argument("--json", action="store_true", help="print JSON")
     given = parser.parse_args()
-    if given.folder is not None:
-        given.folder.mkdir(parents=True, exist_ok=True)
     if given.json:
-        faults = [s.record for s in measure(given.runs, given.only, given.folder)]
-        alarms = false_alarms(given.clean, given.folder)
+        faults = [s.record for s in measure(given.clean)]
+        alarms = false_alarms(given.clean)
         print(json.dumps({"faults": faults, "clean": given.clean, "alarms": alarms}, ensure_ascii=False))
         return
     heads = ("trials", "noticed", "foot", "time", "cause", "all")
     print(f"{'fault':12} {'amplitude':>14}" + "".join(f"{head:>8}" for head in heads))
     total = found = 0
-    for s in measure(given.runs, given.only, given.folder):
+    for s in measure(given.clean):
         size = f"{s.fault.amplitude:.3g} {s.fault.unit}"
         print(
             f"{s.fault.name:12} {size:>14}"
@@ -157,7 +148,7 @@ def main() -> None:
             print("    " + line[:330])
         total, found = total + s.trials, found + s.found
     print(f"{found} of {total} found with foot, time and cause ({100 * found / max(total, 1):.1f} %)")
-    alarms = false_alarms(given.clean, given.folder)
+    alarms = false_alarms(given.clean)
     print(f"{len(alarms)} false alarms on {given.clean} clean runs")
     for line in alarms:
         print("    " + line[:250])

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import surefoot as sf
-from benchmarks.batch_rivals import jax_sweeps, step_derivatives
+from benchmarks.batch_rivals import jax_sweeps
 from benchmarks.contact.rivals import ITERATIONS, PinocchioCall, Setting
 from benchmarks.timing import least_time
 from surefoot.arrays import FloatArray
@@ -138,9 +138,7 @@ def measure(quick: bool = False) -> dict[str, Any]:
         times["JAX through sweeps, with vjp"], velocity["JAX"], gradient["JAX"] = jax_gradients(
             G[:100], g[:100], weights[:100], 3
         )
-    step = step_derivatives(100 if quick else 1000)
-    own, rival = step["step with A and B"], step["MuJoCo mjd_transitionFD, A alone"]
     return {
         "problems": count, "times": times, "velocity_error": velocity,
-        "gradient_error": gradient, "step": step, "step_ratio": rival / own,
+        "gradient_error": gradient,
     }  # fmt: skip

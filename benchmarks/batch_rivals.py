@@ -1,4 +1,4 @@
-"""Rivals for gradients of contact: JAX through sweeps, and MuJoCo's differences of a step."""
+"""A rival for gradients of contact: JAX through sweeps."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 
-import surefoot as sf
-from benchmarks.timing import interleaved
 from surefoot.arrays import FloatArray
 
 SWEEPS = 200
@@ -58,45 +56,3 @@ def jax_sweeps(
         jax.block_until_ready(both(*given))
 
     return call, (np.asarray(forces), np.asarray(slopes))
-
-
-def step_derivatives(calls: int) -> dict[str, float]:
-    """Seconds of a step of Go2 with its A and B, and of MuJoCo's finite differences for A alone, in turns."""
-    import mujoco
-
-    from surefoot.stepping import Knot, StepOptions, Stepper, step_derivative
-
-    robot = sf.load_robot("go2")
-    stepper = Stepper(robot)
-    state = stepper.start(sf.place(robot), np.r_[0.1, 0.05, -0.1, np.full(15, 0.01)])
-    torques = np.zeros(robot.joints)
-    for _ in range(10):
-        state = stepper.step(state, torques).state
-    knot = Knot(Stepper(robot, options=StepOptions(order=1)))
-    knot.step(state.q, state.v, torques)
-    out = knot.derivative()
-
-    def first_order(smoothing: float) -> None:
-        knot.step(state.q, state.v, torques)
-        knot.derivative(smoothing, out)
-
-    world: Any = sf.MujocoWorld(robot)
-    world.reset(sf.place(robot))
-    for _ in range(100):
-        world.step(torques)
-    m, d = world.model, world.data
-    A = np.zeros((2 * m.nv + m.na, 2 * m.nv + m.na))
-    found = interleaved(
-        {
-            "step": lambda _: stepper.step(state, torques),
-            "step with A and B": lambda _: step_derivative(stepper, state, torques).A,
-            "first-order step": lambda _: knot.step(state.q, state.v, torques),
-            "first-order step with A and B": lambda _: first_order(0.0),
-            "first-order step with A and B, smoothed": lambda _: first_order(1e-4),
-            "MuJoCo mjd_transitionFD, A alone": lambda _: mujoco.mjd_transitionFD(
-                m, d, 1e-6, True, A, None, None, None
-            ),
-        },
-        budget=1.0, most=calls,
-    )  # fmt: skip
-    return {name: timing.median for name, timing in found.items()}

@@ -48,7 +48,7 @@ def _iteration(told: Any) -> Rows:
 def _costs(told: Any) -> Rows:
     """Return the single figures of `bench plan`: what a knot, a tick and the first call take."""
     found, mpc = told["solver"], told["mpc"]
-    tick, first = mpc["tick"]["processor"], found["set_up"]
+    tick = mpc["tick"]["processor"]
     names = {"ours": "here", "mujoco": "on MuJoCo"}
     knots = ", ".join(f"{name} {1e6 * seconds:.0f}" for name, seconds in found["knot"].items())
     descents = [
@@ -59,7 +59,6 @@ def _costs(told: Any) -> Rows:
         ["a knot of Go2 on four feet [µs]", knots],
         ["differences on MuJoCo / derivatives", f"{found['derivative_ratio']:.0f} times as long"],
         ["ten iterations", "; ".join(descents)],
-        ["first call, wall time", ", ".join(f"{name} {seconds:.2g} s" for name, seconds in first.items())],
         ["a whole tick of the controller", f"median {1e3 * tick['median']:.1f} ms"],
         ["... 99th percentile", f"{1e3 * tick['p99']:.1f} ms ({1.0 / tick['p99']:.0f} Hz)"],
         ["... the first, from nothing", f"{1e3 * mpc['first_tick']:.0f} ms"],

@@ -1,4 +1,4 @@
-"""`surefoot bench batch`: many contact problems and their gradients, and the derivative of a step."""
+"""`surefoot bench batch`: many contact problems and their gradients."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ def batch(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer problems and repeats.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
-    """Contact problems and gradients a second, against Pinocchio, JAX and MuJoCo, with their accuracy."""
+    """Contact problems and gradients a second, against Pinocchio and JAX, with their accuracy."""
     from benchmarks.batch import measure
 
-    extras.require((*extras.robot_packages("go2"), "mujoco"))
+    extras.require(extras.robot_packages("go2"))
     show(measure(quick), json, _print)
 
 
@@ -30,6 +30,3 @@ def _print(console: Console, found: dict[str, Any]) -> None:
     for what in ("velocity_error", "gradient_error"):
         errors = ", ".join(f"{name} {error:.1e}" for name, error in found[what].items())
         console.print(f"largest relative {what.replace('_', ' ')}: {errors}")
-    steps = [(name, f"{1e6 * seconds:.0f}") for name, seconds in found["step"].items()]
-    console.print(table(("", "µs"), steps, "a step of Go2 on four feet and its derivative"))
-    console.print(f"MuJoCo / Surefoot, derivative with its step: {found['step_ratio']:.2f}")

@@ -33,7 +33,7 @@ def contact(
         list[str] | None, typer.Option(help="Ours to run; once for each. All by default.")
     ] = None,
     rivals: Annotated[bool, typer.Option(help="Run Pinocchio, and Siconos if installed.")] = True,
-    copies: Annotated[float, typer.Option(min=0.01, help="Times the usual number of problems.")] = 1.0,
+    copies: Annotated[float, typer.Option(min=0.01, max=1e3, help="Times the usual number of problems.")] = 1,
     quick: Annotated[
         bool,
         typer.Option(
@@ -56,7 +56,6 @@ def contact(
     check_out(out)
     extras.require(["pin"] if rivals else [])
     parsing.seed(seed)
-    real_number("--copies", copies, low=0.01, high=1e3)
     if tol is not None:
         real_number("--tol", tol, low=1e-15, high=1.0)
     problems = problem_set(scale, seed, QUICK_COPIES if quick else copies)

@@ -1,4 +1,4 @@
-"""`surefoot bench plan`: the shooting solver beside iLQR on MuJoCo, and contact-implicit MPC in a loop."""
+"""`surefoot bench plan`: shooting beside iLQR on MuJoCo, a jump beside Crocoddyl, contact-implicit MPC."""
 
 from __future__ import annotations
 
@@ -16,19 +16,40 @@ def plan(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer repeats, a short walk, one push.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
-    """Time a solver's iteration beside iLQR on MuJoCo's finite differences, and walk without a gait."""
-    from benchmarks.planning import iteration, walking
+    """Time a solver beside iLQR on MuJoCo's differences, a jump beside Crocoddyl, and walk without a gait."""
+    from benchmarks.planning import iteration, jump_rival, walking
     from surefoot.robot import load_robot
 
     extras.require((*extras.robot_packages("go2"), "mujoco"))
     robot = load_robot("go2")
-    found = {"solver": iteration.measure(robot, quick), "mpc": walking.measure(robot, quick)}
+    found = {"solver": iteration.measure(robot, quick), "jump": jump_rival.measure(robot)}
+    found["mpc"] = walking.measure(robot, quick)
     show(found, json, _print)
 
 
 def _print(console: Console, found: dict[str, Any]) -> None:
     _print_solver(console, found["solver"])
+    _print_jump(console, found["jump"])
     _print_walk(console, found["mpc"])
+
+
+def _print_jump(console: Console, found: dict[str, Any]) -> None:
+    names = (
+        "", "CPU s", "iterations", "converged", "torque / limit", "beyond the cone [N]", "feet off [cm]",
+        "in the replay", "replay apart [cm]", "hits",
+    )  # fmt: skip
+    rows = [
+        (
+            name, f"{one['seconds']:.2f}", str(one["iterations"]), "yes" if one["converged"] else "NO",
+            f"{one['torque']:.2f}", f"{one['beyond_cone']:.2g}",
+            *(f"{100.0 * one[key]:.2g}" for key in ("off", "replay_off", "apart")), str(one["hits"]),
+        )
+        for name, one in found.items() if not isinstance(one, str)
+    ]  # fmt: skip
+    console.print(table(names, rows, "a jump of Go2, 0.4 m ahead in knots of 10 ms"))
+    for name, said in found.items():
+        if isinstance(said, str):
+            console.print(f"{name} {said}")
 
 
 def _print_solver(console: Console, found: dict[str, Any]) -> None:
@@ -47,9 +68,6 @@ def _print_solver(console: Console, found: dict[str, Any]) -> None:
     for name, one in found["descent"].items():
         costs = ", ".join(f"{cost:.4g}" for cost in one["costs"][:: len(one["costs"]) // 5])
         console.print(f"{name}: cost {costs}; {1e3 * one['seconds']:.0f} ms")
-    console.print(
-        "wall time: " + ", ".join(f"{name} {1e3 * s:.0f} ms" for name, s in found["set_up"].items())
-    )
 
 
 def _print_walk(console: Console, found: dict[str, Any]) -> None:

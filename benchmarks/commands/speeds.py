@@ -30,7 +30,6 @@ def speeds(
     hard: Annotated[
         bool, typer.Option("--hard", help="Real actuators, estimated state, all links collide.")
     ] = False,
-    stiff: Annotated[bool, typer.Option("--stiff", help="MuJoCo's contact twice as fast.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="One velocity, one seed.")] = False,
     out: Annotated[Path | None, typer.Option(help="Write the JSON to a new folder below this one.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
@@ -50,7 +49,7 @@ def speeds(
     for name in names:
         ladder = LADDER if name == "go2" else (pace_of(name),)
         with progress_bar(not as_json, f"walk {name}", 1.0) as show:
-            told = Conditions(world, hard, stiff)
+            told = Conditions(world, hard)
             some = ladder[1:2] if quick and len(ladder) > 1 else ladder
             rows += measure(name, some, seeds, told, gait, show)
     record = [asdict(row) for row in rows]

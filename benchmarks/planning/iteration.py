@@ -129,23 +129,9 @@ def descend(engine: Engine) -> dict[str, Any]:
     return {"costs": costs, "seconds": time.process_time() - begun}
 
 
-def set_up(robot: Robot) -> dict[str, float]:
-    """Return wall times of making a solver and of its first iteration, kernels loaded from the disk [s]."""
-    clock = time.perf_counter
-    begun = clock()
-    engine = Engine(problem(robot, True, DT))
-    made = clock()
-    start(engine)
-    iterate(engine)
-    first = clock()
-    iterate(engine)
-    return {"set-up": made - begun, "first iteration": first - made, "second iteration": clock() - first}
-
-
 def measure(robot: Robot, quick: bool) -> dict[str, Any]:
     """Return everything measured; times in seconds."""
     repeats = 5 if quick else 40
-    first = set_up(robot)
     ours = Engine(problem(robot, True, DT))
     plain = Engine(problem(robot, False, RIVAL_DT))
     rival = MujocoEngine(plain.problem)
@@ -157,7 +143,6 @@ def measure(robot: Robot, quick: bool) -> dict[str, Any]:
         "rival_dt": RIVAL_DT,
         "same": time_iteration(plain, repeats),
         "mujoco": time_iteration(rival, max(repeats // 8, 2)),
-        "set_up": first,
         "descent": {"ours": descend(plain), "mujoco": descend(rival)},
     }
     found["derivative_ratio"] = found["mujoco"]["derivative"] / found["same"]["derivative"]

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,6 @@ from surefoot.control.standing_plan import StandingPlan
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.log import Log
-from surefoot.log.formats import read_log
 from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.run import Push, Scenario, run
 from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
@@ -62,7 +60,7 @@ class CleanRun:
 
     @property
     def name(self) -> str:
-        """Short, unique and fit for a file."""
+        """Short and unique."""
         what = self.gait or "stand"
         pushed = "-pushed" if any(self.push) else ""
         speed = "".join(f"{x:+g}" for x in self.velocity) if self.gait else ""
@@ -85,15 +83,6 @@ class CleanRun:
         pushes = (Push(0.5 * self.duration, force, 0.1),) if any(self.push) else ()  # type: ignore[arg-type]
         scenario = Scenario(self.duration, self.mu, pushes, seed=self.seed, **standing)
         return run(make_world(self.world, robot, terrain, self.mu), controller, scenario)
-
-    def log(self, folder: Path | None = None) -> Log:
-        """Return its log, read from `folder` if it is there and kept there if not."""
-        if folder is None:
-            return self.make()
-        path = folder / f"{self.name}.npz"
-        if not path.exists():
-            self.make().save(path)
-        return read_log(path)
 
 
 @cache

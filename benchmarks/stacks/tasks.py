@@ -22,7 +22,7 @@ BIPED_SHOVES = (150.0, 200.0)
 """The same on G1 [N]."""
 DIRECTIONS = ("forward", "forward-left", "left", "back-left", "back", "back-right", "right", "forward-right")
 """Of a push, every 45 degrees."""
-LADDER = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7, 2.0)
+LADDER = (0.2, 0.5, 0.8, 1.0, 1.1, 1.4, 1.7, 2.0)
 """Speeds of Go2 [m/s]."""
 FROUDE = 0.5
 """Speed of the other quadrupeds in units of sqrt(g hip height)."""

@@ -48,13 +48,10 @@ class Conditions:
         Its name.
     hard
         Whether actuators are real, all of the robot collides (in MuJoCo) and the state is estimated.
-    stiff
-        Whether MuJoCo's contact has a time constant of 2 instead of 4 ms.
     """
 
     world: str = "mujoco"
     hard: bool = False
-    stiff: bool = False
 
 
 @dataclass(frozen=True)
@@ -157,8 +154,6 @@ def walk(
     told: dict[str, Any] = dict(walks.HARD) if conditions.hard else {}
     if conditions.world != "mujoco":
         told.pop("collision", None)
-    elif conditions.stiff:
-        told["solref"] = (0.002, 1.0)
     chosen = walks.Walk(
         name, velocity, gait, mu=MU * friction, believed_mu=MU, believed_mass=mass,
         world=conditions.world, options=told, sensors=SensorModel() if conditions.hard else None,
