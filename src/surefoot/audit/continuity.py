@@ -68,10 +68,10 @@ def contact_velocity(rows: Rows) -> Measured:
     """Return how far contact velocities are from those of the robot's joints: (T, p) [m/s]."""
     rest, value, limit = rows.unexplained, np.zeros(rows.normal.shape), np.full(rows.normal.shape, np.inf)
     if rest is not None:
-        own = np.einsum("tpji,tpj->tpi", rows.frames, rest.velocities)
+        own, after = np.einsum("tpji,tspj->stpi", rows.frames, rest.velocities)
         w, off = rows.window(SMOOTH), rows.velocities - own
         # a row may have the velocity before its force, after it, or a mean of both
-        change = np.concatenate([np.diff(own, axis=0), np.full((1, *own.shape[1:]), np.nan)])
+        change = after - own
         size = np.maximum((change**2).sum(axis=-1), 1e-24)
         share = np.clip((off * change).sum(axis=-1) / size, 0.0, 1.0)
         off = off - share[..., None] * change

@@ -39,7 +39,8 @@ class Unexplained:
     feet
         (T, n, 3) force on each foot that its leg's joint torques miss, world axes [N]; NaN without torques.
     velocities
-        (T, p, 3) of the feet's material at the contact points, by the robot's joints, world axes [m/s].
+        (T, 2, p, 3) of the feet's material at the contact points, by the robot's joints before and after the
+        step to the next row, in the configuration before it, world axes [m/s].
     """
 
     force: FloatArray
@@ -75,17 +76,18 @@ def unexplained(
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
     dt = np.diff(np.asarray(log["time"]))[:, None]
     acceleration = np.diff(v, axis=0) / dt
-    torque, jacobian = _newton_euler(
-        _loaded(robot.model, payload, payload_position), q[:-1], v[:-1], acceleration
-    )
-    torque[:, : robot.base_dof] *= mass_scale
+    model = _loaded(robot.model, payload, payload_position)
+    (torque, later), jacobian = _newton_euler(model, q[:-1], acceleration, v[:-1], v[1:])
+    later -= torque
+    for part in (torque, later):
+        part[:, : robot.base_dof] *= mass_scale
     force, place = forces_world[:-1], np.asarray(log["contact_positions"])[:-1]
     wrench = np.concatenate([force, np.cross(place, force)], axis=2)
     on_points = np.einsum("tpc,tcj->tpj", wrench, jacobian)
     support = points.support.astype(np.float64)
     rest = torque - np.einsum("tpj,pj->tj", on_points, support)
-    twists = np.einsum("tcj,tj,pj->tpc", jacobian, v[:-1], support)
-    velocities = twists[..., :3] + np.cross(twists[..., 3:], place)
+    twists = np.einsum("tcj,tsj,pj->tspc", jacobian, np.stack([v[:-1], v[1:]], axis=1), support)
+    velocities = twists[..., :3] + np.cross(twists[..., 3:], place[:, None])
     base = robot.base_dof
     R = rotation_from_quaternion(q[:-1, 3:7])
     if "push" in log:
@@ -96,6 +98,9 @@ def unexplained(
     feet = np.full((rows, len(robot.feet), 3), np.nan)
     if "other_forces" in log:
         rest -= np.asarray(log["other_forces"])[:-1]
+    # a step may take the velocity before it, after it, or a mean of both for its Coriolis forces
+    share = -(rest * later)[:, :base].sum(axis=1) / np.maximum((later[:, :base] ** 2).sum(axis=1), 1e-24)
+    rest += np.clip(share, 0.0, 1.0)[:, None] * later
     if "torques" in log:
         rest[:, base:] -= np.asarray(log["torques"])[:-1]
         known = np.asarray(robot.model.armature)[base:]  # is in M already
@@ -118,7 +123,7 @@ def balanced_forces(robot: Robot, log: Log) -> FloatArray:
         Rows with q, v, torques and contact_positions.
     """
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
-    torque, jacobian = _newton_euler(robot.model, q, v, np.zeros(v.shape))
+    (torque,), jacobian = _newton_euler(robot.model, q, np.zeros(v.shape), v)
     torque[:, robot.base_dof :] -= np.asarray(log["torques"])
     return _at_feet(robot, torque, jacobian, np.asarray(log["contact_positions"]))
 
@@ -153,16 +158,19 @@ def _loaded(model: Any, payload: float, position: FloatArray | None) -> Any:
     return model
 
 
-def _newton_euler(model: Any, q: FloatArray, v: FloatArray, a: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the inverse dynamics (T, nv) and the joints' world Jacobian (T, 6, nv) of every row."""
+def _newton_euler(
+    model: Any, q: FloatArray, a: FloatArray, *velocities: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return inverse dynamics (S, T, nv) at S velocities, and the world Jacobian (T, 6, nv), of each row."""
     import pinocchio
 
     data = model.createData()
-    torque, jacobian = np.empty(v.shape), np.empty((len(v), 6, v.shape[1]))
+    torque, jacobian = np.empty((len(velocities), *a.shape)), np.empty((len(a), 6, a.shape[1]))
     rnea: Any = pinocchio.rnea
     columns: Any = pinocchio.computeJointJacobians
-    for k in range(len(v)):
-        torque[k] = rnea(model, data, q[k], v[k], a[k])
+    for k in range(len(a)):
+        for out, v in zip(torque, velocities, strict=True):
+            out[k] = rnea(model, data, q[k], v[k], a[k])
         jacobian[k] = columns(model, data, q[k])
     return torque, jacobian
 
