@@ -55,6 +55,7 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "contacts": (lambda x: sf.ContactSolver(contacts=x, mu=0.5), [0, -1, 1.5, "x", None], "contacts must be"),
     "mu": (lambda x: sf.ContactProblem(np.eye(3), np.zeros(3), x), NO_FRICTION, "mu"),
     "law": (lambda x: sf.ContactProblem(np.eye(3), np.zeros(3), 0.5, law=x), ["x", 3, None], "law"),
+    "wrt": (lambda x: sf.trajectory_gradient(max, min, wrt=x), [[], (), "x", 3, None], "wrt must be"),
     "audit": (sf.audit_log, NO_LOGS, "arrays become one by sf.log_from_arrays"),
     "lawful": (sf.assert_lawful, NO_LOGS, "sf.log_from_arrays"),
     "log file": (sf.read_log, NO_PATHS, "a file is named by a text or a Path"),

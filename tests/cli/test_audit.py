@@ -75,11 +75,6 @@ def test_the_page_holds_verdict_timeline_and_tables(folder: Path, tmp_path: Path
     assert json.loads((made / "audit.json").read_text())["verdict"] == "broken"
 
 
-def test_nowhere_to_write_is_told_before_the_work(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["audit", str(folder / "clean.npz"), "--out", str(folder / "text.npz")]) == 2
-    assert "cannot write to --out" in capsys.readouterr().err
-
-
 def test_a_log_without_motion_or_places_is_drawn_too(folder: Path, tmp_path: Path) -> None:
     log = changed(log_of(TROT), keep=("forces", "gaps", "mu"))
     forces = np.array(log["forces"])

@@ -15,7 +15,7 @@ pytest.importorskip("casadi")
 
 
 def test_a_ball_is_planned_and_saved(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["plan", "ball", "--no-video", "--json", "--out", str(tmp_path)]) == 0
+    assert main(["plan", "ball", "--json", "--out", str(tmp_path)]) == 0
     facts = json.loads(capfd.readouterr().out)
     assert {"status", "cost", "law_residual", "iterations", "time", "contacts", "executed"} <= set(facts)
     assert facts["status"] == "solved"

@@ -80,12 +80,6 @@ def test_stands_on_soft_ground(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     assert (code, found["stood"], found["laws_broken"]) == (0, True, [])
 
 
-def test_a_stiff_spring_carries(tmp_path: Path) -> None:
-    stiff = ROOT / "examples" / "scenarios" / "stiff_spring.yaml"
-    words = ["stand", "go2", "--world", "rigid", "--duration", "0.5", *FILES, "--out", str(tmp_path)]
-    assert main([*words, "--scenario", str(stiff)]) == 0
-
-
 def test_walks_in_the_rigid_world_and_stands_on_mujocos_own_ground(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -191,12 +185,3 @@ def test_what_a_file_cannot_mean_is_one_line(
     assert words in said
     assert said.count("\n") == 1
     assert not [file for file in out.rglob("*") if file.is_file()]
-
-
-@pytest.mark.parametrize("name", ["none.yaml", "folder"])
-def test_a_file_that_cannot_be_read_is_one_line(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "folder").mkdir()
-    assert main(["walk", "--scenario", str(tmp_path / name)]) == 2
-    assert f"cannot read the scenario {tmp_path / name}" in capsys.readouterr().err

@@ -48,23 +48,6 @@ def test_table_pictures_and_json(balls: Path, tmp_path: Path, capfd: pytest.Capt
     assert "rested over" in said
 
 
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        (["--samples", "0"], "samples must be a whole number >= 1, got 0"),
-        (["--seed", "-1"], "seed must be a whole number >= 0, got -1"),
-        (["--backend", "slurm"], "unknown backend 'slurm'; valid names: dask, loky, ray, serial"),
-        (["--address", "x:1"], "--address is of --backend ray or dask"),
-        (["--workers", "0"], "workers must be a whole number >= 1, got 0"),
-    ],
-)
-def test_wrong_options(
-    options: list[str], told: str, balls: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["sweep", str(balls), "--out", str(tmp_path / "a"), *options]) == 2
-    assert told in capfd.readouterr().err
-
-
 def test_samples_with_errors_are_told(
     tmp_path: Path, balls: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

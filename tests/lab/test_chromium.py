@@ -57,7 +57,7 @@ def settled(server: LabServer, seconds: float = 20.0) -> Session:
 @pytest.fixture
 def pages() -> dict[str, Callable[[], Page]]:
     """Return what makes each page of the lab."""
-    motion = CleanRun(duration=0.3).log()
+    motion = CleanRun(duration=0.3).make()
     forces = np.array(motion["forces"])
     forces[100:140, 0, 0] += 80.0
     log = sf.Log({**motion.arrays, "forces": forces}, motion.facts, channels=motion.channels)

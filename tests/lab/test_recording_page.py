@@ -21,7 +21,7 @@ from surefoot.planning.plan import PlanSearch, plan_from
 @pytest.fixture(scope="module")
 def log() -> sf.Log:
     """A lawful trot with 40 ms of a force outside its cone."""
-    made = CleanRun(gait="trot", velocity=(0.3, 0.0, 0.0), duration=1.5).log()
+    made = CleanRun(gait="trot", velocity=(0.3, 0.0, 0.0), duration=1.5).make()
     forces = np.array(made["forces"])
     middle = len(made) // 2
     forces[middle : middle + 40, 0, 0] += 80.0

@@ -83,7 +83,7 @@ def test_in_a_dropout_the_last_state_is_told_again(world: MujocoWorld) -> None:
     [
         (Faults(weak_joint="knee", torque_loss=0.1), "unknown joint 'knee'; valid names: FL_calf_joint"),
         (Faults(noise=-1.0), "noise must be"),
-        (Faults(torque_loss=1.5), "torque loss must be"),
+        (Faults(weak_joint="FL_calf_joint", torque_loss=1.5), "torque loss must be"),
         (Faults(delay=-0.1), "delay must be"),
         (Faults(dropouts=((1.0, -0.1),)), "duration of a dropout must be"),
     ],

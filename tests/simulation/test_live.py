@@ -36,9 +36,9 @@ class Clock:
         self.slept += seconds
 
 
-def pace(work: float, steps: int, speed: float = 1.0) -> Clock:
+def pace(work: float, steps: int) -> Clock:
     clock = Clock()
-    pacer = Pacer(speed, clock.now, clock.sleep)
+    pacer = Pacer(clock.now, clock.sleep)
     for k in range(steps):
         pacer.wait(0.01 * k)
         clock.time += work
@@ -47,12 +47,11 @@ def pace(work: float, steps: int, speed: float = 1.0) -> Clock:
 
 def test_a_fast_run_takes_as_long_as_what_it_shows() -> None:
     assert pace(0.002, 101).time - 100.0 == pytest.approx(1.0 + 0.002)
-    assert pace(0.002, 101, speed=2.0).time - 100.0 == pytest.approx(0.5 + 0.002)
 
 
 def test_a_run_that_was_held_up_does_not_hurry_afterwards() -> None:
     clock = Clock()
-    pacer = Pacer(1.0, clock.now, clock.sleep)
+    pacer = Pacer(clock.now, clock.sleep)
     pacer.wait(0.0)
     clock.time += 5.0  # the window was being moved
     assert pacer.wait(0.01) == pytest.approx(4.99)
@@ -113,7 +112,7 @@ def test_a_walk_follows_the_keys_and_ends_with_its_window() -> None:
     robot, clock = load_robot("go2"), Clock()
     controller = WalkingController(robot, VelocityCommand.constant(0.0))
     view = FakeView({0.35: UP, 0.4: UP, 0.45: UP, 0.8: SPACE}, closes=1.2)
-    live = Live(view, Steering(controller.steer, (0.0, 0.0, 0.0)), pacer=Pacer(1.0, clock.now, clock.sleep))
+    live = Live(view, Steering(controller.steer, (0.0, 0.0, 0.0)), pacer=Pacer(clock.now, clock.sleep))
     log = run(MujocoWorld(robot), controller, Scenario(5.0, 0.6), [live])
     assert log.fact("outcome") == Ending.INTERRUPTED
     assert log["time"][-1] == pytest.approx(1.2, abs=0.03)

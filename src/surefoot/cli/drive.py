@@ -13,12 +13,15 @@ import typer
 from surefoot.arrays import real_number
 from surefoot.cli import extras, options, parsing
 from surefoot.cli.console import plain_console, say, show
+from surefoot.cli.output import check_out
 from surefoot.cli.robots import load
+from surefoot.cli.signals import ends_softly
 from surefoot.errors import ProblemError, WriteError, check_name
 
 if TYPE_CHECKING:
     from surefoot.drive.wire.dialect import Dialect
     from surefoot.drive.wire.link import WireEnd
+    from surefoot.log import Log
 
 LOOPBACK = "lo"
 """The interface that leads to no robot."""
@@ -62,7 +65,7 @@ def drive(
     yes_real_robot: Annotated[
         bool, typer.Option("--yes-real-robot", help="The robot hangs on a frame, and nobody is in its reach.")
     ] = False,
-    out: Annotated[Path | None, typer.Option(help="Log of the balanced part: .npz, .mcap or .csv.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Log of the balanced part: a new .npz or .mcap.")] = None,
     as_json: options.AsJson = False,
 ) -> int:
     """Stand a robot up over DDS, walk it, stop it and sit it down; Ctrl-C damps it.
@@ -73,20 +76,23 @@ def drive(
     from surefoot.drive.loop_log import LoopLog
     from surefoot.drive.robot_loop import RobotLoop
     from surefoot.drive.wire.wired_loop import WiredLoop
+    from surefoot.log.formats import new_file
 
     if interface != LOOPBACK and not yes_real_robot:
         raise ProblemError(
             f"--interface {interface} may lead to a real robot: hang it up, see docs/wire.md, then add "
             "--yes-real-robot"
         )
-    if out is not None and out.exists():
-        raise ProblemError(f"--out {out} exists already")
+    if out is not None:
+        new_file(out)
+        check_out(out.parent)
     check_name("--end", end, ("sit", "lie"))
     check_name("--terrain-knowledge", terrain_knowledge, ("exact", "blind"))
-    real_number("--duration", duration, low=0.0)
+    real_number("--duration", duration, low=0.0, high=parsing.FOREVER)
+    parsing.friction("--mu", mu)
     wanted = parsing.velocity(velocity)
     model = load(robot, None, feet_needed=True)
-    with wire_end(model, False, interface, domain) as (wire, dialect):
+    with wire_end(model, False, interface, domain) as (wire, dialect), ends_softly():
         loop = RobotLoop(model, motors=dialect.motors, mu=mu, terrain=terrain_knowledge)
         log = LoopLog(loop)
         wired = WiredLoop(loop, wire, dialect, slow_motion, log.note)
@@ -101,11 +107,17 @@ def drive(
             wired.go("damp", 0.5)
         finally:
             if out is not None and log.rows:
-                try:
-                    log.log().save(out)
-                except OSError as error:
-                    raise WriteError(out, error) from error
+                _save(log.log(), out)
     told = f"ended by a fault: {fault}" if fault else f"stood, walked {duration:g} s, and went to {end}"
     facts = {"fault": fault, "balanced": len(log.rows) * loop.dt}
     show(facts, as_json, lambda console, _: say(console, told))
     return 1 if fault else 0
+
+
+def _save(log: Log, out: Path) -> None:
+    """Write a log to a new file, in a new folder if need be."""
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        log.save(out)
+    except OSError as error:
+        raise WriteError(out, error) from error

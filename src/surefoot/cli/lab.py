@@ -67,7 +67,7 @@ def lab(
     whose = subject if "feet" in takes else robot
     extras.require(["viser", *packages, *(extras.robot_packages(whose) if packages else ())])
     if seconds is not None:
-        real_number("--seconds", seconds, low=0.0)
+        real_number("--seconds", seconds, low=0.0, high=parsing.FOREVER)
     check_free(host, port)
     starting: Future[Callable[[], Page]] = Future()
 

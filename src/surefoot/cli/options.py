@@ -151,7 +151,7 @@ class RunOptions(Ground, Physics, Leaving):
 
             live.check(planner)
         parsing.friction("--mu", self.mu)
-        parsing.duration(self.duration, shortest)
+        real_number("--duration", self.duration, low=shortest, high=parsing.LONGEST_RUN)
         parsing.seed(self.seed)
         _ = self.carried
 

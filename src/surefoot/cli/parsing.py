@@ -24,6 +24,10 @@ PAYLOAD_MAX, PAYLOAD_FAR = 1e4, 10.0
 SHORTEST_PUSH = 1e-3
 """A step of the worlds [s]; what is shorter can fall between two of them."""
 LONGEST_RUN = 3600.0
+FOREVER = 1e6
+"""Longest that something is served in real time [s]: eleven days."""
+FASTEST = 100.0
+"""Largest velocity that is asked for along an axis [m/s], or about one [rad/s]."""
 
 
 def numbers(option: str, text: str, form: str, example: str) -> list[float]:
@@ -109,15 +113,6 @@ def friction(option: str, mu: float) -> float:
     return real_number(option, mu, low=0.0, high=MU_MAX)
 
 
-def duration(seconds: float, least: float) -> float:
-    """Return the length of a run if it is long enough to be judged, and no more than an hour [s]."""
-    if not least <= seconds <= LONGEST_RUN:
-        raise ProblemError(
-            f"--duration must be between {least:g} (to be judged) and {LONGEST_RUN:g} s, got {seconds:g}"
-        )
-    return seconds
-
-
 def seed(number: int | None) -> None:
     """Refuse a seed that is not a whole number from 0 to 2⁶⁴ - 1; None stands for no seed."""
     if number is not None and not 0 <= number < 2**64:
@@ -158,5 +153,8 @@ def velocity(text: str) -> tuple[float, float, float]:
     parts = text.split(",")
     if not 1 <= len(parts) <= 3:
         raise ProblemError(f"--velocity {text!r} is not of the form VX,VY,WZ, e.g. 0.5,0,0.2")
-    x, y, turn = ([finite_in_text("--velocity", p) for p in parts] + [0.0, 0.0])[:3]
+    said = [
+        real_number("--velocity", finite_in_text("--velocity", p), low=-FASTEST, high=FASTEST) for p in parts
+    ]
+    x, y, turn = (*said, 0.0, 0.0)[:3]
     return x, y, turn

@@ -11,15 +11,12 @@ import typer
 
 from surefoot.cli import options
 from surefoot.cli.console import Table, plain_console, progress_bar
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.errors import ProblemError, check_name
 
 if TYPE_CHECKING:
     from surefoot.planning.plan import Plan
     from surefoot.planning.tasks.task import Iteration
-
-EXECUTORS = ("mujoco",)
-"""Worlds that a plan can be carried out in."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +88,10 @@ def plan(
     robot, task, amount = _words(wanted)
     found = find_task(task)
     if execute is not None:
-        check_name("world of --execute", execute, EXECUTORS)
+        check_name("world of --execute", execute, ("mujoco",))
+        if not found.robots:
+            raise ProblemError(f"--execute is of robots on legs; the task {task} has a body of its own")
+    check_out(leaving.out)
     options.require(robot, ("pin", *(["mujoco"] if execute else [])), leaving)
     who = _robot(robot, feet, found)
     numbers = {
@@ -104,9 +104,10 @@ def plan(
         if execute is not None:
             console.print(f"{made.task}: {made.status.value}; {made.facts['goal']}")
         folder = new_run_folder(leaving.out, f"plan-{task}")
-        executed = None if execute is None else _execute(made, execute, seed, folder)
+        ended = made.facts.get("interrupted", False) or stop.number is not None
+        executed = None if execute is None or ended else _execute(made, execute, seed, folder)
         good = _write(made, executed, folder, leaving, console)
-        if made.facts.get("interrupted", False):
+        if ended or stop.number is not None:
             return stop.code
     return 0 if good else 1
 
@@ -129,7 +130,7 @@ def _pose(file: Path) -> Any:
     from surefoot.text_files import read_yaml
 
     if file.suffix in (".yaml", ".yml", ".json"):
-        return read_yaml(file, "the start")
+        return read_yaml(file, "the start") or []
     log = read_log(file)
     return log.facts.get("end_q", log["q"][-1])
 
@@ -139,8 +140,8 @@ def _robot(name: str | None, feet: str | None, task: Any) -> Any:
     from surefoot.cli.robots import load
 
     if not task.robots:
-        if name is not None:
-            raise ProblemError(f"the task {task.name} has a robot of its own: it takes no {name}")
+        if name is not None or feet is not None:
+            raise ProblemError(f"the task {task.name} has a robot of its own: it takes no {name or '--feet'}")
         return None
     return load(name, feet, feet_needed=True)
 
@@ -171,15 +172,9 @@ def _execute(made: Plan, world: str, seed: int, folder: Path) -> Any:
 
 def _facts(made: Plan, executed: Any) -> dict[str, Any]:
     """Return what --json prints."""
-    done = None
-    if executed is not None:
-        done = {
-            "landed": bool(executed.landed),
-            "why": executed.why,
-            "laws": list(executed.laws),
-            "torque_use_max": float(executed.torque_use_max),
-            "speed_use_max": float(executed.speed_use_max),
-        }
+    names = ("landed", "why", "laws", "torque_use_max", "speed_use_max")
+    done = None if executed is None else {name: getattr(executed, name) for name in names}
+    certified = ("momentum_error", "replay_apart", "replay_speed", "replay_time")
     return {
         "task": made.task,
         "robot": made.facts["robot"],
@@ -188,10 +183,7 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
         "goal": made.facts["goal"],
         "cost": made.cost,
         "law_residual": made.law_residual,
-        "momentum_error": made.facts.get("momentum_error"),
-        "replay_apart": made.facts.get("replay_apart"),
-        "replay_speed": made.facts.get("replay_speed"),
-        "replay_time": made.facts.get("replay_time"),
+        **{name: made.facts.get(name) for name in certified},
         "iterations": made.iterations,
         "time": made.time,
         "knots": len(made),

@@ -40,6 +40,8 @@ class Learned:
         """Return the robot's name, where none is said that of the network's file."""
         from surefoot.policy.publishers import robot_of
 
+        if self.policy is None and (self.policy_spec is not None or self.trust):
+            raise ProblemError("--policy-spec and --trust are of a --policy")
         return name if name is not None or self.policy is None else robot_of(self.policy)
 
     def controller(self, robot: Any, command: Any, ground: Any, wired: Wiring) -> Any:

@@ -8,10 +8,11 @@ from typing import Annotated
 import typer
 
 from surefoot.arrays import real_number
-from surefoot.cli import extras, options
+from surefoot.cli import extras, options, parsing
 from surefoot.cli.console import plain_console, say, show
 from surefoot.cli.drive import LOOPBACK, DomainId, Interface, SlowMotion, wire_end
 from surefoot.cli.robots import load
+from surefoot.errors import ProblemError
 
 
 def robot(
@@ -31,17 +32,26 @@ def robot(
     It lies on its belly, and damps its joints while no command comes. Exit code 0 unless the input is wrong.
     """
     from surefoot.cli.signals import ends_softly
+    from surefoot.simulation.engine_warnings import engine_warnings
     from surefoot.simulation.motor_robot import MotorRobot, WiredRobot
     from surefoot.terrain import read_terrain
 
-    extras.require(["mujoco"])
+    extras.require(["mujoco", "cyclonedds"])
+    from surefoot.drive.wire.dialect import dialect_of
+
     model = load(robot, None, feet_needed=True)
-    body = MotorRobot(model, terrain=read_terrain(terrain, "--terrain"), mu=mu, seed=seed or 0)
-    body.lie_down()
+    parsing.seed(seed)
+    parsing.friction("--mu", mu)
+    ground = read_terrain(terrain, "--terrain")
+    if not ground.planar:
+        raise ProblemError(f"--terrain must be flat or slope:DEG, got {terrain!r}")
     if seconds is not None:
-        real_number("--seconds", seconds, low=0.0)
+        real_number("--seconds", seconds, low=0.0, high=parsing.FOREVER)
+    dialect_of(model)  # a robot that does not speak is refused before it is built
+    body = MotorRobot(model, terrain=ground, mu=mu, seed=seed or 0)
+    body.lie_down()
     highest = largest = 0.0
-    with wire_end(model, True, interface, domain) as (wire, dialect), ends_softly():
+    with wire_end(model, True, interface, domain) as (wire, dialect), ends_softly(), engine_warnings():
         wired = WiredRobot(body, wire, dialect, slow_motion)
         say(
             plain_console(quiet=as_json), f"{model.name} lies on {interface}, domain {domain}   (Ctrl-C ends)"

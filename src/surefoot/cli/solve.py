@@ -77,6 +77,7 @@ def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_t
 
     found = solve_problem(problem, solver, tol, max_time=max_time)
     rows, proof, names = redundancy(problem), found.proof, ("direction", "reach", "work")
+    own = ("solver", "iterations", "forces", "velocities")
     given = None if problem.reference is None else residuals(problem, problem.reference).velocity_error
     return {
         "file": path.name,
@@ -84,17 +85,14 @@ def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_t
         "contacts": problem.contacts,
         "rank": rows.rank,
         "rows": rows.size,
-        "solver": found.solver,
         "status": found.status.value,
         "velocity_error": found.residuals.velocity_error,
         "rounding": found.residuals.rounding,
         "reference_velocity_error": given,
         "proof": None if proof is None else {name: getattr(proof, name) for name in names},
-        "iterations": found.iterations,
         "seconds": found.solve_time,
         "notes": list(problem.notes),
-        "forces": found.forces,
-        "velocities": found.velocities,
+        **{name: getattr(found, name) for name in own},
     }
 
 
@@ -103,12 +101,11 @@ def _complementarity(path: Path, problem: LCP, solver: str, tol: float, max_time
     from surefoot.solvers.lcp import solve_lcp
 
     found = solve_lcp(problem, solver, tol, max_time=max_time)
-    names = ("residual", "iterations", "message", "ray", "proof", "z", "w")
+    names = ("solver", "residual", "iterations", "message", "ray", "proof", "z", "w")
     return {
         "file": path.name,
         "kind": "lcp",
         "size": problem.size,
-        "solver": found.solver,
         "status": found.status.value,
         "seconds": found.solve_time,
         **{name: getattr(found, name) for name in names},

@@ -100,9 +100,7 @@ def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
             for m in found
         },
         "results": {name: _quantiles(result.table, name) for name in numbers},
-        "resumed": result.resumed,
-        "lost_workers": result.lost_workers,
-        "wall_time": result.wall_time,
+        **{name: getattr(result, name) for name in ("resumed", "lost_workers", "wall_time")},
         "folder": str(result.folder),
         "table": str(result.path),
         "pictures": [],

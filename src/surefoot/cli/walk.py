@@ -26,8 +26,10 @@ def walk(*, asked: WalkOptions, learned: Learned) -> int:
     Exit code 0 if it walked to the end and no law or limit was broken, 1 if not, 2 for wrong input.
     """
     from surefoot.cli.simulated_run import SimulatedRun
+    from surefoot.robot.actuators import told_actuators
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
+    from surefoot.simulation.walk_terrain import check_ground, start_pose
 
     console = plain_console(quiet=asked.as_json)
     asked = replace(asked, robot=learned.robot(asked.robot))
@@ -44,11 +46,12 @@ def walk(*, asked: WalkOptions, learned: Learned) -> int:
     happens = asked.happening(said, faults=faults, **belief.senses(said))
     options.require(asked.robot, WORLDS[asked.world][1], asked)
     model = load(asked.robot, asked.feet, feet_needed=True)
-    motors = _file_motors(model) if of_file else asked.actuators
+    motors = told_actuators(model) if of_file else asked.actuators
     task = _WalkTask(model, belief.ground(ground), asked.gait, said, command, belief, motors, wired)
     made = _controller if learned.policy is None else partial(_learned, learned)
     controller = made(asked.planner, task)
-    q = _start(model, ground, asked.mu, getattr(controller, "posture", None))
+    q = start_pose(model, ground, getattr(controller, "posture", None))
+    check_ground(model, ground, q, asked.mu)
     world = physics.build_world(asked, model, ground, settings)
     say(console, *controller.facts.get("notes", ()))
     run = SimulatedRun(model, ground, new_run_folder(asked.out, f"walk-{model.name}"), asked, console)
@@ -80,9 +83,11 @@ def _convex(task: _WalkTask) -> Any:
     """Return the controller that follows a gait."""
     from surefoot.control.walkers import default_gait, walking_controller
     from surefoot.robot.actuators import actuators_of
+    from surefoot.stance.gait_library import named_gait
 
-    robot, belief = task.robot, task.belief
-    schedule = _schedule(robot, task.gait or default_gait(robot), task.said)
+    robot, belief, period = task.robot, task.belief, task.said.period
+    name = task.gait or default_gait(robot)
+    schedule = name if period is None else named_gait(name, len(robot.feet), period=period)
     _check_steps(robot, schedule, task.command)
     controller = walking_controller(
         robot, task.command, schedule, task.ground, belief.mu, actuators_of(robot, task.actuators),
@@ -116,20 +121,6 @@ def _learned(learned: Learned, planner: str, task: _WalkTask) -> Any:
     return learned.controller(robot, task.command, task.ground, task.wired)
 
 
-def _file_motors(robot: Any) -> Any:
-    """Return what an MJCF file says of its motors."""
-    from surefoot.robot.actuators import told_actuators
-
-    return told_actuators(robot)
-
-
-def _schedule(robot: Any, gait: str, said: ScenarioFile) -> Any:
-    """Return a gait's name, or the gait of that name with a period of its own."""
-    from surefoot.stance.gait_library import named_gait
-
-    return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)
-
-
 def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
     """Refuse a velocity for a gait that takes no steps: it would pull a standing robot over."""
     everyone = (1 << len(robot.feet)) - 1
@@ -137,15 +128,6 @@ def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
     if still and command.values.any():
         name = schedule if isinstance(schedule, str) else getattr(schedule, "name", "of the file")
         raise ProblemError(f"gait {name!r} takes no steps: it goes with --velocity 0")
-
-
-def _start(robot: Any, ground: Any, mu: float, posture: Any) -> Any:
-    """Return the configuration to start from, in the nominal pose or a controller's own."""
-    from surefoot.simulation.walk_terrain import check_ground, start_pose
-
-    q = start_pose(robot, ground, posture)
-    check_ground(robot, ground, q, mu)
-    return q
 
 
 def _account() -> Any:

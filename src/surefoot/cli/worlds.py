@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli import options
+from surefoot.cli import extras, options
 from surefoot.cli.console import plain_console, table
 from surefoot.cli.output import check_out, to_json
 from surefoot.errors import MissingExtra, ProblemError, check_name
@@ -42,7 +42,6 @@ def worlds(
     check_out(out if pictures else None)
     if defaults:
         return _defaults(names or [], world, out if pictures else None, as_json)
-    from surefoot.cli import extras
     from surefoot.experiments import EXPERIMENTS, carry_out
     from surefoot.simulation.worlds import WORLDS
 
@@ -80,7 +79,6 @@ def worlds(
 
 def _defaults(names: list[str], world: list[str] | None, out: Path | None, as_json: bool) -> int:
     """Print what engines at their defaults make of a few scenes, beside tuned ones."""
-    from surefoot.cli import extras
     from surefoot.experiments.engines.defaults import CASES, ENGINES, measured
     from surefoot.experiments.engines.runners import NEWTON_PYTHON
     from surefoot.simulation.worlds import WORLDS

@@ -124,7 +124,7 @@ class JointTargetController(Held):
 
     def _ask(self, state: RobotState) -> Command:
         """Return the controller's command with targets for the joints."""
-        command = copy(super()._ask(state))
+        command = copy(super()._ask(state))  # `replace` makes every field anew, and in every step
         object.__setattr__(command, "joint_targets", self._targets(state, command))
         return command
 

@@ -37,8 +37,8 @@ class Canvas:
             self._hidden.add(name)
         for name, shape in shapes.items():
             before = self._shown.get(name)
-            if before is None or type(before[0]) is not type(shape):
-                self._add(name, shape, before)
+            if before is None:
+                self._add(name, shape)
             else:
                 _change(before[1], before[0], shape)
                 self._shown[name] = shape, before[1]
@@ -46,11 +46,8 @@ class Canvas:
                 self._hidden.discard(name)
                 self._shown[name][1].visible = True
 
-    def _add(self, name: str, shape: Shape, before: tuple[Shape, Any] | None) -> None:
-        """Add a shape, in the place of one of another kind."""
-        if before is not None:
-            before[1].remove()
-            self._hidden.discard(name)
+    def _add(self, name: str, shape: Shape) -> None:
+        """Add a shape; a name keeps its kind from drawing to drawing."""
         handle = _ADDERS[type(shape)](self._scene, name, shape)
         self._shown[name] = shape, handle
         if getattr(shape, "held", False):

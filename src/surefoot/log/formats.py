@@ -160,21 +160,33 @@ def _told(path: Path, what: str, entry: Format) -> Iterator[None]:
         raise ProblemError(f"{path} {what} ({entry.name}): {reason}") from error
 
 
-def write_log(log: Log, path: Path) -> Path:
-    """Write a log to a new file; see `Log.save`."""
+def new_file(path: Path) -> tuple[Path, Callable[[Log, Path], None]]:
+    """Return the path of a log to be written, with its suffix, and what writes it.
+
+    Raises
+    ------
+    ProblemError
+        For a format that is only read, or a file that exists.
+    """
     path = path if path.suffix else path.with_name(path.name + ".npz")
     entry = format_of(path)
     if entry.write is None:
         raise ProblemError(f"{path}: logs of the format {entry.name} can be read, not written")
+    if path.exists():
+        raise ProblemError(f"{path} exists already")
+    return path, entry.write
+
+
+def write_log(log: Log, path: Path) -> Path:
+    """Write a log to a new file; see `Log.save`."""
+    path, write = new_file(path)
     try:
         path.open("xb").close()  # ours from here on
         try:
-            entry.write(log, path)
+            write(log, path)
         except BaseException:
             path.unlink(missing_ok=True)
             raise
-    except FileExistsError as error:
-        raise ProblemError(f"{path} exists already") from error
     except OSError as error:
         kept = "" if log.parts is None else f"; its rows are in {log.parts}"
         raise WriteError(path, error, kept) from error

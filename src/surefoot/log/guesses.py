@@ -208,10 +208,6 @@ def _of_messages(source: Source) -> LogMapping:
                 fields = tuple(full_name(name, f"motor_state[{k}].{part}") for k in range(12))
                 takes.setdefault(channel, Take(fields))
         for channel, where, how in MESSAGES.get(kind, ()):
-            if _there(topic, where):
+            if where in topic.fields or f"{where}.x" in topic.fields:
                 takes.setdefault(channel, Take((full_name(name, where),), **how))
     return LogMapping(takes, feet, joints, guessed=True)
-
-
-def _there(topic: Topic, where: str) -> bool:
-    return where in topic.fields or f"{where}.x" in topic.fields

@@ -75,12 +75,8 @@ def source(path: Path) -> Source:
 
 def _decoder(schema: Any, channel: Any) -> Decode | None:
     """Return what decodes a channel's messages; None for an encoding that is not known."""
-    known = {"json": _json, "protobuf": _protobuf, "cdr": _cdr}
+    known = {"json": lambda schema: json.loads, "protobuf": _protobuf, "cdr": _cdr}
     return known[channel.message_encoding](schema) if channel.message_encoding in known else None
-
-
-def _json(schema: Any) -> Decode:
-    return json.loads
 
 
 def _protobuf(schema: Any) -> Decode:

@@ -8,7 +8,7 @@ reference between the halves of MuJoCo's step, the term leaves next to nothing o
 References
 ----------
 .. [1] E. Todorov, "Convex and analytically-invertible dynamics with contacts and constraints", ICRA 2014; the
-   reference acceleration is eq. (7) of MuJoCo's documentation, chapter Computation.
+   reference acceleration: MuJoCo's documentation, chapter Computation, section "Constraint model".
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.control.controller import Command, RobotState
-from surefoot.errors import check_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.robot import Robot
 from surefoot.simulation.world import World
 from surefoot.spatial import quaternion_from_rotation, rotation_exp, rotation_from_quaternion
@@ -44,6 +44,10 @@ class Faults:
     torque_loss: float = 0.0
     strength: float = 1.0
     dropouts: Sequence[tuple[float, float]] = ()
+
+    def __post_init__(self) -> None:
+        if self.torque_loss and not self.weak_joint:
+            raise ProblemError("a torque loss is of a weak joint: name it")
 
     def start(self, world: World, seed: int | None) -> ActiveFaults:
         """Return the faults at work in a world, their noise seeded.

@@ -71,26 +71,23 @@ class Pacer:
 
     Parameters
     ----------
-    speed
-        Simulated over real time.
     now, sleep
         The clock, and what waits [s].
     """
 
     def __init__(
         self,
-        speed: float = 1.0,
         now: Callable[[], float] = clock.perf_counter,
         sleep: Callable[[float], None] = clock.sleep,
     ) -> None:
-        self._speed, self._now, self._sleep = speed, now, sleep
+        self._now, self._sleep = now, sleep
         self._start = math.nan
 
     def wait(self, time: float) -> float:
         """Wait until a simulated time is due and return how late it is [s], 0 if it was waited for."""
         if math.isnan(self._start):
-            self._start = self._now() - time / self._speed
-        ahead = self._start + time / self._speed - self._now()
+            self._start = self._now() - time
+        ahead = self._start + time - self._now()
         if ahead > 0.0:
             self._sleep(ahead)
             return 0.0

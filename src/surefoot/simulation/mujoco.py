@@ -318,7 +318,8 @@ class MujocoWorld:
         if before is not None and before.normals is not None and not self._planar:
             over = before.gaps.copy(), before.normals.copy()
         elif not self._planar:
-            over = self._ground_near(self._places[self._geoms])
+            distances, faces = self.terrain.nearest(self._places[self._geoms])
+            over = distances - self._sizes[:, 0], faces
         if over is not None:
             self._face(
                 *over,
@@ -342,11 +343,6 @@ class MujocoWorld:
         # joints at their stops count, too
         others = links.force(data, self._frames) if beside or data.nl else np.zeros(self.model.nv)
         return ContactReading(forces, gaps, velocities, positions, others, normals)
-
-    def _ground_near(self, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the gaps (p,) [m] and the ground's normals (p, 3) of (p, 3) spheres."""
-        distances, normals = self.terrain.nearest(centres)
-        return distances - self._sizes[:, 0], normals
 
     def touching(self) -> list[tuple[str, str]]:
         """Return the names of links, feet or ground that touched in the last step, without feet on ground."""

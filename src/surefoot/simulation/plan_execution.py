@@ -167,13 +167,13 @@ def execute(
     """
     if world not in ("mujoco", "rigid"):
         raise ProblemError(f"plans are executed in the worlds mujoco and rigid, got {world!r}")
-    terrain = planned_ground(plan) if isinstance(plan, Log) else None
-    if isinstance(plan, Log):
+    if isinstance(plan, Reference):
+        terrain, reference, robot = None, plan, robot or plan.robot
+    else:
         planned = plan.robot if isinstance(plan, Plan) and robot is None else None
         given = planned or robot or load_robot(str(plan.fact("robot")))
         robot = planned or limited_robot(loaded_robot(given, float(plan.facts.get("payload", 0.0))))
-    reference = plan if isinstance(plan, Reference) else Reference.of(plan, _known(robot))
-    robot = robot or reference.robot
+        terrain, reference = planned_ground(plan), Reference.of(plan, robot)
     if mu is None:
         mu = float(plan["mu"][0]) if isinstance(plan, Log) and "mu" in plan else 0.6
     surprise = surprise or (Surprise() if seed is None else Surprise.drawn(seed))
@@ -198,12 +198,6 @@ def execute(
         start=displaced(robot, reference.start, surprise) if standing else laid(reference.start, surprise),
     )  # fmt: skip
     return judged(there, MotorLimited(controller_of(plan, robot, dt), motors), scenario, reference, surprise)
-
-
-def _known(robot: Robot | None) -> Robot:
-    if robot is None:
-        raise ProblemError("a plan must name its robot")
-    return robot
 
 
 def displaced(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:

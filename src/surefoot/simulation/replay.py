@@ -17,7 +17,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.audit import AuditReport, audit_log
+from surefoot.audit import audit_log
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.errors import ProblemError, SimulationError
 from surefoot.log import Ending, Log
@@ -263,7 +263,9 @@ def _replay(task: ReplayTask, name: str, first: int, last: int) -> tuple[WindowR
     moved, length = log["q"][-1, :2] - log["q"][0, :2], float(np.linalg.norm(planned))
     tilt, way = _lean(seen, logged), float(moved @ planned) / length if length > 0.0 else 0.0
     drift = float(np.linalg.norm(log["q"][-1, :3] - logged[-1, :3]))
-    broken = _broken(audit_log(log, task.robot))
+    report = audit_log(log, task.robot)
+    first_of = {v.law: str(v) for v in reversed(report.violations)}
+    broken = tuple(first_of[law] for law in report.laws_broken)
     lost = _why_lost(outcome, end, tilt, broken)
     height = float(task.q[first, 2] - task.terrain.height(task.q[first, :2]))
     if not lost and drift > DRIFT * (abs(height) + length):
@@ -278,12 +280,6 @@ def _why_lost(outcome: str, end: float, tilt: float, broken: tuple[str, ...]) ->
     if tilt > TILT:
         return f"it leans {math.degrees(tilt):.0f} deg more than the log before {end:.3f} s"
     return f"it breaks {broken[0]}" if broken else ""
-
-
-def _broken(report: AuditReport) -> tuple[str, ...]:
-    """Return the laws that a replay broke, the first violation of each in words."""
-    first = {v.law: str(v) for v in reversed(report.violations)}
-    return tuple(first[law] for law in report.laws_broken)
 
 
 def _lean(q: FloatArray, logged: FloatArray) -> float:

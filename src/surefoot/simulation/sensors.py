@@ -14,7 +14,7 @@ from surefoot.estimation.inekf import FilterNoise
 from surefoot.estimation.state_estimator import Reading
 from surefoot.robot import Robot
 from surefoot.simulation.sensor_kernels import sense
-from surefoot.spatial import GRAVITY
+from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_exp, rotation_from_quaternion
 
 
 @dataclass(frozen=True)
@@ -233,17 +233,8 @@ class Sensors:
 
     def attitude_at_start(self, q: FloatArray) -> FloatArray:
         """Return (nq,) q [m, rad] with its attitude as wrong as the robot has it at the start."""
-        turn = np.append(self.model.tilt * self._normal(2), 0.0)
-        angle, out = float(np.linalg.norm(turn)), q.copy()
-        if angle > 0.0:
-            x, y, z = turn / angle * np.sin(0.5 * angle)
-            a, b, c, d = q[3:7]
-            w = np.cos(0.5 * angle)
-            # Hamilton product of the small turn, in world axes, with the attitude
-            out[3:7] = (
-                w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a,
-                w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c,
-            )  # fmt: skip
+        turn, out = np.append(self.model.tilt * self._normal(2), 0.0), q.copy()
+        out[3:7] = quaternion_from_rotation(rotation_exp(turn) @ rotation_from_quaternion(q[3:7]))
         return out
 
     def read(self, q: FloatArray, v: FloatArray) -> Reading:

@@ -31,6 +31,8 @@ class TrajectoryGradient:
     def __init__(self, rollout: Rollout, loss: Loss, wrt: Sequence[str]) -> None:
         of_kind("rollout", rollout, Callable)  # type: ignore[arg-type]
         of_kind("wrt", wrt, Sequence)
+        if not wrt or isinstance(wrt, str):
+            raise ProblemError(f"wrt must be a list of names of the rollout's parameters, got {wrt!r}")
         self.rollout, self.loss, self.wrt = rollout, loss, tuple(wrt)
 
     def __call__(self, **parameters: Any) -> LossGradient:

@@ -12,7 +12,7 @@ from surefoot import __version__
 from surefoot.arrays import whole_number
 from surefoot.errors import ProblemError, check_name
 from surefoot.sweep.experiment import SweepExperiment, make_experiment
-from surefoot.sweep.function import FunctionExperiment, experiment_of
+from surefoot.sweep.function import experiment_of
 from surefoot.sweep.space import MOST, Space, read_range
 from surefoot.text_files import path_of, read_yaml, table_of
 
@@ -114,30 +114,20 @@ def sweep_from_dict(content: Any, folder: Path | None = None, allow_code: bool =
     name = str(top["experiment"])
     settings = table_of("settings", top.get("settings") or {})
     entries = table_of("ranges", top.get("ranges") or {})
-    experiment = (
-        _own_function(name, settings, entries, folder, allow_code)
-        if ":" in name
-        else make_experiment(name, settings)
-    )
+    if ":" in name and not allow_code:
+        raise ProblemError(
+            f"experiment {name} is code, which would be run: allow it with --allow-code "
+            "(sf.read_sweep(..., allow_code=True))"
+        )
+    own = experiment_of(name, settings, entries, (folder or Path()).resolve()) if ":" in name else None
+    experiment = own or make_experiment(name, settings)
     read = {n: read_range(experiment, n, entry) for n, entry in entries.items()}
     ranges = {n: read[n] for n in experiment.parameters() if n in read}  # the file's order does not matter
-    if isinstance(experiment, FunctionExperiment):
-        replace(experiment, **{name: drawn.ends[0] for name, drawn in ranges.items()}).learn()
+    if own is not None:
+        replace(own, **{name: drawn.ends[0] for name, drawn in ranges.items()}).learn()
     maps = top.get("maps") or []
     if not isinstance(maps, list) or not all(isinstance(p, list) and len(p) == len({*p}) == 2 for p in maps):
         raise ProblemError(f"maps must be a list of pairs of parameters, got {maps!r:.60}")
     samples = whole_number("samples", top.get("samples", SAMPLES))
     space = Space(ranges, whole_number("seed", top.get("seed", 0)))
     return SweepConfig(name, experiment, space, samples, tuple((str(x), str(y)) for x, y in maps))
-
-
-def _own_function(
-    name: str, settings: dict[str, Any], ranges: dict[str, Any], folder: Path | None, allowed: bool
-) -> SweepExperiment:
-    """Return the experiment that is somebody's function, or raise where code is not allowed."""
-    if not allowed:
-        raise ProblemError(
-            f"experiment {name} is code, which would be run: allow it with --allow-code "
-            "(sf.read_sweep(..., allow_code=True))"
-        )
-    return experiment_of(name, settings, ranges, (folder or Path()).resolve())

@@ -12,7 +12,7 @@ from typing import Any
 
 from surefoot.arrays import of_kind
 from surefoot.sweep.config import SweepConfig
-from surefoot.sweep.pools import Chunk, Pool
+from surefoot.sweep.pools import Chunk, Pool, check_backend
 from surefoot.sweep.store import Store
 from surefoot.sweep.worker import CRASHED, Row, SweepTask, row_of
 
@@ -91,6 +91,7 @@ def run_sweep(
         If the disk is full, ...: rows written before are kept.
     """
     of_kind("config", config, SweepConfig)
+    check_backend(backend, workers, address)
     begin = clock.perf_counter()
     with closing(Store(folder, config)) as store:
         resumed, lost = len(store.done), 0

@@ -51,8 +51,6 @@ def loky(task: SweepTask, workers: int | None, address: str | None) -> Workers:
     """Start processes of this machine, through joblib's executor. When one is killed it gives up all."""
     with needs("joblib", "sweep"):
         from joblib.externals.loky import ProcessPoolExecutor
-    if address is not None:
-        raise ProblemError("--address is of --backend ray or dask: loky runs on this machine")
     count = workers or cores()
     executor = ProcessPoolExecutor(
         count, initializer=start_local_worker, initargs=(os.getpid(),), env=ONE_THREAD
@@ -140,6 +138,21 @@ BACKENDS: dict[str, Callable[[SweepTask, int | None, str | None], Workers]] = {
 """What `--backend` chooses from."""
 
 
+def check_backend(backend: str, workers: int | None, address: str | None) -> None:
+    """Refuse a backend that is not known, or that knows no cluster at an address, and fewer workers than one.
+
+    Raises
+    ------
+    ProblemError
+        Naming what is wrong.
+    """
+    check_name("backend", backend, BACKENDS)
+    if workers is not None:
+        whole_number("workers", workers, low=1)
+    if address is not None and backend not in ("ray", "dask"):
+        raise ProblemError(f"--address is of --backend ray or dask: {backend} runs on this machine")
+
+
 class Pool:
     """Runs chunks on a backend's workers, and tells which were lost with one.
 
@@ -165,9 +178,6 @@ class Pool:
     def __init__(
         self, backend: str, task: SweepTask, workers: int | None = None, address: str | None = None
     ) -> None:
-        check_name("backend", backend, BACKENDS)
-        if workers is not None:
-            whole_number("workers", workers, low=1)
         self._open: Callable[[], Workers] = partial(BACKENDS[backend], task, workers, address)
         self._backend = self._open()
         self.workers = self._backend.workers

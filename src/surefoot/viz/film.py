@@ -129,9 +129,11 @@ class FilmScene:
         return entries
 
     def arrows(self, step: int) -> list[Arrow]:
-        """Return the forces of a step, and the push on the base, above it so that it can be seen."""
-        push = (self.log["q"][step, :3] + self._above, 2.0 * self.scale * self.log["push"][step], PUSH_COLOUR)
-        return [*log_arrows(self.log, step, self.terrain, self.scale), push]
+        """Return the forces of a step, and a push on the base, above it so that it can be seen."""
+        arrows, push = log_arrows(self.log, step, self.terrain, self.scale), self.log["push"][step]
+        if push.any():  # only a free base is pushed
+            arrows.append((self.log["q"][step, :3] + self._above, 2.0 * self.scale * push, PUSH_COLOUR))
+        return arrows
 
     def lines(self, step: int) -> list[Arrow]:
         """Return cones whose rims hold the forces' tips, and the ground's edges."""

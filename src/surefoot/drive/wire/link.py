@@ -6,7 +6,7 @@ import struct
 from functools import cache
 from typing import Any
 
-from surefoot.arrays import whole_number
+from surefoot.arrays import real_number, whole_number
 from surefoot.drive.wire.dialect import Dialect
 from surefoot.drive.wire.packed import Packed
 from surefoot.errors import ProblemError, needs
@@ -18,6 +18,8 @@ CONFIG = (
     "multicast='default'/></Interfaces></General></Domain></CycloneDDS>"
 )
 """CycloneDDS on one interface."""
+LAST_DOMAIN = 232
+"""The ports of DDS domains beyond it are no ports."""
 AT_ONCE = 16
 """Messages that are taken at once; the newest counts."""
 
@@ -69,6 +71,7 @@ class WireEnd:
             from cyclonedds.topic import Topic
 
         domain = whole_number("domain", domain)
+        real_number("domain", domain, low=0.0, high=LAST_DOMAIN)
         try:
             opened(domain, interface)
             party = DomainParticipant(domain)
