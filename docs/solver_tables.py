@@ -178,14 +178,14 @@ def readme(told: Any) -> Rows:
         ],
         ["step of the walking controller, plans included; 99th percentile", step.replace(" / ", "; "), "",
          "`surefoot bench walk`"],
-        ["step of the standing controller", f"{standing['controller_step_us']['median']:.0f}", "",
-         "`surefoot stand`"],
+        ["step of the standing controller, on four feet, pushed",
+         f"{standing['controller_step_us']['median']:.0f}", "", "`surefoot stand`"],
     ]  # fmt: skip
 
 
 STATICS, FORCES = "surefoot bench statics", "surefoot bench forces"
 CONTACT, WALK = "surefoot bench contact", "surefoot bench walk"
-STAND = "surefoot stand go2 --no-video --no-report"
+STAND = "surefoot stand go2 --push 3:0,40,0:0.2 --no-video --no-report"
 NAMED_RIVALS = {
     "pinocchio pgs": "Pinocchio's PGS",
     "pinocchio admm": "its ADMM",

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.cones import FrictionCone, PolyhedralCone, ProductCone, WrenchCone
+from surefoot.errors import ProblemError
 from tests.pages import blocks, run_page
 
 RNG = np.random.default_rng(7)
@@ -148,8 +149,6 @@ def test_batches_equal_single_calls(cone):
 
 @cones
 def test_wrong_dimension_is_refused(cone):
-    from surefoot.errors import ProblemError
-
     with pytest.raises(ProblemError, match=f"shape .*{cone.dim}"):
         cone.project(np.zeros(cone.dim + 1))
 
@@ -208,7 +207,5 @@ def test_the_page_says_what_its_cone_does():
     ],
 )
 def test_the_pages_cone_refuses_what_is_none(cone, rotation, message):
-    from surefoot.errors import ProblemError
-
     with pytest.raises(ProblemError, match=message):
         SHOWN["TurnedCone"](cone, rotation)

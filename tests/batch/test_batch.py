@@ -38,38 +38,19 @@ def test_a_batch_is_its_problems(laws: dict[str, Any]) -> None:
     held = laws.get("bilateral", np.zeros(4, dtype=bool))
     given = {name: law for name, law in laws.items() if name != "bilateral"}
     low = np.where(held, -np.inf, given.pop("normal_min", 0.0))
-    batch = sf.solve_batch(G, g, **given, normal_min=low, derivative=True)
+    batch = sf.solve_batch(G, g, **given, normal_min=low, tol=1e-12, derivative=True)
     weights = np.random.default_rng(1).normal(size=(40, 8, 3))
     back = batch.derivative.vjp(weights[:, :4], weights[:, 4:])
     assert batch.solved.all()
     assert back.regular.all()
     for k in range(40):
         problem = sf.ContactProblem(G[k], g[k], **laws)
-        one = sf.solve(problem)
+        one = sf.solve(problem, tol=1e-12)
         np.testing.assert_array_equal(batch.forces[k], one.forces)
         assert batch.residual[k] == one.residuals.velocity_error
         wanted = one.derivative().vjp(weights[k, :4], weights[k, 4:])
         for name in ("G", "g", "mu", "normal_min", "normal_max", "compliance"):
-            np.testing.assert_allclose(getattr(back, name)[k], getattr(wanted, name), rtol=1e-5, atol=1e-6)
-
-
-@pytest.mark.parametrize("laws", LAWS)
-def test_kernels_match_their_numpy_twin(laws: dict[str, Any]) -> None:
-    """At forces solved to rounding the compiled products are those of `ContactDerivative`."""
-    G, g = problems(12, seed=3)
-    for k in range(12):
-        problem = sf.ContactProblem(G[k], g[k], **laws)
-        d = sf.solve(problem, tol=1e-12).derivative()
-        buffer = np.zeros((11, 3))
-        buffer[:4], buffer[4:8] = d.forces, d.velocities
-        weights = np.random.default_rng(k).normal(size=(8, 3))
-        out = np.empty((8, 3))
-        own, convex = np.ascontiguousarray(problem.vectors[1].reshape(3, -1)), problem.law == "convex"
-        assert contact_vjp(problem.G, own, convex, buffer, weights, out)
-        back = d.vjp(weights[:4], weights[4:])
-        np.testing.assert_allclose(out[:4].ravel(), back.g, rtol=1e-11, atol=1e-12)
-        wanted = np.stack([back.mu, back.normal_min, back.normal_max], axis=1)
-        np.testing.assert_allclose(out[4:], wanted, rtol=1e-11, atol=1e-11)
+            np.testing.assert_allclose(getattr(back, name)[k], getattr(wanted, name), rtol=1e-10, atol=1e-11)
 
 
 def test_redundant_contacts_in_a_batch() -> None:
@@ -171,6 +152,11 @@ def test_the_kernel_runs_in_a_callers_own_code() -> None:
     G, g = problems(6, contacts=1)
     laws = np.array([[0.6], [0.0], [np.inf]])
     np.testing.assert_array_equal(normal_forces(G, g, laws), sf.solve_batch(G, g, 0.6).forces[:, 0, 2])
+    ones, out = np.ones((2, 3)), np.empty((2, 3))
+    d = sf.solve(sf.ContactProblem(G[0], g[0], 0.6)).derivative()
+    buffer = np.vstack([d.forces, d.velocities, np.zeros((3, 3))])
+    assert contact_vjp(G[0], laws, False, buffer, ones, out)
+    np.testing.assert_allclose(out[0], d.vjp(ones[:1], ones[1:]).g, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -98,25 +98,6 @@ def test_blocks_are_those_of_differences_and_of_the_knot(name, terrain, height, 
     assert height > 0.1 or seen & {"stick", "slide"}
 
 
-def test_inertial_parameters() -> None:
-    robot, q, v, torques = scene("go2", sf.FlatTerrain(), 3e-4, 1)
-    stepper = Stepper(robot, options=OPTIONS)
-    inertia = step_derivative(stepper, stepper.start(q, v), torques, mu=0.5).inertia
-    for body, parameter in ((0, 0), (0, 2), (2, 4), (5, 1), (12, 0)):
-        ends = []
-        for width in (-STEP, STEP, -2.0 * STEP, 2.0 * STEP):
-            other = Stepper(robot, options=OPTIONS)
-            pi = other.bodies.model.inertias[body + 1].toDynamicParameters()
-            pi[parameter] += width
-            other.bodies.model.inertias[body + 1] = pinocchio.Inertia.FromDynamicParameters(pi)
-            ends.append(other.step(stepper.start(q, v), torques, None, 0.5))
-        near, far = (outcome(stepper, *pair)[:36] for pair in (ends[:2], ends[2:]))
-        wanted = (8.0 * near - far) / (12.0 * STEP)
-        own = inertia[:, body, parameter]
-        rounding = 2e-9  # of v, over 2e-6
-        assert own == pytest.approx(wanted, abs=1e-6 * np.abs(wanted).max() + rounding)
-
-
 def pointed(name: str) -> sf.Robot:
     """A robot whose contact spheres have no radius: contact points fixed to bodies, as Pinocchio's are."""
     robot = sf.load_robot(name)
@@ -210,23 +191,6 @@ def test_forces_of_a_fall_are_lawful() -> None:
     assert world.worst_residual < 1e-8
 
 
-def test_smoothing_reaches_a_ball_above_the_ground() -> None:
-    """Against the root of λ (v + λ/m - g dt + gap/dt) = κ, straight above a plane."""
-    m, height, kappa, dt, speed = 2.0, 0.03, 1e-3, 1e-3, -0.4
-    body = ball(m, 0.1)
-    q = lifted(body.nominal, height)
-    knot = Knot(Stepper(body, options=replace(OPTIONS, dt=dt)))
-    assert knot.step(q, np.r_[0.0, 0.0, speed, np.zeros(3)], np.zeros(0), 0.0)
-
-    def impulse(z: float) -> float:
-        free = speed - GRAVITY * dt + z / dt
-        return float(2.0 * kappa / (np.sqrt(free**2 + 4.0 * kappa / m) + free))
-
-    slope = (impulse(height + 1e-7) - impulse(height - 1e-7)) / 2e-7
-    assert slope < 0.0
-    assert knot.derivative(kappa)[0][8, 2] == pytest.approx(slope / m, rel=1e-6)
-
-
 @pytest.mark.parametrize("law", ["coulomb", "convex"])
 @pytest.mark.parametrize("height", [3e-4, 0.05])
 def test_smoothing_is_the_slope_of_the_central_path(law: str, height: float) -> None:
@@ -274,15 +238,6 @@ def test_outputs_are_the_callers_and_a_step_depends_on_its_arguments_alone() -> 
     knot.derivative(1e-3)
     knot.step(q, v, torques)
     assert np.array_equal(knot.derivative()[0], first)
-
-
-def test_one_sided_at_kinks() -> None:
-    body = ball()
-    stepper = Stepper(body, options=replace(OPTIONS, stabilisation="none"))
-    state = stepper.start(body.nominal)
-    d = step_derivative(stepper, state, np.zeros(0), mu=0.5)
-    assert d.touching.tolist() == [0]
-    assert step_derivative(Stepper(body, options=OPTIONS), state, np.zeros(0)).touching.size == 0
 
 
 def test_other_solvers_and_lost_motion() -> None:

@@ -50,8 +50,6 @@ def from_foreign(
     reference: FloatArray | None = None,
 ) -> ContactProblem:
     """Return the contact problem of a matrix and vectors, any unit, in (normal, tangent, tangent) order."""
-    if dimension not in (2, 3):
-        raise ProblemError(f"{name}: the dimension must be 2 or 3, got {dimension}")
     count = q.size // dimension
     if q.size != dimension * count or mu.size != count or matrix.shape != (q.size, q.size):
         raise ProblemError(

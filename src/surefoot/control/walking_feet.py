@@ -264,12 +264,15 @@ class Feet(Bound):
             self.frames[k] = self.terrain.frame(centre[:2])
         self.ground[k] = centre - self.radii[k] * self.frames[k, :, 2]
 
-    def aim(self, k: int, place: FloatArray) -> None:
-        """Set the target of a foot in the air: (2,) nominal place [m], moved to good ground."""
+    def aim(self, k: int, place: FloatArray, latest: float | None = None) -> None:
+        """Set the target of a foot in the air: (2,) nominal place [m], moved to good ground.
+
+        Up to the share `latest` of the swing it is taken as it is, for a caller that leads the foot there.
+        """
         share = float(self.share[k])
-        if share > (FREEZE if self.terrain.planar else FREEZE_ROUGH):
+        if share > (latest or (FREEZE if self.terrain.planar else FREEZE_ROUGH)):
             return
-        if share > FREEZE_ROUGH:  # ever less can be changed without a rush
+        if share > FREEZE_ROUGH and latest is None:  # ever less can be changed without a rush
             trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
             place = self.target[k, :2] + trust * (place - self.target[k, :2])
         way = place - self.start[k, :2] if self.heading is None else self.heading

@@ -120,7 +120,7 @@ class WholeBodyController(Bound):
         bounds = np.full(points, mu), np.full(points, normal_min), np.full(points, normal_max)
         self._distributor = ForceDistributor(*bounds, 1.0, weight)
         self._limited = ForceDistributor(*bounds, 1.0, weight, torque_limit=self.limits)
-        self._bounds = b""
+        self._bounds: tuple[float, bytes] | None = None
         self._stance: BoolArray = np.ones(len(robot.feet), dtype=bool)
         self._loose = self._unloaded()
 
@@ -224,7 +224,7 @@ class WholeBodyController(Bound):
 
     def bound_normals(self, low: float, high: FloatArray) -> None:
         """Change the bounds on normal forces [N], (n,) upper ones; a flat foot's hold for each corner."""
-        given = high.tobytes()
+        given = low, high.tobytes()
         if given == self._bounds:
             return  # most of the time: between the ramps of a stance
         self._bounds = given

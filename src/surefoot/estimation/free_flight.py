@@ -73,8 +73,7 @@ class TossFlight:
         )
         self.starts = self._guess()
         for _ in range(TURNS):
-            self._derive(tree, gravity)
-            if self._descend(tree, gravity):
+            if self._descend(self._derive(tree, gravity), tree, gravity):
                 break
         off = self._off(self.starts, tree, gravity)
         long = self.used >= ENOUGH
@@ -92,17 +91,17 @@ class TossFlight:
         """Return the Gauss-Newton step (B, 2 nv) for (rows, nv) differences; 0 where too few frames fly."""
         return np.where(self.used[:, None] == 0, 0.0, -self._told(off))
 
-    def _descend(self, tree: FallingBody, gravity: float) -> bool:
+    def _descend(self, off: FloatArray, tree: FallingBody, gravity: float) -> bool:
         """Take for every toss so much of the Gauss-Newton step as fits it better; return if all are at rest.
 
         A body that is not known yet bends long flights so much that whole steps throw some of them away.
+        `off` are the (rows, nv) differences of now.
         """
-        off = self._off(self.starts, tree, gravity)
         change, before = self._change(off), self._squares(off)
         for _ in range(HALVINGS):
             ahead = self._moved(self.starts, change)
             after = self._squares(self._off(ahead, tree, gravity))
-            worse = after > before
+            worse = ~(after <= before)
             if not worse.any():
                 break
             change[worse] *= 0.5
@@ -159,7 +158,8 @@ class TossFlight:
         out[flies, nq + 6 :] = ((states[last, 7:nq] - states[first, 7:nq]) / t)[flies]
         return out
 
-    def _derive(self, tree: FallingBody, gravity: float) -> None:
+    def _derive(self, tree: FallingBody, gravity: float) -> FloatArray:
+        """Find the derivatives by the first states; return the (rows, nv) differences of now."""
         nv, count = self._nv, len(self.starts)
         here = self._off(self.starts, tree, gravity)
         self._J = np.empty((*here.shape, 2 * nv))
@@ -172,6 +172,7 @@ class TossFlight:
         np.add.at(square, self._owner, np.einsum("nik,nil->nkl", self._J, self._J))
         square += 1e-12 * np.trace(square, axis1=1, axis2=2)[:, None, None] * np.eye(2 * nv)
         self.covariance = np.linalg.inv(square)
+        return here
 
     def _off(self, starts: FloatArray, tree: FallingBody, gravity: float) -> FloatArray:
         """Return (rows, nv) simulated less recorded poses [m, rad]."""
