@@ -88,6 +88,25 @@ def test_void_messages(name: str) -> None:
     assert heard.feedforward[3] == 1.0
 
 
+AT_THE_END = """
+import sys
+import surefoot as sf
+from cyclonedds.domain import Domain
+from surefoot.drive.wire.dialect import dialect_of
+from surefoot.drive.wire.link import WireEnd
+delete, ending, say = Domain.__del__, sys.is_finalizing, sys.stdout.write
+Domain.__del__ = lambda domain: (say(f"deleted late: {ending()}"), delete(domain))
+WireEnd(dialect_of(sf.load_robot("go2")), False, "lo", int(sys.argv[1])).close()
+"""
+
+
+def test_no_process_waits_for_the_wire_at_its_end() -> None:
+    """Threads of DDS that want the interpreter while it ends are gone: what waits for them waits for ever."""
+    command = [sys.executable, "-c", AT_THE_END, str(160 + os.getpid() % 50)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert done.stdout == "deleted late: False", done.stderr
+
+
 @pytest.mark.long
 def test_two_processes_walk(tmp_path: os.PathLike[str]) -> None:
     """Up, 0.5 m/s for 4 s, stop, sit: in slow motion, since machines that run tests are busy."""

@@ -143,7 +143,8 @@ class WiredRobot:
     dialect
         What is spoken there.
     slow
-        Whether each state waits for its answer: slower than real time on a busy machine, and nothing is late.
+        Whether each state waits for its answer, and the robot's time for the first command: slower than real
+        time on a busy machine, and nothing is late.
 
     Attributes
     ----------
@@ -163,8 +164,10 @@ class WiredRobot:
         self.end.send(self.dialect.told(robot.read().ordered(self._order), MACHINE))
         self._due = max(self._due + robot.dt, clock.perf_counter() - robot.dt)
         left = max(self._due - clock.perf_counter(), 1e-5)
-        message = self.end.receive(PATIENT if self.slow and self._heard and not self._silent else left)
+        message = self.end.receive(PATIENT if self.slow and not self._silent else left)
         targets = None if message is None else self.dialect.targets(message, MACHINE)
+        if targets is None and self.slow and not self._heard:
+            return
         if targets is not None:
             self._heard, self._silent = True, 0.0
             robot.take(JointTargets(*(values[self._back] for values in targets)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import struct
 from functools import cache
 from typing import Any
@@ -29,6 +30,9 @@ def opened(domain: int, interface: str) -> Any:
     """Return DDS's domain on an interface, opened once a process: it is not opened twice."""
     from cyclonedds.domain import Domain
 
+    # DDS lets go of a participant in a thread of its own, which takes the interpreter's lock: once the
+    # interpreter ends, that thread is gone, and a domain that is deleted then waits for it for ever
+    atexit.register(opened.cache_clear)
     return Domain(domain, CONFIG.format(interface))
 
 
