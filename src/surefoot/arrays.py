@@ -95,7 +95,7 @@ def real_number(name: str, value: float, *, low: float = -np.inf, high: float = 
     return number
 
 
-def whole_number(name: str, value: int, *, low: int = 0) -> int:
+def whole_number(name: str, value: float, *, low: int = 0) -> int:
     """Return `value` as an integer >= low; 5.0 is one, 5.5 and True are not.
 
     >>> whole_number("max_iterations", 5)

@@ -217,6 +217,9 @@ def test_shown_command_ends_as_the_page_says(
     if words[0] == "sweep" and "--seed" in words and code == 2:  # another sweep must have begun there
         at = words.index("--seed")
         assert main(expanded(words[:at] + words[at + 2 :], folder)) == 0
+    if "--merge" in words:  # what is merged must have run
+        at = words.index("--merge")
+        assert main([*words[:at], "--out", words[at + 1], "--samples", "4"]) == 0
     assert main(expanded(words, folder)) == code
 
 

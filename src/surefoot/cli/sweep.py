@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
-from surefoot.cli import options
+from surefoot.cli import options, parsing
 from surefoot.cli.console import plain_console, progress_bar, say, show, table
 from surefoot.cli.extras import missing
 from surefoot.cli.signals import INTERRUPTED, ends_softly
+from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -35,6 +36,13 @@ def sweep(
     backend: Annotated[str, typer.Option(help="Where samples run: loky, ray, dask or serial.")] = "loky",
     workers: Annotated[int | None, typer.Option(help="Number of workers; None for one per core.")] = None,
     address: Annotated[str | None, typer.Option(help="Of a running Ray or Dask cluster.")] = None,
+    part: Annotated[
+        str | None, typer.Option(help="K:N: only samples K, K + N, ...; K from 0 to N - 1. None for all.")
+    ] = None,
+    merge: Annotated[
+        list[Path] | None,
+        typer.Option(help="Run nothing: take the rows of this folder, or of the parts' folders in it."),
+    ] = None,
     allow_code: Annotated[
         bool, typer.Option("--allow-code", help="Let the file's experiment be a function, MODULE:FUNCTION.")
     ] = False,
@@ -44,16 +52,19 @@ def sweep(
     """Run an experiment over samples of ranges, write a Parquet table, and draw what survives.
 
     Interrupted or killed, the same command goes on where it was. Exit code 0 if every sample has its
-    results, 1 if some ended with an error or crashed their worker, 2 for wrong input.
+    results, 1 if some ended with an error or crashed their worker or are not merged, 2 for wrong input.
     """
-    from surefoot.sweep import read_sweep, run_sweep
+    from surefoot.sweep import merge_sweep, read_sweep, run_sweep
 
+    if part and merge:
+        raise ProblemError("--part runs samples, --merge runs none: one of the two")
+    share = parsing.numbers("--part", part, "K:N", "3:20") if part else (0, 1)
     planned = read_sweep(config, allow_code).with_numbers(samples, seed)
     folder = Path("runs") / f"sweep-{config.stem}" if out is None else out
     with ends_softly() as stop, progress_bar(not as_json, planned.name, float(planned.samples)) as moved:
         try:
-            result = run_sweep(
-                planned, folder, backend=backend, workers=workers, address=address,
+            result = merge_sweep(planned, folder, merge) if merge else run_sweep(
+                planned, folder, backend=backend, workers=workers, address=address, part=share,
                 tell=None if moved is None else lambda done: moved(float(done)),
             )  # fmt: skip
         except KeyboardInterrupt:
@@ -69,7 +80,7 @@ def sweep(
         drawn = draw_sweep(result.config, result.table, result.folder)
         facts["pictures"] = [str(path) for path in drawn]
     show(facts, as_json, partial(_print, config=result.config, found=found))
-    return 1 if facts["errors"] or facts["crashed"] else 0
+    return 1 if facts["errors"] or facts["crashed"] or (merge and facts["missing"]) else 0
 
 
 def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
@@ -85,6 +96,7 @@ def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
         "fingerprint": config.fingerprint(),
         "seed": config.space.seed,
         "samples": result.table.num_rows,
+        "missing": config.samples - result.table.num_rows,
         "done": number["done"],
         "errors": number["error"],
         "crashed": number["crashed"],
@@ -142,6 +154,7 @@ def _lines(facts: dict[str, Any]) -> list[str]:
         f"{done}({share['low']:.3f} to {share['high']:.3f})" if facts["done"] else "no sample is done",
         f"{fresh} samples in {facts['wall_time']:.1f} s"
         + (f", {facts['resumed']} were there before" if facts["resumed"] else "")
+        + (f", {facts['missing']} are not here" if facts["missing"] else "")
         + (f"; workers died {facts['lost_workers']} times" if facts["lost_workers"] else ""),
     ]
     if facts["errors"] or facts["crashed"]:

@@ -4,6 +4,7 @@ from surefoot.sweep.config import SweepConfig as SweepConfig
 from surefoot.sweep.config import read_sweep as read_sweep
 from surefoot.sweep.config import sweep_from_dict as sweep_from_dict
 from surefoot.sweep.driver import SweepResult as SweepResult
+from surefoot.sweep.driver import merge_sweep as merge_sweep
 from surefoot.sweep.driver import run_sweep as run_sweep
 from surefoot.sweep.experiment import EXPERIMENTS as EXPERIMENTS
 from surefoot.sweep.experiment import SweepExperiment as SweepExperiment

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time as clock
 from collections import Counter, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from surefoot.arrays import of_kind
+from surefoot.arrays import of_kind, whole_number
+from surefoot.errors import ProblemError
 from surefoot.sweep.config import SweepConfig
 from surefoot.sweep.pools import Chunk, Pool, check_backend
 from surefoot.sweep.store import Store
@@ -62,6 +63,7 @@ def run_sweep(
     backend: str = "loky",
     workers: int | None = None,
     address: str | None = None,
+    part: Sequence[float] = (0, 1),
     tell: Callable[[int], None] | None = None,
 ) -> SweepResult:
     """Run the samples that a folder lacks and return the whole table.
@@ -78,13 +80,16 @@ def run_sweep(
         New, empty, or of the same sweep, perhaps with fewer samples.
     backend, workers, address
         See `surefoot.sweep.pools.Pool`.
+    part
+        (k, n): only samples k, k + n, k + 2 n, ... of the sweep, so that n calls with folders of their own
+        share it; `merge_sweep` joins them.
     tell
         Called with the number of rows that are there, now and then.
 
     Raises
     ------
     ProblemError
-        For a folder or a backend that will not do.
+        For a folder, a backend or a part that will not do.
     MissingExtra
         If pyarrow or the backend is not installed.
     WriteError
@@ -92,19 +97,50 @@ def run_sweep(
     """
     of_kind("config", config, SweepConfig)
     check_backend(backend, workers, address)
+    share = [whole_number("part", one) for one in part]
+    if len(share) != 2 or share[0] >= share[1]:
+        raise ProblemError(f"part must be k and n with k < n, got {share}")
     begin = clock.perf_counter()
     with closing(Store(folder, config)) as store:
         resumed, lost = len(store.done), 0
-        todo = store.missing()
+        todo = store.missing(*share)
         if todo:
             pool = Pool(backend, SweepTask(config.experiment, config.space), workers, address)
             try:
                 lost = _run_missing(store, pool, todo, tell)
             finally:
                 pool.close()
-        table = store.table()
-        path = store.write_table(table)
-        return SweepResult(config, store.folder, path, table, resumed, lost, clock.perf_counter() - begin)
+        return _result(store, resumed, lost, begin)
+
+
+def merge_sweep(config: SweepConfig, folder: str | Path, others: Sequence[str | Path]) -> SweepResult:
+    """Take the rows of other folders into one and return the whole table; nothing is run.
+
+    Parameters
+    ----------
+    config, folder
+        As for `run_sweep`; rows that are there stay.
+    others
+        Folders of the same sweep, or folders of such folders: of its parts, in any number and order.
+
+    Raises
+    ------
+    ProblemError
+        For a folder of no sweep, of another sweep, or of one that is at work.
+    """
+    of_kind("config", config, SweepConfig)
+    begin = clock.perf_counter()
+    with closing(Store(folder, config)) as store:
+        for other in others:
+            store.take(Path(other))
+        return _result(store, len(store.done), 0, begin)
+
+
+def _result(store: Store, resumed: int, lost: int, begin: float) -> SweepResult:
+    """Write the table of a folder, and return what there is."""
+    table = store.table()
+    path = store.write_table(table)
+    return SweepResult(store.config, store.folder, path, table, resumed, lost, clock.perf_counter() - begin)
 
 
 def _run_missing(store: Store, pool: Pool, todo: list[int], tell: Callable[[int], None] | None) -> int:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -79,7 +80,6 @@ class Store:
 
     def _claim(self) -> set[int]:
         """Lock the rows, refuse another sweep's, and return the samples that are there."""
-        own = json.dumps(self.config.identity())
         self._rows.execute("PRAGMA locking_mode = EXCLUSIVE")  # until closed
         self._rows.execute("PRAGMA synchronous = EXTRA")  # after a power cut, too
         self._rows.execute("BEGIN EXCLUSIVE")
@@ -87,14 +87,9 @@ class Store:
         self._rows.execute("CREATE TABLE IF NOT EXISTS samples (number INTEGER PRIMARY KEY, row TEXT)")
         (found,) = self._rows.execute("SELECT identity FROM sweep").fetchone() or (None,)
         if found is None:
-            self._rows.execute("INSERT INTO sweep VALUES (?)", (own,))
-        elif found != own:
-            there, here = json.loads(found), json.loads(own)
-            key = next(key for key in {**here, **there} if there.get(key) != here.get(key))
-            raise ProblemError(
-                f"{self.folder} holds another sweep ({key} is {json.dumps(there.get(key))} there, "
-                f"{json.dumps(here.get(key))} here); name another folder"
-            )
+            self._rows.execute("INSERT INTO sweep VALUES (?)", (json.dumps(self.config.identity()),))
+        else:
+            self._compare(found, self.folder)
         done = {number for (number,) in self._rows.execute("SELECT number FROM samples")}
         self._rows.execute("COMMIT")
         if max(done, default=0) >= self.config.samples:
@@ -104,9 +99,41 @@ class Store:
             )
         return done
 
-    def missing(self) -> list[int]:
-        """Return the indices of the samples that have no row, in their order."""
-        return [k for k in range(self.config.samples) if k not in self.done]
+    def _compare(self, found: str, folder: Path) -> None:
+        """Refuse a folder of another sweep."""
+        there, here = json.loads(found), json.loads(json.dumps(self.config.identity()))
+        key = next((key for key in {**here, **there} if there.get(key) != here.get(key)), None)
+        if key is not None:
+            raise ProblemError(
+                f"{folder} holds another sweep ({key} is {json.dumps(there.get(key))} there, "
+                f"{json.dumps(here.get(key))} here); name another folder"
+            )
+
+    def missing(self, first: int = 0, step: int = 1) -> list[int]:
+        """Return the indices of samples `first`, `first` + `step`, ... that have no row, in their order."""
+        return [k for k in range(first, self.config.samples, step) if k not in self.done]
+
+    def take(self, folder: Path) -> None:
+        """Take over the rows of other folders of the same sweep: this one's, and those of the folders in it.
+
+        Raises
+        ------
+        ProblemError
+            For a folder without a sweep, of another one, or one that is being written to.
+        """
+        found = sorted({*folder.glob(ROWS), *folder.glob(f"*/{ROWS}")} - {self.folder / ROWS})
+        if not found:
+            raise ProblemError(f"{folder} is no sweep's folder and holds none")
+        for path in found:
+            try:
+                with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as other:
+                    (identity,) = other.execute("SELECT identity FROM sweep").fetchone()
+                    self._compare(identity, path.parent)
+                    wanted = "SELECT row FROM samples WHERE number < ?"
+                    rows = other.execute(wanted, (self.config.samples,)).fetchall()
+            except (sqlite3.Error, TypeError) as error:
+                raise ProblemError(f"{path} cannot be read ({error}); is its sweep at work?") from error
+            self.add([json.loads(row) for (row,) in rows])
 
     def add(self, rows: list[Row]) -> None:
         """Write rows; those of samples that have one are ignored.
