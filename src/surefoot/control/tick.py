@@ -82,9 +82,10 @@ class Tick(Controller):
         # plan: body, and footholds, swing and forces as they fall due
         self._move_body(request, now)
         self._bound_forces(state, now, clock, standing)
-        self._outstanding = partial(self._plan, now, request, clock, state.time, changed)
         if begins or not self.answers_first:
-            self.plan_ahead()
+            self._plan(now, request, clock, state.time, changed)
+        else:
+            self._outstanding = partial(self._plan, now, request, clock, state.time, changed)
         # torques
         body = self.whole_body.solve(self._tasks(state, now, clock))
         if self.load is not None:

@@ -41,6 +41,7 @@ LOGGED = Request._fields[: len(RULES)]
 """Quantities in the order of the channel ``asked_by``: those of `RULES`, all but the note."""
 NOBODY: IntArray = np.full(len(LOGGED), -1)
 """What it says where nobody asks for anything [-]."""
+NOBODY.flags.writeable = False
 
 
 class Arbiter:
@@ -81,14 +82,16 @@ class Arbiter:
 
     def merge(self, view: WalkView) -> Request:
         """Return what all behaviours together ask for."""
-        merged, asked_by = NOTHING, NOBODY.copy()
+        merged, asked_by = NOTHING, NOBODY
         for rank, behaviour in enumerate(self.behaviours):
             request = behaviour.propose(view)
             if request is not NOTHING:
+                asked_by = NOBODY.copy() if asked_by is NOBODY else asked_by
                 merged = self._take(merged, request, rank, asked_by)
-        self.asked_by = asked_by
-        self.asked = self._within_caps(view.command, merged)
-        self.velocity = self._at_pace(self.asked, view.velocity, merged)
+        self.asked_by, self.asked, self.velocity = asked_by, view.command, view.command
+        if merged is not NOTHING:  # it seldom is
+            self.asked = self._within_caps(view.command, merged)
+            self.velocity = self._at_pace(self.asked, view.velocity, merged)
         return merged
 
     def _take(self, held: Request, new: Request, rank: int, asked_by: IntArray) -> Request:
