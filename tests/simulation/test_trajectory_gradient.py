@@ -174,5 +174,7 @@ def test_what_has_no_gradient_is_refused() -> None:
     for at, message in (({}, "give the rollout's x"), ({"x": np.nan}, "x must be finite")):
         with pytest.raises(sf.ProblemError, match=message):
             wrong()(**at)
+    with pytest.raises(sf.ProblemError, match="the loss must be a number"):
+        sf.trajectory_gradient(wrong().rollout, lambda q, v: None, wrt=["x"])(x=0.1)
     with pytest.raises(sf.ProblemError, match="this one took none"):
         sf.trajectory_gradient(lambda x: None, lambda q, v: 0.0, wrt=["x"])(x=1.0)

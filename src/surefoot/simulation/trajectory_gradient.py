@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, of_kind
+from surefoot.arrays import FloatArray, of_kind, real_number
 from surefoot.errors import ProblemError
 from surefoot.simulation.recorder import RECORDER, Recorder
 from surefoot.simulation.rollout_backward import WIDTH, Backward
@@ -44,7 +44,7 @@ class TrajectoryGradient:
         else:
             way = Backward(self._run, parameters, values, taken)
             found = way.slopes(partial(self._loss_rates, taken), partial(self._loss_along, taken))
-        return LossGradient(float(self.loss(*_arrays(taken.states))), found)
+        return LossGradient(self._loss(*_arrays(taken.states)), found)
 
     def _differences(self, parameters: dict[str, Any], name: str, value: FloatArray) -> Any:
         """Return the gradient by one parameter from runs on both of its sides: steps of scenes have none."""
@@ -58,7 +58,7 @@ class TrajectoryGradient:
 
     def value(self, **parameters: Any) -> float:
         """Return the loss alone."""
-        return float(self.loss(*_arrays(self._run(parameters).states)))
+        return self._loss(*_arrays(self._run(parameters).states))
 
     @property
     def jax(self) -> Any:
@@ -112,6 +112,10 @@ class TrajectoryGradient:
 
         return RolloutLoss.apply
 
+    def _loss(self, q: FloatArray, v: FloatArray) -> float:
+        """Return the loss of states, (n + 1, nq) and (n + 1, nv)."""
+        return real_number("the loss", self.loss(q, v))
+
     def _values(self, parameters: dict[str, Any]) -> dict[str, FloatArray]:
         """Return what the gradient is by, as arrays."""
         missing = [name for name in self.wrt if name not in parameters]
@@ -149,7 +153,7 @@ class TrajectoryGradient:
 
         def at(way: FloatArray) -> float:
             moved = [integrate(here, step) for here, step in zip(q, way[:, :nv], strict=True)]
-            return float(self.loss(np.array(moved), v + way[:, nv:]))
+            return self._loss(np.array(moved), v + way[:, nv:])
 
         out = np.zeros(motions.shape[2])
         for j, motion in enumerate(np.moveaxis(motions, 2, 0)):
@@ -166,12 +170,12 @@ class TrajectoryGradient:
         assert taken.world is not None
         states, integrate = taken.states, taken.world.stepper.bodies.moved
         (q, v), nv = _arrays(states), states[0].v.size
-        way, here = np.random.default_rng(0).normal(size=2 * nv), self.loss(q, v)
+        way, here = np.random.default_rng(0).normal(size=2 * nv), self._loss(q, v)
 
         def moved(rows: Any, step: FloatArray) -> float:
             kept = q[rows], v[rows]
             q[rows], v[rows] = [integrate(at, step[:nv]) for at in kept[0]], kept[1] + step[nv:]
-            found = float(self.loss(q, v))
+            found = self._loss(q, v)
             q[rows], v[rows] = kept
             return found
 

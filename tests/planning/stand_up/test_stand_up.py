@@ -55,3 +55,13 @@ def test_it_stands_up_where_it_is_not_expected(plan: Plan) -> None:
 def test_who_cannot() -> None:
     with pytest.raises(sf.ProblemError, match="four legs"):
         STAND_UP.plan(PlanRequest(sf.load_robot("g1")), lambda iteration: None)
+
+
+@pytest.mark.long
+def test_a_search_that_was_interrupted_says_so() -> None:
+    def stop(iteration: Iteration) -> None:
+        raise KeyboardInterrupt
+
+    task = StandUp(model=MujocoWorld(ROBOT, dt=2e-3, collision="full"))
+    found = task.plan(PlanRequest(ROBOT, 180.0, dt=2e-3, max_iterations=2), stop)
+    assert found.facts["interrupted"] is True

@@ -34,6 +34,8 @@ GATHER, RISE, HOLD = (0.3, 0.4), 0.7, 0.5
 """Time to fold the legs under the body and to wait there, to rise, and to stand [s]."""
 STIFFNESS, DAMPING = 0.4, 0.01
 """Of the joints, over the weight [m/rad, m s/rad]."""
+SAMPLES = 32
+"""Rollouts in a round."""
 ENOUGH = 0.65
 """Cost of a rollout that got up without a hard fall."""
 BLOW_TIME = 4e-3
@@ -66,16 +68,20 @@ class StandUp:
         search = _Rollouts(robot, model, legs)
         begin = clock.perf_counter()
         start = search.lie(math.radians(request.amount if request.amount is not None else 180.0))
+        rounds = request.max_iterations or 8
         found = cross_entropy(
-            lambda point: search.cost(point, start), *search.first_guess(), samples=32, elites=6,
-            rounds=request.max_iterations or 8, enough=ENOUGH, seed=request.seed,
+            lambda point: search.cost(point, start), *search.first_guess(), samples=SAMPLES, elites=6,
+            rounds=rounds, enough=ENOUGH, seed=request.seed,
             tell=lambda number, cost: tell(Iteration(number, cost, 0.0, "sampling")),
         )  # fmt: skip
         how = PlanSearch(
             self.name, "sampling", found.cost, found.reached, found.evaluations, clock.perf_counter() - begin
         )
         fine = RigidModel(robot, request.mu, FINER * dt)
-        return lying_plan(fine, search.postures(found.point), start, how)
+        plan = lying_plan(fine, search.postures(found.point), start, how)
+        if not found.reached and found.evaluations < rounds * SAMPLES:
+            plan.facts["interrupted"] = True
+        return plan
 
 
 def _legs(robot: Robot) -> IntArray:
