@@ -70,6 +70,21 @@ def needs(package: str, extra: str) -> Iterator[None]:
         raise MissingExtra(package, extra) from error
 
 
+@contextmanager
+def located(where: object) -> Iterator[None]:
+    """Put what is at fault, a file or an entry of one, before the message of a ProblemError of this context.
+
+    Raises
+    ------
+    ProblemError
+        In place of the one that was raised.
+    """
+    try:
+        yield
+    except ProblemError as error:
+        raise ProblemError(f"{where}: {error}") from error
+
+
 class WriteError(SurefootError, OSError):
     """A file that cannot be written: the disk is full, a quota is used up, ...
 

@@ -27,8 +27,8 @@ from surefoot.contact.derivative_rates import fitting
 from surefoot.contact.laws import LAWS, Law
 from surefoot.contact.matrix import ASYMMETRY, SINGLE_ASYMMETRY
 from surefoot.contact.problem import ContactProblem
-from surefoot.contact.solution import Status
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.contact.solution import Status, record_of
+from surefoot.errors import ProblemError, check_name, located
 from surefoot.solvers.compiled import COMPILED_CONTACTS, NOT_NUMBERS
 from surefoot.solvers.solver import solve
 
@@ -116,8 +116,7 @@ def solve_batch(
         If an argument is out of range, naming it; never for a problem that is hard or has no solution, and
         not for one whose numbers are not finite: that one is INVALID.
     """
-    if not isinstance(law, str) or law not in LAWS:
-        raise ProblemError(unknown_name("law", law, LAWS))
+    check_name("law", law, LAWS)
     named = LAWS[law]
     tol = real_number("tol", tol, low=0.0, high=1e300)
     workers = NUMBA_NUM_THREADS if threads is None else whole_number("threads", threads, low=1)
@@ -150,7 +149,7 @@ def _solve_rest(
 ) -> Status:  # fmt: skip
     """Solve by the general path what the compiled loop left; fill the buffer and return the status."""
     n = laws.shape[1]
-    used = int(~done[b]) if done[b] > NOT_NUMBERS - 1 and done[b] != NOT_NUMBERS else 0
+    used = int(~done[b]) if done[b] > NOT_NUMBERS else 0
     start = buffer[:n].copy()
     buffer[:] = 0.0
     if not (np.isfinite(G).all() and np.isfinite(g).all()):
@@ -158,14 +157,11 @@ def _solve_rest(
         buffer[2 * n :] = np.nan
         return Status.INVALID
     (mu, low, high), held = laws, np.isinf(laws[1])
-    try:
+    with located(f"problem {b} of the batch"):
         problem = ContactProblem(G, g, mu, np.where(held, 0.0, low), high, law, bilateral=held)
-    except ProblemError as error:
-        raise ProblemError(f"problem {b} of the batch: {error}") from error
     guess = start if used > 0 and np.isfinite(start).all() else None
     found = solve(problem, "auto", tol, max_iterations=max(MOST - used, 0), warm_start=guess)
-    buffer[:n], buffer[n : 2 * n] = found.forces, found.velocities
-    buffer[2 * n :].reshape(-1)[:7] = astuple(found.residuals)
+    buffer[:] = record_of(found.forces, found.velocities, astuple(found.residuals))
     done[b] = used + found.iterations
     return found.status
 

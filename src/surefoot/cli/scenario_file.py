@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from surefoot.errors import ProblemError, check_name
+from surefoot.errors import ProblemError, check_name, located
 from surefoot.text_files import read_yaml
 
 SCHEMA = Path(__file__).with_name("scenario.schema.json")
@@ -61,12 +61,10 @@ class ScenarioFile:
         if path is None:
             return ScenarioFile()
         content = read_yaml(path, "the scenario") or {}
-        try:
+        with located(path):
             said = checked("", content, schema())
             for key in said:
                 check_name("key for this command", key, keys)
-        except ProblemError as error:
-            raise ProblemError(f"{path}: {error}") from error
         if "velocity_file" in said:
             said["velocity_file"] = path.parent / said["velocity_file"]
         return ScenarioFile(**said)

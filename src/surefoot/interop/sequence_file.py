@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, of_kind
-from surefoot.errors import ProblemError, WriteError, one_line
+from surefoot.errors import ProblemError, WriteError, located, one_line
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
 from surefoot.text_files import path_of, read_text, table_of
@@ -95,10 +95,8 @@ def read_sequence(path: Path | str) -> ContactSequence:
         content = json.loads(read_text(source))
     except (json.JSONDecodeError, RecursionError) as error:
         raise ProblemError(f"{source} is not JSON: {one_line(error)}") from error
-    try:
+    with located(source):
         return sequence_from_dict(content)
-    except ProblemError as error:
-        raise ProblemError(f"{source}: {error}") from error
 
 
 def _phase_entry(sequence: ContactSequence, number: int) -> dict[str, Any]:
@@ -139,17 +137,15 @@ def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
     stated = [force for force in forces if force is not None]
     if stated and len(stated) < len(forces):
         raise ProblemError(f"{where}: either all contacts have a force or none has one")
-    try:
+    with located(where):
         return SequencePhase(given["duration"], Stance(contacts), np.concatenate(stated) if stated else None)
-    except ProblemError as error:
-        raise ProblemError(f"{where}: {error}") from error
 
 
 def _contact(where: str, entry: Any, friction: dict[str, Any]) -> tuple[Contact, FloatArray | None]:
     """Return a contact and the force that it is meant to carry."""
     more = ("normal_min", "normal_max", "patch", "halfspaces", "force")
     given = table_of(where, entry, (*_CONTACT, *more), required=_CONTACT)
-    try:
+    with located(where):
         turn = finite_array("rotation", given["rotation"], (3, 3))
         if np.abs(turn.T @ turn - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(turn) < 0.0:
             raise ProblemError("rotation must be a rotation: orthonormal, right-handed")
@@ -164,8 +160,6 @@ def _contact(where: str, entry: Any, friction: dict[str, Any]) -> tuple[Contact,
         _check_rows(contact, given.get("halfspaces"), friction)
         force = given.get("force")
         return contact, None if force is None else finite_array("force", force, (contact.dim,))
-    except ProblemError as error:
-        raise ProblemError(f"{where}: {error}") from error
 
 
 def _shape(patch: Any, options: dict[str, Any]) -> Contact:

@@ -18,7 +18,7 @@ from surefoot.arrays import FloatArray, real_number, whole_number
 from surefoot.contact.matrix import ASYMMETRY
 from surefoot.contact.problem import ContactOptions, ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
-from surefoot.contact.solution import Certified, Status
+from surefoot.contact.solution import Certified, Status, record_of
 from surefoot.errors import ProblemError
 from surefoot.kernels import (
     BOOLEAN,
@@ -296,6 +296,5 @@ class ContactSolver:
         problem = laws.replace(G=G if laws.compliance is None else G + laws.G, g=g)
         start = out[:n].copy() if done > 0 and np.isfinite(out[:n]).all() else None
         found = solve(problem, "auto", self.tol, max_iterations=left, warm_start=start)
-        out[:n], out[n : 2 * n], out[2 * n :] = found.forces, found.velocities, 0.0
-        out[2 * n :].reshape(-1)[:7] = astuple(found.residuals)
+        out[:] = record_of(found.forces, found.velocities, astuple(found.residuals))
         return ContactForces(out, n, found.status, done + found.iterations, found.proof)

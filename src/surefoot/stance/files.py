@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import ProblemError
+from surefoot.errors import ProblemError, located
 from surefoot.stance.contact import Contact, PatchContact, PointContact
 from surefoot.stance.stance import Stance
 from surefoot.text_files import path_of, read_yaml, table_of
@@ -51,10 +51,8 @@ def read_stance(path: str | Path) -> StanceQuestion:
     """
     source = path_of(path)
     content = read_yaml(source)
-    try:
+    with located(source):
         return stance_from_dict(content, source.stem)
-    except ProblemError as error:
-        raise ProblemError(f"{source}: {error}") from error
 
 
 def stance_from_dict(content: Any, name: str = "stance") -> StanceQuestion:
@@ -88,11 +86,9 @@ def _contact(where: str, entry: Any, mu: float) -> Contact:
     options["mu"] = given.get("mu", mu)
     options["name"] = str(given.get("name", where.removeprefix("contacts")))
     sizes = [key for key in ("length", "width") if key in given]
-    try:
+    with located(where):
         if not sizes:
             return PointContact(**options)
         if len(sizes) == 1:
             raise ProblemError(f"a patch needs length and width, got only {sizes[0]}")
         return PatchContact(length=given["length"], width=given["width"], **options)
-    except ProblemError as error:
-        raise ProblemError(f"{where}: {error}") from error

@@ -10,7 +10,7 @@ from typing import Any
 
 from surefoot import __version__
 from surefoot.arrays import whole_number
-from surefoot.errors import ProblemError, check_name
+from surefoot.errors import ProblemError, check_name, located
 from surefoot.sweep.experiment import SweepExperiment, make_experiment
 from surefoot.sweep.function import experiment_of
 from surefoot.sweep.space import MOST, Space, read_range
@@ -102,10 +102,8 @@ def read_sweep(path: str | Path, allow_code: bool = False) -> SweepConfig:
     """
     source = path_of(path)
     content = read_yaml(source)
-    try:
+    with located(source):
         return sweep_from_dict(content, source.parent, allow_code)
-    except ProblemError as error:
-        raise ProblemError(f"{source}: {error}") from error
 
 
 def sweep_from_dict(content: Any, folder: Path | None = None, allow_code: bool = False) -> SweepConfig:
