@@ -270,9 +270,8 @@ def _regions(
         traced = certified(
             OutlineProgram(rows, w, axes[i], count, G, anchors[i, :2].copy(), start), None, tol
         )
-        if traced.unbounded or traced.empty:
-            continue
-        out[int(k)] = traced.region(anchors[i, 2], np.array([0.0, 0.0, 1.0]), tol)
+        if not traced.unbounded:
+            out[int(k)] = traced.region(anchors[i, 2], np.array([0.0, 0.0, 1.0]), tol)
     return out
 
 

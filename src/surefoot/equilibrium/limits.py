@@ -42,10 +42,8 @@ class ForceLimits:
     def __len__(self) -> int:
         return len(self.bound)
 
-    def and_also(self, other: ForceLimits | None) -> ForceLimits:
+    def and_also(self, other: ForceLimits) -> ForceLimits:
         """Return both sets of bounds as one."""
-        if other is None:
-            return self
         rows, bound = np.vstack([self.rows, other.rows]), np.concatenate([self.bound, other.bound])
         return ForceLimits(rows, bound, self.names + other.names)
 

@@ -49,12 +49,6 @@ class Region:
     force_limit: float = math.inf
     converged: bool = True
 
-    @classmethod
-    def nothing(cls, height: float, axis: FloatArray, force_limit: float = math.inf) -> Region:
-        """Return the empty region at a height [m], with its (3,) axis [-] and force limit [N]."""
-        empty = np.zeros((0, 2))
-        return cls(empty, empty, np.zeros(0), 0.0, height, axis, force_limit)
-
     def __repr__(self) -> str:
         if self.empty:
             return "Region(empty)" if self.gap == 0.0 else "Region(undecided)"

@@ -185,7 +185,7 @@ def _region(question: Question, tol: float, rows: Rows, height: float, axis: Flo
     checked_gap(tol)
     stance = question.stance
     if not stance.contacts:
-        return Region.nothing(height, axis)
+        return Traced.nothing(0.0).region(height, axis, tol)
     question = replace(question, limits=all_limits(normal_limits(stance), question.limits))
     force_limit = math.inf
     found = _within_reason(question, rows, tol)
@@ -193,8 +193,6 @@ def _region(question: Question, tol: float, rows: Rows, height: float, axis: Flo
         force_limit = SQUEEZE * float(np.linalg.norm(question.load[:3]))
         limits = all_limits(question.limits, squeeze_limit(stance, force_limit))
         found = _within_reason(replace(question, limits=limits), rows, tol)
-    if found.empty:
-        return Region.nothing(height, axis, force_limit)
     if found.unbounded:
         raise ProblemError("the region has no bound: give the contacts a normal_max")
     return found.region(height, axis, tol, force_limit)

@@ -56,16 +56,9 @@ def distribute(
 
 def _patch_sums(stance: Stance) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the (patches, 3n) map from corner forces to the patches' normal forces, and its bounds."""
-    patches = [c for c in stance.contacts if c.dim == 6]
-    sums = np.zeros((len(patches), 3 * len(stance.points())))
-    row = column = 0
-    for contact in stance.contacts:
-        if contact.dim == 6:
-            sums[row, column + 2 : column + 12 : 3] = 1.0
-            row += 1
-        column += 12 if contact.dim == 6 else 3
-    low, high = (np.array([getattr(c, name) for c in patches]) for name in ("normal_min", "normal_max"))
-    return sums, low, high
+    patches = [k for k, contact in enumerate(stance.contacts) if contact.dim == 6]
+    normals = [stance.slices[k].start + 2 for k in patches]
+    return stance.corner_map[normals], stance.normal_min[patches], stance.normal_max[patches]
 
 
 def _patch_wrenches(stance: Stance, points: Stance, forces: FloatArray) -> FloatArray:

@@ -278,11 +278,10 @@ def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> Floa
     ProblemError
         If the mass is not positive and finite or the wrench is not (6,) and finite.
     """
-    if not (isinstance(mass, (int, float)) and 0.0 < mass <= LARGEST):
-        if not isinstance(mass, (int, float, np.number)):
-            raise ProblemError(f"mass must be a number [kg], got {mass!r:.60}")
-        if not 0.0 < mass <= LARGEST:
-            raise ProblemError(f"mass must be positive and up to {LARGEST:g} kg, got {mass!r:.60}")
+    if not isinstance(mass, (int, float, np.number)):
+        raise ProblemError(f"mass must be a number [kg], got {mass!r:.60}")
+    if not 0.0 < mass <= LARGEST:
+        raise ProblemError(f"mass must be positive and up to {LARGEST:g} kg, got {mass!r:.60}")
     load = np.zeros(6)
     load[2] = mass * GRAVITY
     if not (isinstance(external_wrench, (int, float)) and external_wrench == 0.0):

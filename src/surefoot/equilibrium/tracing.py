@@ -62,11 +62,6 @@ class Traced:
             self.inner, self.directions, self.heights, self.gap, height, axis, force_limit, self.gap <= tol
         )
 
-    @property
-    def empty(self) -> bool:
-        """Whether it is proven that nothing belongs to the region."""
-        return not self.unbounded and len(self.inner) == 0 and self.gap == 0.0
-
 
 @dataclass
 class OutlineProgram:

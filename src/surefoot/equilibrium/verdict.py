@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.cones.cone import Fit
@@ -14,9 +15,6 @@ from surefoot.equilibrium.limits import ForceLimits, Question, equations
 from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, REACH, most_margin
 from surefoot.errors import ProblemError
 from surefoot.stance import Stance
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
 
 _NONE = np.zeros(0)
 _MOST = 1e6

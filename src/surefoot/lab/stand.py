@@ -113,10 +113,7 @@ def answer_of(state: StandState) -> StandAnswer:
     """Return what the statics say of a state."""
     stance, (facets, fit) = state.stance(), CONES[state.cones]
     verdict = can_stand(stance, state.com, state.mass, facets=facets, fit=fit)
-    if len(stance.contacts):
-        region = com_region(stance, state.mass, TOLERANCE, facets=facets, fit=fit)
-    else:
-        region = Region.nothing(0.0, np.array([0.0, 0.0, 1.0]))
+    region = com_region(stance, state.mass, TOLERANCE, facets=facets, fit=fit)
     forces = None if verdict.forces is None else verdict.forces.reshape(-1, 3)
     return StandAnswer(verdict, region, forces, friction_needed(stance, state.com, state.mass))
 
