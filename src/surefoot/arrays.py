@@ -51,12 +51,7 @@ def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None =
             w is None or w == a for w, a in zip(wanted, array.shape, strict=True)
         )
         if not fits:
-            text = (
-                "("
-                + ", ".join("any" if w is None else str(w) for w in wanted)
-                + ("," * (len(wanted) == 1))
-                + ")"
-            )
+            text = str(tuple("any" if w is None else int(w) for w in wanted)).replace("'", "")
             raise ProblemError(f"{name} must have shape {text}, got {array.shape}")
     bad = np.isnan(array)
     if bad.any():

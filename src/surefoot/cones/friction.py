@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.cones.cone import Cone, Fit
-
-if TYPE_CHECKING:
-    from surefoot.cones.polyhedral import FrictionPyramid
+from surefoot.cones.polyhedral import FrictionPyramid
 
 
 class FrictionCone(Cone):
@@ -113,6 +110,4 @@ class FrictionCone(Cone):
         ProblemError
             For fewer than three facets, an unknown fit, or mu that is infinite.
         """
-        from surefoot.cones.polyhedral import FrictionPyramid
-
         return FrictionPyramid(self.mu, facets, fit, phase)

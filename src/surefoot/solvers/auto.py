@@ -57,7 +57,7 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     """Solve either law from a (n, 3) warm start; an iteration is one of whatever method ran."""
     start = working_time()
     if problem.general:
-        return _run(problem, settings, warm_start, 0, plans.GENERAL[plans.ANY_LAW], start)
+        return _run(problem, settings, warm_start, 0, plans.GENERAL, start)
     if problem.facets is not None:
         return _run(problem, settings, warm_start, 0, plans.PYRAMIDS[problem.law], start)
     if problem.contacts <= COMPILED_CONTACTS:

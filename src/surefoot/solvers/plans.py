@@ -84,15 +84,12 @@ PYRAMIDS: dict[str, Plan] = {
         PlanStage("admm", warm=True),
     ),
 }
-ANY_LAW = "any law"
-GENERAL: dict[str, Plan] = {
-    ANY_LAW: (
-        PlanStage("newton", 30),
-        PlanStage(PARTS),
-        PlanStage(ADMM_AND_NEWTON, 300),
-        PlanStage(PROOF),
-        PlanStage(ADMM_AND_NEWTON, 10_000, warm=True),
-        PlanStage("admm", 20_000),
-    )
-}
+GENERAL: Plan = (
+    PlanStage("newton", 30),
+    PlanStage(PARTS),
+    PlanStage(ADMM_AND_NEWTON, 300),
+    PlanStage(PROOF),
+    PlanStage(ADMM_AND_NEWTON, 10_000, warm=True),
+    PlanStage("admm", 20_000),
+)
 """For contacts of any kind, under any law."""

@@ -62,13 +62,8 @@ def pack_cones(
         top = max(top, scales[2, k] / 3.0)
     offset[0] = 0
     for k in range(n):
-        mu, low, high, w, s = (
-            vectors[1, k],
-            vectors[1, n + k],
-            vectors[1, 2 * n + k],
-            scales[0, k],
-            scales[1, k],
-        )
+        mu, low, high = vectors[1, k], vectors[1, n + k], vectors[1, 2 * n + k]
+        w, s = scales[0, k], scales[1, k]
         # blocks of trace 3
         trace = scales[2, k] / 3.0
         if not trace > 1e-12 * top:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.cones import Cone, FrictionCone
+from surefoot.cones import Cone, FrictionCone, WrenchCone
 from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError
 from surefoot.spatial import rotation_from_normal
@@ -190,14 +190,10 @@ class PatchContact(Contact):
     @property
     def cone(self) -> Cone:
         """The contact wrench cone of the patch: the sum of its corners' cones."""
-        from surefoot.cones.wrench import WrenchCone
-
         return WrenchCone(self.length, self.width, self.mu)
 
     def sides(self, facets: int, fit: Fit) -> FloatArray:
         """(16, 6) rows of the `WrenchCone` [-, m]; its friction pyramid has four sides whatever `facets`."""
-        from surefoot.cones.wrench import WrenchCone
-
         return WrenchCone(self.length, self.width, self.mu, fit).halfspaces
 
     def side_count(self, facets: int) -> int:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from surefoot.errors import MissingExtra
+from surefoot.errors import needs
 from surefoot.solvers.backends.program import ConeProgram, Outcome
 
 Call = Callable[[], Any]
@@ -77,10 +77,8 @@ class Backend(ABC):
 
     def __init__(self, options: Options | None = None) -> None:
         self.options = options or Options()
-        try:
+        with needs(self.package, "qp"):
             self.module: Any = importlib.import_module(self.package)
-        except ImportError as error:
-            raise MissingExtra(self.package, "qp") from error
         self._kept: dict[Any, Any] = {}
 
     def _words(self) -> dict[str, Any]:

@@ -34,10 +34,8 @@ class Daqp(Backend):
         E, e, C, low, high, lower, upper = program.two_sided(bounds=True)
         C = dense(C)
         bounded = np.flatnonzero(np.isfinite(lower) | np.isfinite(upper))
-        first = slice(
-            0, int(bounded[-1]) + 1 if bounded.size else 0
-        )  # its bounds are of the first entries of x
-        lower, upper = lower[first], upper[first]
+        first = int(bounded[-1]) + 1 if bounded.size else 0  # its bounds are of the first entries of x
+        lower, upper = lower[:first], upper[:first]
         rows = np.ascontiguousarray(np.vstack([C, dense(E)]))
         most = np.clip(np.concatenate([upper, high, e]), -FAR, FAR)
         least = np.clip(np.concatenate([lower, low, e]), -FAR, FAR)

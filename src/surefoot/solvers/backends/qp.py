@@ -59,10 +59,8 @@ class QpSolvers(Backend):
         E, e, C, low, high, lower, upper = program.two_sided(bounds=True)
         shape = sp.csc_matrix if (self.options.sparse if self.sparse is None else self.sparse) else dense
         two = np.isfinite(low)
-        rows, limits = (
-            sp.vstack([sp.csr_matrix(C), -sp.csr_matrix(C)[two]]),
-            np.concatenate([high, -low[two]]),
-        )
+        rows = sp.vstack([sp.csr_matrix(C), -sp.csr_matrix(C)[two]])
+        limits = np.concatenate([high, -low[two]])
         return None, self.module.Problem(
             shape(program.P), program.q, *((shape(rows), limits) if limits.size else (None, None)),
             *((shape(E), e) if e.size else (None, None)), lower, upper,
