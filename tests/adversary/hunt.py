@@ -13,13 +13,9 @@ import warnings
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from building import FEASIBLE, INFEASIBLE, NO_SOLUTION, Case, case
 from families import FAMILIES
 from oracle import Data, Verdict, check_proof, judge, read, velocities_of, velocity_rounding

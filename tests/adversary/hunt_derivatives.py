@@ -10,12 +10,8 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from derivative_reference import Moving, redundant, reference, regular
 
 import surefoot as sf

@@ -8,14 +8,10 @@ method in plain NumPy; it counts only where its multipliers and slacks have the 
 
 import argparse
 import sys
-from pathlib import Path
 
 import numpy as np
 
 import surefoot as sf
-
-if __name__ == "__main__":
-    sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 MU, LOW, HIGH = 0.6, 5.0, 250.0
 NEAR = 1e-5

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from stance_families import FAMILIES, question
 
 import surefoot as sf
 from tests.equilibrium.test_batch import assert_same_region
-
-sys.path.insert(0, str(Path(__file__).parent))  # pytest's importlib mode leaves the folder out
-from stance_families import FAMILIES, question
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from stance_families import FAMILIES, question
 
 import surefoot as sf
 from surefoot.equilibrium.limits import Question, equations, normal_limits
 from surefoot.equilibrium.margin import most_margin
 from surefoot.equilibrium.row_blocks import IN_ONE
 from surefoot.equilibrium.statics import needed_wrench
-
-sys.path.insert(0, str(Path(__file__).parent))  # pytest's importlib mode leaves the folder out
-from stance_families import FAMILIES, question
 
 
 def crowd(rng: np.random.Generator, family: str) -> tuple[sf.Stance, np.ndarray, float]:

@@ -7,20 +7,16 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from rational_lp import largest
 from scipy.optimize import linprog
+from stance_families import FAMILIES, corner_contacts, directions, question
 
 import surefoot as sf
 from surefoot.equilibrium.regions import zmp_region
 from surefoot.solvers.backends import ConeProgram, End, solve_program
-
-sys.path.insert(0, str(Path(__file__).parent))  # pytest's importlib mode leaves the folder out
-from rational_lp import largest
-from stance_families import FAMILIES, corner_contacts, directions, question
 
 GRAVITY = 9.81
 EXACT, PYRAMIDS = 2e-6, 2e-7

@@ -7,19 +7,15 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from collections import Counter
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
+from stance_families import FAMILIES, SCALES, corner_contacts, question
 
 import surefoot as sf
 from surefoot.solvers.backends import ConeProgram, End, solve_program
-
-sys.path.insert(0, str(Path(__file__).parent))  # pytest's importlib mode leaves the folder out
-from stance_families import FAMILIES, SCALES, corner_contacts, question
 
 BAND = Fraction(4, 10**9)
 """Forces may leave their cones, and miss the load, by this share of the load."""
