@@ -70,8 +70,6 @@ def hard() -> list[tuple[str, Problems]]:
     nan[0, 4] = np.nan
     bent = G.copy()
     bent[0, 2, 2] = np.inf
-    wall = np.zeros_like(G)
-    wall[0, 2, 2] = 0.0
     return [
         ("nan in g", Problems(G, nan, mu)),
         ("infinite G", Problems(bent, g, mu)),

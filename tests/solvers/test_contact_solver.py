@@ -140,11 +140,6 @@ def test_wrong_settings_are_named(arguments: dict[str, object]) -> None:
         sf.ContactSolver(**({"contacts": 4, "mu": 0.5} | arguments))  # type: ignore[arg-type]
 
 
-def test_no_contacts() -> None:
-    with pytest.raises(sf.ProblemError, match="contacts must be a whole number >= 1, got 0"):
-        sf.ContactSolver(0, 0.5)
-
-
 def test_one_solver_per_thread() -> None:
     """Threads with a solver each answer what one thread does: nothing is shared, and the lock is released."""
     problems = four_contacts()

@@ -43,8 +43,6 @@ GOOD = "mass: 10\ncom: [0, 0, 0.5]\ncontacts:\n  - {name: a, position: [0, 0, 0]
     ("text", "message"),
     [
         ("", "must be a mapping"),
-        ("- 1\n", "must be a mapping"),
-        ("mass: [\n", "not YAML"),
         ("com: [0, 0, 0]\n", "mass is missing"),
         (GOOD.replace("mass: 10", "mass: -1"), "mass must be positive"),
         (GOOD.replace("mass: 10", "mass: heavy"), "mass must be a number"),
@@ -55,7 +53,6 @@ GOOD = "mass: 10\ncom: [0, 0, 0.5]\ncontacts:\n  - {name: a, position: [0, 0, 0]
         (GOOD.replace("name: a", "length: 0.1"), "a patch needs length and width"),
         (GOOD.replace("position: [0, 0, 0]", "mu: 0.5"), r"contacts\[0\]: position is missing"),
         (GOOD.replace("name: a", "mu: -3"), r"contacts\[0\]: mu"),
-        (GOOD + "colour: red\n", "unknown key 'colour'"),
         ("mass: 1\ncom: [0, 0, 0]\ncontacts: 3\n", "contacts must be a list"),
     ],
 )
@@ -66,9 +63,7 @@ def test_what_is_wrong_is_named_with_the_file(tmp_path, text, message):
         read_stance(path)
 
 
-def test_missing_and_binary_files(tmp_path):
-    with pytest.raises(ProblemError, match="cannot read"):
-        read_stance(tmp_path / "none.yaml")
+def test_binary_files(tmp_path):
     (tmp_path / "b.yaml").write_bytes(bytes(range(128, 256)))
     with pytest.raises(ProblemError, match="cannot read"):
         read_stance(tmp_path / "b.yaml")

@@ -80,18 +80,14 @@ def test_numbers_as_yaml_reads_them(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("experiment: [", "is not YAML"),
         ("!!python/object/apply:os.system ['true']", "is not YAML: could not determine a constructor"),
         ("experiment: drop\nranges: {mu: [1, 0]}", r"a.yaml: mu must have low <= high"),
-        ("", "the file must be a mapping"),
     ],
 )
 def test_files_that_are_no_sweep(text: str, told: str, tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text(text)
     with pytest.raises(ProblemError, match=told):
         read_sweep(tmp_path / "a.yaml")
-    with pytest.raises(ProblemError, match=r"cannot read .*b.yaml: No such file"):
-        read_sweep(tmp_path / "b.yaml")
 
 
 def test_the_fingerprint_is_of_what_decides_the_results() -> None:

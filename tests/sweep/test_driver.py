@@ -15,6 +15,11 @@ from tests.sweep.deadly import deadly
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")
 
 
+def need(backend: str) -> None:
+    package = {"loky": "joblib", "dask": "distributed"}.get(backend, backend)
+    pytest.importorskip(package, reason=f"no {backend}: make test-extras")
+
+
 def test_a_sample_that_fails_is_recorded(tmp_path: Path) -> None:
     result = run_sweep(deadly(10, failing=(2,), broken=(4,)), tmp_path / "a", backend="serial")
     rows = {row["index"]: row for row in result.table.to_pylist()}
@@ -29,11 +34,7 @@ def test_a_sample_that_fails_is_recorded(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("backend", ["loky", "ray", "dask"])
 def test_a_sample_that_kills_its_worker_thrice_is_recorded_as_crashed(backend: str, tmp_path: Path) -> None:
-    if backend != "loky":
-        pytest.importorskip(
-            {"dask": "distributed"}.get(backend, backend), reason=f"no {backend}: make test-extras"
-        )
-    pytest.importorskip("joblib", reason="loky comes with joblib")
+    need(backend)
     seen = tmp_path / "seen"
     config = deadly(24, killers=(5, 17), failing=(2,), seen=str(seen))
     result = run_sweep(config, tmp_path / "a", backend=backend, workers=2)
@@ -51,9 +52,7 @@ def test_a_sample_that_kills_its_worker_thrice_is_recorded_as_crashed(backend: s
 
 @pytest.mark.parametrize("backend", ["ray", "dask"])
 def test_a_cluster_that_is_not_there_is_told(backend: str) -> None:
-    pytest.importorskip(
-        {"dask": "distributed"}.get(backend, backend), reason=f"no {backend}: make test-extras"
-    )
+    need(backend)
     config = deadly()
     with pytest.raises(ProblemError, match=r"answers at 127.0.0.1:1"):
         Pool(backend, SweepTask(config.experiment, config.space), None, "127.0.0.1:1")
