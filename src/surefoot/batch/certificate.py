@@ -83,7 +83,7 @@ def scales(xp: Any, G: Any, g: Any, on: Any) -> Scales:
     size = top * xp.sqrt(((free / unit[..., None]) ** 2).sum(-1))
     size = xp.where(on & (size > REST), size, xp.zeros_like(size))
     root = xp.sqrt(trace)
-    speed, energy = xp.zeros_like(size), xp.zeros_like(size)
+    speed = xp.zeros_like(size)
     for share, bound in ((LENT, 0.0), (1.0, noise)):
         joined = (entry > bound * root[..., :, None] * root[..., None, :]) & both
         part = _closure(xp, joined | (xp.eye(n, size) > 0.0))
@@ -136,8 +136,7 @@ def judge(
     norms = xp.sqrt((blocks_of(xp, G) ** 2).sum(-1)).sum(-1)  # at least the block's norm
     open_ = 4.0 * float(xp.finfo(G.dtype).eps) * (norms * sizes[..., None, :]).sum(-1)
     moving = s.speed > 0.0
-    rounding = xp.amax(xp.where(moving, open_ / xp.where(moving, s.speed, 1.0), 0.0), -1)
-    rest = rounding
+    rest = xp.amax(xp.where(moving, open_ / xp.where(moving, s.speed, 1.0), 0.0), -1)
     if convex:
         power = abs((forces * velocities).sum(-1))
         some = s.energy > 0.0

@@ -88,11 +88,8 @@ class PolyhedralCone(Cone):
         >>> PolyhedralCone.from_halfspaces([[0, 0, -1], [0, 0, -2]])
         PolyhedralCone(dim=3, 1 rows, 5 rays)
         """
-        from surefoot.cones.representation import convert
-
-        rows = finite_array("halfspaces", halfspaces, (None, None))
-        rays, kept = convert(rows, method)
-        return PolyhedralCone(rows[kept], rays)
+        polar = PolyhedralCone.from_rays(finite_array("halfspaces", halfspaces, (None, None)), method)
+        return PolyhedralCone(polar.rays, polar.halfspaces)
 
     def representation_gap(self, samples: int = 0, seed: int = 0) -> float:
         """Return how far the two representations are apart, as an angle [rad]; zero to rounding is right.

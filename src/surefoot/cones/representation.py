@@ -11,7 +11,7 @@ ray nor the unit of a component matters.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from surefoot.cones.nearest import nearest_in_cone
 from surefoot.errors import check_name, needs
 
 Method = Literal["qhull", "cdd"]
-METHODS = ("qhull", "cdd")
 
 _FLAT = 1e-9
 """Singular values and section heights below this share count as zero."""
@@ -59,7 +58,7 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
     >>> sorted((rows.round(9) + 0.0).tolist()), kept.tolist()  # no zero is negative
     ([[-1.0, 0.0], [0.0, -1.0]], [0, 2])
     """
-    check_name("method", method, METHODS)
+    check_name("method", method, get_args(Method))
     V, index = _directions(rays)
     dim = rays.shape[1]
     if not len(V):

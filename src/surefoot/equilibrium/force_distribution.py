@@ -25,13 +25,8 @@ from surefoot.solvers.dual_newton import work as layout
 from surefoot.solvers.dual_newton.rows import RowsWork, distribute_with_rows, rows_work
 from surefoot.solvers.dual_newton.wrench import distribute_wrench
 
-_STATUS = {
-    layout.SOLVED: Status.SOLVED,
-    layout.ALMOST: Status.ALMOST,
-    layout.MAX_ITERATIONS: Status.MAX_ITERATIONS,
-    layout.INVALID: Status.INVALID,
-    layout.INFEASIBLE: Status.INFEASIBLE,
-}
+_STATUS = (Status.SOLVED, Status.ALMOST, Status.MAX_ITERATIONS, Status.INVALID, Status.INFEASIBLE)
+"""By the codes of `layout`, which are places in this tuple."""
 _FLOAT = np.float64
 _WRENCH = (6,)
 NOT_NUMBERS = "grasp_map and wrench must be arrays of numbers"

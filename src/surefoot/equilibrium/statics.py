@@ -209,9 +209,7 @@ def friction_needed(
     if not stance.contacts:
         return math.inf if float(np.linalg.norm(load)) > 0.0 else 0.0
     size = load_scale(load, spread(points.positions, about))
-    if most < math.inf:
-        return _friction_within(stance, about, load, most)[0]
-    least, total = _friction_within(stance, about, load, math.inf)
+    least, total = _friction_within(stance, about, load, most)
     if force_limit is not None or math.isinf(least):
         return least
     for loads in _SQUEEZES:

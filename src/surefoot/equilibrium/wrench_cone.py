@@ -111,16 +111,12 @@ def wrench_cone(
             f"the wrench cone of {size.rays} rays may have up to {size.most_rows} half-spaces, more than "
             f"most_rows={most_rows}: use fewer facets or contacts, or raise most_rows"
         )
-    rays = np.zeros((0, 6))
+    rays = [np.zeros((0, 6))]
     if len(points):
         grasp = points.grasp_map(about)
-        rays = np.vstack(
-            [
-                _pyramid_rays(float(m), facets, fit) @ grasp[:, p].T
-                for m, p in zip(points.mu, points.slices, strict=True)
-            ]
-        )
-    return PolyhedralCone.from_rays(rays, method)
+        for m, part in zip(points.mu, points.slices, strict=True):
+            rays.append(_pyramid_rays(float(m), facets, fit) @ grasp[:, part].T)
+    return PolyhedralCone.from_rays(np.vstack(rays), method)
 
 
 def _pyramid_rays(mu: float, facets: int, fit: Fit) -> FloatArray:

@@ -17,13 +17,12 @@ from surefoot.solvers.set_kernels import WIDTH, Packing, natural_sets, pack, pac
 
 def scaling(problem: ContactProblem) -> FloatArray:
     """Return the (m,) scale of each row."""
-    contacts = problem.contact_set if problem.general else None
-    counts = 3 if contacts is None else np.diff(contacts.offsets)
+    contacts = problem.contact_set
+    counts = np.diff(contacts.offsets)
     trace = problem.scales[2] / counts
     top = trace.max(initial=0.0)
     trace = np.where(trace > 1e-12 * top, trace, top if top > 0.0 else 1.0)
-    unit = np.repeat(1.0 / np.sqrt(trace), counts)
-    return unit if contacts is None else contacts.lengths * unit
+    return contacts.lengths * np.repeat(1.0 / np.sqrt(trace), counts)
 
 
 def measure_of(problem: ContactProblem, unit: FloatArray) -> FloatArray:

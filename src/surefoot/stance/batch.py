@@ -67,14 +67,9 @@ class StanceBatch:
 
     def __getitem__(self, k: int) -> Stance:
         """Return one stance as an object."""
-        return Stance(
-            [
-                PointContact(p, R[:, 2], float(m), heading=R[:, 0])
-                for p, R, m in zip(
-                    self.positions[k, : self.counts[k]], self.rotations[k], self.mu[k], strict=False
-                )
-            ]
-        )
+        own = slice(self.counts[k])
+        feet = zip(self.positions[k, own], self.rotations[k, own], self.mu[k, own], strict=True)
+        return Stance([PointContact(p, R[:, 2], float(m), heading=R[:, 0]) for p, R, m in feet])
 
     def groups(self) -> Iterator[tuple[IntArray, int]]:
         """Yield the indices (k,) of the stances with equally many contacts, and that number."""

@@ -78,17 +78,12 @@ def stance_from_dict(content: Any, name: str = "stance") -> StanceQuestion:
 def _contact(where: str, entry: Any, mu: float) -> Contact:
     """Return one contact; errors name the entry."""
     given = table_of(where, entry, _CONTACT, required=("position",))
-    options: dict[str, Any] = {
-        key: given[key]
-        for key in ("position", "normal", "heading", "normal_min", "normal_max")
-        if key in given
-    }
-    options["mu"] = given.get("mu", mu)
-    options["name"] = str(given.get("name", where.removeprefix("contacts")))
+    name = str(given.get("name", where.removeprefix("contacts")))
+    options: dict[str, Any] = {"mu": mu, **given, "name": name}
     sizes = [key for key in ("length", "width") if key in given]
     with located(where):
         if not sizes:
             return PointContact(**options)
         if len(sizes) == 1:
             raise ProblemError(f"a patch needs length and width, got only {sizes[0]}")
-        return PatchContact(length=given["length"], width=given["width"], **options)
+        return PatchContact(**options)

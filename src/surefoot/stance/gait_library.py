@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import finite_array, whole_number
+from surefoot.arrays import FloatArray, finite_array, whole_number
 from surefoot.errors import ProblemError, check_name
 from surefoot.stance.gait import Gait
 
@@ -99,9 +99,8 @@ def patterns_of(feet: int, places: ArrayLike | None = None) -> Mapping[str, Gait
     return _by_place(xy[:, 0], xy[:, 1] - xy[:, 1].mean())
 
 
-def _by_place(along: ArrayLike, left: ArrayLike) -> dict[str, GaitPattern]:
+def _by_place(x: FloatArray, y: FloatArray) -> dict[str, GaitPattern]:
     """Return the gaits of feet at places along the robot and to its left, (n,) each [m]."""
-    x, y = np.asarray(along), np.asarray(left)
     n, reach = len(x), BESIDE * float(np.abs(y).max())
     sides = [[k for k in np.argsort(x) if y[k] > reach], [k for k in np.argsort(x) if y[k] < -reach]]
     for k in np.flatnonzero(np.abs(y) <= reach):  # one in the middle joins the side of fewer feet

@@ -11,7 +11,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, check_name
-from surefoot.robot.actuators import real_actuators
+from surefoot.robot import Robot, load_robot
+from surefoot.robot.actuators import Actuators, real_actuators
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.sweep.experiment import number
 from surefoot.sweep.grounded import Grounded
@@ -20,8 +21,6 @@ from surefoot.terrain import FlatTerrain, Terrain
 if TYPE_CHECKING:
     from surefoot.control.controller import Controller
     from surefoot.log import Log
-    from surefoot.robot import Robot
-    from surefoot.robot.actuators import Actuators
 
 MOTORED = ("mujoco", "rigid")
 """Worlds whose joints have motors."""
@@ -169,8 +168,6 @@ class WalkTrial(Grounded):
 @lru_cache(maxsize=4)
 def known_robot(name: str) -> Robot:
     """Return a robot, loaded once by each worker."""
-    from surefoot.robot import load_robot
-
     return load_robot(name)
 
 
