@@ -96,11 +96,7 @@ class HalfSpaces:
 
 
 def halfspaces(
-    contacts: Sequence[Contact],
-    facets: int = 8,
-    fit: Fit = "inner",
-    axes: Axes = "contact",
-    swing: Sequence[bool] | Sequence[str] = (),
+    contacts: Sequence[Contact], facets: int, fit: Fit, axes: Axes, swing: Sequence[bool] | Sequence[str]
 ) -> HalfSpaces:
     """Return the rows of contacts; see `Stance.halfspaces`."""
     check_name("axes", axes, ["contact", "world"])

@@ -175,9 +175,7 @@ class Pool:
         If the backend is not installed.
     """
 
-    def __init__(
-        self, backend: str, task: SweepTask, workers: int | None = None, address: str | None = None
-    ) -> None:
+    def __init__(self, backend: str, task: SweepTask, workers: int | None, address: str | None) -> None:
         self._open: Callable[[], Workers] = partial(BACKENDS[backend], task, workers, address)
         self._backend = self._open()
         self.workers = self._backend.workers
