@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from building import FEASIBLE, bodies_matrix, case, feasible_case, rescaled
 from families import FAMILIES
-from hunt import examine, sweep
+from hunt import Finding, examine, sweep
 from insoluble import squeezed_twins
 from oracle import check_proof, judge, read
 
@@ -29,11 +29,16 @@ SAMPLE = ("small", "redundant", "unequal_loads", "scales", "decoupled", "squeeze
           "no_normal_row", "held_apart", "jamming", "weak", "rank_one", "enormous")  # fmt: skip
 
 
+def check(found: list[Finding], more: str = "") -> None:
+    """Say which verdicts are false, and by which command they come again."""
+    lies = [f"{f.lies}: {f.command}{more}" for f in found if f.lies]
+    assert not lies, "\n".join([f"{len(lies)} of {len(found)}", *lies[:10]])
+
+
 @pytest.mark.parametrize("name", sorted(FAMILIES))
 def test_no_verdict_of_auto_is_false(name: str) -> None:
     found = [examine(name, seed, max_time=0.1) for seed in range(COUNT.get(name, 46))]
-    lies = [f"{f.lies}: {f.command}" for f in found if f.lies]
-    assert not lies, "\n".join([f"{len(lies)} of {len(found)}", *lies[:10]])
+    check(found)
     leaks = [f.command for f in found if f.leaks]
     # a least energy that is only approached: forces of a few million newtons may come within the tolerance
     most = len(found) // 10 if name.startswith("weak") else 0
@@ -43,8 +48,7 @@ def test_no_verdict_of_auto_is_false(name: str) -> None:
 @pytest.mark.parametrize("name", SAMPLE)
 def test_no_verdict_of_any_solver_is_false(name: str) -> None:
     found = list(sweep([name], range(200, 203), ("all",), 1e-8, ["cold"], 0.05, 1000))
-    lies = [f"{f.lies}: {f.command}" for f in found if f.lies]
-    assert not lies, "\n".join([f"{len(lies)} of {len(found)}", *lies[:10]])
+    check(found)
     assert {"auto", "admm"} <= {f.solver for f in found}
 
 
@@ -53,22 +57,19 @@ def test_no_verdict_of_any_solver_is_false(name: str) -> None:
 def test_a_warm_start_cannot_make_it_lie(name: str, start: str) -> None:
     solvers = ("auto", "nsgs", "admm", "newton")
     found = list(sweep([name], range(300, 302), solvers, 1e-8, [start], 0.05, 1000))
-    lies = [f"{f.lies}: {f.command}" for f in found if f.lies]
-    assert not lies, "\n".join([f"{len(lies)} of {len(found)}", *lies[:10]])
+    check(found)
 
 
 @pytest.mark.parametrize("most", [0, 1, 3])
 def test_stopping_early_cannot_make_it_lie(most: int) -> None:
     found = list(sweep(SAMPLE, range(400, 403), ("auto", "nsgs", "admm"), 1e-8, ["cold"], 0.05, most))
-    lies = [f"{f.lies}: {f.command} --max-iterations {most}" for f in found if f.lies]
-    assert not lies, "\n".join([f"{len(lies)} of {len(found)}", *lies[:10]])
+    check(found, f" --max-iterations {most}")
 
 
 @pytest.mark.parametrize("tol", [0.0, 1e-14, 1e-12, 1e-4])
 def test_no_tolerance_makes_it_lie(tol: float) -> None:
     found = list(sweep(SAMPLE, range(500, 504), ("auto",), tol, ["cold"], 0.05, 1000))
-    lies = [f"{f.lies}: {f.command}" for f in found if f.lies]
-    assert not lies, "\n".join([f"{len(lies)} of {len(found)}", *lies[:10]])
+    check(found)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
