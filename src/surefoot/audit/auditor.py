@@ -225,11 +225,8 @@ def _reason(log: Log, setting: Setting, coverage: dict[str, str], violations: tu
         return setting.doubts[0]
     if len(log) < LEAST:
         return f"{len(log)} rows are too few, {LEAST} are the least"
-    if (
-        coverage["motion"]
-        and coverage["balance"]
-        and not any(_loaded(piece, setting) for piece in log.chunks())
-    ):
+    unknown = coverage["motion"] and coverage["balance"]
+    if unknown and not any(_loaded(piece, setting) for piece in log.chunks()):
         return "no contact ever carries anything, and the motion is not known"
     return ""
 

@@ -15,7 +15,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.audit import spoiling
 from surefoot.audit.spoiling import FaultyLog, LogCopy, Spoil, everywhere, on_flight, on_stance
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import check_name
 from surefoot.log import Log
 from surefoot.robot import load_robot
 from surefoot.spatial import GRAVITY, rotation_about
@@ -71,8 +71,7 @@ def seeded_faults(log: Log, *kinds: str, seed: int = 0) -> Iterator[FaultyLog]:
     """
     by_name = {fault.name: fault for fault in LOG_FAULTS}
     for name in kinds:
-        if name not in by_name:
-            raise ProblemError(unknown_name("fault", name, by_name))
+        check_name("fault", name, by_name)
     for name in kinds or by_name:
         spoilt = by_name[name].apply(log, seed)
         if spoilt is not None:

@@ -14,7 +14,7 @@ from surefoot.audit.laws import swinging
 from surefoot.audit.setting import PER_POINT, Setting
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY
-from surefoot.terrain.frames import surface_frames
+from surefoot.terrain.frames import frames_on
 
 Measured: TypeAlias = tuple[FloatArray, FloatArray, BoolArray]
 """Measure, limit, and where it is exceeded: (T, c) each, c the contacts or contacts and body."""
@@ -156,11 +156,7 @@ class Rows:
         """(T, p, 3, 3) contact frames (rotations) in world axes, from the ground's normals."""
         normals = self.numbers("normals")
         length = np.linalg.norm(normals, axis=-1, keepdims=True)
-        unit = np.where(length > 0.5, normals / np.maximum(length, 0.5), [0.0, 0.0, 1.0])
-        flat = np.ascontiguousarray(unit.reshape(-1, 3))
-        out = np.empty((len(flat), 3, 3))
-        surface_frames(flat, out)
-        return out.reshape(self.count, self.points, 3, 3)
+        return frames_on(np.where(length > 0.5, normals / np.maximum(length, 0.5), [0.0, 0.0, 1.0]))
 
     @cached_property
     def unexplained(self) -> Unexplained | None:

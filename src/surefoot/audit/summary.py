@@ -13,7 +13,7 @@ from surefoot.audit.laws import LOADED_SHARE, Laws, contact_use, friction_of, lo
 from surefoot.audit.motion import finite, foot_forces, slips, touching
 from surefoot.audit.motors import MotorUse, limits_broken, motor_use
 from surefoot.audit.pressure import sole_pressures
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.log import Ending, Log
 from surefoot.spatial import GRAVITY
 
@@ -189,8 +189,7 @@ def ending_of(log: Log) -> Ending:
     if len(log) == 0:
         raise ProblemError("the log has no rows")
     outcome = log.fact("outcome")
-    if outcome not in list(Ending):
-        raise ProblemError(unknown_name("outcome", outcome, Ending))
+    check_name("outcome", outcome, Ending)
     return Ending(outcome) if finite(log) else Ending.INVALID
 
 

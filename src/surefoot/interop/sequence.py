@@ -11,7 +11,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.cones.cone import Fit
-from surefoot.errors import ProblemError, check_name, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.stance import HalfSpaces, Stance
 
 
@@ -109,8 +109,7 @@ class ContactSequence:
             raise ProblemError(f"the frames must differ, got {', '.join(self.frames)}")
         for k, phase in enumerate(self.phases):
             for name in phase.names:
-                if name not in self.frames:
-                    raise ProblemError(f"phases[{k}]: {unknown_name('frame', name, self.frames)}")
+                check_name("frame", name, self.frames, f"phases[{k}]")
             if len(set(phase.names)) != len(phase.names):
                 raise ProblemError(f"phases[{k}] has a frame twice: {', '.join(phase.names)}")
 

@@ -106,16 +106,11 @@ def sequence_from_schedule(
     now = start
     while now < end - SAME_TIME:
         down = schedule.contacts([now])[0]
-        until = min(end, _next_switch(schedule, now))
+        until = min(end, *(schedule.phase(foot, now)[2] for foot in range(schedule.feet)))
         kept = [c for c, touches in zip(stance.contacts, down, strict=True) if touches]
         phases.append(SequencePhase(until - now, Stance(kept)))
         now = until
     return ContactSequence(phases, stance.names, robot, mass)
-
-
-def _next_switch(schedule: ContactSchedule, now: float) -> float:
-    """Return when the next foot touches down or lifts off [s]."""
-    return min(schedule.phase(foot, now)[2] for foot in range(schedule.feet))
 
 
 def _phase_starts(on: BoolArray, least: int) -> list[int]:

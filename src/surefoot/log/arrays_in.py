@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import of_kind
-from surefoot.errors import ProblemError, check_name, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.log.channels import CHANNELS
 from surefoot.log.log import Log
 from surefoot.log.mapped import log_from_source
@@ -101,9 +101,8 @@ def log_from_arrays(
         name: Take((name,), frame=frame_of.get(name, ""), quaternion=quaternion if name in turned else "")
         for name in fields
     }
-    unknown = [name for name in frame_of if name not in fields]
-    if unknown:
-        raise ProblemError(unknown_name("array", unknown[0], fields))
+    for name in frame_of:
+        check_name("array", name, fields)
     mapping = LogMapping(takes, tuple(feet), tuple(joints), dict(facts or {}))
     points = "forces" in fields and fields["forces"].ndim == 3 and fields["forces"].shape[1]
     if feet and points and points != len(feet) and "contact_foot" not in mapping.facts:

@@ -12,7 +12,7 @@ from surefoot.log.log import Log
 from surefoot.log.mapping import mapping_from_yaml
 from surefoot.robot import Robot
 from surefoot.terrain import Terrain, read_terrain
-from surefoot.terrain.frames import surface_frames
+from surefoot.terrain.frames import frames_on
 
 LEVEL = "as on level ground"
 """How the doubt ends that forces were taken to be in contact axes without their ground."""
@@ -160,8 +160,6 @@ def _in_world_axes(facts: dict[str, Any]) -> bool:
 
 def _turned(vectors: FloatArray, normals: FloatArray) -> FloatArray:
     """Return vectors (T, p, 3) in world axes, in those of contacts with normals (T, p, 3)."""
-    flat = np.ascontiguousarray(normals, dtype=np.float64).reshape(-1, 3)
-    frames = np.zeros((len(flat), 3, 3))
-    surface_frames(flat, frames)
+    frames = frames_on(np.reshape(normals, (-1, 3)))
     turned = np.einsum("kji,kj->ki", frames, np.asarray(vectors).reshape(-1, 3))
     return np.asarray(turned.reshape(np.shape(vectors)))

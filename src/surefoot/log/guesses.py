@@ -139,13 +139,12 @@ def _of_table(topic: Topic) -> LogMapping:
         for rule in RULES:
             match = re.fullmatch(rule.pattern, plain, re.IGNORECASE)
             if match is not None:
-                groups = {k: v for k, v in match.groupdict().items() if v}
+                groups = {k.removesuffix("2"): v for k, v in match.groupdict().items() if v}
                 found.setdefault(rule.channel, []).append((column, groups, unit))
                 break
     axes = {rule.channel: rule.axes for rule in RULES}
     takes: dict[str, Take] = {}
-    feet: tuple[str, ...] = ()
-    joints: tuple[str, ...] = ()
+    names: dict[str, tuple[str, ...]] = {}
     for channel in dict.fromkeys(rule.channel for rule in RULES):
         columns = found.get(channel, [])
         if not columns or (channel in ("time", "mu") and len(columns) > 1):
@@ -154,21 +153,16 @@ def _of_table(topic: Topic) -> LogMapping:
         units = {unit for _, _, unit in ordered}
         if not ordered or len(units) > 1:
             continue
-        own_feet = tuple(dict.fromkeys(g.get("foot", g.get("foot2", "")) for _, g, _ in ordered))
-        own_joints = tuple(g["joint"] for _, g, _ in ordered if "joint" in g)
-        if channel in ("forces", "foot_sensors"):
-            if feet and set(feet) != set(own_feet):
+        kind = "foot" if channel in ("forces", "foot_sensors") else "joint"
+        own = [g[kind] for _, g, _ in ordered if kind in g]
+        if own:
+            known = names.setdefault(kind, tuple(dict.fromkeys(own) if kind == "foot" else own))
+            if set(known) != set(own):
                 continue
-            feet = feet or own_feet
-            ordered.sort(key=lambda c: feet.index(c[1].get("foot", c[1].get("foot2", ""))))
-        if own_joints:
-            if joints and set(joints) != set(own_joints):
-                continue
-            joints = joints or own_joints
-            ordered.sort(key=lambda c: joints.index(c[1]["joint"]))
+            ordered.sort(key=lambda c: known.index(c[1][kind]))
         quaternion = "xyzw" if channel == "base_orientation" else ""
         takes[channel] = Take(tuple(c for c, _, _ in ordered), unit=units.pop(), quaternion=quaternion)
-    return LogMapping(takes, feet, joints, guessed=True)
+    return LogMapping(takes, names.get("foot", ()), names.get("joint", ()), guessed=True)
 
 
 def _in_axes(
@@ -179,8 +173,7 @@ def _in_axes(
         return columns
     owners: dict[str, dict[str, tuple[str, dict[str, str], str]]] = {}
     for column in columns:
-        owner = column[1].get("foot", column[1].get("foot2", ""))
-        owners.setdefault(owner, {})[column[1]["axis"].lower()] = column
+        owners.setdefault(column[1].get("foot", ""), {})[column[1]["axis"].lower()] = column
     if any(set(found) != set(axes) for found in owners.values()):
         return []
     return [found[axis] for found in owners.values() for axis in axes]

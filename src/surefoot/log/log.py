@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import of_kind
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.log.channels import CHANNELS, Channel, check_shapes
 from surefoot.log.facts import FACTS
 
@@ -77,8 +77,7 @@ class Log:
         self.channels = {name: given[name] for name in self.arrays}
 
     def __getitem__(self, name: str) -> Any:
-        if name not in self.arrays:
-            raise ProblemError(unknown_name("channel", name, self.arrays))
+        check_name("channel", name, self.arrays)
         return self.arrays[name]
 
     def __contains__(self, name: object) -> bool:

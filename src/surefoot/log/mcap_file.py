@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,8 @@ from surefoot.log.source import Messages, Source, check_size
 OWN_METADATA = "surefoot"
 """Name of the metadata record that holds the mapping back to a log."""
 OWN_TOPIC = "/surefoot/log"
+_DECODERS = {"protobuf": "mcap_protobuf", "cdr": "mcap_ros2"}
+"""Encoding of messages to the module that decodes it."""
 
 Decode = Callable[[bytes], Any]
 
@@ -75,23 +78,15 @@ def source(path: Path) -> Source:
 
 def _decoder(schema: Any, channel: Any) -> Decode | None:
     """Return what decodes a channel's messages; None for an encoding that is not known."""
-    known = {"json": lambda schema: json.loads, "protobuf": _protobuf, "cdr": _cdr}
-    return known[channel.message_encoding](schema) if channel.message_encoding in known else None
-
-
-def _protobuf(schema: Any) -> Decode:
-    with needs("mcap-protobuf-support", "files"):
-        from mcap_protobuf.decoder import DecoderFactory
-    return _made(DecoderFactory().decoder_for("protobuf", schema), schema)
-
-
-def _cdr(schema: Any) -> Decode:
-    with needs("mcap-ros2-support", "files"):
-        from mcap_ros2.decoder import DecoderFactory
-    return _made(DecoderFactory().decoder_for("cdr", schema), schema)
-
-
-def _made(decode: Decode | None, schema: Any) -> Decode:
+    encoding = channel.message_encoding
+    if encoding == "json":
+        return json.loads
+    if encoding not in _DECODERS:
+        return None
+    module = _DECODERS[encoding]
+    with needs(f"{module.replace('_', '-')}-support", "files"):
+        factory = import_module(f"{module}.decoder").DecoderFactory()
+    decode: Decode | None = factory.decoder_for(encoding, schema)
     if decode is None:
         raise ProblemError(f"messages with a schema in {getattr(schema, 'encoding', None)!r} cannot be read")
     return decode

@@ -22,7 +22,6 @@ LARGEST = 4 << 30
 """Largest file of text or messages that is read [bytes]: such files are held in memory."""
 APART = 10 * 10**9
 """Stamps of a message and its recorder that differ by more are of two clocks [ns]."""
-_PARTS = (("x", "y", "z", "w"), ("x", "y", "z"), ("w", "x", "y", "z"))
 
 
 @dataclass
@@ -86,12 +85,9 @@ class Source:
             rest = name[len(at) :].removeprefix("." if at else "")
             if rest in topic.fields:
                 return at, _columns(topic.fields[rest])
-            parts = {f"{rest}.{axis}": axis for axis in "wxyz"}
-            there = [axis for full, axis in parts.items() if full in topic.fields]
-            for order in _PARTS:
-                if set(order) == set(there):
-                    found = [_columns(topic.fields[f"{rest}.{axis}"]) for axis in order]
-                    return at, np.hstack(found)
+            there = [axis for axis in "xyzw" if f"{rest}.{axis}" in topic.fields]
+            if there[:3] == ["x", "y", "z"]:
+                return at, np.hstack([_columns(topic.fields[f"{rest}.{axis}"]) for axis in there])
         raise ProblemError(f"the file has no field {name!r}; it has: {_some(self.names())}")
 
 

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.kernels import kernel
 from surefoot.robot import Robot
 from surefoot.robot.motor_limits import DRIVING_SHARE, KNEE_SHARE, MotorLimits, motor_bounds
@@ -162,8 +162,7 @@ def actuators_of(robot: Robot, actuators: str | Actuators) -> Actuators | None:
         For another name, or a value for another number of joints.
     """
     if isinstance(actuators, str):
-        if actuators not in MODELS:
-            raise ProblemError(unknown_name("actuators", actuators, MODELS))
+        check_name("actuators", actuators, MODELS)
         return None if actuators == "ideal" else real_actuators(robot)
     if len(actuators.armature) != robot.joints:
         raise ProblemError(

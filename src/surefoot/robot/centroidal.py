@@ -215,10 +215,8 @@ def carried_momentum(model: Any) -> tuple[int, ...]:
         return tuple(range(6))
     out = list[int]()
     for joint in range(1, model.njoints):
-        kind, alone = (
-            str(model.joints[joint].shortname()),
-            not any(i.mass for i in list(model.inertias)[:joint]),
-        )
+        kind = str(model.joints[joint].shortname())
+        alone = not any(i.mass for i in list(model.inertias)[:joint])
         aligned = alone and model.parents[joint] == joint - 1 and model.jointPlacements[joint].isIdentity()
         slide = aligned and kind in SLIDES
         if not slide:

@@ -158,14 +158,11 @@ class _Builder:
 
     def _tell(self) -> None:
         """Note rotor inertia, damping and dry friction where ideal joints leave them out."""
-        ideal = (("rotorInertia", "dof_armature"), ("damping", "dof_damping"))
-        figures = (*ideal, ("upperDryFrictionLimit", "dof_frictionloss"))
-        for ours, theirs in figures:
-            values = np.array(getattr(self.model, ours))
-            for index, joint in self.joints:
-                dof = int(self.compiled.jnt_dofadr[joint])
-                values[self.model.joints[index].idx_v] = getattr(self.compiled, theirs)[dof]
-            setattr(self.model, ours, values)
+        indices, joints = np.array(self.joints, dtype=np.int64).reshape(-1, 2).T
+        ours, theirs = np.array(self.model.idx_vs)[indices], self.compiled.jnt_dofadr[joints]
+        self.model.rotorInertia[ours] = self.compiled.dof_armature[theirs]
+        self.model.damping[ours] = self.compiled.dof_damping[theirs]
+        self.model.upperDryFrictionLimit[ours] = self.compiled.dof_frictionloss[theirs]
 
     def _configuration(self, qpos: FloatArray) -> FloatArray:
         """Return MuJoCo's configuration in our order."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.robot import Robot
 
@@ -91,8 +91,7 @@ def motor_limits(robot: Robot, model: str = "box") -> MotorLimits:
     ProblemError
         For another name.
     """
-    if model not in MOTOR_MODELS:
-        raise ProblemError(unknown_name("motor model", model, MOTOR_MODELS))
+    check_name("motor model", model, MOTOR_MODELS)
     shares = (1.0, 1.0) if model == "box" else (KNEE_SHARE, DRIVING_SHARE)
     return MotorLimits(robot.effort_limits, robot.speed_limits, *shares)
 

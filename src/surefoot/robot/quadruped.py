@@ -20,7 +20,7 @@ def quadruped_order(robot: Robot) -> list[int]:
     Raises
     ------
     ProblemError
-        For a robot that has not four feet, two in front and two behind.
+        For a robot that has not four feet.
     """
     import pinocchio
 
@@ -29,16 +29,7 @@ def quadruped_order(robot: Robot) -> list[int]:
     data = robot.model.createData()
     pinocchio.framesForwardKinematics(robot.model, data, robot.nominal)
     places = np.array([data.oMf[k].translation for k in robot.contact_points.frames]) - robot.nominal[:3]
-    order = [
-        k
-        for front in (True, False)
-        for left in (True, False)
-        for k in range(4)
-        if (places[k, 0] > 0) == front and (places[k, 1] > 0) == left
-    ]
-    if len(order) != 4:
-        raise ProblemError(f"the task is for robots with two feet in front and two behind, not {robot.name}")
-    return order
+    return sorted(range(4), key=lambda k: (places[k, 0] <= 0, places[k, 1] <= 0))
 
 
 def body_corners(robot: Robot) -> tuple[IntArray, FloatArray]:

@@ -117,8 +117,7 @@ class SymbolicBody:
         bodies = self._body_forces(poses, spins, speeds, v, a)
         if forces is not None:
             self._take_off(bodies, poses, forces, normal)
-        out = [self._ca.SX.zeros(self.nv)]
-        effort = out[0]
+        effort = self._ca.SX.zeros(self.nv)
         for k in reversed(range(len(self._joints))):
             joint, pose = self._joints[k], poses[k]
             force, moment = bodies[k]

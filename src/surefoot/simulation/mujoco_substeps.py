@@ -10,7 +10,7 @@ from surefoot.arrays import FloatArray
 from surefoot.simulation.mujoco_contacts import SAME_FACE
 from surefoot.simulation.world import ContactReading
 from surefoot.terrain import Terrain
-from surefoot.terrain.frames import surface_frames
+from surefoot.terrain.frames import frames_on
 
 STRIKE_SUBSTEPS = 16
 """Parts of a step of 1 ms in which feet may strike what they do not see."""
@@ -70,8 +70,7 @@ def mean_reading(readings: Sequence[ContactReading]) -> tuple[ContactReading, Fl
     count = len(readings)
     forces, places, velocities = (np.array([getattr(r, n) for r in readings]) for n in _WORDS)
     gaps, normals = np.array([r.gaps for r in readings]), np.array([r.normals for r in readings])
-    frames = np.empty((*normals.shape, 3))
-    surface_frames(normals.reshape(-1, 3), frames.reshape(-1, 3, 3))
+    frames = frames_on(normals)
     beside = [r.others for r in readings if r.others is not None]
     others = np.mean(beside, axis=0) if beside else None
     best, which = forces[..., 2].argmax(axis=0), np.arange(len(gaps[0]))

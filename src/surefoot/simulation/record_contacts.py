@@ -9,7 +9,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.simulation.record_softness import SoftContact, declared, hardest_landing, soft_contact
-from surefoot.terrain.frames import surface_frames
+from surefoot.terrain.frames import frames_on
 
 FAR = 1.0
 """Gaps are measured up to here; what is farther apart is as far as that [m]."""
@@ -168,7 +168,7 @@ class Slots:
         sign = 1.0 if pair[0] == int(contact.geom[1]) else -1.0
         normal = sign * axes[0]
         velocity = relative_velocity(self._model, data, pair, contact.pos)
-        frame = _frame_of(normal)
+        frame = frames_on(normal)
         world, body = sign * (axes.T @ force[:3]), int(self._model.geom_bodyid[pair[0]])
         self._mujoco.mj_applyFT(self._model, data, world, np.zeros(3), contact.pos, body, joints)
         row = np.zeros(_FIELDS)
@@ -244,7 +244,7 @@ class Slots:
                 place, normal, gap = self._beside(data, slot, partner, row)
             row["contact_positions"][k], row["normals"][k], row["gaps"][k] = place, normal, gap
             velocity = relative_velocity(self._model, data, slot.pair, place)
-            row["contact_velocities"][k] = _frame_of(normal).T @ velocity
+            row["contact_velocities"][k] = frames_on(normal).T @ velocity
 
     def _apart(self, data: Any, slot: Slot) -> tuple[FloatArray, FloatArray, float]:
         """Return the nearest point of the robot's geom, the direction to it, and the gap."""
@@ -271,13 +271,6 @@ class Slots:
         model = self._model
         body = str(model.body(int(model.geom_bodyid[geom])).name)
         return str(model.geom(geom).name) or f"{body or 'body'}:{geom}"
-
-
-def _frame_of(normal: FloatArray) -> FloatArray:
-    """Return Surefoot's contact frame (3, 3) of a unit normal (3,), the normal last."""
-    frames = np.empty((1, 3, 3))
-    surface_frames(np.ascontiguousarray(normal[None]), frames)
-    return np.asarray(frames[0])
 
 
 def _point(data: Any, slot: Slot) -> FloatArray:

@@ -20,7 +20,7 @@ from surefoot.simulation.faults import ActiveFaults
 from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor
 from surefoot.simulation.sensors import SensorModel, Sensors
 from surefoot.simulation.world import ContactReading, World
-from surefoot.terrain.frames import surface_frames
+from surefoot.terrain.frames import frames_on
 
 STOP_TIME = 1.5
 """How long a robot that has lost its state estimate goes on standing before the run ends [s]."""
@@ -161,8 +161,7 @@ class Outward:
 
     def _forces(self, reading: ContactReading) -> FloatArray:
         """Return the true forces on the feet, world axes."""
-        frames = np.empty((len(self._foot), 3, 3))
-        surface_frames(reading.normals_on(self._terrain), frames)
+        frames = frames_on(reading.normals_on(self._terrain))
         forces = np.zeros((self._feet, 3))
         np.add.at(forces, self._foot, np.einsum("pij,pj->pi", frames, reading.forces))
         return forces

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from surefoot.arrays import FloatArray
 from surefoot.kernels import kernel
 
@@ -23,3 +25,11 @@ def surface_frames(normals: FloatArray, frames: FloatArray) -> None:
         for i in range(3):
             a, b = (i + 1) % 3, (i + 2) % 3
             frames[c, i, 1] = n[a] * frames[c, b, 0] - n[b] * frames[c, a, 0]
+
+
+def frames_on(normals: FloatArray) -> FloatArray:
+    """Return the frames (..., 3, 3) of unit normals (..., 3), see `surface_frames`."""
+    flat = np.ascontiguousarray(normals, dtype=np.float64).reshape(-1, 3)
+    frames = np.empty((len(flat), 3, 3))
+    surface_frames(flat, frames)
+    return frames.reshape(*np.shape(normals), 3)

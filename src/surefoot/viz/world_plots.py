@@ -27,10 +27,8 @@ def draw_defaults(found: Mapping[str, Mapping[str, tuple[float, float]]], path: 
     figure, axes = new_figure(1, len(cases), size=(3.0 * len(cases) + 0.6, 4.8))
     for axis, case in zip(axes[0], cases, strict=True):
         for engine, by in found.items():
-            world, own = (
-                ENGINES[engine].world,
-                [e for e in found if ENGINES[e].world == ENGINES[engine].world],
-            )
+            world = ENGINES[engine].world
+            own = [e for e in found if ENGINES[e].world == world]
             error, cost = by[case]
             colour = FOOT_COLOURS[worlds.index(world)]
             axis.loglog(
