@@ -27,9 +27,9 @@ def made(pushed: bool = False) -> sf.Log:
 
 def test_the_legend_tells_only_what_happens() -> None:
     flat = sf.FlatTerrain()
-    plain = [entry.words for entry in FilmScene(made(), flat, 0.01).legend()]
+    plain = [words for _, words in FilmScene(made(), flat, 0.01).legend()]
     assert plain == ["force of the ground", "friction cone, up to its normal part"]
-    all_of_it = [entry.words for entry in FilmScene(made(True), flat, 0.01).legend()]
+    all_of_it = [words for _, words in FilmScene(made(True), flat, 0.01).legend()]
     assert all_of_it == [*plain, "push, up to 30 N"]
 
 

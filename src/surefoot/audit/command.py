@@ -22,7 +22,7 @@ from surefoot.audit.report import Finding, Task
 from surefoot.audit.rows import Rows, on_body, pieces, sliding_mean
 from surefoot.audit.setting import Setting
 from surefoot.audit.stand import displaced
-from surefoot.audit.symptoms.fits import pyramid_facets, rotation_between, turned_by
+from surefoot.audit.symptoms.fits import fitted_pyramid, rotation_between, turned_by
 from surefoot.audit.walk import SETTLED, follows
 from surefoot.log import Ending, Log
 from surefoot.spatial import rotation_from_quaternion
@@ -149,9 +149,7 @@ def _facets(found: Finding, rows: Rows, column: int) -> Finding:
     f, mu = (
         x[rows.core] for x in (rows.numbers("forces_commanded"), np.broadcast_to(rows.mu, rows.normal.shape))
     )
-    use = f[..., :2] / np.maximum(mu * f[..., 2], 1e-12)[..., None]
-    over = (f[..., 2] > 0.005 * rows.setting.weight) & (np.hypot(use[..., 0], use[..., 1]) > 1.01)
-    shape = pyramid_facets(use[over]) if over.sum() > 2 else None
+    shape = fitted_pyramid(f, mu, rows.setting.weight)
     if shape is None:
         return found
     words = f"commanded forces fill a pyramid of {shape[0]} facets about the cone"

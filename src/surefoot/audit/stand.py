@@ -58,12 +58,11 @@ def summarise_stand(log: Log) -> StandSummary:
     """
     ended, base = ending_of(log), _base(log)
 
-    def judge(slip: float) -> tuple[str, bool]:
-        outcome = _outcome(log, ended, slip, base)
-        return outcome, outcome == "stood"
+    def judge(slip: float) -> str:
+        return _outcome(log, ended, slip, base)
 
     return StandSummary(
-        **shared_fields(log, judge, steps=False),
+        **shared_fields(log, judge, StandSummary.success_key, steps=False),
         normal_force_total_mean=float(log["forces"][..., 2].sum(axis=1).mean()),
         attained_share=float(np.mean(log["attained"])),
         base=base,

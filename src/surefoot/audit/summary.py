@@ -137,7 +137,7 @@ def _plain(value: Any) -> Any:
     return [_plain(one) for one in value] if isinstance(value, list) else value
 
 
-def shared_fields(log: Log, judge: Callable[[float], tuple[str, bool]], steps: bool) -> dict[str, Any]:
+def shared_fields(log: Log, judge: Callable[[float], str], good: str, steps: bool) -> dict[str, Any]:
     """Return the fields of `RunSummary` for a log.
 
     Parameters
@@ -145,13 +145,15 @@ def shared_fields(log: Log, judge: Callable[[float], tuple[str, bool]], steps: b
     log
         Of a run.
     judge
-        From the largest slip of a foot [m] to the outcome and whether that is a success.
+        From the largest slip of a foot [m] to the outcome.
+    good
+        The outcome that is a success.
     steps
         Whether footfalls are counted.
     """
     weight, laws = log.fact("mass") * GRAVITY, log_laws(log)
     feet = _feet(log, weight, touching(log) if steps else None)
-    outcome, success = judge(max(foot.slip for foot in feet))
+    outcome = judge(max(foot.slip for foot in feet))
     time, use = 1e6 * np.asarray(log["controller_time"]), np.abs(log["torques"]) / log.fact("effort_limits")
     motors = motor_use(log)
     duration, wall = len(log) * log.fact("dt"), log.fact("wall_time")
@@ -160,7 +162,7 @@ def shared_fields(log: Log, judge: Callable[[float], tuple[str, bool]], steps: b
         "mass": log.fact("mass"),
         "duration": duration,
         "outcome": outcome,
-        "success": success,
+        "success": outcome == good,
         "error": str(log.facts.get("error", "")),
         "laws_judged": list(laws.judged),
         "laws_broken": laws.broken(weight),

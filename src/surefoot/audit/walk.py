@@ -108,14 +108,14 @@ def summarise_walk(log: Log) -> WalkSummary:
     ended = ending_of(log)
     velocity, q = _tracking(log), log["q"]
 
-    def judge(slip: float) -> tuple[str, bool]:
+    def judge(slip: float) -> str:
         if ended is not Ending.DONE:
-            return str(ended), False
-        return ("walked", True) if velocity.followed else ("did not follow", False)
+            return str(ended)
+        return "walked" if velocity.followed else "did not follow"
 
     up = rotation_from_quaternion(q[:, 3:7])[:, :, 2]
     return WalkSummary(
-        **shared_fields(log, judge, steps=True),
+        **shared_fields(log, judge, WalkSummary.success_key, steps=True),
         gait=log.fact("gait"),
         velocity=velocity,
         commanded_cone_excess=float(commanded_excess(log).max()),

@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray, finite_array, of_kind
 from surefoot.errors import ProblemError, WriteError, located, one_line
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
-from surefoot.text_files import path_of, read_text, table_of
+from surefoot.text_files import list_of, path_of, read_text, table_of
 
 FORMAT, VERSION = "surefoot.contact-sequence", 1
 SCHEMA = Path(__file__).with_name("contact_sequence.schema.json")
@@ -53,8 +53,8 @@ def sequence_from_dict(content: Any) -> ContactSequence:
         found = f"{top['format']!r} version {top['version']!r}"
         raise ProblemError(f"a contact sequence has the format {FORMAT!r} version {VERSION}, got {found}")
     friction = table_of("friction", top["friction"], _FRICTION, required=_FRICTION)
-    phases = [_phase(f"phases[{k}]", p, friction) for k, p in enumerate(_list("phases", top["phases"]))]
-    names = [str(name) for name in _list("frames", top["frames"])]
+    phases = [_phase(f"phases[{k}]", p, friction) for k, p in enumerate(list_of("phases", top["phases"]))]
+    names = [str(name) for name in list_of("frames", top["frames"])]
     who = str(top.get("robot", "")), top.get("mass", 0.0)
     return ContactSequence(phases, names, *who, friction["facets"], friction["fit"])
 
@@ -130,7 +130,7 @@ def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
     """Return a phase; errors name the entry."""
     given = table_of(where, entry, _PHASE, required=_PHASE)
     contacts, forces = [], []
-    for k, one in enumerate(_list(f"{where}.contacts", given["contacts"])):
+    for k, one in enumerate(list_of(f"{where}.contacts", given["contacts"])):
         contact, force = _contact(f"{where}.contacts[{k}]", one, friction)
         contacts.append(contact)
         forces.append(force)
@@ -182,10 +182,3 @@ def _check_rows(contact: Contact, entry: Any, friction: dict[str, Any]) -> None:
     for name, have, own in (("A", A, rows.A[kept]), ("b", b, rows.b[kept])):
         if have.shape != own.shape or np.abs(have - own).max(initial=0.0) > SAME * (1.0 + np.abs(own).max()):
             raise ProblemError(f"halfspaces.{name} is not that of its mu, bounds, facets and fit")
-
-
-def _list(where: str, value: Any) -> list[Any]:
-    """Return a list."""
-    if not isinstance(value, list):
-        raise ProblemError(f"{where} must be a list, got {value!r:.60}")
-    return value

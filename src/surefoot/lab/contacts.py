@@ -54,9 +54,7 @@ def contact_shapes(
     vectors = np.einsum("nij,nj->ni", frames, forces) * (WEIGHT_LENGTH / weight)
     along = np.hypot(forces[:, 0], forces[:, 1])
     known = np.isfinite(mu)
-    outside: BoolArray = np.asarray(
-        known & (along > np.where(known, mu, 0.0) * forces[:, 2] * (1.0 + BROKEN))
-    )
+    outside = known & (along > np.where(known, mu, 0.0) * forces[:, 2] * (1.0 + BROKEN))
     for k, name in enumerate(names):
         if not good[k]:
             continue

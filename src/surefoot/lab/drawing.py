@@ -17,10 +17,9 @@ from surefoot.arrays import FloatArray, IntArray
 Colour: TypeAlias = tuple[int, int, int]
 
 FORCE, CONE, PUSH, BODY = (209, 73, 91), (28, 107, 168), (230, 153, 13), (84, 94, 105)
-GROUND, GRID, REGION, GOOD, BAD, INK = (
+GROUND, GRID, GOOD, BAD, INK = (
     (232, 228, 218),
     (196, 190, 176),
-    (46, 147, 60),
     (46, 147, 60),
     (179, 0, 27),
     (34, 48, 60),

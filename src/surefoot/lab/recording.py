@@ -132,8 +132,6 @@ class RecordedMotion:
         first = min(first, self.row_at(self.time[last - 1] - WINDOW))
         thin = slice(first, last, max(1, (last - first) // POINTS))
         times, rows = self.time[thin], np.nan_to_num(np.asarray(self.log["forces"][thin, :, 2]), posinf=0.0)
-        if len(times) < 2:
-            return ""
         low, high = times[0], times[-1]
         marks = [(max(s.start, low), min(s.end, high)) for s in spans if s.end > low and s.start < high]
         return strip(times, rows, self.names, self.most, time, marks[:50])

@@ -161,7 +161,7 @@ def _region(state: StandState, answer: StandAnswer) -> dict[str, Shape]:
     if len(corners) == 0:
         return {}
     floor = state.on_ground(corners) + np.array([0.0, 0.0, LIFT])
-    colour = draw.REGION if answer.verdict.feasible else draw.BAD
+    colour = draw.GOOD if answer.verdict.feasible else draw.BAD
     return {
         "/region/area": draw.Mesh(polygon_surface(floor), fan(CORNERS), colour, 0.35),
         "/region/border": draw.outline(floor, colour, 3.0),

@@ -144,20 +144,15 @@ class LogMapping:
 
     def as_yaml(self) -> str:
         """Return the mapping as a YAML file holds it."""
-        out: dict[str, Any] = {}
-        if self.feet:
-            out["feet"] = list(self.feet)
-        if self.joints:
-            out["joints"] = list(self.joints)
-        if self.facts:
-            out["facts"] = dict(self.facts)
-        if self.define:
-            from surefoot.log.npz import channels_to
-
-            out["define"] = [{**c, "shape": list(c["shape"])} for c in channels_to(self.define.values())]
-        out["channels"] = {name: _take_to(take) for name, take in self.channels.items()}
         import yaml
 
+        from surefoot.log.npz import channels_to
+
+        define = [{**c, "shape": list(c["shape"])} for c in channels_to(self.define.values())]
+        names = {"feet": list(self.feet), "joints": list(self.joints)}
+        told = {**names, "facts": dict(self.facts), "define": define}
+        out: dict[str, Any] = {key: value for key, value in told.items() if value}
+        out["channels"] = {name: _take_to(take) for name, take in self.channels.items()}
         return yaml.safe_dump(out, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
 
 

@@ -60,7 +60,7 @@ def is_mjcf(path: Path) -> bool:
     return mjcf >= 0 and (urdf < 0 or mjcf < urdf)
 
 
-def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
+def read_mjcf(path: Path, fixed_base: bool | None) -> MjcfRobot:
     """Return the robot of an MJCF file.
 
     Parameters
@@ -92,13 +92,7 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
             f"{path} is more than a tree of hinges and slides with motors, and would not move without it as "
             f"it does: {'; '.join(beyond)}. A copy of the file without it can be loaded"
         )
-    root = _root(compiled, path)
-    kinds = mujoco.mjtJoint
-    free = int(compiled.body_jntnum[root]) > 0 and (
-        int(compiled.jnt_type[compiled.body_jntadr[root]]) == int(kinds.mjJNT_FREE)
-    )
-    floating = bool(free) if fixed_base is None else not fixed_base
-    return _Builder(mujoco, pinocchio, compiled, root, floating, path).build()
+    return _Builder(mujoco, pinocchio, compiled, fixed_base, path).build()
 
 
 def mujoco_line(error: Exception) -> str:
@@ -126,10 +120,13 @@ class _Builder:
     """Builds Pinocchio's model from MuJoCo's, body by body."""
 
     def __init__(
-        self, mujoco: Any, pinocchio: Any, compiled: Any, root: int, floating: bool, path: Path
+        self, mujoco: Any, pinocchio: Any, compiled: Any, fixed_base: bool | None, path: Path
     ) -> None:
-        self.mujoco, self.pin, self.compiled, self.root = mujoco, pinocchio, compiled, root
-        self.floating, self.path = floating, path
+        self.mujoco, self.pin, self.compiled, self.path = mujoco, pinocchio, compiled, path
+        self.root = _root(compiled, path)
+        first = int(compiled.body_jntadr[self.root])
+        self.free = first if first >= 0 and self._is_free(first) else None
+        self.floating = self.free is not None if fixed_base is None else not fixed_base
         self.model, self.collision = pinocchio.Model(), pinocchio.GeometryModel()
         self.model.name = path.stem
         self.model.gravity.linear = np.array(compiled.opt.gravity)
@@ -169,9 +166,8 @@ class _Builder:
         base = np.zeros(0)
         if self.floating:
             base = np.array(self.pin.neutral(self.model))[:7]
-            first = int(self.compiled.body_jntadr[self.root])
-            if first >= 0 and self._is_free(first):
-                at = int(self.compiled.jnt_qposadr[first])
+            if self.free is not None:
+                at = int(self.compiled.jnt_qposadr[self.free])
                 base = np.concatenate([qpos[at : at + 3], quaternion_xyzw(qpos[at + 3 : at + 7])])
         return np.concatenate([base, qpos[self.source]])
 

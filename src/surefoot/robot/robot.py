@@ -263,26 +263,26 @@ def load_robot(
     feet = frame_names(feet)
     text = str(robot)
     if text.lower().endswith((".urdf", ".xml")) or "/" in text:
-        path, entry = Path(text).expanduser(), catalog.CatalogEntry(text, fixed_base=bool(fixed_base))
-        chosen, fixed, srdf = tuple(feet or ()), bool(fixed_base), None
+        path, entry, srdf = Path(text).expanduser(), catalog.CatalogEntry(text), None
         folders = [path.parent, *path.resolve().parents]
         if not path.is_file():
             raise ModelError(f"no {'file' if text.lower().endswith('.xml') else 'URDF file'} at {text}")
         if is_mjcf(path):
-            return _from_mjcf(path, chosen, fixed_base)
+            return _from_mjcf(path, tuple(feet or ()), fixed_base)
     else:
         entry, root = catalog.find(text), catalog.robots_folder()
         path, srdf = root / entry.urdf, root / entry.srdf if entry.srdf else None
-        chosen = entry.feet if feet is None else tuple(feet)
-        fixed = entry.fixed_base if fixed_base is None else fixed_base
         folders = [root, root.parent.parent]
+    chosen = entry.feet if feet is None else tuple(feet)
+    fixed = entry.fixed_base if fixed_base is None else fixed_base
     model, collision, visual = _build(path, folders, fixed)
     for joint, title in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
         if entry.unlimited and title.startswith(entry.unlimited):
             model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q] = -np.pi, np.pi
     _check_feet(model, chosen, path)
     name = path.stem if path.suffix and "/" in text else text
-    shapes = tuple(entry.shapes[entry.feet.index(f)] for f in chosen) if _drawn(entry, chosen) else ()
+    shaped = entry.shapes and set(chosen) <= set(entry.feet)
+    shapes = tuple(entry.shapes[entry.feet.index(f)] for f in chosen) if shaped else ()
     nominal = _nominal(model, collision, srdf, chosen, fixed, entry, shapes)
     return Robot(name, model, collision, visual, chosen, nominal, not fixed, shapes)
 
@@ -307,11 +307,6 @@ def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
             raise ModelError(unknown_name(f"foot frame of {path.name}", name, bodies))
     if len(set(feet)) != len(feet):
         raise ModelError(f"feet must differ, got {', '.join(feet)}")
-
-
-def _drawn(entry: catalog.CatalogEntry, feet: Sequence[str]) -> bool:
-    """Return whether the catalogue knows the shape of all of these feet."""
-    return bool(entry.shapes) and set(feet) <= set(entry.feet)
 
 
 def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, Callable[[], Any]]:

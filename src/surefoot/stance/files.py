@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError, located
 from surefoot.stance.contact import Contact, PatchContact, PointContact
 from surefoot.stance.stance import Stance
-from surefoot.text_files import path_of, read_yaml, table_of
+from surefoot.text_files import list_of, path_of, read_yaml, table_of
 
 _TOP = ("name", "mass", "com", "external_wrench", "mu", "contacts")
 _CONTACT = ("name", "position", "normal", "mu", "heading", "normal_min", "normal_max", "length", "width")
@@ -59,9 +59,7 @@ def stance_from_dict(content: Any, name: str = "stance") -> StanceQuestion:
     """Return the question that the parsed YAML stands for; see `read_stance`."""
     top = table_of("the file", content, _TOP, required=("mass", "com"))
     mu = real_number("mu", top.get("mu", 0.6), low=0.0)
-    entries = top.get("contacts", [])
-    if not isinstance(entries, list):
-        raise ProblemError(f"contacts must be a list, got {entries!r:.60}")
+    entries = list_of("contacts", top.get("contacts", []))
     contacts = [_contact(f"contacts[{k}]", entry, mu) for k, entry in enumerate(entries)]
     mass = real_number("mass", top["mass"])
     if not 0.0 < mass < math.inf:

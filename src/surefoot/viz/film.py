@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -31,11 +31,8 @@ TEXT_SHARE = 0.026
 """Height of the text as a share of the picture's."""
 
 
-class Entry(NamedTuple):
-    """Part of the legend: a colour (red, green, blue, opacity) and its words."""
-
-    colour: tuple[float, ...]
-    words: str
+Entry: TypeAlias = tuple[tuple[float, ...], str]
+"""Part of the legend: a colour (red, green, blue, opacity) and its words."""
 
 
 class Overlay:
@@ -70,7 +67,7 @@ class Overlay:
         width, text = self._size[0], self._text
         strip = self._image.new("RGBA", (width, 2 * text), (*PAPER, 205))
         draw = self._draw.Draw(strip)
-        lengths = [draw.textlength(entry.words, font=self._font) for entry in legend]
+        lengths = [draw.textlength(words, font=self._font) for _, words in legend]
         room = max((width - sum(lengths) - 2.9 * text * len(legend)) / max(len(legend), 1), 0.0)
         at = float(text)
         for (colour, words), length in zip(legend, lengths, strict=True):
@@ -119,13 +116,13 @@ class FilmScene:
     def legend(self) -> list[Entry]:
         """Return the legend: only what happens in this log."""
         log = self.log
-        entries = [
-            Entry(FORCE_COLOUR, "force of the ground"),
-            Entry(CONE_COLOUR, "friction cone, up to its normal part"),
+        entries: list[Entry] = [
+            (FORCE_COLOUR, "force of the ground"),
+            (CONE_COLOUR, "friction cone, up to its normal part"),
         ]
         if np.any(log["push"]):
             largest = float(np.linalg.norm(log["push"], axis=-1).max())
-            entries.append(Entry(PUSH_COLOUR, f"push, up to {largest:.0f} N"))
+            entries.append((PUSH_COLOUR, f"push, up to {largest:.0f} N"))
         return entries
 
     def arrows(self, step: int) -> list[Arrow]:
@@ -168,12 +165,7 @@ def frames_of(
 
 
 def write_video(
-    log: Log,
-    robot: Robot,
-    terrain: Terrain,
-    path: Path,
-    rate: int = RATE,
-    progress: Callable[[float], None] | None = None,
+    log: Log, robot: Robot, terrain: Terrain, path: Path, progress: Callable[[float], None] | None = None
 ) -> Path:
     """Write a film of a log as .mp4 and return its path; `progress` is called with the share done.
 
@@ -187,12 +179,12 @@ def write_video(
     with needs("imageio-ffmpeg", "sim"):
         import imageio.v2 as imageio
         import imageio_ffmpeg  # noqa: F401
-    total = max(1, int(len(log) * float(log.facts["dt"]) * rate))
+    total = max(1, int(len(log) * float(log.facts["dt"]) * RATE))
     writer = None
     try:
-        for k, picture in enumerate(frames_of(log, robot, terrain, rate)):
+        for k, picture in enumerate(frames_of(log, robot, terrain)):
             if writer is None:
-                writer = imageio.get_writer(path, fps=rate, quality=7, macro_block_size=8)
+                writer = imageio.get_writer(path, fps=RATE, quality=7, macro_block_size=8)
             writer.append_data(picture)
             if progress is not None:
                 progress((k + 1) / total)

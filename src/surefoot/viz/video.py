@@ -110,9 +110,7 @@ class Renderer:
                 self._arrow(start, vector, colour, line)
         return self._renderer.render()
 
-    def _arrow(
-        self, start: FloatArray, vector: FloatArray, colour: tuple[float, ...], line: bool = False
-    ) -> None:
+    def _arrow(self, start: FloatArray, vector: FloatArray, colour: tuple[float, ...], line: bool) -> None:
         scene, mujoco = self._renderer.scene, self._mujoco
         if scene.ngeom >= scene.maxgeom or float(np.linalg.norm(vector)) < 1e-3 * self.size:
             return

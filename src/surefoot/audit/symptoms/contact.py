@@ -6,7 +6,7 @@ import numpy as np
 
 from surefoot.audit.episode import Episode
 from surefoot.audit.setting import DEEP
-from surefoot.audit.symptoms.fits import pyramid_facets
+from surefoot.audit.symptoms.fits import fitted_pyramid
 from surefoot.audit.symptoms.symptom import Evidence, symptom
 
 ALL, HALF = 0.99, 0.5
@@ -36,12 +36,7 @@ def coarse_facets(e: Episode) -> Evidence | None:
     """Tell whether the force sits in the corner of a friction pyramid outside the cone."""
     if not e.sideways:
         return None
-    fast = (e.force[:, 2] > 0.005 * e.weight) & np.isfinite(e.mu)
-    use = e.force[:, :2] / np.maximum(e.mu * e.force[:, 2], 1e-12)[:, None]
-    over = fast & (np.hypot(use[:, 0], use[:, 1]) > 1.01)
-    if over.sum() < 3:
-        return None
-    shape = pyramid_facets(use[over])
+    shape = fitted_pyramid(e.force, e.mu, e.weight)
     if shape is None:
         return None
     turned = f", turned by {np.degrees(shape[1]):.0f} deg" if shape[1] else ""

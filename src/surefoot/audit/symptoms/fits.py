@@ -49,6 +49,16 @@ def best_shift(true: FloatArray, logged: FloatArray, most: int, core: slice) -> 
     return best
 
 
+def fitted_pyramid(forces: FloatArray, mu: FloatArray, weight: float) -> tuple[int, float] | None:
+    """Return the `pyramid_facets` of forces (..., 3) outside cones of friction mu (...); None for too few.
+
+    Normal forces below half a per cent of the weight m g [N] are noise.
+    """
+    use = forces[..., :2] / np.maximum(mu * forces[..., 2], 1e-12)[..., None]
+    over = (forces[..., 2] > 0.005 * weight) & (np.hypot(use[..., 0], use[..., 1]) > 1.01)
+    return pyramid_facets(use[over]) if over.sum() > 2 else None
+
+
 def pyramid_facets(use: FloatArray) -> tuple[int, float] | None:
     """Return facets and phase [rad] of the pyramid about the unit disk on whose edge points lie; else None.
 
