@@ -19,7 +19,7 @@ from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.simulation.bullet import BulletWorld
-from surefoot.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.spatial import GRAVITY, rotation_from_quaternion, skew
 from surefoot.terrain import FlatTerrain
 
 CONTROL = ("no forces", "infeasible", "wrong frame", "reversed", "coarse facets", "pull")
@@ -63,7 +63,7 @@ class BrokenStand(Controller):
         J = [pin.getFrameJacobian(model, data, f, pin.LOCAL_WORLD_ALIGNED)[:3] for f in frames]
         feet = np.array([data.oMf[f].translation for f in frames])
         wrench = self._wrench(q, v, np.array(data.com[0]), np.array(data.vcom[0]), state.time)
-        grasp = np.hstack([np.vstack([np.eye(3), _cross(p - data.com[0])]) for p in feet])
+        grasp = np.hstack([np.vstack([np.eye(3), skew(p - data.com[0])]) for p in feet])
         forces = np.linalg.lstsq(grasp, wrench, rcond=None)[0].reshape(n, 3)
         forces, active, attained = self._spoil(forces, state.time)
         applied = self._misapplied(forces)
@@ -111,13 +111,9 @@ class BrokenStand(Controller):
         if self.fault == "wrong frame":
             a = 0.3 + 0.7 * self.size
             axis = np.array([np.cos(self.phase), np.sin(self.phase), 0.0])
-            K = _cross(axis)
+            K = skew(axis)
             return f @ (np.eye(3) + np.sin(a) * K + (1.0 - np.cos(a)) * K @ K).T
         return f
-
-
-def _cross(p: FloatArray) -> FloatArray:
-    return np.array([[0.0, -p[2], p[1]], [p[2], 0.0, -p[0]], [-p[1], p[0], 0.0]])
 
 
 def _world(fault: str, model: Robot, world: str, size: float) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -25,9 +24,7 @@ from surefoot.planning import PlanSearch, plan_from, rollout
 from surefoot.robot import load_robot, place
 from surefoot.stance import PointContact, Stance
 from surefoot.stance.gait_library import named_gait
-
-sys.path.insert(0, str(Path(__file__).parent))
-from sequences import random_sequence
+from tests.interop.sequences import random_sequence
 
 
 @pytest.mark.parametrize("seed", range(100))
@@ -118,9 +115,7 @@ def test_a_schedule_becomes_phases_of_its_feet() -> None:
         assert sequence.touching(time - 0.1) == names
 
 
-def test_a_sequence_without_phases_or_with_a_foot_twice_is_refused() -> None:
-    with pytest.raises(ProblemError, match="at least one phase"):
-        ContactSequence([], ("L",))
+def test_a_sequence_with_a_foot_twice_is_refused() -> None:
     twice = Stance([PointContact((0.0, 0.0, 0.0), name="L"), PointContact((0.1, 0.0, 0.0), name="L")])
     with pytest.raises(ProblemError, match="twice"):
         ContactSequence([SequencePhase(0.1, twice)], ("L",))

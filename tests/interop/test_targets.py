@@ -19,9 +19,7 @@ from surefoot.interop import TARGETS, ContactSequence, SequencePhase, export_seq
 from surefoot.interop.targets.table import find_target
 from surefoot.simulation import drake_python
 from surefoot.stance import PointContact
-
-sys.path.insert(0, str(Path(__file__).parent))
-from sequences import random_sequence, sampled_forces
+from tests.interop.sequences import random_sequence, sampled_forces
 
 SAMPLES = 10_000
 EDGE = 1e-9

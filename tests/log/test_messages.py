@@ -33,6 +33,14 @@ def rates(k: int) -> np.ndarray:
     return np.array([0.1, 0.2, 0.3]) * 5.0 * np.cos(0.05 * k + np.arange(3))
 
 
+def joint_state(k: int) -> dict[str, Any]:
+    return {"name": NAMES, "position": joints(k).tolist(), "velocity": rates(k).tolist(), "effort": []}
+
+
+def imu_reading(k: int) -> dict[str, Any]:
+    return {"linear_acceleration": {"x": k // 2, "y": 0, "z": 9.8}}
+
+
 def check(log: sf.Log, first: int = 0) -> None:
     """Joints at 100 Hz and an IMU at 50 Hz, held."""
     count = len(log)
@@ -59,16 +67,9 @@ def write_json(path: Path) -> Path:
         writer.add_message(other, log_time=START, publish_time=START, data=b"\xff")
         for k in range(N):
             stamp = START + k * 10_000_000
-            told: dict[str, Any] = {
-                "name": NAMES,
-                "position": joints(k).tolist(),
-                "velocity": rates(k).tolist(),
-            }
-            told["effort"] = []
-            writer.add_message(number["/joints"], stamp, json.dumps(told).encode(), stamp)
+            writer.add_message(number["/joints"], stamp, json.dumps(joint_state(k)).encode(), stamp)
             if k % 2 == 0:
-                told = {"linear_acceleration": {"x": k // 2, "y": 0, "z": 9.8}}
-                writer.add_message(number["/imu"], stamp, json.dumps(told).encode(), stamp)
+                writer.add_message(number["/imu"], stamp, json.dumps(imu_reading(k)).encode(), stamp)
         writer.finish()
     return path
 
@@ -189,12 +190,9 @@ def test_mcap_with_ros_2_messages(tmp_path: Path) -> None:
         }
         for k in range(N):
             at = START + k * 10_000_000
-            told: Any = {"name": NAMES, "position": joints(k).tolist(), "velocity": rates(k).tolist()}
-            told["effort"] = []
-            writer.write_message("/j", kinds["/j"], told, at, at)
+            writer.write_message("/j", kinds["/j"], joint_state(k), at, at)
             if k % 2 == 0:
-                told = {"linear_acceleration": {"x": k // 2, "y": 0, "z": 9.8}}
-                writer.write_message("/i", kinds["/i"], told, at, at)
+                writer.write_message("/i", kinds["/i"], imu_reading(k), at, at)
         writer.finish()
     check(read_log(tmp_path / "a.mcap"))
 

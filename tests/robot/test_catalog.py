@@ -41,7 +41,6 @@ def test_no_legged_robot_is_left_out() -> None:
 @pytest.mark.parametrize("name", LEGGED)
 def test_legged_robot_is_placed_on_the_ground(name: str) -> None:
     robot = load(name)
-    assert robot.floating
     assert len(robot.feet) in (2, 4)
     assert all(foot.flat == (name in FLAT) for foot in robot.feet)
     if name in MASSES:

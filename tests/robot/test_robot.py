@@ -18,7 +18,6 @@ def test_go2_is_the_published_robot() -> None:
     assert robot.foot_names == ("FL_foot", "FR_foot", "RL_foot", "RR_foot")
     assert robot.joints == 12
     assert len(robot.joint_names) == 12
-    np.testing.assert_allclose(robot.effort_limits.reshape(4, 3), [[23.7, 23.7, 45.43]] * 4)
 
 
 def test_g1_has_flat_feet_with_soles_from_the_urdf() -> None:

@@ -25,7 +25,7 @@ def random_model(rng: np.random.Generator, free: bool, links: int = 6) -> tuple[
     parent = 0
     if free:
         parent = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Random(), "base")
-        model.appendBodyToJoint(parent, random_inertia(rng), pin.SE3.Random())
+        model.appendBodyToJoint(parent, pin.Inertia.Random(), pin.SE3.Random())
     for k in range(links):
         kind = KINDS[int(rng.integers(len(KINDS)))]
         axis = rng.normal(size=3)
@@ -33,22 +33,13 @@ def random_model(rng: np.random.Generator, free: bool, links: int = 6) -> tuple[
         joint = made(axis / np.linalg.norm(axis)) if kind.endswith("Unaligned") else made()
         # on the last body or on what carries it: depth first, or Pinocchio's derivatives are wrong
         carrier = model.parents[parent] if parent > 1 and rng.random() < 0.3 else parent
-        joint = model.addJoint(carrier, joint, random_place(rng), f"joint{k}")
-        model.appendBodyToJoint(joint, random_inertia(rng), random_place(rng))
+        joint = model.addJoint(carrier, joint, pin.SE3.Random(), f"joint{k}")
+        model.appendBodyToJoint(joint, pin.Inertia.Random(), pin.SE3.Random())
         parent = joint
     for name, joint in (("tip", parent), ("root", 1)):
-        model.addFrame(pin.Frame(name, joint, random_place(rng), pin.FrameType.OP_FRAME))
+        model.addFrame(pin.Frame(name, joint, pin.SE3.Random(), pin.FrameType.OP_FRAME))
     feet = [shaped_foot(model, name, [tuple(rng.normal(size=3))], 0.03) for name in ("tip", "root")]
     return model, contact_points(model, feet)
-
-
-def random_place(rng: np.random.Generator) -> pin.SE3:
-    return pin.SE3(pin.Quaternion(*(lambda x: x / np.linalg.norm(x))(rng.normal(size=4))), rng.normal(size=3))
-
-
-def random_inertia(rng: np.random.Generator) -> pin.Inertia:
-    A = rng.normal(size=(3, 3))
-    return pin.Inertia(float(rng.uniform(0.5, 3.0)), rng.normal(size=3), A @ A.T + np.eye(3))
 
 
 def random_state(model: pin.Model, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

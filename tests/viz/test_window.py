@@ -6,6 +6,7 @@ import sys
 from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -37,40 +38,13 @@ def test_a_screen_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
         check_display()
 
 
-class Handle:
-    """What MuJoCo's viewer gives back."""
-
-    def __init__(self) -> None:
-        self.cam, self.running, self.synced = SimpleNamespace(), True, 0
-        self.texts: tuple[Any, ...] = ()
-
-    def is_running(self) -> bool:
-        return self.running
-
-    def lock(self) -> Any:
-        return nullcontext()
-
-    def set_texts(self, texts: tuple[Any, ...]) -> None:
-        self.texts = texts
-
-    def sync(self) -> None:
-        self.synced += 1
-
-    def close(self) -> None:
-        self.running = False
-
-
 def test_what_the_viewer_is_told() -> None:
-    robot, handle, told = load_robot("go2"), Handle(), {}
-
-    def launch(model: Any, data: Any, **options: Any) -> Handle:
-        told.update(options)
-        return handle
-
+    robot, handle = load_robot("go2"), Mock(cam=SimpleNamespace(), lock=nullcontext)
+    launch = Mock(return_value=handle)
     window = ViewerWindow(robot, FlatTerrain(), launch)
     keys: list[int] = []
     window.open(keys.append)
-    told["key_callback"](265)
+    launch.call_args.kwargs["key_callback"](265)
     assert keys == [265]
     assert window.model.body(handle.cam.trackbodyid).name == "base:0"
     q = robot.nominal.copy()
@@ -79,16 +53,16 @@ def test_what_the_viewer_is_told() -> None:
     assert window.show(q, np.array([0.3, 0.0, -0.2]))
     assert window.data.body("base:0").xpos == pytest.approx([1.0, 2.0, 0.4])
     assert window.data.body("base:0").xmat.reshape(3, 3)[:2, 0] == pytest.approx([np.cos(0.5), np.sin(0.5)])
-    assert (handle.synced, handle.texts[2]) == (1, "0.3 m/s forward, 0.0 left, -0.2 rad/s")
-    handle.running = False
+    handle.sync.assert_called_once_with()
+    assert handle.set_texts.call_args.args[0][2] == "0.3 m/s forward, 0.0 left, -0.2 rad/s"
+    handle.is_running.return_value = False
     assert not window.show(q, np.zeros(3))
     window.close()
+    handle.close.assert_called_once_with()
 
 
 def test_a_process_that_may_not_open_windows() -> None:
-    def launch(*_: Any, **__: Any) -> Handle:
-        raise RuntimeError("`launch_passive` requires that the Python script be run under `mjpython`")
-
-    window = ViewerWindow(load_robot("go2"), FlatTerrain(), launch)
+    said = "`launch_passive` requires that the Python script be run under `mjpython`"
+    window = ViewerWindow(load_robot("go2"), FlatTerrain(), Mock(side_effect=RuntimeError(said)))
     with pytest.raises(ProblemError, match=r"cannot open a window: .*mjpython"):
         window.open(print)
