@@ -65,10 +65,9 @@ class Rows:
         for name in FINITE:
             if name not in self.log:
                 continue
-            values = np.asarray(self.log[name])
-            if np.isfinite(values).all():
+            bad = ~np.isfinite(np.asarray(self.log[name]))
+            if not bad.any():
                 continue
-            bad = ~np.isfinite(values)
             if name in PER_POINT:
                 out[:, :-1] |= bad.reshape(self.count, self.points, -1).any(axis=2)
             else:

@@ -129,16 +129,14 @@ def _phase_entry(sequence: ContactSequence, number: int) -> dict[str, Any]:
 def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
     """Return a phase; errors name the entry."""
     given = table_of(where, entry, _PHASE, required=_PHASE)
-    contacts, forces = [], []
-    for k, one in enumerate(list_of(f"{where}.contacts", given["contacts"])):
-        contact, force = _contact(f"{where}.contacts[{k}]", one, friction)
-        contacts.append(contact)
-        forces.append(force)
-    stated = [force for force in forces if force is not None]
-    if stated and len(stated) < len(forces):
+    entries = enumerate(list_of(f"{where}.contacts", given["contacts"]))
+    found = [_contact(f"{where}.contacts[{k}]", one, friction) for k, one in entries]
+    stated = [force for _, force in found if force is not None]
+    if stated and len(stated) < len(found):
         raise ProblemError(f"{where}: either all contacts have a force or none has one")
     with located(where):
-        return SequencePhase(given["duration"], Stance(contacts), np.concatenate(stated) if stated else None)
+        stance = Stance([contact for contact, _ in found])
+        return SequencePhase(given["duration"], stance, np.concatenate(stated) if stated else None)
 
 
 def _contact(where: str, entry: Any, friction: dict[str, Any]) -> tuple[Contact, FloatArray | None]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -146,9 +146,7 @@ class LogMapping:
         """Return the mapping as a YAML file holds it."""
         import yaml
 
-        from surefoot.log.npz import channels_to
-
-        define = [{**c, "shape": list(c["shape"])} for c in channels_to(self.define.values())]
+        define = [{**asdict(c), "shape": list(c.shape)} for c in self.define.values()]
         names = {"feet": list(self.feet), "joints": list(self.joints)}
         told = {**names, "facts": dict(self.facts), "define": define}
         out: dict[str, Any] = {key: value for key, value in told.items() if value}

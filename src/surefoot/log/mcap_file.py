@@ -48,7 +48,7 @@ def source(path: Path) -> Source:
     """
     reader = import_mcap()
     check_size(path.stat().st_size, path)
-    messages, decoders, unread = Messages(), {}, set()
+    messages, decoders = Messages(), {}
     with path.open("rb") as file:
         opened = reader.make_reader(file, validate_crcs=True)
         own = {m.name: m.metadata for m in opened.iter_metadata()}.get(OWN_METADATA)
@@ -58,7 +58,7 @@ def source(path: Path) -> Source:
                 decoders[channel.id] = _decoder(schema, channel)
             decode = decoders[channel.id]
             if decode is None:
-                unread.add(f"{channel.topic} is {channel.message_encoding}: not read")
+                messages.unread.add(f"{channel.topic} is {channel.message_encoding}: not read")
                 continue
             try:
                 decoded = decode(message.data)
@@ -71,7 +71,6 @@ def source(path: Path) -> Source:
     if not decoders:
         raise ProblemError(f"{path} holds no messages")
     found = messages.source()
-    found.notes += sorted(unread)
     found.mapping = "" if own is None else own["mapping"]
     return found
 

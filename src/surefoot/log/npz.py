@@ -36,7 +36,7 @@ def read(path: Path) -> Log:
 def write(log: Log, path: Path) -> None:
     """Write a log into an empty file."""
     contents: dict[str, Any] = {f"fact_{k}": np.asarray(v) for k, v in log.facts.items()}
-    definitions = np.array(json.dumps(channels_to(log.channels.values())))
+    definitions = np.array(json.dumps([asdict(channel) for channel in log.channels.values()]))
     with path.open("wb") as file:
         np.savez_compressed(file, schema=np.int64(SCHEMA), channels=definitions, **log.arrays, **contents)
 
@@ -47,13 +47,8 @@ def check_schema(path: Path, schema: int) -> None:
         raise ProblemError(f"{path} has log schema {schema}, expected {SCHEMA}")
 
 
-def channels_to(channels: Iterable[Channel]) -> list[dict[str, Any]]:
-    """Return definitions as JSON can hold them."""
-    return [asdict(channel) for channel in channels]
-
-
 def channels_from(table: list[dict[str, Any]]) -> dict[str, Channel]:
-    """Return definitions from what `channels_to` returned."""
+    """Return definitions from tables of their fields, as JSON holds them."""
     made = (Channel(**{**row, "shape": tuple(row["shape"])}) for row in table)
     return {channel.name: channel for channel in made}
 

@@ -10,6 +10,7 @@ import json
 import os
 import struct
 from collections.abc import Iterable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ import numpy as np
 from surefoot.errors import ProblemError, WriteError
 from surefoot.log.channels import SCHEMA, Channel
 from surefoot.log.log import Log
-from surefoot.log.npz import channels_from, channels_to, check_schema
+from surefoot.log.npz import channels_from, check_schema
 
 HEADER_BYTES = 256
 """Length of a .npy header with room for any number of rows; a multiple of 64 as the format asks."""
@@ -99,7 +100,8 @@ class PartFiles:
         """Replace the facts, or keep the earlier ones if these cannot be written."""
         new = self.folder / f".{FACTS_FILE}"
         plain = {name: _plain(value) for name, value in facts.items()}
-        text = json.dumps({"schema": SCHEMA, "channels": channels_to(self._channels), "facts": plain})
+        channels = [asdict(channel) for channel in self._channels]
+        text = json.dumps({"schema": SCHEMA, "channels": channels, "facts": plain})
         try:
             new.write_text(text, encoding="utf-8")
             new.replace(self.folder / FACTS_FILE)

@@ -33,15 +33,14 @@ def source(path: Path) -> Source:
         path = path.parent
     files = [path] if path.is_file() else [f for f in path.rglob("*") if f.is_file()]
     check_size(sum(file.stat().st_size for file in files), path)
-    messages, unread = Messages(), set()
+    messages = Messages()
     with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
         for connection, stamp, raw in reader.messages():
+            topic, kind = connection.topic, connection.msgtype
             try:
-                decoded: Any = reader.deserialize(raw, connection.msgtype)
+                decoded: Any = reader.deserialize(raw, kind)
             except KeyError:
-                unread.add(f"{connection.topic} is of the unknown type {connection.msgtype}: not read")
+                messages.unread.add(f"{topic} is of the unknown type {kind}: not read")
                 continue
-            messages.add(connection.topic, connection.msgtype, stamp, decoded)
-    found = messages.source()
-    found.notes += sorted(unread)
-    return found
+            messages.add(topic, kind, stamp, decoded)
+    return messages.source()

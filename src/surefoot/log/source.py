@@ -114,9 +114,16 @@ def check_size(size: int, what: object) -> None:
 
 
 class Messages:
-    """Collects the messages of several topics and returns them as a source."""
+    """Collects the messages of several topics and returns them as a source.
+
+    Attributes
+    ----------
+    unread
+        What could not be read, one line each.
+    """
 
     def __init__(self) -> None:
+        self.unread: set[str] = set()
         self._stamps: dict[str, list[tuple[int, int]]] = {}
         self._rows: dict[str, list[dict[str, Any]]] = {}
         self._texts: dict[str, dict[str, tuple[str, ...]]] = {}
@@ -152,7 +159,7 @@ class Messages:
             )
             for name, rows in self._rows.items()
         }
-        return Source(topics, notes, 1e-9 * start)
+        return Source(topics, notes + sorted(self.unread), 1e-9 * start)
 
     def _clock(self, notes: list[str]) -> dict[str, list[int]]:
         """Return the stamps of every topic [ns]: the messages' own, where those can be compared."""

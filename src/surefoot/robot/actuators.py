@@ -209,9 +209,7 @@ def real_actuators(robot: Robot) -> Actuators:
     torque = np.minimum(robot.effort_limits, LEG_SHARE * robot.mass * GRAVITY * height)
     rows = np.outer(torque, RULE)
     for row, joint in zip(rows, robot.joint_names, strict=True):
-        known = next((figures for part, figures in table.items() if part in joint), None)
-        if known is not None:
-            row[:] = known
+        row[:] = next((figures for part, figures in table.items() if part in joint), row)
     armature, damping, friction = (np.where(own > 0.0, own, rows[:, k]) for k, own in enumerate(file))
     shape = SHAPES.get(robot.name, (KNEE_SHARE, DRIVING_SHARE))
     limits = MotorLimits(robot.effort_limits, robot.speed_limits, *shape)

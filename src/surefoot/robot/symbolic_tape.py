@@ -56,7 +56,50 @@ class Tape:
 
     def mapped(self, count: int) -> Any:
         """Return the function at `count` knots side by side, as its own `map` would be."""
-        return _callback(self, count)
+        ca, tape = import_casadi(), self
+        work = np.zeros((tape.slots + 2, LANES))
+        work[-1] = 1.0
+        patterns = [[ca.Sparsity.deserialize(one) for one in side] for side in (tape.inputs, tape.outputs)]
+        ends = np.cumsum([0, *(one.nnz() for one in patterns[1])])
+
+        class Mapped(ca.Callback):  # type: ignore[misc, name-defined]
+            """The function at all knots; CasADi asks for its sizes by these names."""
+
+            def __init__(self) -> None:
+                ca.Callback.__init__(self)
+                self.construct("mapped", {})
+
+            def get_n_in(self) -> int:
+                """Return the function's own number."""
+                return len(patterns[0])
+
+            def get_n_out(self) -> int:
+                """Return the function's own number."""
+                return len(patterns[1])
+
+            def get_sparsity_in(self, i: int) -> Any:
+                """Return the function's, once for every knot."""
+                return ca.repmat(patterns[0][i], 1, count)
+
+            def get_sparsity_out(self, i: int) -> Any:
+                """Return the function's, once for every knot."""
+                return ca.repmat(patterns[1][i], 1, count)
+
+            def has_eval_buffer(self) -> bool:
+                """Return that numbers are passed as they lie in memory."""
+                return True
+
+            def eval_buffer(self, arguments: Any, results: Any) -> int:
+                """Write the results; 0 for success."""
+                given = [np.frombuffer(a).reshape(count, -1) for a in arguments if a is not None and len(a)]
+                found = np.empty((count, int(ends[-1])))
+                play(tape.table, tape.constants, np.hstack(given), found, work)
+                for k, result in enumerate(results):
+                    if result is not None:
+                        np.frombuffer(result)[:] = found[:, ends[k] : ends[k + 1]].ravel()
+                return 0
+
+        return Mapped()
 
     def sparsity_out(self, i: int) -> Any:
         """Return the pattern of an output, as the function itself would."""
@@ -191,51 +234,3 @@ def play(
                     held[j] = np.sqrt(x) if code == 7 else np.sin(x) if code == 8 else np.cos(x)
             for j in range(LANES):
                 work[to, j] = held[j]
-
-
-def _callback(tape: Tape, count: int) -> Any:
-    """Return what CasADi calls in place of the function's `map`."""
-    ca = import_casadi()
-    work = np.zeros((tape.slots + 2, LANES))
-    work[-1] = 1.0
-    patterns = [[ca.Sparsity.deserialize(one) for one in side] for side in (tape.inputs, tape.outputs)]
-    ends = np.cumsum([0, *(one.nnz() for one in patterns[1])])
-
-    class Mapped(ca.Callback):  # type: ignore[misc, name-defined]
-        """The function at all knots; CasADi asks for its sizes by these names."""
-
-        def __init__(self) -> None:
-            ca.Callback.__init__(self)
-            self.construct("mapped", {})
-
-        def get_n_in(self) -> int:
-            """Return the function's own number."""
-            return len(patterns[0])
-
-        def get_n_out(self) -> int:
-            """Return the function's own number."""
-            return len(patterns[1])
-
-        def get_sparsity_in(self, i: int) -> Any:
-            """Return the function's, once for every knot."""
-            return ca.repmat(patterns[0][i], 1, count)
-
-        def get_sparsity_out(self, i: int) -> Any:
-            """Return the function's, once for every knot."""
-            return ca.repmat(patterns[1][i], 1, count)
-
-        def has_eval_buffer(self) -> bool:
-            """Return that numbers are passed as they lie in memory."""
-            return True
-
-        def eval_buffer(self, arguments: Any, results: Any) -> int:
-            """Write the results; 0 for success."""
-            given = [np.frombuffer(a).reshape(count, -1) for a in arguments if a is not None and len(a)]
-            found = np.empty((count, int(ends[-1])))
-            play(tape.table, tape.constants, np.hstack(given), found, work)
-            for k, result in enumerate(results):
-                if result is not None:
-                    np.frombuffer(result)[:] = found[:, ends[k] : ends[k + 1]].ravel()
-            return 0
-
-    return Mapped()

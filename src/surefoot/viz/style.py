@@ -76,11 +76,7 @@ def new_panels(
 
 
 def new_grid(
-    count: int,
-    columns: int,
-    panel: tuple[float, float],
-    margin: tuple[float, float] = (0.0, 0.0),
-    **subplots: Any,
+    count: int, columns: int, panel: tuple[float, float], margin: tuple[float, float], **subplots: Any
 ) -> tuple[Any, list[Any]]:
     """Return a figure of so many panels in rows of at most so many `columns`, and their axes.
 

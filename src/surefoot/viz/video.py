@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import SurefootError
+from surefoot.errors import SurefootError, one_line
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import add_ground, import_mujoco, robot_spec
@@ -78,13 +78,13 @@ class Renderer:
         try:
             self.model = spec.compile()
         except ValueError as error:
-            said = " ".join(str(error).split())
+            said = one_line(error)
             raise RenderError(f"no pictures: MuJoCo cannot draw {robot.name} ({said:.120})") from error
         self.data = mujoco.MjData(self.model)
         try:
             self._renderer = mujoco.Renderer(self.model, height, width)
         except Exception as error:  # each GL backend fails with a class of its own
-            reason = " ".join(str(error).split()) or type(error).__name__
+            reason = one_line(error) or type(error).__name__
             raise RenderError(f"no pictures: MuJoCo found no OpenGL to draw with ({reason:.120})") from error
         scene = self._renderer.scene
         scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0

@@ -168,11 +168,8 @@ def delayed(e: Episode) -> Evidence | None:
 @compared
 def swapped_feet(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the force is not this foot's true one, (m, 3) [N], but another's."""
-    fits = []
-    for other in range(e.rows.points):
-        theirs = None if other == e.column else e.true_of(other)
-        if theirs is not None:
-            fits.append((e.explained(theirs), other))
+    others = [k for k in range(e.rows.points) if k != e.column]
+    fits = [(e.explained(theirs), k) for k in others if (theirs := e.true_of(k)) is not None]
     share, other = max(fits, default=(0.0, 0))
     if share < 0.9:
         return None
