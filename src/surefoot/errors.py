@@ -102,6 +102,21 @@ class WriteError(SurefootError, OSError):
         super().__init__(f"cannot write {path}: {cause.strerror or cause}{kept}")
 
 
+@contextmanager
+def writing(path: object) -> Iterator[None]:
+    """Name what is written in this context where the system does not let it.
+
+    Raises
+    ------
+    WriteError
+        In place of an OSError.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise WriteError(path, error) from error
+
+
 class NoSolution(SurefootError, RuntimeError):
     """Raised by `ContactSolution.raise_if_failed`; carries the problem and what was reached."""
 

@@ -78,6 +78,15 @@ def table(
     return out
 
 
+def fit_table(fit: Mapping[str, Mapping[str, Any]], title: str, digits: int = 4, left: int = 4) -> Any:
+    """Return the table of what was fitted, by name: value, low, high and unit; `left` as for `table`."""
+    rows = [
+        (name, f"{e['value']:.{digits}g}", f"{e['low']:.{digits}g} to {e['high']:.{digits}g}", e["unit"])
+        for name, e in fit.items()
+    ]
+    return table(("", "value", "95 % interval", "unit"), rows, title, left)
+
+
 def show(facts: Any, as_json: bool, in_words: Callable[[Console, Any], None], **settings: Any) -> None:
     """Print facts as JSON and nothing else, or in words on the plain console of these settings."""
     if as_json:

@@ -16,7 +16,7 @@ from surefoot.cli.console import plain_console, say, show
 from surefoot.cli.output import check_out
 from surefoot.cli.robots import load
 from surefoot.cli.signals import ends_softly
-from surefoot.errors import ProblemError, WriteError, check_name
+from surefoot.errors import ProblemError, check_name, writing
 
 if TYPE_CHECKING:
     from surefoot.drive.wire.dialect import Dialect
@@ -116,8 +116,6 @@ def drive(
 
 def _save(log: Log, out: Path) -> None:
     """Write a log to a new file, in a new folder if need be."""
-    try:
+    with writing(out):
         out.parent.mkdir(parents=True, exist_ok=True)
         log.save(out)
-    except OSError as error:
-        raise WriteError(out, error) from error

@@ -14,7 +14,7 @@ import typer
 
 from surefoot.arrays import whole_number
 from surefoot.cli import options
-from surefoot.cli.console import progress_bar, say, show, table
+from surefoot.cli.console import fit_table, progress_bar, say, show, table
 from surefoot.cli.extras import drawn
 from surefoot.cli.output import check_out
 from surefoot.errors import ProblemError, check_name
@@ -189,12 +189,7 @@ def _errors(errors: Any) -> dict[str, Any]:
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
     for law, fit in ((facts["law"], facts["fit"]), *((n, d["fit"]) for n, d in facts["laws"].items())):
-        rows = [
-            (name, f"{e['value']:.5g}", f"{e['low']:.5g} to {e['high']:.5g}", e["unit"])
-            for name, e in fit.items()
-        ]
-        header = ("", "value", "95 % interval", "unit")
-        console.print(table(header, rows, f"{law}, fitted to {facts['tosses']} tosses", left=4))
+        console.print(fit_table(fit, f"{law}, fitted to {facts['tosses']} tosses", digits=5))
     for part in ("train", "test"):
         if facts[part] is not None:
             console.print(_error_table(facts, part))

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from surefoot.cli.console import say, show, table
+from surefoot.cli.console import fit_table, say, show
 from surefoot.cli.extras import require, robot_packages
 from surefoot.cli.output import check_out, new_run_folder
-from surefoot.errors import ProblemError, WriteError
+from surefoot.errors import ProblemError, writing
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -59,10 +59,8 @@ def _written(path: Path, forces: FootForces) -> Path:
     names = ["time", *heads, "vertical", "contact", "friction_used"]
     f = forces
     columns = (f.time, f.forces, f.low, f.high, f.vertical, f.contact, f.friction_used)
-    try:
+    with writing(path):
         np.savetxt(path, np.column_stack(columns), "%.6g", ",", header=",".join(names), comments="")
-    except OSError as error:
-        raise WriteError(path, error) from error
     return path
 
 
@@ -87,13 +85,8 @@ def _judged(found: ForceModel, log: LegLog, forces: FootForces) -> dict[str, Any
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
-    rows = [
-        (f"{joint} {term}", f"{e['value']:.4g}", f"{e['low']:.4g} to {e['high']:.4g}", e["unit"])
-        for joint, terms in facts["fit"].items()
-        for term, e in terms.items()
-    ]
-    header = ("", "value", "95 % interval", "unit")
-    console.print(table(header, rows, "what the joints keep to themselves", left=4))
+    fit = {f"{joint} {term}": e for joint, terms in facts["fit"].items() for term, e in terms.items()}
+    console.print(fit_table(fit, "what the joints keep to themselves"))
     say(console, *facts["notes"])
     test = facts["test"]
     if test is None:

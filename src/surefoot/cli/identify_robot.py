@@ -7,11 +7,11 @@ import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from surefoot.cli.console import say, show, table
+from surefoot.cli.console import fit_table, say, show
 from surefoot.cli.extras import require, robot_packages
 from surefoot.cli.output import check_out, new_run_folder
 from surefoot.cli.robots import load
-from surefoot.errors import ProblemError, WriteError
+from surefoot.errors import ProblemError, writing
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -62,19 +62,11 @@ def _written(file: Path, log: Path, robot: str, found: RobotFit) -> Path:
         f"# 95 % intervals of what {log.name} tells, by surefoot identify\nexperiment: walk\nsamples: 256\n"
     )
     settings = f"settings: {{robot: {robot}, believed_mu: {found.parameters['mu'].low:.3g}}}"
-    try:
+    with writing(file):
         file.write_text("\n".join([text + settings, "ranges:", *ranges, ""]))
-    except OSError as error:
-        raise WriteError(file, error) from error
     return file
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
-    rows = [
-        (name, f"{e['value']:.4g}", f"{e['low']:.4g} to {e['high']:.4g}", e["unit"])
-        for name, e in facts["fit"].items()
-    ]
-    console.print(
-        table(("", "value", "95 % interval", "unit"), rows, f"what the walk of {facts['robot']} tells")
-    )
+    console.print(fit_table(facts["fit"], f"what the walk of {facts['robot']} tells", left=1))
     say(console, *facts["notes"], f"ranges for surefoot sweep: {facts['sweep']}")

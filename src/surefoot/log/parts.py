@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.errors import ProblemError, WriteError
+from surefoot.errors import ProblemError, WriteError, writing
 from surefoot.log.channels import SCHEMA, Channel
 from surefoot.log.log import Log
 from surefoot.log.npz import channels_from, check_schema
@@ -86,15 +86,13 @@ class PartFiles:
 
         Calling it again with the same `start`, after an interruption, writes the same again.
         """
-        try:
+        with writing(self.folder):
             for name, file in self._files.items():
                 array = rows[name]
                 begin = HEADER_BYTES + start * array[:1].nbytes
                 _write_at(file, begin, array[:count].reshape(-1).view(np.uint8).data)
             for name, file in self._files.items():
                 _write_at(file, 0, _header(rows[name].dtype, (start + count, *rows[name].shape[1:])))
-        except OSError as error:
-            raise WriteError(self.folder, error) from error
 
     def write_facts(self, facts: dict[str, Any]) -> None:
         """Replace the facts, or keep the earlier ones if these cannot be written."""

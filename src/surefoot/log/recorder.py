@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.errors import WriteError
+from surefoot.errors import WriteError, writing
 from surefoot.log import parts
 from surefoot.log.channels import Channel
 from surefoot.log.log import MEMORY, Log
@@ -102,12 +102,10 @@ class Recorder:
     def flush(self) -> None:
         """Write the rows that are in memory to the files."""
         if self._parts is None:
-            try:
+            with writing(tempfile.gettempdir()):
                 self._temporary = tempfile.TemporaryDirectory(prefix="surefoot-log-")
                 folder = Path(self._temporary.name) / "parts"
                 self._parts = parts.PartFiles(folder, self._channels.values(), self._facts)
-            except OSError as error:
-                raise WriteError(tempfile.gettempdir(), error) from error
         self._parts.append(self.arrays, self._written, self.count - self._written)
         self._written = self.count  # last: an interrupted flush is made again
 

@@ -14,7 +14,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from surefoot.errors import ProblemError, WriteError, needs
+from surefoot.errors import ProblemError, WriteError, needs, writing
 from surefoot.sweep.config import SweepConfig
 from surefoot.sweep.space import TextRange
 from surefoot.sweep.worker import Row
@@ -161,13 +161,11 @@ class Store:
         """Write one Parquet file of all rows and return its path."""
         path = self.folder / TABLE
         temporary = path.with_name(TABLE + ".tmp")
-        try:
+        with writing(path):
             self._arrow.parquet.write_table(table, temporary)
             with temporary.open("rb") as stream:
                 os.fsync(stream.fileno())
             os.replace(temporary, path)
-        except OSError as error:
-            raise WriteError(path, error) from error
         return path
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from pkgutil import resolve_name
 
-from surefoot.errors import ProblemError, WriteError, check_name
+from surefoot.errors import ProblemError, check_name, writing
 from surefoot.interop.sequence import ContactSequence
 
 Target = Callable[[ContactSequence], dict[str, str]]
@@ -49,10 +49,8 @@ def export_sequence(sequence: ContactSequence, target: str, folder: Path | str) 
         raise ProblemError(f"{where / taken[0]} exists already")
     out = []
     for name, text in texts.items():
-        try:
+        with writing(where / name):
             where.mkdir(parents=True, exist_ok=True)
             (where / name).write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise WriteError(where / name, error) from error
         out.append(where / name)
     return out
