@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -62,14 +62,15 @@ def stand(*, asked: StandOptions) -> int:
     lifts = [parsing.lift(text) for text in asked.lift or ()]
     parsing.within_run("--lift", asked.lift or (), (one.start for one in lifts), asked.duration)
     options.require(asked.robot, WORLDS[asked.world][1], asked)
-    setup, shows = _set_up(asked, lifts), list[str]()
+    plan, q = _set_up(asked, lifts)
+    shows: Sequence[str] = ()
     with plain_console(stderr=True, quiet=asked.as_json).status(
         "asking whether it can stand (a first run compiles)"
     ):
         if asked.shown:
-            setup, happens, shows = _with_events(setup, happens)
-        statics = _statics(setup, asked.mu, *asked.carried)
-    model, terrain, q, plan = setup
+            plan, happens, shows = _with_events(plan, q, happens)
+        statics = _statics(plan, q, asked.mu, *asked.carried)
+    model, terrain = plan.robot, plan.terrain
     say(console, *shows, *(phase["text"] for phase in statics))
     if not all(phase["possible"] for phase in statics) and not asked.anyway:
         if asked.as_json:
@@ -83,17 +84,8 @@ def stand(*, asked: StandOptions) -> int:
     return run.carry_out(world, controller, replace(happens, start=q), _account(statics), watching)
 
 
-class _Setup(NamedTuple):
-    """A robot on its terrain, in its stance, with a plan."""
-
-    robot: Any
-    terrain: Any
-    q: Any
-    plan: Any
-
-
-def _set_up(asked: StandOptions, lifts: list[Any]) -> _Setup:
-    """Return the robot in its stance, or raise for what cannot be."""
+def _set_up(asked: StandOptions, lifts: list[Any]) -> tuple[Any, Any]:
+    """Return the plan of a robot on its terrain, and its stance; or raise for what cannot be."""
     from surefoot.control.standing_plan import StandingPlan
     from surefoot.robot import place
 
@@ -103,31 +95,31 @@ def _set_up(asked: StandOptions, lifts: list[Any]) -> _Setup:
         count = len(robot.feet)
         raise ProblemError(f"{robot.name} cannot stand still: {count} point feet span no area to stand on")
     q = place(robot, terrain)
-    return _Setup(robot, terrain, q, StandingPlan(robot, terrain, q, lifts))
+    return StandingPlan(robot, terrain, q, lifts), q
 
 
-def _with_events(setup: _Setup, happens: Any) -> tuple[_Setup, Any, list[str]]:
+def _with_events(plan: Any, q: Any, happens: Any) -> tuple[Any, Any, list[str]]:
     """Return what a stand shows of which nothing is asked, also in words: a push, and a foot lifted."""
     from surefoot.control.standing_plan import Lift, StandingPlan
     from surefoot.simulation.scenario import Push
     from surefoot.spatial import GRAVITY
 
-    robot, terrain, q, _ = setup
+    robot = plan.robot
     start, seconds, *shares = SHOWN_PUSH
     many = len(robot.feet) > 3
     force = float(round(shares[0 if many else 1] * robot.mass * GRAVITY))
     text = f"a push of {force:g} N to the left at {start:g} s"
     if many:
         lift = Lift(robot.feet[0].name, *SHOWN_LIFT)
-        lifted = setup._replace(plan=StandingPlan(robot, terrain, q, [lift]))
-        if all(phase["possible"] for phase in _statics(lifted, happens.mu, 0.0, (0.0, 0.0, 0.0))):
-            setup = lifted
+        lifted = StandingPlan(robot, plan.terrain, q, [lift])
+        if all(phase["possible"] for phase in _statics(lifted, q, happens.mu, 0.0, (0.0, 0.0, 0.0))):
+            plan = lifted
             text += f", {lift.foot} in the air from {lift.start:g} to {lift.end:g} s"
     text += " (--push, --lift, --payload, --terrain or --scenario say what happens instead)"
-    return setup, replace(happens, pushes=[Push(start, (0.0, force, 0.0), seconds)]), [text]
+    return plan, replace(happens, pushes=[Push(start, (0.0, force, 0.0), seconds)]), [text]
 
 
-def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -> list[dict[str, Any]]:
+def _statics(plan: Any, q: Any, mu: float, payload: float, place: Sequence[float]) -> list[dict[str, Any]]:
     """Ask whether the stance is statically possible with a payload [kg] at (3,) base axes [m].
 
     On all feet and during every lift, in which the body leans as it would without the payload.
@@ -136,14 +128,14 @@ def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -
     from surefoot.equilibrium.statics import can_stand, friction_needed
     from surefoot.spatial import rotation_from_quaternion
 
-    robot, plan = setup.robot, setup.plan
-    stance = robot.stance(setup.q, mu=mu, terrain=setup.terrain)
-    cases = [("stance", stance, robot.com(setup.q))]
+    robot = plan.robot
+    stance = robot.stance(q, mu=mu, terrain=plan.terrain)
+    cases = [("stance", stance, robot.com(q))]
     for k, lift in enumerate(plan.lifts):
         name = robot.foot(lift.foot).name
         cases.append((f"with {name} lifted", stance.without(name), plan.com(k)))
-    total, begin = robot.mass + payload, robot.com(setup.q)
-    load = setup.q[:3] + rotation_from_quaternion(setup.q[3:7]) @ np.array(place)
+    total, begin = robot.mass + payload, robot.com(q)
+    load = q[:3] + rotation_from_quaternion(q[3:7]) @ np.array(place)
     out = []
     for phase, contacts, own in cases:
         com = (robot.mass * own + payload * (load + own - begin)) / total

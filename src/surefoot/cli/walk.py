@@ -88,7 +88,8 @@ def _convex(task: _WalkTask) -> Any:
     robot, belief, period = task.robot, task.belief, task.said.period
     name = task.gait or default_gait(robot)
     schedule = name if period is None else named_gait(name, len(robot.feet), period=period)
-    _check_steps(robot, schedule, task.command)
+    if name == "stand" and task.command.values.any():  # it would pull a standing robot over
+        raise ProblemError(f"gait {name!r} takes no steps: it goes with --velocity 0")
     controller = walking_controller(
         robot, task.command, schedule, task.ground, belief.mu, actuators_of(robot, task.actuators),
         task.wired.dt, watch_friction=belief.watch,
@@ -119,15 +120,6 @@ def _learned(learned: Learned, planner: str, task: _WalkTask) -> Any:
         raise ProblemError("--policy takes no --planner, --gait or period: it has its own gait")
     robot = equipped(task.robot, task.actuators)[0]
     return learned.controller(robot, task.command, task.ground, task.wired)
-
-
-def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
-    """Refuse a velocity for a gait that takes no steps: it would pull a standing robot over."""
-    everyone = (1 << len(robot.feet)) - 1
-    still = schedule == "stand" if isinstance(schedule, str) else bool((schedule.modes == everyone).all())
-    if still and command.values.any():
-        name = schedule if isinstance(schedule, str) else getattr(schedule, "name", "of the file")
-        raise ProblemError(f"gait {name!r} takes no steps: it goes with --velocity 0")
 
 
 def _account() -> Any:
