@@ -16,7 +16,6 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, finite_array, of_kind
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
-from surefoot.stepping.detection import TerrainDetection
 from surefoot.stepping.momentum_knot import MomentumKnot, velocity_of_way
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.stepper import Stepper
@@ -108,8 +107,6 @@ class Trajectory:
 
     def locate(self, stepper: Stepper) -> None:
         """Fill in where the contact points are, and how they move on the way to the knot's end."""
-        detection = stepper.bodies.contacts
-        assert isinstance(detection, TerrainDetection)  # order 1 is of feet on the ground
         for k, q in enumerate(self.q):
             if not np.isfinite(q).all():
                 return

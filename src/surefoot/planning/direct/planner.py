@@ -164,14 +164,12 @@ def plan_with_modes(
     *,
     guess: Guess | Trajectory | None = None,
     max_iterations: int = 3 * MAX_ITERATIONS,
-    task: str = "direct",
-    tell: Tell | None = None,
 ) -> DirectPlan:
     """Return a motion over given modes: no complementarity is left, only equations and bounds.
 
     Parameters
     ----------
-    problem, guess, max_iterations, task, tell
+    problem, guess, max_iterations
         See `plan_direct`.
     modes
         (knots, p) of every contact in every knot: 0 open, 1 sticks, 2 slides.
@@ -190,16 +188,16 @@ def plan_with_modes(
             else f"got {sorted(set(modes.ravel().tolist()))}"
         )
         raise ProblemError(f"modes must have shape {wanted}, of 0 (open), 1 (sticks), 2 (slides), {said}")
-    stages = _Runs(tell)
+    stages = _Runs()
     nlp = DirectNlp(problem, GivenModes())
     found = _with_modes(nlp, _start(problem, guess), modes, max_iterations, stages)
-    return _made_exact(problem, found, (task, "given modes"), stages, began)
+    return _made_exact(problem, found, ("direct", "given modes"), stages, began)
 
 
 class _Runs(list[tuple[float, Iterate]]):
     """Ipopt's runs, reported as they come."""
 
-    def __init__(self, tell: Tell | None, total: int | None = None) -> None:
+    def __init__(self, tell: Tell | None = None, total: int | None = None) -> None:
         super().__init__()
         self._tell, self._total = tell, total
 

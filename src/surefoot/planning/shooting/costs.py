@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_array, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
 from surefoot.planning.shooting.cost_terms import FootTable, JointTable, StateTable, Tables, TorqueTable
 from surefoot.robot import Robot
@@ -125,11 +125,8 @@ class FootCost:
         weights = np.empty((knots, 2, shape[1]))
         weights[:, 0] = _spread("slip", self.slip, shape, low=0.0)
         weights[:, 1] = _spread("landing", self.landing, shape, low=0.0)
-        widths = [
-            real_number("width", self.width, low=1e-6),
-            real_number("landing_width", self.landing_width, low=1e-6),
-        ]
-        return weights, np.array(widths)
+        widths = {"width": self.width, "landing_width": self.landing_width}
+        return weights, np.array([real_number(name, width, low=1e-6) for name, width in widths.items()])
 
 
 @dataclass(frozen=True)
@@ -151,20 +148,11 @@ class JointCost:
     def table(self, robot: Robot) -> JointTable:
         """Return bounds, weights and coupling."""
         m, model = robot.joints, robot.model
-        weights = np.repeat(
-            [
-                real_number("position_weight", self.position_weight, low=0.0),
-                real_number("speed_weight", self.speed_weight, low=0.0),
-            ],
-            m,
-        )
+        given = {"position_weight": self.position_weight, "speed_weight": self.speed_weight}
+        weights = np.repeat([real_number(name, value, low=0.0) for name, value in given.items()], m)
+        low, high = (x[model.nq - m :] for x in (model.lowerPositionLimit, model.upperPositionLimit))
         most = model.velocityLimit[model.nv - m :]
-        bounds = np.array(
-            [
-                np.r_[model.lowerPositionLimit[model.nq - m :], -most],
-                np.r_[model.upperPositionLimit[model.nq - m :], most],
-            ]
-        )
+        bounds = np.array([np.r_[low, -most], np.r_[high, most]])
         C = np.zeros((0, 0)) if self.coupling is None else _semidefinite("coupling", self.coupling, 2 * m)
         return bounds, weights, C
 
@@ -200,11 +188,9 @@ class Costs:
         )  # fmt: skip
 
 
-def _spread(
-    name: str, value: ArrayLike, shape: tuple[int, ...], low: float = -np.inf, finite: bool = True
-) -> FloatArray:
+def _spread(name: str, value: ArrayLike, shape: tuple[int, ...], low: float = -np.inf) -> FloatArray:
     """Return a value as an array of a shape, repeated along the leading axes that it lacks."""
-    array = finite_array(name, value) if finite else real_array(name, value)
+    array = finite_array(name, value)
     if array.ndim and array.shape != shape[len(shape) - array.ndim :]:
         fits = " or ".join(str(shape[k:]) for k in range(len(shape)))
         raise ProblemError(f"{name} must be a number or have shape {fits}, got {array.shape}")

@@ -152,7 +152,6 @@ class TrackingController(Controller):
         self._reference = self.planned.laid(now.centres)
         self._flights = touchdowns(self._reference)
         self._next = 0
-        self._taken = 0.0
         self.flight.begin(state.q[7:], state.v[6:])
 
     def _planned_stance(self) -> BoolArray:

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.robot.libraries import import_casadi
 
 Pairwise = Callable[[Any, Any, Any], Any]
@@ -159,8 +159,6 @@ _LISTED = (
 )
 FORMS = {form.name: form for form in _LISTED}
 """The forms by name."""
-RECOMMENDED = "relaxed"
-"""The form to begin with; docs/softening.md says when another is right."""
 
 
 def form_named(name: str) -> SoftForm:
@@ -171,8 +169,7 @@ def form_named(name: str) -> SoftForm:
     ProblemError
         If there is none; the message lists them.
     """
-    if name not in FORMS:
-        raise ProblemError(unknown_name("complementarity form", name, FORMS))
+    check_name("complementarity form", name, FORMS)
     return FORMS[name]
 
 
