@@ -30,7 +30,6 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
-from surefoot.estimation.detection_kernels import decide_contacts
 from surefoot.estimation.live_arrays import Bound
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -101,19 +100,11 @@ class GroundLevel:
 
     def stood(self, k: int, place: FloatArray) -> None:
         """Learn that foot k has landed at a place (3,) [m]."""
-        if self._ground is None:
-            self._feet[k] = place
-            self._fit()
+        self._feet[k] = place
+        self._fit()
 
-    @property
-    def mapped(self) -> bool:
-        """Whether a map tells the ground place by place."""
-        return self._ground is not None
-
-    def normal(self) -> FloatArray | None:
-        """Return the plane's normal (3,), a unit vector; None where a map tells it place by place."""
-        if self._ground is not None:
-            return None
+    def normal(self) -> FloatArray:
+        """Return the plane's normal (3,), a unit vector."""
         up = np.append(-self._slope, 1.0)
         return np.asarray(up / np.linalg.norm(up))
 
@@ -209,10 +200,10 @@ class ContactFusion(Bound):
         share = robot.mass * GRAVITY / n
         reach = max(float(robot.nominal[2]), 0.1)
         self.settings = s
-        self._memory: FloatArray = np.zeros((3, n))  # odds, prior odds, deviations of forces
+        self.memory: FloatArray = np.zeros((3, n))  # odds, prior odds, deviations of forces
         self._bind()
-        self._memory[2] = np.hypot(s.force * share, noise)
-        self._scales = np.array([
+        self.memory[2] = np.hypot(s.force * share, noise)
+        self.scales = np.array([
             s.heavy * share, s.height if mapped else s.unmapped, s.clearance * reach,
             math.hypot(s.still, speed * reach), s.swinging, s.hold, share,
         ])  # fmt: skip
@@ -220,7 +211,7 @@ class ContactFusion(Bound):
 
     def _bind(self) -> None:
         """Find the parts of the memory."""
-        self.odds, self._prior = self._memory[:2]
+        self.odds, self._prior = self.memory[:2]
 
     def reset(self) -> None:
         """Forget what was believed."""
@@ -232,31 +223,3 @@ class ContactFusion(Bound):
         s = self.settings
         self._prior[:] = s.swing
         self._prior[planned], self._prior[pushing] = 0.0, s.pushing
-
-    def update(
-        self,
-        forces: FloatArray,
-        velocities: FloatArray,
-        points: FloatArray,
-        up: FloatArray,
-        heights: FloatArray,
-        felt: BoolArray,
-        told: BoolArray,
-    ) -> BoolArray:
-        """Return which feet touch: (n,).
-
-        Parameters
-        ----------
-        forces, velocities, points
-            (n, 3) on the feet [N], of the feet [m/s], and where they are [m], world axes.
-        up, heights
-            (n, 3) normals of the ground [-], and its heights (n,) under the feet [m].
-        felt, told
-            (n,) which feet feel a force by `forces`, and by what is to be believed: where they differ, the
-            force is none or the usual one.
-        """
-        contact = self.contact
-        decide_contacts(
-            forces, velocities, points, up, heights, felt, told, self._scales, self._memory, contact
-        )
-        return contact.copy()

@@ -94,9 +94,8 @@ class Impacts:
 
 
 def first_impacts(
-    tosses: Tosses, scene: TossScene, model: TossModel, values: FloatArray, noise: tuple[float, float],
-    seed: int = 0,
-) -> Impacts | None:  # fmt: skip
+    tosses: Tosses, scene: TossScene, model: TossModel, values: FloatArray, noise: tuple[float, float]
+) -> Impacts | None:
     """Return the errors of a model in the first impacts, None where none is over at once.
 
     Parameters
@@ -107,8 +106,6 @@ def first_impacts(
         What is judged, and its (k,) parameters.
     noise
         Standard deviations of a recorded coordinate [m] and angle [rad].
-    seed
-        Of the draws.
     """
     body, tree = scene.body, scene.body.tree
     places = sphere_places(tree, tosses.poses)
@@ -148,7 +145,7 @@ def first_impacts(
         poses = model.rollout(values, part._replace(starts=starts))[taken]
         return flight.apart(poses)[:, nv:]
 
-    errors, random = apart(part.starts), np.random.default_rng(seed)
+    errors, random = apart(part.starts), np.random.default_rng(0)
     shaken = [apart(arrival.shaken(part.starts, noise, random)) - errors for _ in range(DRAWS)]
     carried = np.median(np.square(shaken), axis=0) / stats.chi2.median(1)
     own = flight.deviations(noise)[:, nv:]

@@ -24,6 +24,7 @@ from surefoot.estimation.contact_odds import (
     observer_gain,
     quiet_bandwidth,
 )
+from surefoot.estimation.detection_kernels import decide_contacts
 from surefoot.estimation.foot_force_observer import FootForceObserver
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.latency import Latency
@@ -178,11 +179,12 @@ class StateEstimator:
         if self.health is Health.DIVERGED:
             return np.zeros_like(self._sensed)
         detector, heights = self.detector, self.ground.heights(self.detector.points)
-        told = self._sensed if sensed is None else sensed
-        return self.fusion.update(
+        told, fusion = self._sensed if sensed is None else sensed, self.fusion
+        decide_contacts(
             detector.forces, detector.velocities, detector.points, self.ekf.normals, heights,
-            self._sensed, told,
+            self._sensed, told, fusion.scales, fusion.memory, fusion.contact,
         )  # fmt: skip
+        return fusion.contact.copy()
 
     def update(self, contact: BoolArray, standing: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Correct and return the estimate q (nq,) [m, rad] and v (nv,) [m/s, rad/s], Pinocchio's order.
@@ -197,7 +199,7 @@ class StateEstimator:
         ekf, late = self.ekf, self.latency
         meant = ekf.level(contact if standing is None else contact & standing)
         body, lost, q, v = ekf.filter, self.health is Health.DIVERGED, np.empty(self._nq), np.empty(self._nv)
-        if not self.ground.mapped:
+        if ekf.ground is None:
             self._learn(contact & meant)
         told = settle(
             body.memory, body.flags, ekf.memory, ekf.feet.memory, ekf.stances, late.memory, late.counts,
@@ -215,9 +217,7 @@ class StateEstimator:
         """Learn where the ground is from feet (n,) that stand and did not before."""
         for k in np.flatnonzero(meant & ~self._stood).tolist():
             self.ground.stood(k, self.detector.points[k])
-            plane = self.ground.normal()
-            if plane is not None:
-                self.ekf.normals[k] = plane
+            self.ekf.normals[k] = self.ground.normal()
         self._stood = meant
 
     def expect(self, pushing: BoolArray, planned: BoolArray) -> None:
