@@ -12,6 +12,7 @@ from surefoot.collision.shapes import Box, Capsule, Shape
 from surefoot.kernels import kernel
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco_contacts import SAME_FACE, toward
+from surefoot.simulation.mujoco_spec import TOUCHING
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz, rotation_from_quaternion
 
 LINK, FOOT = "link:", "foot:"
@@ -102,10 +103,7 @@ def add_links(mujoco: Any, spec: Any, robot: Robot, geometry: Geometry, surface:
             name=names[-1],
             pos=solid.position,
             quat=quaternion_wxyz(quaternion_from_rotation(solid.rotation)),
-            contype=0,
-            conaffinity=1,
-            condim=3,
-            density=0.0,
+            **TOUCHING,
             **_form(mujoco, solid.shape),
         )
     sliding = surface["friction"][0]

@@ -23,6 +23,8 @@ from surefoot.terrain.shapes import DEPTH, EXTENT
 
 FRICTION_RATIO = 100.0
 """MuJoCo's impratio: friction much stiffer than the normal, so that a sticking foot hardly creeps."""
+TOUCHING: dict[str, Any] = {"contype": 0, "conaffinity": 1, "condim": 3, "density": 0.0}
+"""What a robot's geom says of its contacts: with the ground alone, and without a mass of its own."""
 
 
 def import_mujoco() -> Any:
@@ -97,10 +99,7 @@ def robot_spec(robot: Robot, payload: float = 0.0, payload_position: FloatArray 
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=[radius, 0.0, 0.0],
             pos=place,
-            contype=0,
-            conaffinity=1,
-            condim=3,
-            density=0.0,
+            **TOUCHING,
         )
     return spec
 
