@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -80,10 +78,6 @@ class Geometry:
     def __post_init__(self) -> None:
         check_name("rule", self.combine, combination_rules())
 
-    def with_ground(self, solids: tuple[Solid, ...]) -> Geometry:
-        """Return the geometry with pieces of ground behind its own solids."""
-        return replace(self, solids=self.solids + solids)
-
     def pairs(self, among: IntArray | None = None) -> IntArray:
         """Return the pairs (m, 2) of solids that may touch, of `among` (k, 2) with the smaller index first.
 
@@ -123,13 +117,10 @@ def ground_solids(terrain: Terrain) -> tuple[Solid, ...] | None:
         shapes = () if terrain.planar else terrain.shapes()
     except ProblemError:
         return None
-    makers: dict[type, Callable[[Any], Solid]] = {pieces.Box: _box}
-    if not shapes or not all(type(shape) in makers for shape in shapes):
+    boxes = [shape for shape in shapes if type(shape) is pieces.Box]
+    if not shapes or len(boxes) < len(shapes):
         return None
-    return tuple(replace(makers[type(s)](s), name=f"ground:{k}") for k, s in enumerate(shapes))
-
-
-def _box(piece: pieces.Box) -> Solid:
-    """Return a terrain's box as a solid."""
-    a, b, c = (float(edge) for edge in piece.size)
-    return Solid("ground", Box((a, b, c)), 0, position=np.array(piece.centre), on_ground=False)
+    return tuple(
+        Solid(f"ground:{k}", Box(tuple(b.size.tolist())), 0, position=np.array(b.centre), on_ground=False)
+        for k, b in enumerate(boxes)
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,7 @@ class PairDetection:
 
     def __init__(self, model: Any, robot: Robot, geometry: Geometry, terrain: Terrain, dt: float) -> None:
         pieces = ground_solids(terrain)
-        self._geometry = geometry if pieces is None else geometry.with_ground(pieces)
+        self._geometry = replace(geometry, solids=geometry.solids + (pieces or ()))
         feet = list(robot.feet)
         surfaces: list[tuple[float | None, ...]] = [(None,) * 4 for _ in feet]
         self.names = [(foot.name, "ground") for foot in feet]
