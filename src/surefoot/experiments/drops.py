@@ -18,6 +18,8 @@ ENGINES = ("mujoco", "drake", "drake-hunt-crossley")
 """Engines that can be run."""
 RADIUS = 1.0
 """Of the ball that falls [m]; nothing turns it."""
+SPEED = 1.0
+"""Impact speed of the bounce [m/s]."""
 NUDGE = 0.02
 """Share of the rest depth by which the mass is pressed down to see how it settles."""
 
@@ -28,8 +30,6 @@ def measure(
     expected: MassOnContact,
     mass: float,
     *,
-    speed: float = 1.0,
-    gravity: float = GRAVITY,
     dt: float = 1e-5,
 ) -> MassOnContact:
     """Run an engine and return how the mass rests, bounces and settles in it.
@@ -44,10 +44,6 @@ def measure(
         What should come out: it decides how long the runs take, not what they say.
     mass
         [kg].
-    speed
-        Impact speed of the bounce [m/s].
-    gravity
-        [m/s²].
     dt
         The engine's step [s].
 
@@ -72,7 +68,7 @@ def measure(
             "velocity": [0.0, 0.0, velocity],
         }
         scene = {
-            "bodies": [body], "gravity": [0.0, 0.0, -gravity], "mu": 0.0, "dt": dt, "contact": words,
+            "bodies": [body], "gravity": [0.0, 0.0, -GRAVITY], "mu": 0.0, "dt": dt, "contact": words,
             "steps": max(4, math.ceil(seconds / dt)), "until": until,
         }  # fmt: skip
         path, _ = mujoco(scene) if world == "mujoco" else elsewhere(scene, world)
@@ -85,9 +81,9 @@ def measure(
     pressed, _ = run(-(1.0 + NUDGE) * depth, 0.0, settle)
     frequency, ratio = _modes(pressed + depth, dt)
     settling = settling_time(frequency, ratio)
-    gaps, speeds = run(0.0, -speed, 300.0 * max(1.0 / expected.frequency, depth / speed), RADIUS)
+    gaps, speeds = run(0.0, -SPEED, 300.0 * max(1.0 / expected.frequency, depth / SPEED), RADIUS)
     left = gaps[-1] > 0.0 and speeds[-1] > 0.0
-    return MassOnContact(depth, float(speeds[-1]) / speed if left else 0.0, frequency, ratio, settling)
+    return MassOnContact(depth, float(speeds[-1]) / SPEED if left else 0.0, frequency, ratio, settling)
 
 
 def _modes(deviation: FloatArray, dt: float) -> tuple[float, float]:

@@ -38,8 +38,7 @@ def bouncing(world: str, restitution: float, mass: float, stiffness: float, dt: 
     law = SpringDamper.bouncing(stiffness, restitution, mass)
     if world != "mujoco":
         return {"contact": translate(law, world, mass, dt=dt).parameters}
-    words = translate(law, "mujoco", mass, dt=dt, impedance=IMPEDANCE).parameters
-    return {"solref": tuple(words["solref"]), "solimp": tuple(words["solimp"])}
+    return translate(law, "mujoco", mass, dt=dt, impedance=IMPEDANCE).parameters
 
 
 def slid_down(time: FloatArray, degrees: float, mu: float) -> FloatArray:

@@ -243,8 +243,6 @@ def judged(
 
 def _missed(robot: Robot, log: Log, reference: Reference) -> str:
     """Return by how much a motion that begins on the feet has missed its end, or nothing."""
-    if not reference.begins_standing:
-        return ""
     moved, planned = _moved(robot, np.asarray(log["q"])), _moved(robot, reference.q)
     if float(np.linalg.norm(moved - planned)) > OFF:
         return f"its feet went {moved[0]:.2f} m ahead, the plan's {planned[0]:.2f} m"
@@ -286,12 +284,10 @@ def _shortfall(robot: Robot, log: Log, reference: Reference, links: tuple[tuple[
     feet = np.array([last[robot.contact_points.foot == k].sum() for k in range(len(robot.feet))])
     if (feet <= 0.0).any():
         return f"{robot.feet[int(np.argmin(feet))].name} does not stand"
-    missed = _missed(robot, log, reference)
-    if missed:
-        return missed
-    if links and reference.begins_standing:
-        return "touched: " + ", ".join(" on ".join(pair) for pair in links)
-    return ""
+    if not reference.begins_standing:
+        return ""
+    touched = "touched: " + ", ".join(" on ".join(pair) for pair in links) if links else ""
+    return _missed(robot, log, reference) or touched
 
 
 class MotorLimited(Wrapper):

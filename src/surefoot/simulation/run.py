@@ -239,13 +239,11 @@ class _Run:
 
     def _record(self, moment: Moment) -> None:
         """Write the row of a step."""
-        command, reading, normals = moment.command, moment.reading, moment.reading.normals
-        if normals is None:
-            normals = reading.normals_on(self.world.terrain)
+        command, reading = moment.command, moment.reading
         row = [
             moment.time, moment.q, moment.v, moment.torques, reading.forces, command.forces, reading.gaps,
-            reading.velocities, reading.positions, normals, command.active, command.attained,
-            (np.abs(command.torques) >= self.limits).any(),
+            reading.velocities, reading.positions, reading.normals_on(self.world.terrain), command.active,
+            command.attained, (np.abs(command.torques) >= self.limits).any(),
             NO_PUSH if moment.push is None else moment.push, moment.mu, moment.controller_time,
         ]  # fmt: skip
         if self._others is not None:

@@ -27,11 +27,6 @@ class LevelsTerrain(Terrain):
         """Return the slope [-] at (..., 2) places [m]: zeros (..., 2)."""
         return np.zeros(np.shape(xy))
 
-    def normal(self, xy: ArrayLike) -> FloatArray:
-        """Return the vertical [-] at (..., 2) places [m]: (..., 3)."""
-        shape = np.asarray(xy).shape[:-1]
-        return np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*shape, 3)).copy()
-
     def nearest(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return the distance of (..., 3) points to treads, faces and edges [m], and the normals there.
 
