@@ -21,19 +21,14 @@ PACKAGE, EXTRA = "drake", "drake"
 VARIABLE = "SUREFOOT_DRAKE_PYTHON"
 
 
-def named() -> str:
-    """Return the interpreter that the environment names, empty if none."""
-    return os.environ.get(VARIABLE, "")
-
-
 def interpreter() -> str:
     """Return the interpreter to run a worker with."""
-    return named() or sys.executable
+    return os.environ.get(VARIABLE) or sys.executable
 
 
 def present() -> bool:
     """Return whether Drake is importable here, or another interpreter is named for it; it is not tried."""
-    return bool(named()) or importlib.util.find_spec("pydrake") is not None
+    return bool(os.environ.get(VARIABLE)) or importlib.util.find_spec("pydrake") is not None
 
 
 class Worker:
