@@ -219,7 +219,7 @@ def test_shown_command_ends_as_the_page_says(
         assert main(expanded(words[:at] + words[at + 2 :], folder)) == 0
     if "--merge" in words:  # what is merged must have run
         at = words.index("--merge")
-        assert main([*words[:at], "--out", words[at + 1], "--samples", "4"]) == 0
+        assert main([*words[:at], "--out", f"{words[at + 1]}/all", "--samples", "4"]) == 0
     assert main(expanded(words, folder)) == code
 
 
