@@ -129,11 +129,11 @@ class Store:
                 with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as other:
                     (identity,) = other.execute("SELECT identity FROM sweep").fetchone()
                     self._compare(identity, path.parent)
-                    wanted = "SELECT row FROM samples WHERE number < ?"
+                    wanted = "SELECT number, row FROM samples WHERE number < ?"
                     rows = other.execute(wanted, (self.config.samples,)).fetchall()
             except (sqlite3.Error, TypeError) as error:
                 raise ProblemError(f"{path} cannot be read ({error}); is its sweep at work?") from error
-            self.add([json.loads(row) for (row,) in rows])
+            self._insert(rows)
 
     def add(self, rows: list[Row]) -> None:
         """Write rows; those of samples that have one are ignored.
@@ -143,7 +143,10 @@ class Store:
         WriteError
             If that fails; what was written before is kept.
         """
-        new = [(row["index"], json.dumps(row, default=lambda value: value.item())) for row in rows]
+        self._insert([(row["index"], json.dumps(row, default=lambda value: value.item())) for row in rows])
+
+    def _insert(self, new: list[tuple[int, str]]) -> None:
+        """Write rows as they are kept, with their samples' indices."""
         try:
             with self._rows:  # commits, or rolls back
                 self._rows.execute("BEGIN")
