@@ -90,6 +90,14 @@ def real_number(name: str, value: float, *, low: float = -np.inf, high: float = 
     return number
 
 
+def positive_number(name: str, value: float, unit: str = "") -> float:
+    """Return `value` as a float that is positive and finite, or raise; the message tells the unit."""
+    number = real_number(name, value, low=0.0)
+    if not 0.0 < number < np.inf:
+        raise ProblemError(f"{name} must be positive and finite{unit and f' [{unit}]'}, got {number:g}")
+    return number
+
+
 def whole_number(name: str, value: float, *, low: int = 0) -> int:
     """Return `value` as an integer >= low; 5.0 is one, 5.5 and True are not.
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, positive_number
 from surefoot.errors import ProblemError, needs
 
 
@@ -63,7 +63,7 @@ class Sphere(Shape):
     radius: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive("radius", self.radius))
+        object.__setattr__(self, "radius", positive_number("radius", self.radius))
 
     @property
     def core(self) -> FloatArray:
@@ -123,8 +123,8 @@ class Capsule(Shape):
     length: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive("radius", self.radius))
-        object.__setattr__(self, "length", positive("length", self.length))
+        object.__setattr__(self, "radius", positive_number("radius", self.radius))
+        object.__setattr__(self, "length", positive_number("length", self.length))
 
     @property
     def core(self) -> FloatArray:
@@ -149,14 +149,6 @@ class Capsule(Shape):
         out = np.zeros((along, 3))
         out[:, 2] = np.linspace(0.5 * self.length, -0.5 * self.length, along)
         return out
-
-
-def positive(name: str, value: float) -> float:
-    """Return a number that is positive and finite, or raise."""
-    number = real_number(name, value, low=0.0)
-    if not 0.0 < number < math.inf:
-        raise ProblemError(f"{name} must be positive and finite, got {number:g}")
-    return number
 
 
 def coal() -> Any:

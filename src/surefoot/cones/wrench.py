@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray, positive_number, real_number
 from surefoot.cones.cone import Fit
 from surefoot.cones.polyhedral import PolyhedralCone, checked_fit
 from surefoot.errors import ProblemError
@@ -63,8 +63,8 @@ class WrenchCone(PolyhedralCone):
         fit: Fit = "inner",
         torsion: float | None = None,
     ) -> None:
-        self.length = _size("length", length)
-        self.width = _size("width", width)
+        self.length = positive_number("length", length)
+        self.width = positive_number("width", width)
         self.mu = real_number("mu", mu, low=0.0)
         if math.isinf(self.mu):
             raise ProblemError("a wrench cone needs a finite mu, got inf")
@@ -81,13 +81,6 @@ class WrenchCone(PolyhedralCone):
     def __repr__(self) -> str:
         sizes = f"length={self.length:g}, width={self.width:g}, mu={self.mu:g}, fit={self.fit!r}"
         return f"WrenchCone({sizes}{'' if self.torsion is None else f', torsion={self.torsion:g}'})"
-
-
-def _size(name: str, value: float) -> float:
-    size = real_number(name, value, low=0.0)
-    if not 0.0 < size < math.inf:
-        raise ProblemError(f"{name} must be positive and finite, got {size:g}")
-    return size
 
 
 def _common_rows(X: float, Y: float, m: float) -> FloatArray:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, of_kind, real_number
+from surefoot.arrays import FloatArray, finite_array, of_kind, positive_number
 from surefoot.cones.cone import Fit
 from surefoot.equilibrium.limits import ForceLimits, Question, all_limits, normal_limits, squeeze_limit
 from surefoot.equilibrium.region import Region, convex_hull
@@ -212,8 +212,7 @@ def _within_reason(question: Question, rows: Rows, tol: float) -> Traced:
 
 def checked_gap(tol: float) -> None:
     """Refuse a tolerance that no search can reach, or that is none [m]."""
-    if not 0.0 < real_number("tol", tol, low=0.0) < math.inf:
-        raise ProblemError(f"tol must be positive and finite [m], got {tol:g}")
+    positive_number("tol", tol, "m")
 
 
 def support_polygon(stance: Stance) -> FloatArray:

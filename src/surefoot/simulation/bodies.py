@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.collision.shapes import positive
+from surefoot.arrays import FloatArray, finite_array, positive_number, real_number
 from surefoot.errors import ProblemError
 from surefoot.robot import Foot, Robot
 from surefoot.robot.libraries import import_pinocchio
@@ -20,7 +19,7 @@ def ball(mass: float = 1.0, radius: float = 0.1) -> Robot:
     >>> ball(2.0, 0.1).mass
     2.0
     """
-    m, r = positive("mass", mass), positive("radius", radius)
+    m, r = positive_number("mass", mass), positive_number("radius", radius)
     return _body("ball", m, np.full(3, 0.4 * m * r * r), np.zeros((1, 3)), r)
 
 
@@ -31,7 +30,7 @@ def box(
 
     It touches with its eight corners, which are spheres of radius `rounding` [m] inside the box.
     """
-    m, edges = positive("mass", mass), finite_array("size", size, (3,))
+    m, edges = positive_number("mass", mass), finite_array("size", size, (3,))
     radius = real_number("rounding", rounding, low=0.0)
     if (edges <= 2.0 * radius).any():
         raise ProblemError(f"size must be above twice the rounding ({2.0 * radius:g}), got {edges.min():g}")
@@ -59,8 +58,8 @@ def falling_cat(half_mass: float = 1.0, half_inertia: float = 0.003, leg_mass: f
     pinocchio = import_pinocchio()
     model: Any = pinocchio.Model()
     moments = np.array([half_inertia, 2.0 * half_inertia, 2.0 * half_inertia])
-    half = pinocchio.Inertia(positive("half_mass", half_mass), np.zeros(3), np.diag(moments))
-    leg = pinocchio.Inertia.FromSphere(positive("leg_mass", leg_mass), 0.01)
+    half = pinocchio.Inertia(positive_number("half_mass", half_mass), np.zeros(3), np.diag(moments))
+    leg = pinocchio.Inertia.FromSphere(positive_number("leg_mass", leg_mass), 0.01)
     here = pinocchio.SE3.Identity()
     front = model.addJoint(0, pinocchio.JointModelFreeFlyer(), here, "front")
     spine = pinocchio.SE3(np.eye(3), np.array([-0.2, 0.0, 0.0]))

@@ -9,9 +9,8 @@ from typing import Any, NamedTuple, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, of_kind
+from surefoot.arrays import FloatArray, finite_array, of_kind, positive_number
 from surefoot.collision import Geometry, Shape, Solid, robot_geometry
-from surefoot.collision.shapes import positive
 from surefoot.errors import ProblemError, check_name
 from surefoot.robot import Robot
 from surefoot.robot.libraries import import_pinocchio
@@ -59,7 +58,7 @@ class Body:
     fixed: bool = False
 
     def __post_init__(self) -> None:
-        positive("mass", self.mass)
+        positive_number("mass", self.mass)
         for name, size in (("position", 3), ("orientation", 4), ("velocity", 3), ("spin", 3)):
             finite_array(name, getattr(self, name), (size,))
         length = float(np.linalg.norm(self.orientation))

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, positive_number
 from surefoot.errors import ProblemError
 from surefoot.kernels import kernel
 from surefoot.terrain.shapes import Grid
@@ -46,9 +46,7 @@ class HeightfieldTerrain(Terrain):
         self.heights = finite_array("heights", heights, (None, None))
         if min(self.heights.shape) < 2:
             raise ProblemError(f"heights must be at least 2 x 2, got {self.heights.shape}")
-        self.spacing = real_number("spacing", spacing, low=0.0)
-        if not 0.0 < self.spacing < math.inf:
-            raise ProblemError(f"spacing must be positive and finite [m], got {self.spacing:g}")
+        self.spacing = positive_number("spacing", spacing, "m")
         half = 0.5 * self.spacing * (np.array(self.heights.shape) - 1.0)
         self.origin = -half if origin is None else finite_array("origin", origin, (2,))
         self._extended = _extend(self.heights)

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, real_number, whole_number
-from surefoot.errors import ProblemError
+from surefoot.arrays import FloatArray, positive_number, real_number, whole_number
 from surefoot.terrain.levels import LevelsTerrain
 from surefoot.terrain.shapes import EXTENT
 
@@ -38,9 +35,7 @@ class StairsTerrain(LevelsTerrain):
 
     def __init__(self, rise: float = 0.12, tread: float = 0.3, steps: int = 10) -> None:
         self.rise = real_number("rise", rise, low=-10.0, high=10.0)
-        self.tread = real_number("tread", tread, low=0.0)
-        if not 0.0 < self.tread < math.inf:
-            raise ProblemError(f"tread must be positive and finite [m], got {self.tread:g}")
+        self.tread = positive_number("tread", tread, "m")
         self.steps = whole_number("steps", steps, low=1)
 
     def __repr__(self) -> str:
