@@ -18,8 +18,6 @@ contact mechanics using interior point algorithm", Optim. Methods Softw. 39(3), 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
@@ -39,24 +37,17 @@ Point = tuple[FloatArray, FloatArray, float, bool, FloatArray, FloatArray]
 """laws, epsilon, κ, whether the law is convex, forces and velocities, as `path_kernels` take them first."""
 
 
-@dataclass
 class _Path:
     """The path of a problem to κ, as `path_kernels` takes it: laws (3, n), epsilon (n,)."""
 
-    problem: ContactProblem
-    kappa: float
-    laws: FloatArray
-    epsilon: FloatArray
-
-    @classmethod
-    def of(cls, problem: ContactProblem, kappa: float) -> _Path:
+    def __init__(self, problem: ContactProblem, kappa: float) -> None:
         fixed = (problem.normal_min == problem.normal_max) & (problem.normal_max > 0.0)
         if fixed.any():
             k = int(np.argmax(fixed))
             raise ProblemError(f"smoothing needs normal_min < normal_max, got equal ones at contact {k}")
-        epsilon = np.empty(problem.contacts)
-        fill_epsilon(problem.scales, kappa, problem.law == "convex", epsilon)
-        return cls(problem, kappa, problem.vectors[1].reshape(3, -1), epsilon)
+        self.problem, self.kappa = problem, kappa
+        self.laws, self.epsilon = problem.vectors[1].reshape(3, -1), np.empty(problem.contacts)
+        fill_epsilon(problem.scales, kappa, problem.law == "convex", self.epsilon)
 
     @property
     def kept(self) -> BoolArray:
@@ -101,7 +92,7 @@ def central_path(problem: ContactProblem, forces: FloatArray, kappa: float) -> S
     NoSolution
         If the path is not reached.
     """
-    path = _Path.of(problem, kappa)
+    path = _Path(problem, kappa)
     with np.errstate(all="ignore"):  # said by the error
         f, y, reached = _follow(path, forces)
         try:

@@ -21,14 +21,13 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact.laws.soft import SoftLaw
 from surefoot.robot import ContactPoints
 from surefoot.spatial import GRAVITY
-from surefoot.stepping import arithmetic
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_kernels import centre_rates, force_rates, velocity_rates
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.state import Impact
 from surefoot.terrain import Terrain
-from surefoot.terrain.frames import surface_frames
+from surefoot.terrain.frames import frames_on
 
 TOUCHING = 1e-9
 """Gaps up to this are none: whether they open or close makes two derivatives [m]."""
@@ -45,8 +44,10 @@ def law_fields(law: SoftLaw) -> tuple[str, ...]:
     return tuple(f.name for f in fields(law) if isinstance(getattr(law, f.name), float | int))
 
 
-class GroundTurn(NamedTuple):
-    """How the ground turns below the contacts; see `derivative_kernels`.
+class GroundTurn:
+    """How the ground turns below contacts of radii (p,) [m], by central differences where it is curved.
+
+    See `derivative_kernels`.
 
     Attributes
     ----------
@@ -56,29 +57,21 @@ class GroundTurn(NamedTuple):
         (p, 3) rates of the gaps with the spheres' centres.
     """
 
-    turns: FloatArray
-    slopes: FloatArray
-
-    @classmethod
-    def below(cls, terrain: Terrain, contacts: Contacts, radii: FloatArray) -> GroundTurn:
-        """Return the ground below contacts of radii (p,) [m], by central differences where it is curved."""
+    def __init__(self, terrain: Terrain, contacts: Contacts, radii: FloatArray) -> None:
         frames = contacts.frames
-        turns = np.zeros((2, *frames.shape))
-        slopes = frames[:, :, 2].copy()
+        self.turns = np.zeros((2, *frames.shape))
+        self.slopes = frames[:, :, 2].copy()
         if terrain.planar or not len(frames):
-            return cls(turns, slopes)
+            return
         centres = contacts.positions + radii[:, None] * frames[:, :, 2]
         for axis in range(2):
             aside = np.zeros(3)
             aside[axis] = SPACING
-            ends = np.empty((2, *frames.shape))
-            gaps = []
-            for side, places in enumerate((centres + aside, centres - aside)):
-                surface_frames(np.ascontiguousarray(terrain.normal(places[:, :2])), ends[side])
-                gaps.append(terrain.gap(places))
-            turns[axis] = (ends[0] - ends[1]) / (2.0 * SPACING)
-            slopes[:, axis] = (gaps[0] - gaps[1]) / (2.0 * SPACING)
-        return cls(turns, slopes)
+            sides = centres + aside, centres - aside
+            ends = [frames_on(terrain.normal(places[:, :2])) for places in sides]
+            gaps = [terrain.gap(places) for places in sides]
+            self.turns[axis] = (ends[0] - ends[1]) / (2.0 * SPACING)
+            self.slopes[:, axis] = (gaps[0] - gaps[1]) / (2.0 * SPACING)
 
 
 class Laws(NamedTuple):
@@ -234,9 +227,12 @@ class Exchange:
 
     def gap_rates(self) -> FloatArray:
         """Return the derivative (p, nv) of the gaps [m]."""
-        c = self.contacts
-        centres = centre_rates(self.twists, self.points.support, c.positions, self.points.radii, c.frames)
-        return np.asarray(np.einsum("ci,cik->ck", self.ground.slopes, centres))
+        return np.asarray(np.einsum("ci,cik->ck", self.ground.slopes, self._centre_rates()))
+
+    def _centre_rates(self) -> FloatArray:
+        """Return the rates of the spheres' centres with q: (p, 3, nv), world axes."""
+        c, points = self.contacts, self.points
+        return centre_rates(self.twists, points.support, c.positions, points.radii, c.frames)
 
     def _arriving(self, rates: Rates) -> FloatArray:
         """Return the rates (3p, c) of the contact velocities before the impulses."""
@@ -304,7 +300,7 @@ class Exchange:
         if impact.velocities is impact.leaving:
             return None
         frames = self.contacts.frames
-        guess = arithmetic.swerves(self.contacts.J, impact.before, leaving, last, feet, frames, 0.0)
+        guess = self.contacts.swerves(impact.before, leaving, last, feet, 0.0)
         axes = 2 if self.options.soft is not None else 3  # soft laws take no guess along the normal
         half = guess is not None and np.allclose(guess[1][:, :axes], taken[:, :axes], rtol=1e-6, atol=1e-12)
         change = self._arriving(rates)
@@ -328,7 +324,5 @@ class Exchange:
 
     def _frame_rates(self, rates: Rates) -> FloatArray:
         """Return the rates (p, 3, 3, c) of the contact frames."""
-        c = self.contacts
-        centres = centre_rates(self.twists, self.points.support, c.positions, self.points.radii, c.frames)
-        moved = np.einsum("cik,kx->cix", centres[:, :2], rates.q)
+        moved = np.einsum("cik,kx->cix", self._centre_rates()[:, :2], rates.q)
         return np.asarray(np.einsum("dcia,cdx->ciax", self.ground.turns, moved))

@@ -170,7 +170,7 @@ class Stages:
         points = stepper.robot.contact_points
         stepper.bodies.weigh(impact.q)
         twists = np.ascontiguousarray(stepper.bodies.contacts.twists(impact.q).T)
-        ground = GroundTurn.below(stepper.terrain, seen, points.radii)
+        ground = GroundTurn(stepper.terrain, seen, points.radii)
         nothing = np.zeros(impact.impulses.shape)
         response = None if impact.solution is None else Response(impact.solution, smoothing)
         return Exchange(
@@ -282,8 +282,7 @@ class Stages:
         rates = Rates(T[:n], none, none + out.takes(inertia), none[0], leaving)
         moved = out.through(rates, one_sided)[0]
         model, q, way = self._work.heavy[0], out.impact.q, out.impact.after
-        by_q = pinocchio.dIntegrate(model, q, way, pinocchio.ArgumentPosition.ARG0)
-        by_way = pinocchio.dIntegrate(model, q, way, pinocchio.ArgumentPosition.ARG1)
+        by_q, by_way = pinocchio.dIntegrate(model, q, way)
         return np.vstack([by_q @ T[:n] + by_way @ moved, T[n:]])
 
     def _pushing(self, q: FloatArray, push: FloatArray) -> FloatArray:

@@ -202,8 +202,7 @@ class Knot:
     @property
     def moved(self) -> tuple[FloatArray, FloatArray]:
         """(nv, nv) derivatives of q ⊕ dt v⁺ by q and by dt v⁺, of the last call of `derivative`."""
-        by_q, by_step = self._moved
-        return by_q, by_step
+        return self._moved
 
     def contact_rates(self) -> FloatArray:
         """Return the derivative (3p, nv) of the contact velocities J(q) v at the step's start by q."""
@@ -307,7 +306,7 @@ class Knot:
     def _look_below(self) -> None:
         """Find how curved ground turns below the contacts."""
         contacts = Contacts(self.gaps, self._positions, self._frames, self._J)
-        ground = GroundTurn.below(self.stepper.terrain, contacts, self._radii)
+        ground = GroundTurn(self.stepper.terrain, contacts, self._radii)
         self._turns, self._slopes = ground.turns, ground.slopes
 
 

@@ -33,7 +33,7 @@ AGREED = 1e-8
 """Distance of the normal impulses from the law that ends the iteration, as a share of the largest one."""
 
 
-class Graph(NamedTuple):
+class Graph:
     """The law's impulses over a step, as a function of the normal velocities.
 
     Attributes
@@ -46,19 +46,10 @@ class Graph(NamedTuple):
         (p,) velocities at which the step ends at the surface [m/s], and the largest impulses there [N s].
     """
 
-    law: SoftLaw
-    dt: float
-    gaps: FloatArray
-    arriving: FloatArray
-    wall: FloatArray
-    jump: FloatArray
-
-    @classmethod
-    def of(cls, law: SoftLaw, dt: float, gaps: FloatArray, arriving: FloatArray) -> Graph:
-        """Return the graph of a law for (p,) gaps [m] and arriving normal velocities [m/s] over dt [s]."""
-        wall = -gaps / dt
-        jump = dt * np.maximum(law.over_step(gaps, wall, arriving, dt)[0], 0.0)
-        return cls(law, dt, gaps, arriving, wall, jump)
+    def __init__(self, law: SoftLaw, dt: float, gaps: FloatArray, arriving: FloatArray) -> None:
+        self.law, self.dt, self.gaps, self.arriving = law, dt, gaps, arriving
+        self.wall = -gaps / dt
+        self.jump = dt * np.maximum(law.over_step(gaps, self.wall, arriving, dt)[0], 0.0)
 
     def impulses(self, speeds: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the impulses (p,) [N s] below the wall and minus their slopes (p,) [kg]; else zeros."""
@@ -69,8 +60,10 @@ class Graph(NamedTuple):
         return np.where(on, self.dt * force, 0.0), np.where(on, self.dt * slope, 0.0)
 
 
-class SoftRows(NamedTuple):
-    """What each contact's row says: 0 <= λ ⟂ u + compliance λ + bias >= 0, λ <= most.
+class SoftRows:
+    """What each contact's row says, linearised about (p,) normal velocities [m/s].
+
+    0 <= λ ⟂ u + compliance λ + bias >= 0, λ <= most.
 
     Attributes
     ----------
@@ -82,22 +75,14 @@ class SoftRows(NamedTuple):
         (p,) [1/kg], [m/s], [N s].
     """
 
-    on: BoolArray
-    at_wall: BoolArray
-    compliance: FloatArray
-    bias: FloatArray
-    most: FloatArray
-
-    @classmethod
-    def of(cls, graph: Graph, speeds: FloatArray, at_wall: BoolArray) -> SoftRows:
-        """Return the rows linearised about (p,) normal velocities [m/s]; `at_wall` (p,) chooses the jump."""
+    def __init__(self, graph: Graph, speeds: FloatArray, at_wall: BoolArray) -> None:
         impulses, slopes = graph.impulses(speeds)
         tangent = (slopes > 0.0) & ~at_wall
         steep = np.where(tangent, slopes, 1.0)
-        compliance = np.where(tangent, 1.0 / steep, 0.0)
-        bias = np.where(tangent, -impulses / steep - speeds, -graph.wall)
-        most = np.where(at_wall, graph.jump, np.inf)
-        return cls(tangent | at_wall, at_wall, compliance, bias, most)
+        self.on, self.at_wall = tangent | at_wall, at_wall
+        self.compliance = np.where(tangent, 1.0 / steep, 0.0)
+        self.bias = np.where(tangent, -impulses / steep - speeds, -graph.wall)
+        self.most = np.where(at_wall, graph.jump, np.inf)
 
 
 class SoftMeeting(Meeting):
@@ -109,10 +94,7 @@ class SoftMeeting(Meeting):
         A foot that holds on is guessed to be carried on along the ground as since the last impulses; what
         that would make of energy through friction is not taken.
         """
-        J = self.contacts.J
-        guess = arithmetic.swerves(
-            J, self.before, leaving, last, self.foot, self.contacts.frames, SWERVE
-        )  # fmt: skip
+        guess = self.contacts.swerves(self.before, leaving, last, self.foot, SWERVE)
         if guess is None:
             return self._agreed(last, None)
         arriving, swerve = guess
@@ -130,13 +112,13 @@ class SoftMeeting(Meeting):
         law, contacts = self.options.soft, self.contacts
         assert law is not None
         arriving = contacts.velocities(self.before)[:, 2]
-        graph = Graph.of(law, self.horizon, contacts.gaps, arriving)
+        graph = Graph(law, self.horizon, contacts.gaps, arriving)
         speeds, at_wall = contacts.velocities(self.free)[:, 2], np.zeros(arriving.shape, dtype=np.bool_)
         if swerve is not None:
             speeds += swerve[:, 2]
         parts, impact, error = None, None, np.inf
         for count in range(NEWTON):
-            rows = SoftRows.of(graph, speeds, at_wall)
+            rows = SoftRows(graph, speeds, at_wall)
             taken = np.flatnonzero(rows.on)
             if parts is None or not np.array_equal(parts[0], taken):
                 parts = self._assembled(taken, swerve)
