@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -68,13 +68,16 @@ class ContactKind:
     rows: ClassVar[int] = 3
     normal: ClassVar[int] = 2
     bilateral: ClassVar[bool] = False
+    _sizes: ClassVar[tuple[str, ...]] = ()
+    """Names of the parameters beside mu that are finite and >= 0."""
 
     def __post_init__(self) -> None:
         low = real_number("normal_min", self.normal_min, low=0.0)
         high = real_number("normal_max", self.normal_max, low=0.0)
         if not (low < math.inf and low <= high):
             raise ProblemError(f"normal_min must be finite and <= normal_max, got {low:g} and {high:g}")
-        self._checked(mu=getattr(self, "mu", 0.0))
+        for name in ("mu", *self._sizes):
+            real_number(name, getattr(self, name, 0.0), low=0.0, high=1e300)
 
     @property
     def coefficient(self) -> float:
@@ -202,8 +205,3 @@ class ContactKind:
         low, high = unit * self.normal_min, unit * self.normal_max if self.normal_max > 0.0 else 0.0
         # v - (P(p) - p): velocities are added to velocities, whatever the size of λ
         return float(np.linalg.norm(v - (self.nearest(p, low, high) - p)))
-
-    def _checked(self, **values: Any) -> None:
-        """Refuse values that are not finite and >= 0, by name."""
-        for name, value in values.items():
-            real_number(name, value, low=0.0, high=1e300)

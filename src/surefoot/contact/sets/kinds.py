@@ -125,10 +125,7 @@ class SoftFinger(ContactKind):
     mu: float
     radius: float
     rows: ClassVar[int] = 4
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._checked(radius=self.radius)
+    _sizes = ("radius",)
 
     @cached_property
     def lengths(self) -> FloatArray:
@@ -171,10 +168,7 @@ class Rolling(ContactKind):
     mu: float
     resistance: float
     rows: ClassVar[int] = 5
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._checked(resistance=self.resistance)
+    _sizes = ("resistance",)
 
     @cached_property
     def lengths(self) -> FloatArray:
@@ -226,10 +220,10 @@ class Patch(ContactKind):
     width: float
     torsion: float
     rows: ClassVar[int] = 6
+    _sizes = ("length", "width", "torsion")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._checked(length=self.length, width=self.width, torsion=self.torsion)
         if not (self.length > 0.0 and self.width > 0.0):
             raise ProblemError(f"length and width must be > 0, got {self.length:g} and {self.width:g}")
 
