@@ -62,11 +62,8 @@ def from_foreign(
     if dimension == 2:
         matrix, q = _in_space(matrix, q)
         notes.append("planar: given a second tangent that is coupled to nothing")
-        reference = (
-            None
-            if reference is None
-            else np.column_stack([reference[:, 1], 0 * reference[:, 0], reference[:, 0]])
-        )
+        if reference is not None:
+            reference = np.column_stack([reference[:, 1], 0 * reference[:, 0], reference[:, 0]])
     elif reference is not None:
         reference = reference[:, [1, 2, 0]]
     largest = float(abs(matrix).max()) if matrix.nnz else 0.0

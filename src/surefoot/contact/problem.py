@@ -313,32 +313,25 @@ class ContactProblem:
 
     def replace(self, **changes: Any) -> ContactProblem:
         """Return the same problem with some arguments changed; `G` then includes the compliance already."""
+        arguments: dict[str, Any] = {"G": self.operator, "g": self.g, "law": self.law}
         if self._own_g is not None:
-            return self._replace_general(changes)
-        low = self.normal_min if self.bilateral is None else np.where(self.bilateral, 0.0, self.normal_min)
-        arguments: dict[str, Any] = {
-            "G": self.operator,
-            "g": self.g,
-            "mu": self.mu,
-            "normal_min": low,
-            "normal_max": self.normal_max,
-            "law": self.law,
-            "facets": self.facets,
-            "fit": self.fit,
-            "bilateral": self.bilateral,
-        }
+            given = changes.items()
+            changes = {k: v for k, v in given if not (k in ("facets", "fit") and v in (None, "inner"))}
+            arguments |= {"contacts": self.contact_set}
+        else:
+            held = False if self.bilateral is None else self.bilateral
+            arguments |= {
+                "mu": self.mu,
+                "normal_min": np.where(held, 0.0, self.normal_min),
+                "normal_max": self.normal_max,
+                "facets": self.facets,
+                "fit": self.fit,
+                "bilateral": self.bilateral,
+            }
         problem = ContactProblem(**(arguments | changes))
         problem.notes, problem.reference = self.notes, self.reference
         if not changes.keys() & {"G", "compliance"}:
             problem.factor = self.factor
-        return problem
-
-    def _replace_general(self, changes: dict[str, Any]) -> ContactProblem:
-        """Do what `replace` does for contacts of any kind."""
-        given = {k: v for k, v in changes.items() if not (k in ("facets", "fit") and v in (None, "inner"))}
-        arguments: dict[str, Any] = {"G": self.G, "g": self.g, "law": self.law, "contacts": self.contact_set}
-        problem = ContactProblem(**(arguments | given))
-        problem.notes, problem.reference = self.notes, self.reference
         return problem
 
     @property

@@ -166,11 +166,8 @@ def _measure(
         if low[k] == -np.inf:  # bilateral: any force, no velocity
             speed = math.sqrt(ux * ux + uy * uy + uz * uz)
             approach = max(approach, speed)
-            own = (
-                _contact_error(x, y, z, 0.0, 0.0, 0.0, w, s, 0.0, 0.0, 0.0, 0, True)
-                if s == 0.0
-                else speed / s
-            )
+            still = 0.0 if x == 0.0 and y == 0.0 and z == 0.0 else np.inf
+            own = still if s == 0.0 else speed / s
             error, lost = max(error, own), lost or own != own
             continue
         limit = dissipation_limit(ux, uy, mu[k], facets, inner)
