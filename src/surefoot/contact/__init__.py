@@ -1,20 +1,13 @@
 """Contact problems, their solutions and the laws as numbers; free of any solver."""
 
-from surefoot.contact import sets as contact_sets
-from surefoot.contact.problem import ContactProblem
-from surefoot.contact.proof import InfeasibilityProof, check_proof
-from surefoot.contact.residuals import Residuals, residuals
-from surefoot.contact.sets import ContactSet
-from surefoot.contact.solution import ContactSolution, Status
+from surefoot.contact import sets
+from surefoot.contact.problem import ContactProblem as ContactProblem
+from surefoot.contact.proof import InfeasibilityProof as InfeasibilityProof
+from surefoot.contact.proof import check_proof as check_proof
+from surefoot.contact.residuals import Residuals as Residuals
+from surefoot.contact.residuals import residuals as residuals
+from surefoot.contact.sets import ContactSet as ContactSet
+from surefoot.contact.solution import ContactSolution as ContactSolution
+from surefoot.contact.solution import Status as Status
 
-__all__ = [
-    "ContactProblem",
-    "ContactSet",
-    "ContactSolution",
-    "InfeasibilityProof",
-    "Residuals",
-    "Status",
-    "check_proof",
-    "contact_sets",
-    "residuals",
-]
+contact_sets = sets

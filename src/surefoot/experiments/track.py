@@ -28,15 +28,12 @@ class BodyTrack:
 
     Attributes
     ----------
-    time
-        (n + 1,) [s].
     q, v
         (n + 1, nq), (n + 1, nv) in Pinocchio's order.
     forces
         (n, p, 3) of each step in the terrain's frames [N].
     """
 
-    time: FloatArray
     q: FloatArray
     v: FloatArray
     forces: FloatArray
@@ -110,4 +107,4 @@ def follow(world: World, seconds: float) -> BodyTrack:
         forces.append(world.contacts().forces)
     q, v = (np.array([state[k] for state in states]) for k in (0, 1))
     shape = (steps, len(world.contact_foot), 3)
-    return BodyTrack(np.arange(steps + 1, dtype=np.float64) * world.dt, q, v, np.array(forces).reshape(shape))
+    return BodyTrack(q, v, np.array(forces).reshape(shape))

@@ -33,7 +33,6 @@ from surefoot.simulation.mujoco_contacts import (
 from surefoot.simulation.mujoco_contacts import pinocchio_state as pinocchio_state
 from surefoot.simulation.mujoco_links import LinkContacts, add_links, generalised, owners
 from surefoot.simulation.mujoco_spec import CONTACT_TIME, compiled, set_point_friction, surface_of
-from surefoot.simulation.mujoco_spec import FRICTION_RATIO as FRICTION_RATIO
 from surefoot.simulation.mujoco_spec import add_ground as add_ground
 from surefoot.simulation.mujoco_spec import import_mujoco as import_mujoco
 from surefoot.simulation.mujoco_spec import robot_spec as robot_spec
