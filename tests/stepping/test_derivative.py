@@ -370,15 +370,8 @@ def paired_arms() -> sf.Robot:
     joints = (pinocchio.JointModelFreeFlyer(), pinocchio.JointModelSpherical(), pinocchio.JointModelRX())
     for k, joint in enumerate(joints):
         model.appendBodyToJoint(model.addJoint(k, joint, place, f"j{k}"), body, place)
-    return sf.Robot(
-        "arms",
-        model,
-        pinocchio.GeometryModel(),
-        pinocchio.GeometryModel(),
-        (),
-        np.array(pinocchio.neutral(model)),
-        True,
-    )
+    empty = pinocchio.GeometryModel()
+    return sf.Robot("arms", model, empty, empty, (), np.array(pinocchio.neutral(model)), True)
 
 
 @pytest.mark.usefixtures("fine_motion")

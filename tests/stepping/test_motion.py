@@ -11,6 +11,7 @@ from surefoot.robot.centroidal import momentum
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.stepping import motion as rules
 from surefoot.stepping.motion import ERROR, STAGES, FreeMotion
+from tests.stepping.test_derivative import paired_arms
 
 
 def thrown(robot, seed: int, speed: float) -> tuple[np.ndarray, np.ndarray]:
@@ -104,15 +105,11 @@ def test_cheap_ways_keep_the_tolerance(speed, monkeypatch):
 
 
 def test_ball_joints_move_as_rotations():
-    """Two tumbling bodies on a ball joint: Pinocchio's own derivative of q ⊕ ξ stands in for the series."""
-    model = pinocchio.Model()
-    place = pinocchio.SE3(np.eye(3), np.array([0.1, 0.0, 0.2]))
-    body = pinocchio.Inertia(1.0, np.array([0.0, 0.05, 0.1]), np.diag([0.01, 0.02, 0.025]))
-    for joint, parent in ((pinocchio.JointModelFreeFlyer(), 0), (pinocchio.JointModelSpherical(), 1)):
-        model.appendBodyToJoint(model.addJoint(parent, joint, place, f"j{parent}"), body, place)
+    """Tumbling bodies on a ball joint: Pinocchio's own derivative of q ⊕ ξ stands in for the series."""
+    model = paired_arms().model
     model.gravity.setZero()
     data, motion = model.createData(), FreeMotion(model, True)
-    q, v = pinocchio.neutral(model), 4.0 * np.random.default_rng(0).normal(size=9)
+    q, v = pinocchio.neutral(model), 4.0 * np.random.default_rng(0).normal(size=model.nv)
 
     def kept():
         h = pinocchio.computeCentroidalMomentum(model, data, q, v)
