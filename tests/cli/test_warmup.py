@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -14,8 +16,8 @@ from surefoot.cli.main import main
 def test_its_commands_are_commands_and_leave_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    quick = tuple(words for words in warmup.COMMANDS if words.split()[0] not in ("stand", "walk"))
-    assert {"stand", "walk"} == {words.split()[0] for words in {*warmup.COMMANDS} - {*quick}}
+    quick = tuple(words for words in warmup.COMMANDS if words.split()[0] not in ("stand", "walk", "plan"))
+    assert {"stand", "walk", "plan"} == {words.split()[0] for words in {*warmup.COMMANDS} - {*quick}}
     monkeypatch.setattr(warmup, "COMMANDS", quick)
     monkeypatch.chdir(tmp_path)
     assert main(["warmup", "--json"]) == 0
@@ -42,3 +44,29 @@ def test_what_lacks_a_package_is_left_out_and_said(
     )
     assert main(["warmup"]) == 0
     assert capfd.readouterr().out.count("mujoco is not installed; run: pip install -e '.[sim]'") == 1
+
+
+LOADED = """
+import sys
+from surefoot.cli.main import main
+from surefoot.compilation import cache
+main(["warmup", "--json"])
+loaded = len(cache._caches)
+for words in sys.argv[1:]:
+    assert main([*words.split(), *"--no-video --no-report --json --out".split(), "runs"]) in (0, 1), words
+    assert len(cache._caches) == loaded, (words, [c._name for c in cache._caches[loaded:]])
+"""
+
+
+@pytest.mark.long
+def test_after_it_walks_and_plans_compile_nothing(tmp_path: Path) -> None:
+    commands = (
+        "walk g1 --velocity 0.3,0,0 --duration 1", "walk go2 --terrain-knowledge blind --duration 1",
+        "walk go2 --terrain-knowledge map --terrain rough:2,0.04 --duration 1.5",
+        "walk go2 --actuators real --collision full --duration 1 --push 0.6:0,100,0:0.1",
+        "walk a1 --commands targets --dropout 0.5:0.05 --duration 1", "plan ball", "plan jump 0.4",
+    )  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", LOADED, *commands], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr[-2000:]

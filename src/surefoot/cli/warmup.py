@@ -40,7 +40,9 @@ COMMANDS = (
     "solve {few} --solver admm", "solve {few} --solver nsgs", "solve {few} --solver newton", "solve lcp.dat",
     f"stand go2 {RUN} 0.1", f"stand go2 --world rigid {RUN} 0.1",
     f"walk go2 --terrain stairs:0.05,0.3 {RUN} 0.6", f"walk go2 --scenario true.yaml {RUN} 0.5",
-    f"walk go2 --planner contact-implicit {RUN} 0.6", "identify",
+    f"walk go2 --planner contact-implicit {RUN} 0.6", f"walk g1 --velocity 0.3 {RUN} 0.6",
+    f"walk go2 --terrain rough:1,0.03 --terrain-knowledge map --actuators real --commands targets {RUN} 0.8",
+    "plan jump 0.2 --dt 0.02 --no-video --no-report --out .", "identify",
 )  # fmt: skip
 """What is run, in a folder of small inputs; of identify, which would fit for a minute, a single rollout."""
 
