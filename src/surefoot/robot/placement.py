@@ -15,6 +15,8 @@ from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion,
 from surefoot.terrain import FlatTerrain, Terrain
 
 ITERATIONS = 60
+SETTLED = 1e-9
+"""Distances of the feet from the ground [m], and steps, that end the search."""
 POSE_WEIGHT = 2e5
 """Weight of the wanted pose against joint motion: the pose is met, by the least motion."""
 LEANS = (1.0, 0.75, 0.5, 0.25, 0.0)
@@ -71,7 +73,6 @@ def place(
     robot: Robot,
     terrain: Terrain | None = None,
     q: ArrayLike | None = None,
-    tol: float = 1e-9,
     at: ArrayLike = (0.0, 0.0),
 ) -> FloatArray:
     """Return a configuration (nq,) [m, -, rad] that stands on the terrain about a place.
@@ -91,8 +92,6 @@ def place(
         None for flat ground.
     q
         (nq,) pose [m, -, rad] whose joints to stay near; None for the nominal one.
-    tol
-        Largest distance between a foot and the ground [m].
     at
         (2,) the place, world axes [m].
 
@@ -109,14 +108,14 @@ def place(
     there = finite_array("at", at, (2,))
     seen = _SeenFrom(ground, there) if there.any() else ground
     for share in LEANS:
-        found = _place(robot, seen, robot.configuration(q), share, tol)
+        found = _place(robot, seen, robot.configuration(q), share)
         if found is not None:
             found[:2] += there
             return found
     raise ModelError(f"{robot.name} cannot stand on {ground!r}: its legs do not reach the ground there")
 
 
-def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float, tol: float) -> FloatArray | None:
+def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float) -> FloatArray | None:
     """Return the pose whose weight is moved by a share of the way to the feet's middle, or None."""
     import pinocchio
 
@@ -142,10 +141,10 @@ def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float, tol: 
         wanted = np.concatenate([POSE_WEIGHT * residual, stay])
         step = np.linalg.lstsq(stacked, -wanted, rcond=None)[0]
         now = np.asarray(pinocchio.integrate(robot.model, now, step / max(1.0, 4.0 * np.abs(step).max())))
-        if worst < tol and np.abs(step).max() < 1e-9:
+        if max(worst, np.abs(step).max()) < SETTLED:
             break
     low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
-    reached = worst < max(tol, 1e-6) and np.all(now[7:] > low - 1e-6) and np.all(now[7:] < high + 1e-6)
+    reached = worst < 1e-6 and np.all(now[7:] > low - 1e-6) and np.all(now[7:] < high + 1e-6)
     return now if reached else None
 
 
