@@ -25,8 +25,6 @@ from surefoot.errors import ProblemError
 from surefoot.kernels import kernel
 from surefoot.numerics.cholesky import cholesky, solve_columns, solve_lower, solve_upper
 from surefoot.numerics.points import contact_jacobian, point_velocity
-from surefoot.robot import Robot
-from surefoot.robot.actuators import Actuators
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
 
@@ -45,14 +43,10 @@ class Guard(Wrapper):
     ----------
     controller
         Whose commands are guarded; joint targets count as the torques that they give now.
-    robot
-        None for the controller's own.
     mu
         Friction that may be counted on [-].
     terrain
         The ground that is believed in, for its normals; None for flat.
-    actuators
-        Motors whose torques and speeds are kept; None for the robot's effort limits.
 
     Attributes
     ----------
@@ -62,24 +56,17 @@ class Guard(Wrapper):
     Raises
     ------
     ProblemError
-        For a controller that knows no robot, where none is given.
+        For a controller that knows no robot.
     """
 
-    def __init__(
-        self,
-        controller: Controller,
-        robot: Robot | None = None,
-        mu: float = 0.6,
-        terrain: Terrain | None = None,
-        actuators: Actuators | None = None,
-    ) -> None:
+    def __init__(self, controller: Controller, mu: float = 0.6, terrain: Terrain | None = None) -> None:
         super().__init__(controller)
-        known = getattr(controller, "robot", None) if robot is None else robot
+        known = getattr(controller, "robot", None)
         if known is None:
             raise ProblemError("a guard needs a robot: its controller knows of none")
         self.mu = real_number("mu", mu, low=0.0)
         self.robot, self._terrain = known, FlatTerrain() if terrain is None else terrain
-        self._body = WholeBodyController(known, self.mu, baumgarte=(0.0, RATE), actuators=actuators)
+        self._body = WholeBodyController(known, self.mu, baumgarte=(0.0, RATE))
         self._points, self._level = known.contact_points, np.tile(np.eye(3), (len(known.feet), 1, 1))
         self._frame_of = np.array(self._points.frames)
         self.posture = getattr(controller, "posture", None)
