@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, of_kind, real_number
-from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.log import Log
@@ -20,14 +19,14 @@ SHORTEST = 0.02
 """Changes of contact that last less than this are left out [s]."""
 
 
-def sequence_from_log(log: Log, facets: int = 8, fit: Fit = "inner") -> ContactSequence:
+def sequence_from_log(log: Log, facets: int = 8) -> ContactSequence:
     """Return the contacts of a run or a plan: phases, mean places, mean forces.
 
     Parameters
     ----------
     log
         With forces, contact_positions, normals and mu, and the facts feet, contact_foot, mass and dt.
-    facets, fit
+    facets
         Of the pyramids.
 
     Returns
@@ -63,11 +62,11 @@ def sequence_from_log(log: Log, facets: int = 8, fit: Fit = "inner") -> ContactS
         ]
         meant = np.concatenate([forces[rows, k].mean(axis=0) for k in points]) if len(points) else None
         phases.append(SequencePhase((end - begin) * dt, Stance(touching), meant))
-    return ContactSequence(phases, names, str(log.facts.get("robot", "")), mass, facets, fit)
+    return ContactSequence(phases, names, str(log.facts.get("robot", "")), mass, facets)
 
 
 def sequence_from_schedule(
-    schedule: ContactSchedule, stance: Stance, span: tuple[float, float], mass: float = 0.0, robot: str = ""
+    schedule: ContactSchedule, stance: Stance, span: tuple[float, float], mass: float = 0.0
 ) -> ContactSequence:
     """Return the phases of a gait or a mode schedule, each foot where a stance has it.
 
@@ -79,8 +78,8 @@ def sequence_from_schedule(
         Every foot on the ground.
     span
         First and last time [s].
-    mass, robot
-        Mass [kg] and name.
+    mass
+        Of the robot [kg].
 
     Raises
     ------
@@ -110,7 +109,7 @@ def sequence_from_schedule(
         kept = [c for c, touches in zip(stance.contacts, down, strict=True) if touches]
         phases.append(SequencePhase(until - now, Stance(kept)))
         now = until
-    return ContactSequence(phases, stance.names, robot, mass)
+    return ContactSequence(phases, stance.names, "", mass)
 
 
 def _phase_starts(on: BoolArray, least: int) -> list[int]:
