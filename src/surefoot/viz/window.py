@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import sys
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from surefoot.arrays import FloatArray
@@ -24,7 +24,7 @@ HELP = "arrows or WASD: faster, slower, turn; Q, E: sideways; space: stop"
 _SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
-def check_display(environment: Mapping[str, str] = os.environ, system: str = sys.platform) -> None:
+def check_display() -> None:
     """Refuse a machine without a screen, before any work.
 
     Raises
@@ -34,7 +34,7 @@ def check_display(environment: Mapping[str, str] = os.environ, system: str = sys
     MissingExtra
         If there is no library that opens windows.
     """
-    if system.startswith("linux") and not any(environment.get(name) for name in _SCREENS):
+    if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in _SCREENS):
         raise ProblemError(
             f"--view needs a screen: neither {' nor '.join(_SCREENS)} is set (on a remote machine: ssh -X)"
         )
