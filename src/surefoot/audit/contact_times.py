@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, of_kind, real_number
+from surefoot.arrays import BoolArray, FloatArray, IntArray, of_kind
 from surefoot.audit.motion import foot_forces
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.log import Log
@@ -47,7 +47,7 @@ class FootTimes:
     offset, peak
         Reading in the air, and its usual peak.
     refused
-        Why nothing can be told, empty if it can.
+        Why contacts are not known, empty if they are.
     """
 
     name: str
@@ -86,31 +86,28 @@ class ContactTimes:
         raise ProblemError(unknown_name("foot", name, [foot.name for foot in self.feet]))
 
 
-def contact_times(log: Log, debounce: float = DEBOUNCE) -> ContactTimes:
+def contact_times(log: Log) -> ContactTimes:
     """Return when the feet touched, from ``foot_sensors`` or else ``forces``.
 
     Parameters
     ----------
     log
         With either channel; the fact ``feet`` names them.
-    debounce
-        A phase shorter than this is none [s].
 
     Raises
     ------
     ProblemError
         If the log has neither channel, fewer than two rows, or a time that does not grow.
     """
-    debounce = real_number("debounce", debounce, low=0.0)
     of_kind("log", log, Log)
-    time, channel, readings = load_readings(log)
+    time, channel, readings = _load_readings(log)
     names = [str(f) for f in log.facts.get("feet", ())] or [f"foot {k}" for k in range(readings.shape[1])]
     contacts = np.zeros(readings.shape, dtype=bool)
-    feet = tuple(_foot(name, time, readings[:, k], debounce, contacts[:, k]) for k, name in enumerate(names))
+    feet = tuple(_foot(name, time, readings[:, k], contacts[:, k]) for k, name in enumerate(names))
     return ContactTimes(channel, feet, contacts)
 
 
-def load_readings(log: Log) -> tuple[FloatArray, str, FloatArray]:
+def _load_readings(log: Log) -> tuple[FloatArray, str, FloatArray]:
     """Return times [s], the channel's name and (T, n) readings."""
     time = np.asarray(log["time"], dtype=np.float64)
     if len(time) < 2 or not (np.diff(time) > 0.0).all():
@@ -124,7 +121,7 @@ def load_readings(log: Log) -> tuple[FloatArray, str, FloatArray]:
     return time, "forces", foot_forces(log)[..., 2]
 
 
-def _foot(name: str, time: FloatArray, reading: FloatArray, debounce: float, touch: BoolArray) -> FootTimes:
+def _foot(name: str, time: FloatArray, reading: FloatArray, touch: BoolArray) -> FootTimes:
     """Return one foot's contacts; `touch` (T,) is written."""
     if not np.isfinite(reading).all():
         return FootTimes(name, refused=f"{int((~np.isfinite(reading)).sum())} readings are not finite")
@@ -133,12 +130,12 @@ def _foot(name: str, time: FloatArray, reading: FloatArray, debounce: float, tou
     if refused:
         return FootTimes(name, offset=offset, peak=peak, refused=refused)
     up, down = (offset + share * (peak - offset) for share in (TOUCHDOWN, LIFT_OFF))
-    touch[:] = debounced(time, _hysteresis(reading, up, down), debounce)
+    touch[:] = debounced(time, _hysteresis(reading, up, down), DEBOUNCE)
     change = np.flatnonzero(np.diff(touch.astype(np.int8)))
     rising = change[touch[change + 1]]
     falling = change[~touch[change + 1]]
     touchdowns, lift_offs = _crossing(time, reading, rising, up), _crossing(time, reading, falling, down)
-    strides = _strides(time, touchdowns, debounce)
+    strides = _strides(time, touchdowns)
     period = np.diff(strides, axis=1)
     duty = np.nan
     if len(strides):
@@ -188,14 +185,14 @@ def _crossing(time: FloatArray, reading: FloatArray, before: IntArray, level: fl
     return np.asarray(time[before] + np.clip(share, 0.0, 1.0) * (time[before + 1] - time[before]))
 
 
-def _strides(time: FloatArray, touchdowns: FloatArray, debounce: float) -> FloatArray:
+def _strides(time: FloatArray, touchdowns: FloatArray) -> FloatArray:
     """Return (s, 2) strides without pauses and without holes in the time."""
     if len(touchdowns) < 2:
         return np.zeros((0, 2))
     strides = np.column_stack([touchdowns[:-1], touchdowns[1:]])
     period = np.diff(strides, axis=1)[:, 0]
     steps = np.diff(time)
-    holes = time[:-1][steps > max(debounce, 5.0 * float(np.median(steps)))]
+    holes = time[:-1][steps > max(DEBOUNCE, 5.0 * float(np.median(steps)))]
     whole = np.searchsorted(holes, strides[:, 0]) == np.searchsorted(holes, strides[:, 1])
     return np.asarray(strides[whole & (period <= LONGEST * np.median(period))])
 
