@@ -48,7 +48,7 @@ class TouchSettings:
     Attributes
     ----------
     force
-        Standard deviation of the force that a foot in the air seems to feel, beside the noise of the
+        Standard deviation of the force that a foot in the air seems to bear, beside the noise of the
         encoders, as a share of m g over the number of feet: friction in the joints, torques and masses that
         are off.
     heavy
@@ -183,7 +183,7 @@ class ContactFusion(Bound):
     speed
         Standard deviation of a joint's measured speed [rad/s].
     mapped
-        Whether a map tells the ground's height.
+        Whether a map gives the ground's height.
 
     Attributes
     ----------
@@ -219,7 +219,7 @@ class ContactFusion(Bound):
         self.odds[:] = self._prior[:] = 0.0
 
     def expect(self, pushing: BoolArray, planned: BoolArray) -> None:
-        """Tell the plan for the next step: (n,) which feet push, and which should stand."""
+        """Take the plan for the next step: (n,) which feet push, and which should stand."""
         s = self.settings
         self._prior[:] = s.swing
         self._prior[planned], self._prior[pushing] = 0.0, s.pushing

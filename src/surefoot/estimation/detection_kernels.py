@@ -16,18 +16,18 @@ from surefoot.numerics.rotations import rotation_of
 from surefoot.spatial import GRAVITY
 
 DAMPING = 1e-3
-"""Share of a leg's levers at which forces are damped: a straight knee cannot feel along the leg."""
+"""Share of a leg's levers at which forces are damped: a straight knee shows no force along the leg."""
 LEAST_HEIGHT, LEAST_SPEED, MOST_FORCE = -3.0, -4.0, 5.0
 """Bounds of what height, speed and force may say: ground may be elsewhere, readings go wrong."""
 
 
 @kernel
-def feel_feet(
+def sense_feet(
     twists: FloatArray, drifts: FloatArray, turns: FloatArray, places: FloatArray, momenta: FloatArray,
     masses: FloatArray, tables: IntArray, support: BoolArray, flags: BoolArray, feet: FloatArray,
     memory: FloatArray, q: FloatArray, v: FloatArray, up: FloatArray,
 ) -> None:  # fmt: skip
-    """Move the observer and the feet's forces, velocities and points on, and tell which feet are pushed.
+    """Move the observer and the feet's forces, velocities and points on, and find which feet are pushed.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def _ratio(x: float, narrow: float, wide: float) -> float:
 @kernel
 def decide_contacts(
     forces: FloatArray, velocities: FloatArray, points: FloatArray, up: FloatArray, heights: FloatArray,
-    felt: BoolArray, told: BoolArray, scales: FloatArray, memory: FloatArray, contact: BoolArray,
+    estimated: BoolArray, measured: BoolArray, scales: FloatArray, memory: FloatArray, contact: BoolArray,
 ) -> None:  # fmt: skip
     """Fill the odds of contact, natural logarithms, and move contact (n,) on.
 
@@ -190,9 +190,9 @@ def decide_contacts(
         (n, 3) each: [N], [m/s], [m], normals [-].
     heights
         (n,) of the ground under the points [m].
-    felt, told
-        (n,) which feet feel a force by `forces`, and which are told to: where they differ, the force is none
-        or the usual one.
+    estimated, measured
+        (n,) which feet bear a force by `forces`, and which by what measures that: where they differ, the
+        force is none or the usual one.
     scales
         (7,) the largest usual force [N], deviation of gaps and clearance [m], deviations of speeds of feet
         that stand and swing [m/s], hysteresis, usual force [N].
@@ -207,8 +207,8 @@ def decide_contacts(
         for r in range(3):
             f += forces[k, r] * up[k, r]
             v += velocities[k, r] * up[k, r]
-        if felt[k] != told[k]:
-            f = usual if told[k] else 0.0
+        if estimated[k] != measured[k]:
+            f = usual if measured[k] else 0.0
         s, high = deviations[k], (points[k, 2] - heights[k]) * up[k, 2]
         # a uniform density over [0, heavy] against a normal one about 0; a pull says no more than no force
         pushed = math.log(root * s / heavy) + 0.5 * max(f, 0.0) ** 2 / (s * s)

@@ -33,7 +33,7 @@ def fuse_points(
 
     A point within `gate` standard deviations of its cell is averaged in, as a scalar Kalman filter does;
     another adds `doubt` times its squared distance to the cell's variance, and is taken once that lets it in.
-    Cells that a single point has told are `alone` (m, m), for it may be a stray one: the next point that
+    Cells that a single point has hit are `alone` (m, m), for it may be a stray one: the next point that
     contradicts it takes its place. A point that is `trusted` is none of these.
     """
     count = heights.shape[0]

@@ -2,11 +2,11 @@
 
 Each cell holds a height and its variance. A point that a range sensor saw is fused as a Kalman filter does;
 one that contradicts its cell only makes the cell less sure, so that a stray point does nothing and the second
-or third of a kind wins; a cell that a single point has told counts as unknown if no neighbour is as high.
+or third of a kind wins; a cell that a single point has hit counts as unknown if no neighbour is as high.
 What is not seen again grows old with the time, for the estimated frame drifts [1]_.
-Where feet stand tells how far all of the map is too high or too low: one number follows that. Cells that
-nothing has told lie on a plane with the slope of the one through the last footholds, as low as the lowest
-cell that is known nearby: behind an edge that hides them, low ground is the safer guess.
+Where feet stand tells how far all of the map is too high or too low: one number follows that. Cells of
+which nothing was measured lie on a plane with the slope of the one through the last footholds, as low as the
+lowest cell that is known nearby: behind an edge that hides them, low ground is the safer guess.
 
 References
 ----------
@@ -84,7 +84,7 @@ class ElevationMap(Terrain):
     Attributes
     ----------
     offset
-        What feet have told: by how much the ground is above the map's own heights [m].
+        What feet have measured: by how much the ground is above the map's own heights [m].
     noise
         Height differences below this are noise [m].
 
@@ -176,13 +176,13 @@ class ElevationMap(Terrain):
         )  # fmt: skip
 
     def variance(self, xy: ArrayLike) -> float:
-        """Return the variance of the height at a (2,) place [m²]; infinite where nothing has told it."""
+        """Return the variance of the height at a (2,) place [m²]; infinite where nothing was measured."""
         cell = np.round((np.asarray(xy, dtype=np.float64) - self._corner) / self.settings.spacing).astype(int)
         inside = bool((cell >= 0).all() and (cell < len(self._variances)).all())
         return float(self._sure[cell[0], cell[1]]) if inside else math.inf
 
     def known(self, xy: FloatArray) -> BoolArray:
-        """Return at which of (k, 2) places [m] something has told the height: (k,)."""
+        """Return at which of (k, 2) places [m] the height was measured: (k,)."""
         cells = np.round((xy - self._corner) / self.settings.spacing).astype(int)
         inside = ((cells >= 0) & (cells < len(self._sure))).all(axis=1)
         cells[~inside] = 0

@@ -281,13 +281,13 @@ def parting(before: FloatArray, after: FloatArray) -> float:
 
 
 def correct(
-    x: FloatArray, P: FloatArray, row: FloatArray, told: float, variance: float, gate: float = GATE
+    x: FloatArray, P: FloatArray, row: FloatArray, measured: float, variance: float, gate: float = GATE
 ) -> bool:
     """Correct a state (n,) and its covariance (n, n) in place by a number that a row (n,) of it should be.
 
     Return False, and leave both, for a number that is more than `gate` standard deviations off.
     """
-    miss, spread = told - float(row @ x), float(row @ P @ row) + variance
+    miss, spread = measured - float(row @ x), float(row @ P @ row) + variance
     if miss * miss > gate * gate * spread:
         return False
     gain = P @ row / spread

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
 from surefoot.errors import ProblemError
-from surefoot.estimation.detection_kernels import add_torques, feel_feet
+from surefoot.estimation.detection_kernels import add_torques, sense_feet
 from surefoot.estimation.foot_kinematics import FootKinematics
 from surefoot.estimation.live_arrays import Bound
 from surefoot.robot import Robot
@@ -112,14 +112,14 @@ class FootForceObserver(Bound):
         """
         feet = self._feet
         feet.move(q, v)
-        feel_feet(
+        sense_feet(
             feet.twists, feet.drifts, feet.turns, feet.places, feet.momenta, feet.masses, feet.tables,
             feet.support, self._flags, feet.memory, self._memory, q, v, up,
         )  # fmt: skip
         return self._pushed.copy()
 
     def applied(self, tau: ArrayLike) -> None:
-        """Tell the (joints,) torques [N m] from the last observation to the next.
+        """Take the (joints,) torques [N m] from the last observation to the next.
 
         Raises
         ------

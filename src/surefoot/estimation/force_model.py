@@ -172,7 +172,7 @@ class ForceModel:
         late = min(range(-most, most + 1), key=lambda rows: (left(tried[length], rows) ** 2).sum())
         X, target = _later(tried[length], late), reading - _later(still, late)
         model = cls._fitted(robot, motion.joints, X, target, turn, length, lines, late * log.dt)
-        return dataclasses.replace(model, ends=_ends(log), notes=model._told(motion, log))
+        return dataclasses.replace(model, ends=_ends(log), notes=model._findings(motion, log))
 
     @classmethod
     def _fitted(
@@ -199,7 +199,7 @@ class ForceModel:
             _joint_terms(free, np.array(others), X, turn, joints),
         )  # fmt: skip
 
-    def _told(self, motion: LegMotion, log: LegLog) -> tuple[str, ...]:
+    def _findings(self, motion: LegMotion, log: LegLog) -> tuple[str, ...]:
         """Return what was found about the log, a line each."""
         axis, up = self.vertical_axis
         named = ", ".join(f"{a} is {b}" for a, b in zip(log.names, motion.joints, strict=True))

@@ -89,7 +89,7 @@ class TossFlight:
 
     def _change(self, off: FloatArray) -> FloatArray:
         """Return the Gauss-Newton step (B, 2 nv) for (rows, nv) differences; 0 where too few frames fly."""
-        return np.where(self.used[:, None] == 0, 0.0, -self._told(off))
+        return np.where(self.used[:, None] == 0, 0.0, -self._explained(off))
 
     def _descend(self, off: FloatArray, tree: FallingBody, gravity: float) -> bool:
         """Take for every toss so much of the Gauss-Newton step as fits it better; return if all are at rest.
@@ -114,9 +114,9 @@ class TossFlight:
 
     def apart(self, poses: FloatArray) -> FloatArray:
         """Return how far the first states (B, 2 nv) of other motions are, from poses in the rows used."""
-        return self._told(pose_differences(poses, self._tosses.poses[self._rows]))
+        return self._explained(pose_differences(poses, self._tosses.poses[self._rows]))
 
-    def _told(self, off: FloatArray) -> FloatArray:
+    def _explained(self, off: FloatArray) -> FloatArray:
         """Return the change of the first states (B, 2 nv) that explains (rows, nv) differences best."""
         moment = np.zeros((len(self.starts), 2 * self._nv))
         np.add.at(moment, self._owner, np.einsum("nik,ni->nk", self._J, off))

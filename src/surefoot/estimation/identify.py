@@ -21,7 +21,7 @@ from surefoot.errors import ProblemError
 from surefoot.estimation.free_flight import TossFlight, flying_frames
 from surefoot.estimation.ground_plane import CLEAR, GroundPlane, ground_points
 from surefoot.estimation.impacts import ImpactFit, judged_impacts
-from surefoot.estimation.levelled import Levelled, find_levelled
+from surefoot.estimation.levelled import Levelling, find_levelled
 from surefoot.estimation.thrown_body import ThrownBody, TossParameter, cube_body, thrown_body
 from surefoot.estimation.toss_errors import TossErrors, deviations, resample, toss_errors
 from surefoot.estimation.toss_model import ThrownModel, TossModel, TossScene
@@ -92,7 +92,7 @@ class BodyFit(NamedTuple):
     values: dict[str, float]
     draws: dict[str, FloatArray]
     nominal: ThrownBody
-    levelled: Levelled | None
+    levelled: Levelling | None
     notes: tuple[str, ...]
 
     def scene(self, tosses: Tosses) -> TossScene:
@@ -184,7 +184,7 @@ def identify(
     seed
         Of the resampling; the same seed gives the same fit.
     progress
-        Told the number of tosses simulated so far, now and then.
+        Called with the number of tosses simulated so far, now and then.
 
     Returns
     -------
@@ -284,7 +284,7 @@ def _scene(tosses: Tosses, body: ThrownBody, flight: TossFlight, now: dict[str, 
 
 def identify_body(
     tosses: Tosses, body: ThrownBody, law: ThrownModel, draws: FloatArray, tick: Callable[[float], None],
-    levelled: Levelled | None = None,
+    levelled: Levelling | None = None,
 ) -> BodyFit:  # fmt: skip
     """Find body, ground, gravity, first states by a first law; `draws` (S, B) weigh bootstrap samples."""
     clear, notes = (CLEAR if levelled is None else WIDE), []
@@ -345,8 +345,8 @@ class _BodySearch:
     def falls(self, draws: FloatArray, notes: list[str]) -> float:
         """Find gravity and centres of mass in free flight; return gravity [m/s²]."""
         gravity = TossParameter("gravity", GRAVITY, 0.05, 0.5 * GRAVITY, 2.0 * GRAVITY, "m/s²")
-        told = ("com", "friction", "damping")
-        own = [p for p in self._body.parameters if p.name.startswith(told)]
+        in_flight = ("com", "friction", "damping")
+        own = [p for p in self._body.parameters if p.name.startswith(in_flight)]
         self._fit((gravity, *own), None, draws)
         found = self.estimates["gravity"]
         if not found.high - found.low < 4.0 * SURE:

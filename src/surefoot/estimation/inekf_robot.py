@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray, finite_array, of_kind, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation.foot_kinematics import FootKinematics, base_state
-from surefoot.estimation.inekf import GATE, FilterNoise, InvariantFilter
+from surefoot.estimation.inekf import FilterNoise, InvariantFilter
 from surefoot.estimation.live_arrays import Bound
 from surefoot.estimation.step_kernels import BELIEVED, LANDED, stand
 from surefoot.robot import Robot
@@ -43,8 +43,6 @@ class InvariantEkf(Bound):
         upwards or down; None to know nothing about the ground (it is taken to be level for rolling).
     imu_position
         (3,) of the IMU from the base's origin, base axes [m]; its axes are the base's.
-    gate
-        Squared Mahalanobis distance from which a foot is not believed [-].
 
     Attributes
     ----------
@@ -84,13 +82,12 @@ class InvariantEkf(Bound):
         noise: FilterNoise | None = None,
         ground: Terrain | None = None,
         imu_position: ArrayLike = (0.0, 0.0, 0.0),
-        gate: float = GATE,
     ) -> None:
         of_kind("robot", robot, Robot)
         if not robot.floating or not robot.feet:
             raise ProblemError(f"a state estimate needs a floating base with feet; {robot.name} has no such")
         self.robot, self.dt, self.ground = robot, real_number("dt", dt, low=1e-6, high=1.0), ground
-        self.filter = InvariantFilter(len(robot.feet), noise, gate)
+        self.filter = InvariantFilter(len(robot.feet), noise)
         self.imu_position = finite_array("imu_position", imu_position, (3,))
         points, n, joints = robot.contact_points, len(robot.feet), robot.joints
         self._soles = points.foot_radii
@@ -147,7 +144,7 @@ class InvariantEkf(Bound):
         self._turn[:] = rate - self.filter.bias[:3]
 
     def joints(self, positions: ArrayLike, speeds: ArrayLike) -> None:
-        """Tell the (joints,) angles [rad] and speeds [rad/s] that `state` holds from now on."""
+        """Take the (joints,) angles [rad] and speeds [rad/s] that `state` holds from now on."""
         self.q[7:], self.v[6:] = positions, speeds
 
     def update(self, positions: ArrayLike, speeds: ArrayLike, contact: ArrayLike) -> BoolArray:
@@ -174,12 +171,12 @@ class InvariantEkf(Bound):
             (n,) mask of the feet that touch [-].
         """
         body = self.filter
-        told = stand(
+        found = stand(
             body.memory, body.flags, self.memory, self.feet.memory, self.stances, contact, self.robot.joints
         )
-        if told & LANDED:
+        if found & LANDED:
             self.land()
-        return bool(told & BELIEVED)
+        return bool(found & BELIEVED)
 
     def land(self) -> None:
         """Use the map where feet have just landed."""
@@ -205,7 +202,7 @@ class InvariantEkf(Bound):
 
     @property
     def legs(self) -> tuple[FloatArray, FloatArray]:
-        """The (joints,) angles [rad] and speeds [rad/s] that it was told last; they are overwritten."""
+        """The (joints,) angles [rad] and speeds [rad/s] that it was given last; they are overwritten."""
         return self.q[7:], self.v[6:]
 
     def state(self) -> tuple[FloatArray, FloatArray]:

@@ -1,8 +1,8 @@
 """Readings of one time from sensors that are late by different times, and the state from then to now.
 
 The filter needs an IMU and encoders that tell of the same moment: what is fresher waits. What the robot does
-in the meantime is told by the readings that wait, by the last of them held, and by joints that go on at their
-acceleration so far.
+in the meantime follows from the readings that wait, from the last of them held, and from joints that go on at
+their acceleration so far.
 """
 
 from __future__ import annotations

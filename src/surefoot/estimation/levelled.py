@@ -2,8 +2,8 @@
 
 Such a recording lifts every toss until its lowest corner ends at height zero. Resting places then lie level
 however the board slopes in the axes of the camera, and a toss that travels touches it too high or too low.
-What points down is told by free flight, and the board's slope by what stays on it on the way, its height over
-that of the end. Both are undone, in other tosses too: where they end says by how much they were lifted.
+What points down is known by free flight, and the board's slope by what stays on it on the way, its height
+over that of the end. Both are undone, in other tosses too: where they end says by how much they were lifted.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ AROUND = 5
 
 
 @dataclass(frozen=True)
-class Levelled:
+class Levelling:
     """How the tosses of a recording stood before they were levelled.
 
     Attributes
@@ -69,7 +69,7 @@ class Levelled:
         return turned
 
 
-def find_levelled(tosses: Tosses, body: ThrownBody) -> Levelled | None:
+def find_levelled(tosses: Tosses, body: ThrownBody) -> Levelling | None:
     """Return how tosses stood before they were levelled; None if the ends of all do not lie equally high."""
     ends = _lowest(sphere_places(body.tree, tosses.poses[tosses.starts[1:] - 1]))
     if np.ptp(ends[:, 2]) > SAME:
@@ -77,7 +77,7 @@ def find_levelled(tosses: Tosses, body: ThrownBody) -> Levelled | None:
     fall = _fall(tosses, body)
     turn = GroundPlane(0.0, -fall[:2] / fall[2]).rotation.inv()
     touches = _touches(_turned(tosses, turn), body)
-    return Levelled(body, turn, touches, touches.planes(np.ones((1, len(tosses))))[0, 1:])
+    return Levelling(body, turn, touches, touches.planes(np.ones((1, len(tosses))))[0, 1:])
 
 
 def _lowest(corners: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.estimation.elevation_kernels import flight_heights
-from surefoot.estimation.elevation_map import ElevationMap, MapSettings
+from surefoot.estimation.elevation_map import ElevationMap
 from surefoot.estimation.ground_belief import BeliefTerrain
 from surefoot.estimation.robot_state import RobotState
 from surefoot.estimation.step_detection import StepWatch
@@ -27,11 +27,6 @@ STRIKE_NOISE = 2.0
 class MappedGround(BeliefTerrain):
     """A height map of what a range sensor has seen and feet have touched.
 
-    Parameters
-    ----------
-    settings
-        Of the map; None for the defaults.
-
     Attributes
     ----------
     map
@@ -44,8 +39,8 @@ class MappedGround(BeliefTerrain):
 
     seen = True
 
-    def __init__(self, settings: MapSettings | None = None) -> None:
-        self.map = ElevationMap(settings)
+    def __init__(self) -> None:
+        self.map = ElevationMap()
         self.noise = self.map.noise
         self._poses: deque[tuple[float, FloatArray]] = deque()
         self.watch = StepWatch()

@@ -12,7 +12,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 
 LINES = np.arange(20.0, 500.0, 0.25)
-"""Periods per turn that are tried [1/rad]; slower ones cannot be told from a motion's own torque."""
+"""Periods per turn that are tried [1/rad]; slower ones cannot be separated from a motion's own torque."""
 MOST = 2
 """Lines of one joint."""
 AGREEING = 3.5

@@ -38,7 +38,7 @@ class RobotState(NamedTuple):
     time
         Since the run began [s].
     contact
-        (n,) which feet feel the ground; None where nothing measures that.
+        (n,) which feet touch the ground; None where nothing measures that.
     torques
         (joints,) that the motors say they gave in the step before [N m]; None where they say nothing.
     forces

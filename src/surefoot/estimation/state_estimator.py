@@ -1,6 +1,6 @@
 """State estimate from what a robot measures: contact detection and invariant filter, watched for failure.
 
-At each step `predict` takes the sensors' readings and tells which feet feel a force, `decide` says by their
+At each step `predict` takes the sensors' readings and returns which feet bear a force, `decide` says by their
 heights, speeds and the plan as well which of them touch, `update` corrects with these, `expect` and `applied`
 take the plan and the torques that follow. A foot whose leg is about to swing is taken out by the plan (a
 force falls too slowly to tell), one that moves over the ground by its own speed, one that slid by its
@@ -101,8 +101,6 @@ class StateEstimator:
     ----------
     ekf
         The filter on its robot.
-    contacts
-        What is believed of feet that touch; None for the defaults.
     watch
         When the estimate has failed; None for the defaults.
     latency
@@ -120,7 +118,6 @@ class StateEstimator:
     def __init__(
         self,
         ekf: InvariantEkf,
-        contacts: TouchSettings | None = None,
         watch: WatchSettings | None = None,
         latency: tuple[float, float] = (0.0, 0.0),
     ) -> None:
@@ -130,7 +127,7 @@ class StateEstimator:
         bandwidth = quiet_bandwidth(ekf.robot, dt, noise.joint_speed)
         sensed = observer_gain(bandwidth, dt) * force_noise(ekf.robot, noise.joint_speed)
         self.fusion = ContactFusion(
-            ekf.robot, contacts or TouchSettings(), sensed, noise.joint_speed, ekf.ground is not None
+            ekf.robot, TouchSettings(), sensed, noise.joint_speed, ekf.ground is not None
         )
         usual = ekf.robot.mass * GRAVITY / len(ekf.robot.feet)
         self.detector = FootForceObserver(ekf.robot, dt, bandwidth, ekf.feet, SENSED * usual)
@@ -155,7 +152,7 @@ class StateEstimator:
         self._first = True
 
     def predict(self, reading: Reading) -> BoolArray:
-        """Go on to the time of a reading; return which feet feel a force: (n,). The first makes no step."""
+        """Go on to the time of a reading; return which feet bear a force: (n,). The first makes no step."""
         ekf, late, body = self.ekf, self.latency, self.ekf.filter
         sound = advance(body.memory, body.flags, ekf.memory, late.memory, late.counts, *reading, self._first)
         self._first = False
@@ -173,16 +170,16 @@ class StateEstimator:
         Parameters
         ----------
         sensed
-            (n,) which feet feel a force, where something other than `predict` has told that; None for what
-            it has told.
+            (n,) which feet bear a force, where something other than `predict` has measured that; None for
+            what it has found.
         """
         if self.health is Health.DIVERGED:
             return np.zeros_like(self._sensed)
         detector, heights = self.detector, self.ground.heights(self.detector.points)
-        told, fusion = self._sensed if sensed is None else sensed, self.fusion
+        measured, fusion = self._sensed if sensed is None else sensed, self.fusion
         decide_contacts(
             detector.forces, detector.velocities, detector.points, self.ekf.normals, heights,
-            self._sensed, told, fusion.scales, fusion.memory, fusion.contact,
+            self._sensed, measured, fusion.scales, fusion.memory, fusion.contact,
         )  # fmt: skip
         return fusion.contact.copy()
 
@@ -192,7 +189,7 @@ class StateEstimator:
         Parameters
         ----------
         contact
-            (n,) which feet touch, as `decide` has told or something better.
+            (n,) which feet touch, as `decide` has found or something better.
         standing
             (n,) which of them are meant to stand, by the plan; None for all.
         """
@@ -201,16 +198,16 @@ class StateEstimator:
         body, lost, q, v = ekf.filter, self.health is Health.DIVERGED, np.empty(self._nq), np.empty(self._nv)
         if ekf.ground is None:
             self._learn(contact & meant)
-        told = settle(
+        found = settle(
             body.memory, body.flags, ekf.memory, ekf.feet.memory, ekf.stances, late.memory, late.counts,
             self._limits, contact, meant, lost, q, v,
         )  # fmt: skip
-        if told & LANDED and ekf.ground is not None:
+        if found & LANDED and ekf.ground is not None:
             ekf.land()
             sound = tell(body.memory, ekf.memory, late.memory, late.counts, self._limits, body.n, q, v)
-            told = told & ~CREDIBLE | (CREDIBLE if sound else 0)
+            found = found & ~CREDIBLE | (CREDIBLE if sound else 0)
         if not lost:
-            self._look(told)
+            self._look(found)
         return q, v
 
     def _learn(self, meant: BoolArray) -> None:
@@ -221,23 +218,23 @@ class StateEstimator:
         self._stood = meant
 
     def expect(self, pushing: BoolArray, planned: BoolArray) -> None:
-        """Tell the plan for the next step: (n,) which feet push, and which should stand if they can."""
+        """Take the plan for the next step: (n,) which feet push, and which should stand if they can."""
         self.fusion.expect(pushing, planned)
 
     def applied(self, torques: FloatArray) -> None:
-        """Tell the (joints,) torques from now to the next reading [N m]."""
+        """Take the (joints,) torques from now to the next reading [N m]."""
         self.detector.applied(self.latency.torques(torques))
 
-    def _look(self, told: int) -> None:
-        """Judge the estimate after a correction, of which `settle` has told."""
-        watch, dt, touched = self.watch, self.ekf.dt, told & TOUCHED
-        self._alone = 0.0 if told & BELIEVED else self._alone + dt
+    def _look(self, found: int) -> None:
+        """Judge the estimate after a correction by what `settle` has found."""
+        watch, dt, touched = self.watch, self.ekf.dt, found & TOUCHED
+        self._alone = 0.0 if found & BELIEVED else self._alone + dt
         self._unheard = 0.0 if touched else self._unheard + dt
         if touched and self._alone >= watch.doubt and self._alone < watch.doubt + dt:
             self.ekf.filter.doubt_velocity(watch.doubted)
         if self.health is not Health.GOOD:
             return
-        if not told & CREDIBLE:
+        if not found & CREDIBLE:
             self.health = Health.DIVERGED
         elif self._alone >= watch.patience:
             half = self._unheard >= 0.5 * self._alone

@@ -1,4 +1,4 @@
-"""A step of the state estimator in three kernels: on to a reading, corrected by the feet, told at now.
+"""A step of the state estimator in three kernels: on to a reading, corrected by the feet, predicted to now.
 
 What they work on lies in a few arrays, since every array that a kernel is given takes time to unwrap: the
 memory of `InvariantFilter` (`filter_arrays`), of `InvariantEkf` (`robot_arrays`), of its `FootKinematics` and
@@ -63,7 +63,7 @@ STEPS, HELD, IMU, LEGS, SPEEDS = range(5)
 QUEUED = 5
 """Where the numbers of readings in these queues begin."""
 BELIEVED, LANDED, CREDIBLE, TOUCHED = 1, 2, 4, 8
-"""Bits of what `settle` tells."""
+"""Bits of what `settle` returns."""
 
 
 @inline_kernel
@@ -259,10 +259,10 @@ def settle(
     Returns what `stand` does, with CREDIBLE if `tell` says so and TOUCHED if a foot is in contact. The rest
     is as in these two.
     """
-    told = TOUCHED if _some(contact) else 0
+    found = TOUCHED if _some(contact) else 0
     if not lost:
         both = np.empty(contact.shape[0], np.bool_)
         for k in range(contact.shape[0]):
             both[k] = contact[k] and meant[k]
-        told += stand(body, on, robot, feet, standing, both, v.shape[0] - 6)
-    return told + (CREDIBLE if tell(body, robot, waiting, counts, limits, contact.shape[0], q, v) else 0)
+        found += stand(body, on, robot, feet, standing, both, v.shape[0] - 6)
+    return found + (CREDIBLE if tell(body, robot, waiting, counts, limits, contact.shape[0], q, v) else 0)

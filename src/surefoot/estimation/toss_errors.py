@@ -13,7 +13,7 @@ from surefoot.estimation.tosses import Tosses, pose_differences
 LOST = 10.0
 """Error, and deviation, in widths of what did not stay finite."""
 EARLY = 0.034
-"""Time after the first touch at which errors are told [s]: five frames of a camera of 148 Hz."""
+"""Time after the first touch at which errors are given [s]: five frames of a camera of 148 Hz."""
 
 
 @dataclass(frozen=True)

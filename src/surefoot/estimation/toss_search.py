@@ -34,7 +34,7 @@ SAME = 3e-4
 PART, NEAR, WIDEST = 0.5, 2e-3, 10.0
 """Differences move tosses by this share of the median error or of so many widths, within so many steps."""
 NARROW = 1e-4
-"""Least share of a mean curvature along an axis that is taken for told."""
+"""Least share of a mean curvature along an axis that counts as measured."""
 HIDDEN = 1e-6
 """A combination of parameters that differences move by less than this share is not shown by them."""
 DAMP, LESS, MORE = 1e-3, 0.1, 10.0
@@ -59,7 +59,7 @@ class SearchResult(NamedTuple):
     settled: bool
 
 
-class Residuals(NamedTuple):
+class TossResiduals(NamedTuple):
     """Deviations (N, m) [widths], the loss, the errors e (B,) of the tosses, and c."""
 
     rows: FloatArray
@@ -154,10 +154,10 @@ def _within(
     return out
 
 
-def _residuals(rows: FloatArray, first: IntArray, frames: IntArray, scale: float | None) -> Residuals:
+def _residuals(rows: FloatArray, first: IntArray, frames: IntArray, scale: float | None) -> TossResiduals:
     errors = np.sqrt(np.add.reduceat(np.einsum("ni,ni->n", rows, rows), first) / frames)
     c = max(float(np.median(errors)), FLOOR) if scale is None else scale
-    return Residuals(rows, float(np.mean(np.sqrt(c * c + errors**2) - c)), errors, c)
+    return TossResiduals(rows, float(np.mean(np.sqrt(c * c + errors**2) - c)), errors, c)
 
 
 def _axes(square: FloatArray, scale: float) -> FloatArray:
@@ -170,7 +170,7 @@ def _axes(square: FloatArray, scale: float) -> FloatArray:
 
 def _slopes(
     rows: Callable[[FloatArray], FloatArray], values: FloatArray, steps: FloatArray, axes: FloatArray,
-    ends: tuple[FloatArray, FloatArray], here: Residuals, frames: IntArray,
+    ends: tuple[FloatArray, FloatArray], here: TossResiduals, frames: IntArray,
 ) -> Slopes:  # fmt: skip
     """Return derivatives per step of the parameters, by differences along axes (d, d) within their ranges."""
     J, ways = np.empty((*here.rows.shape, len(values))), np.empty((len(values), len(values)))
@@ -195,7 +195,7 @@ def _inverse(square: FloatArray) -> FloatArray:
 
 def _share(
     rows: Callable[[FloatArray, FloatArray], FloatArray], values: FloatArray, fixed: FloatArray,
-    held: FloatArray, here: Residuals, slopes: Slopes,
+    held: FloatArray, here: TossResiduals, slopes: Slopes,
 ) -> FloatArray:  # fmt: skip
     """Return the gradients (S, d) that draws (S, h) of what is held make, one deviation a way."""
     spread = np.maximum(held.std(axis=0), 1e-12)

@@ -65,7 +65,7 @@ FACTORS = ("armature", "joint_damping", "joint_friction")
 
 
 class RobotFit(NamedTuple):
-    """What a walk told.
+    """What a walk shows.
 
     Attributes
     ----------
@@ -282,7 +282,7 @@ def _forces(rows: WalkRows, motors: Actuators, theta: FloatArray, dt: float) -> 
 def _friction(rows: WalkRows, forces: FloatArray, robot: Robot, dt: float) -> Estimate:
     """Return friction: at least what a foot used for `SUSTAINED`; no more than that where feet slid.
 
-    What a sliding foot uses scatters by the errors of the forces, and is told with its quantiles.
+    What a sliding foot uses scatters by the errors of the forces, and is given with its quantiles.
     """
     around = 2 * round(SUSTAINED / dt) + 1
     normal = np.maximum(forces[:, :, 2], 1e-9)

@@ -1,4 +1,4 @@
-"""What pushes a walking robot from outside: a payload that it was not told, and the wrench that is left.
+"""What pushes a walking robot from outside: a payload that nobody announced, and the wrench that is left.
 
 The six rows of the floating base in M a + h = Sᵀ τ + Σ Jᵀ f + w say what the ground's forces leave over of
 the motion; the forces are those that the legs' own rows ask for, from commanded torques. Accelerations are
