@@ -11,8 +11,8 @@ from surefoot.robot import load_robot
 from surefoot.simulation.mujoco import MujocoWorld, add_ground
 from surefoot.simulation.walk_terrain import check_ground, start_pose
 from surefoot.terrain import (
-    Box,
     FlatTerrain,
+    GroundBox,
     HeightfieldTerrain,
     LevelsTerrain,
     PitTerrain,
@@ -65,7 +65,9 @@ class Kerb(LevelsTerrain):
         return np.array([-50.0, 0.5, 10.5]), np.array([0.0, 0.1])
 
     def shapes(self) -> tuple[Shape, ...]:
-        return Plane(np.zeros(3), np.eye(3)), Box(np.array([5.5, 0.0, 0.05]), np.array([10.0, 10.0, 0.1]))
+        return Plane(np.zeros(3), np.eye(3)), GroundBox(
+            np.array([5.5, 0.0, 0.05]), np.array([10.0, 10.0, 0.1])
+        )
 
 
 def test_shapes_of_several_kinds_are_one_ground() -> None:

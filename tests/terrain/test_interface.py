@@ -8,8 +8,8 @@ import pytest
 from surefoot.errors import ProblemError
 from surefoot.terrain import (
     TERRAINS,
-    Box,
     Grid,
+    GroundBox,
     HeightfieldTerrain,
     LevelsTerrain,
     Plane,
@@ -41,7 +41,7 @@ def top_of(shape: object, places: np.ndarray) -> np.ndarray:
     if isinstance(shape, Plane):
         n = shape.rotation[:, 2]
         return shape.point[2] - (places - shape.point[:2]) @ n[:2] / n[2]
-    if isinstance(shape, Box):
+    if isinstance(shape, GroundBox):
         inside = (np.abs(places - shape.centre[:2]) < 0.5 * shape.size[:2]).all(axis=1)
         return np.where(inside, shape.centre[2] + 0.5 * shape.size[2], -np.inf)
     assert isinstance(shape, Grid)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from surefoot.arrays import FloatArray
 from surefoot.terrain import PitTerrain, StairsTerrain, Terrain
 from surefoot.terrain.levels import LevelsTerrain
-from surefoot.terrain.shapes import Box
+from surefoot.terrain.shapes import GroundBox
 
 GROUNDS = (StairsTerrain(0.12, 0.3, 4), StairsTerrain(-0.12, 0.3, 4), PitTerrain(0.2, 0.4, 0.1))
 
@@ -19,7 +19,7 @@ def _closest(ground: LevelsTerrain, point: FloatArray) -> float:
     """Return the distance of a point to the closest of the ground's boxes, 0 inside of one [m]."""
     ways = []
     for box in ground.shapes():
-        assert isinstance(box, Box)
+        assert isinstance(box, GroundBox)
         half = 0.5 * box.size
         ways.append(point - np.clip(point, box.centre - half, box.centre + half))
     return min(float(np.linalg.norm(way)) for way in ways)

@@ -11,8 +11,7 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray, real_number
 from surefoot.collision.shapes import Box, Shape
 from surefoot.contact.engines import combination_rules, combine_friction
 from surefoot.errors import ProblemError, check_name
-from surefoot.terrain import Terrain
-from surefoot.terrain import shapes as pieces
+from surefoot.terrain import GroundBox, Terrain
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +116,7 @@ def ground_solids(terrain: Terrain) -> tuple[Solid, ...] | None:
         shapes = () if terrain.planar else terrain.shapes()
     except ProblemError:
         return None
-    boxes = [shape for shape in shapes if type(shape) is pieces.Box]
+    boxes = [shape for shape in shapes if isinstance(shape, GroundBox)]
     if not shapes or len(boxes) < len(shapes):
         return None
     return tuple(

@@ -14,7 +14,7 @@ from surefoot.robot import Robot
 from surefoot.simulation.world import ContactReading, ground_of
 from surefoot.stepping import Stepper
 from surefoot.stepping.bodies import loaded_model
-from surefoot.terrain import Box, Plane, Terrain
+from surefoot.terrain import GroundBox, Plane, Terrain
 
 HIGHEST = 1e9
 """Largest friction, and largest payload [kg]."""
@@ -144,8 +144,8 @@ def _plane(plane: Plane) -> dict[str, Any]:
     return {"rotation": plane.rotation.tolist(), "place": plane.point.tolist()}
 
 
-def _box(box: Box) -> dict[str, Any]:
+def _box(box: GroundBox) -> dict[str, Any]:
     return {"rotation": np.eye(3).tolist(), "place": box.centre.tolist(), "size": box.size.tolist()}
 
 
-_GROUND: dict[type, Any] = {Plane: _plane, Box: _box}
+_GROUND: dict[type, Any] = {Plane: _plane, GroundBox: _box}

@@ -18,7 +18,7 @@ from surefoot.robot import Robot
 from surefoot.robot.mjcf import mujoco_line
 from surefoot.simulation.engine_world import joint_kind
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
-from surefoot.terrain import Box, Grid, Plane, Terrain
+from surefoot.terrain import Grid, GroundBox, Plane, Terrain
 from surefoot.terrain.shapes import DEPTH, EXTENT
 
 FRICTION_RATIO = 100.0
@@ -31,7 +31,7 @@ def import_mujoco() -> Any:
     """Return the mujoco module.
 
     MuJoCo fixes how it draws when it is first imported. Without a screen, and unless MUJOCO_GL says
-    otherwise, it is told to draw through EGL or OSMesa if the system has one of them.
+    otherwise, it draws through EGL or OSMesa if the system has one of them.
 
     Raises
     ------
@@ -224,7 +224,7 @@ def _plane(mujoco: Any, spec: Any, name: str, plane: Plane) -> dict[str, Any]:
     }
 
 
-def _box(mujoco: Any, spec: Any, name: str, box: Box) -> dict[str, Any]:
+def _box(mujoco: Any, spec: Any, name: str, box: GroundBox) -> dict[str, Any]:
     return {"type": mujoco.mjtGeom.mjGEOM_BOX, "size": 0.5 * box.size, "pos": box.centre}
 
 
@@ -251,7 +251,7 @@ def _grid(mujoco: Any, spec: Any, name: str, grid: Grid) -> dict[str, Any]:
     return {"type": mujoco.mjtGeom.mjGEOM_HFIELD, "hfieldname": name, "pos": [*middle, low]}
 
 
-_GEOMS: dict[type, Any] = {Plane: _plane, Box: _box, Grid: _grid}
+_GEOMS: dict[type, Any] = {Plane: _plane, GroundBox: _box, Grid: _grid}
 
 
 def set_point_friction(world: Any, mu: FloatArray) -> None:

@@ -5,8 +5,8 @@ from surefoot.terrain.heightfield import HeightfieldTerrain as HeightfieldTerrai
 from surefoot.terrain.levels import LevelsTerrain as LevelsTerrain
 from surefoot.terrain.pit import PitTerrain as PitTerrain
 from surefoot.terrain.rough import rough_ground as rough_ground
-from surefoot.terrain.shapes import Box as Box
 from surefoot.terrain.shapes import Grid as Grid
+from surefoot.terrain.shapes import GroundBox as GroundBox
 from surefoot.terrain.shapes import Plane as Plane
 from surefoot.terrain.shapes import Shape as Shape
 from surefoot.terrain.slope import SlopeTerrain as SlopeTerrain

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
-from surefoot.terrain.shapes import DEPTH, EXTENT, Box
+from surefoot.terrain.shapes import DEPTH, EXTENT, GroundBox
 from surefoot.terrain.terrain import Terrain
 
 
@@ -59,12 +59,12 @@ class LevelsTerrain(Terrain):
         """Largest jump [m]."""
         return float(np.abs(np.diff(self.levels()[1])).max())
 
-    def shapes(self) -> tuple[Box, ...]:
+    def shapes(self) -> tuple[GroundBox, ...]:
         """Return one box for each level, from its top to `DEPTH` below the lowest one."""
         edges, tops = self.levels()
         bottom = tops.min() - DEPTH
         return tuple(
-            Box(
+            GroundBox(
                 np.array([0.5 * (low + high), 0.0, 0.5 * (top + bottom)]),
                 np.array([high - low, EXTENT, top - bottom]),
             )

@@ -33,7 +33,7 @@ class Plane:
 
 
 @dataclass(frozen=True, eq=False)
-class Box:
+class GroundBox:
     """A solid box along the world's axes.
 
     Attributes
@@ -86,5 +86,5 @@ class Grid:
         return np.asarray(self.height(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)))
 
 
-Shape: TypeAlias = Plane | Box | Grid
+Shape: TypeAlias = Plane | GroundBox | Grid
 """Consumers hold one builder per class of these three."""

@@ -1,7 +1,7 @@
 """Pictures of a logged run: the robot drawn by MuJoCo, with its contact forces as arrows; `film` joins them.
 
 The physics is long over when this runs: configurations and forces are read from the log. Rendering
-needs an OpenGL that works without a screen (EGL or OSMesa); `render_frames` says in one line why not.
+needs an OpenGL that works without a screen (EGL or OSMesa); `Renderer` says in one line why not.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from surefoot.robot import Robot
 from surefoot.simulation.mujoco import add_ground, import_mujoco, robot_spec
 from surefoot.spatial import quaternion_wxyz
 from surefoot.terrain import Terrain
-from surefoot.terrain.shapes import Box
+from surefoot.terrain.shapes import GroundBox
 from surefoot.viz.meshes import add_meshes
 from surefoot.viz.shapes import bones, cone_rim
 
@@ -209,7 +209,7 @@ def edge_lines(terrain: Terrain) -> list[Arrow]:
     """Return the upper edges of the ground's boxes, so that steps can be told apart."""
     lines: list[Arrow] = []
     for shape in terrain.shapes():
-        if isinstance(shape, Box):
+        if isinstance(shape, GroundBox):
             x, y, z = 0.5 * shape.size
             corners = shape.centre + np.array([[x, y, z], [x, -y, z], [-x, -y, z], [-x, y, z], [x, y, z]])
             lines += [(a, b - a, EDGE_COLOUR) for a, b in pairwise(corners)]
