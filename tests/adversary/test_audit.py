@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from surefoot.audit import Laws
+from surefoot.audit import LawFigures
 from surefoot.audit.slides import LAG
 from surefoot.errors import ProblemError
 from tests.audit.logs import check_laws
@@ -43,7 +43,7 @@ def lawful(seed: int) -> Motion:
     return {"forces": f, "gaps": gap, "velocities": v, "mu": np.full(STEPS, MU)}
 
 
-def verdict(motion: Motion) -> tuple[list[str], Laws]:
+def verdict(motion: Motion) -> tuple[list[str], LawFigures]:
     laws = check_laws(**motion, weight=WEIGHT, dt=DT)
     return laws.broken(WEIGHT), laws
 

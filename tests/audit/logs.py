@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from benchmarks.problems.logged_runs import CleanRun
-from surefoot.audit import Laws, log_laws
+from surefoot.audit import LawFigures, log_laws
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY
 
@@ -37,7 +37,7 @@ def changed(
 
 def check_laws(
     forces: object, gaps: object, velocities: object, mu: object, weight: float, dt: float = 1e-3
-) -> Laws:
+) -> LawFigures:
     """Return the laws of a motion as numbers; friction is one number, one per time or one per contact."""
     f, friction = np.asarray(forces, dtype=np.float64), np.asarray(mu, dtype=np.float64)
     own = np.broadcast_to(friction[:, None] if friction.ndim == 1 else friction, f.shape[:2])

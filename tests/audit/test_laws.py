@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from surefoot.audit import Laws, audit_log, contact_use, log_laws
+from surefoot.audit import LawFigures, audit_log, contact_use, log_laws
 from surefoot.audit.laws import LAWS, LEAST_FRICTION
 from surefoot.audit.slides import LAG
 from surefoot.errors import ProblemError
@@ -28,7 +28,7 @@ def still(
     return check_laws([[force]], [[gap]], [[velocity]], [mu], WEIGHT)
 
 
-def slide(force: list[float], speed: float, duration: float, dt: float = 1e-3, mu: float = 0.5) -> Laws:
+def slide(force: list[float], speed: float, duration: float, dt: float = 1e-3, mu: float = 0.5) -> LawFigures:
     """One contact that slides along x under a constant force; its first row is a touchdown's."""
     T = round(duration / dt) + 1
     return check_laws(

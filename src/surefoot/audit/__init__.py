@@ -2,7 +2,7 @@
 
 from surefoot.audit.auditor import assert_lawful, audit_log
 from surefoot.audit.checks import CHECKS
-from surefoot.audit.laws import Laws, contact_use, log_laws
+from surefoot.audit.laws import LawFigures, contact_use, log_laws
 from surefoot.audit.pressure import sole_pressures
 from surefoot.audit.report import AuditReport, FrictionInterval, Violation
 from surefoot.audit.stand import StandSummary, summarise_stand
@@ -15,7 +15,7 @@ __all__ = [
     "SYMPTOMS",
     "AuditReport",
     "FrictionInterval",
-    "Laws",
+    "LawFigures",
     "RunSummary",
     "StandSummary",
     "Violation",

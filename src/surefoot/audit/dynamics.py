@@ -29,7 +29,7 @@ STICKING = 0.05
 
 
 @dataclass(frozen=True)
-class Unexplained:
+class UnexplainedForces:
     """What is left over, in rows of a log.
 
     Attributes
@@ -56,7 +56,7 @@ def unexplained(
     mass_scale: float = 1.0,
     payload: float = 0.0,
     payload_position: FloatArray | None = None,
-) -> Unexplained:
+) -> UnexplainedForces:
     """Return what T rows with their successors, T + 1 in all, leave unexplained in the first T.
 
     Parameters
@@ -107,7 +107,7 @@ def unexplained(
         rest[:, base:] += _lost(log, v[:, base:], acceleration[:, base:], rest[:, base:], known)
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
-    return Unexplained(force_left, moment_left, feet, velocities)
+    return UnexplainedForces(force_left, moment_left, feet, velocities)
 
 
 def balanced_forces(robot: Robot, log: Log) -> FloatArray:

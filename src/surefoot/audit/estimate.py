@@ -12,7 +12,7 @@ from surefoot.errors import ProblemError
 from surefoot.log import Log
 
 SHORTEST_WAY = 0.5
-"""Way from which drift is told as a share of it [m]."""
+"""Way from which drift is given as a share of it [m]."""
 
 
 @dataclass(frozen=True)
@@ -77,14 +77,14 @@ def _turns(log: Log) -> FloatArray:
     """Return the rotation vectors from the true to the estimated attitude, world axes: (T, 3) [rad]."""
     from scipy.spatial.transform import Rotation  # takes 0.1 s
 
-    true, told = (Rotation.from_quat(log[name][:, 3:7]) for name in ("q", "q_estimated"))
-    return np.asarray((told * true.inv()).as_rotvec())
+    true, estimated = (Rotation.from_quat(log[name][:, 3:7]) for name in ("q", "q_estimated"))
+    return np.asarray((estimated * true.inv()).as_rotvec())
 
 
 LAST = 1.0
 """Length of the end of a run over which the estimates are averaged [s]."""
 LIGHT = 0.05
-"""Share of the robot's mass below which a payload's place is not told."""
+"""Share of the robot's mass below which a payload's place is not given."""
 
 
 @dataclass(frozen=True)

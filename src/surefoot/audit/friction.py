@@ -6,8 +6,7 @@ in a soft world a foot that comes to rest, or has just touched down, slides with
 
 Where the ground changes, one interval for all would contradict itself. So the log is cut into windows of
 `WINDOW`; a window that uses clearly more than the slides so far had, or slides on clearly less than was used
-so
-far, starts an interval of its own.
+so far, starts an interval of its own.
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ LEAST_TIME = 0.01
 LEAST_ROWS = 3
 """... and a slide contradicts what was used by so many rows of its middle at least."""
 MOST = 50
-"""Changes of a contact that are told; what comes after the last is one interval."""
+"""Changes of a contact that are reported; what comes after the last is one interval."""
 
 
 @dataclass
@@ -126,13 +125,13 @@ class FrictionCount:
         sliding = (
             carries & before & (speed > SLIDING_SPEED + np.broadcast_to(rows.creep, rows.normal.shape)[part])
         )
-        steady, time, told = _steady(sliding, self._rows), rows.time[part], carries & before
+        steady, time, loaded = _steady(sliding, self._rows), rows.time[part], carries & before
         for start in range(0, len(bins), self._window):
             at = slice(start, start + self._window)
             first, last = float(time[at][0]), float(time[at][-1])
-            for k in np.flatnonzero(told[at].any(axis=0)).tolist():
+            for k in np.flatnonzero(loaded[at].any(axis=0)).tolist():
                 mine, slid = bins[at, k], int(sliding[at, k].sum())
-                self._take(k, _Window(mine[told[at, k]], mine[steady[at, k]], slid, first, last))
+                self._take(k, _Window(mine[loaded[at, k]], mine[steady[at, k]], slid, first, last))
 
     def _take(self, k: int, window: _Window) -> None:
         """Add a window to the contact's stretch, or begin another with it."""

@@ -43,7 +43,7 @@ _OF_SLIDES = {"forces", "velocities", "friction"}
 
 
 @dataclass(frozen=True)
-class Laws:
+class LawFigures:
     """How far a motion went from the three laws; a number is NaN where its measurements are not finite.
 
     Attributes
@@ -124,11 +124,11 @@ def contact_use(forces: FloatArray, mu: FloatArray, threshold: float) -> FloatAr
         return np.asarray(np.hypot(forces[..., 0], forces[..., 1]) / limit)
 
 
-def log_laws(log: Log) -> Laws:
+def log_laws(log: Log) -> LawFigures:
     """Return the laws as numbers for a log, in bounded memory.
 
     Needs the channels forces, gaps, contact_velocities and mu, and the facts mass and dt. Measurements that
-    are not finite are broken laws and no error, see `Laws.broken`.
+    are not finite are broken laws and no error, see `LawFigures.broken`.
 
     Raises
     ------
@@ -157,7 +157,7 @@ def log_laws(log: Log) -> Laws:
         over = -gap.min(axis=1, initial=0.0) / np.where(deep, SWING_DEPTH, 1.0)
         depth = max(depth, float(over.max(initial=0.0)))
     if not rows:
-        return Laws(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, judged=())
+        return LawFigures(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, judged=())
     deepest, pull, use, across, apart, power = worst.tolist()
     slide = math.nan if lost.keys() & _OF_SLIDES else float(slides[:, WORST].max())
     said = tuple(
@@ -168,7 +168,7 @@ def log_laws(log: Log) -> Laws:
     if not said and not np.isfinite([*worst, slide]).all():
         said = ("forces, gaps or velocities too large to multiply",)
     soft = max(sinking, deepest) if depth <= sinking else sinking
-    return Laws(deepest, -pull, use, across, apart, power, slide, LAWS, said, soft, stopping)
+    return LawFigures(deepest, -pull, use, across, apart, power, slide, LAWS, said, soft, stopping)
 
 
 def stated(log: Log, name: str) -> float:
@@ -239,7 +239,7 @@ def _lose(lost: dict[str, tuple[int, int, int]], name: str, values: FloatArray, 
 def _figures(
     f: FloatArray, gap: FloatArray, v: FloatArray, mu: FloatArray, weight: float
 ) -> tuple[float, ...]:
-    """Return the first six figures of `Laws` for some rows, the least normal force with its sign turned."""
+    """Return the first six of `LawFigures` for some rows, the least normal force with its sign turned."""
     threshold = LOADED_SHARE * weight
     return (
         max(0.0, -float(gap.min())) if np.isfinite(gap).all() else math.nan,

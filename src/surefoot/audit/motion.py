@@ -26,7 +26,7 @@ def touching(log: Log) -> BoolArray:
 
 
 def slips(log: Log) -> FloatArray:
-    """Return how far each contact point has slid since it was last told to push: (T, p) [m].
+    """Return how far each contact point has slid since it was last commanded to push: (T, p) [m].
 
     Integrates the velocity of the foot's material at the contact while loaded, so that rolling is no
     slip and a foot that hops while it slides is not forgiven; zero for a foot in the air on purpose.

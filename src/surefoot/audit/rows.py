@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.audit.dynamics import MOTOR_FACTS, Unexplained, balanced_forces, unexplained
+from surefoot.audit.dynamics import MOTOR_FACTS, UnexplainedForces, balanced_forces, unexplained
 from surefoot.audit.laws import swinging
 from surefoot.audit.setting import PER_POINT, Setting
 from surefoot.log import Log
@@ -29,14 +29,14 @@ FINITE = (*PER_POINT, "q", "v", "torques", "mu", "push", "other_forces", "moment
 
 def lacking(log: Log, names: Iterable[str]) -> list[str]:
     """Return which of these channels a log lacks; friction may stand in either of two."""
-    told = {"mu"} if "contact_friction" in log else set()
-    return [name for name in names if name not in log and name not in told]
+    known = {"mu"} if "contact_friction" in log else set()
+    return [name for name in names if name not in log and name not in known]
 
 
 class Rows:
     """Rows `first` to `last` of a log with what surrounds them; `core` are those asked for.
 
-    Numbers that are not finite are zero here and told by `lost`.
+    Numbers that are not finite are zero here; `lost` says where.
     """
 
     def __init__(self, log: Log, setting: Setting, first: int, last: int) -> None:
@@ -129,7 +129,7 @@ class Rows:
         """Speed at which the world's soft friction lets contacts move: (T, p) or (1, 1) [m/s].
 
         By its own law a_t + b v_t + R f_t = 0, where the log has R f_t / b and b: that and what the contact
-        is braked by, at least what holds the weight, since a_t is told to a step and a contact point's turn.
+        is braked by, at least what holds the weight, since a_t is known to a step and a contact point's turn.
         """
         if "contact_creep" not in self.log:
             return np.full((1, 1), self.setting.creep)
@@ -158,8 +158,8 @@ class Rows:
         return frames_on(np.where(length > 0.5, normals / np.maximum(length, 0.5), [0.0, 0.0, 1.0]))
 
     @cached_property
-    def unexplained(self) -> Unexplained | None:
-        """What Newton-Euler leaves over in every row, NaN where it cannot be told; None without a robot."""
+    def unexplained(self) -> UnexplainedForces | None:
+        """What Newton-Euler leaves over in every row, NaN where it is not known; None without a robot."""
         robot = self.setting.robot
         if robot is None or self.count < 2:
             return None
@@ -176,13 +176,13 @@ class Rows:
         wrong = ~(steps > 0.2 * self.setting.dt) | ~(steps < 5.0 * self.setting.dt)
         wrong |= self.lost[:-1].any(axis=1) | self.lost[1:, -1]
         parts = (out.force, out.moment, out.feet, out.velocities)
-        return Unexplained(*(_with_last(part, wrong) for part in parts))
+        return UnexplainedForces(*(_with_last(part, wrong) for part in parts))
 
     @cached_property
     def missing(self) -> FloatArray | None:
         """(T, p, 3) force that the joint torques ask for beyond the logged one, contact frames [N].
 
-        Of feet with one contact point; NaN for others, and where it cannot be told.
+        Of feet with one contact point; NaN for others, and where it is not known.
         """
         rest = self.unexplained
         return None if rest is None else self._at_points(rest.feet)

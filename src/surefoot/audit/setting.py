@@ -149,10 +149,10 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     names = tuple(point_names(feet, owner.tolist()))
     steps = np.diff(np.asarray(log["time"][: 1 << 16]))
     good = steps[np.isfinite(steps) & (steps > 0.0)]
-    told = float(log.fact("dt")) if "dt" in log.facts else 0.0
-    dt = float(np.median(good)) if good.size else told
-    if told and good.size and abs(told - dt) > 0.02 * dt:
-        doubts.append(f"the log says dt = {told:g} s, its time stamps {dt:g} s")
+    stated_dt = float(log.fact("dt")) if "dt" in log.facts else 0.0
+    dt = float(np.median(good)) if good.size else stated_dt
+    if stated_dt and good.size and abs(stated_dt - dt) > 0.02 * dt:
+        doubts.append(f"the log says dt = {stated_dt:g} s, its time stamps {dt:g} s")
     soft = [stated(log, name) for name in SOFTEST]
     if _by_row(log):  # friction is judged by its own law, row by row: what is left to allow is bounded
         soft[1], soft[2] = _mean_creep(log), min(soft[2], SOFTEST["stopping"][0])

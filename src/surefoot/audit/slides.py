@@ -4,7 +4,7 @@ While a contact moves over the ground, friction opposes it in full: its power is
 contact that uses less than its cone does not move at all. No simulator obeys that within an instant:
 regularised friction takes the speed of a foot that touches down away within a time constant (v tau: a
 millimetre at 0.5 m/s and 2 ms) with less force than the cone allows, and lags behind a slip that turns. So
-the work that is missing is added up over a stance, less a share for that lag, and told as the way that lacks
+the work that is missing is added up over a stance, less a share for that lag, and given as the way that lacks
 as much when the friction is gone altogether. The row of a touchdown is left out: its velocity is that of the
 free foot, its force the blow that stops it.
 """

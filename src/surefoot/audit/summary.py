@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, of_kind
-from surefoot.audit.laws import LOADED_SHARE, Laws, contact_use, friction_of, log_laws
+from surefoot.audit.laws import LOADED_SHARE, LawFigures, contact_use, friction_of, log_laws
 from surefoot.audit.motion import finite, foot_forces, slips, touching
 from surefoot.audit.motors import MotorUse, limits_broken, motor_use
 from surefoot.audit.pressure import sole_pressures
@@ -31,7 +31,7 @@ class FootSummary:
     cone_use_max
         Highest ||f_t|| / (mu f_n) of its force.
     slip
-        Furthest that one of its points slid since it was told to push [m].
+        Furthest that one of its points slid since it was commanded to push [m].
     pressure_margin
         Least distance of the centre of pressure from a flat sole's edge [m]; None for a point foot.
     footfalls, duty
@@ -108,7 +108,7 @@ class RunSummary:
     limits_broken: list[str] | None
     motors: MotorUse | None
     feet: list[FootSummary]
-    laws: Laws
+    laws: LawFigures
     torque_use_max: float
     torque_use_joint: str
     saturated_share: float
@@ -131,7 +131,7 @@ class RunSummary:
 def _plain(value: Any) -> Any:
     """Return dataclasses as dictionaries, without what is None, of laws the numbers alone."""
     if is_dataclass(value):
-        skipped = ("judged", "not_finite") if isinstance(value, Laws) else ()
+        skipped = ("judged", "not_finite") if isinstance(value, LawFigures) else ()
         pairs = ((f.name, getattr(value, f.name)) for f in fields(value) if f.name not in skipped)
         return {name: _plain(one) for name, one in pairs if one is not None}
     return [_plain(one) for one in value] if isinstance(value, list) else value

@@ -20,7 +20,7 @@ TRACKING_SHARE = 0.1
 TRACKING_FLOOR = 0.03
 """... or within this, for components that should be small [m/s, rad/s]."""
 FOLLOWED_SHARE = 0.5
-"""A robot that misses more than this share of the commanded velocity did not walk as it was told ..."""
+"""A robot that misses more than this share of the commanded velocity did not walk as commanded ..."""
 FOLLOWED_FLOOR = 0.05
 """... unless it misses less than this [m/s, rad/s]."""
 
@@ -36,7 +36,7 @@ class AxisTracking:
 
 
 @dataclass(frozen=True)
-class Tracking:
+class VelocityTracking:
     """Mean velocities after `SETTLED` seconds in the heading frame, and whether all are within tolerance."""
 
     forward: AxisTracking
@@ -75,7 +75,7 @@ class WalkSummary(RunSummary):
     notes
         What the controller changed in its command.
     estimate
-        Errors of the state that the controller was told; None if that was the true one.
+        Errors of the state that the controller was given; None if that was the true one.
     load
         What the controller found that it carries; None if it did not look.
     stale
@@ -85,7 +85,7 @@ class WalkSummary(RunSummary):
     success_key: ClassVar[str] = "walked"
 
     gait: str
-    velocity: Tracking
+    velocity: VelocityTracking
     commanded_cone_excess: float
     feasible_share: float
     tilt_max_deg: float
@@ -131,11 +131,11 @@ def summarise_walk(log: Log) -> WalkSummary:
 
 
 def follows(log: Log) -> bool:
-    """Return whether a walk's velocity is the commanded one by half at least, see `Tracking.followed`."""
+    """Return whether a walk went by half its command at least, see `VelocityTracking.followed`."""
     return _tracking(log).followed
 
 
-def _tracking(log: Log) -> Tracking:
+def _tracking(log: Log) -> VelocityTracking:
     """Return the mean velocities after the start, against the commanded ones."""
     late = log["time"] >= SETTLED
     if not late.any():
@@ -146,4 +146,4 @@ def _tracking(log: Log) -> Tracking:
         AxisTracking(float(w), float(m), float(e), bool(abs(e) <= a))
         for w, m, e, a in zip(wanted, measured, error, allowed, strict=True)
     )
-    return Tracking(forward, left, turn, forward.within and left.within and turn.within)
+    return VelocityTracking(forward, left, turn, forward.within and left.within and turn.within)

@@ -60,9 +60,9 @@ def outside_force(e: Episode) -> Evidence | None:
     """Tell whether something pushes the body that the log does not know."""
     if e.has("balance"):
         rest = np.nanmedian(left_over(e.rows)[e.rows.core], axis=0).round(6)
-        told = "".join(f"; in the model {line}" for line in e.rows.log.facts.get("outside", ()))
+        modelled = "".join(f"; in the model {line}" for line in e.rows.log.facts.get("outside", ()))
         turns = f" and {_triple(rest[3:])} N m" if rest[3:].any() else ""
-        return Evidence(CERTAIN, f"{_triple(rest[:3])} N{turns} on the body that no contact gives{told}")
+        return Evidence(CERTAIN, f"{_triple(rest[:3])} N{turns} on the body that no contact gives{modelled}")
     missing = e.rows.unexplained
     if missing is None or not e.has("motion"):
         return None

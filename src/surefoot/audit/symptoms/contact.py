@@ -139,8 +139,8 @@ def invisible_geometry(e: Episode) -> Evidence | None:
     height = 1e3 * float(e.gap[e.loaded].max(initial=0.0))
     margin = np.asarray(e.rows.log.facts.get("contact_margin", np.zeros(len(e.rows.setting.names))))
     wide = 1e3 * float(margin[e.column])
-    told = f"; in the model contacts push from {wide:.3g} mm on (margin)" if wide > 0.0 else ""
-    return Evidence(0.95, f"{float(e.force[:, 2].max()):.3g} N at a gap of {height:.3g} mm, {real}{told}")
+    modelled = f"; in the model contacts push from {wide:.3g} mm on (margin)" if wide > 0.0 else ""
+    return Evidence(0.95, f"{float(e.force[:, 2].max()):.3g} N at a gap of {height:.3g} mm, {real}{modelled}")
 
 
 @symptom(

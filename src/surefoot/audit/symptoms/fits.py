@@ -62,7 +62,7 @@ def fitted_pyramid(forces: FloatArray, mu: FloatArray, weight: float) -> tuple[i
 def pyramid_facets(use: FloatArray) -> tuple[int, float] | None:
     """Return facets and phase [rad] of the pyramid about the unit disk on whose edge points lie; else None.
 
-    Facets touch the disk. A pyramid whose edges lie along the axes, or half way between, is told by points in
+    Facets touch the disk. A pyramid whose edges lie along the axes, or half way between, shows in points in
     one place; any other phase only by points on more than one side of a corner or along an edge: a single
     point lies on an edge of some pyramid.
 
