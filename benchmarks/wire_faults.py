@@ -23,7 +23,7 @@ import numpy as np
 import surefoot as sf
 from surefoot.control.controller import JointTargets
 from surefoot.drive.loop_log import LoopLog
-from surefoot.drive.modes import Mode
+from surefoot.drive.modes import LoopMode
 from surefoot.drive.wire import wired_loop
 from surefoot.drive.wire.dialect import dialect_of
 from surefoot.drive.wire.link import WireEnd
@@ -86,10 +86,10 @@ def _set(name: str, value: float) -> Spoiler:
 def _freeze(message: Any, rng: np.random.Generator, kept: dict[str, Any]) -> None:
     """Let an encoder tell what it told first."""
     joint, names = kept["joint"], ("motor_state.q", "motor_state.dq")
-    told = [message[name] for name in names]
-    first = kept.setdefault("first", [values[joint] for values in told])
-    kept["off"] = abs(float(told[0][joint] - first[0]))
-    for name, values, value in zip(names, told, first, strict=True):
+    fields = [message[name] for name in names]
+    first = kept.setdefault("first", [values[joint] for values in fields])
+    kept["off"] = abs(float(fields[0][joint] - first[0]))
+    for name, values, value in zip(names, fields, first, strict=True):
         values[joint] = value
         message[name] = values
 
@@ -186,7 +186,7 @@ class WatchedLoop(sf.RobotLoop):
         return targets
 
 
-def _walk(end: Any, told: Any, lost: Any, trouble: Any, out: Path) -> None:
+def _walk(end: Any, pipe: Any, lost: Any, trouble: Any, out: Path) -> None:
     """Be the controller: stand up and walk whenever that is possible, until told to end."""
     wired_loop.clock = SlowClock(lost)  # type: ignore[attr-defined, assignment]
     robot = sf.load_robot("go2")
@@ -197,19 +197,19 @@ def _walk(end: Any, told: Any, lost: Any, trouble: Any, out: Path) -> None:
     with closing(FaultyEnd(dialect, False, "lo", DOMAIN)) as wire:
         wire.trouble = trouble
         wired = wired_loop.WiredLoop(loop, wire, dialect, watch=log.note)
-        told.send(0.0)
+        pipe.send(0.0)
         wired.wait(30.0)
         while not end.is_set():
             wired.step()
             try:
-                if loop.mode is Mode.DAMP:
+                if loop.mode is LoopMode.DAMP:
                     loop.go("stand")
-                elif loop.mode is Mode.STAND and loop.settled:
+                elif loop.mode is LoopMode.STAND and loop.settled:
                     loop.go("walk")
             except sf.ProblemError:
                 continue  # not yet
     log.log().save(out)
-    told.send(loop.torque_use)
+    pipe.send(loop.torque_use)
 
 
 def _go_wrong(wired: WiredRobot, fault: str, seed: int, other: int) -> tuple[float, bool]:
@@ -242,14 +242,14 @@ def _go_wrong(wired: WiredRobot, fault: str, seed: int, other: int) -> tuple[flo
     return late, late <= ALLOWED + 1e-9
 
 
-def _suffer(count: int, other: int, told: Any, lost: Any, trouble: Any) -> None:
+def _suffer(count: int, other: int, pipe: Any, lost: Any, trouble: Any) -> None:
     """Be the robot: walk, let something go wrong, and begin anew."""
     motor_robot.clock = SlowClock(lost)  # type: ignore[attr-defined, assignment]
     robot = sf.load_robot("go2")
     dialect, body = dialect_of(robot), WatchedBody(robot)
     with closing(FaultyEnd(dialect, True, "lo", DOMAIN)) as wire:
         wire.trouble = trouble
-        told.recv()
+        pipe.recv()
         wired = SlowRobot(body, wire, dialect)
         for k in range(count):
             if not body.powered or FAULTS[(k - 1) % len(FAULTS)] not in BEARABLE:
@@ -258,8 +258,8 @@ def _suffer(count: int, other: int, told: Any, lost: Any, trouble: Any) -> None:
             while body.world.state()[0][0] < start + ON_THE_WAY and body.time < begin + LONGEST:
                 wired.step()
             walks = body.time < begin + LONGEST
-            told.send((FAULTS[k % len(FAULTS)], walks, *_go_wrong(wired, FAULTS[k % len(FAULTS)], k, other)))
-    told.send(body.torque_use)
+            pipe.send((FAULTS[k % len(FAULTS)], walks, *_go_wrong(wired, FAULTS[k % len(FAULTS)], k, other)))
+    pipe.send(body.torque_use)
 
 
 def suffer(count: int, out: Path, said: Callable[[str], None]) -> dict[str, Any]:

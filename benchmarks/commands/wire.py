@@ -59,15 +59,15 @@ def _suffer(count: int, as_json: bool) -> int:
 
     console = plain_console(quiet=as_json)
     with tempfile.TemporaryDirectory() as folder:
-        told = suffer(count, Path(folder) / "walk.npz", lambda line: say(console, line))
-        rows = len(read_log(told["log"]))
+        done = suffer(count, Path(folder) / "walk.npz", lambda line: say(console, line))
+        rows = len(read_log(done["log"]))
     last = (
-        f"{told['right']} of {count} right; torque asked at most {told['torque_asked']:.3f} of its limit, "
-        f"given {told['torque_given']:.3f}; exit codes {told['exit_codes']}; {rows} rows in the log"
+        f"{done['right']} of {count} right; torque asked at most {done['torque_asked']:.3f} of its limit, "
+        f"given {done['torque_given']:.3f}; exit codes {done['exit_codes']}; {rows} rows in the log"
     )
-    show(told, as_json, lambda console, _: say(console, last))
-    within = max(told["torque_asked"], told["torque_given"]) <= 1.0 + 1e-9
-    return 0 if told["right"] == count and within and not any(told["exit_codes"]) else 1
+    show(done, as_json, lambda console, _: say(console, last))
+    within = max(done["torque_asked"], done["torque_given"]) <= 1.0 + 1e-9
+    return 0 if done["right"] == count and within and not any(done["exit_codes"]) else 1
 
 
 def _end(kind: str, robot_side: bool) -> tuple[Any, Any, Any]:
@@ -102,7 +102,7 @@ def _serve(kind: str) -> None:
             if goal is not None:
                 loop.steer([0.5, 0.0, 0.0])
                 loop.go(goal)
-        command = dialect.asked(targets)
+        command = dialect.command_message(targets)
         command["reserve"] = message["tick"]
         end.send(command.seal())
         if loop is not None:
@@ -128,7 +128,7 @@ def _measure(seconds: float, servers: list[Any]) -> dict[str, Any]:
             raise SurefootError("who should answer has ended: see above")
         time.sleep(max(turn - time.perf_counter(), 0.0))
         turn = max(turn + body.dt, time.perf_counter())
-        state = dialect.told(body.read().ordered(order))
+        state = dialect.state_message(body.read().ordered(order))
         ends.reverse()  # in turns: three processes on two cores are in nobody's way
         for kind, end in ends:
             due = time.perf_counter()

@@ -10,7 +10,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.drive.getting_up import FALLEN
-from surefoot.drive.modes import Mode
+from surefoot.drive.modes import LoopMode
 from surefoot.drive.robot_loop import RobotLoop
 from surefoot.simulation.motor_robot import MotorRobot
 from tests.drive.loop_faults import DT, GO2
@@ -73,7 +73,7 @@ def test_a_push_fells_it_and_the_walk_goes_on(recover: bool) -> None:
     drive(loop, robot, 1.0)
     place = robot.world.state()[0][:2]
     drive(loop, robot, 3.0, "" if recover else "walk")
-    assert loop.mode is Mode.WALK
+    assert loop.mode is LoopMode.WALK
     assert float(np.linalg.norm(robot.world.state()[0][:2] - place)) > 1.0
 
 
@@ -83,7 +83,7 @@ def test_a_body_that_sinks_upright_has_fallen() -> None:
     loop.reset()
     drive(loop, robot, 0.05)
     drive(loop, robot, 5.0, "stand", until="stand")
-    while loop.mode is Mode.STAND and loop.time < 12.0:
+    while loop.mode is LoopMode.STAND and loop.time < 12.0:
         loop.step(robot.read())
         robot.take(None)
         robot.step()
@@ -99,4 +99,4 @@ def test_who_does_not_know_how() -> None:
         sf.ProblemError, match="leans too much, and how a1 rolls over is not known; lay it on its belly"
     ):
         loop.go("stand")
-    assert loop.mode is Mode.DAMP
+    assert loop.mode is LoopMode.DAMP

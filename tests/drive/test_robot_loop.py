@@ -9,7 +9,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.control.controller import JointTargets
-from surefoot.drive.modes import FOLLOWS, Mode
+from surefoot.drive.modes import FOLLOWS, LoopMode
 from surefoot.drive.readings import ReadingLimits, ReadingWatch, RobotReadings
 from surefoot.drive.robot_loop import RobotLoop
 from surefoot.drive.target_limits import TargetLimits
@@ -45,7 +45,7 @@ def test_an_outing_with_noise_and_4_ms_of_delay() -> None:
     loop, robot = RobotLoop(GO2, DT), MotorRobot(GO2, DT)
     robot.lie_down()
     worst = [drive(loop, robot, 0.3), drive(loop, robot, 3.2, "stand")]
-    assert loop.mode is Mode.STAND
+    assert loop.mode is LoopMode.STAND
     assert loop.settled
     loop.steer([0.5, 0.0, 0.0])
     worst.append(drive(loop, robot, 2.0, "walk"))
@@ -66,7 +66,7 @@ def test_an_outing_with_noise_and_4_ms_of_delay() -> None:
     assert loop.settled
     assert robot.world.state()[0][2] < 0.22
     worst += [drive(loop, robot, 3.0, "lie"), drive(loop, robot, 0.1, "passive")]
-    assert loop.mode is Mode.PASSIVE
+    assert loop.mode is LoopMode.PASSIVE
     assert not loop.fault
     assert max(worst) <= 1.0 + 1e-9
 
@@ -102,8 +102,8 @@ def test_a_thousand_faults() -> None:
 
 def test_what_may_follow_what() -> None:
     loop, readings = walked()
-    assert set(FOLLOWS) == set(Mode)
-    assert loop.mode is Mode.WALK
+    assert set(FOLLOWS) == set(LoopMode)
+    assert loop.mode is LoopMode.WALK
     with pytest.raises(ProblemError, match="walk is followed by damp or stand, not by sit"):
         loop.go("sit")
     with pytest.raises(ProblemError, match="unknown mode 'run'"):

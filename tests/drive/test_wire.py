@@ -16,7 +16,7 @@ from surefoot.control.controller import JointTargets
 pytest.importorskip("cyclonedds", reason="the wire is of surefoot[wire]")
 
 from surefoot.drive.wire.dialect import dialect_of
-from surefoot.drive.wire.packed import Packed
+from surefoot.drive.wire.packed import PackedMessage
 
 GO2_WEIGHT = 157.8
 """m g [N]."""
@@ -36,12 +36,12 @@ def readings(joints: int) -> sf.RobotReadings:
 def test_messages_come_back(name: str) -> None:
     robot = sf.load_robot(name)
     dialect, sent = dialect_of(robot), readings(robot.joints)
-    message = dialect.told(sent, mode_machine=5)
-    again = dialect.readings(Packed(dialect.state, bytes(message.data)))
+    message = dialect.state_message(sent, mode_machine=5)
+    again = dialect.readings(PackedMessage(dialect.state, bytes(message.data)))
     assert again is not None
     assert all(np.allclose(a, b, atol=1e-6) for a, b in zip(sent[:7], again[:7], strict=True))
     asked = JointTargets(*np.random.default_rng(3).normal(size=(5, robot.joints)))
-    command = dialect.asked(asked, 5)
+    command = dialect.command_message(asked, 5)
     heard = dialect.targets(command, 5)
     assert heard is not None
     assert np.allclose(np.array(heard), np.array(asked), atol=1e-6)
@@ -63,7 +63,7 @@ def test_void_messages(name: str) -> None:
 
     def spoiled(field: str, value: object, of: int = 0, seal: bool = True) -> bool:
         state = of == 0
-        message = dialect.told(readings(robot.joints)) if state else dialect.asked(targets)
+        message = dialect.state_message(readings(robot.joints)) if state else dialect.command_message(targets)
         motors = f"{'motor_state' if state else 'motor_cmd'}.{field}"
         field = motors if motors in message.layout.places else field
         kept = message[field]
@@ -80,7 +80,7 @@ def test_void_messages(name: str) -> None:
     assert spoiled("tau", float("nan"), of=1)
     assert spoiled("head", [0, 0], of=1) if name == "go2" else spoiled("mode_machine", 4, of=1)
     assert not spoiled("q", 0.5)
-    off = dialect.asked(targets)
+    off = dialect.command_message(targets)
     off["motor_cmd.mode"] = [1, 1, 0]
     heard = dialect.targets(off.seal())
     assert heard is not None

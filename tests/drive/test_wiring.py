@@ -11,7 +11,7 @@ import pytest
 import surefoot as sf
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, JointTargets, RobotState
-from surefoot.drive.joint_targets import CARRYING, MEMORY, JointTargetController
+from surefoot.drive.joint_targets import MEMORY, STANCE_GAIN, JointTargetController
 from surefoot.drive.latency import LONGEST, DelayMeter, LatencyCompensation
 from surefoot.drive.watchdog import Watchdog
 from surefoot.errors import ProblemError
@@ -143,7 +143,7 @@ def test_legs_that_carry_have_lower_gains() -> None:
     controller = JointTargetController(Lifts(np.zeros(18)), GO2, DT)
     targets = controller.step(state()).joint_targets
     assert targets is not None
-    share = np.where(np.arange(12) // 3 == 1, 1.0, CARRYING)
+    share = np.where(np.arange(12) // 3 == 1, 1.0, STANCE_GAIN)
     np.testing.assert_allclose(targets.stiffness, share * controller.stiffness)
     np.testing.assert_allclose(targets.damping, share * controller.damping)
 

@@ -95,7 +95,7 @@ class Wiring:
 
     def around(self, controller: Controller, robot: Any) -> Controller:
         """Return what commands the motors, for a controller with steps of `dt`."""
-        from surefoot.drive.joint_targets import Held, JointTargetController
+        from surefoot.drive.joint_targets import CommandHold, JointTargetController
         from surefoot.drive.latency import LatencyCompensation
         from surefoot.drive.watchdog import Watchdog
 
@@ -103,7 +103,7 @@ class Wiring:
         if self.targets:
             controller = JointTargetController(controller, robot, step, self.every)
         elif self.every > 1:
-            controller = Held(controller, self.every)
+            controller = CommandHold(controller, self.every)
         if self.latency is None or self.latency > 0.0:
             controller = LatencyCompensation(controller, robot, step, self.latency)
         if self.dropouts or self.targets:

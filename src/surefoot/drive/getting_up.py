@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.drive.modes import Mode
+from surefoot.drive.modes import LoopMode
 from surefoot.drive.postures import BodyPostures, PostureMotion
 from surefoot.robot import Robot
 
@@ -72,7 +72,7 @@ class RollOver:
         return [*rolls, self.postures.approach(way[-1], self.postures.lie)]
 
 
-class Recovery:
+class FallRecovery:
     """Gets a robot up by itself after a fall, once it lies still, and walks on if it walked."""
 
     def __init__(self) -> None:
@@ -84,7 +84,7 @@ class Recovery:
 
     def fell(self, loop: RobotLoop) -> None:
         """Learn of a fall."""
-        self._walked |= loop.mode is Mode.WALK
+        self._walked |= loop.mode is LoopMode.WALK
         self._falls, self._since = self._falls + 1, loop.time
 
     def look(self, loop: RobotLoop) -> None:
@@ -92,10 +92,10 @@ class Recovery:
         last = loop.watch.last
         if not loop.recover:
             return
-        if loop.mode is Mode.STAND and self._walked and loop.settled:
+        if loop.mode is LoopMode.STAND and self._walked and loop.settled:
             self._walked = False
             loop.change("walk")
-        if loop.mode is not Mode.DAMP or loop.fault != FALLEN or last is None or self._falls > TRIES:
+        if loop.mode is not LoopMode.DAMP or loop.fault != FALLEN or last is None or self._falls > TRIES:
             return
         if loop.watch.blind or max(np.abs(last.gyro).max(), np.abs(last.speeds).max()) > STILL:
             self._since = loop.time

@@ -10,7 +10,7 @@ become wrong. The targets come from the accelerations of the whole-body controll
     v_des ← v_des + a dt + (v - v_des) dt / T,     q_des ← q_des + v_des dt + (q - q_des) dt / T,
 
 which forgets what the joints did not follow in the time T: the feet's forces stay with the feed-forward
-torques, and a leg that is held back is not pushed ever harder. Legs that carry get a share of the gains: what
+torques, and a leg that is held back is not pushed ever harder. Stance legs get a share of the gains: what
 their joints miss after a push would otherwise slide the feet.
 """
 
@@ -34,11 +34,11 @@ DAMPING = 0.7
 """Ratio of the damping of a joint alone with its inertia and kp."""
 MEMORY = 0.01
 """Time T in which a target forgets what was not followed [s]."""
-CARRYING = 0.3
-"""Share of both gains in legs that carry."""
+STANCE_GAIN = 0.3
+"""Share of both gains in stance legs."""
 
 
-class Held(Wrapper):
+class CommandHold(Wrapper):
     """A controller that is asked every so many steps of the world; its torques stay between.
 
     Parameters
@@ -72,7 +72,7 @@ class Held(Wrapper):
         return self.controller.step(state)
 
 
-class JointTargetController(Held):
+class JointTargetController(CommandHold):
     """A controller whose commands go to joints with controllers of their own; see the module.
 
     Parameters
@@ -101,7 +101,7 @@ class JointTargetController(Held):
     >>> walk = WalkingController(robot, VelocityCommand.constant(0.5, 0.0, 0.0), dt=2e-3)
     >>> controller = JointTargetController(walk, robot, 1e-3, every=2)
     >>> targets = controller.step(RobotState(robot.nominal, np.zeros(18))).joint_targets
-    >>> controller.stiffness[:3].round(1), targets.stiffness[:3].round(1)  # all feet carry
+    >>> controller.stiffness[:3].round(1), targets.stiffness[:3].round(1)  # all feet stand
     (array([26.4, 26.4, 26.4]), array([7.9, 7.9, 7.9]))
     """
 
@@ -175,5 +175,5 @@ def led(
         gain = 1.0
         for i in range(len(active)):
             if active[i] and support[i, j]:
-                gain = CARRYING
+                gain = STANCE_GAIN
         out[2, j], out[3, j] = gain * stiffness[j], gain * damping[j]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 
-class Mode(StrEnum):
+class LoopMode(StrEnum):
     """What the loop does."""
 
     PASSIVE = "passive"
@@ -24,17 +24,17 @@ class Mode(StrEnum):
     """Lies folded, or is on the way to."""
 
 
-FOLLOWS: dict[Mode, tuple[str, ...]] = {
-    Mode.PASSIVE: ("damp", "stand"),
-    Mode.DAMP: ("damp", "passive", "stand"),
-    Mode.STAND_UP: ("damp", "lie"),
-    Mode.STAND: ("damp", "walk", "sit", "lie"),
-    Mode.WALK: ("damp", "stand"),
-    Mode.SIT: ("damp", "stand", "lie"),
-    Mode.LIE: ("damp", "passive", "stand"),
+FOLLOWS: dict[LoopMode, tuple[str, ...]] = {
+    LoopMode.PASSIVE: ("damp", "stand"),
+    LoopMode.DAMP: ("damp", "passive", "stand"),
+    LoopMode.STAND_UP: ("damp", "lie"),
+    LoopMode.STAND: ("damp", "walk", "sit", "lie"),
+    LoopMode.WALK: ("damp", "stand"),
+    LoopMode.SIT: ("damp", "stand", "lie"),
+    LoopMode.LIE: ("damp", "passive", "stand"),
 }
 """What may follow each mode; the way to `stand` leads through `stand up`."""
-CONTROLLED = (Mode.STAND, Mode.WALK)
+CONTROLLED = (LoopMode.STAND, LoopMode.WALK)
 """Modes that need to know the state of the body."""
-POWERLESS = (Mode.PASSIVE, Mode.DAMP)
+POWERLESS = (LoopMode.PASSIVE, LoopMode.DAMP)
 """Modes that need to know nothing."""

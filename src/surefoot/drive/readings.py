@@ -60,8 +60,8 @@ class RobotReadings(NamedTuple):
         q, v, torques = self.positions[order], self.speeds[order], self.torques[order]
         return RobotReadings(*self[:4], q, v, torques, self.forces)
 
-    def felt(self, least: float) -> BoolArray | None:
-        """Return which (n,) feet feel more than a force [N] by their own sensors; None without any."""
+    def loaded_feet(self, least: float) -> BoolArray | None:
+        """Return which (n,) feet bear more than a force [N] by their own sensors; None without any."""
         if self.forces is None or not np.isfinite(self.forces).all():
             return None
         return np.asarray(self.forces > least)

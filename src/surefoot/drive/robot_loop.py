@@ -14,10 +14,10 @@ from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walker import Walker
 from surefoot.control.walkers import default_gait, walking_controller
 from surefoot.control.walking_body import VelocityCommand
-from surefoot.drive.getting_up import FALLEN, TRIES, Recovery
+from surefoot.drive.getting_up import FALLEN, TRIES, FallRecovery
 from surefoot.drive.joint_targets import JointTargetController
 from surefoot.drive.latency import LatencyCompensation
-from surefoot.drive.modes import CONTROLLED, FOLLOWS, POWERLESS, Mode
+from surefoot.drive.modes import CONTROLLED, FOLLOWS, POWERLESS, LoopMode
 from surefoot.drive.posture_player import PosturePlayer
 from surefoot.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, motor_order
 from surefoot.drive.state_tracker import StateTracker
@@ -37,9 +37,9 @@ than this share of its usual height has fallen."""
 SETTLE = 0.4
 """Time in a posture before what follows begins [s]."""
 SLOW = 0.05
-"""Speed of a body, as a share of sqrt(g h), at which one that was told to stop stands."""
-FELT = 0.05
-"""Share of m g from which a foot's own sensor says that it touches."""
+"""Speed of a body, as a share of sqrt(g h), at which one that was commanded to stop stands."""
+LOADED = 0.05
+"""Share of m g from which a foot touches by its own sensor."""
 
 
 class RobotLoop:
@@ -79,7 +79,7 @@ class RobotLoop:
         Whether a robot that has fallen gets up by itself once it lies still, and walks on if it walked;
         False until it is set.
     mode
-        `Mode`.
+        `LoopMode`.
     fault
         Why control was lost last; empty after the next `go`.
     time
@@ -126,19 +126,19 @@ class RobotLoop:
         self._order, self._back = motor_order(robot, motors)
         self.limits = limits or ReadingLimits()
         self.watch = ReadingWatch(robot, self.dt, self.limits)
-        told = terrain or "exact"
-        self.terrain = believed_ground(told, FlatTerrain()) if isinstance(told, str) else told
+        ground = terrain or "exact"
+        self.terrain = believed_ground(ground, FlatTerrain()) if isinstance(ground, str) else ground
         known = None if self.terrain.learns else self.terrain
         self._motors = actuators_of(robot, actuators)
         geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
         self.tracker = StateTracker(geared, self.dt, None, known, imu_position, actuators=self._motors)
         self._player, self.target_limits = PosturePlayer(robot, self.dt), TargetLimits(robot)
-        self.recover, self._recovery = False, Recovery()
+        self.recover, self._recovery = False, FallRecovery()
         self._damp = damping_targets(robot, self.dt)
         self._passive = JointTargets(*np.zeros((5, robot.joints)))
         on_four = len(robot.feet) == 4
         chosen = gait or ("auto" if on_four else default_gait(robot))
-        names = {Mode.WALK: chosen, Mode.STAND: chosen if chosen == "auto" else "stand"}
+        names = {LoopMode.WALK: chosen, LoopMode.STAND: chosen if chosen == "auto" else "stand"}
         made = {name: self._balance(name, mu, latency) for name in dict.fromkeys(names.values())}
         self._balances = {mode: made[name] for mode, name in names.items()}
         self.reset()
@@ -168,7 +168,7 @@ class RobotLoop:
 
     def reset(self) -> None:
         """Damp, and forget the past."""
-        self.mode, self.fault, self.time = Mode.DAMP, "", -self.dt
+        self.mode, self.fault, self.time = LoopMode.DAMP, "", -self.dt
         self.watch.reset()
         self._recovery.reset()
         self._velocity, self._posture = np.zeros(3), np.zeros(3)
@@ -180,14 +180,14 @@ class RobotLoop:
         self.state: RobotState | None = None
         self._reading: Reading | None = None
         self._steered: tuple[bytes, ...] = ()
-        self.walker, self._controller = self._balances[Mode.STAND]
+        self.walker, self._controller = self._balances[LoopMode.STAND]
 
     @property
     def settled(self) -> bool:
         """Whether what `go` asked for last is reached, and the next may follow."""
-        if self.mode in (Mode.SIT, Mode.LIE):
+        if self.mode in (LoopMode.SIT, LoopMode.LIE):
             return self._player.rest(self.time) > 0.0
-        return self.mode is not Mode.STAND_UP and (self.mode is not Mode.STAND or self._still())
+        return self.mode is not LoopMode.STAND_UP and (self.mode is not LoopMode.STAND or self._still())
 
     def go(self, goal: str) -> None:
         """Change the mode: "stand", "walk", "sit", "lie", "damp" or "passive"; `FOLLOWS` says when.
@@ -211,18 +211,18 @@ class RobotLoop:
         self.fault, last = "", self.watch.last
         if goal == self.mode:
             return
-        if goal == Mode.WALK or (goal == Mode.STAND and self.mode is Mode.WALK):
-            self.mode = Mode(goal)
+        if goal == LoopMode.WALK or (goal == LoopMode.STAND and self.mode is LoopMode.WALK):
+            self.mode = LoopMode(goal)
             return
         self._forget()
         if goal in POWERLESS or last is None:
             self._player.reset()
-            self.mode = Mode(goal)
+            self.mode = LoopMode(goal)
             return
         anywhere = self.mode in POWERLESS
         leans = anywhere and self.watch.lean > UPRIGHT
         self._player.take(goal, last.positions, self.time, anywhere=anywhere, leans=leans)
-        self.mode = Mode.STAND_UP if goal == "stand" else Mode(goal)
+        self.mode = LoopMode.STAND_UP if goal == "stand" else LoopMode(goal)
 
     def _check(self, goal: str) -> None:
         """Refuse what cannot be begun now."""
@@ -231,7 +231,7 @@ class RobotLoop:
             raise ProblemError(f"cannot {goal}: {self.watch.reason or 'there is no reading yet'}")
         if goal in ("sit", "lie") and postures.lie == postures.stand:
             raise ProblemError(f"{self.robot.name} stands on two feet: it does not {goal}")
-        if goal in ("sit", "lie", "stand") and self.mode is not Mode.STAND_UP and not self.settled:
+        if goal in ("sit", "lie", "stand") and self.mode is not LoopMode.STAND_UP and not self.settled:
             raise ProblemError(f"cannot {goal} yet: the robot is still on its way to {self.mode}")
         if goal == "stand" and self.mode in POWERLESS and not self.can_rise:
             why = f"the base leans too much, and how {self.robot.name} rolls over is not known"
@@ -301,7 +301,7 @@ class RobotLoop:
         watch = self.watch
         if watch.silent >= self.limits.outage or (watch.blind and watch.silent < self.limits.patience):
             self._stop(watch.reason)
-        elif self._down() and not (self.mode is Mode.STAND_UP and self._player.lying):
+        elif self._down() and not (self.mode is LoopMode.STAND_UP and self._player.lying):
             self._recovery.fell(self)
             self._stop(FALLEN)
         elif self.mode in CONTROLLED and self.tracker.lost:
@@ -310,19 +310,19 @@ class RobotLoop:
     def _stop(self, fault: str) -> None:
         """Damp, because of a fault."""
         self._forget()
-        self.mode, self.fault = Mode.DAMP, fault
+        self.mode, self.fault = LoopMode.DAMP, fault
 
     def _targets(self, usable: bool) -> JointTargets:
         """Return what the mode wants of the joints, in the robot's order."""
-        if self.mode is Mode.PASSIVE:
+        if self.mode is LoopMode.PASSIVE:
             return self._passive
-        if self.mode is Mode.DAMP or self.watch.blind:
+        if self.mode is LoopMode.DAMP or self.watch.blind:
             if self.mode in CONTROLLED:
                 self._follow(usable)  # so that it can go on when readings come again
             return self._damp
         if self.mode not in CONTROLLED:
             targets = self._player.targets(self.time)
-            if self.mode is not Mode.STAND_UP or self._player.rest(self.time) < SETTLE:
+            if self.mode is not LoopMode.STAND_UP or self._player.rest(self.time) < SETTLE:
                 return targets
             if self._player.lying:
                 if not self._player.go_on(targets.positions, self.time, self.watch.lean > UPRIGHT):
@@ -342,8 +342,8 @@ class RobotLoop:
         feet = self.robot.foot_positions(q)
         q[2] = (self.terrain.height(feet[:, :2]) + self.robot.contact_points.foot_radii - feet[:, 2]).mean()
         self.tracker.begin(q)
-        self.walker, self._controller = self._balances[Mode.STAND]
-        self._began, self.mode, self._steered = self.time, Mode.STAND, ()
+        self.walker, self._controller = self._balances[LoopMode.STAND]
+        self._began, self.mode, self._steered = self.time, LoopMode.STAND, ()
 
     def _follow(self, usable: bool) -> JointTargets:
         """Return the balance controller's targets."""
@@ -356,11 +356,11 @@ class RobotLoop:
     def _choose(self) -> None:
         """Tell the walker where to go, and change to another where the mode asks for it."""
         walker, controller = self._balances[self.mode]
-        if walker is not self.walker and (self.mode is Mode.WALK or self._still()):
+        if walker is not self.walker and (self.mode is LoopMode.WALK or self._still()):
             self.walker, self._controller = walker, controller
             controller.reset()
             self._began, self._steered = self.time, ()
-        velocity = self._velocity if self.mode is Mode.WALK else np.zeros(3)
+        velocity = self._velocity if self.mode is LoopMode.WALK else np.zeros(3)
         asked = velocity.tobytes(), self._posture.tobytes()
         if asked != self._steered:
             self.walker.steer(velocity, self._posture)
@@ -376,9 +376,9 @@ class RobotLoop:
             before = self._reading
             self._reading = before._replace(positions=before.positions + self.dt * before.speeds)
         self.tracker.acted(last.torques)
-        felt = last.felt(FELT * self.robot.mass * GRAVITY)
+        loaded = last.loaded_feet(LOADED * self.robot.mass * GRAVITY)
         state = self.tracker.state(
-            self._reading, self.time - self._began, felt=None if felt is None else lambda _: felt
+            self._reading, self.time - self._began, None if loaded is None else lambda _: loaded
         )
         return state._replace(torques=last.torques if usable else None)
 

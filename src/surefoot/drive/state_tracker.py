@@ -1,4 +1,4 @@
-"""From readings to the state that a controller is given: the estimator and what it is told at each step."""
+"""From readings to the state that a controller is given: the estimator and what it is given at each step."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from surefoot.terrain import Terrain
 
 
 class StateTracker:
-    """Turns readings into states: a contact-aided invariant filter, told of plan and torques step by step.
+    """Turns readings into states: a contact-aided invariant filter, given plan and torques step by step.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class StateTracker:
         self._standing = None
 
     def state(
-        self, reading: Reading, time: float, felt: Callable[[BoolArray], BoolArray] | None = None
+        self, reading: Reading, time: float, measured: Callable[[BoolArray], BoolArray] | None = None
     ) -> RobotState:
         """Return the state after the next reading.
 
@@ -97,13 +97,13 @@ class StateTracker:
             One step after the last.
         time
             Of the run [s].
-        felt
-            From (n,) which feet feel a force, as the joints tell, to what is taken for that: a sensor in
-            the feet knows better.
+        measured
+            From (n,) which feet bear a force by the estimate to what is taken for that: a sensor in the feet
+            knows better.
         """
         estimator = self.estimator
         sensed = estimator.predict(reading)
-        touching = estimator.decide(sensed if felt is None else felt(sensed))
+        touching = estimator.decide(sensed if measured is None else measured(sensed))
         q, v = estimator.update(touching, self._standing)
         self._speeds = v[6:]
         return RobotState(q, v, time, touching, forces=estimator.forces)

@@ -28,7 +28,7 @@ DROP = 0.01
 
 
 class MotorRobot:
-    """Takes joint targets and tells readings; nothing else of the robot's motion is told.
+    """Takes joint targets and gives readings; nothing else of the robot's motion is known outside.
 
     The drives close their loop at every step of the world, see `JointTargets.torques`, within the motors'
     limits; targets take effect `delay` after they were given.
@@ -161,7 +161,7 @@ class WiredRobot:
     def step(self) -> None:
         """Say what is read, listen, and go on by a step."""
         robot = self.robot
-        self.end.send(self.dialect.told(robot.read().ordered(self._order), MACHINE))
+        self.end.send(self.dialect.state_message(robot.read().ordered(self._order), MACHINE))
         self._due = max(self._due + robot.dt, clock.perf_counter() - robot.dt)
         left = max(self._due - clock.perf_counter(), 1e-5)
         message = self.end.receive(PATIENT if self.slow and not self._silent else left)

@@ -9,7 +9,7 @@ from typing import Any
 
 from surefoot.arrays import real_number, whole_number
 from surefoot.drive.wire.dialect import Dialect
-from surefoot.drive.wire.packed import Packed
+from surefoot.drive.wire.packed import PackedMessage
 from surefoot.errors import ProblemError, needs
 
 STATE, COMMAND = "rt/lowstate", "rt/lowcmd"
@@ -93,12 +93,12 @@ class WireEnd:
         fresh = ReadCondition(self._reader, SampleState.NotRead | ViewState.Any | InstanceState.Any)
         self._waiting.attach(fresh)
 
-    def send(self, message: Packed) -> None:
+    def send(self, message: PackedMessage) -> None:
         """Send a message."""
         self._carrier.data = bytes(message.data)
         self._writer.write(self._carrier)
 
-    def receive(self, timeout: float) -> Packed | None:
+    def receive(self, timeout: float) -> PackedMessage | None:
         """Return the newest message that has not been received yet, None if none comes in time [s]."""
         if timeout > 0.0:
             self._waiting.wait(round(timeout * 1e9))
@@ -106,7 +106,7 @@ class WireEnd:
         if not newest or not isinstance(newest[-1], self._heard):
             return None
         try:
-            return Packed(self._heard, newest[-1].data)
+            return PackedMessage(self._heard, newest[-1].data)
         except struct.error:  # cut off on its way
             return None
 

@@ -26,9 +26,9 @@ def structure(family: str, name: str, **fields: Any) -> Any:
 
 
 def message(family: str, name: str, **fields: Any) -> Any:
-    """Return such a class for a topic: its messages stay the bytes of the wire, see `Packed`."""
+    """Return such a class for a topic: its messages stay the bytes of the wire, see `PackedMessage`."""
     kind = structure(family, name, **fields)
-    kind.serialize, kind.deserialize = _bytes, classmethod(_carrying)
+    kind.serialize, kind.deserialize = _bytes, classmethod(_of_bytes)
     return kind
 
 
@@ -38,7 +38,7 @@ def _bytes(self: Any, **_: Any) -> bytes:
     return data
 
 
-def _carrying(kind: Any, data: bytes) -> Any:
+def _of_bytes(kind: Any, data: bytes) -> Any:
     """Return a message that carries bytes; ones of another encoding are encoded anew."""
     carrier = kind.__new__(kind)
     if data[:2] != HEADER[:2]:

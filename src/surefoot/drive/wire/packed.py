@@ -96,7 +96,7 @@ layout = cache(Layout)
 """The layout of a message class, worked out once."""
 
 
-class Packed:
+class PackedMessage:
     """A message: ``message["motor_cmd.q"]`` are its numbers of a name, and can be assigned.
 
     Fewer numbers than there are, as of a robot with fewer motors, are the first ones.
@@ -144,7 +144,7 @@ class Packed:
         """What belongs into `crc`, whatever stands there."""
         return int(remainder(self._view("u1"), self.layout.order, TABLE))
 
-    def seal(self) -> Packed:
+    def seal(self) -> PackedMessage:
         """Write the checksum, and return the message."""
         self["crc"] = self.checksum
         return self

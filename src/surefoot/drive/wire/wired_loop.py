@@ -71,7 +71,7 @@ class WiredLoop:
             self._machine = 0 if self.dialect.headed else int(message["mode_machine"])
             self._due = now + LATE * dt
         targets = self.loop.step(readings, None if self.slow else now)
-        self.end.send(self.dialect.asked(targets, self._machine))
+        self.end.send(self.dialect.command_message(targets, self._machine))
         if self.slow and message is not None:  # a step may take long where machines are busy
             self._due = clock.perf_counter() + PATIENT
         self.loop.plan_ahead()
