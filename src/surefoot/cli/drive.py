@@ -108,9 +108,9 @@ def drive(
         finally:
             if out is not None and log.rows:
                 _save(log.log(), out)
-    told = f"ended by a fault: {fault}" if fault else f"stood, walked {duration:g} s, and went to {end}"
+    outcome = f"ended by a fault: {fault}" if fault else f"stood, walked {duration:g} s, and went to {end}"
     facts = {"fault": fault, "balanced": len(log.rows) * loop.dt}
-    show(facts, as_json, lambda console, _: say(console, told))
+    show(facts, as_json, lambda console, _: say(console, outcome))
     return 1 if fault else 0
 
 

@@ -127,7 +127,7 @@ def _fits(recorded: Tosses, simulators: list[Any], settings: dict[str, Any], bar
 
 
 def _progress(expected: float, moved: Any) -> Any:
-    """Return what moves the bar when it is told how many tosses have been simulated."""
+    """Return what moves the bar by how many tosses have been simulated."""
     return moved and (lambda simulated: moved(min(1.0, simulated / expected)))
 
 

@@ -56,8 +56,8 @@ def _written(file: Path, log: Path, robot: str, found: RobotFit) -> Path:
     ranges = []
     for name, e in found.parameters.items():
         high = max(HIGHEST_MU, e.low) if math.isinf(e.high) else e.high
-        told = "" if math.isfinite(e.high) else "  # no foot slid: the upper end is a choice"
-        ranges.append(f"  {name}: [{max(0.0, e.low):.4g}, {max(0.0, high):.4g}]{told}")
+        comment = "" if math.isfinite(e.high) else "  # no foot slid: the upper end is a choice"
+        ranges.append(f"  {name}: [{max(0.0, e.low):.4g}, {max(0.0, high):.4g}]{comment}")
     text = (
         f"# 95 % intervals of what {log.name} tells, by surefoot identify\nexperiment: walk\nsamples: 256\n"
     )

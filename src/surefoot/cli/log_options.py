@@ -1,4 +1,4 @@
-"""What a command is told of a log: which field is what, whose it is, on which ground it walked."""
+"""What a command is given of a log: which field is what, whose it is, on which ground it walked."""
 
 from __future__ import annotations
 

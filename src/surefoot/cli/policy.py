@@ -27,7 +27,7 @@ Trust = Annotated[bool, typer.Option("--trust", help="Run TorchScript: it is cod
 
 
 @dataclass(frozen=True)
-class Learned:
+class PolicyOptions:
     """A learned policy that walks in the place of a planner."""
 
     policy: Annotated[
@@ -76,11 +76,11 @@ def policy(
 
     check_name("action", action, ACTIONS)
     known = load_robot(robot or robot_of(network) or "go2")
-    told = describe(open_network(network, trust), policy_spec or beside(network), known)
-    absent = missing(told.table)
+    described = describe(open_network(network, trust), policy_spec or beside(network), known)
+    absent = missing(described.table)
     facts: dict[str, Any] = {
-        "network": str(network), "robot": known.name, "understood": told.table, "sources": told.sources,
-        "missing": absent,
+        "network": str(network), "robot": known.name, "understood": described.table,
+        "sources": described.sources, "missing": absent,
     }  # fmt: skip
     if not absent:
         used = Policy(network, policy_spec, known, trust=trust)
@@ -101,8 +101,8 @@ def _step_time(policy: Any) -> float:
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
     """Print what was understood as a table."""
-    told, sources = facts["understood"], facts["sources"]
-    rows = [(key, _short(value), sources[key]) for key, value in told.items()]
+    described, sources = facts["understood"], facts["sources"]
+    rows = [(key, _short(value), sources[key]) for key, value in described.items()]
     header = ("key", "understood", "from")
     console.print(table(header, rows, f"{facts['network']} for {facts['robot']}", 3, header[1:]))
     if "observation" in facts:

@@ -16,7 +16,7 @@ INTERRUPTED = 130
 NAMES = ("SIGTERM", "SIGHUP")
 
 
-class Terminated(KeyboardInterrupt):
+class Termination(KeyboardInterrupt):
     """A signal that asks the process to end."""
 
 
@@ -42,7 +42,7 @@ def ends_softly() -> Iterator[EndSignal]:
 
     def end(number: int, frame: FrameType | None) -> None:
         stop.number = number
-        raise Terminated
+        raise Termination
 
     earlier = {}
     if threading.current_thread() is threading.main_thread():
@@ -52,7 +52,7 @@ def ends_softly() -> Iterator[EndSignal]:
                 earlier[number] = signal.signal(number, end)
     try:
         yield stop
-    except Terminated:
+    except Termination:
         print("terminated", file=sys.stderr)
         raise typer.Exit(stop.code) from None
     finally:

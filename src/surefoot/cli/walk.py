@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from surefoot.cli import live, options, physics
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
-from surefoot.cli.policy import Learned
+from surefoot.cli.policy import PolicyOptions
 from surefoot.cli.robots import load
 from surefoot.cli.scenario_file import WALK_KEYS, ScenarioFile
 from surefoot.cli.walk_options import Beliefs, WalkOptions, Wiring
@@ -20,13 +20,13 @@ SHORTEST = 0.5
 """Length of a walk that says something [s]: about a cycle of a trot."""
 
 
-def walk(*, asked: WalkOptions, learned: Learned) -> int:
+def walk(*, asked: WalkOptions, learned: PolicyOptions) -> int:
     """Let a robot walk in simulation and account for every contact force.
 
     Exit code 0 if it walked to the end and no law or limit was broken, 1 if not, 2 for wrong input.
     """
     from surefoot.cli.simulated_run import SimulatedRun
-    from surefoot.robot.actuators import told_actuators
+    from surefoot.robot.actuators import file_actuators
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
     from surefoot.simulation.walk_terrain import check_ground, start_pose
@@ -46,7 +46,7 @@ def walk(*, asked: WalkOptions, learned: Learned) -> int:
     happens = asked.happening(said, faults=faults, **belief.senses(said))
     options.require(asked.robot, WORLDS[asked.world][1], asked)
     model = load(asked.robot, asked.feet, feet_needed=True)
-    motors = told_actuators(model) if of_file else asked.actuators
+    motors = file_actuators(model) if of_file else asked.actuators
     task = _WalkTask(model, belief.ground(ground), asked.gait, said, command, belief, motors, wired)
     made = _controller if learned.policy is None else partial(_learned, learned)
     controller = made(asked.planner, task)
@@ -112,7 +112,7 @@ def _contact_implicit(task: _WalkTask) -> Any:
     return ContactImplicitMpc(robot, task.command, task.ground, settings)
 
 
-def _learned(learned: Learned, planner: str, task: _WalkTask) -> Any:
+def _learned(learned: PolicyOptions, planner: str, task: _WalkTask) -> Any:
     """Return a policy; it has a gait of its own."""
     from surefoot.simulation.actuated import equipped
 

@@ -51,9 +51,9 @@ def complete(
     if terrain is None and "terrain" in facts:
         terrain = read_terrain(str(facts["terrain"]))
     if mass is not None:
-        told = float(facts.setdefault("mass", mass))
-        if told != mass:
-            raise ProblemError(f"the log tells mass = {told:g} kg, not {mass:g}")
+        known = float(facts.setdefault("mass", mass))
+        if known != mass:
+            raise ProblemError(f"the log tells mass = {known:g} kg, not {mass:g}")
     if mu is not None:
         if "mu" in arrays or "contact_friction" in arrays:
             raise ProblemError("the log tells its friction: mu is for a log without")

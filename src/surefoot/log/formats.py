@@ -110,7 +110,7 @@ def read_log(
     """
     path = path_of(path)
     entry = format_of(path)
-    with _told(path, "is not a Surefoot log", entry):
+    with _reported(path, "is not a Surefoot log", entry):
         if entry.source is not None:
             return log_from_source(_source(entry, path, columns), mapping, str(path))
         if entry.read is None or mapping is not None or columns is not None:
@@ -140,13 +140,13 @@ def read_source(path: Path | str, columns: Sequence[str] | None = None) -> Sourc
     entry = format_of(path)
     if entry.source is None:
         raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping")
-    with _told(path, "cannot be read", entry):
+    with _reported(path, "cannot be read", entry):
         return _source(entry, path, columns)
 
 
 @contextmanager
-def _told(path: Path, what: str, entry: Format) -> Iterator[None]:
-    """Tell errors as Surefoot's: readers from outside raise what they like."""
+def _reported(path: Path, what: str, entry: Format) -> Iterator[None]:
+    """Raise errors as Surefoot's: readers from outside raise what they like."""
     try:
         yield
     except SurefootError:

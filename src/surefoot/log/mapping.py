@@ -148,8 +148,8 @@ class LogMapping:
 
         define = [{**asdict(c), "shape": list(c.shape)} for c in self.define.values()]
         names = {"feet": list(self.feet), "joints": list(self.joints)}
-        told = {**names, "facts": dict(self.facts), "define": define}
-        out: dict[str, Any] = {key: value for key, value in told.items() if value}
+        parts = {**names, "facts": dict(self.facts), "define": define}
+        out: dict[str, Any] = {key: value for key, value in parts.items() if value}
         out["channels"] = {name: _take_to(take) for name, take in self.channels.items()}
         return yaml.safe_dump(out, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
 

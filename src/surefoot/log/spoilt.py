@@ -38,7 +38,7 @@ def _archive(path: Path) -> str:
             return "its channels are not those of a log"
         held = ", ".join(file.files[:8])
     return (
-        f"it holds the arrays {held} and no schema: pass them to sf.log_from_arrays, which is told their "
+        f"it holds the arrays {held} and no schema: pass them to sf.log_from_arrays with their "
         "time step, quaternion and feet"
     )
 

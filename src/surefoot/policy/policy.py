@@ -110,14 +110,14 @@ class Policy(Controller):
         self.robot = load_robot(chosen) if isinstance(chosen, str) else chosen
         self.network = open_network(path, trust)
         said = spec if isinstance(spec, Mapping) else Path(spec) if spec is not None else beside(path)
-        told = describe(self.network, said, self.robot)
-        if missing(told.table):
+        described = describe(self.network, said, self.robot)
+        if missing(described.table):
             raise ProblemError(
-                f"{path.name}: nothing says its {', '.join(missing(told.table))}: write them into "
+                f"{path.name}: nothing says its {', '.join(missing(described.table))}: write them into "
                 f"{path.stem}.yaml beside it, or --policy-spec FILE; see docs/policies.md"
             )
         functions = dict(terms or {})
-        self.sources, self.spec = told.sources, PolicySpec.of(told.table, self.robot, [*functions])
+        self.sources, self.spec = described.sources, PolicySpec.of(described.table, self.robot, [*functions])
         self.wanted = (
             command if isinstance(command, VelocityCommand)
             else VelocityCommand.constant(*finite_array("command", command, (3,)))
@@ -166,17 +166,17 @@ class Policy(Controller):
     def _check_sizes(self, path: Path) -> None:
         """Refuse a description whose sizes are not the network's."""
         self.sizes = self._feed.sizes
-        told = ", ".join(f"{name} {size}" for name, size in self.sizes)
+        terms = ", ".join(f"{name} {size}" for name, size in self.sizes)
         takes, gives, joints = self.network.inputs, self.network.outputs, self.spec.joints
         if takes and takes != self._feed.size:
             raise ProblemError(
-                f"the observation has {self._feed.size} numbers ({told}), {path.name} takes {takes}"
+                f"the observation has {self._feed.size} numbers ({terms}), {path.name} takes {takes}"
             )
         try:
             gives = gives or len(self.network(np.zeros(self._feed.size)))
         except RuntimeError as error:  # torch tells sizes only so
             raise ProblemError(
-                f"{path.name} does not take {self._feed.size} numbers ({told}): {str(error)[-120:]}"
+                f"{path.name} does not take {self._feed.size} numbers ({terms}): {str(error)[-120:]}"
             ) from error
         if gives != len(joints):
             raise ProblemError(

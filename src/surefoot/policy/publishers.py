@@ -62,26 +62,26 @@ def describe(network: Network, spec: Path | Mapping[str, Any] | None, robot: Rob
     ProblemError
         For a description that is none, or that names other joints than the metadata.
     """
-    told: list[tuple[str, Mapping[str, Any]]] = []
+    stated: list[tuple[str, Mapping[str, Any]]] = []
     if isinstance(spec, Mapping):
-        told.append(("the description", table_of("the description", dict(spec))))
+        stated.append(("the description", table_of("the description", dict(spec))))
     elif spec is not None:
-        told.append((spec.name, read_description(spec, robot)))
-    told.append(("the network's metadata", from_metadata(network.metadata)))
-    names = [(where, [*t["joints"]]) for where, t in told if t.get("joints") is not None]
+        stated.append((spec.name, read_description(spec, robot)))
+    stated.append(("the network's metadata", from_metadata(network.metadata)))
+    names = [(where, [*t["joints"]]) for where, t in stated if t.get("joints") is not None]
     if len(names) == 2 and names[0][1] != names[1][1]:
         pairs = [*zip(names[0][1], names[1][1], strict=False), (len(names[0][1]), len(names[1][1]))]
         k = next(k for k, (a, b) in enumerate(pairs) if a != b)
         raise ProblemError(
             f"joint {k} of the policy is {pairs[k][0]} in {names[0][0]} and {pairs[k][1]} in its metadata"
         )
-    convention = next((t["convention"] for _, t in told if t.get("convention")), _recognised(network))
+    convention = next((t["convention"] for _, t in stated if t.get("convention")), _recognised(network))
     if convention is not None:
         known = read_yaml(CONVENTIONS)
         check_name("convention", convention, known)
-        told.append((f"assumed: convention {convention}", known[convention]))
+        stated.append((f"assumed: convention {convention}", known[convention]))
     table, sources = dict[str, Any](), dict[str, str]()
-    for where, part in told:
+    for where, part in stated:
         for key, value in part.items():
             if value is not None and key not in table and key != "convention":
                 table[key], sources[key] = value, where

@@ -47,7 +47,7 @@ class Term:
     clip
         (low, high) of its numbers, before the scale; None for none.
     history
-        How many of its last values are told.
+        How many of its last values the network is given.
     settings
         Its kind's own.
     """

@@ -1,4 +1,4 @@
-"""Terms of an observation: what a policy is told, each a function of what is sensed at one of its steps."""
+"""Terms of an observation: what a policy is given, each a function of what is sensed at one of its steps."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Senses:
     Attributes
     ----------
     state
-        As the controller is told it.
+        As the controller is given it.
     positions, velocities
         (k,) joint angles less their default [rad], speeds [rad/s].
     command

@@ -189,7 +189,7 @@ def unknown_limits(robot: Robot) -> tuple[str, ...]:
     return tuple(name for name, none in (("torque", torque), ("speed", speed)) if none)
 
 
-def told_actuators(robot: Robot) -> Actuators:
+def file_actuators(robot: Robot) -> Actuators:
     """Return what a robot's file says of its actuators, and nothing else: zero where it says nothing.
 
     Torque and speed limits make a box: a file knows of no curve.

@@ -141,7 +141,7 @@ class _Builder:
         bodies = [b for b in range(1, compiled.nbody) if compiled.body_rootid[b] == self.root]
         for body in bodies:
             self._add(body)
-        self._tell()
+        self._note_losses()
         for body in bodies:
             self._name(body)
         mass = float(self.pin.computeTotalMass(self.model))
@@ -153,7 +153,7 @@ class _Builder:
         }
         return MjcfRobot(self.model, self.collision, self.floating, poses)
 
-    def _tell(self) -> None:
+    def _note_losses(self) -> None:
         """Note rotor inertia, damping and dry friction where ideal joints leave them out."""
         indices, joints = np.array(self.joints, dtype=np.int64).reshape(-1, 2).T
         ours, theirs = np.array(self.model.idx_vs)[indices], self.compiled.jnt_dofadr[joints]

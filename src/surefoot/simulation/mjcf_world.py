@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.errors import ModelError, ProblemError, check_name
 from surefoot.log import Log
 from surefoot.robot import Robot
-from surefoot.robot.actuators import told_actuators
+from surefoot.robot.actuators import file_actuators
 from surefoot.robot.mjcf import mujoco_line
 from surefoot.robot.rotors import with_rotors
 from surefoot.simulation.mujoco import HEAVIEST, MujocoWorld, add_ground
@@ -81,7 +81,7 @@ class MjcfWorld(MujocoWorld):
         solimp: Sequence[float] | None = None,
     ) -> None:
         mujoco = self._mujoco = import_mujoco()
-        self.actuators = told_actuators(robot)
+        self.actuators = file_actuators(robot)
         self.robot = with_rotors(robot, self.actuators.armature)
         self.dt, self.terrain = real_number("dt", dt, low=1e-6), ground_of(terrain)
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
