@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, check_name
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about
 from surefoot.sweep.experiment import number
-from surefoot.sweep.grounded import Grounded
+from surefoot.sweep.grounded import GroundExperiment
 
 BODIES = ("ball", "box")
 REST_SPEED = 0.02
@@ -26,7 +26,7 @@ NO_TORQUES = np.zeros(0)
 
 
 @dataclass(frozen=True)
-class DropExperiment(Grounded):
+class DropExperiment(GroundExperiment):
     """Drop a body in the rigid world; it survives if it comes to rest.
 
     Attributes

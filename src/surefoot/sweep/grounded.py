@@ -23,7 +23,7 @@ SOFT_DEFAULTS = (0.004, 1.0)
 
 
 @dataclass(frozen=True)
-class Grounded(SweepExperiment):
+class GroundExperiment(SweepExperiment):
     """An experiment with one body or robot in a world, on ground that is rigid unless it is said to be soft.
 
     Attributes

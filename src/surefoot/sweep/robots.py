@@ -15,7 +15,7 @@ from surefoot.robot import Robot, load_robot
 from surefoot.robot.actuators import Actuators, real_actuators
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.sweep.experiment import number
-from surefoot.sweep.grounded import Grounded
+from surefoot.sweep.grounded import GroundExperiment
 from surefoot.terrain import FlatTerrain, Terrain
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ PUSH_LENGTH = 0.2
 
 
 @dataclass(frozen=True)
-class WalkTrial(Grounded):
+class WalkTrial(GroundExperiment):
     """A robot walks under the walking controller; it survives if `surefoot walk` would call it "walked".
 
     Unlike there, its controller gets the true state; of what is drawn it knows only `believed_mu` and the
@@ -53,7 +53,7 @@ class WalkTrial(Grounded):
     duration
         Simulated time [s].
     gait
-        A name of `surefoot.gait_names()`.
+        A name of `surefoot.stance.gait_library.gait_names()`.
     speed
         Commanded forward velocity [m/s].
     """
