@@ -17,7 +17,7 @@ from surefoot.simulation.plan_execution import (
     MASS_ERROR,
     START_PLACE,
     START_TURN,
-    MotorLimited,
+    MotorLimiter,
     Surprise,
     displaced,
     execute,
@@ -104,7 +104,7 @@ def test_a_controller_behind_motors() -> None:
             every = np.ones(4, dtype=bool)
             return sf.Command(np.full(12, 40.0), np.zeros((4, 3)), every, True, sf.Status.SOLVED)
 
-    limited = MotorLimited(Push(), motor_limits(ROBOT))
+    limited = MotorLimiter(Push(), motor_limits(ROBOT))
     v = np.zeros(18)
     v[8] = 20.0
     torques = limited.step(sf.RobotState(ROBOT.nominal, v)).torques

@@ -123,7 +123,7 @@ def read_contacts(
     """
     count = len(spheres)
     forces, velocities, positions = out[0], out[1], out[2]
-    tangential = out[1]  # in world axes, until the velocities are told
+    tangential = out[1]  # in world axes, until the velocities are known
     forces[:], tangential[:] = 0.0, 0.0
     beside = False
     for c in range(len(addresses)):

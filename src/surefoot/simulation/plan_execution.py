@@ -13,7 +13,7 @@ from surefoot.audit import audit_log
 from surefoot.control.controller import Command, Controller, RobotState, Wrapper
 from surefoot.errors import ProblemError
 from surefoot.log import Ending, Log
-from surefoot.planning.plan import Plan, planned_ground
+from surefoot.planning.plan import planned_ground
 from surefoot.planning.stand_up.controller import controller_of
 from surefoot.planning.tracking import Reference
 from surefoot.robot import Robot, load_robot
@@ -126,8 +126,6 @@ def execute(
     limits: str | MotorLimits = "box",
     seed: int | None = None,
     *,
-    robot: Robot | None = None,
-    mu: float | None = None,
     surprise: Surprise | None = None,
     dt: float | None = None,
     settle: float | None = None,
@@ -147,10 +145,6 @@ def execute(
         Of the motors, or the name of their model, see `motor_limits`.
     seed
         Of what the plan does not know, see `Surprise.drawn`; None for nothing.
-    robot
-        Who executes it; None for the robot that the plan names.
-    mu
-        Friction of the ground, before the surprise; None for the plan's own.
     surprise
         In place of a seed.
     dt
@@ -168,14 +162,12 @@ def execute(
     if world not in ("mujoco", "rigid"):
         raise ProblemError(f"plans are executed in the worlds mujoco and rigid, got {world!r}")
     if isinstance(plan, Reference):
-        terrain, reference, robot = None, plan, robot or plan.robot
+        terrain, reference, robot = None, plan, plan.robot
     else:
-        planned = plan.robot if isinstance(plan, Plan) and robot is None else None
-        given = planned or robot or load_robot(str(plan.fact("robot")))
-        robot = planned or limited_robot(loaded_robot(given, float(plan.facts.get("payload", 0.0))))
+        planned, payload = getattr(plan, "robot", None), float(plan.facts.get("payload", 0.0))
+        robot = planned or limited_robot(loaded_robot(load_robot(str(plan.fact("robot"))), payload))
         terrain, reference = planned_ground(plan), Reference.of(plan, robot)
-    if mu is None:
-        mu = float(plan["mu"][0]) if isinstance(plan, Log) and "mu" in plan else 0.6
+    mu = float(plan["mu"][0]) if isinstance(plan, Log) and "mu" in plan else 0.6
     surprise = surprise or (Surprise() if seed is None else Surprise.drawn(seed))
     standing = reference.begins_standing
     dt = STEP if dt is None else dt
@@ -197,7 +189,7 @@ def execute(
         reference.duration + settle, mu * surprise.friction, seed=seed, fall=NEVER,
         start=displaced(robot, reference.start, surprise) if standing else laid(reference.start, surprise),
     )  # fmt: skip
-    return judged(there, MotorLimited(controller_of(plan, robot, dt), motors), scenario, reference, surprise)
+    return judged(there, MotorLimiter(controller_of(plan, robot, dt), motors), scenario, reference, surprise)
 
 
 def displaced(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
@@ -290,7 +282,7 @@ def _shortfall(robot: Robot, log: Log, reference: Reference, links: tuple[tuple[
     return _missed(robot, log, reference) or touched
 
 
-class MotorLimited(Wrapper):
+class MotorLimiter(Wrapper):
     """A controller whose torques pass through motors: what they cannot give at a joint's speed is cut off.
 
     Parameters

@@ -18,7 +18,7 @@ from surefoot.log.doubts import find_doubts
 from surefoot.log.recorder import Recorder
 from surefoot.simulation.mujoco import import_mujoco
 from surefoot.simulation.record_contacts import Slots
-from surefoot.simulation.record_forces import Stages, TreeForces
+from surefoot.simulation.record_forces import ForceStages, TreeForces
 from surefoot.simulation.record_tree import BodyTree
 
 MOST_STEPS = 10**9
@@ -38,7 +38,7 @@ class Recording(Log):
         self._model, self._data = model, data
         self._tree = BodyTree(self._mujoco, model, robot)
         self._slots = Slots(self._mujoco, model, self._tree.bodies)
-        self._stages = Stages(self._mujoco, model)
+        self._stages = ForceStages(self._mujoco, model)
         self._forces = TreeForces(self._mujoco, model, self._tree)
         self._rows = Recorder(MOST_STEPS, _STATE, nq=model.nq, nv=model.nv, joints=self._tree.joints)
         self._original: Any = None
@@ -82,7 +82,7 @@ class Recording(Log):
     def step(self) -> None:
         """Record the step that was just made by other means than ``mujoco.mj_step``.
 
-        A step after the state was set or reset by hand has no known start: it is left out, and told in the
+        A step after the state was set or reset by hand has no known start: it is left out, and named in the
         doubts.
         """
         if self._before is None:

@@ -27,7 +27,7 @@ _WEIGHTS = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
 _NODES = (0.0, 0.5, 0.5, 1.0)
 
 
-class Stages:
+class ForceStages:
     """The instants of a step at which MuJoCo works out forces: one, or the four of Runge and Kutta.
 
     Attributes

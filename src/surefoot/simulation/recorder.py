@@ -24,7 +24,7 @@ KEPT = 2000
 """Steps whose contact problems are kept, the last ones; others are taken again on the way back."""
 
 
-class Recorder:
+class RolloutRecorder:
     """Watches the one world of a rollout.
 
     Parameters
@@ -83,5 +83,5 @@ class Recorder:
         self.steps.append(step)
 
 
-RECORDER: ContextVar[Recorder | None] = ContextVar("RECORDER", default=None)
+RECORDER: ContextVar[RolloutRecorder | None] = ContextVar("RECORDER", default=None)
 """Who watches this thread's rollout."""

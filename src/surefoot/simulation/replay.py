@@ -4,7 +4,7 @@ Torques alone, replayed open loop, diverge from any log within half a second, in
 robot is unstable, and where a foot lands a millisecond later all that follows differs. So the joints are
 tracked, tau = tau_log + K (q_log - q) + D (v_log - v) within the effort limits, and the replay starts again
 from the log's state in every window. What is lost is counted only where the same replay in the log's own
-world holds: else it is the tracking that fails, and nothing is told.
+world holds: else it is the tracking that fails, and one cannot tell.
 """
 
 from __future__ import annotations

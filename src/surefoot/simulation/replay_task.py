@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import ProblemError, SurefootError
+from surefoot.errors import ProblemError, SurefootError, located
 from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
 from surefoot.spatial import GRAVITY
@@ -70,16 +70,22 @@ def replay_task(
     ProblemError
         One line that names everything that is missing, or what cannot be replayed.
     """
-    missing = _missing(log, robot, terrain, mu)
-    if missing:
-        raise ProblemError(f"the log cannot be replayed: it has no {', no '.join(missing)}")
+    with located("the log cannot be replayed"):
+        missing = _missing(log, robot, terrain, mu)
+        if missing:
+            raise ProblemError(f"it has no {', no '.join(missing)}")
+        return _task(log, robot, terrain, mu)
+
+
+def _task(log: Log, robot: Robot | None, terrain: Terrain | None, mu: float | None) -> ReplayTask:
+    """Return what a log with all that a replay needs tells of it."""
     try:
         robot = load_robot(str(log.fact("robot"))) if robot is None else robot
         ground = read_terrain(str(log.fact("terrain"))) if terrain is None else terrain
     except SurefootError as error:
-        raise ProblemError(f"the log cannot be replayed: {error}") from error
+        raise ProblemError(str(error)) from error
     if not robot.floating or not robot.feet:
-        raise ProblemError(f"the log cannot be replayed: {robot.name} is bolted to the world or has no feet")
+        raise ProblemError(f"{robot.name} is bolted to the world or has no feet")
     q, v, torques = _motion(log, robot)
     time = np.asarray(log["time"], dtype=np.float64)
     row, steps = _clock(time)
@@ -88,7 +94,7 @@ def replay_task(
     for name, values in {"q": q, "v": v, "torques": torques, "push": push, "mu": friction}.items():
         bad = ~np.isfinite(values.reshape(len(time), -1)).all(axis=1)
         if bad.any():
-            raise ProblemError(f"the log cannot be replayed: {name} is not finite in row {int(bad.argmax())}")
+            raise ProblemError(f"{name} is not finite in row {int(bad.argmax())}")
     payload = real_number("the fact payload", log.facts.get("payload", 0.0), low=0.0, high=1e4)
     place = finite_array("the fact payload_position", log.facts.get("payload_position", np.zeros(3)), (3,))
     stiffness, damping = _gains(log, robot, row / steps)
@@ -116,26 +122,21 @@ def _motion(log: Log, robot: Robot) -> tuple[FloatArray, FloatArray, FloatArray]
     have, model = (q.shape[1], v.shape[1], torques.shape[1]), robot.model
     want = (int(model.nq), int(model.nv), robot.joints)
     if have != want:
-        raise ProblemError(
-            f"the log cannot be replayed: {robot.name} has (nq, nv, joints) = {want}, the log {have}"
-        )
+        raise ProblemError(f"{robot.name} has (nq, nv, joints) = {want}, the log {have}")
     if "joints" in log.facts:
         named = tuple(map(str, log.fact("joints")))
         if named != robot.joint_names:
             if set(named) != set(robot.joint_names):
-                raise ProblemError(f"the log cannot be replayed: its joints are not those of {robot.name}")
+                raise ProblemError(f"its joints are not those of {robot.name}")
             if any(int(model.nqs[k]) != 1 for k in range(2, model.njoints)):
-                raise ProblemError("the log cannot be replayed: its joints are in another order")
+                raise ProblemError("its joints are in another order")
             order = np.array([named.index(name) for name in robot.joint_names])
             torques = torques[:, order]
             q[:, 7:], v[:, 6:] = q[:, 7 + order], v[:, 6 + order]
     length = np.linalg.norm(q[:, 3:7], axis=1)
     if (np.abs(length - 1.0) > 1e-3).any():
         row = int(np.argmax(np.abs(length - 1.0) > 1e-3))
-        raise ProblemError(
-            f"the log cannot be replayed: q[3:7] of row {row} is no unit quaternion, its length is "
-            f"{length[row]:g}"
-        )
+        raise ProblemError(f"q[3:7] of row {row} is no unit quaternion, its length is {length[row]:g}")
     return q, v, torques
 
 
@@ -143,14 +144,12 @@ def _clock(time: FloatArray) -> tuple[float, int]:
     """Return the time from row to row [s] and the world's steps in it."""
     gaps = np.diff(time)
     if len(gaps) < 2:
-        raise ProblemError("the log cannot be replayed: it has fewer than three rows")
+        raise ProblemError("it has fewer than three rows")
     row = float(np.median(gaps))
     if not row > 0.0 or not (np.abs(gaps - row) < UNEVEN * row).all():
-        raise ProblemError("the log cannot be replayed: its rows are not evenly spaced in time")
+        raise ProblemError("its rows are not evenly spaced in time")
     if row > LONGEST_ROW:
-        raise ProblemError(
-            f"the log cannot be replayed: its rows are {row:g} s apart, at most {LONGEST_ROW:g} s are"
-        )
+        raise ProblemError(f"its rows are {row:g} s apart, at most {LONGEST_ROW:g} s are")
     return row, max(1, math.ceil(row / LONGEST_STEP - 1e-6))
 
 

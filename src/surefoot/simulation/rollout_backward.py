@@ -24,7 +24,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
-from surefoot.simulation.recorder import Recorder
+from surefoot.simulation.recorder import RolloutRecorder
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.stepping import State
 from surefoot.stepping.derivative import stages_of
@@ -36,7 +36,7 @@ WIDTH = 1e-6
 SAME = 1e-12
 """How far apart two numbers may be that are the same [m, N m]."""
 
-Run = Callable[..., Recorder]
+Run = Callable[..., RolloutRecorder]
 """Runs the rollout at parameters, in given states and with a known stepper."""
 
 
@@ -65,7 +65,7 @@ class Backward:
 
     def __init__(
         self, run: Run, parameters: dict[str, Any], values: dict[str, FloatArray],
-        taken: Recorder,
+        taken: RolloutRecorder,
     ) -> None:  # fmt: skip
         assert taken.world is not None
         self.run, self.parameters, self.values, self.taken = run, parameters, values, taken
@@ -80,7 +80,7 @@ class Backward:
         self.here = self._inputs(taken)
         self.feedback = self._feedback()
 
-    def _inputs(self, run: Recorder) -> Inputs:
+    def _inputs(self, run: RolloutRecorder) -> Inputs:
         """Return what a run put into its world."""
         import pinocchio
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, of_kind, real_number
 from surefoot.errors import ProblemError
-from surefoot.simulation.recorder import RECORDER, Recorder
+from surefoot.simulation.recorder import RECORDER, RolloutRecorder
 from surefoot.simulation.rollout_backward import WIDTH, Backward
 from surefoot.stepping import State, Stepper
 
@@ -131,9 +131,9 @@ class TrajectoryGradient:
 
     def _run(
         self, parameters: dict[str, Any], states: list[State] | None = None, stepper: Stepper | None = None
-    ) -> Recorder:
+    ) -> RolloutRecorder:
         """Return what a run of the rollout does: on its own, or in given states."""
-        recorder = Recorder(states, stepper)
+        recorder = RolloutRecorder(states, stepper)
         token = RECORDER.set(recorder)
         try:
             self.rollout(**parameters)
@@ -145,7 +145,7 @@ class TrajectoryGradient:
             raise ProblemError("a rollout takes as many steps whatever its parameters are, this one does not")
         return recorder
 
-    def _loss_along(self, taken: Recorder, motions: FloatArray) -> FloatArray:
+    def _loss_along(self, taken: RolloutRecorder, motions: FloatArray) -> FloatArray:
         """Return the rates (c,) of the loss along motions of all states (n + 1, 2nv, c), by differences."""
         assert taken.world is not None
         integrate, nv = taken.world.stepper.bodies.moved, motions.shape[1] // 2
@@ -162,7 +162,7 @@ class TrajectoryGradient:
             out[j] = (at(way) - at(-way)) * (size / (2.0 * WIDTH))
         return out
 
-    def _loss_rates(self, taken: Recorder) -> FloatArray:
+    def _loss_rates(self, taken: RolloutRecorder) -> FloatArray:
         """Return the gradient (n + 1, 2nv) of the loss by every state, by differences of the loss.
 
         States and components that it does not look at are found first, all together.
