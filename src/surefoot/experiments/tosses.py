@@ -168,9 +168,9 @@ class DrakeBody:
             "spheres": list(spheres), "joints": [_drake_joint(scene.body, i) for i in range(nq - 6)],
         }  # fmt: skip
         self._worker.ask(["scene", words])
-        told = self._worker.ask(["throw", starts[:, order].tolist(), scene.frames.tolist(), steps])
-        poses = np.empty((len(told["q"]), nq))
-        poses[:, order[:nq]] = told["q"]
+        thrown = self._worker.ask(["throw", starts[:, order].tolist(), scene.frames.tolist(), steps])
+        poses = np.empty((len(thrown["q"]), nq))
+        poses[:, order[:nq]] = thrown["q"]
         return in_world(poses, scene)
 
 

@@ -22,7 +22,7 @@ SPEED, MU, TILT, GRIP, E, HEIGHT = 2.0, 0.4, 20.0, 0.5, 0.6, 0.2
 STACK = 5
 
 
-class Engine(NamedTuple):
+class EngineSetup(NamedTuple):
     """An engine: its own step [s], and numbers of the ground for a step and a mass where it is tuned."""
 
     world: str
@@ -86,20 +86,20 @@ CASES: dict[str, Case] = {
 
 
 _DRAKE = partial(elsewhere, engine="drake")
-ENGINES: dict[str, Engine] = {
-    "rigid": Engine("rigid", rigid, 1e-3),
-    "mujoco": Engine("mujoco", mujoco, 2e-3),
-    "mujoco tuned": Engine("mujoco", mujoco, 1e-3, lambda dt, _: hard("mujoco", dt), True),
-    "mjx": Engine("mjx", partial(mujoco, mjx=True), 2e-3),
-    "bullet": Engine("bullet", bullet, 1.0 / 240.0),
-    "bullet 1 ms": Engine("bullet", bullet, 1e-3, tuned=True),
-    "drake": Engine("drake", _DRAKE, 1e-3),
-    "drake SAP": Engine("drake", _DRAKE, 1e-3, lambda *_: {"approximation": "sap"}),
-    "drake hydroelastic": Engine("drake", partial(_DRAKE, solver="hydroelastic"), 1e-3),
-    "drake CENIC": Engine("drake", partial(_DRAKE, solver="cenic"), 1e-2),
-    "drake tuned": Engine("drake", _DRAKE, 1e-3, lambda dt, m: contact_words(near_rigid(m, dt)), True),
+ENGINES: dict[str, EngineSetup] = {
+    "rigid": EngineSetup("rigid", rigid, 1e-3),
+    "mujoco": EngineSetup("mujoco", mujoco, 2e-3),
+    "mujoco tuned": EngineSetup("mujoco", mujoco, 1e-3, lambda dt, _: hard("mujoco", dt), True),
+    "mjx": EngineSetup("mjx", partial(mujoco, mjx=True), 2e-3),
+    "bullet": EngineSetup("bullet", bullet, 1.0 / 240.0),
+    "bullet 1 ms": EngineSetup("bullet", bullet, 1e-3, tuned=True),
+    "drake": EngineSetup("drake", _DRAKE, 1e-3),
+    "drake SAP": EngineSetup("drake", _DRAKE, 1e-3, lambda *_: {"approximation": "sap"}),
+    "drake hydroelastic": EngineSetup("drake", partial(_DRAKE, solver="hydroelastic"), 1e-3),
+    "drake CENIC": EngineSetup("drake", partial(_DRAKE, solver="cenic"), 1e-2),
+    "drake tuned": EngineSetup("drake", _DRAKE, 1e-3, lambda dt, m: contact_words(near_rigid(m, dt)), True),
     **{
-        f"newton {name}": Engine("newton", partial(elsewhere, engine="newton", solver=name), 1.0 / 600.0)
+        f"newton {name}": EngineSetup("newton", partial(elsewhere, engine="newton", solver=name), 1.0 / 600.0)
         for name in ("XPBD", "SemiImplicit", "Featherstone", "MuJoCo", "Steel")
     },
 }
