@@ -43,28 +43,27 @@ def problems(count: int, seed: int = 0) -> tuple[FloatArray, FloatArray, FloatAr
     return G, g, rng.uniform(0.1, 0.9, (count, 4))
 
 
-def in_jax(arrays: tuple[FloatArray, ...], device: str, dtype: str, tol: float) -> Calls:
+def in_jax(arrays: tuple[FloatArray, ...], device: str, tol: float) -> Calls:
     """Return calls that solve, and that take the gradient of the forces' sum, on a device of JAX."""
     import jax
 
     from surefoot.batch import jax as sfj
 
-    jax.config.update("jax_enable_x64", dtype == "float64")
+    jax.config.update("jax_enable_x64", True)
     where = jax.devices(device)[0]
-    given = [jax.device_put(v.astype(dtype), where) for v in arrays]
+    given = [jax.device_put(v, where) for v in arrays]
     solve = jax.jit(lambda *a: sfj.solve(*a, tol=tol))
     slope = jax.jit(jax.grad(lambda *a: sfj.solve(*a, tol=tol).forces.sum(), argnums=(0, 1, 2)))
     return lambda: jax.block_until_ready(solve(*given)), lambda: jax.block_until_ready(slope(*given))
 
 
-def in_torch(arrays: tuple[FloatArray, ...], device: str, dtype: str, tol: float) -> Calls:
+def in_torch(arrays: tuple[FloatArray, ...], device: str, tol: float) -> Calls:
     """Return calls that solve, and that take the gradient of the forces' sum, on a device of PyTorch."""
     import torch
 
     from surefoot.batch import torch as sft
 
-    real = torch.float32 if dtype == "float32" else torch.float64
-    given = [torch.tensor(v, dtype=real, device=device, requires_grad=True) for v in arrays]
+    given = [torch.tensor(v, dtype=torch.float64, device=device, requires_grad=True) for v in arrays]
 
     def done(found: Any) -> Any:
         if device != "cpu":
@@ -84,16 +83,13 @@ def main() -> None:
     parser.add_argument("--device", default="cpu", help="cpu, gpu (JAX), cuda (PyTorch)")
     parser.add_argument("--problems", type=int, default=20_000)
     parser.add_argument("--tol", type=float, default=1e-6)
-    parser.add_argument("--single", action="store_true", help="float32 arrays")
     chosen = parser.parse_args()
     repeats = -(-chosen.problems // DISTINCT)
     arrays = tuple(
         np.tile(v, (repeats,) + (1,) * (v.ndim - 1))[: chosen.problems]
         for v in problems(min(DISTINCT, chosen.problems))
     )
-    calls = {"jax": in_jax, "torch": in_torch}[chosen.framework](
-        arrays, chosen.device, "float32" if chosen.single else "float64", chosen.tol
-    )
+    calls = {"jax": in_jax, "torch": in_torch}[chosen.framework](arrays, chosen.device, chosen.tol)
     found = calls[0]()  # compiles
     for name, call in zip(("solves", "solves with gradients"), calls, strict=True):
         call()

@@ -51,7 +51,7 @@ class Trial(walks.Walk):
         """Return the walking controller; it takes the ground for flat."""
         return super().controller(robot, FlatTerrain())
 
-    def felt(self, estimator: str) -> Trial:
+    def sensed(self, estimator: str) -> Trial:
         """Return the trial with its noise: that of the sensors, or white noise on the true state."""
         if estimator == "inekf":
             return replace(self, sensors=SensorModel().scaled(1.0 if self.noise is None else self.noise))
@@ -200,7 +200,7 @@ def choose_faults(names: Sequence[str] | None) -> dict[str, Fault]:
 def survives(robot: str, fault: str, level: float, duration: float, estimator: str, seed: int) -> bool:
     """Return whether the robot still walks at the end of one trial."""
     trial = FAULTS[fault].make(walks.known_robot(robot), level, np.random.default_rng([seed, 7]))
-    log = replace(trial.felt(estimator), robot=robot).log(seed, duration)
+    log = replace(trial.sensed(estimator), robot=robot).log(seed, duration)
     return bool(log.facts["outcome"] == Ending.DONE)
 
 

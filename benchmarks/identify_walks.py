@@ -1,7 +1,7 @@
 """How often the intervals of `surefoot identify LOG.npz` hold the truth: the table of docs/identify.md.
 
-Run: python -m benchmarks.identify_walks [--draws 12] [--json]. A draw is a trot of 5 s of Go2 in MuJoCo with
-hidden friction, rotors, losses in the joints, latency and payload, told by ordinary sensors.
+Run: python -m benchmarks.identify_walks [--json]. A draw is a trot of 5 s of Go2 in MuJoCo with
+hidden friction, rotors, losses in the joints, latency and payload, seen by ordinary sensors.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from surefoot.robot.actuators import real_actuators
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.sensors import SensorModel
 
-DURATION = 5.0
-"""Of a walk [s]."""
+DURATION, DRAWS = 5.0, 12
+"""Of a walk [s], and how many."""
 FIRST = 100
 """Seed of the first walk: what intervals are made of was chosen on others."""
 
@@ -77,9 +77,8 @@ def coverage(draws: int) -> Table:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Walk, identify and print the table."""
     parser = options(__doc__, "two walks")
-    parser.add_argument("--draws", type=int, default=12)
     given = parser.parse_args(arguments)
-    show([coverage(2 if given.quick else given.draws)], given.json)
+    show([coverage(2 if given.quick else DRAWS)], given.json)
 
 
 if __name__ == "__main__":

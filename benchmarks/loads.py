@@ -117,8 +117,8 @@ def robots(quick: bool) -> Iterator[tuple[str, Walk]]:
         height = float(robot.com(robot.nominal)[2] - robot.foot_positions(robot.nominal)[:, 2].mean())
         x, y, z = (height / GO2_HEIGHT * part for part in (0.1, 0.08, 0.08))
         mass = 5.0 / GO2_MASS * robot.mass
-        told = f"{name}, {mass:.1f} kg at ({x:.2f}, {y:.2f}, {z:.2f})"
-        yield told, loaded(name, mass, (x, y, z), not quick)
+        title = f"{name}, {mass:.1f} kg at ({x:.2f}, {y:.2f}, {z:.2f})"
+        yield title, loaded(name, mass, (x, y, z), not quick)
 
 
 def disturbances(quick: bool) -> Iterator[tuple[str, Walk]]:

@@ -110,6 +110,6 @@ def _steps(made: Any, controller: StandingController, seconds: float) -> Iterato
         q, v = made.state()
         begin = clock()
         torques = controller.step(RobotState(q, v, k * made.dt)).torques
-        told = clock()
+        between = clock()
         made.step(torques)
-        yield _Step(q, torques, told - begin, clock() - told)
+        yield _Step(q, torques, between - begin, clock() - between)

@@ -39,10 +39,10 @@ def friction_answers(world: str, mu: float) -> tuple[float, FloatArray, float]:
     for forces, velocities in zip(log["forces"], log["contact_velocities"], strict=True):
         known.append(tracker.update(forces * (1.0 + 0.1 * random.normal(size=forces.shape)), velocities))
     high = np.array([k.high for k in known])
-    told, slid = np.isfinite(high), np.array([k.sliding for k in known])
+    bounded, slid = np.isfinite(high), np.array([k.sliding for k in known])
     walking = slice(round(0.1 / dt), None)  # the first rows are the robot's landing
-    wait = int(np.argmax(told[walking].any(axis=1))) - int(np.argmax(slid[walking].any(axis=1)))
-    return wait * dt, high[told], max(float(k.low.max()) for k in known)
+    wait = int(np.argmax(bounded[walking].any(axis=1))) - int(np.argmax(slid[walking].any(axis=1)))
+    return wait * dt, high[bounded], max(float(k.low.max()) for k in known)
 
 
 def friction_table(cases: Sequence[tuple[str, float]]) -> Table:

@@ -23,7 +23,7 @@ class Table:
     columns
         Headings.
     rows
-        Makes cells of what the command told, of a list where there are several.
+        Makes cells of what the command printed, of a list where there are several.
     long
         Whether it takes many minutes: measured by name only.
     reads
@@ -47,9 +47,9 @@ class Table:
         return self.command.split("; ")
 
 
-def printed(told: Sequence[dict[str, Any]], title: str, *columns: str) -> Rows:
+def printed(data: Sequence[dict[str, Any]], title: str, *columns: str) -> Rows:
     """Return some columns of the printed table whose title has some words in it (`benchmarks.printing`)."""
-    (table,) = (table for table in told if title in table["title"])
+    (table,) = (table for table in data if title in table["title"])
     places = [table["columns"].index(name) for name in columns or table["columns"]]
     return [[row[k].strip() for k in places] for row in table["rows"]]
 

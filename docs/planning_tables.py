@@ -10,31 +10,31 @@ PROBLEMS = ("ball", "slide", "hopper", "push")
 ROADS = ("given schedule", "own shooting", "direct method")
 
 
-def _softening(told: Any, table: str, product: bool = True) -> Rows:
+def _softening(data: Any, table: str, product: bool = True) -> Rows:
     """Return a row per form and a column per problem: solved, iterations, time, gap times impulse, cost."""
     cells: dict[str, dict[str, str]] = {}
-    for row in told[table]:
-        told_of = [f"{row['solved']}/{row['starts']}", f"{row['iterations']:.0f}", f"{row['seconds']:.1f} s"]
+    for row in data[table]:
+        parts = [f"{row['solved']}/{row['starts']}", f"{row['iterations']:.0f}", f"{row['seconds']:.1f} s"]
         if product:
-            told_of.append(f"{row['product']:.0e}")
+            parts.append(f"{row['product']:.0e}")
         if table in ("race", "recommended") and row["cost"]:  # none where nothing is chosen, null if unsolved
-            told_of.append(f"{row['cost']:.2f}")
-        cells.setdefault(row["variant"], {})[row["problem"]] = ", ".join(told_of)
+            parts.append(f"{row['cost']:.2f}")
+        cells.setdefault(row["variant"], {})[row["problem"]] = ", ".join(parts)
     return [[variant, *(by[name] for name in PROBLEMS)] for variant, by in cells.items()]
 
 
-def _steps_along(told: Any) -> Rows:
+def _steps_along(data: Any) -> Rows:
     """Return the median step along a search direction, and how often the Hessian was made convex."""
     cells: dict[str, dict[str, str]] = {}
-    for row in told["race"]:
+    for row in data["race"]:
         said = f"{row['step']:.2f}, {100.0 * row['regularised']:.0f} %"
         cells.setdefault(row["variant"], {})[row["problem"]] = said
     return [[variant, *(by[name] for name in PROBLEMS)] for variant, by in cells.items()]
 
 
-def _iteration(told: Any) -> Rows:
+def _iteration(data: Any) -> Rows:
     """Return the milliseconds of an iteration's parts, here and on MuJoCo's steps."""
-    found = told["solver"]
+    found = data["solver"]
     own, both = 1e3 * found["dt"], 1e3 * found["rival_dt"]
     rows = {
         "ours": f"ours, knots of {own:g} ms",
@@ -45,9 +45,9 @@ def _iteration(told: Any) -> Rows:
     return [[name, *(f"{1e3 * found[key][part]:.2g}" for part in parts)] for key, name in rows.items()]
 
 
-def _costs(told: Any) -> Rows:
+def _costs(data: Any) -> Rows:
     """Return the single figures of `bench plan`: what a knot, a tick and the first call take."""
-    found, mpc = told["solver"], told["mpc"]
+    found, mpc = data["solver"], data["mpc"]
     tick = mpc["tick"]["processor"]
     names = {"ours": "here", "mujoco": "on MuJoCo"}
     knots = ", ".join(f"{name} {1e6 * seconds:.0f}" for name, seconds in found["knot"].items())
@@ -65,9 +65,9 @@ def _costs(told: Any) -> Rows:
     ]
 
 
-def _without_gait(told: Any) -> Rows:
+def _without_gait(data: Any) -> Rows:
     """Return a row per walk of the contact-implicit controller; all pushes in one."""
-    found = told["mpc"]
+    found = data["mpc"]
 
     def row(name: str, up: str, *walks: Any) -> list[str]:
         def mean(key: str) -> float:
@@ -95,26 +95,26 @@ def _without_gait(told: Any) -> Rows:
     return [*rows, *(row(name, "yes" if walk["done"] else "no", walk) for name, walk in named)]
 
 
-def _plans(told: Any) -> Rows:
+def _plans(data: Any) -> Rows:
     names = ("`jump 0.4`", "`jump-up 0.2`", "`backflip`")
     return [
         [name, plan["status"], plan["goal"], f"{plan['law_residual']:.1e}"]
-        for name, plan in zip(names, told, strict=True)
+        for name, plan in zip(names, data, strict=True)
     ]
 
 
-def _executed(told: Any) -> Rows:
+def _executed(data: Any) -> Rows:
     return [
         [
             row["task"], row["motors"], f"{row['landed']} of {row['seeds']}", str(row["lawful"]),
             f"{row['torque_use_max']:.2f}", f"{row['speed_use_max']:.2f}", f"{row['moved']:.2f} m",
             "-" if row["task"] == "stand-up" else f"{row['turned']:.0f}°",
         ]
-        for row in told
+        for row in data
     ]  # fmt: skip
 
 
-def _slopes(told: Any, title: str, *columns: str) -> Rows:
+def _slopes(data: Any, title: str, *columns: str) -> Rows:
     """Return a row per road and a column per task, the named cells of each together."""
 
     def short(cell: str) -> str:
@@ -122,16 +122,16 @@ def _slopes(told: Any, title: str, *columns: str) -> Rows:
         return f"{number:.0f}" if number >= 100.0 else f"{number:.2g}"
 
     cells: dict[str, list[str]] = {}
-    for table in told:
+    for table in data:
         if title in table["title"]:
             for road, *found in printed([table], title, "road", *columns):
                 cells.setdefault(road, []).append(" / ".join(map(short, found)))
     return [[road, *row] for road, row in cells.items()]
 
 
-def _searches(told: Any) -> Rows:
+def _searches(data: Any) -> Rows:
     cells: dict[str, list[str]] = {}
-    for table in told:
+    for table in data:
         if "steps downhill" in table["title"]:
             names = ("road", "arrived", "off the best (median)", "CPU s a search")
             for road, arrived, off, spent in printed([table], "steps downhill", *names):
@@ -155,34 +155,34 @@ WITHOUT_GAIT = (
 EXECUTED = ("plan", "motors", "landed", "lawful", "torque use", "speed use", "moved", "turned")
 
 TABLES = {
-    "race": Table(SOFTENING, "softening.md", BY_PROBLEM, lambda told: _softening(told, "race")),
-    "recommended": Table(SOFTENING, "softening.md", BY_PROBLEM, lambda told: _softening(told, "recommended")),
+    "race": Table(SOFTENING, "softening.md", BY_PROBLEM, lambda data: _softening(data, "race")),
+    "recommended": Table(SOFTENING, "softening.md", BY_PROBLEM, lambda data: _softening(data, "recommended")),
     "causes": Table(
         "surefoot bench softening --table causes --few 4", "softening.md", BY_PROBLEM,
-        lambda told: _softening(told, "causes"),
+        lambda data: _softening(data, "causes"),
     ),
     "progress": Table(SOFTENING, "softening.md", BY_PROBLEM, _steps_along),
     "first": Table(
         "surefoot bench softening --table first --few 4", "softening.md", BY_PROBLEM,
-        lambda told: _softening(told, "first", product=False),
+        lambda data: _softening(data, "first", product=False),
     ),
-    "roads": Table(HOPPER, "three-roads.md", FROM_STARTS, lambda told: printed(told, "from its own start")),
+    "roads": Table(HOPPER, "three-roads.md", FROM_STARTS, lambda data: printed(data, "from its own start")),
     "changes": Table(
-        HOPPER, "three-roads.md", ("change", *ROADS), lambda told: printed(told, "task is changed")
+        HOPPER, "three-roads.md", ("change", *ROADS), lambda data: printed(data, "task is changed")
     ),
     "by_hand": Table(
         HOPPER, "three-roads.md", ("take-off", "touchdown", "given schedule"),
-        lambda told: printed(told, "schedules by hand"),
+        lambda data: printed(data, "schedules by hand"),
     ),
     "bias": Table(
-        GRADIENTS, "gradients.md", FIVE_TASKS, lambda told: _slopes(told, "slopes at", "bias, exact slope")
+        GRADIENTS, "gradients.md", FIVE_TASKS, lambda data: _slopes(data, "slopes at", "bias, exact slope")
     ),
     "bias_smoothed": Table(
-        GRADIENTS, "gradients.md", FIVE_TASKS, lambda told: _slopes(told, "slopes at", "bias, smoothed loss")
+        GRADIENTS, "gradients.md", FIVE_TASKS, lambda data: _slopes(data, "slopes at", "bias, smoothed loss")
     ),
     "scatter": Table(
         GRADIENTS, "gradients.md", FIVE_TASKS,
-        lambda told: _slopes(told, "slopes at", "spread of a sample", "wrong way"),
+        lambda data: _slopes(data, "slopes at", "spread of a sample", "wrong way"),
     ),
     "searches": Table(GRADIENTS, "gradients.md", FIVE_TASKS, _searches),
     "without_gait": Table(PLAN, "contact-implicit-mpc.md", WITHOUT_GAIT, _without_gait),

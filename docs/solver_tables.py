@@ -11,9 +11,9 @@ from docs import speed_tables
 from docs.measured import Rows, Table
 
 
-def _rigid(told: Any) -> Rows:
+def _rigid(data: Any) -> Rows:
     def line(name: str, cell: Callable[[Any], str]) -> list[str]:
-        return [name, *(cell(world) for world in told)]
+        return [name, *(cell(world) for world in data)]
 
     return [
         line("wall time of one simulated second, controller included", lambda w: f"{w['wall']:.3f} s"),
@@ -30,9 +30,9 @@ def _rigid(told: Any) -> Rows:
     ]
 
 
-def _against_mujoco(told: str) -> Rows:
+def _against_mujoco(data: str) -> Rows:
     """Return the figures of examples/26_rigid_and_mujoco.py, a column per world and one for a convex law."""
-    lines = (line.split() for line in told.splitlines() if "picture" not in line)
+    lines = (line.split() for line in data.splitlines() if "picture" not in line)
     fact = {name: float(value) for name, value in lines}
 
     def line(name: str, key: str, unit: str, digits: str) -> list[str]:
@@ -51,14 +51,14 @@ def _against_mujoco(told: str) -> Rows:
     ]
 
 
-def _verdicts(told: Any) -> Rows:
+def _verdicts(data: Any) -> Rows:
     names = ("possible", "agreed", "in_band", "disagreed", "verified")
-    return [[c["rival"], *(f"{c[name]} of {c['cases']}" for name in names)] for c in told["agreement"]]
+    return [[c["rival"], *(f"{c[name]} of {c['cases']}" for name in names)] for c in data["agreement"]]
 
 
-def _questions(told: Any) -> Rows:
+def _questions(data: Any) -> Rows:
     rows, last = [], ""
-    for race in told["speed"]:
+    for race in data["speed"]:
         times = (f"{1e6 * race['timing'][key]:.0f}" for key in ("median", "p99"))
         question = race["question"] if race["question"] != last else ""
         rows.append([question, race["who"], *times, f"{race['ratio']:.2f}"])
@@ -66,9 +66,9 @@ def _questions(told: Any) -> Rows:
     return rows
 
 
-def _batches(told: Any) -> Rows:
+def _batches(data: Any) -> Rows:
     """Return microseconds a problem without and with its gradient; rivals where they ran."""
-    times, error = told["times"], told["velocity_error"]
+    times, error = data["times"], data["velocity_error"]
     rows = {
         "compiled loop, one thread": ("compiled loop, solve", "compiled loop, solve and vjp"),
         "`solve_batch`, one thread": ("solve_batch, one thread", "solve_batch, one thread, with vjp"),
@@ -83,9 +83,9 @@ def _batches(told: Any) -> Rows:
     return [[name, *both] for name, both in cells.items() if any(both)]
 
 
-def _accuracy(told: Any) -> Rows:
+def _accuracy(data: Any) -> Rows:
     """Return how exact `ForceDistributor` is, a column per force weight."""
-    found = list(told["accuracy"].values())
+    found = list(data["accuracy"].values())
 
     return [
         ["not solved", *(f"{one['not_solved']} of {one['instances']}" for one in found)],
@@ -97,17 +97,17 @@ def _accuracy(told: Any) -> Rows:
     ]
 
 
-def _comparison(told: Any) -> Any:
-    """Return the comparison of solvers that `bench contact` told; null stands for infinity."""
+def _comparison(data: Any) -> Any:
+    """Return the comparison of solvers that `bench contact` printed; null stands for infinity."""
     from benchmarks.contact.comparison import Comparison, Run
 
-    runs = ({name: np.inf if value is None else value for name, value in run.items()} for run in told["runs"])
-    return Comparison(told["tol"], tuple(Run(**run) for run in runs))
+    runs = ({name: np.inf if value is None else value for name, value in run.items()} for run in data["runs"])
+    return Comparison(data["tol"], tuple(Run(**run) for run in runs))
 
 
-def contact(told: Any) -> Rows:
+def contact(data: Any) -> Rows:
     """Return a row per contact solver: problems solved, and the median times of both kinds."""
-    found = _comparison(told)
+    found = _comparison(data)
     rows = []
     for name in sorted(found.solvers, key=lambda name: name != found.ours_fresh):
         ready, fresh = (found.families(name, kind)[-1] for kind in ("ready", "fresh"))
@@ -119,9 +119,9 @@ def contact(told: Any) -> Rows:
     return rows
 
 
-def families(told: Any) -> Rows:
+def families(data: Any) -> Rows:
     """Return a row per family of contact problems: our times with a new G, and Pinocchio's best over them."""
-    found = _comparison(told)
+    found = _comparison(data)
     who = found.ours_fresh
     rivals = [name for name in found.solvers if name.startswith("pinocchio")]
     ratios = found.ratios(rivals, who, "fresh")
@@ -135,9 +135,9 @@ def families(told: Any) -> Rows:
     return rows
 
 
-def readme(told: Any) -> Rows:
+def readme(data: Any) -> Rows:
     """Return what questions take here and elsewhere: forces, statics, contact and MPC."""
-    forces, statics, contacts, walk, standing = told
+    forces, statics, contacts, walk, standing = data
     exact = {name: cells for name, *cells in speed_tables.allocation(forces)}
     short = {name: cells[0].split(" / ")[0] for name, cells in exact.items()}
     facets = {name: float(time) for name, time in short.items() if "8 facets" in name}

@@ -23,10 +23,10 @@ def both(timing: dict[str, float], digits: int = 0) -> str:
     return " / ".join(f"{1e6 * timing[key]:.{digits}f}" for key in ("median", "p99"))
 
 
-def allocation(told: Any) -> Rows:
+def allocation(data: Any) -> Rows:
     """Return a row per solver, exact and on 8 inner facets, and two of what facets get wrong."""
     cells: dict[str, dict[str, Any]] = defaultdict(dict)
-    for row in told["rows"]:
+    for row in data["rows"]:
         if not row["warm"]:
             cells[f"{row['solver']}, {row['cone']}"][row["instances"]] = row
     out = []
@@ -49,10 +49,10 @@ def allocation(told: Any) -> Rows:
     ]
 
 
-def warm_starts(told: Any) -> Rows:
+def warm_starts(data: Any) -> Rows:
     """Return a row per trajectory: cold and warm, through Python and in a compiled loop."""
     rows = []
-    for row in sorted(told["warm"], key=lambda row: -row["iterations_cold"]):
+    for row in sorted(data["warm"], key=lambda row: -row["iterations_cold"]):
         times = [row[key]["median"] for key in ("cold", "warm", "loop_cold", "loop_warm")]
         rows.append(
             [
@@ -65,10 +65,10 @@ def warm_starts(told: Any) -> Rows:
     return rows
 
 
-def horizons(told: Any) -> Rows:
+def horizons(data: Any) -> Rows:
     """Return a row per scene: our plan, the fastest accurate QP on 4 or 8 facets, and Clarabel."""
     by: dict[str, dict[str, Any]] = defaultdict(dict)
-    for row in told["rows"]:
+    for row in data["rows"]:
         if row["accurate"]:
             by[row["scene"]][row["method"]] = row
     rows = []
@@ -85,6 +85,6 @@ def horizons(told: Any) -> Rows:
     return rows
 
 
-def steps(told: Any) -> Rows:
+def steps(data: Any) -> Rows:
     """Return a row per robot and call of a walking controller: median and 99th percentile."""
-    return [[row["robot"], row["call"], both(row["timing"])] for row in told["steps"]]
+    return [[row["robot"], row["call"], both(row["timing"])] for row in data["steps"]]

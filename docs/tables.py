@@ -31,12 +31,12 @@ PLACE = re.compile(r"<!-- table (?P<name>\w+) -->\n.*?<!-- end of table -->", re
 TABLES = solver_tables.TABLES | planning_tables.TABLES | walking_tables.TABLES
 
 
-def measure(names: Iterable[str], told: Sequence[Path] = ()) -> None:
+def measure(names: Iterable[str], files: Sequence[Path] = ()) -> None:
     """Run the commands of tables, each once, or take what is in files, and write their tables' files."""
     answers: dict[str, str] = {}
     for name in names:
         table = TABLES[name]
-        for command, file in zip(table.commands, told, strict=False):
+        for command, file in zip(table.commands, files, strict=False):
             answers[command] = file.read_text(encoding="utf-8")
         for command in table.commands:
             if command not in answers:
@@ -90,8 +90,8 @@ def markdown(name: str) -> str:
     lines = [kept["columns"], ["---"] * len(kept["columns"]), *kept["rows"]]
     table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
     commands = TABLES[name].said or "; ".join(f"`{one}`" for one in kept["command"].split("; "))
-    told = f"({commands}, {kept['date']}, {kept['machine']}.)"
-    return f"<!-- table {name} -->\n{table}\n\n{told}\n<!-- end of table -->"
+    caption = f"({commands}, {kept['date']}, {kept['machine']}.)"
+    return f"<!-- table {name} -->\n{table}\n\n{caption}\n<!-- end of table -->"
 
 
 def filled(text: str) -> str:

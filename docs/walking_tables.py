@@ -7,14 +7,14 @@ from typing import Any
 from docs.measured import Rows, Table, printed
 
 
-def _stacks(told: Any, *beginnings: str, without: tuple[str, ...] = ()) -> Rows:
+def _stacks(data: Any, *beginnings: str, without: tuple[str, ...] = ()) -> Rows:
     """Return a row per task of Surefoot's whose name begins with one of some words, all without any."""
 
     def cell(value: float | None, digits: int, scale: float = 1.0) -> str:
         return "-" if value is None else f"{scale * value:.{digits}f}"
 
     rows = []
-    for row in told["rows"]:
+    for row in data["rows"]:
         name = row["task"]
         if row["stack"] != "surefoot" or not name.startswith(beginnings or ("",)) or name.endswith(without):
             continue
@@ -38,9 +38,9 @@ def _stacks(told: Any, *beginnings: str, without: tuple[str, ...] = ()) -> Rows:
     return rows
 
 
-def _speeds(told: Any) -> Rows:
+def _speeds(data: Any) -> Rows:
     rows = []
-    for row in told:
+    for row in data:
         vx, _, turn = row["wanted"]
         name = f"{vx:g} m/s" if vx else f"turning at {turn:g} rad/s"
         if row["wanted"] != row["commanded"]:
@@ -55,11 +55,11 @@ def _speeds(told: Any) -> Rows:
     return rows
 
 
-def _motor_speeds(told: Any) -> Rows:
+def _motor_speeds(data: Any) -> Rows:
     """Return a row per trot of `benchmarks.actuators`; its name is speed, motors and commands."""
     rows, last = [], ""
     for walk, *cells in printed(
-        told, "speeds", "walk", "laws and limits kept", "velocity [m/s]", "slip [mm]", "fastest joint [%]",
+        data, "speeds", "walk", "laws and limits kept", "velocity [m/s]", "slip [mm]", "fastest joint [%]",
         "beyond its speed [%]", "torque cut off [%]",
     ):  # fmt: skip
         speed, motors, commands = walk.split(", ")
@@ -68,14 +68,14 @@ def _motor_speeds(told: Any) -> Rows:
     return rows
 
 
-def _loads(told: Any, title: str) -> Rows:
+def _loads(data: Any, title: str) -> Rows:
     """Return a row per walk of `benchmarks.loads`: without and with the observer."""
     columns = (
         "walk", "observer", "walked", "lawful", "lean [deg]", "after 2 s", "velocity off [m/s]", "slip [mm]",
         "found [kg]", "at [m]",
     )  # fmt: skip
     rows: dict[str, dict[str, list[str]]] = {}
-    for walk, observer, *cells in printed(told, title, *columns):
+    for walk, observer, *cells in printed(data, title, *columns):
         rows.setdefault(walk, {})[observer] = cells
     out = []
     for walk, by in rows.items():
@@ -85,16 +85,16 @@ def _loads(told: Any, title: str) -> Rows:
     return out
 
 
-def _payloads(told: Any) -> Rows:
+def _payloads(data: Any) -> Rows:
     """Return the payloads of one seed and the one that was walked with many."""
-    few, many = told
+    few, many = data
     found = {row[0]: row for row in _loads(few, "payloads")}
     for row in _loads(many, "payloads"):
         found[row[0]] = [f"{row[0]}, 20 seeds", *row[1:]]
     return list(found.values())
 
 
-def _faults(told: Any) -> Rows:
+def _faults(data: Any) -> Rows:
     """Return the largest level of every fault that all seeds survived, and the next one."""
     return [
         [
@@ -102,34 +102,34 @@ def _faults(told: Any) -> Rows:
             "none" if row["survived"] is None else f"{row['survived']:g}",
             "(last level)" if row["next_level"] is None else f"{row['next_level']:g}",
         ]
-        for row in told["faults"]
+        for row in data["faults"]
     ]
 
 
-def _seeded_faults(told: Any) -> Rows:
-    """Return what is done to a log, what should be told, and how often it was told right."""
+def _seeded_faults(data: Any) -> Rows:
+    """Return what is done to a log, what should be found, and how often it was found right."""
     return [
         [
             f"`{row['name']}`", row["title"], f"{row['amplitude']:.3g} {row['unit']}".strip(),
             row["symptom"] or "cannot tell", f"{row['noticed']} of {row['trials']}",
             f"{row['found']} of {row['trials']}",
         ]
-        for row in told["faults"]
+        for row in data["faults"]
     ]  # fmt: skip
 
 
-def _alarms(told: Any) -> Rows:
-    """Return all faults together, and clean runs that were told not to be."""
+def _alarms(data: Any) -> Rows:
+    """Return all faults together, and clean runs that were called otherwise."""
     found, noticed, trials = (
-        sum(row[key] for row in told["faults"]) for key in ("found", "noticed", "trials")
+        sum(row[key] for row in data["faults"]) for key in ("found", "noticed", "trials")
     )
-    return [[f"{found} of {trials}", f"{noticed} of {trials}", f"{len(told['alarms'])} of {told['clean']}"]]
+    return [[f"{found} of {trials}", f"{noticed} of {trials}", f"{len(data['alarms'])} of {data['clean']}"]]
 
 
-def _walks(told: Any) -> Rows:
+def _walks(data: Any) -> Rows:
     """Return a row per walk: what was wanted and came, in the largest component, slip and the laws."""
     rows = []
-    for said, found in zip(WALKS, told, strict=True):
+    for said, found in zip(WALKS, data, strict=True):
         parts = {name: found["velocity"][name] for name in ("forward", "left", "turn")}
         name, part = max(parts.items(), key=lambda item: abs(item[1]["commanded"]))
         unit = {"forward": "m/s", "left": "m/s to the left", "turn": "rad/s"}[name]
@@ -141,11 +141,11 @@ def _walks(told: Any) -> Rows:
     return rows
 
 
-def _bins(told: Any, parameter: str) -> Any:
-    return told["parameters"][parameter]
+def _bins(data: Any, parameter: str) -> Any:
+    return data["parameters"][parameter]
 
 
-def _timid(told: Any) -> Rows:
+def _timid(data: Any) -> Rows:
     """Return shares and median velocities of the narrow and the wide sweep over the commanded speed."""
     return [
         [
@@ -153,11 +153,11 @@ def _timid(told: Any) -> Rows:
             *(f"{one['value']:.3f}" for one in (narrow, wide)),
             *(f"{one['medians']['velocity']:.2f}" for one in (narrow, wide)),
         ]
-        for narrow, wide in zip(*(_bins(one, "speed") for one in told), strict=True)
+        for narrow, wide in zip(*(_bins(one, "speed") for one in data), strict=True)
     ]
 
 
-def _soft(told: Any) -> Rows:
+def _soft(data: Any) -> Rows:
     """Return medians of the sweep over the ground's softness."""
     scales = {
         "sink": (1e3, ".2g"),
@@ -171,7 +171,7 @@ def _soft(told: Any) -> Rows:
 
     return [
         [row["bin"], *(cell(scale * row["medians"][name], form) for name, (scale, form) in scales.items())]
-        for row in _bins(told, "time_constant")
+        for row in _bins(data, "time_constant")
     ]
 
 
@@ -242,12 +242,12 @@ KNOWN = (
 TABLES = {
     "stacks": Table(
         STACKS, "stacks.md", STACK_COLUMNS,
-        lambda told: _stacks(told, without=("-map",)), long=True,
+        lambda data: _stacks(data, without=("-map",)), long=True,
     ),
-    "bipeds": Table(EVERY_TASK, "bipeds.md", STACK_COLUMNS, lambda told: _stacks(told, "g1-"), long=True),
+    "bipeds": Table(EVERY_TASK, "bipeds.md", STACK_COLUMNS, lambda data: _stacks(data, "g1-"), long=True),
     "stairs": Table(
         STACKS, "terrain-knowledge.md", STACK_COLUMNS,
-        lambda told: _stacks(told, "stairs-", "ice"), long=True,
+        lambda data: _stacks(data, "stairs-", "ice"), long=True,
     ),
     "speeds": Table("surefoot bench speeds --seeds 20", "speed-limits.md", SPEED_COLUMNS, _speeds, long=True),
     "motor_speeds": Table(
@@ -255,35 +255,35 @@ TABLES = {
     ),
     "motor_robots": Table(
         f"{ACTUATORS} robots --seeds 1 --duration 4", "actuators.md", MOTORS,
-        lambda told: printed(told, "robots", *MOTORS),
+        lambda data: printed(data, "robots", *MOTORS),
     ),
     "late_commands": Table(
         f"{ACTUATORS} delays --only '5 ms' --seeds 20 --duration 4", "actuators.md", MOTORS,
-        lambda told: printed(told, "delays", *MOTORS),
+        lambda data: printed(data, "delays", *MOTORS),
     ),
     "payloads": Table(f"{FEW} payloads; {MANY}", "loads.md", LOAD, _payloads),
     "loaded_robots": Table(
-        f"{FEW} robots", "loads.md", LOAD, lambda told: _loads(told, "robots")
+        f"{FEW} robots", "loads.md", LOAD, lambda data: _loads(data, "robots")
     ),
     "disturbances": Table(
-        f"{FEW} disturbances", "loads.md", LOAD, lambda told: _loads(told, "disturbances")
+        f"{FEW} disturbances", "loads.md", LOAD, lambda data: _loads(data, "disturbances")
     ),
     "state_errors": Table(
-        STATE, "estimation.md", ERRORS, lambda told: printed(told, "state estimate", *ERRORS)
+        STATE, "estimation.md", ERRORS, lambda data: printed(data, "state estimate", *ERRORS)
     ),
     "state_cost": Table(
         STATE, "estimation.md", ("robot", "filter: predict", "filter: update", "forces", "contacts", "all"),
-        lambda told: printed(told, "CPU time"),
+        lambda data: printed(data, "CPU time"),
     ),
     "slippery": Table(
         SLIPPERY, "estimation.md",
         ("world", "true mu", "first answer after the first slip [ms]", "all answers", "highest lower bound"),
-        lambda told: printed(told, "friction while"),
+        lambda data: printed(data, "friction while"),
     ),
     "knowledge": Table(
         "python -m benchmarks.terrain_knowledge --seeds 5 --task slope --task ice --task ice-unaware "
         "--task patch", "terrain-knowledge.md", KNOWN,
-        lambda told: printed(told, "go2", *KNOWN),
+        lambda data: printed(data, "go2", *KNOWN),
     ),
     "walks": Table(
         ALL_WALKS, "walking.md", ("`surefoot walk ...`", "measured", "slip", "laws"), _walks,

@@ -27,15 +27,12 @@ def speeds(
     gait: Annotated[str, typer.Option(help="Gait by name.")] = "trot",
     seeds: Annotated[int, typer.Option(min=1, max=1000, help="Runs of each velocity.")] = 20,
     world: Annotated[str, typer.Option(help="mujoco or rigid.")] = "mujoco",
-    hard: Annotated[
-        bool, typer.Option("--hard", help="Real actuators, estimated state, all links collide.")
-    ] = False,
     quick: Annotated[bool, typer.Option("--quick", help="One velocity, one seed.")] = False,
     out: Annotated[Path | None, typer.Option(help="Write the JSON to a new folder below this one.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
     """Walk at a ladder of velocities; print velocity errors, slip, joint speeds, torques and their rates."""
-    from benchmarks.walk.speeds import LADDER, Conditions, measure, pace_of
+    from benchmarks.walk.speeds import LADDER, measure, pace_of
     from benchmarks.walks import QUADRUPEDS
     from surefoot.cli import extras
 
@@ -49,9 +46,8 @@ def speeds(
     for name in names:
         ladder = LADDER if name == "go2" else (pace_of(name),)
         with progress_bar(not as_json, f"walk {name}", 1.0) as show:
-            told = Conditions(world, hard)
             some = ladder[1:2] if quick and len(ladder) > 1 else ladder
-            rows += measure(name, some, seeds, told, gait, show)
+            rows += measure(name, some, seeds, world, gait, show)
     record = [asdict(row) for row in rows]
     report(record, as_json, lambda console: _print(console, rows), WIDTH, out, "speeds")
 

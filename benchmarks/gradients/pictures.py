@@ -49,9 +49,9 @@ def _draw_slopes(axis: Any, grid: Grid, smoothing: float, stiffness: float) -> N
     axis.plot(theta, zeroth, color=FOOT_COLOURS[2], lw=1.2, ls="--", label="randomised, zeroth order (mean)")
     first = [m.first for m in moments]
     axis.plot(theta, first, color=FOOT_COLOURS[3], lw=1.2, ls=":", label="randomised, first order (mean)")
-    told = np.concatenate([exact, zeroth, smooth])
-    margin = 0.08 * max(float(np.ptp(told)), 1e-6)
-    low, high = float(told.min()) - margin, float(told.max()) + margin
+    slopes = np.concatenate([exact, zeroth, smooth])
+    margin = 0.08 * max(float(np.ptp(slopes)), 1e-6)
+    low, high = float(slopes.min()) - margin, float(slopes.max()) + margin
     axis.set_ylim(low, high)
     beyond = int(np.count_nonzero((soft < low) | (soft > high)))
     if beyond:

@@ -98,10 +98,10 @@ class Trial:
     @classmethod
     def from_dict(cls, given: dict[str, Any]) -> Trial:
         """Return the trial of `as_dict`, numbers that JSON does not have as NaN."""
-        told: dict[str, Any] = {k: math.nan if v is None else v for k, v in given["measures"].items()}
+        values: dict[str, Any] = {k: math.nan if v is None else v for k, v in given["measures"].items()}
         rest: dict[str, Any] = {k: math.nan if v is None else v for k, v in given.items() if k != "measures"}
-        told["laws"] = tuple(told["laws"])
-        return cls(measures=Measures(**told), **rest)
+        values["laws"] = tuple(values["laws"])
+        return cls(measures=Measures(**values), **rest)
 
 
 def _without_numbers(law: str) -> str:

@@ -57,8 +57,8 @@ class Peer:
     def at(self, checkout: Path | None) -> Peer:
         """Return the stack with its checkout, from the environment where none is given."""
         variable = PINS[self.name].variable
-        told = os.environ.get(variable)
-        folder = checkout if checkout is not None else None if told is None else Path(told)
+        named = os.environ.get(variable)
+        folder = checkout if checkout is not None else None if named is None else Path(named)
         return replace(
             self, checkout=folder, interpreter=os.environ.get(f"{variable}_PYTHON", sys.executable)
         )
@@ -130,11 +130,11 @@ class PeerController(Controller):
             [peer.interpreter, "-u", str(PROGRAMS / peer.program), str(peer.checkout)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
         )  # fmt: skip
-        told = {
+        setup = {
             "urdf": _urdf(job.robot.name), "mass": job.robot.mass, "mu": job.mu, "dt": job.dt,
             "q": job.robot.nominal.tolist(), "effort_limits": job.robot.effort_limits.tolist(),
         }  # fmt: skip
-        self._send((json.dumps(told) + "\n").encode())
+        self._send((json.dumps(setup) + "\n").encode())
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         if not line:

@@ -148,7 +148,7 @@ def carry_out(stack: Stack, task: Task, seed: int, setting: Setting = HARD) -> T
     if log.fact("outcome") == Ending.INTERRUPTED:
         raise KeyboardInterrupt
     spent = cpu.spent + (sum(controller.cpu) if controller.apart else 0.0)
-    return _told(stack, task, seed, log, controller, spent)
+    return _trial(stack, task, seed, log, controller, spent)
 
 
 def _line(error: Exception) -> str:
@@ -206,7 +206,7 @@ def push_time(controller: TimedController, phase: float) -> float:
     return round(start + (cycles + phase) * period, 3)
 
 
-def _told(stack: Stack, task: Task, seed: int, log: Log, controller: TimedController, spent: float) -> Trial:
+def _trial(stack: Stack, task: Task, seed: int, log: Log, controller: TimedController, spent: float) -> Trial:
     """Return what a log and the clocks say."""
     robot, asked = known_robot(task.robot), asked_velocity(task)
     height = float(robot.nominal[2])

@@ -19,7 +19,6 @@ from surefoot.arrays import FloatArray
 from surefoot.audit import summarise_walk
 from surefoot.audit.motion import heading_velocity
 from surefoot.log import Ending, Log
-from surefoot.simulation.sensors import SensorModel
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain
 
@@ -36,22 +35,6 @@ LADDER = (
     (0.0, 0.0, 3.0),
 )  # fmt: skip
 """Velocities of Go2: forward, left [m/s], turn rate [rad/s]."""
-
-
-@dataclass(frozen=True)
-class Conditions:
-    """The world that robots walk in.
-
-    Attributes
-    ----------
-    world
-        Its name.
-    hard
-        Whether actuators are real, all of the robot collides (in MuJoCo) and the state is estimated.
-    """
-
-    world: str = "mujoco"
-    hard: bool = False
 
 
 @dataclass(frozen=True)
@@ -113,7 +96,7 @@ def measure(
     robot: str,
     velocities: tuple[tuple[float, float, float], ...],
     seeds: int,
-    conditions: Conditions,
+    world: str,
     gait: str = "trot",
     tell: Callable[[float], None] | None = None,
 ) -> list[SpeedRow]:
@@ -127,7 +110,7 @@ def measure(
         Forward, left [m/s], turn rate [rad/s].
     seeds
         How many.
-    conditions, gait
+    world, gait
         Where, and how.
     tell
         Called with the share that is done.
@@ -136,9 +119,9 @@ def measure(
     for number, velocity in enumerate(velocities):
         trials, commanded = [], velocity
         for seed in range(seeds):
-            log, told = walk(robot, velocity, seed, conditions, gait)
+            log, left = walk(robot, velocity, seed, world, gait)
             trials.append(judge(log))
-            commanded = (float(told[0]), float(told[1]), float(told[2]))
+            commanded = (float(left[0]), float(left[1]), float(left[2]))
             if tell is not None:
                 tell((number + (seed + 1) / seeds) / len(velocities))
         rows.append(_row(robot, velocity, commanded, trials))
@@ -146,18 +129,14 @@ def measure(
 
 
 def walk(
-    name: str, velocity: tuple[float, float, float], seed: int, conditions: Conditions, gait: str
+    name: str, velocity: tuple[float, float, float], seed: int, world: str, gait: str
 ) -> tuple[Log, FloatArray]:
     """Return the log of a walk, and the (3,) velocity that was left after limits [m/s, rad/s]."""
     rng = np.random.default_rng([seed, 17])
     mass, friction = (1.0 + e * rng.uniform(-1.0, 1.0) for e in (MASS_ERROR, FRICTION_ERROR))
-    told: dict[str, Any] = dict(walks.HARD) if conditions.hard else {}
-    if conditions.world != "mujoco":
-        told.pop("collision", None)
     chosen = walks.Walk(
-        name, velocity, gait, mu=MU * friction, believed_mu=MU, believed_mass=mass,
-        world=conditions.world, options=told, sensors=SensorModel() if conditions.hard else None,
-    )  # fmt: skip
+        name, velocity, gait, mu=MU * friction, believed_mu=MU, believed_mass=mass, world=world
+    )
     controller: Any = chosen.controller(walks.known_robot(name), FlatTerrain())
     return chosen.log(seed, DURATION), controller.command.at(0.0)
 

@@ -26,14 +26,14 @@ LEGS = ("FL", "FR", "RL", "RR")
 class Stack:
     """Its parts, joined as in its examples."""
 
-    def __init__(self, told: dict[str, Any]) -> None:
+    def __init__(self, setup: dict[str, Any]) -> None:
         data: Any = importlib.import_module("convex_mpc.go2_robot_data")
         mpc: Any = importlib.import_module("convex_mpc.centroidal_mpc")
         gait = importlib.import_module("convex_mpc.gait")
-        data.URDF_PATH, data.PACKAGE_DIRS = Path(told["urdf"]["file"]), Path(told["urdf"]["packages"])
-        mpc.MU = told["mu"]
+        data.URDF_PATH, data.PACKAGE_DIRS = Path(setup["urdf"]["file"]), Path(setup["urdf"]["packages"])
+        mpc.MU = setup["mu"]
         mpc.OPTS["error_on_fail"] = False  # a plan that was not finished is used, as on a robot
-        self.limits = TORQUE_SHARE * np.array(told["effort_limits"])
+        self.limits = TORQUE_SHARE * np.array(setup["effort_limits"])
         self.go2 = data.PinGo2Model()
         self.legs = importlib.import_module("convex_mpc.leg_controller").LegController()
         self.trajectory = importlib.import_module("convex_mpc.com_trajectory").ComTraj(self.go2)
