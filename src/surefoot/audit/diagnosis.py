@@ -36,7 +36,7 @@ def diagnose(log: Log, setting: Setting, found: Sequence[Interval]) -> list[Find
         for _, first, last, failed in mine:
             shown = min(last + 1, first + LONGEST)
             out += _best(Episode(Rows(log, setting, first, shown), column, failed), last - first + 1)
-    return _ranked(_joined(_not_shadowed(out, setting), setting))
+    return _ranked(_joined(_not_shadowed(out), setting))
 
 
 def _episodes(found: Iterable[Interval], setting: Setting) -> list[tuple[int, int, int, dict[str, Interval]]]:
@@ -81,7 +81,7 @@ def _best(episode: Episode, rows: int) -> list[Finding]:
     ]
 
 
-def _not_shadowed(found: list[Finding], setting: Setting) -> list[Finding]:
+def _not_shadowed(found: list[Finding]) -> list[Finding]:
     """Leave out what is said of the body while a foot's wrong force explains it, and the other way round."""
     whole = [f for f in found if f.contact == BODY and f.name in WHOLE]
     feet = [f for f in found if f.contact != BODY]

@@ -120,7 +120,7 @@ def search(
         axes = _axes(square, here.scale)
         for _ in range(TRIALS):
             lifted = square + damp * np.diag(np.diag(square) + 1e-12)
-            ahead = np.clip(values - steps * _within(lifted, slope, values, steps, low, high), low, high)
+            ahead = np.clip(values - steps * _within(lifted, slope, values, low, high), low, high)
             there = _residuals(rows(ahead), first, frames, here.scale)
             if there.loss < here.loss:
                 better = there
@@ -144,9 +144,8 @@ def search(
 
 
 def _within(
-    square: FloatArray, slope: FloatArray, values: FloatArray, steps: FloatArray, low: FloatArray,
-    high: FloatArray,
-) -> FloatArray:  # fmt: skip
+    square: FloatArray, slope: FloatArray, values: FloatArray, low: FloatArray, high: FloatArray
+) -> FloatArray:
     """Return the step (d,), in steps, of the parameters that are not held at the end of their range."""
     free = ~(((values <= low) & (slope > 0.0)) | ((values >= high) & (slope < 0.0)))
     out = np.zeros(len(values))

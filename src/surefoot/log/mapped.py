@@ -116,11 +116,11 @@ class _Build:
         topics = {topic for topic, _ in found}
         if self.known[name].shape == ("joints",) and len(topics) == 1:
             topic, values = found[0][0], np.hstack([numbers for _, numbers in found])
-            found = [(topic, self._picked(name, topic, values))]
+            found = [(topic, self._picked(topic, values))]
         factor = take.scale * unit_factor(take.unit, self.known[name])
         return [(topic, numbers * factor) for topic, numbers in found]
 
-    def _picked(self, name: str, topic: str, values: FloatArray) -> FloatArray:
+    def _picked(self, topic: str, values: FloatArray) -> FloatArray:
         """Return the numbers of the joints in the log's order, by the names that the messages bring."""
         names = next((t for t in self.source.topics[topic].texts.values() if len(t) == values.shape[1]), ())
         if len(names) < 2:

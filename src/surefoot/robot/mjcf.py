@@ -255,7 +255,7 @@ class _Builder:
                 continue
             place = here * self._pose(c.geom_pos[geom], c.geom_quat[geom])
             name = c.geom(geom).name
-            frame = self._frame(name, joint, place) if name else self._site_at(body, joint, place, geom)
+            frame = self._frame(name, joint, place) if name else self._site_at(body, place, geom)
             shape = self._shape(geom)
             if shape is not None:
                 item = self.pin.GeometryObject(
@@ -270,7 +270,7 @@ class _Builder:
         kind = self.pin.FrameType.OP_FRAME
         return int(self.model.addFrame(self.pin.Frame(name, joint, place, kind)))
 
-    def _site_at(self, body: int, joint: int, place: Any, geom: int) -> int | None:
+    def _site_at(self, body: int, place: Any, geom: int) -> int | None:
         """Return the frame of a site in the middle of a nameless shape: a foot's name, most often."""
         c, reach = self.compiled, float(self.compiled.geom_size[geom, 0])
         if int(c.geom_type[geom]) == int(self.mujoco.mjtGeom.mjGEOM_MESH):

@@ -91,7 +91,7 @@ def scene_of(
         For a joint or a shape of ground that these worlds do not build.
     """
     model, points = loaded_model(robot, payload, payload_position), robot.contact_points
-    joints = [_joint(model, index, robot.floating) for index in range(1, model.njoints)]
+    joints = [_joint(model, index) for index in range(1, model.njoints)]
     spheres = [
         [int(joint), place.tolist(), float(radius)]
         for joint, place, radius in zip(points.joints, points.places, points.radii, strict=True)
@@ -108,7 +108,7 @@ def scene_of(
     return {"joints": joints, "spheres": spheres, "ground": ground, "gravity": gravity}
 
 
-def _joint(model: Any, index: int, floating: bool) -> dict[str, Any]:
+def _joint(model: Any, index: int) -> dict[str, Any]:
     """Return a joint and the body that it carries."""
     joint, pose, inertia = model.joints[index], model.jointPlacements[index], model.inertias[index]
     words: dict[str, Any] = {

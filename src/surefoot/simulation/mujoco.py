@@ -154,10 +154,10 @@ class MujocoWorld:
         roots = np.array(self.model.body_rootid)[self._bodies]
         self._spheres = np.stack([feet, self._bodies, roots], axis=1).astype(np.int64)
         self._sizes = np.stack([points.radii, np.full(len(feet), offset)], axis=1)
-        self._look_at_data(feet)
+        self._look_at_data()
         self.reset(robot.nominal)
 
-    def _look_at_data(self, feet: IntArray) -> None:
+    def _look_at_data(self) -> None:
         """Keep hold of arrays of MuJoCo's data that stay in their places, and of compiled functions."""
         data, first = self.data, self.robot.base_dof
         self._advance = partial(self._mujoco.mj_step, self.model, data)

@@ -5,9 +5,6 @@ from __future__ import annotations
 from surefoot.interop.sequence import ContactSequence
 from surefoot.stance import PatchContact
 
-WIDTH = 100
-"""Characters of a line of data."""
-
 
 def python_data(sequence: ContactSequence) -> str:
     """Return the assignments FRAMES and PHASES as Python text: all that a script needs, and no import.
