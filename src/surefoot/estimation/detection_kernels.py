@@ -7,12 +7,12 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.estimation.extended_poses import apply
 from surefoot.estimation.foot_kinematics import place_feet
 from surefoot.kernels import borrowed, inline_kernel, kernel, window
 from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
 from surefoot.numerics.points import point_velocity
 from surefoot.numerics.rotations import rotation_of
+from surefoot.numerics.vectors import times
 from surefoot.spatial import GRAVITY
 
 DAMPING = 1e-3
@@ -60,11 +60,11 @@ def sense_feet(
     foot_forces(twists, support, local, borrowed(flags)[0], rows[3], v, DAMPING, forces, velocities)
     pushed = borrowed(flags)[1]
     for k in range(n):
-        a, b, c = apply(R, local[k, 0], local[k, 1], local[k, 2])
+        a, b, c = times(R, (local[k, 0], local[k, 1], local[k, 2]))
         points[k, 0], points[k, 1], points[k, 2] = q[0] + a, q[1] + b, q[2] + c
-        a, b, c = apply(R, velocities[k, 0], velocities[k, 1], velocities[k, 2])
+        a, b, c = times(R, (velocities[k, 0], velocities[k, 1], velocities[k, 2]))
         velocities[k, 0], velocities[k, 1], velocities[k, 2] = a, b, c
-        a, b, c = apply(R, forces[k, 0], forces[k, 1], forces[k, 2])
+        a, b, c = times(R, (forces[k, 0], forces[k, 1], forces[k, 2]))
         forces[k, 0], forces[k, 1], forces[k, 2] = a, b, c
         pushed[k] = a * up[k, 0] + b * up[k, 1] + c * up[k, 2] > numbers[3]
 
@@ -103,11 +103,11 @@ def _observe(
     for j in range(6, twists.shape[1]):
         i = tables[j]
         R, h = turns[i], momenta[i]
-        a, b, c = apply(R, h[0], h[1], h[2])
-        d, e, f = apply(R, h[3], h[4], h[5])
+        a, b, c = times(R, (h[0], h[1], h[2]))
+        d, e, f = times(R, (h[3], h[4], h[5]))
         x, y, z = places[i, 0], places[i, 1], places[i, 2]
         d, e, f = d + y * c - z * b, e + z * a - x * c, f + x * b - y * a  # about the base's origin
-        k, m, n = apply(R, masses[i, 0], masses[i, 1], masses[i, 2])
+        k, m, n = times(R, (masses[i, 0], masses[i, 1], masses[i, 2]))
         rise = point_velocity(twists, j, x + k, y + m, z + n)
         weight = loads[i] * GRAVITY * (rise[0] * plumb[0] + rise[1] * plumb[1] + rise[2] * plumb[2])
         p = rotors[j] * v[j] + twists[0, j] * a + twists[1, j] * b + twists[2, j] * c

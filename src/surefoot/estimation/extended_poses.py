@@ -21,7 +21,8 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.kernels import inline_kernel, kernel
+from surefoot.kernels import kernel
+from surefoot.numerics.vectors import times
 
 
 @kernel
@@ -58,24 +59,14 @@ def gammas(phi: FloatArray, out: FloatArray) -> None:
         G[1, 2], G[2, 1] = even * y * z - odd * x, even * y * z + odd * x
 
 
-@inline_kernel
-def apply(A: FloatArray, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Return A (3, 3) times (x, y, z)."""
-    return (
-        A[0, 0] * x + A[0, 1] * y + A[0, 2] * z,
-        A[1, 0] * x + A[1, 1] * y + A[1, 2] * z,
-        A[2, 0] * x + A[2, 1] * y + A[2, 2] * z,
-    )
-
-
 @kernel
 def move(X: FloatArray, xi: FloatArray) -> None:
     """Replace X (3, 3 + k) by exp(ξ) X, ξ (3 + 3k,), its rotation in [rad]."""
     G = np.empty((3, 3, 3))
     gammas(xi[:3], G)
     for j in range(X.shape[1]):
-        a, b, c = apply(G[0], X[0, j], X[1, j], X[2, j])
+        a, b, c = times(G[0], (X[0, j], X[1, j], X[2, j]))
         if j >= 3:
-            u, v, w = apply(G[1], xi[3 * j - 6], xi[3 * j - 5], xi[3 * j - 4])
+            u, v, w = times(G[1], (xi[3 * j - 6], xi[3 * j - 5], xi[3 * j - 4]))
             a, b, c = a + u, b + v, c + w
         X[0, j], X[1, j], X[2, j] = a, b, c

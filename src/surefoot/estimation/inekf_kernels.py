@@ -12,13 +12,13 @@ References
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.estimation.extended_poses import apply, gammas, move
+from surefoot.estimation.extended_poses import gammas, move
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.cholesky import cholesky, solve_lower
+from surefoot.numerics.vectors import times
 from surefoot.spatial import GRAVITY
 
 
@@ -31,8 +31,8 @@ def _transit(x: FloatArray, X: FloatArray, on: BoolArray, h: float, last: int) -
     n = on.shape[0]
     R, m = X[:, :3], 9 + 3 * n
     h2, h3 = 0.5 * h * h, h * h * h / 6.0
-    a, b, c = apply(R, x[m], x[m + 1], x[m + 2])
-    d, e, f = apply(R, x[m + 3], x[m + 4], x[m + 5])
+    a, b, c = times(R, (x[m], x[m + 1], x[m + 2]))
+    d, e, f = times(R, (x[m + 3], x[m + 4], x[m + 5]))
     # g x y = GRAVITY (y_y, -y_x, 0)
     if last >= 6:
         px, py, pz = h * X[0, 4] + h2 * X[0, 3], h * X[1, 4] + h2 * X[1, 3], h * X[2, 4] + h2 * X[2, 3]
@@ -111,8 +111,8 @@ def _march(X: FloatArray, bias: FloatArray, gyro: FloatArray, accelerometer: Flo
         phi[r] = (gyro[r] - bias[r]) * h
     gammas(phi, G)
     force = accelerometer - bias[3:]
-    u = apply(R, *apply(G[1], force[0], force[1], force[2]))
-    w = apply(R, *apply(G[2], force[0], force[1], force[2]))
+    u = times(R, times(G[1], (force[0], force[1], force[2])))
+    w = times(R, times(G[2], (force[0], force[1], force[2])))
     for r in range(3):
         g = -GRAVITY if r == 2 else 0.0
         X[r, 4] += h * X[r, 3] + h * h * (w[r] + 0.5 * g)
@@ -144,32 +144,6 @@ def foresee(X: FloatArray, bias: FloatArray, gyros: FloatArray, accelerometers: 
 
 
 @inline_kernel
-def _factor(S: FloatArray) -> bool:
-    """Replace a symmetric (3, 3) matrix by its Cholesky factor below the diagonal; False if there is none."""
-    for j in range(3):
-        for i in range(j, 3):
-            total = S[i, j]
-            for k in range(j):
-                total -= S[i, k] * S[j, k]
-            if i > j:
-                S[i, j] = total / S[j, j]
-            elif total > 0.0:
-                S[j, j] = math.sqrt(total)
-            else:
-                return False
-    return True
-
-
-@inline_kernel
-def _whiten(L: FloatArray, z: FloatArray) -> float:
-    """Replace z (3,) by L⁻¹ z and return its square."""
-    z[0] = z[0] / L[0, 0]
-    z[1] = (z[1] - L[1, 0] * z[0]) / L[1, 1]
-    z[2] = (z[2] - L[2, 0] * z[0] - L[2, 1] * z[1]) / L[2, 2]
-    return float(z[0] * z[0] + z[1] * z[1] + z[2] * z[2])
-
-
-@inline_kernel
 def _add_turned(R: FloatArray, spread: FloatArray, S: FloatArray) -> None:
     """Add R N Rᵀ to S, both (3, 3)."""
     for r in range(3):
@@ -189,7 +163,7 @@ def _innovation(
     Only what lies in the lower triangles is read and filled.
     """
     R, j = X[:, :3], 9 + 3 * k
-    z[0], z[1], z[2] = apply(R, place[0], place[1], place[2])
+    z[0], z[1], z[2] = times(R, (place[0], place[1], place[2]))
     for r in range(3):
         z[r] += X[r, 4] - X[r, 5 + k]
         for s in range(r + 1):
@@ -231,7 +205,10 @@ def correct(
             _add_turned(X[:, :3], spreads[k], seen[k])
             S[:] = seen[k]
             _innovation(X, P, k, places[k], S, z)
-            distances[k] = _whiten(S, z) if _factor(S) else np.inf
+            distances[k] = np.inf
+            if cholesky(S):
+                solve_lower(S, z)
+                distances[k] = z[0] * z[0] + z[1] * z[1] + z[2] * z[2]
             used[k] = distances[k] <= gate
     for k in range(n):
         if not used[k]:
@@ -241,8 +218,8 @@ def correct(
         j = 9 + 3 * k
         for r in range(3):
             z[r] -= delta[j + r] - delta[6 + r]
-        _factor(S)
-        _whiten(S, z)
+        cholesky(S)
+        solve_lower(S, z)
         _gain(P, j, S, W)
         for i in range(N):
             a, b, c = W[i, 0], W[i, 1], W[i, 2]
@@ -318,7 +295,7 @@ def add_foot(X: FloatArray, P: FloatArray, k: int, place: FloatArray, spread: Fl
     Its error is that of p and R times the measurement's: no Jacobian depends on the state.
     """
     R, j = X[:, :3], 9 + 3 * k
-    u = apply(R, place[0], place[1], place[2])
+    u = times(R, (place[0], place[1], place[2]))
     for r in range(3):
         X[r, 5 + k] = X[r, 4] + u[r]
         for i in range(P.shape[0]):
