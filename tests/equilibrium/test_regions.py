@@ -43,6 +43,19 @@ def test_level_ground_gives_the_support_polygon():
         assert region.converged
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_regions_between_bounds_are_traced_to_the_end(seed):
+    """A slack that has nothing to do with where the weight goes kept the search from ending."""
+    rng = np.random.default_rng(seed)
+    for _ in range(40):
+        bounds = [{"normal_min": a, "normal_max": a + b} for a, b in rng.uniform(0, [[30.0, 190.0]] * 4)]
+        mu = rng.choice([1e-6, 0.2, 0.9, 10.0], 4)
+        contacts = [sf.PointContact([*p, 0], mu=m, **b) for p, m, b in zip(FEET, mu, bounds, strict=True)]
+        stance = sf.Stance([sf.PatchContact([*FEET[0], 0], 0.2, 0.1, **bounds[0]), *contacts[1:]])
+        region = sf.com_region(stance, 15.0, external_wrench=rng.normal(size=6))
+        assert region.converged
+
+
 def test_region_agrees_with_can_stand_inside_and_outside():
     empty = squeezed = 0
     for case in rough_cases(90, 0):

@@ -255,11 +255,12 @@ def _gap(
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Return the gap, the objective, the gap's own rounding, and the share of the dual equations unmet.
 
-    The gap is the larger of x.z and c.x - b.y: they differ by what the equations miss. Sets
-    rd = c - z - B' y, and `weight` (m,) to the sizes of its terms.
+    The gap is the larger of x.z and c.x - b.y: they differ by what the equations miss. That is a share of the
+    largest terms: those of an equation may all tend to zero. Sets rd = c - z - B' y, and `weight` (m,) to the
+    sizes of its terms.
     """
     r, m = B.shape
-    product, value, bound, size, lost = 0.0, 0.0, 0.0, 0.0, 0.0
+    product, value, bound, size, lost, largest = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(m):
         rd[i], weight[i] = c[i] - z[i], abs(c[i]) + abs(z[i])
     for j in range(r):
@@ -270,13 +271,13 @@ def _gap(
                 weight[i] += abs(part)
         bound += b[j] * y[j]
     for i in range(m):
-        if abs(rd[i]) > lost * weight[i]:  # divisions are dear
-            lost = abs(rd[i]) / weight[i]
+        lost, largest = max(lost, abs(rd[i])), max(largest, weight[i])
         product += x[i] * z[i]
         value += c[i] * x[i]
         size += abs(c[i] * x[i])
     for j in range(r):
         size += abs(b[j] * y[j])
+    lost = lost / largest if largest > 0.0 else 0.0
     return max(product, abs(value - bound)), value, _ROUNDING * size, lost
 
 

@@ -170,17 +170,24 @@ def corner_basis(mu: FloatArray, facets: int | None, fit: Fit) -> tuple[FloatArr
 
 
 def equations(question: Question) -> Equations:
-    """Set up A x = w for a stance with bounds and, if asked, pyramids for cones."""
+    """Set up A x = w for a stance with bounds and, if asked, pyramids for cones.
+
+    Contacts that are off (normal_max = 0) have no columns, so that nothing has to have a margin to them.
+    """
     stance, limits = question.stance, question.limits
     points = stance.points()
-    force, axis = corner_basis(points.mu, question.facets, question.fit)
+    on = points.normal_max > 0.0
+    whole, axis = corner_basis(points.mu, question.facets, question.fit)
+    unit = len(axis) // max(1, len(points))
+    columns = np.repeat(on, unit)
+    force, axis = whole[:, columns], axis[columns]
     length = spread(points.positions, question.com)
     scale = load_scale(question.load, length)
     A = points.grasp_map(question.com) @ force
     A[3:] /= length
     w = question.load / scale
     w[3:] /= length
-    lorentz = len(points) if question.facets is None else 0
+    lorentz = int(on.sum()) if question.facets is None else 0
     kept: IntArray = np.zeros(0, dtype=np.int64)
     blocks: IntArray | None = IN_ONE
     row_scale = np.zeros(0)
@@ -188,8 +195,10 @@ def equations(question: Question) -> Equations:
         size = np.linalg.norm(limits.rows, axis=1)
         kept = np.flatnonzero((limits.bound < _IRRELEVANT * scale * size) | (size == 0.0))
         by_corner = limits.rows[kept] if stance.points() is stance else limits.rows[kept] @ stance.corner_map
-        rows = _times_cones(by_corner, force, len(points))
-        order, groups = find_blocks(rows, len(axis) // max(1, len(points)))
+        rows = _times_cones(by_corner, whole, len(points))[:, columns]
+        says = rows.any(axis=1) | (limits.bound[kept] < 0.0)
+        kept, rows = kept[says], rows[says]
+        order, groups = find_blocks(rows, unit)
         kept, rows = kept[order], rows[order]
         size = np.where(size > 0.0, size, 1.0)[kept]
         distance = limits.bound[kept] / (size * scale)  # of the bound from zero force, in loads

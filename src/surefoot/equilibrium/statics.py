@@ -34,6 +34,8 @@ _RUNAWAY = 1e3
 """Forces of so many loads, where bounds take part, are taken for a squeeze that nothing stops."""
 _SQUEEZES = (10.0, 100.0, 1000.0)
 """Total normal forces, in loads, that `friction_needed` counts with where less friction needs ever more."""
+_STEEP = 1e-6
+"""Share of the friction needed that takes the forces out of the band, unless they stay at zero margin."""
 MOST_MU = 1e4
 """A stance that needs more friction than this counts as one that no friction saves; where rounding leaves
 more friction no answer, forces are looked for within this much."""
@@ -118,12 +120,13 @@ def can_stand(
 
 
 def _general(question: Question) -> Verdict:
-    """Answer with bounds or pyramids, or without contacts."""
+    """Answer with bounds or pyramids, or without contacts that are on."""
     stance, load, bounds = question.stance, question.load, question.limits
-    if not stance.contacts:
+    if not (stance.normal_max > 0.0).any():
         size = float(np.linalg.norm(load))
         if size == 0.0:
-            return Verdict(question, "possible", math.inf, np.zeros(0), None, np.zeros((0, 3)))
+            none = np.zeros((len(stance.points()), 3))
+            return Verdict(question, "possible", math.inf, np.zeros(stance.dim), None, none)
         return Verdict(question, "impossible", -math.inf, certificate=-load / size, reach=math.inf)
     eq = equations(question)
     outcome, margin, x, y, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz, eq.blocks)
@@ -252,7 +255,11 @@ def _friction_within(stance: Stance, about: FloatArray, load: FloatArray, most: 
 
 
 def _least_root(depth: Callable[[float], float], band: float) -> float:
-    """Return the least mu with depth(mu) >= -band, depth rising with mu; infinite if there is none."""
+    """Return the least mu with depth(mu) >= -band; infinite if there is none.
+
+    The depth rises with mu; where a contact can carry nothing it stays at zero, up to rounding, from some mu
+    on: then all that counts is on which side of the band it is.
+    """
     if depth(0.0) >= -band:
         return 0.0
     low, high = 0.0, 1.0
@@ -260,12 +267,17 @@ def _least_root(depth: Callable[[float], float], band: float) -> float:
         if high >= MOST_MU:
             return math.inf
         low, high = high, 10.0 * high
-    if at_high <= band:
-        return high
-    from scipy.optimize import brentq
+    if at_high > band:
+        from scipy.optimize import brentq
 
-    most = band / BAND  # of a depth, which is infinite where the load is out of reach or contacts squeeze
-    return float(brentq(lambda mu: min(max(depth(mu), -most), most), low, high, rtol=1e-9))
+        most = band / BAND  # of a depth, which is infinite where the load is out of reach or contacts squeeze
+        high = float(brentq(lambda mu: min(max(depth(mu), -most), most), low, high, rtol=BAND))
+        if depth((1.0 - _STEEP) * high) < -band:
+            return high
+    while high - low > BAND * high > 1e-300:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if depth(middle) >= -band else (middle, high)
+    return high
 
 
 def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> FloatArray:

@@ -48,7 +48,8 @@ class Verdict:
     certificate
         (6,) separating wrench y, of any length [-, 1/m], when impossible, else None: every admissible set of
         contact forces f has ``y @ grasp_map @ f >= 0``, and ``y @ load < 0``. Where bounds on forces take
-        part (normal bounds, joint torques) they enter with `multipliers`.
+        part (normal bounds, joint torques) they enter with `multipliers`; contacts that are off have no
+        forces.
     reach
         How far that proof goes [N]: forces that give the load would have normal forces that add up to this
         at least. Infinite where it holds without exception; where contacts can squeeze each other, or load
@@ -172,7 +173,8 @@ class Verdict:
         y = self.certificate
         if y is None or not np.all(np.isfinite(y)):
             return False
-        if not len(self.stance):
+        on = self.stance.points().normal_max > 0.0
+        if not on.any():
             return float(y @ self.load) < 0.0
         grasp = self.stance.points().grasp_map(self.com)
         force = grasp.T @ y
@@ -182,7 +184,7 @@ class Verdict:
                 return False
             force = force + self.stance.corner_map.T @ (self.limits.rows.T @ self.multipliers)
             work += float(self.multipliers @ self.limits.bound)
-        lack = float(-self._least_work(force.reshape(-1, 3)).min())
+        lack = float(-self._least_work(force.reshape(-1, 3))[on].min())
         size, _ = self._scales(grasp)
         return work < 0.0 and -work >= 0.5 * REACH * size * lack
 
@@ -232,14 +234,12 @@ class Verdict:
             outcome, most, *_ = most_margin(eq.A, eq.e, (eq.w + s * d) / (1.0 + s), eq.lorentz, eq.blocks)
             return most if outcome in (FEASIBLE, ENDLESS) else -math.inf
 
-        if margin(0.0) <= BAND:
-            return 0.0
         low, high = 0.0, 1.0
         while margin(high) > -math.inf:
             if high > _MOST:
                 return math.inf
             low, high = high, 2.0 * high
-        while high - low > BAND * high:
+        while high > BAND and high - low > BAND * high:  # a load more or less of the band is none
             middle = 0.5 * (low + high)
             low, high = (middle, high) if margin(middle) > -math.inf else (low, middle)
-        return low * eq.scale / size
+        return low * eq.scale / size if high > BAND else 0.0
