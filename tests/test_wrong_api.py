@@ -18,10 +18,11 @@ COM, NOTHING = [0.0, 0.0, 0.3], np.zeros(6)
 STANCE = sf.Stance([sf.PointContact(p, mu=0.6) for p in FEET])
 BOUNDED = sf.Stance([sf.PointContact(p, mu=0.6, normal_max=1e4) for p in FEET])
 PROBLEM = sf.ContactProblem(np.eye(3), [0.0, 0.0, -1.0], 0.5)
+SHARE = sf.ForceDistributor(0.6)
 NO_STANCES: list[Any] = [None, FEET, "stance", 3, STANCE.contacts]
 NO_MASSES: list[Any] = ["15", None, 0.0, -1.0, np.nan, np.inf, 1e200, [15.0]]
-NO_POINTS: list[Any] = ["com", None, [0.0, 0.0], [np.nan, 0, 0], [np.inf, 0, 0], [1e200, 0, 0], [[0, 0, 0]]]
-NO_WRENCHES: list[Any] = ["w", [1.0], [np.nan] * 6, [1e200, 0, 0, 0, 0, 0], {}]
+NO_POINTS: list[Any] = ["com", None, [0.0, 0.0], [np.nan, 0, 0], [np.inf, 0, 0], [1e200, 0, 0], [[0], [0, 0]]]
+NO_WRENCHES: list[Any] = ["w", [[1.0], [1.0, 2.0]], [np.nan] * 6, [1e200, 0, 0, 0, 0, 0], {}]
 NO_FACETS: list[Any] = [10**6, 2, -1, 3.5, np.nan, "x"]
 NO_LOGS: list[Any] = [np.zeros(3), None, 3, {}, [1, 2]]
 NO_PATHS: list[Any] = [3, None, [], np.zeros(2)]
@@ -42,6 +43,17 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "friction mass": (lambda x: sf.friction_needed(STANCE, COM, x), NO_MASSES, "mass must be"),
     "region stance": (lambda x: sf.com_region(x, 15.0), NO_STANCES, "stance must be"),
     "region mass": (lambda x: sf.com_region(STANCE, x), NO_MASSES, "mass must be"),
+    "region bounds": (lambda x: sf.com_region(STANCE, 15.0, limits=x), ["x", 3], "limits must be"),
+    "stands push": (lambda x: sf.can_stand_batch([STANCE], COM, 15.0, x), NO_WRENCHES, "external_wrench"),
+    "share wish": (lambda x: SHARE.solve(np.eye(6)[:, :3], NOTHING, x), ["x", object()], "reference must"),
+    "free velocity": (lambda x: sf.ContactProblem(np.eye(3), x, 0.5), [np.array([max] * 3)], "g must"),
+    "mpc": (
+        lambda x: sf.ConvexMpc(1.0, np.eye(3), **x),
+        [{name: value} for name in ("feet", "horizon", "max_iterations") for value in (None, 0, 1.5)],
+        "feet|horizon|max_iterations",
+    ),
+    "mpc weights": (lambda x: sf.ConvexMpc(1.0, np.eye(3), weights=x), [3, None], "weights must be"),
+    "mpc time": (lambda x: sf.ConvexMpc(1.0, np.eye(3)).shift(x), [*NO_NUMBERS, np.inf], "elapsed"),
     "cone stance": (lambda x: sf.wrench_cone(x, COM), NO_STANCES, "stance must be"),
     "share stance": (lambda x: sf.distribute(x, NOTHING), NO_STANCES, "stance must be"),
     "halfspaces": (lambda x: STANCE.halfspaces(facets=x), NO_FACETS, "facets"),

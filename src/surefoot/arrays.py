@@ -40,11 +40,12 @@ def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None =
     array([0. , 0. , 0.3])
     """
     try:
-        if np.iscomplexobj(value):
+        array = np.asarray(value)
+        if array.dtype.kind not in "biufO":  # neither text nor dates are numbers
             raise TypeError
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
+        array = np.array(array, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ProblemError(f"{name} must be numeric, got {' '.join(f'{value!r:.80}'.split())}") from error
     if shape is not None:
         wanted = tuple(shape)
         fits = array.ndim == len(wanted) and all(

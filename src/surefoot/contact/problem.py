@@ -206,7 +206,8 @@ class ContactProblem:
         self, g: ArrayLike, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike
     ) -> None:
         """Read the vectors: one compiled check, and the words only where it fails."""
-        vector = np.asarray(g, dtype=np.float64) if isinstance(g, np.ndarray) else finite_array("g", g)
+        plain = isinstance(g, np.ndarray) and g.dtype.kind == "f"
+        vector = np.asarray(g, dtype=np.float64) if plain else finite_array("g", g)
         self.contacts = n = vector.size // 3
         self._vectors = np.empty((2, 3 * n))
         own_mu, low, high = self.mu, self.normal_min, self.normal_max

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.spatial import rotation_about, rotation_from_normal, unit
 
 
@@ -88,7 +88,8 @@ class BodyReference:
                [0.05, 0.  , 0.3 ],
                [0.1 , 0.  , 0.3 ]])
         """
-        n = unit("normal", normal)
+        n, horizon = unit("normal", normal), whole_number("horizon", horizon, low=1)
+        yaw, yaw_rate = (real_number(*p, low=-1e9, high=1e9) for p in (("yaw", yaw), ("yaw_rate", yaw_rate)))
         start = rotation_from_normal(n, [math.cos(yaw), math.sin(yaw), 0.0])
         v = finite_array("velocity", velocity, (2,))
         turns = [rotation_about(n, yaw_rate * dt * 0.5 * k) @ start for k in range(2 * horizon + 1)]

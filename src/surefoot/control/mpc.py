@@ -13,7 +13,15 @@ from dataclasses import InitVar, dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, per_contact, real_number
+from surefoot.arrays import (
+    FloatArray,
+    finite_array,
+    of_kind,
+    per_contact,
+    real_array,
+    real_number,
+    whole_number,
+)
 from surefoot.contact.solution import Status
 from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
@@ -180,9 +188,9 @@ class ConvexMpc:
     def __post_init__(self, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike) -> None:
         real_number("mass", self.mass, low=1e-6, high=1e9)
         real_number("tol", self.tol, low=0.0, high=1e9)
-        for name in ("horizon", "feet"):
-            if getattr(self, name) < 1:
-                raise ProblemError(f"{name} must be >= 1, got {getattr(self, name)}")
+        for name in ("horizon", "feet", "max_iterations"):
+            setattr(self, name, whole_number(name, getattr(self, name), low=1))
+        of_kind("weights", self.weights, MpcWeights)
         inertia = finite_array("inertia", self.inertia, (3, 3))
         if not np.allclose(inertia, inertia.T, rtol=1e-6, atol=0.0) or np.linalg.eigvalsh(inertia)[0] <= 0.0:
             raise ProblemError("inertia must be symmetric and positive definite")
@@ -214,7 +222,8 @@ class ConvexMpc:
 
     def shift(self, elapsed: float) -> None:
         """Move the remembered plan on by the steps of the time since it was made [s]: a warm start."""
-        ahead = np.arange(self.horizon) + round(max(elapsed / self.dt, 0.0))
+        steps = real_number("elapsed", elapsed, low=-1e9, high=1e9) / self.dt
+        ahead = np.arange(self.horizon) + round(max(steps, 0.0))
         self._points = self._points[np.minimum(ahead, self.horizon - 1)]
 
     def solve(
@@ -284,7 +293,8 @@ class ConvexMpc:
     ) -> mpc_model.Given:
         """Return the input as full, contiguous arrays; parameters, units and errors are those of `solve`."""
         N, n = self.horizon, self.feet
-        schedule = np.ascontiguousarray(contacts, dtype=np.bool_)
+        known = isinstance(contacts, np.ndarray) and contacts.dtype == np.bool_
+        schedule = np.ascontiguousarray(contacts if known else real_array("contacts", contacts) != 0.0)
         if schedule.shape != (N, n):
             raise ProblemError(f"contacts must have shape ({N}, {n}), got {schedule.shape}")
         feet = _over_horizon("foot_positions", foot_positions, (N, n, 3))
@@ -300,7 +310,7 @@ class ConvexMpc:
             ref_motion[:, 0] = reference.position
             ref_motion[:, 1] = reference.linear_velocity
             ref_motion[:, 2] = reference.angular_velocity
-        except (ValueError, TypeError) as error:
+        except (ValueError, TypeError, AttributeError) as error:
             raise ProblemError(f"state or reference does not fit a horizon of {N} steps: {error}") from error
         return mpc_model.Given(schedule, feet, turned, bounds, rotation, motion, ref_rotation, ref_motion)
 

@@ -11,11 +11,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, of_kind
+from surefoot.arrays import LARGEST, BoolArray, FloatArray, IntArray, finite_array, of_kind, positive_number
 from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, LEAST_MU, UNDECIDED, most_margin
 from surefoot.equilibrium.point_contacts import stand
 from surefoot.equilibrium.region import Region
-from surefoot.equilibrium.regions import checked_gap, com_region
+from surefoot.equilibrium.regions import com_region
 from surefoot.equilibrium.row_blocks import IN_ONE
 from surefoot.equilibrium.statics import can_stand, needed_wrench
 from surefoot.equilibrium.tracing import ROOM, OutlineProgram, certified
@@ -138,7 +138,8 @@ def can_stand_batch(
     size = _count(stances)
     about, masses = _per_stance("com", com, size, (3,)), _masses(mass, size)
     wrenches = np.zeros((size, 6))
-    if np.ndim(external_wrench) or external_wrench != 0.0:
+    given = finite_array("external_wrench", external_wrench)
+    if given.ndim or given != 0.0:
         wrenches = _per_stance("external_wrench", external_wrench, size, (6,))
     out = Verdicts(stances, about, masses, wrenches)
     ordinary = _ordinary(stances)
@@ -224,7 +225,7 @@ def com_region_batch(
     size = _count(stances)
     masses = _masses(mass, size)
     heights = None if height is None else _per_stance("height", height, size, ())
-    checked_gap(tol)
+    tol = positive_number("tol", tol, "m")
     points = stances if isinstance(stances, StanceBatch) else StanceBatch.of(stances)
     found: dict[int, Region] = {}
     ordinary = _ordinary(stances)
@@ -309,4 +310,7 @@ def _per_stance(name: str, value: ArrayLike, size: int, shape: tuple[int, ...]) 
     given = finite_array(name, value)
     if given.shape not in (shape, (size, *shape)):
         raise ProblemError(f"{name} must have shape {shape} or {(size, *shape)}, got {given.shape}")
+    largest = float(np.abs(given).max(initial=0.0))
+    if largest > LARGEST:
+        raise ProblemError(f"{name} must be within {LARGEST:g}, got {largest:g}")
     return np.array(np.broadcast_to(given, (size, *shape)))

@@ -16,6 +16,7 @@ from surefoot.equilibrium.force_parameters import (
     force_weights,
     friction,
     normal_bounds,
+    numbers,
     torque_limits,
     wrench_metric,
 )
@@ -188,7 +189,7 @@ class ForceDistributor:
         """
         try:
             A, w = _contiguous(grasp_map, _FLOAT), _contiguous(wrench, _FLOAT)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise ProblemError(NOT_NUMBERS) from error
         if A.shape != self._shape or w.shape != _WRENCH:
             self._fit(A, w)
@@ -208,9 +209,8 @@ class ForceDistributor:
         """Return the limits on joint torques as rows on the forces."""
         if self._torque_limit is None:
             raise ProblemError("a Jacobian was given, but ForceDistributor was built without torque_limit")
-        J = np.asarray(jacobian, _FLOAT)
-        limit = self._torque_limit
-        shift = np.zeros_like(limit) if offset is None else np.asarray(offset, dtype=_FLOAT)
+        J, limit = numbers("jacobian", jacobian), self._torque_limit
+        shift = np.zeros_like(limit) if offset is None else numbers("torque_offset", offset)
         if J.shape != (self._shape[1], limit.size) or shift.shape != limit.shape:
             raise ProblemError(
                 f"jacobian must have shape ({self._shape[1]}, {limit.size}) and torque_offset "
@@ -250,14 +250,10 @@ class ForceDistributor:
         ProblemError
             For a wrong shape.
         """
-        try:
-            A, w = _contiguous(grasp_map, _FLOAT), _contiguous(wrench, _FLOAT)
-        except (TypeError, ValueError) as error:
-            raise ProblemError(NOT_NUMBERS) from error
+        A, w = numbers("grasp_map", grasp_map), numbers("wrench", wrench)
         if A.shape != self._shape or w.shape != _WRENCH:
             self._fit(A, w)
-        C = np.asarray(rows, dtype=_FLOAT)
-        lower, upper = np.asarray(low, dtype=_FLOAT), np.asarray(high, dtype=_FLOAT)
+        C, lower, upper = numbers("rows", rows), numbers("low", low), numbers("high", high)
         if C.ndim != 2 or C.shape[1] != self._shape[1] or not lower.shape == upper.shape == C.shape[:1]:
             raise ProblemError(
                 f"rows must have shape (k, {self._shape[1]}) and low and high (k,), "
@@ -284,7 +280,7 @@ class ForceDistributor:
 
     def set_active(self, active: ArrayLike) -> None:
         """Switch contacts on and off: (n,) mask. A contact that is off carries exactly zero."""
-        on = np.ascontiguousarray(active, dtype=np.bool_)
+        on = np.ascontiguousarray(numbers("active", active) != 0.0)
         if on.shape != self._forces_shape[:1]:
             raise ProblemError(f"active must have shape {self._forces_shape[:1]}, got {on.shape}")
         layout.set_limits(self.work, *self._bounds, on)
@@ -301,8 +297,7 @@ class ForceDistributor:
         ProblemError
             For a wrong shape, a negative bound, or bounds out of order.
         """
-        low = np.ascontiguousarray(normal_min, _FLOAT)
-        high = np.ascontiguousarray(normal_max, _FLOAT)
+        low, high = numbers("normal_min", normal_min), numbers("normal_max", normal_max)
         shape = self._forces_shape[:1]
         on = np.ones(shape, dtype=np.bool_) if active is None else active
         wrong = not low.shape == high.shape == on.shape == shape
@@ -319,7 +314,7 @@ class ForceDistributor:
 
     def set_reference(self, forces: ArrayLike) -> None:
         """Set the wanted forces: (n, 3) [N]."""
-        wanted = np.asarray(forces, dtype=np.float64)
+        wanted = numbers("reference", forces)
         if wanted.shape != self._forces_shape:
             raise ProblemError(f"reference must have shape {self._forces_shape}, got {wanted.shape}")
         self.work[: len(wanted), layout.REFERENCE : layout.REFERENCE + 3] = wanted

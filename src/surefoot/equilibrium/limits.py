@@ -11,7 +11,7 @@ from functools import reduce
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.arrays import FloatArray, IntArray, of_kind
 from surefoot.cones import FrictionPyramid
 from surefoot.cones.cone import Fit
 from surefoot.equilibrium.point_contacts import axis_scale, load_scale, spread
@@ -77,6 +77,8 @@ class Question:
 def all_limits(*parts: ForceLimits | None) -> ForceLimits | None:
     """Return all the bounds given as one set, None where there are none."""
     given = [part for part in parts if part is not None]
+    for part in given:
+        of_kind("limits", part, ForceLimits)
     return reduce(ForceLimits.and_also, given) if given else None
 
 

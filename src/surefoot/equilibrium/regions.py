@@ -78,7 +78,6 @@ def com_region(
     >>> round(region.area, 6), region.contains([0.19, 0.09]), region.contains([0.21, 0.0])
     (0.08, True, False)
     """
-    of_kind("stance", stance, Stance)
     step = finite_array("acceleration", acceleration, (3,))
     load = needed_wrench(mass, external_wrench)
     load[:3] += mass * step
@@ -174,6 +173,7 @@ def _com_rows(load: FloatArray, anchor: FloatArray) -> Rows:
 
 def _anchor(stance: Stance, height: float | None) -> FloatArray:
     """Return the middle of the contacts, at the height of the plane."""
+    of_kind("stance", stance, Stance)
     middle = stance.positions.mean(axis=0) if stance.contacts else np.zeros(3)
     if height is not None:
         middle[2] = finite_array("height", height, ())
@@ -182,8 +182,7 @@ def _anchor(stance: Stance, height: float | None) -> FloatArray:
 
 def _region(question: Question, tol: float, rows: Rows, height: float, axis: FloatArray) -> Region:
     """Trace the region of a point that depends linearly on the contact wrench about `question.com`."""
-    checked_gap(tol)
-    stance = question.stance
+    tol, stance = positive_number("tol", tol, "m"), question.stance
     if not stance.contacts:
         return Traced.nothing(0.0).region(height, axis, tol)
     question = replace(question, limits=all_limits(normal_limits(stance), question.limits))
@@ -208,11 +207,6 @@ def _within_reason(question: Question, rows: Rows, tol: float) -> Traced:
         return found
     part = traced(replace(question, stance=question.stance.with_friction(np.minimum(mu, MOST_MU))), rows, tol)
     return Traced(part.inner, np.zeros((0, 2)), np.zeros(0), math.inf, part.unbounded)
-
-
-def checked_gap(tol: float) -> None:
-    """Refuse a tolerance that no search can reach, or that is none [m]."""
-    positive_number("tol", tol, "m")
 
 
 def support_polygon(stance: Stance) -> FloatArray:

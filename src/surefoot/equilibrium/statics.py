@@ -302,7 +302,10 @@ def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> Floa
 def _vector(name: str, value: ArrayLike, size: int) -> FloatArray:
     """Return a finite vector, at little cost when it is one already."""
     if isinstance(value, (list, tuple, np.ndarray)):
-        vector = np.array(value)
+        try:
+            vector = np.array(value)
+        except ValueError:  # said below
+            vector = np.zeros(0)
         if vector.dtype == np.float64 and vector.shape == (size,) and math.hypot(*vector.tolist()) <= LARGEST:
             # no entry is larger; others are looked at one by one
             return vector

@@ -47,7 +47,7 @@ def wrench_cone_size(stance: Stance, facets: int = 8) -> WrenchConeSize:
     >>> wrench_cone_size(Stance([PointContact([k, 0, 0]) for k in range(4)]), facets=8)
     WrenchConeSize(rays=32, most_rows=812)
     """
-    rays = facets * len(stance.points())
+    rays = FrictionPyramid(1.0, facets).facets * len(stance.points())
     if rays < 6:
         return WrenchConeSize(rays, rays + 6)
     # facets of the cyclic 5-polytope with n vertices: 2 C(n - 3, 2)
