@@ -24,7 +24,6 @@ FAMILY = {
     "pyramid, none": FrictionCone(0.0).polyhedral(4),
     "wrench, coupled": WrenchCone(0.2, 0.1, 0.6),
     "wrench, outer": WrenchCone(0.1, 0.3, 0.9, "outer"),
-    "wrench, decoupled": WrenchCone(0.2, 0.1, 0.6, torsion=0.02),
     "polyhedral, random": PolyhedralCone.from_rays(RNG.normal(size=(7, 4)) + np.array([0, 0, 0, 3])),
     "polyhedral, flat": PolyhedralCone.from_rays([[1, 0, 0], [0, 1, 0]]),
     "polyhedral, line": PolyhedralCone.from_rays([[1, 2, 3], [-1, -2, -3]]),

@@ -26,9 +26,9 @@ def checked_fit(fit: str) -> Fit:
 class PolyhedralCone(Cone):
     """The cone {x : halfspaces @ x <= 0} = {rays.T @ beta : beta >= 0}.
 
-    Both representations are given and trusted; `from_rays` and `from_halfspaces` work the other one out,
-    and `representation_gap` compares them. Cones that are not pointed are welcome: no half-spaces at all
-    is the whole space, no rays at all is {0}, and a line is a pair of opposite rays.
+    Both representations are given and trusted; `from_rays` and `from_halfspaces` work the other one out.
+    Cones that are not pointed are welcome: no half-spaces at all is the whole space, no rays at all is {0},
+    and a line is a pair of opposite rays.
 
     Parameters
     ----------
@@ -90,15 +90,6 @@ class PolyhedralCone(Cone):
         """
         polar = PolyhedralCone.from_rays(finite_array("halfspaces", halfspaces, (None, None)), method)
         return PolyhedralCone(polar.rays, polar.halfspaces)
-
-    def representation_gap(self, samples: int = 0, seed: int = 0) -> float:
-        """Return how far the two representations are apart, as an angle [rad]; zero to rounding is right.
-
-        See `surefoot.cones.representation.representation_gap`.
-        """
-        from surefoot.cones.representation import representation_gap
-
-        return representation_gap(self.halfspaces, self.rays, samples, seed)
 
     def project(self, x: ArrayLike) -> FloatArray:
         """Return the nearest point of the cone, (..., dim) in the unit of x: non-negative least squares."""

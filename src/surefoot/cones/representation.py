@@ -16,7 +16,6 @@ from typing import Literal, get_args
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.cones.nearest import nearest_in_cone
 from surefoot.errors import check_name, needs
 
 Method = Literal["qhull", "cdd"]
@@ -210,31 +209,3 @@ def _cddlib(V: FloatArray) -> FloatArray:
     equal = [array[k] for k in sorted(found.lin_set)]
     out = np.vstack([-array, *(e[None] for e in equal)]) if equal else -array
     return np.asarray(out[np.abs(out).max(axis=1, initial=0.0) > 0.0])
-
-
-def representation_gap(halfspaces: FloatArray, rays: FloatArray, samples: int = 0, seed: int = 0) -> float:
-    """Return how far two representations are from describing the same cone, as an angle [rad].
-
-    Zero to rounding where they agree. Checked both ways: every ray against every half-space; every ray
-    of the half-spaces, worked out afresh, and `samples` random points of {x : halfspaces @ x <= 0}, by
-    their distance from the cone of the rays (non-negative least squares, which knows nothing of facets).
-
-    Parameters
-    ----------
-    halfspaces, rays
-        (m, dim), (r, dim).
-    samples, seed
-        How many random points to try besides, and their seed.
-    """
-    V, _ = _directions(rays)
-    H, _ = _directions(halfspaces)
-    outside = float((V @ H.T).max(initial=0.0)) if len(V) and len(H) else 0.0
-    tests = [convert(halfspaces)[0]]
-    if samples:
-        draws = np.random.default_rng(seed).normal(size=(samples, rays.shape[1]))
-        tests.append(draws - nearest_in_cone(H, draws))
-    points = np.vstack(tests)
-    size = np.linalg.norm(points, axis=1)
-    points = points[size > 1e-9] / size[size > 1e-9, None]
-    lack = np.linalg.norm(points - nearest_in_cone(V, points), axis=1)
-    return max(outside, float(lack.max(initial=0.0)))

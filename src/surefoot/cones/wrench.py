@@ -25,9 +25,8 @@ class WrenchCone(PolyhedralCone):
     |f_x| <= m f_z and |f_y| <= m f_z. With ``fit="inner"`` m = mu / sqrt(2), so that every wrench is
     one that the exact friction cone can give; with ``fit="outer"`` m = mu.
 
-    Coupled (``torsion=None``), the cone is exactly the sum of the four corners' pyramids (Caron's 16
-    rows): friction that goes into yaw is missing for f_x, f_y and an off-centre pressure. Decoupled,
-    the yaw moment has its own limit |tau_z| <= torsion f_z, whatever the rest does.
+    It is exactly the sum of the four corners' pyramids (Caron's 16 rows): friction that goes into yaw is
+    missing for f_x, f_y and an off-centre pressure.
 
     Parameters
     ----------
@@ -37,8 +36,6 @@ class WrenchCone(PolyhedralCone):
         Friction coefficient [-], finite and >= 0.
     fit
         "inner" or "outer": which pyramid stands for the friction cone.
-    torsion
-        None for the coupled yaw moment, or the torsional coefficient [m] of the decoupled one.
 
     Raises
     ------
@@ -55,54 +52,36 @@ class WrenchCone(PolyhedralCone):
     (True, 0.0)
     """
 
-    def __init__(
-        self,
-        length: float,
-        width: float,
-        mu: float,
-        fit: Fit = "inner",
-        torsion: float | None = None,
-    ) -> None:
+    def __init__(self, length: float, width: float, mu: float, fit: Fit = "inner") -> None:
         self.length = positive_number("length", length)
         self.width = positive_number("width", width)
         self.mu = real_number("mu", mu, low=0.0)
         if math.isinf(self.mu):
             raise ProblemError("a wrench cone needs a finite mu, got inf")
         self.fit = checked_fit(fit)
-        self.torsion = None if torsion is None else real_number("torsion", torsion, low=0.0)
         side = self.mu / math.sqrt(2.0) if fit == "inner" else self.mu
-        half = (0.5 * self.length, 0.5 * self.width)
-        limits = (*half, side)
-        if self.torsion is None:
-            super().__init__(_coupled_rows(*limits), _coupled_rays(*limits))
-        else:
-            super().__init__(_decoupled_rows(*limits, self.torsion), _decoupled_rays(*limits, self.torsion))
+        limits = 0.5 * self.length, 0.5 * self.width, side
+        super().__init__(_rows(*limits), _rays(*limits))
 
     def __repr__(self) -> str:
-        sizes = f"length={self.length:g}, width={self.width:g}, mu={self.mu:g}, fit={self.fit!r}"
-        return f"WrenchCone({sizes}{'' if self.torsion is None else f', torsion={self.torsion:g}'})"
+        return f"WrenchCone(length={self.length:g}, width={self.width:g}, mu={self.mu:g}, fit={self.fit!r})"
 
 
-def _common_rows(X: float, Y: float, m: float) -> FloatArray:
-    """Return the (8, 6) rows of sliding (|f_x|, |f_y|) and tipping (|tau_x|, |tau_y|)."""
+def _rows(X: float, Y: float, m: float) -> FloatArray:
+    """Return Caron's (16, 6) rows: sliding, tipping, and yaw with its couplings."""
     rows = np.zeros((8, 6))
     for k, (axis, limit) in enumerate(((0, m), (1, m), (3, Y), (4, X))):
         rows[2 * k, axis], rows[2 * k + 1, axis] = 1.0, -1.0
         rows[2 * k : 2 * k + 2, 2] = -limit
-    return rows
-
-
-def _coupled_rows(X: float, Y: float, m: float) -> FloatArray:
-    """Return Caron's (16, 6) rows: sliding, tipping, and yaw with its couplings."""
     yaw = [
         [a * Y, b * X, -m * (X + Y), -s * a * m, -s * b * m, -s]
         for s in (1.0, -1.0)  # lower and upper limit of tau_z
         for a, b in _SIGNS
     ]
-    return np.vstack([_common_rows(X, Y, m), yaw])
+    return np.vstack([rows, yaw])
 
 
-def _coupled_rays(X: float, Y: float, m: float) -> FloatArray:
+def _rays(X: float, Y: float, m: float) -> FloatArray:
     """Return the (16, 6) wrenches of a unit normal force on each edge of each corner's pyramid."""
     rays = []
     for sx, sy in _SIGNS:
@@ -110,21 +89,3 @@ def _coupled_rays(X: float, Y: float, m: float) -> FloatArray:
             force = np.array([a * m, b * m, 1.0])
             rays.append([*force, *np.cross([sx * X, sy * Y, 0.0], force)])
     return np.array(rays)
-
-
-def _decoupled_rows(X: float, Y: float, m: float, torsion: float) -> FloatArray:
-    """Return the (10, 6) rows of the decoupled cone."""
-    yaw = [[0.0, 0.0, -torsion, 0.0, 0.0, 1.0], [0.0, 0.0, -torsion, 0.0, 0.0, -1.0]]
-    return np.vstack([_common_rows(X, Y, m), yaw])
-
-
-def _decoupled_rays(X: float, Y: float, m: float, torsion: float) -> FloatArray:
-    """Return the (32, 6) corners of the section f_z = 1, a box in the other five components."""
-    return np.array(
-        [
-            [a * m, b * m, 1.0, c * Y, d * X, s * torsion]
-            for a, b in _SIGNS
-            for c, d in _SIGNS
-            for s in (1.0, -1.0)
-        ]
-    )

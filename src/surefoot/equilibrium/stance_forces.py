@@ -51,7 +51,7 @@ def distribute(
     if len(points) == len(stance):
         return distributor.solve(points.grasp_map(about), w)
     forces = distributor.solve_with_rows(points.grasp_map(about), w, *_patch_sums(stance))
-    return _patch_wrenches(stance, points, forces)
+    return np.asarray(stance.corner_map @ forces.ravel())
 
 
 def _patch_sums(stance: Stance) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -59,20 +59,3 @@ def _patch_sums(stance: Stance) -> tuple[FloatArray, FloatArray, FloatArray]:
     patches = [k for k, contact in enumerate(stance.contacts) if contact.dim == 6]
     normals = [stance.slices[k].start + 2 for k in patches]
     return stance.corner_map[normals], stance.normal_min[patches], stance.normal_max[patches]
-
-
-def _patch_wrenches(stance: Stance, points: Stance, forces: FloatArray) -> FloatArray:
-    """Return the stacked forces of points and wrenches of patches for (n, 3) forces of `stance.points()`."""
-    out = np.zeros(stance.dim)
-    taken = 0
-    for contact, part in zip(stance.contacts, stance.slices, strict=True):
-        if contact.dim == 3:
-            out[part] = forces[taken]
-            taken += 1
-            continue
-        corners = points.contacts[taken : taken + 4]
-        arms = [contact.rotation_world_contact.T @ (c.position - contact.position) for c in corners]
-        own = forces[taken : taken + 4]
-        out[part] = np.concatenate([own.sum(axis=0), np.cross(arms, own).sum(axis=0)])
-        taken += 4
-    return out

@@ -187,8 +187,8 @@ class Patch(ContactKind):
 
     The friction cone ||(f_x, f_y)|| <= mu f_z, the centre of pressure within the sole, |m_x| <= f_z width / 2
     and |m_y| <= f_z length / 2, and the yaw moment |m_z| <= torsion f_z: six determined numbers where four
-    corners have twelve. Cone and centre of pressure are exact; the yaw moment has its own limit, as in
-    `WrenchCone(torsion=...)`, and does not know that friction used up in sliding is missing for it.
+    corners have twelve. Cone and centre of pressure are exact; the yaw moment has its own limit, and does not
+    know that friction used up in sliding is missing for it.
 
     The centre of pressure is unilateral contact, not friction: with Γ left out, λ ⟂ u says that no corner
     approaches and that corners which lift carry nothing. Friction dissipates the most it can, f_t · u_t = -mu
