@@ -6,7 +6,6 @@ from scipy.optimize import linprog
 
 from surefoot import FrictionCone, ProblemError, WrenchCone
 from surefoot.cones import PolyhedralCone
-from surefoot.spatial import skew
 from tests.cones.test_representation import representation_gap
 
 
@@ -99,11 +98,3 @@ def test_yaw_is_coupled_with_sliding_and_tipping():
 def test_bad_input_is_named(arguments, message):
     with pytest.raises(ProblemError, match=message):
         WrenchCone(*arguments)
-
-
-def test_wrench_of_a_force_off_centre():
-    """A unit normal force at a corner is a ray of the cone."""
-    cone = WrenchCone(0.2, 0.1, 0.6)
-    arm = np.array([0.1, 0.05, 0.0])
-    wrench = np.concatenate([[0, 0, 1.0], skew(arm) @ [0, 0, 1.0]])
-    assert cone.contains(wrench)
