@@ -46,6 +46,17 @@ def test_a_trot_masters_terrain(terrain: Terrain, speed: float, duration: float)
     assert summary.climb == pytest.approx(float(climbed), abs=0.12)
 
 
+@pytest.mark.parametrize("robot", ["hyq", "anymal_kinova"])
+def test_a_base_beside_the_centre_of_mass_goes_at_the_command(robot: str) -> None:
+    """The centre of mass is 4 and 8 cm ahead of the base: it swerves where the body turns; arms stay put."""
+    log, summary = walk((0.1, 0.1, 0.4), 4.0, robot=robot)
+    velocity, arm = summary.velocity, log["q"][:, 19:]
+    assert summary.success
+    assert [velocity.forward.commanded, velocity.left.commanded] == pytest.approx([0.1, 0.1], abs=1e-6)
+    assert [velocity.forward.measured, velocity.left.measured] == pytest.approx([0.1, 0.1], abs=6e-3)
+    assert np.abs(arm - arm[0]).max(initial=0.0) < 0.02
+
+
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_trot_survives_pushes(side: float) -> None:
     push = Push(1.5, (0.0, 100.0 * side, 0.0), 0.1)

@@ -20,7 +20,7 @@ from surefoot.control.tick import Tick
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.control.walking_feet import Feet
 from surefoot.control.walking_settings import WalkCommand, WalkSettings
-from surefoot.control.whole_body import WholeBodyCommand, WholeBodyController
+from surefoot.control.whole_body import Kinematics, WholeBodyCommand, WholeBodyController
 from surefoot.estimation.wrench_observer import BLOCK
 from surefoot.log.channels import CHANNELS, Channel
 from surefoot.robot import Robot
@@ -128,6 +128,13 @@ class Walker(Tick):
         """sqrt(g / h) [rad/s]."""
         return math.sqrt(GRAVITY / self.height)
 
+    @staticmethod
+    def _swerve(now: Kinematics, state: RobotState, yaw: float) -> FloatArray:
+        """Return the (3,) velocity of the centre of mass about a base that turns by 1 rad/s, heading axes."""
+        x, y = (now.com - state.q[:3])[:2].tolist()
+        c, s = math.cos(yaw), math.sin(yaw)
+        return np.array([s * x - c * y, c * x + s * y, 0.0])
+
     def _gain(self, share: float) -> tuple[float, float]:
         """Return stiffness [1/s²] and critical damping [1/s] at a multiple of the pendulum's rate."""
         rate = share * self._pendulum
@@ -169,7 +176,7 @@ class Walker(Tick):
         return WalkCommand(
             body.torques, body.forces, feet.stance[self.whole_body.point_foot], body.feasible, body.status,
             body.accelerations, planned=feet.planned.copy(), frames=feet.frames.copy(),
-            wanted=self.body.velocity.copy(), targets=feet.target.copy(), load=self._load_rows,
+            wanted=self.body.base_velocity, targets=feet.target.copy(), load=self._load_rows,
             asked_by=self.arbiter.asked_by,
         )  # fmt: skip
 

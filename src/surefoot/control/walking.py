@@ -13,6 +13,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.control.behaviours.behaviour import Recovery, Request
+from surefoot.control.biped.posture import Posture
 from surefoot.control.command_limits import LeggedBody
 from surefoot.control.controller import RobotState
 from surefoot.control.foothold import catching_place, step_place
@@ -44,6 +45,9 @@ LOW = 0.5
 CALM, UNEASY, UNEASE_TIME = 0.06, 0.15, 1.0
 """Up to the first error of its velocity, as a share of sqrt(g h), a body moves as planned; from the second on
 feet are lifted in full, and ever less for so long after it [s]."""
+HELD = 3.0
+"""Natural frequency of joints outside the legs, which hold the pose that the walk begins in, in units of
+sqrt(g / h): a biped's arms have the same."""
 PERIOD, STANCE = 0.4, 0.55
 """Cycle that the horizon of a schedule without one is measured by, for a body of 0.3 m [s], and its stance as
 a share of it: a trot's."""
@@ -128,6 +132,8 @@ class WalkingController(Walker):
         """Make what gives the forces, and what looks after ground, steps and load."""
         s, weight = self.settings, self.robot.mass * GRAVITY
         self._set_controllers(inertia, self._mpc_dt, (0.0, 2.0 * self._pendulum))
+        posture = Posture(self.robot, HELD * self._pendulum, swing=0.0)
+        self._posture = posture if posture.free.any() else None
         radius = float(np.linalg.norm(offsets[:, :2], axis=1).max())
         self._set_behaviours(radii, radius, s.watch_friction)
         self._steps = None
@@ -189,6 +195,9 @@ class WalkingController(Walker):
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
         dip = 0.0 if self.terrain.planar else DIP
         self.body = BodyPlan(self.height, now.com.copy(), yaw, dip=dip, stance=first_stance(self.schedule))
+        self.body.swerve = self._swerve(now, state, yaw)
+        if self._posture is not None:
+            self._posture.hold(state.q)
         self._follow_ground(math.inf)
         return self.feet
 
@@ -326,7 +335,16 @@ class WalkingController(Walker):
         gain = self._gain(self.settings.body_stiffness)
         body = follow(planner.motion, planner.rotation, state.time - planner.made, *now[:4], *gain)
         wanted = feet.accelerations(clock, now.centres, now.twists, self._gain(self.settings.swing_stiffness))
+        joints = np.zeros(self.robot.joints)
+        if self._posture is not None:
+            joints = self._posture.accelerations(state.q, state.v)
         return Tasks(
-            feet.stance, body[0], body[1], wanted, np.zeros(self.robot.joints), planner.forces, feet.frames,
+            feet.stance,
+            body[0],
+            body[1],
+            wanted,
+            joints,
+            planner.forces,
+            feet.frames,
             np.zeros(len(feet.radii)),
-        )  # fmt: skip
+        )

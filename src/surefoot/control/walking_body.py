@@ -166,7 +166,10 @@ class BodyPlan:
     position, yaw
         (3,) wanted centre of mass [m], wanted heading [rad].
     velocity
-        (3,) wanted velocity now, after the ramp: forward, left, yaw rate.
+        (3,) wanted velocity of the centre of mass now, after the ramp: forward, left, yaw rate.
+    swerve
+        (3,) velocity of the centre of mass in a base that turns on the spot, over its rate [m, m, -]:
+        commands are velocities of the base.
     slope
         (2,) slope of the ground along world x and y, smoothed.
     ground
@@ -190,6 +193,7 @@ class BodyPlan:
     position: FloatArray
     yaw: float
     velocity: FloatArray = field(default_factory=lambda: np.zeros(3))
+    swerve: FloatArray = field(default_factory=lambda: np.zeros(3))
     slope: FloatArray = field(default_factory=lambda: np.zeros(2))
     ground: float = 0.0
     lowered: float = 0.0
@@ -211,17 +215,24 @@ class BodyPlan:
         Parameters
         ----------
         command
-            (3,) wanted velocity.
+            (3,) wanted velocity of the base.
         com
             (3,) centre of mass [m].
         dt
             Step [s].
         """
+        if command[2] != 0.0:
+            command = command + command[2] * self.swerve
         height = min(self.height + float(self.posture[0]), self.ceiling)
         self.yaw, self.ground, self.lowered = advance_body(
             self.position, self.velocity, self.slope, command, com, dt, height,
             self.yaw, self.ground, self.lowered, self.acceleration, self.dip, LEAD, LOWERING,
         )  # fmt: skip
+
+    @property
+    def base_velocity(self) -> FloatArray:
+        """(3,) wanted velocity of the base now, as `velocity`."""
+        return np.asarray(self.velocity - self.velocity[2] * self.swerve)
 
     def fit_ground(self, feet: FloatArray, dt: float) -> None:
         """Follow the ground under (n, 3) places where feet last stood [m], `dt` after the last time [s]."""

@@ -1,4 +1,4 @@
-"""The joints outside a biped's legs: they hold their pose, and the arms swing against the legs."""
+"""The joints outside the legs: they hold their pose, and a biped's arms swing against its legs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Posture:
     Parameters
     ----------
     robot
-        With a left and a right foot.
+        With a left and a right foot where arms swing.
     frequency
         Natural frequency of the joints' feedback [rad/s].
     swing
@@ -46,10 +46,17 @@ class Posture:
         self._stiffness = np.where(self.free, frequency**2, 0.0)
         self._damping = np.where(self.free, 2.0 * frequency, 0.0)
         self.swing = np.zeros(robot.joints)
-        for joint, sense in _shoulders(robot, self.free).items():
-            self.swing[joint] = sense * swing
+        if swing != 0.0:
+            for joint, sense in _shoulders(robot, self.free).items():
+                self.swing[joint] = sense * swing
 
-    def accelerations(self, q: FloatArray, v: FloatArray, lead: float, lead_rate: float) -> FloatArray:
+    def hold(self, q: FloatArray) -> None:
+        """Hold the pose of an (nq,) configuration, in place of the nominal one."""
+        self._rest = q[7:].copy()
+
+    def accelerations(
+        self, q: FloatArray, v: FloatArray, lead: float = 0.0, lead_rate: float = 0.0
+    ) -> FloatArray:
         """Return wanted joint accelerations (joints,) [rad/s²].
 
         Parameters

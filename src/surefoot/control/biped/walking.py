@@ -208,6 +208,7 @@ class BipedController(Walker):
         self.feet = self.soles.feet
         ahead = now.rotation @ self._upright.T[:, 0]
         self.body = BodyPlan(self.height - self._rise, now.com.copy(), math.atan2(ahead[1], ahead[0]))
+        self.body.swerve = self._swerve(now, state, self.body.yaw)
         self.body.position[:2] = now.centres[:, :2].mean(axis=0)
         self.body.fit_ground(self.soles.corners, math.inf)
         return self.feet
