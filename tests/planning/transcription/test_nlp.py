@@ -17,8 +17,15 @@ LAWS = (Facets(), GivenModes(), Facets("fischer-burmeister"))
 def test_gradient_jacobian_and_hessian(law) -> None:
     hopper = planar_hopper()
     problem = DirectProblem(hopper, hopper.nominal, np.zeros(5), knots=3, dt=0.03)
-    nlp, own = build_nlp(DirectNlp(problem, law).block, 3)
-    x, p, f, g = (nlp[k] for k in "xpfg")
+    block = DirectNlp(problem, law).block
+    nlp, own = build_nlp(block, 3)
+    x, p, shared, length = nlp["x"], nlp["p"], block.parameter.shape[0], block.data.shape[0]
+    z = casadi.vertcat(block.x, block.u, block.after)
+    value = casadi.Function("value", [z, block.parameter, block.data], [block.cost, block.rows])
+    seen = [x[k * block.stride : k * block.stride + block.size] for k in range(3)]
+    data = [p[shared + k * length : shared + (k + 1) * length] for k in range(3)]
+    costs, rows = zip(*(value(at, p[:shared], one) for at, one in zip(seen, data, strict=True)), strict=True)
+    f, g = sum(costs), casadi.vertcat(*rows)
     weight, weights = casadi.MX.sym("a"), casadi.MX.sym("b", g.shape[0])
     whole = casadi.Function(
         "whole", [x, p, weight, weights],

@@ -18,8 +18,9 @@ from surefoot.planning.schedule.transcribe import transcribe, variable_bounds
 from surefoot.planning.transcription.guess import Guess
 from surefoot.planning.transcription.nlp import Iterate, Nlp, OnIteration, pack, unpack
 
-OPTIONS: dict[str, Any] = {"tol": 1e-7, "mu_strategy": "adaptive"}
-"""Of Ipopt: exact steps with a little feedback mend what its tolerance leaves."""
+OPTIONS: dict[str, Any] = {"tol": 1e-7, "mu_strategy": "adaptive", "mumps_pivot_order": 0}
+"""Of Ipopt: exact steps with a little feedback mend what its tolerance leaves. Blocks in a row are ordered by
+approximate minimum degree: with the order that MUMPS chooses itself a jump takes 0.3 s longer."""
 PUSHES = ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac", "mult_bound_push")
 WARM: dict[str, Any] = {
     "warm_start_init_point": "yes", "mu_init": 1e-3, **{f"warm_start_{name}": 1e-3 for name in PUSHES},

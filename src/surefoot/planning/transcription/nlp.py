@@ -22,10 +22,11 @@ Sides = tuple[FloatArray, FloatArray]
 """Least and largest values."""
 OnIteration = Callable[[int, float, float], None]
 """Who hears of the number of an iteration, its cost and its violation."""
-DERIVED = ("slope", "jacobian", "hessian")
-"""Gradient of the cost of a block, Jacobian of its rows, upper half of its Lagrangian's Hessian."""
+PARTS = ("rows", "slope", "jacobian", "hessian")
+"""Rows of a block, cost and its gradient, rows and their Jacobian, upper half of the Lagrangian's Hessian."""
 QUIET: dict[str, Any] = {
     "print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes", "show_eval_warnings": False,
+    "no_nlp_grad": True, "calc_lam_p": False,
 }  # fmt: skip
 
 
@@ -215,25 +216,23 @@ def build_nlp(
     lam_f, lam_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", len(asked))
     seen = ca.reshape(x[places.T.ravel().tolist()], block.size, count)
     given = ca.repmat(p[:shared], 1, count), ca.reshape(p[shared:], own, count)
-    value, write = _functions(block)
-    functions = tapes_of(value, DERIVED, write)
+    functions = tapes_of(*_functions(block))
     maps = {name: f.mapped(count) if isinstance(f, Tape) else f.map(count) for name, f in functions.items()}
-    cost, rows = value.map(count)(seen, *given)
-    g = ca.reshape(rows, m * count, 1)[asked]
-    f = ca.sum2(cost)
+    g = ca.reshape(maps["rows"](seen, *given), m * count, 1)[asked]
     # gradient: the blocks' own, added where they share variables
-    slope = maps["slope"](seen, *given)
+    cost, slope = maps["slope"](seen, *given)
+    f = ca.sum2(cost)
     gather = ca.DM(
         ca.Sparsity.triplet(total, places.size, places.T.ravel().tolist(), list(range(places.size))), 1.0
     )
     grad = ca.mtimes(gather, ca.reshape(slope, places.size, 1))
     # Jacobian: every entry has one place
-    pattern = functions["jacobian"].sparsity_out(0)
+    pattern = functions["jacobian"].sparsity_out(1)
     row, column = (np.array(n) for n in pattern.get_triplet())
     at_row = (row[None, :] + m * np.arange(count)[:, None]).ravel()
     at_column = places[column].T.ravel()
-    jac = _placed(ca, maps["jacobian"](seen, *given), at_row, at_column, (m * count, total))
-    jac = jac[asked, :]
+    rows, slopes = maps["jacobian"](seen, *given)
+    jac = _placed(ca, slopes, at_row, at_column, (m * count, total))[asked, :]
     # Hessian: entries of neighbours add up on the state that they share
     pattern = functions["hessian"].sparsity_out(0)
     row, column = (np.array(n) for n in pattern.get_triplet())
@@ -244,7 +243,9 @@ def build_nlp(
     names = ["x", "p"]
     options = {
         "grad_f": ca.Function("nlp_grad_f", [x, p], [f, grad], names, ["f", "grad:f:x"]),
-        "jac_g": ca.Function("nlp_jac_g", [x, p], [g, jac], names, ["g", "jac:g:x"]),
+        "jac_g": ca.Function(
+            "nlp_jac_g", [x, p], [ca.reshape(rows, m * count, 1)[asked], jac], names, ["g", "jac:g:x"]
+        ),
         "hess_lag": ca.Function(
             "nlp_hess_l", [x, p, lam_f, lam_g], [hess], [*names, "lam:f", "lam:g"], ["triu:hess:gamma:x:x"]
         ),
@@ -253,23 +254,24 @@ def build_nlp(
     return {"x": x, "p": p, "f": f, "g": g}, options
 
 
-def _functions(block: Block) -> tuple[Any, Callable[[], dict[str, Any]]]:
-    """Return cost and rows of one block as a compiled expression, and what derives the others (`DERIVED`)."""
+def _functions(block: Block) -> tuple[Any, tuple[str, ...], Callable[[], dict[str, Any]]]:
+    """Return cost and rows of one block as a function, and names and writer of its `PARTS`."""
     ca = import_casadi()
     z = ca.vertcat(block.x, block.u, block.after)
     given = [z, block.parameter, block.data]
+    cost, rows = block.cost, block.rows
 
     def write() -> dict[str, Any]:
-        lam_f, lam_g = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", block.rows.shape[0])
-        lagrangian = lam_f * block.cost + ca.dot(lam_g, block.rows)
-        curved = ca.triu(ca.hessian(lagrangian, z)[0])
+        lam_f, lam_g = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", rows.shape[0])
+        curved = ca.triu(ca.hessian(lam_f * cost + ca.dot(lam_g, rows), z)[0])
         return {
-            "slope": ca.Function("slope", given, [ca.densify(ca.gradient(block.cost, z))]),
-            "jacobian": ca.Function("jacobian", given, [ca.jacobian(block.rows, z)]),
+            "rows": ca.Function("rows", given, [rows]),
+            "slope": ca.Function("slope", given, [cost, ca.densify(ca.gradient(cost, z))]),
+            "jacobian": ca.Function("jacobian", given, [rows, ca.jacobian(rows, z)]),
             "hessian": ca.Function("hessian", [*given, lam_f, lam_g], [curved]),
         }
 
-    return ca.Function("value", given, [block.cost, block.rows]), write
+    return ca.Function("value", given, [cost, rows]), PARTS, write
 
 
 def _placed(
