@@ -146,6 +146,8 @@ RUNS = [
     ("stand bolt", "bolt cannot stand still: 2 point feet span no area to stand on"),
     ("stand romeo", "MuJoCo cannot simulate romeo: inertia must satisfy A + B >= C"),
     ("stand --bogus", "No such option"),
+    ("plan ball -1", "a number below zero stands behind --"),
+    ("plan jump --turn 270", "--turn [deg] must be a number between -180 and 180, got 270"),
     ("stand --duration 0.1 --out good.npz", "cannot write to --out"),
     ("walk --gait hop", "unknown gait for 4 feet 'hop'"),
     ("walk g1 --gait trot", "unknown gait for 2 feet 'trot'; valid names: stand, walk"),

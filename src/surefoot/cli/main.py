@@ -44,7 +44,10 @@ def main(arguments: list[str] | None = None) -> int:
     except commands.UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # the help has been printed
             return EXIT_BAD_INPUT
-        return _bad_input(error.format_message())
+        said = error.format_message()
+        if said.startswith("No such option: -") and said[17:18].isdigit():
+            said += "; a number below zero stands behind --, as in: surefoot plan jump -- -0.3"
+        return _bad_input(said)
     except typer.Abort:
         print("interrupted", file=sys.stderr)
         return 130

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from surefoot.arrays import real_number
 from surefoot.cli import options
 from surefoot.cli.console import Table, plain_console, progress_bar
 from surefoot.cli.output import check_out, new_run_folder, to_json
@@ -45,7 +46,9 @@ class JumpOptions:
         from surefoot.terrain import read_terrain
 
         return {
-            "direction": math.radians(self.direction), "turn": math.radians(self.turn), "over": self.over,
+            **{name: math.radians(real_number(f"--{name} [deg]", value, low=-180.0, high=180.0))
+               for name, value in (("direction", self.direction), ("turn", self.turn))},
+            "over": self.over,
             "terrain": None if self.terrain is None else read_terrain(self.terrain, "--terrain"),
             "start": None if self.start is None else _pose(self.start),
             "near": None if self.near is None else Plan.read(self.near),
@@ -221,18 +224,6 @@ def _write(made: Plan, executed: Any, folder: Path, leaving: options.Leaving, co
     return good and not files.unwritten
 
 
-def _certificate(facts: dict[str, Any]) -> list[list[str]]:
-    """Return what the plan's certificate says, where the plan got so far as to have one."""
-    if facts["replay_apart"] is None:
-        return []
-    return [
-        ["momentum off the impulses, of the largest", f"{facts['momentum_error']:.1e}"],
-        ["replay at a tenth of the step ends off by [cm]", f"{100.0 * facts['replay_apart']:.2g}"],
-        ["fastest joint of the replay, share of its limit", f"{facts['replay_speed']:.2f}"],
-        ["CPU time of the replay [s]", f"{facts['replay_time']:.2f}"],
-    ]
-
-
 def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
     """Return the tables of a plan."""
     rows = [
@@ -240,7 +231,6 @@ def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
         ["road", facts["road"]],
         ["cost", f"{facts['cost']:.5g}"],
         ["law residual", f"{facts['law_residual']:.2e}"],
-        *_certificate(facts),
         ["iterations", str(facts["iterations"])],
         ["time of the search [s]", f"{facts['time']:.2f}"],
         ["knots", f"{facts['knots']} of {1e3 * facts['dt']:g} ms"],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from typing import Any
 
 import numpy as np
@@ -43,12 +42,6 @@ class PassedGround(LevelsTerrain):
         left, right = (np.maximum.accumulate(side) for side in (between, between[::-1]))
         self._edges = np.array([edges[0], *edges[first + 1 : last + 1], edges[-1]])
         self._tops = np.minimum(left, right[::-1])
-
-    def lowered(self, share: float) -> PassedGround:
-        """Return the same with steps of a share of their height."""
-        out = copy(self)
-        out._tops = self._tops[0] + share * (self._tops - self._tops[0])
-        return out
 
     def levels(self) -> tuple[FloatArray, FloatArray]:
         """Return edges and heights, see `LevelsTerrain.levels`."""

@@ -35,7 +35,6 @@ def plan(
     *,
     mu: float = 0.6,
     dt: float | None = None,
-    knots: int | None = None,
     seed: int = 0,
     max_iterations: int | None = None,
     start: ArrayLike | None = None,
@@ -61,8 +60,6 @@ def plan(
         Friction of the ground [-].
     dt
         Length of a knot [s]; None for the task's.
-    knots
-        Number of knots; None for the task's.
     seed
         Of random starts.
     max_iterations
@@ -100,7 +97,7 @@ def plan(
         If what its search needs is not installed.
     """
     found = find_task(task)
-    request = PlanRequest(robot, amount, mu, dt, knots, seed, max_iterations)
+    request = PlanRequest(robot, amount, mu, dt, seed, max_iterations)
     _check(found, request)
     asked = {
         "start": start, "payload": payload, "direction": direction, "turn": turn, "terrain": terrain,
@@ -148,8 +145,6 @@ def _check(task: Task, request: PlanRequest) -> None:
     whole_number("seed", request.seed)
     if request.dt is not None:
         real_number("dt", request.dt, low=1e-4, high=1.0)
-    if request.knots is not None:
-        whole_number("knots", request.knots, low=1)
     if request.max_iterations is not None:
         whole_number("max_iterations", request.max_iterations, low=1)
     if request.robot is not None:

@@ -54,6 +54,15 @@ def robot_reflections(robot: Robot) -> tuple[FloatArray, FloatArray, FloatArray]
     return place, speed, block_diag(joints, forces)
 
 
+def own_image(robot: Robot, reference: FloatArray) -> bool:
+    """Return whether a robot has a mirror image, and (T, nq) configurations are their own."""
+    try:
+        place = robot_reflections(robot)[0]
+    except (ModelError, ProblemError):
+        return False
+    return bool(np.abs(reference @ place.T - reference).max() <= ALIKE)
+
+
 def spread(mirror: FloatArray) -> FloatArray:
     """Return E (n, k) of a reflection (n, n): it takes k numbers to all n of what is its own image.
 
@@ -135,19 +144,18 @@ def found_in_half(
     Variables, and multipliers of bounds and of all rows of all knots, are those of the whole program; None
     where left and right of the problem differ.
     """
+    if not own_image(problem.robot, problem.reference):
+        return None
     knots, nx = problem.knots, int(block.x.shape[0])
+    place, speed, inputs = robot_reflections(problem.robot)
     try:
-        place, speed, inputs = robot_reflections(problem.robot)
-        apart = np.abs(problem.reference @ place.T - problem.reference).max()
-        if apart > ALIKE or np.ptp(problem.heights) > 0.0:  # legs get onto a step one after the other
-            return None
         state = block_diag(place, speed)
         parts = spread(state), spread(inputs)
         of_rows = spread(row_reflection(block, state, inputs, state, place))
         low, high = folded(of_rows, *rows)
         sides = zip(*(unpack(side, nx, knots) for side in bounds), strict=True)
         least, most = zip(*(folded(E, *side) for E, side in zip(parts, sides, strict=True)), strict=True)
-    except (ModelError, ProblemError):
+    except ProblemError:
         return None
 
     def each(maps: Sequence[FloatArray], packed: FloatArray) -> FloatArray:

@@ -95,8 +95,10 @@ class ScheduleProblem:
     force_min
         Least normal force of a point that stands [N].
     leg_gap
-        How far behind the front legs' knees and feet the rear ones' stay, along the base's x axis, and rear
-        hips behind front feet where only rear feet stand [m]; 0 for any.
+        How far behind the front legs' knees and feet the rear ones' stay, along the base's x axis [m]; 0 for
+        any.
+    hip_gap
+        How far rear hips stay behind front feet where only rear feet stand, on the same axis [m].
     leg_spread
         How far apart knees and feet of left and right legs stay, along the base's y axis [m]; 0 for any.
     body_clearance, knee_clearance
@@ -128,6 +130,7 @@ class ScheduleProblem:
     clearance: float = 0.02
     force_min: float = 0.0
     leg_gap: float = 0.0
+    hip_gap: float = 0.0
     leg_spread: float = 0.0
     body_clearance: float = 0.06
     knee_clearance: float = 0.05
@@ -151,7 +154,8 @@ class ScheduleProblem:
         real_number("touchdown_speed", self.touchdown_speed, low=0.0)
         real_number("force_min", self.force_min, low=0.0, high=0.9 * self.weight)
         for name in (
-            "clearance", "leg_gap", "leg_spread", "stance_reach", "body_clearance", "knee_clearance",
+            "clearance", "leg_gap", "hip_gap", "leg_spread", "stance_reach", "body_clearance",
+            "knee_clearance",
         ):  # fmt: skip
             real_number(name, getattr(self, name), low=0.0, high=10.0)
         given = {

@@ -77,7 +77,6 @@ def pack_guess(problem: ScheduleProblem, guess: Guess) -> FloatArray:
 
 def optimise(
     problem: ScheduleProblem,
-    guess: Guess | None = None,
     max_iterations: int = 500,
     tell: OnIteration | None = None,
     near: Log | None = None,
@@ -89,14 +88,12 @@ def optimise(
     ----------
     problem
         See `ScheduleProblem`.
-    guess
-        What to start from; None for the reference, see `guess_from`.
     max_iterations
         Of Ipopt.
     tell
         Called with the number of every iteration, cost and violation.
     near
-        A plan to start from in place of a guess, with its facts `HELD`.
+        A plan to start from in place of the reference (`guess_from`), with its facts `HELD`.
     options
         Ipopt's, without their prefix.
 
@@ -108,7 +105,7 @@ def optimise(
         If CasADi is not installed.
     """
     before, (block, rows) = time.process_time(), transcribe(problem)
-    begin, multipliers = pack_guess(problem, guess_from(problem) if guess is None else guess), None
+    begin, multipliers = pack_guess(problem, guess_from(problem)), None
     kept = np.flatnonzero((np.isfinite(rows[0]) | np.isfinite(rows[1])).ravel())  # the others bound nothing
     options, bounds, half = {**OPTIONS, "max_iter": max_iterations, **options}, variable_bounds(problem), None
     if near is not None:

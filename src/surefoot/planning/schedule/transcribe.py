@@ -29,6 +29,10 @@ from surefoot.stepping.momentum_knot import velocity_of_way
 ROUND = 1e-3
 """Rounds the cone's tip, as a share of m g: sqrt(f_t² + ROUND²) has a slope there."""
 
+SHANK = (0.25, 0.5, 0.75)
+"""Where shanks are looked at on their way over an edge, as shares of the way from foot to knee: between two
+such places of Go2's there are 5 cm, less than steps are taken for wider (`AHEAD`)."""
+
 
 def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
     """Return the block of a problem's knots, and the bounds (knots, m) of its rows.
@@ -56,9 +60,10 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
         centres, knees = body.sphere_centres(q_after), np.unique(robot.contact_points.joints)
         swung = swung - problem.passed.smooth(centres[0, :])
         own = np.searchsorted(knees, robot.contact_points.joints).tolist()
-        above = ca.horzcat(0.5 * (above[:, own] + centres), above)  # shanks lie across an edge
+        along = [centres + share * (above[:, own] - centres) for share in SHANK]
+        above = ca.horzcat(*along, above)
         corners = above[2, :] - problem.passed.smooth(above[0, :])
-        least = np.concatenate([np.full(p, 0.5 * problem.knee_clearance), least])
+        least = np.concatenate([np.repeat(np.multiply(SHANK, problem.knee_clearance), p), least])
     rows: list[Row] = [
         (knot.missing_effort(weight * knot.world(shares), torques) / weight, 0.0, 0.0),
         (knot.missed_way() / dt, 0.0, 0.0),
@@ -72,7 +77,7 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
         if least_gap > 0.0:
             gaps = _leg_gaps(robot, body, q_after, axis)
             least = np.full((problem.knots, gaps.shape[0]), least_gap)
-            least[~_reared(problem), 8:] = -inf
+            least[:, 8:] = np.where(_reared(problem)[:, None], problem.hip_gap, -inf)
             rows.append((gaps, least, inf))
     if problem.stance_reach > 0.0:
         rows.append((_reach(robot, body, q_after), np.where(stance, problem.stance_reach, -inf), inf))

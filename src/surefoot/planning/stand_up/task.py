@@ -52,7 +52,6 @@ class StandUp:
     """The task `stand-up`; its number is how far the robot lies turned over about its long axis [deg]."""
 
     name: str = "stand-up"
-    meaning: str = "get up from lying on the back"
     amount: str = "roll angle of the lying start, 180 for the back [deg]"
     default: float | None = 180.0
     robots: bool = True

@@ -20,8 +20,7 @@ OFF = math.radians(8.0)
 class Backflip:
     """A full turn backwards, from standing to standing."""
 
-    name, meaning = "backflip", "a full turn backwards in the air, from standing to standing"
-    amount, robots = "", True
+    name, amount, robots = "backflip", "", True
     default: float | None = None
     takes: tuple[str, ...] = ("start", "payload", "near")
 

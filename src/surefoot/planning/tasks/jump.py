@@ -22,9 +22,6 @@ SHORT = 0.01
 """How much less than asked for still is a jump of that length or height [m]."""
 ASIDE = 0.05
 """How far beside its way a jump may end [m]."""
-EASY, SHARES, COARSE = 0.5, (0.6, 0.8), 0.02
-"""Height of a step that is jumped onto at once, as a share of the base's; higher ones after such shares of
-it, in knots of this length [s]: in half of it none of 0.25 m was found in 60 s."""
 LEAN, SLOW = math.radians(6.0), 0.15
 """Largest tilt [rad] and speed [m/s, rad/s] at the end."""
 
@@ -32,8 +29,7 @@ LEAN, SLOW = math.radians(6.0), 0.15
 class Jump:
     """A jump along the ground: the number is how far the feet get."""
 
-    name, meaning = "jump", "all feet leave the ground and land further on"
-    amount, default, robots = "distance [m]", 0.4, True
+    name, amount, default, robots = "jump", "distance [m]", 0.4, True
     takes: tuple[str, ...] = ("start", "payload", "direction", "turn", "terrain", "over", "near")
     up = False
 
@@ -60,14 +56,7 @@ class Jump:
         if request.over:
             ground = gap_before(robot, q, there, request.over)
         climb = climbed(ground, robot, q, landed(robot, q, far, way, ground))
-        high = climb > EASY * float(robot.nominal[2])
-        dt = request.dt or (round(COARSE * time_scale(robot), 3) if high else None)
-        problem = jump(robot, far, rise, request.mu, dt, way, q, ground)
-        lower = [
-            jump(robot, far, rise, request.mu, dt, way, q, problem.passed.lowered(share))
-            for share in SHARES
-            if high and problem.passed is not None
-        ]
+        problem = jump(robot, far, rise, request.mu, request.dt, way, q, ground)
 
         def goal(motion: Trajectory) -> tuple[bool, str]:
             got, off, words = float(motion.q[:, 2].max() - q[2]), 0.0, "rises by"
@@ -80,14 +69,13 @@ class Jump:
             said = f"{words} {got:.3f} m of {asked:g} asked for, {said}"
             return bool(enough and still and flown), said
 
-        return scheduled_plan(self.name, problem, request, tell, goal, PATIENCE * (1 + self.up), lower)
+        return scheduled_plan(self.name, problem, request, tell, goal, PATIENCE * (1 + self.up))
 
 
 class JumpUp(Jump):
     """A jump in place: the number is how high the base rises above where it stood."""
 
-    name, meaning = "jump-up", "all feet leave the ground and land where they were"
-    amount, default = "height [m]", 0.15
+    name, amount, default = "jump-up", "height [m]", 0.15
     takes = ("start", "payload", "turn", "terrain", "near")
     up = True
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +18,7 @@ from surefoot.robot.actuators import limited_robot, unknown_limits
 from surefoot.stepping.bodies import loaded_robot
 
 if TYPE_CHECKING:
-    from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem
-    from surefoot.planning.transcription.guess import Guess
+    from surefoot.planning.schedule import ScheduleProblem
 
 ROAD = "schedule"
 FEEDBACK = 0.95
@@ -70,7 +69,7 @@ def judged(motion: Trajectory, robot: Robot, goal: Goal) -> tuple[bool, str]:
 
 def scheduled_plan(
     task: str, problem: ScheduleProblem, request: PlanRequest, tell: Tell, goal: Goal,
-    patience: float = PATIENCE, easier: Sequence[ScheduleProblem] = (),
+    patience: float = PATIENCE,
 ) -> Plan:  # fmt: skip
     """Return the plan of a problem: SOLVED where its exact rollout is lawful and does what the goal says.
 
@@ -83,10 +82,7 @@ def scheduled_plan(
     goal
         Of the exact motion: that of the optimiser's torques, with small corrections, through exact steps.
     patience
-        CPU time after which the search gives up [s], of each problem.
-    easier
-        Problems that lead up to it, over the same knots: the motion of each is where the next one's search
-        starts. Left out where a search from a near plan finds a motion.
+        CPU time after which the search gives up [s].
     """
     from surefoot.planning.schedule.search import HELD, optimise
     from surefoot.planning.transcription.follow import follow
@@ -97,20 +93,14 @@ def scheduled_plan(
     def heard(number: int, cost: float, violation: float) -> None:
         tell(Iteration(number, cost, violation, "whole body over the schedule"))
 
-    motion: ScheduledMotion | None = None
     most, iterations = request.max_iterations or MOST, 0
-    stages: list[tuple[ScheduleProblem, Plan | None]] = [(one, None) for one in (*easier, problem)]
-    if request.near is not None:
-        stages.insert(0, (problem, request.near))
-    for one, near in stages:
-        guess: Guess | None = motion if motion is not None and (motion.found or most == 0) else None
-        options: dict[str, Any] = {"max_cpu_time": patience if near is None else BRIEF * patience}
-        motion = optimise(one, guess, most, heard, near, **options)
+    for near in (None,) if request.near is None else (request.near, None):
+        limit = patience if near is None else BRIEF * patience
+        motion = optimise(problem, most, heard, near, max_cpu_time=limit)
         iterations += motion.iterate.iterations
         most = 0 if motion.iterate.said == "interrupted" else most
-        if near is not None and motion.found:
+        if motion.found or most == 0:
             break
-    assert motion is not None
     lost = not motion.iterate.finite
     trajectory = (
         Trajectory.blank(problem.robot, problem.knots, problem.dt, request.mu)
@@ -130,9 +120,8 @@ def scheduled_plan(
         task, ROAD, motion.iterate.cost, bool(done and motion.found), iterations,
         time.perf_counter() - begun, said, stopped,
     )  # fmt: skip
-    facts: dict[str, Any] = {"mode_events": list(getattr(problem.schedule, "event_times", []))}
-    if motion.found:
-        facts |= dict(zip(HELD, (motion.iterate.variables, *motion.iterate.multipliers), strict=True))
+    held = (motion.iterate.variables, *motion.iterate.multipliers)
+    facts: dict[str, Any] = dict(zip(HELD, held, strict=True)) if motion.found else {}
     if request.payload:
         facts |= {"payload": request.payload, "payload_position": np.zeros(3)}
     if ended == "interrupted" or most == 0:

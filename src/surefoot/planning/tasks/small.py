@@ -35,7 +35,6 @@ class SmallTask:
     """
 
     name: str
-    meaning: str
     amount: str
     default: float | None
     low: float
@@ -56,7 +55,7 @@ class SmallTask:
                 f"{amount!r}"
             )
         dt = request.dt or self.dt
-        small = self.make(amount, request.mu, request.knots or self.knots(amount, dt), dt)
+        small = self.make(amount, request.mu, self.knots(amount, dt), dt)
         return plan_direct(
             small.problem, guess=small.guess(request.seed), total=request.max_iterations, within=self.within,
             task=self.name, tell=tell,
@@ -64,7 +63,7 @@ class SmallTask:
 
 
 BALL = SmallTask(
-    "ball", "a ball falls, lands and rests", "height of the fall [m]", 1.0, 0.0, 3.0,
+    "ball", "height of the fall [m]", 1.0, 0.0, 3.0,
     lambda height, mu, knots, dt: falling_ball(height, knots=knots, dt=dt),
     lambda height, dt: max(10, round((np.sqrt(2.0 * height / 9.81) + 0.5) / dt)), 0.02, SAME,
 )  # fmt: skip
@@ -78,10 +77,10 @@ def quiet_hopper(distance: float, mu: float, knots: int, dt: float) -> SmallProb
 
 
 HOPPER = SmallTask(
-    "hopper", "a one-legged planar hopper stands further on", "distance [m]", 0.3, -1.0, 1.0, quiet_hopper,
+    "hopper", "distance [m]", 0.3, -1.0, 1.0, quiet_hopper,
     lambda distance, dt: max(10, round(0.9 / dt)), 0.02,
 )  # fmt: skip
 PUSH = SmallTask(
-    "push", "a foot pushes a block, which then rests", "distance [m]", 0.3, 0.0, 1.0, pushed_block,
+    "push", "distance [m]", 0.3, 0.0, 1.0, pushed_block,
     lambda distance, dt: 25, 0.04,
 )  # fmt: skip

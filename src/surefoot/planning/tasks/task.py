@@ -52,8 +52,6 @@ class PlanRequest:
         Friction of the ground.
     dt
         Length of a knot [s].
-    knots
-        Their number.
     seed
         Of random starts.
     max_iterations
@@ -66,7 +64,6 @@ class PlanRequest:
     amount: float | None = None
     mu: float = 0.6
     dt: float | None = None
-    knots: int | None = None
     seed: int = 0
     max_iterations: int | None = None
     start: FloatArray | None = None
@@ -83,8 +80,8 @@ class Task(Protocol):
 
     Attributes
     ----------
-    name, meaning
-        For people, the meaning in one line.
+    name
+        For people.
     amount
         What the request's number is, with its unit; empty where there is none.
     default
@@ -96,7 +93,6 @@ class Task(Protocol):
     """
 
     name: str
-    meaning: str
     amount: str
     default: float | None
     robots: bool

@@ -38,6 +38,11 @@ class Landing:
         Who lands, and the plan.
     quick
         How much quicker than one of Go2's size it is.
+
+    Attributes
+    ----------
+    stand
+        (n,) heights of the feet's centres where the plan ends [m].
     """
 
     def __init__(self, robot: Robot, reference: Reference, quick: float = 1.0) -> None:
@@ -54,7 +59,7 @@ class Landing:
         points = robot.contact_points
         self._owner, first = points.foot, reference.feet[0, :, 2]
         climbed, stood = feet[:, 2] - first, np.abs(first - points.foot_radii) < STEP
-        self._stand = points.foot_radii + np.where(stood & (np.abs(climbed) > STEP), climbed, 0.0)
+        self.stand = points.foot_radii + np.where(stood & (np.abs(climbed) > STEP), climbed, 0.0)
 
     def begin(self, now: Kinematics) -> None:
         """Take the heading of this moment for the one to keep."""
@@ -72,7 +77,7 @@ class Landing:
         feet = np.zeros((len(stance), 6))
         if not stance.all():
             feet[:, :3] = lowered(now)
-        gaps = pressed(now, self._stand)
+        gaps = pressed(now, self.stand)
         return Tasks(
             stance, com, turn, feet, self._still, np.zeros((len(self._owner), 3)), self._frames, gaps
         )
@@ -89,9 +94,9 @@ def lowered(now: Kinematics) -> FloatArray:
     return np.asarray(SWING * (speed - now.twists[:, :3]))
 
 
-def gently(now: Kinematics, radii: FloatArray) -> FloatArray:
-    """Return the least accelerations upwards (n,) with which feet near the ground z = 0 meet it slowly."""
-    near = now.centres[:, 2] - radii < NEAR
+def gently(now: Kinematics, stand: FloatArray) -> FloatArray:
+    """Return the least accelerations upwards (n,) with which feet near where they stand meet it slowly."""
+    near = now.centres[:, 2] - stand < NEAR
     return np.where(near, BRAKE * (-SLOW - now.twists[:, 2]), -np.inf)
 
 

@@ -223,10 +223,10 @@ class TrackingController(Controller):
             slow = speeds - want.com_velocity - (now.twists[:, :3] - now.com_velocity)
             feet[:, :3] = want.com_acceleration + swing**2 * miss + 2.0 * swing * slow
             if self._next > 0:
-                feet[:, 2] = np.maximum(feet[:, 2], gently(now, self._radii))
+                feet[:, 2] = np.maximum(feet[:, 2], gently(now, self.landing.stand))
             lost = self._planned_stance() & ~stance
             feet[lost, :3] = lowered(now)[lost]
-        gaps = pressed(now, self._radii)
+        gaps = pressed(now, self.landing.stand if self._next > 0 else self._radii)
         return Tasks(stance, com, turn, feet, self._still, want.forces, self._frames, gaps)
 
     def _fly(self, now: Kinematics, state: RobotState) -> TrackCommand:
