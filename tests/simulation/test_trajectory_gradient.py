@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize
 
 import surefoot as sf
-from surefoot.collision import Sphere
+from surefoot.collision import Box, Sphere
 from surefoot.laws import HuntCrossley
 from surefoot.simulation.bodies import ball, box
 from surefoot.simulation.trajectory_gradient import TrajectoryGradient
@@ -138,17 +140,72 @@ def test_torch_sees_one_function() -> None:
     assert float(mu.grad) == pytest.approx(gradient(speed=1.5, mu=0.1).gradient["mu"])
 
 
-def test_scenes_have_the_gradient_of_differences() -> None:
-    """A ball of a scene falls on another: its height, as a ball falls on the ground."""
+def collided(speed, e, m1, m2, x, off=0.0, mu=0.0, spin=0.0) -> None:
+    """Two balls in free fall, the second at rest beside the first."""
+    way, turning = (speed, 0, 0), (0, 0, spin)
+    balls = [sf.Body("a", Sphere(0.1), m1, (0, 0, 9.0), velocity=way, spin=turning, restitution=e),
+             sf.Body("b", Sphere(0.1), m2, (x, off, 9.0), restitution=e)]  # fmt: skip
+    advance(sf.SceneWorld(sf.Scene(balls), mu=mu, dt=4e-3), 100)
 
-    def fell(height) -> None:
-        balls = [sf.Body(n, Sphere(0.1), 1.0, (0.0, 0.0, float(z)), restitution=0.8, fixed=n == "low")
-                 for n, z in (("low", 0.1), ("high", 0.3 + height))]  # fmt: skip
-        world = sf.SceneWorld(sf.Scene(balls), dt=4e-3)
-        advance(world, 100)
 
-    slope = sf.trajectory_gradient(fell, lambda q, v: q[-1, 2], wrt=["height"])(height=0.5).gradient["height"]
-    assert slope == pytest.approx(1.8 * (0.4 / np.sqrt(1.0 / GRAVITY) - 1.0) - 0.8, rel=1e-4)
+def test_two_balls_that_collide_have_the_gradient_of_their_closed_form() -> None:
+    """The second ends at x + c (s T - x + 2 r), c = m1 (1 + e) / (m1 + m2)."""
+    s, e, m1, m2, x, t = 2.0, 0.7, 1.0, 2.0, 0.5, 0.4
+    hit = sf.trajectory_gradient(collided, lambda q, v: q[-1, 7], wrt=["speed", "e", "m1", "m2", "x"])
+    found, c, way = hit(speed=s, e=e, m1=m1, m2=m2, x=x), m1 * (1.0 + e) / (m1 + m2), s * t - x + 0.2
+    assert found.loss == pytest.approx(x + c * way, abs=1e-9)
+    by_mass = (1.0 + e) * way / (m1 + m2) ** 2
+    wanted = {
+        "speed": c * t,
+        "e": m1 / (m1 + m2) * way,
+        "m1": m2 * by_mass,
+        "m2": -m1 * by_mass,
+        "x": 1.0 - c,
+    }
+    assert found.gradient == pytest.approx(wanted, rel=1e-7)
+
+
+def slid(mu, rough, m, push, x, boxes=2) -> None:
+    """A stack whose lowest box is pushed: all slide on the ground, the upper ones on each other as well."""
+    cube = Box((0.2, 0.2, 0.2))
+    stack = [sf.Body(f"b{k}", cube, m if k else 2.0, (x * k, 0, 0.1 + 0.2 * k), friction=rough if k else mu)
+             for k in range(boxes)]  # fmt: skip
+    advance(sf.SceneWorld(sf.Scene(stack), mu=mu, dt=5e-3), 20, None, np.array([push, 0, 0]))
+
+
+def dropped(h, e, m, mu) -> None:
+    """A ball falls on another that lies on the ground: met in the middle of the step."""
+    low, high = (0.0, 0.0, 0.1), (0.01, 0.0, 0.3 + h)
+    balls = [sf.Body("low", Sphere(0.1), 1.0, low, restitution=e), sf.Body("high", Sphere(0.1), m, high)]
+    advance(sf.SceneWorld(sf.Scene(balls), dt=4e-3, mu=mu, restitution=e), 80)
+
+
+def caught(mass, x, kp) -> None:
+    """A ball falls on the back of a Go2 that holds its pose: bodies next to a joint tree."""
+    robot = sf.load_robot("go2")
+    scene, start = sf.Scene([sf.Body("ball", Sphere(0.1), mass, (x, 0.0, 0.6))], robot), sf.place(robot)
+    world, kd = sf.SceneWorld(scene, dt=4e-3), 2.0
+    world.reset(np.r_[start, scene.start()[0][19:]])
+    for _ in range(50):
+        q, v = world.state()
+        world.step(kp * (start[7:] - q[7:19]) - kd * v[6:18])
+
+
+@pytest.mark.parametrize(("rollout", "given"), [
+    (caught, {"mass": 1.0, "x": 0.05, "kp": 60.0}),
+    (collided, {"speed": 2.0, "e": 0.7, "m1": 1.0, "m2": 2.0, "x": 0.5, "off": 0.08, "mu": 0.2, "spin": 5.0}),
+    (slid, {"mu": 0.3, "rough": 0.1, "m": 1.0, "push": 20.0, "x": 0.03}),
+    (partial(slid, boxes=5), {"mu": 0.4, "rough": 0.35, "m": 0.7, "push": 30.0, "x": 0.004}),
+    (dropped, {"h": 0.3, "e": 0.8, "m": 0.5, "mu": 0.3}),
+], ids=["on a robot", "oblique", "pushed stack", "stack of 5", "on a ball that lies"])  # fmt: skip
+def test_scenes_have_the_gradient_of_differences(rollout, given) -> None:
+    gradient = sf.trajectory_gradient(
+        rollout, lambda q, v: q[-1, 0] + 2.0 * q[-1, 7] + v[-1, 6], wrt=list(given)
+    )
+    found = gradient(**given).gradient
+    for name in given:
+        truth = float(differences(gradient, name, **given))
+        assert found[name] == pytest.approx(truth, rel=1e-5, abs=1e-6), name
 
 
 def test_what_has_no_gradient_is_refused() -> None:
@@ -171,9 +228,15 @@ def test_what_has_no_gradient_is_refused() -> None:
     ):
         with pytest.raises(sf.ProblemError, match=message):
             wrong(**changes)(x=0.1)
-    for at, message in (({}, "give the rollout's x"), ({"x": np.nan}, "x must be finite")):
+    for at, message in (
+        ({}, "give the rollout's x"),
+        ({"x": np.nan}, "x is NaN"),
+        ({"x": "fast"}, "x must be"),
+    ):
         with pytest.raises(sf.ProblemError, match=message):
             wrong()(**at)
+    with pytest.raises(sf.ProblemError, match="valid names: x"):
+        sf.trajectory_gradient(wrong().rollout, lambda q, v: 0.0, wrt=["speed"])
     with pytest.raises(sf.ProblemError, match="the loss must be a number"):
         sf.trajectory_gradient(wrong().rollout, lambda q, v: None, wrt=["x"])(x=0.1)
     with pytest.raises(sf.ProblemError, match="this one took none"):

@@ -54,7 +54,7 @@ def differences(stepper: Stepper, state: State, torques, push, mu, between=outco
         )  # fmt: skip
 
     sizes = {"q": model.nv, "v": model.nv, "torques": joints, "mu": 1, "push": 3,
-             "leaving": 3 * len(stepper.robot.contact_points)}  # fmt: skip
+             "leaving": 3 * len(stepper.bodies.contacts.group)}  # fmt: skip
 
     def slope(name: str, e: np.ndarray) -> np.ndarray:
         """Central differences over two widths, of fourth order together."""
@@ -81,7 +81,7 @@ def check(stepper: Stepper, state: State, torques, push=None, mu=0.5, touching=F
     assert d.kinks == ()
     assert touching or d.touching.size == 0
     wanted = differences(stepper, state, torques, push, mu)
-    nv, rest = stepper.bodies.model.nv, 3 * len(stepper.robot.contact_points)
+    nv, rest = stepper.bodies.model.nv, 3 * len(stepper.bodies.contacts.group)
     for name, block in wanted.items():
         own = d._blocks[name]
         for rows in (

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.collision.contact_rates import contact_rates
 from surefoot.collision.manifold import manifolds
 from surefoot.collision.shapes import Shape, coal
 from surefoot.collision.solids import Geometry
@@ -103,6 +104,14 @@ class PairSearch:
         """Look where solids touch, with their joints at (joints, 3, 3) `turns` and (joints, 3) `places`."""
         self._turns[:], self._places[:] = turns[self._carriers], places[self._carriers]
         self._search()
+
+    def rates(self, slots: IntArray) -> FloatArray:
+        """Return how slots (k,) in use move with both bodies: (k, 7, 12), see `contact_rates`."""
+        both = self.pairs[self.pair[slots]]
+        return contact_rates(
+            self._rotation[both], self._centre[both], self._core[both], self._radius[both],
+            self.points[slots], self.normals[slots], self.gaps[slots],
+        )  # fmt: skip
 
     def _search(self) -> None:
         """Look where solids touch, with their carriers where they are."""

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections import deque
 from contextvars import ContextVar
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
-from surefoot.stepping import State, Step, Stepper
+from surefoot.stepping import State, Step, StepOptions, Stepper
 
 if TYPE_CHECKING:
     from surefoot.simulation.rigid import RigidWorld
@@ -31,8 +31,10 @@ class RolloutRecorder:
     ----------
     states
         The n + 1 states that the world is to be in; None to keep those that it comes to.
-    stepper
-        What the world has where it is known, so that it need not be made again.
+    first
+        The run before in which the states were kept.
+    unchanged
+        Whether the rollout has the same parameters as then.
 
     Attributes
     ----------
@@ -48,12 +50,24 @@ class RolloutRecorder:
         What went into every step: (joints,) [N m], (3,) [N], [-].
     """
 
-    def __init__(self, states: list[State] | None = None, stepper: Stepper | None = None) -> None:
+    def __init__(
+        self, states: list[State] | None = None, first: RolloutRecorder | None = None, unchanged: bool = False
+    ) -> None:
         self.world: RigidWorld | None = None
-        self.stepper = stepper
+        self._first, self._unchanged = first, unchanged
         self.given, self.states, self.count = states is not None, states or [], 0
         self.steps: deque[Step] = deque(maxlen=KEPT)
         self.torques, self.pushes, self.mu = list[FloatArray](), list[FloatArray](), list[float]()
+
+    def known(self, *parts: Any) -> Stepper | None:
+        """Return the stepper of the first run where a world is made of the same `parts`, a robot first."""
+        self._parts, self._model, first = parts, parts[0].model.copy(), self._first
+        if first is None or first.world is None:
+            return None
+        pairs = zip(parts, first._parts, strict=True)
+        same = all(a is b or (isinstance(a, float | StepOptions) and a == b) for a, b in pairs)
+        same = same and self._model == first._model  # the robot itself may have been changed
+        return first.world.stepper if same or self._unchanged else None
 
     def placed(self, state: State) -> State:
         """Return the state that a world is to start in, for the one that it was put in."""

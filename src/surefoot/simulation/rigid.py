@@ -161,7 +161,9 @@ class RigidWorld:
         own = 0.6 if options.soft is None else options.soft.friction.mu
         self.set_friction(own if mu is None else mu)
         recorder = RECORDER.get()
-        self.stepper = (None if recorder is None else recorder.stepper) or Stepper(
+        parts = robot, terrain, options, payload, collision, payload_position
+        known = None if recorder is None else recorder.known(*parts)
+        self.stepper = known or Stepper(
             robot, terrain, options, payload, chosen_geometry(robot, collision), payload_position
         )
         self.control = None if tol is None else ErrorControl(self.stepper, tol)
@@ -314,7 +316,7 @@ class RigidWorld:
         Raises
         ------
         ProblemError
-            Before the first step, with a soft law, a `tol` or actuators, and where more than feet may touch.
+            Before the first step, with a `tol` or actuators; with smoothing where more than feet may touch.
         NoSolution
             If the step's contact problem is not SOLVED.
         """

@@ -26,10 +26,11 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 from surefoot.simulation.recorder import RolloutRecorder
 from surefoot.simulation.rigid import RigidWorld
-from surefoot.stepping import State
+from surefoot.stepping import State, Stepper
 from surefoot.stepping.derivative import stages_of
 from surefoot.stepping.derivative_impact import Laws, law_fields
 from surefoot.stepping.derivative_stages import InputRates, StepArguments
+from surefoot.stepping.pair_detection import PairDetection
 
 WIDTH = 1e-6
 """Half of a difference, in units of what is moved where that is above one."""
@@ -37,7 +38,7 @@ SAME = 1e-12
 """How far apart two numbers may be that are the same [m, N m]."""
 
 Run = Callable[..., RolloutRecorder]
-"""Runs the rollout at parameters, in given states and with a known stepper."""
+"""Runs the rollout at parameters, in given states, as `RolloutRecorder` takes them."""
 
 
 class Inputs(NamedTuple):
@@ -48,9 +49,9 @@ class Inputs(NamedTuple):
     start
         (2nv,) against the recorded start, in its tangent space.
     inertia, restitution, law
-        (10 bodies,), (1,) and (fields,).
+        (10 bodies,), (groups,) and (fields,); a group are contacts of the same two surfaces.
     each
-        (n, joints + 4) torques, push and friction of every step.
+        (n, joints + 3 + groups) torques, push and friction of every step.
     """
 
     start: FloatArray
@@ -77,6 +78,8 @@ class Backward:
             raise ProblemError(
                 'steps are differentiated with actuators="ideal", not motors and friction of joints'
             )
+        self.foot = self.world.stepper.bodies.contacts.group
+        self.group = self.foot if self.world.stepper.geometry is not None else 0 * self.foot
         self.here = self._inputs(taken)
         self.feedback = self._feedback()
 
@@ -89,26 +92,33 @@ class Backward:
         law = world.stepper.options.soft
         inertia = [np.array(i.toDynamicParameters()) for i in list(world.model.inertias)[1:]]
         q = pinocchio.difference(self.model, first.q, run.start.q)
-        each = np.column_stack([np.array(run.torques).reshape(run.count, -1), run.pushes, run.mu])
+        mu, which = np.unique(run.mu, return_inverse=True)
+        friction, restitution = np.stack([self._surfaces(world, m) for m in mu], axis=1)
+        each = np.column_stack([np.array(run.torques).reshape(run.count, -1), run.pushes, friction[which]])
         return Inputs(
-            np.concatenate([q, run.start.v - first.v]), np.concatenate(inertia),
-            np.array([world.stepper.options.restitution]),
+            np.concatenate([q, run.start.v - first.v]), np.concatenate(inertia), restitution[0],
             np.array([getattr(law, n) for n in law_fields(law)] if law is not None else []), each,
         )  # fmt: skip
 
+    def _surfaces(self, world: RigidWorld, mu: float) -> FloatArray:
+        """Return friction and restitution (2, groups) of a world's contacts, on ground of friction `mu`."""
+        found, stepper = self.world.stepper.bodies.contacts, world.stepper
+        if stepper.geometry is None or not isinstance(found, PairDetection):
+            return np.array([[mu], [stepper.options.restitution]])
+        return found.mixed(stepper.geometry, mu, stepper.options.restitution)
+
     def _replayed(self, states: list[State] | None = None, **changed: Any) -> Inputs:
         """Return what the rollout puts in when it is in given states, with some parameters changed."""
-        known = None if changed else self.world.stepper
-        run = self.run({**self.parameters, **changed}, states or self.taken.states, known)
+        run = self.run({**self.parameters, **changed}, states or self.taken.states, self.taken, not changed)
         assert run.world is not None
-        if not changed:
+        if run.world.stepper is self.world.stepper:
             return self._inputs(run)
         first, options = self.taken.states[0], run.world.stepper.options
-        for a, b in zip(*(w.stepper.contacts(first)[:2] for w in (run.world, self.world)), strict=True):
-            if np.abs(a - b).max(initial=0.0) > SAME or options.dt != self.world.dt:
-                raise ProblemError(
-                    f"no gradient by {', '.join(changed)}: it changes shapes, ground or the step's length"
-                )
+        a, b = (_shape(w.stepper, first) for w in (run.world, self.world))
+        if a.shape != b.shape or np.abs(a - b).max(initial=0.0) > SAME or options.dt != self.world.dt:
+            raise ProblemError(
+                f"no gradient by {', '.join(changed)}: it changes shapes, ground or the step's length"
+            )
         return self._inputs(run)
 
     def _moved(self, way: FloatArray, which: slice = slice(None)) -> list[State]:
@@ -131,25 +141,26 @@ class Backward:
             )
         if not change.any():
             return None
-        return self._by_joints(size) if self.world.robot.joints else self._by_states(np.eye(size))
+        seen = (again.each - self.here.each)[::2] / WIDTH, way / WIDTH
+        return self._by_joints(size, *seen) if self.world.robot.joints else self._by_states(np.eye(size))
 
     def _by_states(self, ways: FloatArray) -> FloatArray:
         """Return how what goes into the steps moves with each of (c, 2nv) motions of the states."""
         ends = [self._replayed(self._moved(WIDTH * way)).each for way in ways]
         return np.stack([(end - self.here.each) / WIDTH for end in ends], axis=2)
 
-    def _by_joints(self, size: int) -> FloatArray:
-        """Return the same for every component; at once, where a joint's torque looks at that joint alone."""
+    def _by_joints(self, size: int, seen: FloatArray, way: FloatArray) -> FloatArray:
+        """Return the same for every component; at once, where a joint's torque looks at that joint alone.
+
+        Every other step's (., joints + 4) is `seen` to move so along the motion `way` (2nv,).
+        """
         joints, nv, base = self.world.robot.joints, self.model.nv, self.world.robot.base_dof
         own = np.eye(size)[base : base + joints], np.eye(size)[nv + base : nv + base + joints]
-        both, way = (
-            self._by_states(np.array([e.sum(axis=0) for e in own])),
-            np.random.default_rng(1).normal(size=size),
-        )
+        both = self._by_states(np.array([e.sum(axis=0) for e in own]))
         out = np.zeros((len(both), both.shape[1], size))
         for k, at in enumerate((base, nv + base)):
             out[:, np.arange(joints), at + np.arange(joints)] = both[:, :joints, k]
-        off = np.abs(self._by_states(way[None])[:, :, 0] - out @ way).max()
+        off = np.abs(seen - out[::2] @ way).max()
         return out if off <= 1e-5 * np.abs(out).max() else self._by_states(np.eye(size))
 
     def _rates(self) -> tuple[list[tuple[str, Any]], list[Inputs]]:
@@ -209,7 +220,7 @@ class Backward:
 
     def _motions(self, start: FloatArray, each: FloatArray, fixed: list[FloatArray]) -> FloatArray:
         """Return how all states move with each of c parameters (n + 1, 2nv, c)."""
-        left, out = np.zeros((3 * len(self.world.robot.contact_points), start.shape[1])), [start]
+        left, out = np.zeros((3 * len(self.foot), start.shape[1])), [start]
         for k, own in enumerate(each):
             into = own if self.feedback is None else own + self.feedback[k] @ out[-1]
             state, _, left = np.split(
@@ -224,7 +235,7 @@ class Backward:
     ) -> FloatArray:  # fmt: skip
         """Return the gradient by the parameters (c,) of the whole rollout; write that by those of steps."""
         start, each, fixed = rates
-        weight, left = loss_rates[-1], np.zeros(3 * len(self.world.robot.contact_points))
+        weight, left = loss_rates[-1], np.zeros(3 * len(self.foot))
         whole, n, size, before = np.zeros(len(where)), len(each), weight.size, weight.size + left.size
         eye = np.eye(before, before + len(where))
         fixed = [np.hstack([np.zeros((len(f), before)), f]) for f in fixed]
@@ -254,13 +265,23 @@ class Backward:
         stages = stages_of(stepper, StepArguments(*given, 0.0, step))
         both: bool | None = False
         for response, near in stages.responses:
-            response.regular, foot = True, self.world.contact_foot[near]
+            response.regular, foot = True, self.foot[near]
             if foot.size > np.unique(foot).size:  # redundant: signs of their gaps would pull them apart
                 both = None
         heard = step.impact is not None and step.impact.velocities is not step.impact.leaving
         inertia, restitution, law = (f if f.any() else None for f in fixed)
-        laws = Laws(None if restitution is None else restitution[0], law)
+        laws = Laws(None if restitution is None else restitution[self.group], law)
         return stages.through(InputRates(
-            state[:nv], state[nv:], into[:joints], into[joints + 3 :], into[joints : joints + 3],
+            state[:nv], state[nv:], into[:joints], into[joints + 3 :][self.group], into[joints : joints + 3],
             left if heard else 0.0 * left, inertia, both, laws=laws,
         ))  # fmt: skip
+
+
+def _shape(stepper: Stepper, state: State) -> FloatArray:
+    """Return all numbers of what touches: spheres on the ground at a state, and solids."""
+    contacts, geometry = stepper.contacts(state), stepper.geometry
+    spheres = len(stepper.bodies.contacts.points)
+    parts = [contacts.gaps[:spheres], contacts.positions[:spheres].ravel()]
+    for s in () if geometry is None else geometry.solids:
+        parts += [np.array([s.joint, s.shape.radius]), s.shape.core, s.rotation.ravel(), s.position]
+    return np.concatenate(parts)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from inspect import Parameter, signature
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, of_kind, real_number
-from surefoot.errors import ProblemError
+from surefoot.arrays import FloatArray, finite_array, of_kind, real_number
+from surefoot.errors import ProblemError, check_name
 from surefoot.simulation.recorder import RECORDER, RolloutRecorder
 from surefoot.simulation.rollout_backward import WIDTH, Backward
-from surefoot.stepping import State, Stepper
+from surefoot.stepping import State
 
 Rollout = Callable[..., Any]
 Loss = Callable[[FloatArray, FloatArray], float]
@@ -33,28 +34,19 @@ class TrajectoryGradient:
         of_kind("wrt", wrt, Sequence)
         if not wrt or isinstance(wrt, str):
             raise ProblemError(f"wrt must be a list of names of the rollout's parameters, got {wrt!r}")
+        taken = signature(rollout).parameters.values()
+        if not any(p.kind is Parameter.VAR_KEYWORD for p in taken):
+            for name in wrt:
+                check_name("parameter of the rollout", name, [p.name for p in taken])
         self.rollout, self.loss, self.wrt = rollout, loss, tuple(wrt)
 
     def __call__(self, **parameters: Any) -> LossGradient:
         """Return loss and gradient at parameters of the rollout, those of `wrt` and others."""
         values, taken = self._values(parameters), self._run(parameters)
         assert taken.world is not None
-        if taken.world.stepper.geometry is not None:
-            found = {name: self._differences(parameters, name, value) for name, value in values.items()}
-        else:
-            way = Backward(self._run, parameters, values, taken)
-            found = way.slopes(partial(self._loss_rates, taken), partial(self._loss_along, taken))
+        way = Backward(self._run, parameters, values, taken)
+        found = way.slopes(partial(self._loss_rates, taken), partial(self._loss_along, taken))
         return LossGradient(self._loss(*_arrays(taken.states)), found)
-
-    def _differences(self, parameters: dict[str, Any], name: str, value: FloatArray) -> Any:
-        """Return the gradient by one parameter from runs on both of its sides: steps of scenes have none."""
-        out = np.zeros(value.shape)
-        for i in np.ndindex(value.shape):
-            e = np.zeros(value.shape)
-            e[i] = WIDTH * max(1.0, abs(float(value[i])))
-            low, high = (self.value(**{**parameters, name: value + s * e}) for s in (-1.0, 1.0))
-            out[i] = (high - low) / (2.0 * e[i])
-        return float(out) if out.ndim == 0 else out
 
     def value(self, **parameters: Any) -> float:
         """Return the loss alone."""
@@ -123,17 +115,13 @@ class TrajectoryGradient:
             raise ProblemError(
                 f"give the rollout's {', '.join(missing)}: the gradient is by {', '.join(self.wrt)}"
             )
-        values = {name: np.asarray(parameters[name], dtype=np.float64) for name in self.wrt}
-        for name, value in values.items():
-            if not np.isfinite(value).all():
-                raise ProblemError(f"{name} must be finite, got {parameters[name]!r}")
-        return values
+        return {name: finite_array(name, parameters[name]) for name in self.wrt}
 
     def _run(
-        self, parameters: dict[str, Any], states: list[State] | None = None, stepper: Stepper | None = None
+        self, parameters: dict[str, Any], states: list[State] | None = None, *before: Any
     ) -> RolloutRecorder:
-        """Return what a run of the rollout does: on its own, or in given states."""
-        recorder = RolloutRecorder(states, stepper)
+        """Return what a run of the rollout does: on its own, or in given states, see `RolloutRecorder`."""
+        recorder = RolloutRecorder(states, *before)
         token = RECORDER.set(recorder)
         try:
             self.rollout(**parameters)
@@ -212,9 +200,6 @@ def trajectory_gradient(rollout: Rollout, loss: Loss, wrt: Sequence[str]) -> Tra
         Names of the parameters, numbers or arrays, that the gradient is by: whatever they change of masses,
         friction, restitution, a soft law, the start, torques, pushes. One with a row for each step moves
         that step alone, such as torques.
-
-    Of a `SceneWorld`, and of a robot that touches with more than its feet, the gradient is that of
-    differences of rollouts, two for each number.
 
     Returns
     -------

@@ -76,6 +76,16 @@ class Bodies:
         self._bias = pinocchio.nonLinearEffects
         self._integrate, self._energy = pinocchio.integrate, pinocchio.computeMechanicalEnergy
 
+    @property
+    def factor(self) -> FloatArray:
+        """(nv, nv) lower factor of the mass matrix, as of the last `weigh`, in an array of its own."""
+        return self.L.copy()
+
+    @property
+    def base_rotation(self) -> FloatArray:
+        """(3, 3) rotation_world_base where contacts were looked for last."""
+        return np.asarray(self.data.oMi[1].rotation)
+
     def weigh(self, q: FloatArray) -> None:
         """Bring the factor of the mass matrix up to (nq,) q [m, -, rad]."""
         arithmetic.factorise(self._crba(self.model, self.data, q), self.L)
@@ -97,7 +107,7 @@ class Bodies:
         `push` (3,) acts on the base's own centre of mass.
         """
         if push is not None:
-            effort = self.pushed(effort, push, self.data.oMi[1].rotation)
+            effort = self.pushed(effort, push, self.base_rotation)
         return arithmetic.free_velocity(self.L, effort - against, v, dt)
 
     def pushed(self, effort: FloatArray, push: FloatArray, rotation: FloatArray) -> FloatArray:

@@ -72,10 +72,11 @@ class StepDerivative:
         soft = stepper.options.soft
         if soft is not None and request.smoothing > 0.0:
             raise ProblemError(f"a step with a {type(soft).__name__} is differentiated without smoothing")
-        if stepper.geometry is not None:
-            raise ProblemError("a step is differentiated with feet on the ground alone, not with a geometry")
+        if stepper.geometry is not None and request.smoothing > 0.0:
+            raise ProblemError("a step with a geometry is differentiated without smoothing")
         self._stepper, self._dt, self.smoothing = stepper, stepper.options.dt, request.smoothing
         self._stages = stages_of(stepper, request)
+        self._by_mu = stepper.friction_rates(request.mu)
 
     @property
     def step(self) -> Step:
@@ -85,7 +86,7 @@ class StepDerivative:
     @property
     def _sizes(self) -> dict[str, int]:
         stepper = self._stepper
-        nv, points = stepper.bodies.model.nv, len(stepper.robot.contact_points)
+        nv, points = stepper.bodies.model.nv, len(self._by_mu)
         return {"q": nv, "v": nv, "torques": stepper.robot.joints, "mu": 1, "push": 3, "leaving": 3 * points}
 
     @cached_property
@@ -99,7 +100,8 @@ class StepDerivative:
     def _inputs(self, columns: FloatArray) -> InputRates:
         """Return rows of columns by input."""
         rows: Any = np.split(columns, np.cumsum(list(self._sizes.values()))[:-1])
-        return InputRates(*rows)
+        rates = InputRates(*rows)
+        return rates._replace(mu=self._by_mu[:, None] * rates.mu)
 
     def _part(self, name: str) -> FloatArray:
         return self._blocks[name][: 2 * self._sizes["v"]]
@@ -177,7 +179,7 @@ class StepDerivative:
     @property
     def modes(self) -> tuple[str, ...]:
         """What every contact point does: "open", "stick", "slide" and so on; "smooth" with smoothing."""
-        out = ["open"] * len(self._stepper.robot.contact_points)
+        out = ["open"] * len(self._by_mu)
         for response, near in self._stages.responses[-1:]:
             for k, mode in zip(near.tolist(), response.derivative.modes, strict=True):
                 out[k] = mode

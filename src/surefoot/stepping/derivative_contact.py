@@ -11,7 +11,6 @@ from surefoot.batch.kernel import contact_blocks
 from surefoot.batch.loops import measure_range
 from surefoot.contact import ContactSolution
 from surefoot.contact.derivative import KINK, ContactDerivative
-from surefoot.solvers.compiled import COMPILED_CONTACTS
 
 REGULAR = 1e-9
 """Compliance of redundant contacts where a regular derivative is asked for, over the trace of G."""
@@ -73,26 +72,29 @@ class Response:
 
     @cached_property
     def blocks(self) -> tuple[FloatArray, FloatArray]:
-        """The derivative of the impulses by b (3k, 3k) [kg], and by one mu of all contacts (3k,) [N s]."""
+        """The derivative of the impulses by b (3k, 3k) [kg], and by every contact's mu (3k, k) [N s]."""
         p = self.solution.problem
-        if self.smoothing == 0.0 and 0 < p.contacts <= COMPILED_CONTACTS:
-            out = np.empty((3 * p.contacts, 4 * p.contacts))
-            singular = p.G + REGULAR * np.trace(p.G) * np.eye(len(p.G)) if self.regular else p.G
-            if any(
-                contact_blocks(G, self._laws, p.law == "convex", self._buffer, out) for G in (p.G, singular)
-            ):
-                return out[:, : 3 * p.contacts], out[:, 3 * p.contacts :].sum(axis=1)
+        if self.smoothing == 0.0 and p.contacts:
+            out, given = (
+                np.empty((3 * p.contacts, 4 * p.contacts)),
+                (self._laws, p.law == "convex", self._buffer),
+            )
+            found = contact_blocks(p.G, *given, out)
+            if not found and self.regular:
+                found = contact_blocks(p.G + REGULAR * np.trace(p.G) * np.eye(len(p.G)), *given, out)
+            if found:
+                return out[:, : 3 * p.contacts], out[:, 3 * p.contacts :]
         d = self.derivative
-        return d.dforces_dg, np.asarray(d.dforces_dmu.sum(axis=1))
+        return d.dforces_dg, d.dforces_dmu
 
     def linear(self, b: FloatArray, mu: FloatArray) -> FloatArray:
-        """Return the rates (3k, c) of the impulses [N s], of b (3k, c) and mu (c,): the modes as they are."""
+        """Return the rates (3k, c) of the impulses [N s], of b (3k, c) and mu (k, c), in these modes."""
         by_g, by_mu = self.blocks
-        return np.asarray(by_g @ b + np.outer(by_mu, mu))
+        return np.asarray(by_g @ b + by_mu @ mu)
 
     def one_sided(self, b: FloatArray, mu: FloatArray) -> FloatArray:
         """Return the same (3k, c) [N s] for each column of its own, in the modes that it leads to."""
         if not self.distance <= 10.0 * KINK:
             return self.linear(b, mu)
-        found = [self.derivative.jvp(g=b[:, j], mu=mu[j]).forces.ravel() for j in range(b.shape[1])]
+        found = [self.derivative.jvp(g=b[:, j], mu=mu[:, j]).forces.ravel() for j in range(b.shape[1])]
         return np.stack(found, axis=1)

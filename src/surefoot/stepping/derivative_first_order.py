@@ -36,9 +36,9 @@ class FirstOrderStages(Stages):
 
         q, v, torques, mu, push, leaving, inertia, one_sided, _, laws = given
         effort = self._pushing(q, push)
-        effort[self.stepper.robot.base_dof :] += torques
+        effort[self.stepper.motors] += torques
         dt, impact = self.stepper.options.dt, self.main.impact
-        rates = Rates(q, v, dt * effort + self.main.takes(inertia), mu[0], leaving, None, laws)
+        rates = Rates(q, v, dt * effort + self.main.takes(inertia), mu, leaving, None, laws)
         after, left, impulses = self.main.through(rates, one_sided)
         by_q, by_way = pinocchio.dIntegrate(self.stepper.bodies.model, impact.q, dt * impact.after)
         return np.vstack([by_q @ q + dt * by_way @ after, after, impulses, left])

@@ -18,7 +18,6 @@ RSS 2018.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -34,8 +33,8 @@ SLOW, TURN = 1e-3, 0.05
 """Largest angle turned in a span for which its middle says enough, and in a piece of others [rad]."""
 TERMS = 60
 """Most terms of an exponential."""
-Inputs = Callable[[Any, FloatArray, FloatArray, FloatArray], FloatArray]
-"""∂a/∂p (nv, m) from Pinocchio's data after the derivatives of a, q, v and a."""
+Inputs = tuple[FloatArray, FloatArray | None]
+"""Rates of efforts (nv, m) [N, N m] and of inertial parameters (10 bodies, m)."""
 
 
 class FlowDerivative:
@@ -51,7 +50,7 @@ class FlowDerivative:
     def __init__(self, motion: FreeMotion) -> None:
         import pinocchio
 
-        self.motion, self.data = motion, motion.model.createData()
+        self.motion, self.data, self.size = motion, motion.model.createData(), motion.model.nv
         self._derive = pinocchio.computeABADerivatives
         ordered(motion.model)
         balls, free = list[int](), list[int]()
@@ -66,30 +65,37 @@ class FlowDerivative:
         self._balls, self._free = np.array(balls, dtype=np.int64), np.array(free, dtype=np.int64)
 
     def of(
-        self,
-        q: FloatArray,
-        v: FloatArray,
-        seconds: float,
-        effort: FloatArray | None = None,
-        inputs: Inputs | None = None,
-    ) -> FloatArray:
-        """Return the derivative (2nv, 2nv + m) of where q and v lead in `seconds`, by q, v and the inputs."""
-        nv = v.size
+        self, T: FloatArray, q: FloatArray, v: FloatArray, seconds: float, effort: FloatArray | None = None,
+        efforts: FloatArray | None = None, inertia: FloatArray | None = None,
+    ) -> FloatArray:  # fmt: skip
+        """Return the rates (2nv, c) of where q and v lead in `seconds`, for rates T of q and v.
+
+        Those of the effort are `efforts` (nv, c) [N, N m], of inertial parameters `inertia` (10 bodies, c).
+        """
+        given = [a for a in (efforts, inertia) if a is not None and a.any()]
+        active = np.flatnonzero(np.vstack(given).any(axis=0)) if given else np.zeros(0, dtype=np.int64)
+        none = np.zeros((v.size, active.size))
+        own = none if efforts is None else efforts[:, active], None if inertia is None else inertia[:, active]
+        inputs = own if active.size else None
+        # of each block of bodies that no other moves: its rates, and ones for the inputs
+        size, columns = self.size, T.shape[1]
+        parts = T.reshape(2, -1, size, columns).swapaxes(0, 1).reshape(-1, 2 * size, columns)
+        X = np.zeros((len(parts), 2 * size + active.size, columns))
+        X[:, : 2 * size] = parts
+        X[:, 2 * size + np.arange(active.size), active] = 1.0
         turned = seconds * float(np.abs(v).max(initial=0.0))
         if turned <= SLOW:
-            flow = _exponential(seconds * self._rate(q, v, 0.5 * seconds, effort, inputs))
-            return flow[: 2 * nv]
-        count = max(math.ceil(turned / TURN), 1)
-        h, total = seconds / count, None
-        for k in range(count):
-            first, second = (
-                self._rate(q, v, (k + share) * h, effort, inputs) for share in (GAUSS, 1.0 - GAUSS)
-            )
-            swerve = second @ first - first @ second
-            flow = _exponential(0.5 * h * (first + second) + math.sqrt(3.0) / 12.0 * h * h * swerve)
-            total = flow if total is None else flow @ total
-        assert total is not None
-        return total[: 2 * nv]
+            X = _carried(seconds * self._rate(q, v, 0.5 * seconds, effort, inputs), X)
+        else:
+            count = max(math.ceil(turned / TURN), 1)
+            h = seconds / count
+            for k in range(count):
+                first, second = (
+                    self._rate(q, v, (k + share) * h, effort, inputs) for share in (GAUSS, 1.0 - GAUSS)
+                )
+                swerve = second @ first - first @ second
+                X = _carried(0.5 * h * (first + second) + math.sqrt(3.0) / 12.0 * h * h * swerve, X)
+        return np.asarray(X[:, : 2 * size].reshape(-1, 2, size, columns).swapaxes(0, 1).reshape(T.shape))
 
     def _rate(
         self, q: FloatArray, v: FloatArray, after: float, effort: FloatArray | None, inputs: Inputs | None
@@ -97,15 +103,54 @@ class FlowDerivative:
         """Return the matrix of the variational equation `after` seconds."""
         ahead = self.motion.advance(q, v, after, effort)
         assert ahead is not None  # the whole span was integrated before
-        q, v, n = ahead.q, ahead.v, v.size
-        given = np.zeros(n) if effort is None else effort
-        self._derive(self.motion.model, self.data, q, v, given)
-        own = None if inputs is None else inputs(self.data, q, v, np.array(self.data.ddq))
-        F = np.zeros((2 * n + (0 if own is None else own.shape[1]),) * 2)
-        variation(v, self._free, self._balls, self.data.ddq_dq, self.data.ddq_dv, F)
-        if own is not None:
-            F[n : 2 * n, 2 * n :] = own
+        q, v, n = ahead.q, ahead.v, self.size
+        blocks = self._blocks(q, v, effort)
+        if inputs is None:
+            return blocks
+        F = np.zeros((len(blocks), *(2 * n + inputs[0].shape[1],) * 2))
+        F[:, : 2 * n, : 2 * n], F[:, n : 2 * n, 2 * n :] = blocks, self._pulled(q, v, effort, *inputs)
         return F
+
+    def _blocks(self, q: FloatArray, v: FloatArray, effort: FloatArray | None) -> FloatArray:
+        """Return the matrices (blocks, 2n, 2n) of the variational equation."""
+        given = np.zeros(v.size) if effort is None else effort
+        self._derive(self.motion.model, self.data, q, v, given)
+        F = np.zeros((1, 2 * v.size, 2 * v.size))
+        variation(v, self._free, self._balls, self.data.ddq_dq, self.data.ddq_dv, F[0])
+        return F
+
+    def _pulled(
+        self, q: FloatArray, v: FloatArray, effort: FloatArray | None, more: FloatArray,
+        inertia: FloatArray | None,
+    ) -> FloatArray:  # fmt: skip
+        """Return the rates (blocks, n, m) of the acceleration by inputs, after `_blocks`."""
+        import pinocchio
+
+        data, upper = self.data, np.triu(self.data.Minv)
+        if inertia is not None:
+            a = np.array(data.ddq)
+            more = more - pinocchio.computeJointTorqueRegressor(self.motion.model, data, q, v, a) @ inertia
+        return np.asarray((upper + np.triu(upper, 1).T) @ more)[None]
+
+
+class Dynamics:
+    """Derivatives of the inverse dynamics of what a `FreeMotion` moves, under its gravity."""
+
+    def __init__(self, motion: FreeMotion) -> None:
+        self._model, self._data = motion.model, motion.model.createData()
+
+    def rates(self, q: FloatArray, v: FloatArray, a: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the derivatives (nv, nv) of the forces by q and by v, at (nv,) v and acceleration a."""
+        import pinocchio
+
+        pinocchio.computeRNEADerivatives(self._model, self._data, q, v, a)
+        return self._data.dtau_dq, self._data.dtau_dv
+
+    def regressor(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+        """Return those by all inertial parameters: (nv, 10 bodies)."""
+        import pinocchio
+
+        return np.array(pinocchio.computeJointTorqueRegressor(self._model, self._data, q, v, a))
 
 
 @kernel
@@ -136,15 +181,16 @@ def variation(
 
 
 @kernel
-def _exponential(matrix: FloatArray) -> FloatArray:
-    """Return the exponential of a small matrix, by its series to rounding."""
-    term = matrix.copy()
-    out = np.eye(matrix.shape[0]) + matrix
-    for k in range(2, TERMS):
-        term = term @ matrix / k
-        out += term
-        if not np.abs(term).max() > 1e-17:
-            break
+def _carried(matrices: FloatArray, X: FloatArray) -> FloatArray:
+    """Return the exponentials of matrices (k, n, n) times X (k, n, c), by their series to rounding."""
+    out = X.copy()
+    for b in range(X.shape[0]):
+        matrix, term, largest = matrices[b], X[b].copy(), np.abs(X[b]).max()
+        for k in range(1, TERMS):
+            term = matrix @ term / k
+            out[b] += term
+            if not np.abs(term).max() > 1e-17 * largest:
+                break
     return out
 
 

@@ -13,30 +13,24 @@ with ∂λ/∂g of the contact problem, see `contact.derivative`. The shift of t
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.laws.soft import SoftLaw
-from surefoot.robot import ContactPoints
 from surefoot.spatial import GRAVITY
 from surefoot.stepping.derivative_contact import Response
-from surefoot.stepping.derivative_kernels import centre_rates, force_rates, velocity_rates
+from surefoot.stepping.derivative_flow import Dynamics
+from surefoot.stepping.derivative_points import GroundRates
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.state import Impact
-from surefoot.terrain import Terrain
-from surefoot.terrain.frames import frames_on
 
 TOUCHING = 1e-9
 """Gaps up to this are none: whether they open or close makes two derivatives [m]."""
 RESTING = 1e-6
 """Gaps up to this stay as they are where one slope is asked for both ways: on the ground [m]."""
-SPACING = 1e-5
-"""Step of the central differences of a curved ground's normals and gaps [m]."""
-Shape = tuple[FloatArray, IntArray, BoolArray, FloatArray, FloatArray, FloatArray, FloatArray]
-"""The first arguments of `derivative_kernels.velocity_rates`."""
 
 
 def law_fields(law: SoftLaw) -> tuple[str, ...]:
@@ -44,38 +38,8 @@ def law_fields(law: SoftLaw) -> tuple[str, ...]:
     return tuple(f.name for f in fields(law) if isinstance(getattr(law, f.name), float | int))
 
 
-class GroundTurn:
-    """How the ground turns below contacts of radii (p,) [m], by central differences where it is curved.
-
-    See `derivative_kernels`.
-
-    Attributes
-    ----------
-    turns
-        (2, p, 3, 3) rates of the frames along x and y [1/m].
-    slopes
-        (p, 3) rates of the gaps with the spheres' centres.
-    """
-
-    def __init__(self, terrain: Terrain, contacts: Contacts, radii: FloatArray) -> None:
-        frames = contacts.frames
-        self.turns = np.zeros((2, *frames.shape))
-        self.slopes = frames[:, :, 2].copy()
-        if terrain.planar or not len(frames):
-            return
-        centres = contacts.positions + radii[:, None] * frames[:, :, 2]
-        for axis in range(2):
-            aside = np.zeros(3)
-            aside[axis] = SPACING
-            sides = centres + aside, centres - aside
-            ends = [frames_on(terrain.normal(places[:, :2])) for places in sides]
-            gaps = [terrain.gap(places) for places in sides]
-            self.turns[axis] = (ends[0] - ends[1]) / (2.0 * SPACING)
-            self.slopes[:, axis] = (gaps[0] - gaps[1]) / (2.0 * SPACING)
-
-
 class Laws(NamedTuple):
-    """Rates of what contacts are made of: `restitution` (c,) and `law` (fields, c), see `Rates`."""
+    """Rates of what contacts are made of: `restitution` (p, c) and `law` (fields, c), see `Rates`."""
 
     restitution: FloatArray | None = None
     law: FloatArray | None = None
@@ -95,13 +59,13 @@ class Rates:
     effort
         (nv, c) of the impulse of all forces but the ground's.
     mu
-        (c,).
+        (p, c) of every contact's friction.
     leaving
         (3p, c) of the contact velocities after the last impulses.
     horizon
         (c,) of the time to the next impulses; None for none.
     laws
-        Of restitution (c,) and of a soft law's parameters (fields, c), see `law_fields`; None for none.
+        Of restitution (p, c) and of a soft law's parameters (fields, c), see `law_fields`; None for none.
     """
 
     q: FloatArray
@@ -119,18 +83,16 @@ class Exchange:
 
     Attributes
     ----------
-    model, data
-        Pinocchio's, with the gravity that acts during the exchange.
+    dynamics
+        Of the bodies, with the gravity that acts during the exchange.
     impact
         What happened.
     contacts, ground
-        At its configuration.
+        At its configuration, and how they turn with it.
+    foot, restitution
+        (p,) what each contact belongs to, and its restitution.
     L
         (nv, nv) lower factor of the mass matrix.
-    twists, first
-        See `derivative_kernels.velocity_rates`.
-    points
-        The robot's contact points.
     span
         Length of the exchange [s].
     base_rotation
@@ -147,15 +109,13 @@ class Exchange:
         The answer of the contact problem; None without contacts.
     """
 
-    model: Any
-    data: Any
+    dynamics: Dynamics
     impact: Impact
     contacts: Contacts
-    ground: GroundTurn
+    ground: GroundRates
+    foot: IntArray
+    restitution: FloatArray
     L: FloatArray
-    twists: FloatArray
-    first: IntArray
-    points: ContactPoints
     span: float
     base_rotation: FloatArray
     speed: FloatArray
@@ -165,11 +125,6 @@ class Exchange:
     options: StepOptions
     pull: float
     response: Response | None
-
-    @property
-    def _shape(self) -> Shape:
-        c, points = self.contacts, self.points
-        return self.twists, self.first, points.support, c.positions, points.radii, c.frames, self.ground.turns
 
     @property
     def _change(self) -> FloatArray:
@@ -184,12 +139,9 @@ class Exchange:
 
     def takes(self, inertia: FloatArray | None) -> FloatArray | float:
         """Return the effort (nv, c) [N s, N m s] that rates (10 bodies, c) of inertial parameters mean."""
-        import pinocchio
-
         if inertia is None:
             return 0.0
-        q, change = self.impact.q, self._change
-        Y = pinocchio.computeJointTorqueRegressor(self.model, self.data, q, self.speed, change)
+        Y = self.dynamics.regressor(self.impact.q, self.speed, self._change)
         return np.asarray(-(self.span * Y) @ inertia)
 
     def through(
@@ -199,16 +151,14 @@ class Exchange:
 
         `one_sided`: contacts that touch open or press as each column says; None: they stay on the ground.
         """
-        import pinocchio
-
         impact, J, near = self.impact, self.contacts.J, self.impact.near
         rows = (3 * near[:, None] + np.arange(3)).ravel()
-        pinocchio.computeRNEADerivatives(self.model, self.data, impact.q, self.speed, self._change)
-        turned = force_rates(*self._shape, impact.impulses)
-        effort = (turned - self.span * self.data.dtau_dq) @ rates.q + rates.effort
+        by_q, by_v = self.dynamics.rates(impact.q, self.speed, self._change)
+        turned = self.ground.force(impact.impulses)
+        effort = (turned - self.span * by_q) @ rates.q + rates.effort
         if self.speed.any():
-            effort -= self.span * self.data.dtau_dv @ rates.v
-        spin = velocity_rates(*self._shape, impact.after)
+            effort -= self.span * by_v @ rates.v
+        spin = self.ground.velocity(impact.after)
         light = np.linalg.inv(self.L)
         v = rates.v + light.T @ (light @ effort)
         impulses = np.zeros((J.shape[0], v.shape[1]))
@@ -221,22 +171,13 @@ class Exchange:
             if guess is not None:
                 b += guess[rows]
             respond = self.response.one_sided if one_sided else self.response.linear
-            impulses[rows] = respond(b, rates.mu)
+            impulses[rows] = respond(b, rates.mu[near])
             v = v + light.T @ (impact.rows.T @ impulses[rows])
         return v, spin @ rates.q + J @ v, impulses
 
-    def gap_rates(self) -> FloatArray:
-        """Return the derivative (p, nv) of the gaps [m]."""
-        return np.asarray(np.einsum("ci,cik->ck", self.ground.slopes, self._centre_rates()))
-
-    def _centre_rates(self) -> FloatArray:
-        """Return the rates of the spheres' centres with q: (p, 3, nv), world axes."""
-        c, points = self.contacts, self.points
-        return centre_rates(self.twists, points.support, c.positions, points.radii, c.frames)
-
     def _arriving(self, rates: Rates) -> FloatArray:
         """Return the rates (3p, c) of the contact velocities before the impulses."""
-        return velocity_rates(*self._shape, self.impact.before) @ rates.q + self.contacts.J @ rates.v
+        return self.ground.velocity(self.impact.before) @ rates.q + self.contacts.J @ rates.v
 
     def _shift(self, rates: Rates, one_sided: bool | None) -> FloatArray:
         """Return the rates (k, c) of the normal velocity that the law adds; see `arithmetic.assemble`."""
@@ -245,7 +186,7 @@ class Exchange:
         if options.soft is not None:
             return self._soft_shift(rates, options.soft)
         share = np.where(gaps > 0.0, 1.0, pull) / horizon
-        opening = self.gap_rates()[near] @ rates.q
+        opening = self.ground.gaps()[near] @ rates.q
         if one_sided is None:
             share = np.where(np.abs(gaps) <= RESTING, 1.0, share * horizon) / horizon
         out = share[:, None] * opening
@@ -253,15 +194,15 @@ class Exchange:
             out[touching] = np.where(opening > 0.0, 1.0, pull)[touching] / horizon * opening[touching]
         if rates.horizon is not None:
             out -= np.outer(share * gaps / horizon, rates.horizon)
-        if options.restitution > 0.0:
+        e = self.restitution[near]
+        if e.any():
             normal = self.contacts.J[3 * near + 2]
             before, free = normal @ impact.before, normal @ impact.free
-            bounce = options.restitution * before
             hit = (before < -2.0 * options.dt * GRAVITY) & (gaps + horizon * free <= 0.0)
-            hit &= bounce < share * gaps
-            out[hit] = options.restitution * self._arriving(rates)[3 * near[hit] + 2]
+            hit &= (e > 0.0) & (e * before < share * gaps)
+            out[hit] = e[hit, None] * self._arriving(rates)[3 * near[hit] + 2]
             if rates.laws.restitution is not None:
-                out[hit] += np.outer(before[hit], rates.laws.restitution)
+                out[hit] += before[hit, None] * rates.laws.restitution[near[hit]]
         return np.asarray(out)
 
     def _soft_shift(self, rates: Rates, law: SoftLaw) -> FloatArray:
@@ -272,7 +213,7 @@ class Exchange:
         impact, horizon = self.impact, self.horizon
         assert impact.solution is not None
         near, speeds = impact.near, impact.velocities[impact.near, 2]
-        gaps, opening = self.contacts.gaps[near], self.gap_rates()[near] @ rates.q
+        gaps, opening = self.contacts.gaps[near], self.ground.gaps()[near] @ rates.q
         before = self.contacts.J[3 * near + 2] @ impact.before
         steep = np.asarray(impact.solution.problem.compliance).reshape(-1, 3)[:, 2:]
 
@@ -295,14 +236,16 @@ class Exchange:
 
     def _swerve(self, rates: Rates) -> FloatArray | None:
         """Return the rates (3p, c) of the guess that the laws' velocities contain; None without one."""
-        impact, last, leaving, feet = self.impact, self.last, self.leaving, self.points.foot
+        impact, last, leaving, feet = self.impact, self.last, self.leaving, self.foot
         taken = impact.velocities - impact.leaving
         if impact.velocities is impact.leaving:
             return None
         frames = self.contacts.frames
         guess = self.contacts.swerves(impact.before, leaving, last, feet, 0.0)
         axes = 2 if self.options.soft is not None else 3  # soft laws take no guess along the normal
-        half = guess is not None and np.allclose(guess[1][:, :axes], taken[:, :axes], rtol=1e-6, atol=1e-12)
+        half = guess is not None and bool(
+            (np.abs(guess[1] - taken)[:, :axes] <= 1e-12 + 1e-6 * np.abs(taken[:, :axes])).all()
+        )
         change = self._arriving(rates)
         arriving = self.contacts.velocities(impact.before)
         value = 0.5 * (arriving - leaving) if half else arriving
@@ -313,7 +256,7 @@ class Exchange:
         if len(loaded) == len(np.unique(feet)):  # point feet have no mean to share
             out[loaded, :axes] = change[loaded, :axes]
             return out.reshape(leaving.size, -1)
-        turn = self._frame_rates(rates)  # (p, 3, 3, c)
+        turn = self.ground.frames(rates.q)  # (p, 3, 3, c)
         world = np.einsum("cia,cax->cix", frames, change) + np.einsum("ciax,ca->cix", turn, value)
         for foot in np.unique(feet[loaded]):
             mine = np.flatnonzero(loaded & (feet == foot))
@@ -321,8 +264,3 @@ class Exchange:
             rest = mean - np.einsum("ciax,ca->cix", turn[mine], taken[mine])
             out[mine, :axes] = np.einsum("cia,cix->cax", frames[mine], rest)[:, :axes]
         return out.reshape(leaving.size, -1)
-
-    def _frame_rates(self, rates: Rates) -> FloatArray:
-        """Return the rates (p, 3, 3, c) of the contact frames."""
-        moved = np.einsum("cik,kx->cix", self._centre_rates()[:, :2], rates.q)
-        return np.asarray(np.einsum("dcia,cdx->ciax", self.ground.turns, moved))

@@ -53,7 +53,7 @@ class LocatedStages(Stages):
         """See `Stages.through`: (2nv + 6p, c)."""
         q, v, torques, mu, _, leaving, inertia, one_sided, _, laws = given
         n, T, effort, nothing = len(q), np.vstack([q, v]), np.zeros_like(v), np.zeros_like(leaving)
-        effort[self.stepper.robot.base_dof :] = torques
+        effort[self.stepper.motors] = torques
         total, left, late = nothing, nothing, np.zeros(T.shape[1])
         for k, touch in enumerate(self.touches):
             if self.rest is not None and touch is None:
@@ -63,11 +63,11 @@ class LocatedStages(Stages):
             T = self._coasted(k, T, effort, inertia)
             wait = -late  # the end of the step stays where it is
             if touch is not None:
-                opening = touch.gap_rates()[self.step.pieces[k].first]
+                opening = touch.ground.gaps()[self.step.pieces[k].first]
                 wait = -(opening @ T[:n]) / (opening @ touch.impact.before)
             T, late = T + np.outer(self.coasts[k].pace, wait), late + wait
             if touch is not None:
-                rates = Rates(T[:n], T[n:], touch.takes(inertia) + 0.0 * T[n:], mu[0], nothing, None, laws)
+                rates = Rates(T[:n], T[n:], touch.takes(inertia) + 0.0 * T[n:], mu, nothing, None, laws)
                 after, left, impulses = touch.through(rates, one_sided)
                 T, total = np.vstack([T[:n], after]), total + impulses
         return np.vstack([T, total, left])

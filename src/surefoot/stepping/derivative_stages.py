@@ -8,16 +8,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.spatial import GRAVITY, skew
+from surefoot.spatial import skew
 from surefoot.stepping import arithmetic
 from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
-from surefoot.stepping.derivative_flow import FlowDerivative
-from surefoot.stepping.derivative_impact import NO_LAWS, Exchange, GroundTurn, Laws, Rates
+from surefoot.stepping.derivative_flow import Dynamics, FlowDerivative
+from surefoot.stepping.derivative_free import FreeDynamics, FreeFlowDerivative
+from surefoot.stepping.derivative_impact import NO_LAWS, Exchange, Laws, Rates
+from surefoot.stepping.derivative_points import GroundRates, PairRates
 from surefoot.stepping.detection import Contacts
+from surefoot.stepping.free_bodies import FreeFlight
 from surefoot.stepping.impacts import Tally, finite_problem
-from surefoot.stepping.motion import moved
-from surefoot.stepping.state import Impact, State, Step
+from surefoot.stepping.motion import FreeMotion, moved
+from surefoot.stepping.state import Impact, State, Step, grown
 from surefoot.stepping.stepper import PROJECTIONS, Stepper
 
 
@@ -36,7 +39,10 @@ class StepArguments(NamedTuple):
 
 
 class InputRates(NamedTuple):
-    """Rates of what goes into a step, c columns of each; those of its length `seconds` (c,)."""
+    """Rates of what goes into a step, c columns of each; those of its length `seconds` (c,).
+
+    `mu` are those of every contact's friction (p, c).
+    """
 
     q: FloatArray
     v: FloatArray
@@ -50,16 +56,20 @@ class InputRates(NamedTuple):
     laws: Laws = NO_LAWS
 
 
+DERIVATIVES: dict[type, tuple[Any, Any]] = {
+    FreeMotion: (FlowDerivative, Dynamics), FreeFlight: (FreeFlowDerivative, FreeDynamics)
+}  # fmt: skip
+"""The derivatives of motion and of inverse dynamics, by kind of the motion."""
+
+
 class Work:
-    """What derivatives of one stepper share: models, data, and how columns belong to joints."""
+    """What derivatives of one stepper share: those of its motions, and how columns belong to joints."""
 
     def __init__(self, stepper: Stepper) -> None:
         bodies = stepper.bodies
-        self.flight, self.coasting = FlowDerivative(bodies.flight), FlowDerivative(bodies.coasting)
-        self.heavy = bodies.model, bodies.model.createData()
-        self.weightless = bodies.coasting.model, bodies.coasting.model.createData()
-        self.data = bodies.model.createData()
-        self.upper = np.triu(np.ones((bodies.model.nv, bodies.model.nv), dtype=np.bool_))
+        flow, dynamics = DERIVATIVES[type(bodies.flight)]
+        self.flight, self.coasting = flow(bodies.flight), flow(bodies.coasting)
+        self.heavy, self.weightless = dynamics(bodies.flight), dynamics(bodies.coasting)
         joints = list(bodies.model.joints)[1:]
         self.first: IntArray = np.concatenate([np.full(j.nv, j.idx_v, dtype=np.int64) for j in joints])
 
@@ -100,9 +110,7 @@ class Stages:
         self.arrival: Exchange | None = None
         self.projections: list[Exchange] = []
         self.effort = np.zeros(stepper.bodies.model.nv)
-        self.effort[stepper.robot.base_dof :] = finite_vector(
-            "torques", request.torques, stepper.robot.joints
-        )
+        self.effort[stepper.motors] = finite_vector("torques", request.torques, stepper.robot.joints)
         state, push, mu = request.state, request.push, request.mu
         self.step: Step = request.step or stepper.step(state, request.torques, push, mu)
         if request.smoothing > 0.0 and (self.step.pieces or self.step.impact is None):  # all take part
@@ -133,7 +141,11 @@ class Stages:
             impact = self._smoothed(impact, seen)
         main = self._exchange(work.heavy, dt, impact, seen, dt, stepper.options.pull, request.smoothing)
         if (memory := state.memory) is not None:
-            main = replace(main, last=memory.impulses, leaving=memory.leaving)
+            points, surfaces = len(main.foot), stepper.surfaces(mu)
+            last, leaving = (grown(a, points) for a in (memory.impulses, memory.leaving))
+            if surfaces is not None:  # see `PairMeeting.collide`
+                last = np.where(surfaces.on[:, None], last, 0.0)
+            main = replace(main, last=last, leaving=leaving)
         self.main = main
         self.coasts.append(Coast(work.coasting, impact.q, impact.after, 0.5 * dt, None))
 
@@ -162,21 +174,26 @@ class Stages:
         return self.stepper.contacts(State(q, self.request.state.v))
 
     def _exchange(
-        self, model: tuple[Any, Any], span: float, impact: Impact, seen: Contacts, horizon: float,
+        self, dynamics: Dynamics, span: float, impact: Impact, seen: Contacts, horizon: float,
         pull: float, smoothing: float = 0.0,
     ) -> Exchange:  # fmt: skip
         """Return an exchange of impulses with what its derivative needs."""
-        stepper, work = self.stepper, self._work
-        points = stepper.robot.contact_points
-        stepper.bodies.weigh(impact.q)
-        twists = np.ascontiguousarray(stepper.bodies.contacts.twists(impact.q).T)
-        ground = GroundTurn(stepper.terrain, seen, points.radii)
-        nothing = np.zeros(impact.impulses.shape)
+        stepper, bodies, first = self.stepper, self.stepper.bodies, self._work.first
+        bodies.weigh(impact.q)
+        twists = np.ascontiguousarray(bodies.contacts.twists(impact.q).T)
+        seen, count = Contacts(seen.gaps, seen.positions, seen.frames, seen.J), len(seen.gaps)
+        surfaces = stepper.surfaces(self.request.mu)
+        kind = GroundRates if surfaces is None else PairRates
+        ground = kind(stepper, bodies.contacts.points, first, twists, seen)
+        bounce = np.full(count, stepper.options.restitution) if surfaces is None else surfaces.restitution
+        impulses, leaving = (grown(a, count) for a in (impact.impulses, impact.leaving))
+        means = leaving if impact.velocities is impact.leaving else grown(impact.velocities, count)
+        impact = impact._replace(impulses=impulses, leaving=leaving, velocities=means)
+        nothing = np.zeros(impulses.shape)
         response = None if impact.solution is None else Response(impact.solution, smoothing)
         return Exchange(
-            *model, impact, seen, ground, stepper.bodies.L.copy(), twists, work.first, points, span,
-            stepper.bodies.data.oMi[1].rotation.copy(),
-            np.zeros_like(impact.before) if self.speed is None else self.speed,
+            dynamics, impact, seen, ground, bodies.contacts.group, bounce, bodies.factor, span,
+            bodies.base_rotation.copy(), np.zeros_like(impact.before) if self.speed is None else self.speed,
             nothing, nothing, horizon, stepper.options, pull, response,
         )  # fmt: skip
 
@@ -185,14 +202,11 @@ class Stages:
         stepper, every = self.stepper, np.arange(len(seen.gaps))
         if not every.size:
             return impact
-        options = stepper.options
         stepper.bodies.weigh(impact.q)
-        rows, G, g = arithmetic.assemble(
-            seen.J, stepper.bodies.L, impact.before, impact.free, seen.gaps, every, self.dt,
-            options.restitution, 2.0 * options.dt * GRAVITY, options.pull,
-        )  # fmt: skip
+        arriving, mu = impact[:3], self.request.mu
+        rows, G, g = stepper.meeting(*arriving, seen, self.dt, mu, Tally()).matrices(every)
         swerve = impact.velocities - impact.leaving
-        problem = finite_problem(G, g + swerve.ravel(), self.request.mu, options.problem_law)
+        problem = finite_problem(G, g + swerve.ravel(), mu, stepper.options.problem_law)
         solution = stepper.solve(problem, impact.impulses)
         forces = Response(solution, self.request.smoothing).forces
         after = arithmetic.apply_impulses(stepper.bodies.L, rows, forces.ravel(), impact.free)
@@ -213,25 +227,8 @@ class Stages:
         self, k: int, T: FloatArray, more: FloatArray | None, inertia: FloatArray | None
     ) -> FloatArray:
         """Return the rates of (q, v) (2nv, c) after a piece of free motion."""
-        import pinocchio
-
-        c, n = self.coasts[k], len(T) // 2
-        given = [a for a in (more, inertia) if a is not None]
-        active = np.flatnonzero(np.vstack(given).any(axis=0)) if given else np.zeros(0, dtype=np.int64)
-        efforts = np.zeros((n, active.size)) if more is None else more[:, active]
-        own = None if inertia is None else inertia[:, active]
-
-        def inputs(data: Any, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-            taken = efforts
-            if own is not None:
-                Y = pinocchio.computeJointTorqueRegressor(c.flow.motion.model, self._work.data, q, v, a)
-                taken = taken - Y @ own
-            return np.asarray(np.where(self._work.upper, data.Minv, data.Minv.T) @ taken)
-
-        flow = c.flow.of(c.q, c.v, c.seconds, c.effort, inputs if active.size else None)
-        out = flow[:, : 2 * n] @ T
-        out[:, active] += flow[:, 2 * n :]
-        return np.asarray(out)
+        c = self.coasts[k]
+        return c.flow.of(T, c.q, c.v, c.seconds, c.effort, more, inertia)
 
     def through(self, given: InputRates) -> FloatArray:
         """Return the rates (2nv + 6p, c) of q, v, impulses and leaving for those of what goes in."""
@@ -239,13 +236,13 @@ class Stages:
         n, points = len(v), len(leaving)
         T = np.vstack([q, v])
         effort = np.zeros_like(v)
-        effort[self.stepper.robot.base_dof :] = torques
+        effort[self.stepper.motors] = torques
         impulses = np.zeros((points, T.shape[1]))
         if self.step.impact is None:
             return np.vstack([self._coasted(0, T, effort, inertia), impulses, impulses])
         if self.arrival is not None:
             taken = self.arrival.takes(inertia) + np.zeros_like(v)
-            rates = Rates(T[:n], T[n:], taken, mu[0], 0.0 * leaving, None, laws)
+            rates = Rates(T[:n], T[n:], taken, mu, 0.0 * leaving, None, laws)
             after, _, got = self.arrival.through(rates, one_sided)
             T, impulses = np.vstack([T[:n], after]), impulses + got
         T = self._coasted(0, T, None, inertia)
@@ -256,7 +253,7 @@ class Stages:
         effort = self.dt * (effort + self._pushing(T[:n], push)) + self.main.takes(inertia)
         if seconds is not None:
             effort += np.outer(self.main.force, seconds)
-        rates = Rates(T[:n], T[n:], effort, mu[0], leaving, seconds, laws)
+        rates = Rates(T[:n], T[n:], effort, mu, leaving, seconds, laws)
         after, left, got = self.main.through(rates, one_sided)
         T = self._coasted(1, np.vstack([T[:n], after]), None, inertia)
         if seconds is not None:
@@ -265,9 +262,9 @@ class Stages:
 
     def by_inertia(self) -> FloatArray:
         """Return the derivatives (2nv + 6p, 10 bodies) by all inertial parameters."""
-        model, points = self.stepper.bodies.model, len(self.stepper.robot.contact_points)
+        model, points = self.stepper.bodies.model, len(self.stepper.bodies.contacts.group)
         count = 10 * (model.njoints - 1)
-        sizes = (model.nv, model.nv, self.stepper.robot.joints, 1, 3, 3 * points)
+        sizes = (model.nv, model.nv, self.stepper.robot.joints, points, 3, 3 * points)
         nothing: Any = (np.zeros((size, count)) for size in sizes)
         return self.through(InputRates(*nothing)._replace(inertia=np.eye(count)))
 
@@ -279,9 +276,9 @@ class Stages:
 
         n, none = len(T) // 2, np.zeros((len(T) // 2, T.shape[1]))
         leaving = np.zeros((out.leaving.size, T.shape[1]))
-        rates = Rates(T[:n], none, none + out.takes(inertia), none[0], leaving)
+        rates = Rates(T[:n], none, none + out.takes(inertia), leaving[::3], leaving)
         moved = out.through(rates, one_sided)[0]
-        model, q, way = self._work.heavy[0], out.impact.q, out.impact.after
+        model, q, way = self.stepper.bodies.model, out.impact.q, out.impact.after
         by_q, by_way = pinocchio.dIntegrate(model, q, way)
         return np.vstack([by_q @ T[:n] + by_way @ moved, T[n:]])
 

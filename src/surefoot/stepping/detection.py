@@ -58,10 +58,10 @@ class Contacts(NamedTuple):
 
     def assemble(
         self, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray, dt: float,
-        pull: float, restitution: float = 0.0, rest_speed: float = np.inf,
+        pull: float,
     ) -> tuple[Any, Any, FloatArray]:  # fmt: skip
         """Return rows (3k, nv), G [1/kg] and g [m/s] of the near contacts, see `arithmetic.assemble`."""
-        return arithmetic.assemble(self.J, L, v, free, gaps, near, dt, restitution, rest_speed, pull)
+        return arithmetic.assemble(self.J, L, v, free, gaps, near, dt, 0.0, np.inf, pull)
 
     def apply(self, L: FloatArray, rows: Any, impulses: FloatArray, free: FloatArray) -> FloatArray:
         """Return v⁺ (nv,) [m/s, rad/s] after (k, 3) impulses, see `arithmetic.apply_impulses`."""
@@ -139,6 +139,8 @@ class TerrainDetection(GroundBelow):
 
     Attributes
     ----------
+    points
+        As given.
     spheres
         Frames of the contact points in the model.
     data
@@ -153,7 +155,7 @@ class TerrainDetection(GroundBelow):
         import pinocchio
 
         super().__init__(terrain, points.radii)
-        self._model = model
+        self._model, self.points = model, points
         self.spheres = [
             int(
                 model.addFrame(

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import block_diag
 
 from surefoot.arrays import FloatArray
 from surefoot.collision import Geometry
@@ -52,6 +53,16 @@ class FreeBodies(Bodies):
         self._floating, self.lever = True, robot.model.inertias[1].lever.copy()
         self._integrate = pinocchio.integrate
 
+    @property
+    def factor(self) -> FloatArray:
+        """See `Bodies.factor`."""
+        return np.asarray(block_diag(*self.L))
+
+    @property
+    def base_rotation(self) -> FloatArray:
+        """See `Bodies.base_rotation`."""
+        return np.asarray(self.contacts.turns[1])
+
     def weigh(self, q: FloatArray) -> None:
         """Do nothing: the inertias are constant in body axes, whatever (nq,) q [m, -]."""
 
@@ -68,7 +79,7 @@ class FreeBodies(Bodies):
     ) -> FloatArray:
         """See `Bodies.free_velocity`: (nv,) [m/s, rad/s]."""
         if push is not None:
-            effort = self.pushed(effort, push, self.contacts.turns[1])
+            effort = self.pushed(effort, push, self.base_rotation)
         return np.asarray(v + dt * self.flight.lightly((effort - against).reshape(-1, 6, 1)))
 
     def energy(self, q: FloatArray, v: FloatArray) -> float:
@@ -81,20 +92,28 @@ class FreeBodies(Bodies):
 
 
 class FreeFlight(FreeMotion):
-    """Moves free bodies with inertias (n, 6, 6) under `gravity` [m/s²]; see `FreeMotion`."""
+    """Moves free bodies with inertias (n, 6, 6) under `gravity` [m/s²]; see `FreeMotion`.
+
+    Attributes
+    ----------
+    masses, light
+        (n, 6, 6) the inertias in body axes, and their inverses.
+    weight
+        Gravity [m/s²].
+    """
 
     def __init__(self, model: Any, masses: FloatArray, gravity: float) -> None:
         super().__init__(model, len(masses), None)
-        self._masses, self._light, self._gravity = masses, np.asarray(np.linalg.inv(masses)), gravity
+        self.masses, self.light, self.weight = masses, np.asarray(np.linalg.inv(masses)), gravity
 
     def lightly(self, effort: FloatArray) -> FloatArray:
         """Return M⁻¹ f (nv,) [m/s², rad/s²] of efforts (n, 6, 1) [N, N m]."""
-        return np.asarray((self._light @ effort).ravel())
+        return np.asarray((self.light @ effort).ravel())
 
     def acceleration(self, q: FloatArray, v: FloatArray, effort: FloatArray | None = None) -> FloatArray:
         """See `FreeMotion.acceleration`: (nv,) [m/s², rad/s²]."""
         force = self._rest if effort is None else effort
-        return accelerate(q, v, force, self._masses, self._light, self._gravity)
+        return accelerate(q, v, force, self.masses, self.light, self.weight)
 
 
 @kernel

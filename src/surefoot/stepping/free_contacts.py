@@ -110,16 +110,16 @@ class FreeDetection(PairDetection):
     """
 
     def _look(self, model: Any, terrain: Terrain) -> None:
-        knots, count = self._knots, model.njoints
+        knots, count = self.points, model.njoints
         self._below = GroundBelow(terrain, knots.radii)
         self.turns, self.places = np.zeros((count, 3, 3)), np.zeros((count, 3))
         self.turns[0], self._nv = np.eye(3), model.nv
 
     def at(self, q: FloatArray) -> FreeContacts:  # type: ignore[override]
         """Return the contacts at (7 bodies,) q [m, -]; `frames` is a work array until the next call."""
-        joints, pairs = self._knots.joints, self._pairs
+        joints, pairs = self.points.joints, self.pairs
         place_bodies(q, self.turns[1:], self.places[1:])
-        centres = self.places[joints] + np.einsum("pij,pj->pi", self.turns[joints], self._knots.places)
+        centres = self.places[joints] + np.einsum("pij,pj->pi", self.turns[joints], self.points.places)
         gaps, frames = self._below.below(centres)
         pairs.update_free(self.turns, self.places)
         gaps, positions, frames = self._together(gaps, self._below.nearest(centres), frames)
@@ -128,6 +128,15 @@ class FreeDetection(PairDetection):
         bodies = np.concatenate([np.stack([joints, 0 * joints], axis=1), ends]) - 1
         blocks = body_blocks(bodies, positions, frames, self.turns[1:], self.places[1:])
         return FreeContacts(gaps, positions, frames, bodies, blocks, self._nv)
+
+    def twists(self, q: FloatArray) -> FloatArray:
+        """See `TerrainDetection.twists`: (6, nv)."""
+        self.at(q)
+        out, turns, places = np.zeros((6, self._nv)), self.turns[1:], self.places[1:]
+        for k in range(3):
+            out[:3, k::6] = out[3:, 3 + k :: 6] = turns[:, :, k].T
+            out[:3, 3 + k :: 6] = np.cross(places, turns[:, :, k]).T
+        return out
 
 
 @kernel

@@ -123,20 +123,26 @@ class Meeting(NamedTuple):
         """Return the impulses of the near contacts, all others without, and what they lead to."""
         impulses, rows, solution = np.zeros(warm.shape), None, None
         if near.size:
-            rows, G, g = self._matrices(near)
+            rows, G, g = self.matrices(near)
             if swerve is not None:
                 g += swerve[near].ravel()
             solution = self._solution(G, g, near, warm[near])
             impulses[near] = solution.forces
         return self._outcome(near, rows, impulses, swerve, solution)
 
-    def _matrices(self, near: IntArray) -> tuple[Any, Any, FloatArray]:
-        """Return rows, G and g of the near contacts; see `arithmetic.assemble`."""
-        options = self.options
-        return self.contacts.assemble(
-            self.L, self.before, self.free, self.contacts.gaps, near, self.horizon, options.pull,
-            options.restitution, 2.0 * options.dt * GRAVITY,
-        )  # fmt: skip
+    def matrices(self, near: IntArray) -> tuple[Any, Any, FloatArray]:
+        """Return rows, G [1/kg] and g [m/s] of the near contacts (k,), see `arithmetic.assemble`."""
+        pull, gaps, dt = self.options.pull, self.contacts.gaps, self.horizon
+        rows, G, g = self.contacts.assemble(self.L, self.before, self.free, gaps, near, dt, pull)
+        own = None if self.surfaces is None else self.surfaces.restitution[near]
+        if self.options.restitution > 0.0 if own is None else own.any():
+            e = self.options.restitution if own is None else own
+            before, gaps = self.contacts.velocities(self.before)[near, 2], gaps[near]
+            shift = np.where(gaps > 0.0, gaps, pull * gaps) / dt
+            slow = 2.0 * self.options.dt * GRAVITY
+            closing = (before < -slow) & (gaps + dt * (g[2::3] - shift) <= 0.0) & (e > 0.0)
+            g[2::3] += np.where(closing, np.minimum(shift, e * before) - shift, 0.0)
+        return rows, G, g
 
     def _solution(self, G: Any, g: FloatArray, near: IntArray, warm: FloatArray) -> ContactSolution:
         """Return the counted solution of a contact problem of the near contacts."""

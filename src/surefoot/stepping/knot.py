@@ -18,8 +18,8 @@ from surefoot.stepping import knot_kernels as kernels
 from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import ordered
-from surefoot.stepping.derivative_impact import GroundTurn
 from surefoot.stepping.derivative_kernels import velocity_rates
+from surefoot.stepping.derivative_points import GroundTurn
 from surefoot.stepping.detection import Contacts, GroundBelow, TerrainDetection
 from surefoot.stepping.impacts import LostMotion
 from surefoot.stepping.state import State
@@ -280,8 +280,7 @@ class Knot:
         if k and not kernels.answer(problem, self._mu, self._convex, by_g):  # redundant contacts
             contacts = ContactProblem(G, g, self._mu, law=self.stepper.options.problem_law)
             solution = self.stepper.solve(contacts, record[:k])
-            by_g[:, 3 * k :] = 0.0
-            by_g[:, : 3 * k], by_g[:, 3 * k] = Response(solution, 0.0).blocks
+            by_g[:, : 3 * k], by_g[:, 3 * k :] = Response(solution, 0.0).blocks
         return near, Y, by_g, self.impulses, self._reached
 
     def _smoothed(self, kappa: float) -> Linearisation:

@@ -45,6 +45,8 @@ class PairDetection:
     ----------
     data
         Pinocchio's.
+    points, pairs
+        The spheres that touch the ground, and the search for pairs.
     group
         (p,) index of what the contacts belong to: a foot, a solid, a pair.
     names
@@ -55,44 +57,41 @@ class PairDetection:
         pieces = ground_solids(terrain)
         self._geometry = replace(geometry, solids=geometry.solids + (pieces or ()))
         feet = list(robot.feet)
-        surfaces: list[tuple[float | None, ...]] = [(None,) * 4 for _ in feet]
         self.names = [(foot.name, "ground") for foot in feet]
-        for solid in geometry.solids if pieces is None else ():
+        self._sides = [(-1, -1) for _ in feet]
+        for k, solid in enumerate(geometry.solids if pieces is None else ()):
             if solid.joint == 0 or not solid.on_ground:
                 continue
             frame = model.addFrame(_frame(solid.name, solid.joint))
             knots = solid.shape.knots(2 if terrain.planar else SAMPLES) @ solid.rotation.T + solid.position
             feet.append(Foot(solid.name, int(frame), knots, solid.shape.radius))
             self.names.append((solid.name, "ground"))
-            surfaces.append((solid.friction, solid.restitution, None, None))
-        self._knots = contact_points(model, feet)
-        self._points = len(self._knots)
-        self._pairs = PairSearch(self._geometry, MARGIN + 2.0 * FASTEST_APPROACH * dt)
-        self._surfaces, self._known = surfaces, (np.nan, np.nan)
-        self._mixed = np.zeros((2, 0))
+            self._sides.append((k, -1))
+        self.points = contact_points(model, feet)
+        self.pairs = PairSearch(self._geometry, MARGIN + 2.0 * FASTEST_APPROACH * dt)
+        self._known, self._mixed = (np.nan, np.nan, 0), np.zeros((2, 0))
         self._grow()
         self._look(model, terrain)
 
     def _look(self, model: Any, terrain: Terrain) -> None:
         """Make what finds the ground, and work arrays."""
-        self._ground = TerrainDetection(model, self._knots, terrain)
+        self._ground = TerrainDetection(model, self.points, terrain)
         self.data, self._support = self._ground.data, joint_support(model)
         self._J = np.zeros((0, model.nv))
 
     def _grow(self) -> None:
         """Name the sides of pairs that came near, and their surfaces; other contacts stay where they are."""
-        solids, points = self._geometry.solids, self._knots
-        for a, b in self._pairs.pairs[len(self.names) - len(points.frames) :].tolist():
-            one, two = solids[b], solids[a]
-            self.names.append((one.name, two.name))
-            self._surfaces.append((one.friction, one.restitution, two.friction, two.restitution))
-        self.group = np.concatenate([points.foot, len(points.frames) + self._pairs.pair])
+        solids, points = self._geometry.solids, self.points
+        for a, b in self.pairs.pairs[len(self.names) - len(points.frames) :].tolist():
+            self.names.append((solids[b].name, solids[a].name))
+            self._sides.append((b, a))
+        self.group = np.concatenate([points.foot, len(points.frames) + self.pairs.pair])
         self._frames = np.zeros((len(self.group), 3, 3))
 
     def at(self, q: FloatArray) -> Contacts:
         """Return the contacts at (nq,) q [m, -, rad], as `TerrainDetection.at` does."""
-        ground, p = self._ground.at(q), self._points
-        pairs = self._pairs
+        ground, p = self._ground.at(q), len(self.points)
+        pairs = self.pairs
         pairs.update(self.data.oMi)
         gaps, positions, frames = self._together(ground.gaps, ground.positions, ground.frames)
         if len(self._J) != 3 * len(gaps):
@@ -108,28 +107,35 @@ class PairDetection:
         self, gaps: FloatArray, positions: FloatArray, frames: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return gaps, positions and frames of contacts with the ground, and of pairs behind them."""
-        pairs = self._pairs
-        if len(self.group) != self._points + len(pairs.gaps):
+        pairs = self.pairs
+        if len(self.group) != len(self.points) + len(pairs.gaps):
             self._grow()
-        self._frames[: self._points] = frames
-        surface_frames(pairs.normals, self._frames[self._points :])
+        self._frames[: len(self.points)] = frames
+        surface_frames(pairs.normals, self._frames[len(self.points) :])
         return np.concatenate([gaps, pairs.gaps]), np.concatenate([positions, pairs.points]), self._frames
 
     def twists(self, q: FloatArray) -> FloatArray:
         """Return the spatial Jacobian (6, nv) at q, see `TerrainDetection.twists`."""
         return self._ground.twists(q)
 
+    def mixed(self, geometry: Geometry, mu: float, restitution: float) -> FloatArray:
+        """Return friction and restitution (2, groups), of a geometry like its own with other surfaces."""
+        own = [(s.friction, s.restitution) for s in geometry.solids]
+        own += [(None, None)] * (len(self._geometry.solids) - len(own) + 1)  # of the ground: the last one
+        out = np.array([
+            [geometry.mixed(own[a][k], own[b][k], ground) for a, b in self._sides]
+            for k, ground in enumerate((mu, restitution))
+        ]).reshape(2, -1)  # fmt: skip
+        out[1] = np.minimum(out[1], 1.0)
+        return out
+
     def surfaces(self, mu: float, restitution: float) -> Surfaces:
         """Return the coefficients of all contacts on ground of friction `mu` and `restitution`."""
-        if self._known != (mu, restitution):
-            self._known, self._mixed = (mu, restitution), np.zeros((2, 0))
-        mixed, fresh = self._geometry.mixed, self._surfaces[self._mixed.shape[1] :]
-        if fresh:
-            friction = [mixed(mu_a, mu_b, mu) for mu_a, _, mu_b, _ in fresh]
-            bounce = [min(mixed(e_a, e_b, restitution), 1.0) for _, e_a, _, e_b in fresh]
-            self._mixed = np.hstack([self._mixed, [friction, bounce]])
+        if self._known != (mu, restitution, len(self._sides)):
+            self._known = mu, restitution, len(self._sides)
+            self._mixed = self.mixed(self._geometry, mu, restitution)
         on = np.ones(len(self.group), dtype=np.bool_)
-        on[self._points :] = self._pairs.on
+        on[len(self.points) :] = self.pairs.on
         friction, bounce = self._mixed[:, self.group]
         return Surfaces(friction, bounce, on)
 

@@ -58,6 +58,8 @@ REACH = 1e-3
 """Contacts that free motion brings closer than this enter the contact problem [m]."""
 SLOP = 1e-6
 """Penetration that the projection leaves alone [m]."""
+NUDGE = 1e-6
+"""Half of the difference of the ground's friction that says what the rule of two surfaces makes of it."""
 PROJECTIONS = 10
 """Most projections of one step; each is a Newton step on the gaps."""
 
@@ -127,6 +129,12 @@ class Stepper:
         """(p,) what each contact belongs to; pairs of many bodies join in when they come near."""
         return self.bodies.contacts.group
 
+    @property
+    def motors(self) -> slice:
+        """The velocities that the torques act on."""
+        first = self.robot.base_dof
+        return slice(first, first + self.robot.joints)
+
     def start(self, q: FloatArray | None = None, v: FloatArray | None = None) -> State:
         """Return the state at q (nq,) (None: nominal) and v (nv,) [m/s, rad/s] (None: rest), no history."""
         nv = self.bodies.model.nv
@@ -176,8 +184,7 @@ class Stepper:
             Where the motion cannot be resolved or stops being finite.
         """
         effort = np.zeros(self.bodies.model.nv)
-        first, joints = self.robot.base_dof, self.robot.joints
-        effort[first : first + joints] = finite_vector("torques", torques, joints)
+        effort[self.motors] = finite_vector("torques", torques, self.robot.joints)
         if push is not None:
             push = finite_vector("push", push, 3)
         try:
@@ -196,7 +203,7 @@ class Stepper:
         options = self.options
         if options.impacts != "auto" or options.soft is not None:
             return options.impacts == "located" and options.soft is None
-        surfaces = self._surfaces(mu)
+        surfaces = self.surfaces(mu)
         return options.restitution > 0.0 if surfaces is None else bool(surfaces.restitution.any())
 
     def _fly(self, state: State, effort: FloatArray) -> Step | None:
@@ -313,13 +320,20 @@ class Stepper:
         mu: float, tally: Tally,
     ) -> Meeting:  # fmt: skip
         """Return who is about to exchange impulses at (nq,) q, see `Meeting`; M is of the last `weigh`."""
-        options, foot, surfaces = self.options, self._foot, self._surfaces(mu)
+        options, foot, surfaces = self.options, self._foot, self.surfaces(mu)
         L, kind = self.bodies.L, self._meeting
         return kind(q, before, free, contacts, foot, L, horizon, mu, options, tally, surfaces)
 
-    def _surfaces(self, mu: float) -> Surfaces | None:
+    def surfaces(self, mu: float) -> Surfaces | None:
         """Return the surfaces of the contacts seen last, on ground of friction `mu`."""
         return self.bodies.contacts.surfaces(mu, self.options.restitution)
+
+    def friction_rates(self, mu: float) -> FloatArray:
+        """Return how the friction of all contacts (p,) moves with that of the ground, about `mu`."""
+        low, high = (self.surfaces(m) for m in (max(mu - NUDGE, 0.0), mu + NUDGE))
+        if low is None or high is None:
+            return np.ones(len(self._foot))
+        return np.asarray((high.friction - low.friction) / (mu + NUDGE - max(mu - NUDGE, 0.0)))
 
     def _projected(self, q: FloatArray, contacts: Contacts) -> tuple[FloatArray, Contacts]:
         """Return q and contacts moved out of the ground where they are in it by more than `SLOP`.

@@ -1,0 +1,193 @@
+"""How contacts turn with the configuration: their velocities, generalised forces, gaps and frames."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.robot import ContactPoints
+from surefoot.robot.contact_points import joint_support
+from surefoot.stepping.derivative_kernels import centre_rates, force_rates, velocity_rates
+from surefoot.stepping.detection import Contacts
+from surefoot.stepping.pair_detection import PairDetection
+from surefoot.stepping.stepper import Stepper
+from surefoot.terrain import Terrain
+from surefoot.terrain.frames import frames_on
+
+Shape = tuple[FloatArray, IntArray, BoolArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""The first arguments of `derivative_kernels.velocity_rates`."""
+SPACING = 1e-5
+"""Step of the central differences of a curved ground's normals and gaps [m]."""
+
+
+class GroundTurn:
+    """How the ground turns below contacts of radii (p,) [m], by central differences where it is curved.
+
+    See `derivative_kernels`.
+
+    Attributes
+    ----------
+    turns
+        (2, p, 3, 3) rates of the frames along x and y [1/m].
+    slopes
+        (p, 3) rates of the gaps with the spheres' centres.
+    """
+
+    def __init__(self, terrain: Terrain, contacts: Contacts, radii: FloatArray) -> None:
+        frames = contacts.frames
+        self.turns = np.zeros((2, *frames.shape))
+        self.slopes = frames[:, :, 2].copy()
+        if terrain.planar or not len(frames):
+            return
+        centres = contacts.positions + radii[:, None] * frames[:, :, 2]
+        for axis in range(2):
+            aside = np.zeros(3)
+            aside[axis] = SPACING
+            sides = centres + aside, centres - aside
+            ends = [frames_on(terrain.normal(places[:, :2])) for places in sides]
+            gaps = [terrain.gap(places) for places in sides]
+            self.turns[axis] = (ends[0] - ends[1]) / (2.0 * SPACING)
+            self.slopes[:, axis] = (gaps[0] - gaps[1]) / (2.0 * SPACING)
+
+
+class GroundRates:
+    """Rates of the contacts of spheres with the ground, at one configuration.
+
+    Parameters
+    ----------
+    stepper
+        Whose contacts they are.
+    points
+        The spheres.
+    first
+        See `derivative_kernels.velocity_rates`.
+    twists
+        (nv, 6) of the configuration, see there.
+    contacts
+        Of the spheres.
+    """
+
+    def __init__(
+        self, stepper: Stepper, points: ContactPoints, first: IntArray, twists: FloatArray, contacts: Contacts
+    ) -> None:
+        self._points, self._first, self._twists, self._contacts = points, first, twists, contacts
+        self._ground = GroundTurn(stepper.terrain, contacts, points.radii)
+        c = contacts
+        self._shape = (
+            twists, first, points.support, c.positions, points.radii, c.frames, self._ground.turns
+        )  # fmt: skip
+
+    def velocity(self, v: FloatArray) -> FloatArray:
+        """Return the derivative (3p, nv) of the contact velocities J(q) v at fixed v (nv,)."""
+        return velocity_rates(*self._shape, v)
+
+    def force(self, impulses: FloatArray) -> FloatArray:
+        """Return the derivative (nv, nv) of Jᵀ(q) λ at fixed impulses (p, 3) [N s]."""
+        return force_rates(*self._shape, impulses)
+
+    def _centres(self) -> FloatArray:
+        """Return the rates of the spheres' centres with q: (p, 3, nv), world axes."""
+        c, points = self._contacts, self._points
+        return centre_rates(self._twists, points.support, c.positions, points.radii, c.frames)
+
+    def gaps(self) -> FloatArray:
+        """Return the derivative (p, nv) of the gaps [m]."""
+        return np.asarray(np.einsum("ci,cik->ck", self._ground.slopes, self._centres()))
+
+    def frames(self, q: FloatArray) -> FloatArray:
+        """Return the rates (p, 3, 3, c) of the contact frames with q (nv, c)."""
+        moved = np.einsum("cik,kx->cix", self._centres()[:, :2], q)
+        return np.asarray(np.einsum("dcia,cdx->ciax", self._ground.turns, moved))
+
+
+class Side(NamedTuple):
+    """One of the two bodies of k contacts: its sign in their velocities, and how it moves.
+
+    `shape` are the first arguments of `derivative_kernels.velocity_rates` for contacts fixed to the body,
+    `body` and `spin` (k, 3, nv) velocities of its points there and its angular velocities, world axes.
+    """
+
+    sign: float
+    shape: Shape
+    body: FloatArray
+    spin: FloatArray
+
+
+class PairRates(GroundRates):
+    """Rates of all contacts of a geometry: spheres on the ground, and the k of pairs that are near.
+
+    Either body of a pair is taken by itself, with the contact fixed to it. What place and frame do beyond
+    that is added: how the place moves against each body's point, δp - δb, and the turn φ of the frame::
+
+        δu = ... + Rᵀ (Σ ± ω x (δp - δb) - φ x w),    δ(Jᵀλ) = ... + Σ ± (Bᵀ (φ x F) + Ωᵀ ((δp - δb) x F))
+    """
+
+    def __init__(
+        self, stepper: Stepper, points: ContactPoints, first: IntArray, twists: FloatArray, contacts: Contacts
+    ) -> None:
+        ground, found = len(points), stepper.bodies.contacts
+        assert isinstance(found, PairDetection)
+        gaps, positions, frames = (a[:ground] for a in contacts[:3])
+        below = Contacts(gaps, positions, frames, contacts.J[: 3 * ground])
+        super().__init__(stepper, points, first, twists, below)
+        pairs, slots = found.pairs, np.flatnonzero(found.pairs.on)
+        self._J, self._near = contacts.J, ground + slots
+        self._rows = (3 * self._near[:, None] + np.arange(3)).ravel()
+        self._frames, places = contacts.frames[self._near], contacts.positions[self._near]
+        support, none = joint_support(stepper.bodies.model), np.zeros(len(slots))
+        self._sides = list[Side]()
+        for sign, joints in ((-1.0, pairs.first[slots]), (1.0, pairs.second[slots])):
+            moving = support[joints]
+            fixed = places, none, self._frames
+            shape = twists, first, moving, *fixed, np.zeros((2, *self._frames.shape))
+            spin = np.where(moving[:, None], twists[:, 3:].T, 0.0)
+            self._sides.append(Side(sign, shape, centre_rates(twists, moving, *fixed), spin))
+        moves = np.concatenate([part for side in self._sides for part in side[2:]], axis=1)
+        whole = pairs.rates(slots) @ moves
+        self._place, turned, self._gaps = whole[:, :3], whole[:, 3:6], whole[:, 6]
+        # the frame turns with its normal, and about it as `terrain.frames.surface_frames` says
+        n, aside = self._frames[:, :, 2], self._frames[:, :, 1]
+        heading = np.where(1.0 - n[:, 0] ** 2 >= 1e-12, 0, np.where(np.abs(n[:, 1]) <= np.abs(n[:, 2]), 1, 2))
+        along = np.take_along_axis(n, heading[:, None], axis=1)
+        about = -along / np.sqrt(1.0 - along**2) * np.einsum("ci,cik->ck", aside, turned)
+        self._turn = np.cross(n[:, :, None], turned, axis=1) + n[:, :, None] * about[:, None]
+
+    def velocity(self, v: FloatArray) -> FloatArray:
+        """See `GroundRates.velocity`: (3p, nv)."""
+        out = np.zeros(self._J.shape)
+        ground = super().velocity(v)
+        out[: len(ground)] = ground
+        apart = self._sides[1].body @ v - self._sides[0].body @ v
+        rates = np.cross(apart[:, :, None], self._turn, axis=1)
+        for side in self._sides:
+            out[self._rows] += side.sign * velocity_rates(*side.shape, v)
+            rates += side.sign * np.cross((side.spin @ v)[:, :, None], self._place - side.body, axis=1)
+        out[self._rows] += np.einsum("cia,cik->cak", self._frames, rates).reshape(-1, v.size)
+        return out
+
+    def force(self, impulses: FloatArray) -> FloatArray:
+        """See `GroundRates.force`: (nv, nv)."""
+        mine = np.ascontiguousarray(impulses[self._near])
+        out = super().force(impulses)
+        pushes = np.einsum("cia,ca->ci", self._frames, mine)[:, :, None]
+        for side in self._sides:
+            out += side.sign * force_rates(*side.shape, mine)
+            moment = np.cross(self._place - side.body, pushes, axis=1)
+            out += side.sign * np.einsum("cij,cik->jk", side.body, np.cross(self._turn, pushes, axis=1))
+            out += side.sign * np.einsum("cij,cik->jk", side.spin, moment)
+        return out
+
+    def gaps(self) -> FloatArray:
+        """See `GroundRates.gaps`: (p, nv)."""
+        out, ground = np.zeros(self._J[2::3].shape), super().gaps()
+        out[: len(ground)], out[self._near] = ground, self._gaps
+        return out
+
+    def frames(self, q: FloatArray) -> FloatArray:
+        """See `GroundRates.frames`: (p, 3, 3, c)."""
+        out, ground = np.zeros((len(self._J) // 3, 3, 3, q.shape[1])), super().frames(q)
+        out[: len(ground)] = ground
+        out[self._near] = np.cross((self._turn @ q)[:, :, None], self._frames[..., None], axis=1)
+        return out
