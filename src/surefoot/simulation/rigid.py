@@ -322,13 +322,17 @@ class RigidWorld:
         """
         if self.last is None:
             raise ProblemError("there is no step to differentiate before the first step")
+        self.check_differentiable()
+        return step_derivative(self.stepper, *self._given, smoothing, step=self.last)
+
+    def check_differentiable(self) -> None:
+        """Refuse a world whose steps have no derivative: with a `tol`, or real motors."""
         if self.control is not None:
             raise ProblemError("steps are differentiated at a length of their own, not with a tol")
         if self.actuators is not None:
             raise ProblemError(
                 'steps are differentiated with actuators="ideal", not with motors and friction'
             )
-        return step_derivative(self.stepper, *self._given, smoothing, step=self.last)
 
     def energy(self) -> float:
         """Return kinetic plus potential energy [J], zero potential at z = 0, and what soft contacts store.

@@ -65,19 +65,13 @@ class Backward:
     """The way back through a rollout: how what goes into the steps depends on parameters and states."""
 
     def __init__(
-        self, run: Run, parameters: dict[str, Any], values: dict[str, FloatArray],
-        taken: RolloutRecorder,
+        self, run: Run, parameters: dict[str, Any], values: dict[str, FloatArray], taken: RolloutRecorder,
     ) -> None:  # fmt: skip
         assert taken.world is not None
         self.run, self.parameters, self.values, self.taken = run, parameters, values, taken
         self.world: RigidWorld = taken.world
         self.model = self.world.model
-        if self.world.control is not None:
-            raise ProblemError("steps are differentiated at a length of their own, not with a tol")
-        if self.world.actuators is not None:
-            raise ProblemError(
-                'steps are differentiated with actuators="ideal", not motors and friction of joints'
-            )
+        self.world.check_differentiable()
         self.foot = self.world.stepper.bodies.contacts.group
         self.group = self.foot if self.world.stepper.geometry is not None else 0 * self.foot
         self.here = self._inputs(taken)
@@ -179,7 +173,11 @@ class Backward:
                 e = np.zeros(value.shape)
                 (e if flat is None else e.reshape(n, -1))[entry if flat is None else (slice(None), j)] = 1.0
                 width = WIDTH * max(1.0, float(np.abs(value * e).max()))
-                moved = self._replayed(None, **{name: value + width * e})
+                try:
+                    moved = self._replayed(None, **{name: value + width * e})
+                except ProblemError:  # at the end of its range, as a restitution of one
+                    width = -width
+                    moved = self._replayed(None, **{name: value + width * e})
                 where.append((name, entry))
                 rates.append(Inputs(*((b - a) / width for a, b in zip(self.here, moved, strict=True))))
         return where, rates

@@ -77,9 +77,9 @@ class Bodies:
         self._integrate, self._energy = pinocchio.integrate, pinocchio.computeMechanicalEnergy
 
     @property
-    def factor(self) -> FloatArray:
-        """(nv, nv) lower factor of the mass matrix, as of the last `weigh`, in an array of its own."""
-        return self.L.copy()
+    def light(self) -> FloatArray:
+        """(nv, nv) inverse of the lower factor of the mass matrix, as of the last `weigh`."""
+        return np.asarray(np.linalg.inv(self.L))
 
     @property
     def base_rotation(self) -> FloatArray:

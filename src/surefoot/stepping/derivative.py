@@ -27,7 +27,8 @@ from surefoot.stepping.stepper import Stepper
 class StepTangents(NamedTuple):
     """Rates of what a step returns: q and v (nv,), the mean forces (p, 3), and what is left to the next step.
 
-    `leaving` (p, 3) are the rates of the contact velocities in its memory, see `StepDerivative.jvp`.
+    `leaving` (p, 3) are the rates of the contact velocities in its memory, see `StepDerivative.jvp`; for
+    pairs without a contact in the contact problem they are not complete.
     """
 
     q: FloatArray

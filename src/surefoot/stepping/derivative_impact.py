@@ -91,8 +91,8 @@ class Exchange:
         At its configuration, and how they turn with it.
     foot, restitution
         (p,) what each contact belongs to, and its restitution.
-    L
-        (nv, nv) lower factor of the mass matrix.
+    light
+        (nv, nv) inverse of the lower factor of the mass matrix.
     span
         Length of the exchange [s].
     base_rotation
@@ -115,7 +115,7 @@ class Exchange:
     ground: GroundRates
     foot: IntArray
     restitution: FloatArray
-    L: FloatArray
+    light: FloatArray
     span: float
     base_rotation: FloatArray
     speed: FloatArray
@@ -135,7 +135,7 @@ class Exchange:
     def force(self) -> FloatArray:
         """All forces but the ground's (nv,) [N, N m]."""
         change = self.impact.free - self.impact.before
-        return np.asarray(self.L @ (self.L.T @ change) / self.horizon)
+        return np.asarray(np.linalg.solve(self.light.T @ self.light, change) / self.horizon)
 
     def takes(self, inertia: FloatArray | None) -> FloatArray | float:
         """Return the effort (nv, c) [N s, N m s] that rates (10 bodies, c) of inertial parameters mean."""
@@ -159,7 +159,7 @@ class Exchange:
         if self.speed.any():
             effort -= self.span * by_v @ rates.v
         spin = self.ground.velocity(impact.after)
-        light = np.linalg.inv(self.L)
+        light = self.light
         v = rates.v + light.T @ (light @ effort)
         impulses = np.zeros((J.shape[0], v.shape[1]))
         if near.size:

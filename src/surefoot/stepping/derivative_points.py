@@ -116,7 +116,7 @@ class Side(NamedTuple):
 
 
 class PairRates(GroundRates):
-    """Rates of all contacts of a geometry: spheres on the ground, and the k of pairs that are near.
+    """Rates of contacts of a geometry: spheres on the ground, and pairs with a contact that is `near` (k,).
 
     Either body of a pair is taken by itself, with the contact fixed to it. What place and frame do beyond
     that is added: how the place moves against each body's point, δp - δb, and the turn φ of the frame::
@@ -125,14 +125,16 @@ class PairRates(GroundRates):
     """
 
     def __init__(
-        self, stepper: Stepper, points: ContactPoints, first: IntArray, twists: FloatArray, contacts: Contacts
-    ) -> None:
+        self, stepper: Stepper, points: ContactPoints, first: IntArray, twists: FloatArray,
+        contacts: Contacts, near: IntArray,
+    ) -> None:  # fmt: skip
         ground, found = len(points), stepper.bodies.contacts
         assert isinstance(found, PairDetection)
         gaps, positions, frames = (a[:ground] for a in contacts[:3])
         below = Contacts(gaps, positions, frames, contacts.J[: 3 * ground])
         super().__init__(stepper, points, first, twists, below)
-        pairs, slots = found.pairs, np.flatnonzero(found.pairs.on)
+        pairs, group = found.pairs, found.group[ground:]
+        slots = np.flatnonzero(pairs.on & np.isin(group, found.group[near]))
         self._J, self._near = contacts.J, ground + slots
         self._rows = (3 * self._near[:, None] + np.arange(3)).ravel()
         self._frames, places = contacts.frames[self._near], contacts.positions[self._near]
@@ -174,9 +176,9 @@ class PairRates(GroundRates):
         pushes = np.einsum("cia,ca->ci", self._frames, mine)[:, :, None]
         for side in self._sides:
             out += side.sign * force_rates(*side.shape, mine)
-            moment = np.cross(self._place - side.body, pushes, axis=1)
-            out += side.sign * np.einsum("cij,cik->jk", side.body, np.cross(self._turn, pushes, axis=1))
-            out += side.sign * np.einsum("cij,cik->jk", side.spin, moment)
+            rates = np.cross(self._turn, pushes, axis=1), np.cross(self._place - side.body, pushes, axis=1)
+            for moves, rate in zip(side[2:], rates, strict=True):
+                out += side.sign * moves.reshape(-1, len(out)).T @ rate.reshape(-1, len(out))
         return out
 
     def gaps(self) -> FloatArray:

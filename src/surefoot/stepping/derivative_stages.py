@@ -183,8 +183,8 @@ class Stages:
         twists = np.ascontiguousarray(bodies.contacts.twists(impact.q).T)
         seen, count = Contacts(seen.gaps, seen.positions, seen.frames, seen.J), len(seen.gaps)
         surfaces = stepper.surfaces(self.request.mu)
-        kind = GroundRates if surfaces is None else PairRates
-        ground = kind(stepper, bodies.contacts.points, first, twists, seen)
+        shape = stepper, bodies.contacts.points, first, twists, seen
+        ground = GroundRates(*shape) if surfaces is None else PairRates(*shape, impact.near)
         bounce = np.full(count, stepper.options.restitution) if surfaces is None else surfaces.restitution
         impulses, leaving = (grown(a, count) for a in (impact.impulses, impact.leaving))
         means = leaving if impact.velocities is impact.leaving else grown(impact.velocities, count)
@@ -192,7 +192,7 @@ class Stages:
         nothing = np.zeros(impulses.shape)
         response = None if impact.solution is None else Response(impact.solution, smoothing)
         return Exchange(
-            dynamics, impact, seen, ground, bodies.contacts.group, bounce, bodies.factor, span,
+            dynamics, impact, seen, ground, bodies.contacts.group, bounce, bodies.light, span,
             bodies.base_rotation.copy(), np.zeros_like(impact.before) if self.speed is None else self.speed,
             nothing, nothing, horizon, stepper.options, pull, response,
         )  # fmt: skip

@@ -54,9 +54,9 @@ class FreeBodies(Bodies):
         self._integrate = pinocchio.integrate
 
     @property
-    def factor(self) -> FloatArray:
-        """See `Bodies.factor`."""
-        return np.asarray(block_diag(*self.L))
+    def light(self) -> FloatArray:
+        """See `Bodies.light`."""
+        return np.asarray(block_diag(*np.linalg.inv(self.L)))
 
     @property
     def base_rotation(self) -> FloatArray:
