@@ -357,6 +357,24 @@ def test_a_contact_that_is_off_is_left_out():
     assert sf.com_region(sf.Stance([off]), 1.0).empty
 
 
+def test_squeezes_beside_a_bound_and_ice_are_decided():
+    """The most margin asks forces that run away, beyond what rounding can judge; fewer hold as well."""
+    for seed in (1, 5, 24, 37, 39):
+        rng, contacts = np.random.default_rng(seed), []
+        for k in range(5):
+            x, y = math.cos(0.4 * math.pi * k), math.sin(0.4 * math.pi * k)
+            place, normal = (
+                [0.3 * x, 0.3 * y, rng.choice([0, 0.5])],
+                np.array([-x, -y, rng.choice([0, 0.3, 1])]),
+            )
+            mu, most = 1e-6 if k == 4 else rng.uniform(0.2, 1), 212.0 if k == 3 else math.inf
+            contacts.append(sf.PointContact(place, normal / np.linalg.norm(normal), mu, normal_max=most))
+        verdict = sf.can_stand(sf.Stance(contacts), [0, 0, 0.4], 15.0)
+        assert verdict
+        assert verdict.verify()
+        assert sf.com_region(sf.Stance(contacts), 15.0).contains([0, 0])
+
+
 def test_where_a_contact_can_carry_nothing_the_margin_says_nothing():
     """Friction between 0.3906 and 0.4003 holds, without a margin: the frictionless foot must not push."""
     places = [[0.3, 0, 0.5], [-0.15, 0.25980762113533, 0], [-0.15, -0.25980762113533, 0.5]]

@@ -55,6 +55,8 @@ LEAST_MU = 1e-9
 _ROUNDING = 32.0 * 2.0**-53
 """Share of the largest terms by which A' y may be wrong, the rounding of A included."""
 _ENDLESS_MARGIN = 1e6
+RUNAWAY = 1e3
+"""Forces of so many loads, where bounds take part, are taken for a squeeze that nothing stops."""
 _LONG_AXIS = 1e3
 """Of a cone beside half-lines: friction below a thousandth (`_column_scales`)."""
 _SQUEEZE = 0.1

@@ -23,15 +23,22 @@ from surefoot.equilibrium.limits import (
     normal_limits,
     squeeze_limit,
 )
-from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, REACH, UNDECIDED, most_margin, proof_reach
+from surefoot.equilibrium.margin import (
+    BAND,
+    ENDLESS,
+    FEASIBLE,
+    REACH,
+    RUNAWAY,
+    UNDECIDED,
+    most_margin,
+    proof_reach,
+)
 from surefoot.equilibrium.point_contacts import axis_scale, load_scale, spread, stand
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 from surefoot.stance import Stance
 
-_RUNAWAY = 1e3
-"""Forces of so many loads, where bounds take part, are taken for a squeeze that nothing stops."""
 _SQUEEZES = (10.0, 100.0, 1000.0)
 """Total normal forces, in loads, that `friction_needed` counts with where less friction needs ever more."""
 _STEEP = 1e-6
@@ -130,7 +137,8 @@ def _general(question: Question) -> Verdict:
         return Verdict(question, "impossible", -math.inf, certificate=-load / size, reach=math.inf)
     eq = equations(question)
     outcome, margin, x, y, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz, eq.blocks)
-    if bounds is not None and outcome in (FEASIBLE, ENDLESS) and np.abs(x).max() > _RUNAWAY:
+    runaway = outcome in (FEASIBLE, ENDLESS, UNDECIDED) and np.abs(x).max() > RUNAWAY
+    if bounds is not None and runaway:
         held = equations(_held_back(question, bounds))
         again = most_margin(held.A, held.e, held.w, held.lorentz, held.blocks)
         if again[0] in (FEASIBLE, ENDLESS):
@@ -159,7 +167,7 @@ def _general(question: Question) -> Verdict:
 def _held_back(question: Question, bounds: ForceLimits) -> Question:
     """Bound the total normal force too: some contacts are bounded, and others squeeze without limit."""
     reach = np.abs(bounds.bound) / np.maximum(np.linalg.norm(bounds.rows, axis=1), 1e-300)
-    most = _RUNAWAY * float(np.linalg.norm(question.load)) + 10.0 * float(reach.max())
+    most = RUNAWAY * float(np.linalg.norm(question.load)) + 10.0 * float(reach.max())
     return replace(question, limits=bounds.and_also(squeeze_limit(question.stance, most)))
 
 

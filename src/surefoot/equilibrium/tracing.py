@@ -16,7 +16,16 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.equilibrium.limits import Question, equations
-from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, INFEASIBLE, UNREACHABLE, depth, most_margin
+from surefoot.equilibrium.margin import (
+    BAND,
+    ENDLESS,
+    FEASIBLE,
+    INFEASIBLE,
+    RUNAWAY,
+    UNREACHABLE,
+    depth,
+    most_margin,
+)
 from surefoot.equilibrium.outline import TRACED, WITHOUT_BOUND, trace
 from surefoot.equilibrium.polygons import enclose
 from surefoot.equilibrium.region import Region
@@ -82,8 +91,9 @@ def traced(question: Question, rows: Rows, tol: float) -> Traced:
     outcome, margin, whole.start, _, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz, IN_ONE)
     if outcome in (INFEASIBLE, UNREACHABLE):
         return Traced.nothing(0.0)
-    if outcome != FEASIBLE:
-        return Traced.nothing(math.inf, unbounded=outcome == ENDLESS)
+    if outcome != FEASIBLE:  # forces that run away are what rounding cannot judge
+        endless = outcome == ENDLESS or float(np.abs(whole.start).max()) > RUNAWAY
+        return Traced.nothing(math.inf, unbounded=endless)
     if margin > ROOM:
         return certified(whole, None, tol)
     most = _MOST_BACK / (question.facets or 1)  # a pyramid's cone moves along each of its rays
