@@ -80,7 +80,7 @@ class Tick(Controller):
         request = self.arbiter.merge(self._view(state, now, feet, clock))
         take_posture(self.body, self.command.posture_at(max(clock, 0.0)), self.dt)
         # plan: body, and footholds, swing and forces as they fall due
-        self._move_body(request, now)
+        self._move_body(request, now, clock)
         self._bound_forces(state, now, clock, standing)
         if begins or not self.answers_first:
             self._plan(now, request, clock, state.time, changed)
@@ -126,7 +126,7 @@ class Tick(Controller):
         """Learn what the feet have found of the ground, where it is not known."""
 
     @abstractmethod
-    def _move_body(self, request: Request, now: Kinematics) -> None:
+    def _move_body(self, request: Request, now: Kinematics, clock: float) -> None:
         """Move the wanted body by one step, as is asked for."""
 
     @abstractmethod

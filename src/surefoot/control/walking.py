@@ -35,6 +35,7 @@ from surefoot.robot import Robot
 from surefoot.robot.centroidal import composite_inertia
 from surefoot.spatial import GRAVITY
 from surefoot.stance.contact_schedule import ContactSchedule
+from surefoot.stance.gait import Gait
 from surefoot.terrain import FlatTerrain, Terrain
 from surefoot.terrain.plane_ahead import plane_ahead
 
@@ -48,6 +49,10 @@ feet are lifted in full, and ever less for so long after it [s]."""
 HELD = 3.0
 """Natural frequency of joints outside the legs, which hold the pose that the walk begins in, in units of
 sqrt(g / h): a biped's arms have the same."""
+LEAP, LAND = 0.5, 0.44
+"""Times in the air and on the ground of a body that leaps, in units of sqrt(h / g)."""
+FLYING = 0.2
+"""Weight of the feet then, in the air: what holds a body level that no foot holds throws its legs about."""
 PERIOD, STANCE = 0.4, 0.55
 """Cycle that the horizon of a schedule without one is measured by, for a body of 0.3 m [s], and its stance as
 a share of it: a trot's."""
@@ -154,6 +159,7 @@ class WalkingController(Walker):
             if part is not None:
                 part.reset()
         self.feet: Feet | None = None
+        self._follow_feet()
         self._outstanding = None
         self._aimed_at = -math.inf
         self._fits = True  # the gait follows the speed fast enough
@@ -217,7 +223,7 @@ class WalkingController(Walker):
         if self._touch is not None and self.feet is not None:
             self._touch.learn(state, self.feet, now, clock)
 
-    def _move_body(self, request: Request, now: Kinematics) -> None:
+    def _move_body(self, request: Request, now: Kinematics, clock: float) -> None:
         """Move the wanted body by one step, and let the models know of friction and load."""
         velocity, body = self.arbiter.velocity, self.body
         if self._steps is not None:
@@ -228,16 +234,40 @@ class WalkingController(Walker):
         if request.mu < math.inf:
             self.whole_body.set_friction(request.mu)
         body.acceleration, body.ceiling = min(body.change, request.acceleration), request.height
-        self._recover(request.recovery)
+        self._recover(request.recovery, now, clock)
         body.advance(velocity, now.com, self.dt)
 
-    def _recover(self, recovery: Recovery | None) -> None:
+    def _recover(self, recovery: Recovery | None, now: Kinematics, clock: float) -> None:
         """Let clock, body and feet do what a recovery asks for, and as ever without one."""
         assert self.feet is not None
-        self.feet.hurry(1.0 if recovery is None else recovery.rate, self.dt)
+        if recovery is not None or self._leaping:
+            self._leap(recovery is not None and recovery.leaps, now, clock)
+        self.feet.hurry(1.0 if recovery is None or self._leaping else recovery.rate, self.dt)
         self.planner.rate = self.feet.rate
         if recovery is not None:
             self.body.velocity[:], self.body.acceleration = recovery.velocity, recovery.acceleration
+
+    def _leap(self, wanted: bool, now: Kinematics, clock: float) -> None:
+        """Let all feet leave the ground and meet it together if wanted; end late in a stance if not."""
+        feet, unit = self.feet, 1.0 / self._pendulum
+        assert feet is not None
+        if self._leaping:
+            landed, begin, end = feet.schedule.phase(0, clock)
+            if not wanted and landed and clock > 0.5 * (begin + end):
+                feet.follow(self.schedule, clock)
+                self._follow_feet()
+        elif wanted:
+            period, air = (LEAP + LAND) * unit, LEAP * unit
+            begun = [(clock + air) / period] * len(feet.radii)
+            feet.leap(Gait.from_phases("leap", period, LAND * unit / period, begun), clock, air, now.centres)
+            self._follow_feet()
+
+    def _follow_feet(self) -> None:
+        """Let plans follow the feet's schedule, from a new one on."""
+        self.planner.schedule = self.schedule if self.feet is None else self.feet.schedule
+        self._leaping = self.planner.schedule is not self.schedule
+        self.planner.begun = -math.inf
+        self.whole_body.weigh_swing(self.settings.whole_body.swing)
 
     def _bound_forces(self, state: RobotState, now: Kinematics, clock: float, standing: BoolArray) -> None:
         """Bound the forces by the ramps of the feet, and tell the torques of the load."""
@@ -252,7 +282,7 @@ class WalkingController(Walker):
         """Set up a plan, solve one that is set up, or choose footholds: one a step."""
         assert self.feet is not None
         if changed or self._due(time):
-            self.planner.set_up(time, clock, self.feet, self.body, self._stance_time)
+            self.planner.set_up(time, clock, self.feet, self.body, self._stand(self.feet))
             self._aimless |= changed
             if self.planner.forces is None:
                 self.planner.solve(time, now, self.feet.frames, request.mu)
@@ -284,22 +314,26 @@ class WalkingController(Walker):
         usual = self._eased(now) * (self.settings.clearance * self.height if own is None else own)
         lifted = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
         feet.clearance = lifted + request.clearance
-        if request.recovery is not None:
+        if request.recovery is not None and not self._leaping:
             feet.clearance *= LOW
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self.terrain.unsure)
             feet.stride = self._steps.stride
         for k in np.flatnonzero(~(feet.stance | feet.planned)).tolist():
-            _, _, end = schedule.phase(k, clock)
+            _, _, end = feet.schedule.phase(k, clock)
             caught, left = request.recovery is not None, max(end - clock, 0.0) / feet.rate
             place = (catching_place if caught else step_place)(
                 now.com, now.com_velocity, self.planner.offsets[k], self.body.yaw,
                 self.arbiter.asked if caught else self.body.velocity, left, self.height,
-                self._stance_time / feet.rate,
+                self._stand(feet) / feet.rate,
             )  # fmt: skip
             if request.foot_goals is not None:
                 place = request.foot_goals(place, feet.start[k])
             feet.aim(k, place)
+
+    def _stand(self, feet: Feet) -> float:
+        """Return the length of the feet's coming stances [s]."""
+        return feet.schedule.stance_time if self._leaping else self._stance_time
 
     def _eased(self, now: Kinematics) -> float:
         """Return the share of the usual clearance that a swing is to have."""
@@ -332,6 +366,9 @@ class WalkingController(Walker):
         feet, planner = self.feet, self.planner
         assert feet is not None
         assert planner.forces is not None
+        if self._leaping:
+            weight = self.settings.whole_body.swing if feet.stance.any() else FLYING
+            self.whole_body.weigh_swing(weight)
         gain = self._gain(self.settings.body_stiffness)
         body = follow(planner.motion, planner.rotation, state.time - planner.made, *now[:4], *gain)
         wanted = feet.accelerations(clock, now.centres, now.twists, self._gain(self.settings.swing_stiffness))

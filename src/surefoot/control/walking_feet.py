@@ -179,6 +179,21 @@ class Feet(Bound):
             self.rate = rate
         self.wait -= (rate - 1.0) * dt
 
+    def leap(self, schedule: ContactSchedule, time: float, air: float, centres: FloatArray) -> None:
+        """Let all feet, now at (n, 3) `centres` [m], leave the ground at once, for `air` [s].
+
+        They follow another schedule, whose swings begin at this `time`, as for `update`.
+        """
+        self.schedule = schedule
+        self._retry[:], self.late[:] = -np.inf, False
+        for k, centre in enumerate(centres):
+            self._lift(k, time, air, centre)
+
+    def follow(self, schedule: ContactSchedule, time: float) -> None:
+        """Follow another schedule from a time on, as for `update`; who stands waits for the next swing."""
+        self.schedule = schedule
+        self._lifted[:] = schedule.phases(time)[:, 1]
+
     def interrupt(self, k: int, time: float, centre: FloatArray) -> None:
         """Begin a swing anew from where the foot is, which has struck something; time as for `update`."""
         planned, begin, end = self.schedule.phase(k, time)

@@ -130,7 +130,7 @@ class WholeBodyController(Bound):
         legs, square = points.foot_support[:, 6:].any(axis=0), max(float(self.robot.nominal[2]), 0.05) ** 2
         spare = points.foot_support[:, 6:].sum(axis=1) > np.where(points.flat, 6, 3)
         # joints that a light foot leaves free would be flung about to move the body
-        lightness = w.swing if spare.any() and w.swing > 0.0 else 1.0
+        self._lightness = lightness = w.swing if spare.any() and w.swing > 0.0 else 1.0
         swing = w.swing / lightness
         weights = np.array([w.linear, w.angular * square, swing, swing * square, *rates])
         joints = w.joints * square * np.where(legs, 1.0 / lightness, w.body)
@@ -160,6 +160,10 @@ class WholeBodyController(Bound):
         """Change the friction [-] that the controller believes in."""
         for distributor in (self._distributor, self._limited):
             distributor.set_friction(np.full(len(self.point_foot), mu))
+
+    def weigh_swing(self, weight: float) -> None:
+        """Change the weight of the places of feet in the air [-], see `TaskWeights.swing`."""
+        self._part(core.WEIGHTS, -1)[core.SWING] = weight / self._lightness
 
     def reset(self) -> None:
         """Forget the forces of the step before, and which feet stood."""

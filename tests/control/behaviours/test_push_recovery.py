@@ -8,13 +8,17 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.stacks.stack import Surefoot
+from benchmarks.stacks.tasks import TASKS
+from benchmarks.stacks.trial import carry_out
 from surefoot.audit.laws import log_laws
 from surefoot.control.behaviours.behaviour import NOTHING, Request
-from surefoot.control.behaviours.push_recovery import ENDS, GIVE, LOW, QUICKEST, PushRecovery
+from surefoot.control.behaviours.push_recovery import ASIDE, ENDS, GIVE, LEAPS, LOW, QUICKEST, PushRecovery
 from surefoot.control.foothold import CATCH_REACH, catching_place
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.spatial import GRAVITY
+from surefoot.terrain import read_terrain
 from tests.control.behaviours.views import HEIGHT, motion, view_of, walk_of
 
 UNIT = math.sqrt(GRAVITY * HEIGHT)
@@ -69,6 +73,26 @@ def test_a_foot_catches_within_its_reach_and_on_its_own_side(yaw: float) -> None
     slow = np.array([0.05, 0.0, 0.0])
     place = catching_place(np.zeros(3), slow, np.array([0.2, 0.1]), 0.0, -9.0 * slow, 0.0, HEIGHT, 0.0)
     assert place == pytest.approx([0.2 + 0.05 * math.sqrt(HEIGHT / GRAVITY), 0.1])
+
+
+def test_a_body_leaps_that_was_thrown_aside_over_a_plane_until_it_is_slower() -> None:
+    recovery = PushRecovery(walk_of())
+
+    def leaps(x: float, y: float, behaviour: PushRecovery = recovery) -> bool:
+        asked = behaviour.propose(view_of(now=motion(com_velocity=(x * UNIT, y * UNIT, 0.0)))).recovery
+        return asked is not None and asked.leaps
+
+    assert not leaps(LEAPS, 0.9 * ASIDE * LEAPS)  # as much ahead
+    assert not leaps(0.0, 0.9 * LEAPS)
+    assert leaps(0.2 * LEAPS, -1.1 * LEAPS)
+    assert leaps(1.1 * LEAPS, 0.0)  # on its way
+    assert not leaps(0.0, 0.9 * LEAPS)
+    assert not leaps(0.0, 1.4, PushRecovery(walk_of(read_terrain("rough:1,0.04", "terrain"))))
+
+
+def test_a_trot_that_is_thrown_to_its_left_leaps_and_stays_up_lawfully() -> None:
+    task = TASKS["shove-400-left"]  # falls without leaps
+    assert carry_out(Surefoot(), task, 1).survived(task.asked)
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.5])

@@ -46,11 +46,14 @@ class Recovery(NamedTuple):
         (3,) that is wanted now, from one moment to the next: forward, left [m/s], turn [rad/s].
     acceleration
         With which it comes back to the commanded one [m/s²].
+    leaps
+        Whether all feet leave the ground and meet it together, whatever the gait.
     """
 
     rate: float
     velocity: FloatArray
     acceleration: float
+    leaps: bool = False
 
 
 class WalkFacts(NamedTuple):

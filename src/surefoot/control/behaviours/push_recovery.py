@@ -6,6 +6,10 @@ faster, so that feet lift before they are out of reach and those in the air come
 velocity gives way to the body's and comes back as fast as friction lets it, so that the plan ahead does not
 throw the body over feet that stand in the wrong place.
 
+A body that was thrown aside leaves the feet of the far side behind. With one of them in each pair of a trot,
+the pressure of a pair is behind the body, and a force from there that does not tip it drives it on. So all
+feet leave the ground and meet it together: both feet of the near side land ahead of the body, and brake it.
+
 References
 ----------
 .. [1] J. Pratt, J. Carff, S. Drakunov, A. Goswami, "Capture point: a step toward humanoid push recovery",
@@ -31,6 +35,9 @@ STRIDE, QUICKEST = 0.75, 1.6
 LOW = 0.8
 """Height of the body meanwhile, as a share of its own: feet far aside of a tall body are out of their legs'
 reach, and drag."""
+LEAPS, ASIDE = 0.7, 2.0
+"""A body leaps while it is off the commanded velocity by more than the first, a share of sqrt(g h), if it is
+off to the side by so many times as much as ahead (begun at 1.12 it falls more often)."""
 BACK = 0.3
 """Change of the wanted velocity on the way back, as a share of g: half of the friction that is counted on."""
 
@@ -47,13 +54,14 @@ class PushRecovery:
     name = "push recovery"
 
     def __init__(self, walk: WalkFacts) -> None:
-        self._schedule, self._height = walk.schedule, walk.height
+        self._schedule, self._height, self._planar = walk.schedule, walk.height, walk.terrain.planar
         self._unit = math.sqrt(GRAVITY * walk.height)
         self.reset()
 
     def reset(self) -> None:
         """Forget the last push."""
         self._calm: float | None = None  # speed before the push
+        self._leaps = False
 
     def propose(self, view: WalkView) -> Request:
         """Ask for quick steps that go with the body, while it is far off its wanted velocity."""
@@ -66,11 +74,15 @@ class PushRecovery:
             return NOTHING
         caught = off < ENDS and speed < (self._calm or 0.0) + 2.0 * ENDS * self._unit
         if caught or view.clock < 0.0 or self._schedule.held or self._schedule.stance_time == 0.0:
-            self._calm = None
+            self.reset()
             return NOTHING
         if self._calm is None:
             self._calm = math.hypot(forward, left)
+        onward, across = ahead + forward - view.command[0], aside + left - view.command[1]
+        lost = self._planar and math.hypot(onward, across) > LEAPS * self._unit
+        self._leaps = lost and (self._leaps or abs(across) > ASIDE * abs(onward))
         rate = min(max(self._schedule.stance_time * speed / (STRIDE * self._height), 1.0), QUICKEST)
         more = 1.0 - min(1.0, GIVE / off)
         velocity = np.array([forward + more * ahead, left + more * aside, turn])
-        return Request(recovery=Recovery(rate, velocity, BACK * GRAVITY), height=LOW * self._height)
+        recovery = Recovery(rate, velocity, BACK * GRAVITY, self._leaps)
+        return Request(recovery=recovery, height=LOW * self._height)

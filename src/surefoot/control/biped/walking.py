@@ -217,7 +217,7 @@ class BipedController(Walker):
         """Bring the soles up to the clock; return whether one has lifted or landed."""
         return self.soles.update(clock, standing, now.centres, self.whole_body.foot_rotations)
 
-    def _move_body(self, request: Request, now: Kinematics) -> None:
+    def _move_body(self, request: Request, now: Kinematics, clock: float) -> None:
         """Move the wanted body by one step, which rises before it walks."""
         body = self.body
         self.soles.feet.hurry(self.catching.pace, self.dt)
