@@ -82,7 +82,9 @@ def test_a_body_leaps_that_was_thrown_aside_over_a_plane_until_it_is_slower() ->
         asked = behaviour.propose(view_of(now=motion(com_velocity=(x * UNIT, y * UNIT, 0.0)))).recovery
         return asked is not None and asked.leaps
 
-    assert not leaps(LEAPS, 0.9 * ASIDE * LEAPS)  # as much ahead
+    assert not leaps(LEAPS, 0.9 * ASIDE * LEAPS)  # as much ahead,
+    assert not leaps(0.0, 1.4)  # at first
+    recovery.reset()
     assert not leaps(0.0, 0.9 * LEAPS)
     assert leaps(0.2 * LEAPS, -1.1 * LEAPS)
     assert leaps(1.1 * LEAPS, 0.0)  # on its way

@@ -36,8 +36,8 @@ LOW = 0.8
 """Height of the body meanwhile, as a share of its own: feet far aside of a tall body are out of their legs'
 reach, and drag."""
 LEAPS, ASIDE = 0.7, 2.0
-"""A body leaps while it is off the commanded velocity by more than the first, a share of sqrt(g h), if it is
-off to the side by so many times as much as ahead (begun at 1.12 it falls more often)."""
+"""A body leaps while it is off the commanded velocity by more than the first, a share of sqrt(g h), if at
+first it was to the side by so many times as much as ahead (begun at 1.12 it falls more often)."""
 BACK = 0.3
 """Change of the wanted velocity on the way back, as a share of g: half of the friction that is counted on."""
 
@@ -61,7 +61,7 @@ class PushRecovery:
     def reset(self) -> None:
         """Forget the last push."""
         self._calm: float | None = None  # speed before the push
-        self._leaps = False
+        self._aside: bool | None = None  # whether it was thrown aside, once it was thrown far
 
     def propose(self, view: WalkView) -> Request:
         """Ask for quick steps that go with the body, while it is far off its wanted velocity."""
@@ -80,9 +80,10 @@ class PushRecovery:
             self._calm = math.hypot(forward, left)
         onward, across = ahead + forward - view.command[0], aside + left - view.command[1]
         lost = self._planar and math.hypot(onward, across) > LEAPS * self._unit
-        self._leaps = lost and (self._leaps or abs(across) > ASIDE * abs(onward))
+        if lost and self._aside is None:
+            self._aside = abs(across) > ASIDE * abs(onward)
         rate = min(max(self._schedule.stance_time * speed / (STRIDE * self._height), 1.0), QUICKEST)
         more = 1.0 - min(1.0, GIVE / off)
         velocity = np.array([forward + more * ahead, left + more * aside, turn])
-        recovery = Recovery(rate, velocity, BACK * GRAVITY, self._leaps)
+        recovery = Recovery(rate, velocity, BACK * GRAVITY, lost and bool(self._aside))
         return Request(recovery=recovery, height=LOW * self._height)
