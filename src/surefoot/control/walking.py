@@ -51,8 +51,9 @@ HELD = 3.0
 sqrt(g / h): a biped's arms have the same."""
 LEAP, LAND = 0.5, 0.44
 """Times in the air and on the ground of a body that leaps, in units of sqrt(h / g)."""
-FLYING = 0.2
-"""Weight of the feet then, in the air: what holds a body level that no foot holds throws its legs about."""
+FLYING = 10.0
+"""Weight of the feet then, in the air, over the usual one: what holds a body level that no foot holds throws
+its legs about."""
 PERIOD, STANCE = 0.4, 0.55
 """Cycle that the horizon of a schedule without one is measured by, for a body of 0.3 m [s], and its stance as
 a share of it: a trot's."""
@@ -262,12 +263,16 @@ class WalkingController(Walker):
             feet.leap(Gait.from_phases("leap", period, LAND * unit / period, begun), clock, air, now.centres)
             self._follow_feet()
 
+    @property
+    def _leaping(self) -> bool:
+        """Whether all feet leave the ground and meet it together."""
+        return self.planner.schedule is not self.schedule
+
     def _follow_feet(self) -> None:
         """Let plans follow the feet's schedule, from a new one on."""
         self.planner.schedule = self.schedule if self.feet is None else self.feet.schedule
-        self._leaping = self.planner.schedule is not self.schedule
         self.planner.begun = -math.inf
-        self.whole_body.weigh_swing(self.settings.whole_body.swing)
+        self.whole_body.weigh_swing(1.0)
 
     def _bound_forces(self, state: RobotState, now: Kinematics, clock: float, standing: BoolArray) -> None:
         """Bound the forces by the ramps of the feet, and tell the torques of the load."""
@@ -367,8 +372,7 @@ class WalkingController(Walker):
         assert feet is not None
         assert planner.forces is not None
         if self._leaping:
-            weight = self.settings.whole_body.swing if feet.stance.any() else FLYING
-            self.whole_body.weigh_swing(weight)
+            self.whole_body.weigh_swing(1.0 if feet.stance.any() else FLYING)
         gain = self._gain(self.settings.body_stiffness)
         body = follow(planner.motion, planner.rotation, state.time - planner.made, *now[:4], *gain)
         wanted = feet.accelerations(clock, now.centres, now.twists, self._gain(self.settings.swing_stiffness))
@@ -376,12 +380,6 @@ class WalkingController(Walker):
         if self._posture is not None:
             joints = self._posture.accelerations(state.q, state.v)
         return Tasks(
-            feet.stance,
-            body[0],
-            body[1],
-            wanted,
-            joints,
-            planner.forces,
-            feet.frames,
+            feet.stance, body[0], body[1], wanted, joints, planner.forces, feet.frames,
             np.zeros(len(feet.radii)),
-        )
+        )  # fmt: skip

@@ -130,8 +130,8 @@ class WholeBodyController(Bound):
         legs, square = points.foot_support[:, 6:].any(axis=0), max(float(self.robot.nominal[2]), 0.05) ** 2
         spare = points.foot_support[:, 6:].sum(axis=1) > np.where(points.flat, 6, 3)
         # joints that a light foot leaves free would be flung about to move the body
-        self._lightness = lightness = w.swing if spare.any() and w.swing > 0.0 else 1.0
-        swing = w.swing / lightness
+        lightness = w.swing if spare.any() and w.swing > 0.0 else 1.0
+        self.swing = swing = w.swing / lightness
         weights = np.array([w.linear, w.angular * square, swing, swing * square, *rates])
         joints = w.joints * square * np.where(legs, 1.0 / lightness, w.body)
         self._numbers, self._memory = core.step_memory(int(self.robot.model.nv), points, weights, joints)
@@ -161,9 +161,9 @@ class WholeBodyController(Bound):
         for distributor in (self._distributor, self._limited):
             distributor.set_friction(np.full(len(self.point_foot), mu))
 
-    def weigh_swing(self, weight: float) -> None:
-        """Change the weight of the places of feet in the air [-], see `TaskWeights.swing`."""
-        self._part(core.WEIGHTS, -1)[core.SWING] = weight / self._lightness
+    def weigh_swing(self, times: float) -> None:
+        """Let the places of feet in the air weigh so many times their usual weight [-]."""
+        self._part(core.WEIGHTS, -1)[core.SWING] = times * self.swing
 
     def reset(self) -> None:
         """Forget the forces of the step before, and which feet stood."""

@@ -54,7 +54,7 @@ class PushRecovery:
     name = "push recovery"
 
     def __init__(self, walk: WalkFacts) -> None:
-        self._schedule, self._height, self._planar = walk.schedule, walk.height, walk.terrain.planar
+        self.schedule, self.height, self.terrain = walk.schedule, walk.height, walk.terrain
         self._unit = math.sqrt(GRAVITY * walk.height)
         self.reset()
 
@@ -73,17 +73,17 @@ class PushRecovery:
         if self._calm is None and off < BEGINS:  # nearly always: the cheapest way here
             return NOTHING
         caught = off < ENDS and speed < (self._calm or 0.0) + 2.0 * ENDS * self._unit
-        if caught or view.clock < 0.0 or self._schedule.held or self._schedule.stance_time == 0.0:
+        if caught or view.clock < 0.0 or self.schedule.held or self.schedule.stance_time == 0.0:
             self.reset()
             return NOTHING
         if self._calm is None:
             self._calm = math.hypot(forward, left)
         onward, across = ahead + forward - view.command[0], aside + left - view.command[1]
-        lost = self._planar and math.hypot(onward, across) > LEAPS * self._unit
+        lost = self.terrain.planar and math.hypot(onward, across) > LEAPS * self._unit
         if lost and self._aside is None:
             self._aside = abs(across) > ASIDE * abs(onward)
-        rate = min(max(self._schedule.stance_time * speed / (STRIDE * self._height), 1.0), QUICKEST)
+        rate = min(max(self.schedule.stance_time * speed / (STRIDE * self.height), 1.0), QUICKEST)
         more = 1.0 - min(1.0, GIVE / off)
         velocity = np.array([forward + more * ahead, left + more * aside, turn])
         recovery = Recovery(rate, velocity, BACK * GRAVITY, lost and bool(self._aside))
-        return Request(recovery=recovery, height=LOW * self._height)
+        return Request(recovery=recovery, height=LOW * self.height)
