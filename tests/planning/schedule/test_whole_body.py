@@ -15,7 +15,7 @@ from surefoot.errors import ModelError, ProblemError
 from surefoot.planning.planner import plan
 from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
 from surefoot.planning.schedule.mirror import found_in_half, robot_reflections
-from surefoot.planning.schedule.motions import backflip, jump, modes
+from surefoot.planning.schedule.motions import backflip, jump
 from surefoot.planning.schedule.search import OPTIONS, guess_from, pack_guess
 from surefoot.planning.schedule.transcribe import transcribe, variable_bounds
 from surefoot.planning.tasks.backflip import turned
@@ -79,17 +79,6 @@ def test_forces_modes_and_limits(go2, found) -> None:
     assert (~stance.any(axis=1)).sum() * problem.dt == pytest.approx(0.3, abs=0.03)
 
 
-@pytest.mark.long
-def test_exact_steps_lead_to_the_same_motion(go2) -> None:
-    found = plan(go2, "jump", 0.2, dt=0.02)
-    assert found.status is Status.SOLVED, found.facts["goal"]
-    assert found.law_residual <= 1e-8
-    moved = found["contact_positions"][-1] - found["contact_positions"][0]
-    assert moved[:, 0].mean() == pytest.approx(0.2, abs=0.02)
-    phases = [p for p in found.contacts if p.foot == "FL_foot"]
-    assert [round(p.start, 1) for p in phases] == [0.0, 0.7]
-
-
 @pytest.mark.parametrize(
     "asked", [{"task": "jump", "amount": 0.2, "dt": 0.02}, {"task": "backflip"}], ids=str
 )
@@ -138,13 +127,6 @@ def test_a_robot_without_symmetry_is_refused() -> None:
     lame.model.jointPlacements[2] = placement
     with pytest.raises(ModelError, match="not symmetric"):
         mirrored_joints(lame)
-
-
-def test_schedules_are_those_of_the_phases(go2) -> None:
-    schedule, length = modes(go2, [(0.4, "all"), (0.2, "rear"), (0.3, "none"), (0.5, "all")])
-    assert length == pytest.approx(1.4)
-    seen = schedule.contacts([0.2, 0.5, 0.7, 1.0])
-    assert seen.tolist() == [[True] * 4, [False, False, True, True], [False] * 4, [True] * 4]
 
 
 @pytest.mark.long
