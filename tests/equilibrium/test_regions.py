@@ -43,6 +43,15 @@ def test_level_ground_gives_the_support_polygon():
         assert region.converged
 
 
+def test_the_region_of_one_contact_at_the_origin_is_that_point():
+    for seed in range(60):  # eight of a hundred lost it to underflow
+        normal = np.array([*np.random.default_rng(seed).normal(size=2) * 0.3, 1.0])
+        foot = sf.PointContact([0, 0, 0], normal / np.linalg.norm(normal), mu=2.0)
+        region = sf.com_region(sf.Stance([foot]), 15.0)
+        assert region.converged
+        assert region.contains([0, 0])
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_regions_between_bounds_are_traced_to_the_end(seed):
     """A slack that has nothing to do with where the weight goes kept the search from ending."""

@@ -174,7 +174,7 @@ def enclose(
             heights[k] = max(heights[k], h)
     for k in range(len(heights)):
         reach = max(reach, heights[k] - directions[k, 0] * middle[0] - directions[k, 1] * middle[1])
-    pad = 1e-15 * size + 1e-14 * reach + 1e-300
+    pad = 1e-15 * size + 1e-14 * reach + 1e-150  # whose square is a number
     heights += pad
     outside = intersection(directions, heights, middle, 10.0 * reach + 10.0 * pad)
     inner = without_flat_corners(whole, slack)
