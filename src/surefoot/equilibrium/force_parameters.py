@@ -12,7 +12,7 @@ from surefoot.errors import ProblemError
 
 
 def numbers(name: str, value: ArrayLike) -> FloatArray:
-    """Return a value as a contiguous array, in its own unit and shape, NaN and infinity as they are."""
+    """Return a value as a contiguous array (...), in its own unit, NaN and infinity as they are."""
     try:
         return np.ascontiguousarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
