@@ -86,7 +86,7 @@ class TouchSense:
 
     def __init__(self, belief: BeliefTerrain, weight: float, height: float, dt: float) -> None:
         self.belief, self.dt = belief, dt
-        self._weight, self._height = weight, height
+        self._weight, self.height = weight, height
         self._fall, self._root = math.sqrt(height / GRAVITY), math.sqrt(GRAVITY * height)
         self._waited = self._lead = 0.0
         self.asked: Request = NOTHING
@@ -96,7 +96,7 @@ class TouchSense:
         self._waited, self.asked = 0.0, NOTHING
         self._landings = LandingWatch(len(radii), self.dt)
         self.belief.radius = float(radii.mean())
-        self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self._height)
+        self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self.height)
 
     def sort(
         self, state: RobotState, feet: Feet, sensed: BoolArray, clock: float, now: Kinematics
@@ -226,7 +226,7 @@ class LandingWatch:
 
     def __init__(self, feet: int, dt: float) -> None:
         self.dt = dt
-        self._felt, self._silent = np.zeros((2, feet))
+        self._sensed, self._silent = np.zeros((2, feet))
         self._stood = np.full(feet, np.inf)
 
     def believe(self, sensed: BoolArray, stance: BoolArray, above: FloatArray) -> BoolArray:
@@ -239,10 +239,10 @@ class LandingWatch:
         above
             (n,) how far above the ground they are by what is known of it, over what may be noise [-].
         """
-        self._felt = np.where(sensed, self._felt + self.dt, 0.0)
+        self._sensed = np.where(sensed, self._sensed + self.dt, 0.0)
         self._silent = np.where(sensed, 0.0, self._silent + self.dt)
         lasting = np.where(above > FAR, LASTING_FAR, np.where(above > 1.0, LASTING, 0.0))
-        return sensed & (stance | (self._felt >= lasting))
+        return sensed & (stance | (self._sensed >= lasting))
 
     def taken_back(self, stance: BoolArray) -> BoolArray:
         """Return which feet that carry have not landed after all: (n,); to be called at each step."""

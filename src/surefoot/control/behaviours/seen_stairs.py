@@ -23,7 +23,7 @@ class SeenStairs:
     name = "seen stairs"
 
     def __init__(self, walk: WalkFacts) -> None:
-        self._schedule = walk.schedule
+        self.schedule = walk.schedule
         self._belief = believed(walk.terrain)
         seen = self._belief is not None and self._belief.seen
         self._usual = Request(search=FootSearch(SEEN_SPEED)) if seen else NOTHING
@@ -41,4 +41,4 @@ class SeenStairs:
         """Ask for little speed while the gait turns into step or waits for its phase."""
         if self._belief is not None and self._belief.unsure:
             return self._usual
-        return self._slowly if view.waiting or self._schedule.turning else self._usual
+        return self._slowly if view.waiting or self.schedule.turning else self._usual

@@ -39,7 +39,7 @@ class StopAtDrop:
     name = "stop at drop"
 
     def __init__(self, walk: WalkFacts, ground: TouchedGround) -> None:
-        self._ground, self._height = ground, walk.height
+        self._ground, self.height = ground, walk.height
         self.reset()
 
     @classmethod
@@ -52,7 +52,7 @@ class StopAtDrop:
     def reset(self) -> None:
         """Forget the last drop."""
         self._drop: Ledge | None = None
-        self._standing, self._note = False, ""
+        self._standing, self.note = False, ""
 
     def propose(self, view: WalkView) -> Request:
         """Ask for no speed before a drop, and for rest once the body can come to it."""
@@ -62,15 +62,15 @@ class StopAtDrop:
         if drop is None:
             return NOTHING
         self._standing = self._standing or self._rests(drop, view)
-        if drop.certain and not self._note:
-            self._note = (
+        if drop.certain and not self.note:
+            self.note = (
                 f"stopped from {view.time:.2f} s on: a foot found the ground {1e3 * drop.depth:.0f} mm "
-                f"lower, and drops of more than {1e3 * DROP * self._height:.0f} mm are not taken by "
+                f"lower, and drops of more than {1e3 * DROP * self.height:.0f} mm are not taken by "
                 "touch alone"
             )
         return Request(
             velocity=self._to_the_middle(view) if self._standing else np.zeros(3), hold=self._standing,
-            foot_goals=lambda place, start: drop.nearest(place), note=self._note,
+            foot_goals=lambda place, start: drop.nearest(place), note=self.note,
             search=FootSearch(GENTLE_SPEED, 0.0 if drop.found else FALLING, careful=True),
         )  # fmt: skip
 
@@ -79,7 +79,7 @@ class StopAtDrop:
         if len(view.stance) != 4 or not view.stance.all():
             return False
         q, flow = view.state.q, base_velocity(view.state.q, view.state.v)[:2]
-        rest = (q[:2] + math.sqrt(self._height / GRAVITY) * flow) @ drop.along
+        rest = (q[:2] + math.sqrt(self.height / GRAVITY) * flow) @ drop.along
         return bool(rest < np.sort(view.ground[:, :2] @ drop.along)[-2:].mean())
 
     @staticmethod

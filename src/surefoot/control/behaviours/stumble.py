@@ -28,7 +28,7 @@ class Stumble:
     name = "stumble"
 
     def __init__(self, walk: WalkFacts, belief: BeliefTerrain) -> None:
-        self._belief, self._height = belief, walk.height
+        self._belief, self.height = belief, walk.height
 
     @classmethod
     def of(cls, walk: WalkFacts) -> Stumble | None:
@@ -44,6 +44,6 @@ class Stumble:
         if self._belief.unsure:  # near a drop feet are lifted over what is known of it
             return NOTHING
         calm = max(0.0, 1.0 - (view.time - self._belief.struck_at) / MEMORY)
-        stumble = LIFT * self._height * min(2.0 * calm, 1.0)
-        lift = min(max(self._belief.bumps, stumble), HIGHEST * self._height)
+        stumble = LIFT * self.height * min(2.0 * calm, 1.0)
+        lift = min(max(self._belief.bumps, stumble), HIGHEST * self.height)
         return Request(clearance=lift) if lift > 0.0 else NOTHING

@@ -133,14 +133,11 @@ def jump(
     flight = max(longest, 2.0 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY))
     dt = round(KNOT * scale, 3) if dt is None else dt
     push, land = PUSH * scale, LAND * scale
-    phases = [(push, "all"), (flight, "none"), (land, "all")]
+    over = [(flight, "none")]
     if climb > 0.0:
-        behind, ahead = ("rear", "front") if distance * math.cos(way[0]) > 0.0 else ("front", "rear")
-        lead = LEAD * scale * climb / float(robot.nominal[2])
-        flight = LONGER * flight - 1.5 * lead
-        phases[1:2] = [(lead, behind), (flight, "none"), (lead, ahead)]
-        flight = sum(length for length, _ in phases[1:-1])
-    schedule, length = modes(robot, phases)
+        over = _step_up(flight, LEAD * scale * climb / float(robot.nominal[2]), distance * math.cos(way[0]))
+        flight = sum(length for length, _ in over)
+    schedule, length = modes(robot, [(push, "all"), *over, (land, "all")])
     knots = round(length / dt)
     t = dt * np.arange(knots + 1)
     share = np.clip((t - 0.7 * push) / (flight + 0.4 * push), 0.0, 1.0)
@@ -156,14 +153,9 @@ def jump(
         low = np.full(len(q), -np.inf)
         low[2] = q[2] + height
         windows[round((push + 0.5 * flight) / dt)] = StateWindow(low)
-    if climb > 0.0:
-        legs = Legs(robot)
-        up, feet = np.array([0.0, 0.0, 1.0]), legs.feet(q[7:])
-        lifts = min(climb, TUCK * float(robot.nominal[2])) * np.sin(math.pi * flown / flight)
-        for k in np.flatnonzero(lifts):
-            reference[k, 7:] = legs.reach(feet + lifts[k] * up, q[7:])
     weights = ScheduleWeights(change=QUIET) if max(height, climb) > 0.0 else ScheduleWeights()
     if climb > 0.0:
+        _tuck(robot, reference, min(climb, TUCK * float(robot.nominal[2])) * np.sin(math.pi * flown / flight))
         weights = replace(weights, **ONTO)
         if not own_image(robot, reference):
             weights = replace(weights, symmetry=0.0)
@@ -177,6 +169,20 @@ def jump(
         leg_spread=(WIDE if climb > 0.0 else SPREAD) * reach, body_clearance=BODY * reach,
         knee_clearance=KNEE * reach,
     )  # fmt: skip
+
+
+def _step_up(flight: float, lead: float, ahead: float) -> list[tuple[float, str]]:
+    """Return the phases of a flight [s] onto a step `ahead`: feet that go ahead leave and land first."""
+    behind, first = ("rear", "front") if ahead > 0.0 else ("front", "rear")
+    return [(lead, behind), (LONGER * flight - 1.5 * lead, "none"), (lead, first)]
+
+
+def _tuck(robot: Robot, reference: FloatArray, lifts: FloatArray) -> None:
+    """Draw the feet of (k, nq) configurations up by (k,) `lifts` [m], from where the first has them."""
+    legs, start = Legs(robot), reference[0, 7:].copy()
+    up, feet = np.array([0.0, 0.0, 1.0]), legs.feet(start)
+    for k in np.flatnonzero(lifts):
+        reference[k, 7:] = legs.reach(feet + lifts[k] * up, start)
 
 
 def begun(robot: Robot, terrain: Terrain, distance: float) -> FloatArray:
