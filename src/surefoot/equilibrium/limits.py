@@ -181,7 +181,8 @@ def equations(question: Question) -> Equations:
     on = points.normal_max > 0.0
     whole, axis = corner_basis(points.mu, question.facets, question.fit)
     unit = len(axis) // max(1, len(points))
-    columns = np.repeat(on, unit)
+    off = not on.all()
+    columns = np.repeat(on, unit) if off else slice(None)
     force, axis = whole[:, columns], axis[columns]
     length = spread(points.positions, question.com)
     scale = load_scale(question.load, length)
@@ -198,8 +199,9 @@ def equations(question: Question) -> Equations:
         kept = np.flatnonzero((limits.bound < _IRRELEVANT * scale * size) | (size == 0.0))
         by_corner = limits.rows[kept] if stance.points() is stance else limits.rows[kept] @ stance.corner_map
         rows = _times_cones(by_corner, whole, len(points))[:, columns]
-        says = rows.any(axis=1) | (limits.bound[kept] < 0.0)
-        kept, rows = kept[says], rows[says]
+        if off:  # what bounds their forces says nothing
+            says = rows.any(axis=1) | (limits.bound[kept] < 0.0)
+            kept, rows = kept[says], rows[says]
         order, groups = find_blocks(rows, unit)
         kept, rows = kept[order], rows[order]
         size = np.where(size > 0.0, size, 1.0)[kept]
