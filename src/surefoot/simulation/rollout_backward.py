@@ -28,8 +28,8 @@ from surefoot.simulation.recorder import RolloutRecorder
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.stepping import State, Stepper
 from surefoot.stepping.derivative import stages_of
-from surefoot.stepping.derivative_impact import Laws, law_fields
-from surefoot.stepping.derivative_stages import InputRates, StepArguments
+from surefoot.stepping.derivative_impact import InputRates, law_fields
+from surefoot.stepping.derivative_stages import StepArguments
 from surefoot.stepping.pair_detection import PairDetection
 
 WIDTH = 1e-6
@@ -268,10 +268,10 @@ class Backward:
                 both = None
         heard = step.impact is not None and step.impact.velocities is not step.impact.leaving
         inertia, restitution, law = (f if f.any() else None for f in fixed)
-        laws = Laws(None if restitution is None else restitution[self.group], law)
+        bounce = None if restitution is None else restitution[self.group]
         return stages.through(InputRates(
             state[:nv], state[nv:], into[:joints], into[joints + 3 :][self.group], into[joints : joints + 3],
-            left if heard else 0.0 * left, inertia, both, laws=laws,
+            left if heard else 0.0 * left, inertia, both, restitution=bounce, law=law,
         ))  # fmt: skip
 
 

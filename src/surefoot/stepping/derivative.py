@@ -17,9 +17,9 @@ from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.contact.derivative import KINK, Kink
 from surefoot.errors import ProblemError
 from surefoot.stepping.derivative_first_order import FirstOrderStages
-from surefoot.stepping.derivative_impact import TOUCHING
+from surefoot.stepping.derivative_impact import TOUCHING, InputRates
 from surefoot.stepping.derivative_located import LocatedStages
-from surefoot.stepping.derivative_stages import InputRates, Stages, StepArguments
+from surefoot.stepping.derivative_stages import Stages, StepArguments
 from surefoot.stepping.state import State, Step
 from surefoot.stepping.stepper import Stepper
 
@@ -135,7 +135,9 @@ class StepDerivative:
     @cached_property
     def _inertia(self) -> FloatArray:
         """(2nv + 6p, 10 bodies), like `_blocks`."""
-        return self._stages.by_inertia()
+        count = 10 * (self._stepper.bodies.model.njoints - 1)
+        nothing = self._inputs(np.zeros((sum(self._sizes.values()), count)))
+        return self._stages.through(nothing._replace(inertia=np.eye(count)))
 
     @property
     def inertia(self) -> FloatArray:

@@ -34,8 +34,11 @@ class Response:
 
     def __init__(self, solution: ContactSolution, smoothing: float) -> None:
         solution.raise_if_failed()
-        self.regular = False
+        self.regular, p = False, solution.problem
         self.solution, self.smoothing = solution, smoothing
+        # forces and velocities, mu and bounds (3, k), as compiled calls take them
+        self._buffer = np.concatenate([solution.forces, solution.velocities])
+        self._laws = np.array([p.mu, p.normal_min, p.normal_max])
 
     @cached_property
     def derivative(self) -> ContactDerivative:
@@ -46,17 +49,6 @@ class Response:
     def forces(self) -> FloatArray:
         """The (k, 3) impulses [N s] at which it is taken."""
         return self.derivative.forces if self.smoothing > 0.0 else self.solution.forces
-
-    @cached_property
-    def _buffer(self) -> FloatArray:
-        """Forces and velocities as compiled calls take them."""
-        return np.concatenate([self.solution.forces, self.solution.velocities])
-
-    @cached_property
-    def _laws(self) -> FloatArray:
-        """The problem's mu and bounds (3, k), as compiled calls take them."""
-        p = self.solution.problem
-        return np.array([p.mu, p.normal_min, p.normal_max])
 
     @cached_property
     def distance(self) -> float:
@@ -75,10 +67,8 @@ class Response:
         """The derivative of the impulses by b (3k, 3k) [kg], and by every contact's mu (3k, k) [N s]."""
         p = self.solution.problem
         if self.smoothing == 0.0 and p.contacts:
-            out, given = (
-                np.empty((3 * p.contacts, 4 * p.contacts)),
-                (self._laws, p.law == "convex", self._buffer),
-            )
+            out = np.empty((3 * p.contacts, 4 * p.contacts))
+            given = self._laws, p.law == "convex", self._buffer
             found = contact_blocks(p.G, *given, out)
             if not found and self.regular:
                 found = contact_blocks(p.G + REGULAR * np.trace(p.G) * np.eye(len(p.G)), *given, out)

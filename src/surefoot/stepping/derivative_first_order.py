@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.stepping.derivative_impact import Rates
-from surefoot.stepping.derivative_stages import InputRates, Stages
+from surefoot.stepping.derivative_impact import InputRates
+from surefoot.stepping.derivative_stages import Stages
 from surefoot.stepping.state import Impact
 
 
@@ -34,11 +34,9 @@ class FirstOrderStages(Stages):
         """See `Stages.through`: (2nv + 6p, c)."""
         import pinocchio
 
-        q, v, torques, mu, push, leaving, inertia, one_sided, _, laws = given
-        effort = self._pushing(q, push)
-        effort[self.stepper.motors] += torques
+        effort = self._pushing(given.q, given.push)
+        effort[self.stepper.motors] += given.torques
         dt, impact = self.stepper.options.dt, self.main.impact
-        rates = Rates(q, v, dt * effort + self.main.takes(inertia), mu, leaving, None, laws)
-        after, left, impulses = self.main.through(rates, one_sided)
+        after, left, impulses = self.main.through(given, dt * effort)
         by_q, by_way = pinocchio.dIntegrate(self.stepper.bodies.model, impact.q, dt * impact.after)
-        return np.vstack([by_q @ q + dt * by_way @ after, after, impulses, left])
+        return np.vstack([by_q @ given.q + dt * by_way @ after, after, impulses, left])

@@ -38,43 +38,40 @@ def law_fields(law: SoftLaw) -> tuple[str, ...]:
     return tuple(f.name for f in fields(law) if isinstance(getattr(law, f.name), float | int))
 
 
-class Laws(NamedTuple):
-    """Rates of what contacts are made of: `restitution` (p, c) and `law` (fields, c), see `Rates`."""
-
-    restitution: FloatArray | None = None
-    law: FloatArray | None = None
-
-
-NO_LAWS = Laws()
-
-
-@dataclass(frozen=True)
-class Rates:
-    """What goes into an exchange, as c columns.
+class InputRates(NamedTuple):
+    """Rates of what goes into a step, or into one of its stages, as c columns.
 
     Attributes
     ----------
     q, v
-        (nv, c) of the configuration and of the velocity on arrival.
-    effort
-        (nv, c) of the impulse of all forces but the ground's.
+        (nv, c) of the configuration and of the velocity, on arrival at the stage.
+    torques, push
+        (joints, c) and (3, c) of the torques and of the push.
     mu
         (p, c) of every contact's friction.
     leaving
         (3p, c) of the contact velocities after the last impulses.
-    horizon
-        (c,) of the time to the next impulses; None for none.
-    laws
-        Of restitution (p, c) and of a soft law's parameters (fields, c), see `law_fields`; None for none.
+    inertia
+        (10 bodies, c) of the inertial parameters; None for none.
+    one_sided
+        Whether contacts that touch open or press as each column says; None: they stay on the ground.
+    seconds
+        (c,) of the length of the step, the time to the next impulses; None for none.
+    restitution, law
+        (p, c) of restitution, and (fields, c) of a soft law's numbers, see `law_fields`; None for none.
     """
 
     q: FloatArray
     v: FloatArray
-    effort: FloatArray
+    torques: FloatArray
     mu: FloatArray
+    push: FloatArray
     leaving: FloatArray
-    horizon: FloatArray | None = None
-    laws: Laws = NO_LAWS
+    inertia: FloatArray | None = None
+    one_sided: bool | None = False
+    seconds: FloatArray | None = None
+    restitution: FloatArray | None = None
+    law: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -137,7 +134,7 @@ class Exchange:
         change = self.impact.free - self.impact.before
         return np.asarray(np.linalg.solve(self.light.T @ self.light, change) / self.horizon)
 
-    def takes(self, inertia: FloatArray | None) -> FloatArray | float:
+    def _takes(self, inertia: FloatArray | None) -> FloatArray | float:
         """Return the effort (nv, c) [N s, N m s] that rates (10 bodies, c) of inertial parameters mean."""
         if inertia is None:
             return 0.0
@@ -145,17 +142,17 @@ class Exchange:
         return np.asarray(-(self.span * Y) @ inertia)
 
     def through(
-        self, rates: Rates, one_sided: bool | None = False
+        self, rates: InputRates, effort: FloatArray | float = 0.0
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the rates of v⁺ (nv, c), of the contact velocities after it (3p, c), and of λ (3p, c).
 
-        `one_sided`: contacts that touch open or press as each column says; None: they stay on the ground.
+        `effort` (nv, c) are those of the impulse of all forces but the ground's [N s, N m s].
         """
         impact, J, near = self.impact, self.contacts.J, self.impact.near
         rows = (3 * near[:, None] + np.arange(3)).ravel()
         by_q, by_v = self.dynamics.rates(impact.q, self.speed, self._change)
         turned = self.ground.force(impact.impulses)
-        effort = (turned - self.span * by_q) @ rates.q + rates.effort
+        effort = (turned - self.span * by_q) @ rates.q + (effort + self._takes(rates.inertia))
         if self.speed.any():
             effort -= self.span * by_v @ rates.v
         spin = self.ground.velocity(impact.after)
@@ -166,20 +163,20 @@ class Exchange:
             assert impact.rows is not None
             assert self.response is not None
             b = (spin @ rates.q + J @ v)[rows]
-            b[2::3] += self._shift(rates, one_sided)
+            b[2::3] += self._shift(rates)
             guess = self._swerve(rates)
             if guess is not None:
                 b += guess[rows]
-            respond = self.response.one_sided if one_sided else self.response.linear
+            respond = self.response.one_sided if rates.one_sided else self.response.linear
             impulses[rows] = respond(b, rates.mu[near])
             v = v + light.T @ (impact.rows.T @ impulses[rows])
         return v, spin @ rates.q + J @ v, impulses
 
-    def _arriving(self, rates: Rates) -> FloatArray:
+    def _arriving(self, rates: InputRates) -> FloatArray:
         """Return the rates (3p, c) of the contact velocities before the impulses."""
         return self.ground.velocity(self.impact.before) @ rates.q + self.contacts.J @ rates.v
 
-    def _shift(self, rates: Rates, one_sided: bool | None) -> FloatArray:
+    def _shift(self, rates: InputRates) -> FloatArray:
         """Return the rates (k, c) of the normal velocity that the law adds; see `arithmetic.assemble`."""
         impact, options, horizon, pull = self.impact, self.options, self.horizon, self.pull
         near, gaps = impact.near, self.contacts.gaps[impact.near]
@@ -187,13 +184,13 @@ class Exchange:
             return self._soft_shift(rates, options.soft)
         share = np.where(gaps > 0.0, 1.0, pull) / horizon
         opening = self.ground.gaps()[near] @ rates.q
-        if one_sided is None:
+        if rates.one_sided is None:
             share = np.where(np.abs(gaps) <= RESTING, 1.0, share * horizon) / horizon
         out = share[:, None] * opening
-        if one_sided and (touching := np.abs(gaps) <= TOUCHING).any():
+        if rates.one_sided and (touching := np.abs(gaps) <= TOUCHING).any():
             out[touching] = np.where(opening > 0.0, 1.0, pull)[touching] / horizon * opening[touching]
-        if rates.horizon is not None:
-            out -= np.outer(share * gaps / horizon, rates.horizon)
+        if rates.seconds is not None:
+            out -= np.outer(share * gaps / horizon, rates.seconds)
         e = self.restitution[near]
         if e.any():
             normal = self.contacts.J[3 * near + 2]
@@ -201,11 +198,11 @@ class Exchange:
             hit = (before < -2.0 * options.dt * GRAVITY) & (gaps + horizon * free <= 0.0)
             hit &= (e > 0.0) & (e * before < share * gaps)
             out[hit] = e[hit, None] * self._arriving(rates)[3 * near[hit] + 2]
-            if rates.laws.restitution is not None:
-                out[hit] += before[hit, None] * rates.laws.restitution[near[hit]]
+            if rates.restitution is not None:
+                out[hit] += before[hit, None] * rates.restitution[near[hit]]
         return np.asarray(out)
 
-    def _soft_shift(self, rates: Rates, law: SoftLaw) -> FloatArray:
+    def _soft_shift(self, rates: InputRates, law: SoftLaw) -> FloatArray:
         """Return the same under a law λ = Λ(gap, u, u⁻, θ): -(∂Λ/∂gap δgap + ...) / |∂Λ/∂u|.
 
         A contact that ends the step at the surface has u = -gap / horizon instead.
@@ -226,15 +223,12 @@ class Exchange:
 
         push = slope(1e-8, gap=1.0) * opening
         push += slope(1e-6, speed=1.0) * self._arriving(rates)[3 * near + 2]
-        for rate, name in zip(
-            () if rates.laws.law is None else rates.laws.law, law_fields(law), strict=False
-        ):
-            if not rate.any():
-                continue
-            push += slope(1e-5 * max(abs(getattr(law, name)), 1e-3), **{name: 1.0}) * rate
+        for rate, name in zip(() if rates.law is None else rates.law, law_fields(law), strict=False):
+            if rate.any():
+                push += slope(1e-5 * max(abs(getattr(law, name)), 1e-3), **{name: 1.0}) * rate
         return np.where(steep > 0.0, -steep * push, opening / horizon)
 
-    def _swerve(self, rates: Rates) -> FloatArray | None:
+    def _swerve(self, rates: InputRates) -> FloatArray | None:
         """Return the rates (3p, c) of the guess that the laws' velocities contain; None without one."""
         impact, last, leaving, feet = self.impact, self.last, self.leaving, self.foot
         taken = impact.velocities - impact.leaving

@@ -17,8 +17,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.stepping.derivative_contact import Response
-from surefoot.stepping.derivative_impact import Exchange, Rates
-from surefoot.stepping.derivative_stages import Coast, InputRates, Stages
+from surefoot.stepping.derivative_impact import Exchange, InputRates
+from surefoot.stepping.derivative_stages import Coast, Stages
 from surefoot.stepping.state import Impact
 
 AT_ONCE = 1e30
@@ -51,23 +51,23 @@ class LocatedStages(Stages):
 
     def through(self, given: InputRates) -> FloatArray:
         """See `Stages.through`: (2nv + 6p, c)."""
-        q, v, torques, mu, _, leaving, inertia, one_sided, _, laws = given
-        n, T, effort, nothing = len(q), np.vstack([q, v]), np.zeros_like(v), np.zeros_like(leaving)
-        effort[self.stepper.motors] = torques
+        n, T, nothing = len(given.q), np.vstack([given.q, given.v]), np.zeros_like(given.leaving)
+        effort = np.zeros_like(given.v)
+        effort[self.stepper.motors] = given.torques
         total, left, late = nothing, nothing, np.zeros(T.shape[1])
         for k, touch in enumerate(self.touches):
             if self.rest is not None and touch is None:
                 rest = self.rest.through(given._replace(q=T[:n], v=T[n:], leaving=left, seconds=-late))
                 total, left = total + rest[2 * n : -len(left)], rest[-len(left) :]
                 return np.vstack([rest[: 2 * n], total, left])
-            T = self._coasted(k, T, effort, inertia)
+            T = self._coasted(k, T, effort, given.inertia)
             wait = -late  # the end of the step stays where it is
             if touch is not None:
                 opening = touch.ground.gaps()[self.step.pieces[k].first]
                 wait = -(opening @ T[:n]) / (opening @ touch.impact.before)
             T, late = T + np.outer(self.coasts[k].pace, wait), late + wait
             if touch is not None:
-                rates = Rates(T[:n], T[n:], touch.takes(inertia) + 0.0 * T[n:], mu, nothing, None, laws)
-                after, left, impulses = touch.through(rates, one_sided)
+                rates = given._replace(q=T[:n], v=T[n:], leaving=nothing)
+                after, left, impulses = touch.through(rates)
                 T, total = np.vstack([T[:n], after]), total + impulses
         return np.vstack([T, total, left])

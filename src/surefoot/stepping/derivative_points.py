@@ -22,34 +22,25 @@ SPACING = 1e-5
 """Step of the central differences of a curved ground's normals and gaps [m]."""
 
 
-class GroundTurn:
-    """How the ground turns below contacts of radii (p,) [m], by central differences where it is curved.
+def ground_turn(terrain: Terrain, contacts: Contacts, radii: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how the ground turns below contacts of radii (p,) [m], see `derivative_kernels`.
 
-    See `derivative_kernels`.
-
-    Attributes
-    ----------
-    turns
-        (2, p, 3, 3) rates of the frames along x and y [1/m].
-    slopes
-        (p, 3) rates of the gaps with the spheres' centres.
+    Rates (2, p, 3, 3) of the frames along x and y [1/m], and (p, 3) of the gaps with the spheres' centres;
+    by central differences where it is curved.
     """
-
-    def __init__(self, terrain: Terrain, contacts: Contacts, radii: FloatArray) -> None:
-        frames = contacts.frames
-        self.turns = np.zeros((2, *frames.shape))
-        self.slopes = frames[:, :, 2].copy()
-        if terrain.planar or not len(frames):
-            return
-        centres = contacts.positions + radii[:, None] * frames[:, :, 2]
-        for axis in range(2):
-            aside = np.zeros(3)
-            aside[axis] = SPACING
-            sides = centres + aside, centres - aside
-            ends = [frames_on(terrain.normal(places[:, :2])) for places in sides]
-            gaps = [terrain.gap(places) for places in sides]
-            self.turns[axis] = (ends[0] - ends[1]) / (2.0 * SPACING)
-            self.slopes[:, axis] = (gaps[0] - gaps[1]) / (2.0 * SPACING)
+    frames = contacts.frames
+    turns, slopes = np.zeros((2, *frames.shape)), frames[:, :, 2].copy()
+    if terrain.planar or not len(frames):
+        return turns, slopes
+    centres = contacts.positions + radii[:, None] * frames[:, :, 2]
+    for axis in range(2):
+        aside = SPACING * np.eye(3)[axis]
+        sides = centres + aside, centres - aside
+        ends = [frames_on(terrain.normal(places[:, :2])) for places in sides]
+        gaps = [terrain.gap(places) for places in sides]
+        turns[axis] = (ends[0] - ends[1]) / (2.0 * SPACING)
+        slopes[:, axis] = (gaps[0] - gaps[1]) / (2.0 * SPACING)
+    return turns, slopes
 
 
 class GroundRates:
@@ -72,12 +63,9 @@ class GroundRates:
     def __init__(
         self, stepper: Stepper, points: ContactPoints, first: IntArray, twists: FloatArray, contacts: Contacts
     ) -> None:
-        self._points, self._first, self._twists, self._contacts = points, first, twists, contacts
-        self._ground = GroundTurn(stepper.terrain, contacts, points.radii)
-        c = contacts
-        self._shape = (
-            twists, first, points.support, c.positions, points.radii, c.frames, self._ground.turns
-        )  # fmt: skip
+        turns, self._slopes = ground_turn(stepper.terrain, contacts, points.radii)
+        fixed = contacts.positions, points.radii, contacts.frames
+        self._shape: Shape = twists, first, points.support, *fixed, turns
 
     def velocity(self, v: FloatArray) -> FloatArray:
         """Return the derivative (3p, nv) of the contact velocities J(q) v at fixed v (nv,)."""
@@ -89,17 +77,17 @@ class GroundRates:
 
     def _centres(self) -> FloatArray:
         """Return the rates of the spheres' centres with q: (p, 3, nv), world axes."""
-        c, points = self._contacts, self._points
-        return centre_rates(self._twists, points.support, c.positions, points.radii, c.frames)
+        twists, _, support, positions, radii, frames, _ = self._shape
+        return centre_rates(twists, support, positions, radii, frames)
 
     def gaps(self) -> FloatArray:
         """Return the derivative (p, nv) of the gaps [m]."""
-        return np.asarray(np.einsum("ci,cik->ck", self._ground.slopes, self._centres()))
+        return np.asarray(np.einsum("ci,cik->ck", self._slopes, self._centres()))
 
     def frames(self, q: FloatArray) -> FloatArray:
         """Return the rates (p, 3, 3, c) of the contact frames with q (nv, c)."""
         moved = np.einsum("cik,kx->cix", self._centres()[:, :2], q)
-        return np.asarray(np.einsum("dcia,cdx->ciax", self._ground.turns, moved))
+        return np.asarray(np.einsum("dcia,cdx->ciax", self._shape[-1], moved))
 
 
 class Side(NamedTuple):

@@ -14,7 +14,7 @@ from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import Dynamics, FlowDerivative
 from surefoot.stepping.derivative_free import FreeDynamics, FreeFlowDerivative
-from surefoot.stepping.derivative_impact import NO_LAWS, Exchange, Laws, Rates
+from surefoot.stepping.derivative_impact import Exchange, InputRates
 from surefoot.stepping.derivative_points import GroundRates, PairRates
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.free_bodies import FreeFlight
@@ -36,24 +36,6 @@ class StepArguments(NamedTuple):
     mu: float
     smoothing: float
     step: Step | None = None
-
-
-class InputRates(NamedTuple):
-    """Rates of what goes into a step, c columns of each; those of its length `seconds` (c,).
-
-    `mu` are those of every contact's friction (p, c).
-    """
-
-    q: FloatArray
-    v: FloatArray
-    torques: FloatArray
-    mu: FloatArray
-    push: FloatArray
-    leaving: FloatArray
-    inertia: FloatArray | None = None
-    one_sided: bool | None = False
-    seconds: FloatArray | None = None
-    laws: Laws = NO_LAWS
 
 
 DERIVATIVES: dict[type, tuple[Any, Any]] = {
@@ -232,52 +214,36 @@ class Stages:
 
     def through(self, given: InputRates) -> FloatArray:
         """Return the rates (2nv + 6p, c) of q, v, impulses and leaving for those of what goes in."""
-        q, v, torques, mu, push, leaving, inertia, one_sided, seconds, laws = given
-        n, points = len(v), len(leaving)
-        T = np.vstack([q, v])
-        effort = np.zeros_like(v)
-        effort[self.stepper.motors] = torques
-        impulses = np.zeros((points, T.shape[1]))
+        n, seconds, inertia = len(given.v), given.seconds, given.inertia
+        T, impulses = np.vstack([given.q, given.v]), np.zeros_like(given.leaving)
+        effort = np.zeros_like(given.v)
+        effort[self.stepper.motors] = given.torques
         if self.step.impact is None:
             return np.vstack([self._coasted(0, T, effort, inertia), impulses, impulses])
         if self.arrival is not None:
-            taken = self.arrival.takes(inertia) + np.zeros_like(v)
-            rates = Rates(T[:n], T[n:], taken, mu, 0.0 * leaving, None, laws)
-            after, _, got = self.arrival.through(rates, one_sided)
+            after, _, got = self.arrival.through(given._replace(leaving=impulses, seconds=None))
             T, impulses = np.vstack([T[:n], after]), impulses + got
         T = self._coasted(0, T, None, inertia)
         if seconds is not None:
             T += np.outer(self.coasts[0].pace, 0.5 * seconds)
         for out in self.projections:
-            T = self._pushed(out, T, inertia, one_sided)
-        effort = self.dt * (effort + self._pushing(T[:n], push)) + self.main.takes(inertia)
+            T = self._pushed(out, T, given)
+        effort = self.dt * (effort + self._pushing(T[:n], given.push))
         if seconds is not None:
             effort += np.outer(self.main.force, seconds)
-        rates = Rates(T[:n], T[n:], effort, mu, leaving, seconds, laws)
-        after, left, got = self.main.through(rates, one_sided)
+        after, left, got = self.main.through(given._replace(q=T[:n], v=T[n:]), effort)
         T = self._coasted(1, np.vstack([T[:n], after]), None, inertia)
         if seconds is not None:
             T += np.outer(self.coasts[1].pace, 0.5 * seconds)
         return np.vstack([T, impulses + got, left])
 
-    def by_inertia(self) -> FloatArray:
-        """Return the derivatives (2nv + 6p, 10 bodies) by all inertial parameters."""
-        model, points = self.stepper.bodies.model, len(self.stepper.bodies.contacts.group)
-        count = 10 * (model.njoints - 1)
-        sizes = (model.nv, model.nv, self.stepper.robot.joints, points, 3, 3 * points)
-        nothing: Any = (np.zeros((size, count)) for size in sizes)
-        return self.through(InputRates(*nothing)._replace(inertia=np.eye(count)))
-
-    def _pushed(
-        self, out: Exchange, T: FloatArray, inertia: FloatArray | None, one_sided: bool | None
-    ) -> FloatArray:
+    def _pushed(self, out: Exchange, T: FloatArray, given: InputRates) -> FloatArray:
         """Return the rates of (q, v) after a motion out of the ground."""
         import pinocchio
 
-        n, none = len(T) // 2, np.zeros((len(T) // 2, T.shape[1]))
-        leaving = np.zeros((out.leaving.size, T.shape[1]))
-        rates = Rates(T[:n], none, none + out.takes(inertia), leaving[::3], leaving)
-        moved = out.through(rates, one_sided)[0]
+        n = len(T) // 2
+        rates = given._replace(q=T[:n], v=0.0 * T[n:], mu=0.0 * given.mu, leaving=0.0 * given.leaving)
+        moved = out.through(rates._replace(seconds=None, restitution=None, law=None))[0]
         model, q, way = self.stepper.bodies.model, out.impact.q, out.impact.after
         by_q, by_way = pinocchio.dIntegrate(model, q, way)
         return np.vstack([by_q @ T[:n] + by_way @ moved, T[n:]])

@@ -19,7 +19,7 @@ from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import ordered
 from surefoot.stepping.derivative_kernels import velocity_rates
-from surefoot.stepping.derivative_points import GroundTurn
+from surefoot.stepping.derivative_points import ground_turn
 from surefoot.stepping.detection import Contacts, GroundBelow, TerrainDetection
 from surefoot.stepping.impacts import LostMotion
 from surefoot.stepping.state import State
@@ -305,8 +305,7 @@ class Knot:
     def _look_below(self) -> None:
         """Find how curved ground turns below the contacts."""
         contacts = Contacts(self.gaps, self._positions, self._frames, self._J)
-        ground = GroundTurn(self.stepper.terrain, contacts, self._radii)
-        self._turns, self._slopes = ground.turns, ground.slopes
+        self._turns, self._slopes = ground_turn(self.stepper.terrain, contacts, self._radii)
 
 
 def _outputs(out: Outputs | None, *shapes: tuple[int, int]) -> Outputs:
