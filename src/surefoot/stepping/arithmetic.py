@@ -8,8 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.kernels import kernel
+from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
+from surefoot.numerics.vectors import advance, dot
 
 
 @kernel
@@ -54,14 +55,18 @@ def near_ground(
     out = np.empty(gaps.size, dtype=np.int64)
     count = 0
     for c in range(gaps.size):
-        before = after = 0.0
-        for j in range(v.size):
-            before += J[3 * c + 2, j] * v[j]
-            after += J[3 * c + 2, j] * free[j]
+        before, after = dot(J[3 * c + 2], v), dot(J[3 * c + 2], free)
         if gaps[c] + dt * min(before, after) < reach:
             out[count] = c
             count += 1
     return out[:count]
+
+
+@inline_kernel
+def contact_speeds(J: FloatArray, v: FloatArray, out: FloatArray) -> None:
+    """Fill the contact velocities (p, 3) [m/s] with J v, for J (3p, nv) and v (nv,)."""
+    for r in range(J.shape[0]):
+        out[r // 3, r % 3] = dot(J[r], v)
 
 
 @kernel
@@ -102,12 +107,7 @@ def swerves(
     pull corners of a rigid sole apart. `frames` (p, 3, 3) are the contact frames. None below `least` [m/s].
     """
     arriving = np.empty(leaving.shape)
-    for c in range(leaving.shape[0]):
-        for a in range(3):
-            total = 0.0
-            for j in range(v.size):
-                total += J[3 * c + a, j] * v[j]
-            arriving[c, a] = total
+    contact_speeds(J, v, arriving)
     return turned(arriving, leaving, impulses, foot, frames, least)
 
 
@@ -154,17 +154,12 @@ def assemble(
     Y, g = np.empty((3 * k, n)), np.empty(3 * k)
     for i in range(k):
         c = near[i]
-        before = 0.0
+        before = dot(J[3 * c + 2], v)  # what restitution asks after
         for a in range(3):
             row = 3 * c + a
-            total = 0.0
             for j in range(n):
                 Y[3 * i + a, j] = J[row, j]
-                # g = J v_free, and what restitution asks after: J v
-                total += J[row, j] * free[j]
-                if a == 2:
-                    before += J[row, j] * v[j]
-            g[3 * i + a] = total
+            g[3 * i + a] = dot(J[row], free)
             # G = J M⁻¹ Jᵀ = Y Yᵀ with Y = J L⁻ᵀ, M = L Lᵀ: half the work of M⁻¹, and symmetric
             solve_lower(L, Y[3 * i + a])
         shift = (1.0 if gaps[c] > 0.0 else pull) * gaps[c] / dt
@@ -174,10 +169,7 @@ def assemble(
     G = np.empty((3 * k, 3 * k))
     for i in range(3 * k):
         for j in range(i + 1):
-            total = 0.0
-            for m in range(n):
-                total += Y[i, m] * Y[j, m]
-            G[i, j] = G[j, i] = total
+            G[i, j] = G[j, i] = dot(Y[i], Y[j])
     return Y, G, g
 
 
@@ -186,11 +178,8 @@ def apply_impulses(L: FloatArray, Y: FloatArray, impulses: FloatArray, free: Flo
     """Return v⁺ = free + L⁻ᵀ Yᵀ λ, (nv,), for L (nv, nv), Y = J L⁻ᵀ (m, nv) and impulses λ (m,) [N s]."""
     out = np.zeros(free.size)
     for i in range(impulses.size):
-        x = impulses[i]
-        if x != 0.0:
-            for j in range(out.size):
-                out[j] += Y[i, j] * x
+        if impulses[i] != 0.0:
+            advance(out, impulses[i], Y[i])
     solve_upper(L, out)
-    for j in range(out.size):
-        out[j] += free[j]
+    advance(out, 1.0, free)
     return out

@@ -24,6 +24,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel, releasing_kernel
+from surefoot.numerics.vectors import advance, dot
 from surefoot.stepping.falling_impact import CLOSED, exchange
 from surefoot.stepping.falling_tree import (
     FallingBody,
@@ -57,8 +58,7 @@ def _free(body: FallingBody, at: Placed, v: FloatArray, t: float, out: FloatArra
             most, rate, ease = t * body.friction[i], out[5 + i], give[5 + i]
             impulse = -min(most, max(-most, rate / ease))
             impulse -= t * body.damping[i] * (rate + ease * impulse) / (1.0 + t * body.damping[i] * ease)
-            for r in range(v.size):
-                out[r] += impulse * give[r]
+            advance(out, impulse, give)
 
 
 @inline_kernel
@@ -89,9 +89,7 @@ def _arrival(rows: FloatArray, gaps: FloatArray, v: FloatArray, drop: float, t: 
     first = t
     for k in range(gaps.size):
         if gaps[k] > CLOSED:
-            speed = 0.0
-            for r in range(v.size):
-                speed += rows[k, r] * v[r]
+            speed = dot(rows[k], v)
             root = speed * speed + 2.0 * drop * gaps[k]
             if root >= 0.0:
                 divisor = -speed + math.sqrt(root)

@@ -19,7 +19,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.cholesky import solve_lower, solve_upper
-from surefoot.numerics.vectors import advance
+from surefoot.numerics.vectors import advance, dot
 from surefoot.solvers.compiled import UNSOLVED, solve_compiled
 
 MU, RESTITUTION, POISSON, TANGENTIAL, GROWTH = range(5)
@@ -66,9 +66,8 @@ def exchange(
     for i in range(n):
         u = np.zeros(3)  # of arrival
         for a in range(3):
-            for r in range(nv):
-                u[a] += J[3 * i + a, r] * before[r]
-                packed[m, 3 * i + a] += J[3 * i + a, r] * v[r]
+            u[a] = dot(J[3 * i + a], before)
+            packed[m, 3 * i + a] = dot(J[3 * i + a], v)
         slip = min(math.hypot(u[0], u[1]), FASTEST)
         packed[m + 1, i] = max(law[MU] + law[GROWTH] * slip, 0.0)
         packed[m + 1, n + i], packed[m + 1, 2 * n + i] = 0.0, np.inf
@@ -82,10 +81,7 @@ def exchange(
         solve_lower(L, J[i])
     for i in range(m):
         for j in range(i + 1):
-            total = 0.0
-            for r in range(nv):
-                total += J[i, r] * J[j, r]
-            packed[i, j] = packed[j, i] = total
+            packed[i, j] = packed[j, i] = dot(J[i], J[j])
     done = solve_compiled(packed[:m], packed[m:], TOLERANCE, ITERATIONS, 0, buffer)
     impulses = buffer[:n].copy()
     if poisson:

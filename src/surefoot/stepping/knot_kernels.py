@@ -20,10 +20,12 @@ from surefoot.batch.kernel import contact_blocks
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.cholesky import invert, product
 from surefoot.numerics.points import contact_jacobian, point_velocity
+from surefoot.numerics.vectors import advance, dot
 from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, solve_compiled
 from surefoot.stepping.arithmetic import (
     apply_impulses,
     assemble,
+    contact_speeds,
     factorise,
     free_velocity,
     largest,
@@ -148,7 +150,7 @@ def first_order_step(
             return LOST, free, near, (Y, G, g, record)
         if not solved:
             return NOT_SOLVED, free, near, (Y, G, g, record)
-        _speeds(J, after, velocities)
+        contact_speeds(J, after, velocities)
         more = with_missed(velocities, gaps, dt, near)
         if more.size == near.size:
             return SOLVED, free, near, (Y, G, g, record)
@@ -205,16 +207,6 @@ def smooth_step(
 
 
 @inline_kernel
-def _speeds(J: FloatArray, v: FloatArray, out: FloatArray) -> None:
-    """Fill the contact velocities (p, 3)."""
-    for r in range(J.shape[0]):
-        total = 0.0
-        for j in range(v.size):
-            total += J[r, j] * v[j]
-        out[r // 3, r % 3] = total
-
-
-@inline_kernel
 def _shift_rates(
     arriving: FloatArray, slopes: FloatArray, place: Place, J: FloatArray, near: IntArray,
     shifts: FloatArray, out: FloatArray,
@@ -255,10 +247,7 @@ def _shifts(
     for i in range(near.size):
         c = near[i]
         share = (1.0 if gaps[c] > 0.0 else settings[PULL]) / dt
-        before = ahead = 0.0
-        for j in range(v.size):
-            before += J[3 * c + 2, j] * v[j]
-            ahead += J[3 * c + 2, j] * free[j]
+        before, ahead = dot(J[3 * c + 2], v), dot(J[3 * c + 2], free)
         hits = before < -settings[REST_SPEED] and gaps[c] + dt * ahead <= 0.0
         if restitution > 0.0 and hits and restitution * before < share * gaps[c]:
             out[i, 1] = restitution
@@ -367,8 +356,6 @@ def _advance(
         for k in range(n):
             s = dt * by_way[i, k]
             if s != 0.0:
-                for j in range(2 * n):
-                    A[i, j] += s * A[n + k, j]
-                for j in range(joints):
-                    B[i, j] += s * B[n + k, j]
+                advance(A[i], s, A[n + k])
+                advance(B[i], s, B[n + k])
                 by_mu[i] += s * by_mu[n + k]
