@@ -44,38 +44,27 @@ def bend_legs(model: Any, q: FloatArray, feet: Sequence[str], flat: Sequence[boo
     flat
         Whether each foot is flat.
     """
-    import pinocchio
-
-    data = model.createData()
     out = q.copy()
     for name, level in zip(feet, flat, strict=True):
         frame = model.getFrameId(name)
-        joints = chain(model, frame)
-        if not joints:
-            continue
-        pinocchio.framesForwardKinematics(model, data, q)
-        hip = data.oMi[joints[1 if len(joints) >= 3 else 0]].translation.copy()
-        places = [data.oMi[j].translation for j in joints[1 if len(joints) >= 3 else 0 :]]
-        places.append(data.oMf[frame].translation)
-        length = float(sum(np.linalg.norm(b - a) for a, b in pairwise(places)))
-        out = _bend(model, data, out, frame, joints, hip - [0.0, 0.0, STRETCH * length], length, level)
+        if joints := chain(model, frame):
+            out = _bend(model, out, q, frame, joints, level)
     return out
 
 
 def _bend(
-    model: Any,
-    data: Any,
-    q: FloatArray,
-    frame: int,
-    joints: Sequence[int],
-    target: FloatArray,
-    length: float,
-    level: bool,
+    model: Any, q: FloatArray, start: FloatArray, frame: int, joints: Sequence[int], level: bool
 ) -> FloatArray:
-    """Return q with one leg's joints moved so that its foot reaches the target."""
+    """Return q with one leg's joints moved so that its foot reaches its place below the hip at the start."""
     import pinocchio
     from scipy.optimize import least_squares  # takes 0.2 s to load
 
+    data = model.createData()
+    pinocchio.framesForwardKinematics(model, data, start)
+    places = [data.oMi[j].translation.copy() for j in joints[1 if len(joints) >= 3 else 0 :]]
+    places.append(data.oMf[frame].translation.copy())
+    length = float(sum(np.linalg.norm(b - a) for a, b in pairwise(places)))
+    target = places[0] - [0.0, 0.0, STRETCH * length]
     index = [model.joints[j].idx_q for j in joints]
     low = np.maximum(model.lowerPositionLimit[index], -np.pi)
     high = np.minimum(model.upperPositionLimit[index], np.pi)

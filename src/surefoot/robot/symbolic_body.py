@@ -112,25 +112,23 @@ class SymbolicBody:
         normal
             (3,) of the ground: a sphere is touched at its lowest point along it.
         """
-        poses = self._poses(q)
-        spins, speeds = self._twists(poses, v)
-        bodies = self._body_forces(poses, spins, speeds, v, a)
-        if forces is not None:
-            self._take_off(bodies, poses, forces, normal)
-        effort = self._ca.SX.zeros(self.nv)
+        ca, poses = self._ca, self._poses(q)
+        bodies = self._body_forces(poses, v, a)
+        for k, j in enumerate(self._carriers if forces is not None else ()):  # what the ground does
+            pose, (force, moment) = poses[j - 1], bodies[j - 1]
+            own = ca.mtimes(pose.rotation_world.T, forces[:, k])
+            bodies[j - 1] = force - own, moment - ca.cross(self._arm(pose, k, normal), own)
+        effort = ca.SX.zeros(self.nv)
         for k in reversed(range(len(self._joints))):
             joint, pose = self._joints[k], poses[k]
             force, moment = bodies[k]
-            effort[joint.v : joint.v + joint.nv] = self._ca.mtimes(
-                self._constant(joint.axes.T), self._ca.vertcat(force, moment)
-            )
+            both = ca.vertcat(force, moment)
+            effort[joint.v : joint.v + joint.nv] = ca.mtimes(self._constant(joint.axes.T), both)
             if joint.parent:
                 above, about = bodies[joint.parent - 1]
-                turned = self._ca.mtimes(pose.rotation, force)
-                bodies[joint.parent - 1] = (
-                    above + turned,
-                    about + self._ca.mtimes(pose.rotation, moment) + self._ca.cross(pose.translation, turned),
-                )
+                turned = ca.mtimes(pose.rotation, force)
+                about = about + ca.mtimes(pose.rotation, moment) + ca.cross(pose.translation, turned)
+                bodies[joint.parent - 1] = above + turned, about
         return effort
 
     def sphere_centres(self, q: Expression) -> Expression:
@@ -284,15 +282,11 @@ class SymbolicBody:
         return own[:3], own[3:]
 
     def _body_forces(
-        self,
-        poses: list[_Pose],
-        spins: list[Expression],
-        speeds: list[Expression],
-        v: Expression,
-        a: Expression,
+        self, poses: list[_Pose], v: Expression, a: Expression
     ) -> list[tuple[Expression, Expression]]:
         """Return the force and the moment about its origin that move every body, in body axes."""
         ca, out = self._ca, []
+        spins, speeds = self._twists(poses, v)
         pulls, turns = list[Expression](), list[Expression]()  # spatial accelerations, less gravity's
         for k, (joint, pose) in enumerate(zip(self._joints, poses, strict=True)):
             linear, angular = self._split(joint, v)
@@ -320,16 +314,6 @@ class SymbolicBody:
         """Return the place of a sphere's lowest point, from its body's origin in body axes."""
         below = self._ca.mtimes(pose.rotation_world.T, self._ca.DM(np.asarray(normal, dtype=np.float64)))
         return self._constant(self._places[point]) - float(self._radii[point]) * below
-
-    def _take_off(
-        self, bodies: list[tuple[Expression, Expression]], poses: list[_Pose], forces: Expression, normal: Any
-    ) -> None:
-        """Subtract what the ground does from the forces that the joints have to bring."""
-        for k, j in enumerate(self._carriers):
-            pose = poses[j - 1]
-            own = self._ca.mtimes(pose.rotation_world.T, forces[:, k])
-            force, moment = bodies[j - 1]
-            bodies[j - 1] = force - own, moment - self._ca.cross(self._arm(pose, k, normal), own)
 
 
 def _read_joint(model: Any, data: Any, index: int) -> _Joint:
