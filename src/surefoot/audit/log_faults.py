@@ -110,10 +110,6 @@ def _turn(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     c.arrays["forces"][part, foot] = c.arrays["forces"][part, foot] @ _lean(c, amplitude).T
 
 
-def _turn_all(c: LogCopy, amplitude: float) -> None:
-    c.arrays["forces"] = c.arrays["forces"] @ _lean(c, amplitude).T
-
-
 def _mirror(c: LogCopy, amplitude: float) -> FaultyLog | None:
     side = np.abs(c.arrays["forces"][..., 1]).max(axis=0)
     if (side < 0.04 * c.weight).any():
@@ -122,7 +118,7 @@ def _mirror(c: LogCopy, amplitude: float) -> FaultyLog | None:
     return c.whole()
 
 
-def _reverse(c: LogCopy, amplitude: float) -> None:
+def _reverse(c: LogCopy, foot: slice, part: slice, amplitude: float) -> None:
     c.arrays["forces"] *= -1.0
 
 
@@ -202,10 +198,6 @@ def _scale(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     c.arrays["forces"][part, foot] *= amplitude
 
 
-def _scale_all(c: LogCopy, amplitude: float) -> None:
-    c.arrays["forces"] *= amplitude
-
-
 def _offset(c: LogCopy, amplitude: float) -> FaultyLog | None:
     if not ((c.normal == 0.0).mean(axis=0) > 0.2).all():
         return None  # in a stand an offset and a gain are one
@@ -240,7 +232,7 @@ def _hide_push(c: LogCopy, amplitude: float) -> FaultyLog | None:
     return c.done("body", slice(int(rows[0]), int(rows[-1]) + 1))
 
 
-def _mass(c: LogCopy, amplitude: float) -> None:
+def _mass(c: LogCopy, foot: slice, part: slice, amplitude: float) -> None:
     c.facts["mass"] = float(c.facts["mass"]) * amplitude
 
 
@@ -307,7 +299,7 @@ LOG_FAULTS: tuple[LogFault, ...] = (
         "pyramid", "a foot in the corner of a pyramid of four", 1.0, "mu", "coarse facets", on_stance(_corner)
     ),
     LogFault("normal", "contact frame of a foot tilted", 20.0, "deg", "wrong frame", on_stance(_turn)),
-    LogFault("frame", "all forces in another frame", 35.0, "deg", "wrong frame", everywhere(_turn_all)),
+    LogFault("frame", "all forces in another frame", 35.0, "deg", "wrong frame", everywhere(_turn)),
     LogFault("mirror", "left-handed contact frames", 1.0, "", "mirrored", _mirror),
     LogFault(
         "air", "friction on a flying foot", 0.05, "m g", "friction in the air", on_flight(_air_friction)
@@ -329,7 +321,7 @@ LOG_FAULTS: tuple[LogFault, ...] = (
     LogFault("frozen", "one sample again and again", 0.7, "of it", "frozen", on_stance(_freeze, 0.25)),
     LogFault("clipped", "sensors at the end of their range", 0.3, "m g", "clipped", _clip),
     LogFault("gain", "one foot with a wrong gain", 1.5, "", "wrong scale", on_stance(_scale, 0.2)),
-    LogFault("unit", "all forces in kgf", 1.0 / GRAVITY, "", "wrong scale", everywhere(_scale_all)),
+    LogFault("unit", "all forces in kgf", 1.0 / GRAVITY, "", "wrong scale", everywhere(_scale)),
     LogFault("offset", "a sensor with an offset", 0.1, "m g", "bias", _offset),
     LogFault("delay", "forces come late", 0.02, "s", "delayed", _delay),
     LogFault("swap", "two feet exchanged", 1.0, "", "swapped feet", _swap),
@@ -352,7 +344,7 @@ LOG_FAULTS: tuple[LogFault, ...] = (
     LogFault("kick", "the base's velocity jumps", 0.3, "m/s", "velocity jump", spoiling.velocity_jump),
     LogFault("held", "rows held", 0.06, "s", "held rows", spoiling.held_rows),
     LogFault("motor", "a knee without torque", 1.0, "", "dead torque", on_stance(spoiling.dead_torque)),
-    LogFault("tilt", "all forces in a frame a little off", 10.0, "deg", "wrong frame", everywhere(_turn_all)),
+    LogFault("tilt", "all forces in a frame a little off", 10.0, "deg", "wrong frame", everywhere(_turn)),
     LogFault("nan", "numbers that are none", 1.0, "", "", on_stance(spoiling.not_finite)),
     LogFault("twice", "a time stamp twice", 1.0, "row", "", spoiling.clock(spoiling.twice)),
     LogFault("backward", "a clock set back", 0.05, "s", "", spoiling.clock(spoiling.back)),

@@ -86,8 +86,8 @@ class LogCopy:
         return self.done(contact, slice(0, self.rows))
 
 
-Change: TypeAlias = Callable[[LogCopy, int, slice, float], None]
-"""Spoils some rows of one foot by an amplitude."""
+Change: TypeAlias = Callable[[LogCopy, Any, slice, float], None]
+"""Spoils some rows of one foot, or of all of them (a slice), by an amplitude."""
 Spoil: TypeAlias = Callable[[LogCopy, float], FaultyLog | None]
 """Spoils a copy of a log by an amplitude; None where the run does not suit it."""
 
@@ -115,11 +115,11 @@ def _on_rows(change: Change, find: Callable[[LogCopy], tuple[int, slice] | None]
     return spoil
 
 
-def everywhere(change: Callable[[LogCopy, float], None], contact: str = "all") -> Spoil:
+def everywhere(change: Change, contact: str = "all") -> Spoil:
     """Return a fault that changes a log from end to end."""
 
     def spoil(copy: LogCopy, amplitude: float) -> FaultyLog:
-        change(copy, amplitude)
+        change(copy, slice(None), slice(None), amplitude)
         return copy.whole(contact)
 
     return spoil

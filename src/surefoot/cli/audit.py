@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -60,6 +60,7 @@ def audit(
     input; 3 if one cannot tell.
     """
     from surefoot.audit import audit_log
+    from surefoot.cli.run_files import report_sections, write_page
 
     check_out(out)
     if template is not None:
@@ -77,40 +78,19 @@ def audit(
         rows = answers(report, read)
         facts["checklist"] = [dict(zip(ANSWER, row, strict=True)) for row in rows]
         tables.insert(0, Table("Checklist", ANSWER, rows))
-    finding = verdicts, tables, _lines(read, report)
-    _publish(log, facts, *finding, out, as_json, lambda folder: _picture(read, report, folder))
-    return report.exit_code or (0 if again is None or again.survives else 1)
-
-
-def _publish(
-    log: Path,
-    facts: dict[str, Any],
-    verdicts: Sequence[tuple[str, bool]],
-    tables: Sequence[Table],
-    lines: Sequence[str],
-    out: Path | None,
-    as_json: bool,
-    draw: Callable[[Path], tuple[str, str]],
-) -> None:
-    """Print facts as JSON, or tables, lines and verdicts; write audit.json and a page where `out` says.
-
-    `draw` draws into the page's folder and returns the section above the tables.
-    """
-    from surefoot.cli.run_files import report_sections, write_page
-
-    console = plain_console(quiet=as_json)
+    console, lines = plain_console(quiet=as_json), _lines(read, report)
     if as_json:
         print(to_json(facts))
     print_tables(console, tables, lines)
     for line, good in verdicts:
         say_verdict(console, line, good)
-    if out is None:
-        return
-    folder = new_run_folder(out, f"audit-{log.stem}")
-    (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
-    sections = [draw(folder), *report_sections(tables, lines)]
-    page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
-    say(console, f"report: {page}")
+    if out is not None:
+        folder = new_run_folder(out, f"audit-{log.stem}")
+        (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
+        sections = [_picture(read, report, folder), *report_sections(tables, lines)]
+        page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
+        say(console, f"report: {page}")
+    return report.exit_code or (0 if again is None or again.survives else 1)
 
 
 def _replay(log: Log, world: str, robot: Robot | None, given: LogOptions) -> ReplayReport:
