@@ -268,16 +268,14 @@ class RigidWorld:
         tie to the forces; gaps and positions are those at the impulses, the middle of the step. For a step
         without contacts velocities, gaps and positions are those at its start.
         """
-        p = len(self.contact_foot)
-        if self.last is None:
-            start, velocities = self._start, self._start.velocities(self._state.v)
-            forces = np.zeros(velocities.shape)
-            return ContactReading(
-                forces[:p], start.gaps[:p], velocities[:p], start.positions[:p], self._others()
-            )
-        step = self.last
-        gaps, velocities, positions = (a[:p].copy() for a in (step.gaps, step.velocities, step.positions))
-        return ContactReading(step.forces[:p], gaps, velocities, positions, self._others())
+        p, step, start = len(self.contact_foot), self.last, self._start
+        if step is None:
+            velocities = start.velocities(self._state.v)
+            seen = np.zeros(velocities.shape), start.gaps, velocities, start.positions
+        else:
+            seen = step.forces, step.gaps, step.velocities, step.positions
+        forces, gaps, velocities, positions = (a[:p].copy() for a in seen)
+        return ContactReading(forces, gaps, velocities, positions, self._others())
 
     def _others(self) -> FloatArray | None:
         """Return the generalised force (nv,) of contacts that are not feet on the ground [N, N m]."""

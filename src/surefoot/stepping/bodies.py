@@ -108,7 +108,11 @@ class Bodies:
         """
         if push is not None:
             effort = self.pushed(effort, push, self.base_rotation)
-        return arithmetic.free_velocity(self.L, effort - against, v, dt)
+        return self._gained(effort - against, v, dt)
+
+    def _gained(self, force: FloatArray, v: FloatArray, dt: float) -> FloatArray:
+        """Return the velocity after a time under all (nv,) forces but the ground's."""
+        return arithmetic.free_velocity(self.L, force, v, dt)
 
     def pushed(self, effort: FloatArray, push: FloatArray, rotation: FloatArray) -> FloatArray:
         """Return the effort (nv,) with that of a push (3,) on the base [N], world axes.

@@ -85,10 +85,7 @@ class Stages:
 
     def __init__(self, stepper: Stepper, request: StepArguments) -> None:
         self.stepper, self.request = stepper, request
-        work: Work | None = stepper.kept.get(Work)
-        if work is None:
-            work = stepper.kept[Work] = Work(stepper)
-        self._work = work
+        self._work: Work = stepper.kept.get(Work) or stepper.kept.setdefault(Work, Work(stepper))
         self.arrival: Exchange | None = None
         self.projections: list[Exchange] = []
         self.effort = np.zeros(stepper.bodies.model.nv)
@@ -121,14 +118,14 @@ class Stages:
         seen = self._seen(impact.q)
         if request.smoothing > 0.0:
             impact = self._smoothed(impact, seen)
-        main = self._exchange(work.heavy, dt, impact, seen, dt, stepper.options.pull, request.smoothing)
+        pull = stepper.options.pull
+        self.main = self._exchange(work.heavy, dt, impact, seen, dt, pull, request.smoothing)
         if (memory := state.memory) is not None:
-            points, surfaces = len(main.foot), stepper.surfaces(mu)
+            points, surfaces = len(self.main.foot), stepper.surfaces(mu)
             last, leaving = (grown(a, points) for a in (memory.impulses, memory.leaving))
             if surfaces is not None:  # see `PairMeeting.collide`
                 last = np.where(surfaces.on[:, None], last, 0.0)
-            main = replace(main, last=last, leaving=leaving)
-        self.main = main
+            self.main = replace(self.main, last=last, leaving=leaving)
         self.coasts.append(Coast(work.coasting, impact.q, impact.after, 0.5 * dt, None))
 
     def _push_out(self, impact: Impact) -> None:

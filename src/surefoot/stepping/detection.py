@@ -156,19 +156,8 @@ class TerrainDetection(GroundBelow):
 
         super().__init__(terrain, points.radii)
         self._model, self.points = model, points
-        self.spheres = [
-            int(
-                model.addFrame(
-                    pinocchio.Frame(
-                        f"sphere:{name}",
-                        int(joint),
-                        pinocchio.SE3(np.eye(3), place),
-                        pinocchio.FrameType.OP_FRAME,
-                    )
-                )
-            )
-            for name, joint, place in zip(points.names, points.joints, points.places, strict=True)
-        ]
+        named = zip(points.names, points.joints.tolist(), points.places, strict=True)
+        self.spheres = [add_frame(model, f"sphere:{name}", joint, place) for name, joint, place in named]
         self.data = model.createData()
         self._jacobians, self._placed = pinocchio.computeJointJacobians, pinocchio.updateFramePlacement
         self.group, n = points.foot, len(points)
@@ -197,3 +186,11 @@ class TerrainDetection(GroundBelow):
     def twists(self, q: FloatArray) -> FloatArray:
         """Return the spatial Jacobian (6, nv) [m, -] at q: every velocity's twist, world origin and axes."""
         return np.array(self._jacobians(self._model, self.data, q))
+
+
+def add_frame(model: Any, name: str, joint: int, place: FloatArray) -> int:
+    """Add a frame to a Pinocchio Model, at a (3,) place in a joint's axes [m]; return its number."""
+    import pinocchio
+
+    placed = pinocchio.SE3(np.eye(3), place)
+    return int(model.addFrame(pinocchio.Frame(name, joint, placed, pinocchio.FrameType.OP_FRAME)))

@@ -45,8 +45,7 @@ ASLEEP = 1e-7
 @inline_kernel
 def _free(body: FallingBody, at: Placed, v: FloatArray, t: float, out: FloatArray) -> None:
     """Fill the velocity after a time t [s] under all forces but the ground's, joints' losses implicit."""
-    for r in range(v.size):
-        out[r] = at.f[r]
+    out[:] = at.f
     solve_mass(at.M, out)
     for r in range(v.size):
         out[r] = v[r] + t * out[r]

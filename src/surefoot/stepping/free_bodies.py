@@ -74,13 +74,8 @@ class FreeBodies(Bodies):
         """See `Bodies.bias`: (nv,) [N, N m]."""
         return -(self._masses @ self.flight.acceleration(q, v).reshape(-1, 6, 1)).ravel()
 
-    def free_velocity(
-        self, v: FloatArray, effort: FloatArray, push: FloatArray | None, against: FloatArray, dt: float
-    ) -> FloatArray:
-        """See `Bodies.free_velocity`: (nv,) [m/s, rad/s]."""
-        if push is not None:
-            effort = self.pushed(effort, push, self.base_rotation)
-        return np.asarray(v + dt * self.flight.lightly((effort - against).reshape(-1, 6, 1)))
+    def _gained(self, force: FloatArray, v: FloatArray, dt: float) -> FloatArray:
+        return np.asarray(v + dt * (self.flight.light @ force.reshape(-1, 6, 1)).ravel())
 
     def energy(self, q: FloatArray, v: FloatArray) -> float:
         """See `Bodies.energy` [J]."""
@@ -105,10 +100,6 @@ class FreeFlight(FreeMotion):
     def __init__(self, model: Any, masses: FloatArray, gravity: float) -> None:
         super().__init__(model, len(masses), None)
         self.masses, self.light, self.weight = masses, np.asarray(np.linalg.inv(masses)), gravity
-
-    def lightly(self, effort: FloatArray) -> FloatArray:
-        """Return M⁻¹ f (nv,) [m/s², rad/s²] of efforts (n, 6, 1) [N, N m]."""
-        return np.asarray((self.light @ effort).ravel())
 
     def acceleration(self, q: FloatArray, v: FloatArray, effort: FloatArray | None = None) -> FloatArray:
         """See `FreeMotion.acceleration`: (nv,) [m/s², rad/s²]."""

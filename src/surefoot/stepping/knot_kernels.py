@@ -138,14 +138,11 @@ def first_order_step(
     # contacts that the others' impulses press in are added, until none is
     while True:
         solved, Y, G, g, record = _solve(J, L, v, free, gaps, near, settings, convex)
-        for c in range(p):
-            impulses[c, 0] = impulses[c, 1] = impulses[c, 2] = 0.0
+        impulses[:] = 0.0
         for i in range(near.size):
             for a in range(3):
                 impulses[near[i], a] = record[i, a]
-        new = apply_impulses(L, Y, record[: near.size].reshape(-1), free)
-        for j in range(v.size):
-            after[j] = new[j]
+        after[:] = apply_impulses(L, Y, record[: near.size].reshape(-1), free)
         if lost or not largest(after) < FASTEST:
             return LOST, free, near, (Y, G, g, record)
         if not solved:
@@ -200,9 +197,7 @@ def smooth_step(
     found = p == 0 or follow_path(G, g, mu, convex, kappa, impulses)
     if p and found:
         found = path_blocks(G, g, mu, convex, kappa, impulses, by_g)
-    new = apply_impulses(L, Y, impulses.reshape(-1), free)
-    for j in range(v.size):
-        after[j] = new[j]
+    after[:] = apply_impulses(L, Y, impulses.reshape(-1), free)
     return found, Y, by_g
 
 

@@ -12,7 +12,7 @@ from surefoot.collision import Geometry, PairSearch, ground_solids
 from surefoot.numerics.points import relative_jacobian
 from surefoot.robot import Foot, Robot
 from surefoot.robot.contact_points import contact_points, joint_support
-from surefoot.stepping.detection import Contacts, Surfaces, TerrainDetection
+from surefoot.stepping.detection import Contacts, Surfaces, TerrainDetection, add_frame
 from surefoot.terrain import Terrain
 from surefoot.terrain.frames import surface_frames
 
@@ -62,9 +62,9 @@ class PairDetection:
         for k, solid in enumerate(geometry.solids if pieces is None else ()):
             if solid.joint == 0 or not solid.on_ground:
                 continue
-            frame = model.addFrame(_frame(solid.name, solid.joint))
+            frame = add_frame(model, f"solid:{solid.name}", solid.joint, np.zeros(3))
             knots = solid.shape.knots(2 if terrain.planar else SAMPLES) @ solid.rotation.T + solid.position
-            feet.append(Foot(solid.name, int(frame), knots, solid.shape.radius))
+            feet.append(Foot(solid.name, frame, knots, solid.shape.radius))
             self.names.append((solid.name, "ground"))
             self._sides.append((k, -1))
         self.points = contact_points(model, feet)
@@ -138,10 +138,3 @@ class PairDetection:
         on[len(self.points) :] = self.pairs.on
         friction, bounce = self._mixed[:, self.group]
         return Surfaces(friction, bounce, on)
-
-
-def _frame(name: str, joint: int) -> Any:
-    """Return a frame at a joint."""
-    import pinocchio
-
-    return pinocchio.Frame(f"solid:{name}", joint, pinocchio.SE3.Identity(), pinocchio.FrameType.OP_FRAME)
