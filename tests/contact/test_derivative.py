@@ -31,9 +31,10 @@ def rates(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
 
 
 @pytest.mark.parametrize("law", ["coulomb", "convex"])
-def test_blocks_products_and_gradients_agree(law: str) -> None:
+@pytest.mark.parametrize("smoothing", [0.0, 1e-4])
+def test_blocks_products_and_gradients_agree(law: str, smoothing: float) -> None:
     problem = a_problem(3, law=law, normal_max=[0.3, 0.4, np.inf, np.inf], normal_min=0.05)
-    d = sf.solve(problem).derivative()
+    d = sf.solve(problem).derivative(smoothing=smoothing)
     rng = np.random.default_rng(1)
     given = rates(rng, 4)
     vectors = {name: given[name] for name in ("g", "mu", "normal_min", "normal_max")}
@@ -206,17 +207,6 @@ class TestSmoothing:
         np.testing.assert_allclose((ends[0].forces - ends[1].forces) / (2 * h), found.forces, atol=2e-7)
         np.testing.assert_allclose(
             (ends[0].velocities - ends[1].velocities) / (2 * h), found.velocities, atol=2e-7
-        )
-
-    def test_is_adjoint(self) -> None:
-        d = sf.solve(a_problem(4, contacts=6)).derivative(smoothing=1e-4)
-        rng = np.random.default_rng(0)
-        given = rates(rng, 6)
-        f, u = rng.normal(size=(2, 6, 3))
-        found, back = d.jvp(**given), d.vjp(forces=f, velocities=u)
-        ahead = (f * found.forces).sum() + (u * found.velocities).sum()
-        assert abs(sum((getattr(back, n) * r).sum() for n, r in given.items()) - ahead) < 1e-12 * max(
-            1, abs(ahead)
         )
 
     def test_what_it_cannot_do_is_named(self) -> None:

@@ -185,14 +185,6 @@ def test_empty_cells_and_words_are_numbers(tmp_path: Path) -> None:
     assert log.doubts == ("mu is not finite in 1 rows, first in row 1",)
 
 
-def spoil(run: dict[str, Any], **change: Any) -> sf.Log:
-    return sf.Log({**run, **change})
-
-
-def test_no_doubt_about_a_sound_log() -> None:
-    assert find_doubts(spoil(moving())) == []
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -223,7 +215,7 @@ def test_no_doubt_about_a_sound_log() -> None:
 )
 def test_what_is_not_plausible_is_told(change: Any, message: str) -> None:
     run = moving()
-    told = find_doubts(spoil(run, **change(run)))
+    told = find_doubts(sf.Log({**run, **change(run)}))
     assert re.search(message, "; ".join(told)), told
 
 

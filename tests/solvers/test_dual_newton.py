@@ -5,18 +5,9 @@ import pytest
 
 from surefoot.kernels import kernel
 from surefoot.numerics import six
+from surefoot.numerics.projection import project_truncated
 from surefoot.solvers.dual_newton import dense, wrench
 from surefoot.solvers.dual_newton import work as layout
-
-
-def project_twin(point, mu, low, high):
-    """The nearest point of a truncated friction cone, in NumPy."""
-    t, z = np.hypot(point[0], point[1]), point[2]
-    if t > mu * z:
-        z = max((mu * t + z) / (1 + mu**2), 0.0)
-    z = min(max(z, low), high)
-    factor = min(1.0, mu * z / t) if t > 0 else 1.0
-    return np.array([factor * point[0], factor * point[1], z])
 
 
 def program(seed, n=5):
@@ -36,7 +27,7 @@ def program(seed, n=5):
 
 def forces_twin(B, c, cones, y, rho=1.0):
     points = (c + rho * B.T @ y).reshape(-1, 3)
-    return np.concatenate([project_twin(p, *cone) for p, cone in zip(points, cones, strict=True)])
+    return np.concatenate([project_truncated(*p, *cone) for p, cone in zip(points, cones, strict=True)])
 
 
 @kernel

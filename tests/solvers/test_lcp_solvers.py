@@ -28,23 +28,15 @@ def enumerated(lcp: sf.LCP) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_positive_definite_problems_have_the_one_solution(name: str) -> None:
+@pytest.mark.parametrize("skew", [0.0, 1.0])
+def test_positive_definite_problems_have_the_one_solution_symmetric_or_not(name: str, skew: float) -> None:
     for seed in range(10):
         rng = np.random.default_rng(seed)
-        J = rng.normal(size=(7, 7))
-        lcp = sf.LCP(J @ J.T + 0.3 * np.eye(7), rng.normal(size=7))
+        J, K = rng.normal(size=(2, 7, 7))
+        lcp = sf.LCP(J @ J.T + 0.3 * np.eye(7) + skew * (K - K.T), rng.normal(size=7))
         found = sf.solve_lcp(lcp, name, 1e-9).raise_if_failed()
         assert np.allclose(found.z, enumerated(lcp)[0], atol=1e-6)
         assert np.allclose(found.w, lcp.slack(found.z))
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_monotone_problems_without_symmetry(name: str) -> None:
-    for seed in range(8):
-        rng = np.random.default_rng(100 + seed)
-        J, K = rng.normal(size=(6, 6)), rng.normal(size=(6, 6))
-        lcp = sf.LCP(J @ J.T + 0.1 * np.eye(6) + K - K.T, rng.normal(size=6))
-        assert np.allclose(sf.solve_lcp(lcp, name, 1e-9).raise_if_failed().z, enumerated(lcp)[0], atol=1e-6)
 
 
 def test_lemke_on_p_matrices_and_ties() -> None:
