@@ -160,12 +160,18 @@ def robot(go2: Any) -> Any:
 
 
 @pytest.fixture
-def answer(capfd: pytest.CaptureFixture[str]) -> Callable[..., Any]:
-    """Return what runs a command line: it gives the JSON that is printed, once the exit code is as told."""
+def printed(capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """Return what runs a command line: it gives what is said, on standard error where the exit code is 2."""
     from surefoot.cli.main import main
 
-    def ask(*words: str, code: int = 0) -> Any:
-        assert main([*words, "--json"]) == code
-        return json.loads(capfd.readouterr().out)
+    def run(*words: object, code: int = 0) -> str:
+        assert main([*map(str, words)]) == code
+        return capfd.readouterr()[code == 2]
 
-    return ask
+    return run
+
+
+@pytest.fixture
+def answer(printed: Callable[..., str]) -> Callable[..., Any]:
+    """Return what runs a command line: it gives the JSON that is printed, once the exit code is as told."""
+    return lambda *words, code=0: json.loads(printed(*words, "--json", code=code))

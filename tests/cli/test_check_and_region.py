@@ -4,8 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from surefoot.cli.main import main
-
 EXAMPLES = Path(__file__).parents[2] / "examples" / "stances"
 SLIDES = """
 mass: 10
@@ -26,7 +24,7 @@ def slides(tmp_path):
 
 
 def test_possible_stance_exits_zero_and_says_why(answer, tmp_path):
-    found = answer("check", str(EXAMPLES / "go2_three_legs.yaml"), "--out", str(tmp_path))
+    found = answer("check", EXAMPLES / "go2_three_legs.yaml", "--out", tmp_path)
     assert found["possible"] is True
     assert found["verdict"].startswith("possible: margin")
     assert sum(row["force"][2] for row in found["contacts"]) == pytest.approx(16.085 * 9.81, rel=1e-6)
@@ -37,7 +35,7 @@ def test_possible_stance_exits_zero_and_says_why(answer, tmp_path):
 
 
 def test_impossible_stance_exits_one_with_a_certificate(answer, slides, tmp_path):
-    found = answer("check", slides, "--out", str(tmp_path / "runs"), code=1)
+    found = answer("check", slides, "--out", tmp_path / "runs", code=1)
     assert found["possible"] is False
     assert found["friction_needed"] == pytest.approx(0.57735, abs=1e-4)
     assert len(found["certificate"]) == 6
@@ -50,14 +48,12 @@ def test_more_friction_on_the_command_line_helps(answer, slides):
     assert found["picture"] is None
 
 
-def test_tables_are_readable(capsys, slides):
-    assert main(["check", slides, "--no-picture"]) == 1
-    text = capsys.readouterr().out
+def test_tables_are_readable(printed, slides):
+    text = printed("check", slides, "--no-picture", code=1)
     assert "impossible: needs friction 0.577" in text
     assert "Proof: along the motion" in text
     assert "how the robot will slide or fall is another question" in " ".join(text.split())
-    assert main(["check", str(EXAMPLES / "slope.yaml"), "--no-picture"]) == 0
-    text = capsys.readouterr().out
+    text = printed("check", EXAMPLES / "slope.yaml", "--no-picture")
     assert "push at the centre of mass" in text
     assert "37.74" in text
 
@@ -72,14 +68,13 @@ def test_robot_on_a_slope(answer):
     assert [row["name"] for row in found["contacts"]] == ["RL_foot", "RR_foot"]
 
 
-def test_region_draws_and_says_where_the_weight_is(answer, capfd, slides, tmp_path):
-    found = answer("region", str(EXAMPLES / "g1_hand_on_wall.yaml"), "--out", str(tmp_path))
+def test_region_draws_and_says_where_the_weight_is(answer, printed, slides, tmp_path):
+    found = answer("region", EXAMPLES / "g1_hand_on_wall.yaml", "--out", tmp_path)
     assert found["com_inside"] is True
     assert found["com_region"]["area"] > 0.1
     assert found["zmp_region"]["gap"] <= 1e-3
     assert Path(found["picture"]).stat().st_size > 10_000
-    found = answer("region", slides, "--out", str(tmp_path))
+    found = answer("region", slides, "--out", tmp_path)
     assert found["com_inside"] is False
     assert found["com_region"]["corners"] == []
-    assert main(["region", str(EXAMPLES / "chimney.yaml"), "--no-picture"]) == 0
-    assert "zero-moment point" in capfd.readouterr().out
+    assert "zero-moment point" in printed("region", EXAMPLES / "chimney.yaml", "--no-picture")

@@ -7,19 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from surefoot.cli.main import main
 
-
-def test_cone_prints_half_spaces_rays_and_errors(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["cone", "--mu", "0.6", "--facets", "4", "--fit", "outer", "--out", str(tmp_path)]) == 0
-    said = capfd.readouterr().out
+def test_cone_prints_half_spaces_rays_and_errors(tmp_path: Path, printed: Any) -> None:
+    said = printed("cone", "--mu", "0.6", "--facets", "4", "--fit", "outer", "--out", tmp_path)
     assert "41.421 %" in said
     assert "-0.600000" in said
     assert len(list(tmp_path.glob("cone-*/pyramids.png"))) == 1
 
 
 def test_cone_json(tmp_path: Path, answer: Callable[..., Any]) -> None:
-    facts = answer("cone", "--mu", "0.5", "--facets", "6", "--no-picture", "--out", str(tmp_path))
+    facts = answer("cone", "--mu", "0.5", "--facets", "6", "--no-picture", "--out", tmp_path)
     assert np.all(np.array(facts["halfspaces"]) @ np.array(facts["rays"]).T <= 1e-12)
     assert facts["fit_error"]["radial"] == pytest.approx(1 - np.cos(np.pi / 6))
     assert not list(tmp_path.iterdir())

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import importlib.metadata
-import json
 import os
 import subprocess
 import sys
+from typing import Any
 
 import pytest
 
 from surefoot.cli import doctor
-from surefoot.cli.main import main
 
 
 @pytest.fixture(autouse=True)
@@ -20,9 +19,8 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "TRY", "")
 
 
-def test_it_tells_versions_blas_and_kernels(capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["doctor", "--json"]) == 0
-    facts = json.loads(capfd.readouterr().out)
+def test_it_tells_versions_blas_and_kernels(answer: Any) -> None:
+    facts = answer("doctor")
     assert facts["sound"] is True
     versions = {p["name"]: p["version"] for p in facts["base"]}
     assert versions["numba"] == importlib.metadata.version("numba")
@@ -34,25 +32,21 @@ def test_it_tells_versions_blas_and_kernels(capfd: pytest.CaptureFixture[str]) -
     assert {p["name"] for p in facts["extras"]["robot"] if p["fits"]} == {"pin", "example-robot-data"}
 
 
-def test_what_is_missing_is_said(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_missing_is_said(printed: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     def absent(name: str) -> str:
         if name in ("mujoco", "matplotlib"):
             raise importlib.metadata.PackageNotFoundError(name)
         return importlib.metadata.version(name)
 
     monkeypatch.setattr(doctor, "version", absent)
-    assert main(["doctor"]) == 0
-    said = capfd.readouterr().out
+    said = printed("doctor")
     assert "missing: mujoco" in said
     assert "pip install -e '.[viz]'" in said
 
 
-def test_a_broken_base_is_exit_code_1(
-    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_broken_base_is_exit_code_1(printed: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "version", lambda name: "0.0.1")
-    assert main(["doctor"]) == 1
-    said = capfd.readouterr().out
+    said = printed("doctor", code=1)
     assert "too old" in said
     assert "base install is broken" in said
 

@@ -12,7 +12,6 @@ import pytest
 
 import surefoot as sf
 from surefoot.cli.commands import NAMES, load, summary
-from surefoot.cli.main import main
 from surefoot.cli.typer_command import PANELS
 
 
@@ -27,11 +26,10 @@ def commands(group: Any = None, path: tuple[str, ...] = ()) -> Iterator[tuple[tu
 
 @pytest.mark.parametrize(("path", "command"), [pytest.param(*c, id=" ".join(c[0])) for c in commands()])
 def test_help_shows_every_bracket_of_its_texts(
-    path: tuple[str, ...], command: Any, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    path: tuple[str, ...], command: Any, printed: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "400")
-    assert main([*path, "--help"]) == 0
-    said = capfd.readouterr().out
+    said = printed(*path, "--help")
     written = [command.help, *(p.help for p in command.params if getattr(p, "help", None))]
     units = [u for text in written for u in re.findall(r"\[[^]]*\]", text.replace("\\", ""))]
     for unit in units:
@@ -58,14 +56,12 @@ def test_there_are_22_commands_and_180_options_at_most(capfd: pytest.CaptureFixt
 
 
 @pytest.mark.parametrize("words", [["-h"], ["check", "-h"], ["bench", "-h"], ["stand", "-h"]])
-def test_h_is_help(words: list[str], capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(words) == 0
-    assert "Usage: surefoot" in capfd.readouterr().out
+def test_h_is_help(words: list[str], printed: Any) -> None:
+    assert "Usage: surefoot" in printed(*words)
 
 
-def test_options_of_a_walk_stand_in_panels(capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["walk", "--help"]) == 0
-    said = capfd.readouterr().out
+def test_options_of_a_walk_stand_in_panels(printed: Any) -> None:
+    said = printed("walk", "--help")
     panels = re.findall(r"^╭─ (\w+)", said, re.MULTILINE)
     assert set(panels) == {"Arguments", "Options", *PANELS}
     assert said.split("Options")[1].split("╭")[0].count("--") == 1, "--help alone stands in no panel"
@@ -76,9 +72,8 @@ def test_the_list_says_of_a_command_what_its_help_does(name: str) -> None:
     assert summary(name) == " ".join(load(name).help.split("\n\n")[0].split())
 
 
-def test_version(capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["--version"]) == 0
-    assert capfd.readouterr().out == f"surefoot {sf.__version__}\n"
+def test_version(printed: Any) -> None:
+    assert printed("--version") == f"surefoot {sf.__version__}\n"
 
 
 def test_the_module_is_the_command_and_a_closed_pipe_is_no_traceback() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import signal
@@ -10,10 +9,9 @@ import socket
 import subprocess
 import sys
 import urllib.request
+from typing import Any
 
 import pytest
-
-from surefoot.cli.main import main
 
 pytest.importorskip("viser", reason="viser is not installed: pip install -e '.[lab]'")
 
@@ -36,31 +34,26 @@ def test_a_signal_ends_it_cleanly(number: signal.Signals, code: int) -> None:
     assert (out, err) == ("", "")
 
 
-def test_a_port_in_use_is_one_line(capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_port_in_use_is_one_line(printed: Any) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        assert main(["lab", "stand", "--port", str(port)]) == 2
-    said = capfd.readouterr().err
+        said = printed("lab", "stand", "--port", port, code=2)
     assert said == f"surefoot: port {port} of 127.0.0.1 is in use; choose another with --port, or 0 for any\n"
 
 
-def test_another_host_is_warned_of(capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["lab", "cone", "--host", "0.0.0.0", *QUICK]) == 0
-    assert "everyone who reaches this address can use the page" in capfd.readouterr().out
-    assert main(["lab", "cone", "--json", *QUICK]) == 0
-    assert json.loads(capfd.readouterr().out)["url"].startswith("http://127.0.0.1:")
+def test_another_host_is_warned_of(printed: Any, answer: Any) -> None:
+    said = printed("lab", "cone", "--host", "0.0.0.0", *QUICK)
+    assert "everyone who reaches this address can use the page" in said
+    assert answer("lab", "cone", *QUICK)["url"].startswith("http://127.0.0.1:")
 
 
-def test_without_viser_one_line_says_what_to_install(
-    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_viser_one_line_says_what_to_install(printed: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "viser", None)
     for page in ("stand", "cone", "push"):
-        assert main(["lab", page]) == 2
         line = "surefoot: viser is not installed; run: pip install -e '.[lab]'\n"
-        assert capfd.readouterr().err == line
+        assert printed("lab", page, code=2) == line
 
 
 def test_the_library_is_imported_without_viser() -> None:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -41,7 +42,7 @@ def test_verdict_without_matplotlib(
 
 
 def test_all_that_is_missing_is_named_at_once(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, printed: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def absent(name: str) -> None:
         raise PackageNotFoundError(name)
@@ -55,19 +56,17 @@ def test_all_that_is_missing_is_named_at_once(
         (["a.urdf", "--feet", "b", "--no-video", "--no-report"], "pin and mujoco", "robot,sim"),
     ):
         for command in ("stand", "walk"):
-            assert main([command, *options, "--out", str(tmp_path)]) == 2
             line = f"surefoot: {named} are not installed; run: pip install -e '.[{extra}]'\n"
-            assert capfd.readouterr().err == line
+            assert printed(command, *options, "--out", tmp_path, code=2) == line
     assert not list(tmp_path.iterdir())
 
 
 def test_a_run_without_pictures_says_so_in_one_line(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, printed: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     hide(monkeypatch, "matplotlib", "imageio", "imageio_ffmpeg")
     for command, seconds in (("stand", "0.1"), ("walk", "0.5")):
-        assert main([command, "solo12", "--duration", seconds, "--out", str(tmp_path)]) == 0
-        said = capfd.readouterr().out
+        said = printed(command, "solo12", "--duration", seconds, "--out", tmp_path)
         assert said.count("pictures left out") == 1
         assert "matplotlib" in said
         assert "imageio-ffmpeg" in said
@@ -76,7 +75,7 @@ def test_a_run_without_pictures_says_so_in_one_line(
 
 
 def test_a_full_disk_leaves_no_empty_picture(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, printed: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from matplotlib.figure import Figure
 
@@ -85,13 +84,11 @@ def test_a_full_disk_leaves_no_empty_picture(
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(Figure, "savefig", full)
-    assert main(["check", STANCE, "--out", str(tmp_path)]) == 0
-    said = capfd.readouterr().out
+    said = printed("check", STANCE, "--out", tmp_path)
     assert "No space left on device" in said
     assert "picture: /" not in said
-    assert main(["stand", "solo12", "--duration", "0.2", "--no-video", "--out", str(tmp_path)]) == 0
+    assert "report: " in printed("stand", "solo12", "--duration", "0.2", "--no-video", "--out", tmp_path)
     assert not list(tmp_path.rglob("*.png"))
-    assert "report: " in capfd.readouterr().out
 
 
 def test_a_home_that_cannot_be_written_is_no_chatter(tmp_path: Path) -> None:

@@ -2,8 +2,6 @@ from __future__ import annotations
 
 import pytest
 
-from surefoot.cli.main import main
-
 
 def test_go2(answer):
     found = answer("model", "go2")
@@ -32,9 +30,8 @@ def test_fixed_arm_without_feet(answer):
 
 
 @pytest.mark.parametrize("name", ["go2", "g1", "ur5"])
-def test_table_shows_everything(capsys, name):
-    assert main(["model", name]) == 0
-    text = capsys.readouterr().out
+def test_table_shows_everything(printed, name):
+    text = printed("model", name)
     for part in ("Joints: link mass [kg]", "effort", "Centroidal inertia", "radius of gyration"):
         assert part in text
     assert ("contact Jacobian" in text) == (name != "ur5")

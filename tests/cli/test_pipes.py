@@ -6,10 +6,10 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from surefoot.cli.main import main
 from surefoot.errors import ProblemError
 from surefoot.text_files import parse_yaml, read_text
 
@@ -54,9 +54,8 @@ def test_a_stance_is_read_from_the_standard_input() -> None:
 
 
 @pytest.mark.parametrize("device", ["/dev/full", "/dev/zero"])
-def test_a_device_without_an_end_is_refused(device: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", device]) == 2
-    assert "longer than 64 MB" in capsys.readouterr().err
+def test_a_device_without_an_end_is_refused(device: str, printed: Any) -> None:
+    assert "longer than 64 MB" in printed("check", device, code=2)
 
 
 @pytest.mark.parametrize("text", ["a: 1\na: 2\n", "b:\n  - {x: 1, x: 1}\n", "b: &k {x: 1, x: 2}\nc: *k\n"])

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,17 +17,15 @@ def file(tmp_path: Path) -> Path:
     return sf.write_problem(problem, tmp_path / "two.dat")
 
 
-def test_table_and_exit_code(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["solve", str(file)]) == 0
-    out = capsys.readouterr().out
+def test_table_and_exit_code(file: Path, printed: Any) -> None:
+    out = printed("solve", file)
     assert "two.dat" in out
     assert "solved" in out
     assert "6/6" in out
 
 
-def test_json_is_all_there_is(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["solve", str(file), str(file), "--solver", "nsgs", "--tol", "1e-10", "--json"]) == 0
-    records = json.loads(capsys.readouterr().out)
+def test_json_is_all_there_is(file: Path, answer: Any) -> None:
+    records = answer("solve", file, file, "--solver", "nsgs", "--tol", "1e-10")
     assert [r["solver"] for r in records] == ["nsgs", "nsgs"]
     problem = sf.read_problem(file)
     assert sf.residuals(problem, records[0]["forces"]).velocity_error <= 1e-10
@@ -46,25 +44,20 @@ def lcp_files(tmp_path: Path) -> list[Path]:
     return [good, bad]
 
 
-def test_complementarity_problems(lcp_files: list[Path], capsys: pytest.CaptureFixture[str]) -> None:
+def test_complementarity_problems(lcp_files: list[Path], printed: Any, answer: Any) -> None:
     good, bad = map(str, lcp_files)
-    assert main(["solve", good]) == 0
-    assert "lemke" in capsys.readouterr().out
-    assert main(["solve", good, bad, "--json"]) == 1
-    solved, failed = json.loads(capsys.readouterr().out)
+    assert "lemke" in printed("solve", good)
+    solved, failed = answer("solve", good, bad, code=1)
     assert np.allclose(solved["z"], [4 / 3, 7 / 3])
     assert (solved["kind"], solved["status"], failed["status"]) == ("lcp", "solved", "infeasible")
     v = np.array(failed["proof"])
     assert (v >= 0).all()
     assert v @ [-1.0, -1.0] < 0.0
-    assert main(["solve", bad]) == 1
-    assert "proof v 1 " in capsys.readouterr().out
+    assert "proof v 1 " in printed("solve", bad, code=1)
 
 
-def test_both_kinds_at_once(file: Path, lcp_files: list[Path], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["solve", str(file), str(lcp_files[0]), "--json"]) == 0
-    assert [r["kind"] for r in json.loads(capsys.readouterr().out)] == ["contact", "lcp"]
-    assert main(["solve", str(lcp_files[0]), "--solver", "interior_point"]) == 0
-    capsys.readouterr()
-    assert main(["solve", str(lcp_files[0]), "--solver", "simplex"]) == 2
-    assert "unknown LCP solver 'simplex'; valid names: auto" in capsys.readouterr().err
+def test_both_kinds_at_once(file: Path, lcp_files: list[Path], printed: Any, answer: Any) -> None:
+    assert [r["kind"] for r in answer("solve", file, lcp_files[0])] == ["contact", "lcp"]
+    assert printed("solve", lcp_files[0], "--solver", "interior_point")
+    said = printed("solve", lcp_files[0], "--solver", "simplex", code=2)
+    assert "unknown LCP solver 'simplex'; valid names: auto" in said

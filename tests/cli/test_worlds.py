@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 from surefoot.cli import worlds
-from surefoot.cli.main import main
 from surefoot.experiments import EXPERIMENTS
 from surefoot.experiments.experiment import Measured, MeasuredQuantity, WorldExperiment
 from surefoot.simulation.drake_python import VARIABLE
@@ -24,10 +23,9 @@ def test_rigid_world_slides_as_it_should(answer: Callable[..., Any]) -> None:
     assert row["error"] <= row["tolerance"]
 
 
-def test_tables_are_printed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_tables_are_printed(printed: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "140")
-    assert main(["worlds", "drop", "--world", "rigid"]) == 0
-    out = capsys.readouterr().out
+    out = printed("worlds", "drop", "--world", "rigid")
     assert "drop: A ball of 2 kg falls 0.5 m and stays." in out
     assert "gap at rest [m]" in out
     assert "3 of 3 quantities within their world's own step error" in out
@@ -46,7 +44,7 @@ def test_a_world_that_does_not_keep_to_it_is_exit_1(
 
 
 def test_absent_worlds_are_one_line_each(
-    answer: Callable[..., Any], capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    answer: Callable[..., Any], printed: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv(VARIABLE, raising=False)
     if importlib.util.find_spec("pydrake") is not None:
@@ -54,10 +52,10 @@ def test_absent_worlds_are_one_line_each(
     found = answer("worlds", "drop", "--world", "rigid", "--world", "drake")
     assert found["worlds"] == ["rigid"]
     assert "pip install -e '.[drake]'" in found["absent"]["drake"]
-    assert main(["worlds", "drop", "--world", "drake"]) == 2
-    assert "drake is not installed; run: pip install -e '.[drake]'" in capfd.readouterr().err
-    assert main(["stand", "go2", "--world", "drake", "--no-video", "--no-report"]) == 2
-    assert "drake is not installed" in capfd.readouterr().err
+    said = printed("worlds", "drop", "--world", "drake", code=2)
+    assert "drake is not installed; run: pip install -e '.[drake]'" in said
+    options = ("--world", "drake", "--no-video", "--no-report")
+    assert "drake is not installed" in printed("stand", "go2", *options, code=2)
 
 
 def test_help_names_every_experiment() -> None:
@@ -71,7 +69,7 @@ def test_engines_at_their_defaults(
     pytest.importorskip("mujoco")
     monkeypatch.delenv("SUREFOOT_NEWTON_PYTHON", raising=False)
     words = ["--defaults", "--world", "mujoco", "--world", "rigid", "--world", "newton"]
-    found = answer("worlds", "slide", "slide at 45 deg", *words, "--out", str(tmp_path))
+    found = answer("worlds", "slide", "slide at 45 deg", *words, "--out", tmp_path)
     error = {(row["engine"], row["case"]): row["error"] for row in found["rows"]}
     assert error["mujoco", "slide at 45 deg"] == pytest.approx(2.0**0.5 - 1.0, abs=0.02)
     assert error["mujoco", "slide"] < 0.01

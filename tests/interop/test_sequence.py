@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -147,13 +148,11 @@ def test_a_plan_becomes_a_sequence(landing: Path) -> None:
     assert (loads > 0.0).all()
 
 
-def test_the_command_exports_a_plan(landing: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["export", str(landing), "--to", "sequence", "--to", "casadi", "--to", "ocs2",
-                 "--out", str(tmp_path / "out"), "--json"]) == 0  # fmt: skip
-    facts = json.loads(capfd.readouterr().out)
-    assert {Path(f).name for f in facts["files"]} == {
-        "contacts.json", "contacts_casadi.py", "gait.info", "friction.info",
-    }  # fmt: skip
+def test_the_command_exports_a_plan(landing: Path, tmp_path: Path, answer: Any) -> None:
+    forms = [word for form in ("sequence", "casadi", "ocs2") for word in ("--to", form)]
+    facts = answer("export", landing, *forms, "--out", tmp_path / "out")
+    names = {"contacts.json", "contacts_casadi.py", "gait.info", "friction.info"}
+    assert {Path(f).name for f in facts["files"]} == names
     again = next(f for f in facts["files"] if f.endswith(".json"))
     assert main(["export", again, "--to", "drake", "--facets", "4", "--out", str(tmp_path / "two")]) == 0
     assert "4 facets" in next((tmp_path / "two").rglob("contacts_drake.py")).read_text(encoding="utf-8")

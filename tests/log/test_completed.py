@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -100,20 +101,17 @@ def test_what_a_log_tells_is_not_told_again(tmp_path: Path) -> None:
         complete(other, load_robot("g1"))
 
 
-def test_the_template_is_a_mapping_and_says_what_is_missing(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_template_is_a_mapping_and_says_what_is_missing(tmp_path: Path, printed: Any) -> None:
     head = "time_ms,FL_force_x,FL_force_y,FL_force_z,battery\n"
     (tmp_path / "a.csv").write_text(head + "".join(f"{k},0,0,{30 + k % 2},9\n" for k in range(50)))
-    words = ["audit", str(tmp_path / "a.csv")]
-    assert main([*words, "--template", str(tmp_path / "m.yaml")]) == 0
-    text = (tmp_path / "m.yaml").read_text()
+    words, mapping = ("audit", tmp_path / "a.csv"), tmp_path / "m.yaml"
+    printed(*words, "--template", mapping)
+    text = mapping.read_text()
     assert "#   battery" in text
     assert "#   mu: friction of the ground [1]: friction, work, dissipation; or --mu" in text
-    assert main([*words, "--template", str(tmp_path / "m.yaml")]) == 2
-    capsys.readouterr()
-    both = [main([*words, *more, "--mu", "0.5"]) for more in ([], ["--mapping", str(tmp_path / "m.yaml")])]
-    assert both == [3, 3]
+    printed(*words, "--template", mapping, code=2)
+    for more in ((), ("--mapping", mapping)):
+        printed(*words, *more, "--mu", "0.5", code=3)
     (tmp_path / "b.csv").write_text("a,b\n1,2\n")
-    assert main(["audit", str(tmp_path / "b.csv"), "--template", "-"]) == 0
-    assert "It does not suffice: no channel can be guessed" in capsys.readouterr().out
+    said = printed("audit", tmp_path / "b.csv", "--template", "-")
+    assert "It does not suffice: no channel can be guessed" in said

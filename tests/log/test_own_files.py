@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-
-from surefoot.cli.main import main
 
 BAG = b"#ROSBAG V2.0\n" + (4).to_bytes(4, "little") + b"op=\x03" + (2).to_bytes(4, "little") + b"xx"
 MCAP = b"\x89MCAP0\r\n\x01" + (4).to_bytes(8, "little") + b"abcd"
@@ -21,20 +20,15 @@ FILES = {
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_a_spoilt_file_is_told_its_first_wrong_byte(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_spoilt_file_is_told_its_first_wrong_byte(name: str, tmp_path: Path, printed: Any) -> None:
     content, words = FILES[name]
     (tmp_path / name).write_bytes(content)
-    assert main(["audit", str(tmp_path / name)]) == 2
-    said = capsys.readouterr().err
+    said = printed("audit", tmp_path / name, code=2)
     assert words in said
     assert said.count("\n") == 1
 
 
-def test_arrays_folders_and_pushes_are_told_where_they_go(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_arrays_folders_and_pushes_are_told_where_they_go(tmp_path: Path, printed: Any) -> None:
     np.savez(tmp_path / "plain.npz", qpos=np.zeros((5, 19)), forces=np.zeros((5, 4, 3)))
     np.savez(tmp_path / "pickled.npz", forces=np.array([{}], dtype=object))
     (tmp_path / "folder").mkdir()
@@ -54,5 +48,4 @@ def test_arrays_folders_and_pushes_are_told_where_they_go(
     }
     for words, said in expected.items():
         command, name = words.split()
-        assert main([command, str(tmp_path / name)]) == 2
-        assert said in capsys.readouterr().err
+        assert said in printed(command, tmp_path / name, code=2)

@@ -153,7 +153,7 @@ def test_metadata_alone_is_enough(go2: Robot, tmp_path: Path, spelling: str) -> 
     assert policy._feed(policy._senses(one)) == pytest.approx(np.concatenate(parts))
 
 
-def test_gains_and_names_recognise_a_convention(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_gains_and_names_recognise_a_convention(tmp_path: Path, answer: Any) -> None:
     g1 = sf.load_robot("g1")
     told = {
         "dof_names": json.dumps(g1.joint_names),
@@ -161,13 +161,11 @@ def test_gains_and_names_recognise_a_convention(tmp_path: Path, capsys: pytest.C
         "kd": json.dumps([1.0] * 29),
     }
     network = write_onnx(tmp_path / "g1.onnx", np.zeros((100, 29)), np.zeros(29), told, "actor_obs")
-    assert main(["policy", "describe", str(network), "--json"]) == 0
-    facts = json.loads(capsys.readouterr().out)
+    facts = answer("policy", "describe", network)
     assert facts["sources"]["stiffness"] == "the network's metadata"
     assert facts["sources"]["observations"] == "assumed: convention holosoma"
     other = write_onnx(tmp_path / "g1_other.onnx", np.zeros((99, 29)), np.zeros(29), told, "actor_obs")
-    assert main(["policy", "describe", str(other), "--json"]) == 1
-    missing = json.loads(capsys.readouterr().out)["missing"]
+    missing = answer("policy", "describe", other, code=1)["missing"]
     assert missing == ["default", "action_scale", "observations"]
     with pytest.raises(ProblemError, match="nothing says its default, action_scale, observations"):
         sf.Policy(other)
@@ -257,13 +255,11 @@ def test_the_page_runs_with_its_own_description(tmp_path: Path, monkeypatch: pyt
     assert names["policy"].spec.default.tolist() == POSE.tolist()
 
 
-def test_code_runs_only_for_who_trusts_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_code_runs_only_for_who_trusts_it(tmp_path: Path, printed: Any) -> None:
     (tmp_path / "go2.pt").write_bytes(b"x")
-    assert main(["walk", "--policy", str(tmp_path / "go2.pt"), "--out", str(tmp_path)]) == 2
-    assert "--trust" in capsys.readouterr().err
+    assert "--trust" in printed("walk", "--policy", tmp_path / "go2.pt", "--out", tmp_path, code=2)
     if importlib.util.find_spec("torch") is None:
-        assert main(["policy", "describe", str(tmp_path / "go2.pt"), "--trust"]) == 2
-        assert ".[torch]" in capsys.readouterr().err
+        assert ".[torch]" in printed("policy", "describe", tmp_path / "go2.pt", "--trust", code=2)
 
 
 @pytest.mark.shared

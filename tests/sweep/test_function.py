@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import surefoot as sf
-from surefoot.cli.main import main
 
 CODE = """
 import surefoot as sf
@@ -55,10 +55,9 @@ def test_another_function_is_another_sweep(sweep: Path) -> None:
     assert sf.read_sweep(sweep, allow_code=True).fingerprint() != one
 
 
-def test_code_is_run_only_where_that_is_allowed(sweep: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_code_is_run_only_where_that_is_allowed(sweep: Path, printed: Any) -> None:
     (sweep.parent / "own_stand.py").write_text("raise SystemExit('it ran')")
-    assert main(["sweep", str(sweep)]) == 2
-    assert "is code, which would be run: allow it with --allow-code" in capfd.readouterr().err
+    assert "is code, which would be run: allow it with --allow-code" in printed("sweep", sweep, code=2)
 
 
 @pytest.mark.parametrize(
