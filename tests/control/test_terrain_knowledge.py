@@ -21,35 +21,25 @@ from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor
 from surefoot.stance.gait_library import named_gait
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
 from surefoot.terrain.plane_ahead import plane_ahead
-
-HEIGHT = 0.3
-HIPS = np.array([[0.19, 0.14], [0.19, -0.14], [-0.19, 0.14], [-0.19, -0.14]])
-NONE, ALL = np.zeros(4, dtype=bool), np.ones(4, dtype=bool)
-
-
-def state(time: float = 0.0, scan: HeightScan | None = None) -> RobotState:
-    """Return a robot that stands level with its base 0.3 m above the origin."""
-    q = np.zeros(19)
-    q[2], q[6] = 0.3, 1.0
-    return RobotState(q, np.zeros(18), time, scan=scan)
+from tests.control.behaviours.views import ALL, HEIGHT, HIPS, NONE, level
 
 
 def march(belief: BeliefTerrain, ground: Terrain, steps: int, stride: float = 0.1) -> float:
     """Walk diagonal pairs of feet over a ground; return where the middle of the feet ends."""
     stands = np.column_stack([HIPS, ground.height(HIPS)])
-    belief.begin(state(), stands, HEIGHT)
+    belief.begin(level(), stands, HEIGHT)
     x = 0.0
     for step in range(steps):
         x += stride
         pair = [0, 3] if step % 2 == 0 else [1, 2]
         up = ALL.copy()
         up[pair] = False
-        belief.observe(state(0.2 * step), stands, up, NONE, stands)
+        belief.observe(level(0.2 * step), stands, up, NONE, stands)
         stands = stands.copy()
         for k in pair:
             xy = HIPS[k] + [x, 0.0]
             stands[k] = [*xy, float(ground.height(xy))]
-        belief.observe(state(0.2 * step + 0.1), stands, ALL, NONE, stands)
+        belief.observe(level(0.2 * step + 0.1), stands, ALL, NONE, stands)
     return x
 
 
@@ -73,22 +63,22 @@ def test_stairs_make_a_blind_robot_lift_its_feet() -> None:
 def test_a_foot_that_finds_no_ground_lowers_the_plane() -> None:
     belief = TouchedGround()
     stands = np.column_stack([HIPS, np.zeros(4)])
-    belief.begin(state(), stands, HEIGHT)
+    belief.begin(level(), stands, HEIGHT)
     soles, sought = stands.copy(), NONE.copy()
     soles[0, 2], sought[0] = -0.1, True
-    belief.observe(state(0.1), stands, ~sought, sought, soles)
+    belief.observe(level(0.1), stands, ~sought, sought, soles)
     assert belief.height([0.3, 0.14]) < -0.03
 
 
 def test_a_late_scan_goes_where_the_base_was() -> None:
     belief = MappedGround()
     stands = np.column_stack([HIPS, np.zeros(4)])
-    belief.begin(state(), stands, HEIGHT)
+    belief.begin(level(), stands, HEIGHT)
     # seen at 0 s from the origin, told at 0.05 s when the base is 0.1 m further: a box of 0.1 m at x = 0.6
     x = np.linspace(0.3, 0.8, 500)
     points = np.column_stack([x, 0.0 * x, 0.1 * (x > 0.55) - 0.3])
     for k in range(51):
-        now = state(0.001 * k, HeightScan(0.0, points, np.full(500, 1e-5)) if k == 50 else None)
+        now = level(0.001 * k, scan=HeightScan(0.0, points, np.full(500, 1e-5)) if k == 50 else None)
         now.q[0] = 0.002 * k
         belief.observe(now, stands, ALL, NONE, stands)
     assert belief.height([0.45, 0.0]) == pytest.approx(0.0, abs=5e-3)

@@ -2,40 +2,33 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import pytest
 
 from surefoot.numerics import elimination
 
 
-def test_lu_is_numpy_solve() -> None:
+@pytest.mark.parametrize(
+    ("solve", "shapes", "symmetric"),
+    [
+        (elimination.lu_solve, [(1,), (2,), (7,), (30,)], False),
+        (elimination.lu_solve_many, [(1, 3), (4, 1), (12, 16), (30, 5)], False),
+        (elimination.symmetric_solve, [(1,), (2,), (7,), (30,)], True),
+    ],
+)
+def test_elimination_is_numpy_solve(solve: Any, shapes: list[tuple[int, ...]], symmetric: bool) -> None:
     rng = np.random.default_rng(0)
-    for m in (1, 2, 7, 30):
-        A, b = rng.normal(size=(m, m)), rng.normal(size=m)
+    for shape in shapes:
+        m = shape[0]
+        A, b = rng.normal(size=(m, m)), rng.normal(size=shape)
+        A = A @ A.T + 0.1 * np.eye(m) if symmetric else A
         expected = np.linalg.solve(A, b)
-        assert elimination.lu_solve(A.copy(), b, m)
+        assert solve(A.copy(), b, m)
         assert np.allclose(b, expected, rtol=1e-8)
-    assert not elimination.lu_solve(np.zeros((2, 2)), np.ones(2), 2)
-
-
-def test_elimination_of_many_right_hand_sides_is_numpy_solve() -> None:
-    rng = np.random.default_rng(2)
-    for m, columns in ((1, 3), (4, 1), (12, 16), (30, 5)):
-        A, B = rng.normal(size=(m, m)), rng.normal(size=(m, columns))
-        expected = np.linalg.solve(A, B)
-        assert elimination.lu_solve_many(A.copy(), B, m)
-        assert np.allclose(B, expected, rtol=1e-8)
-    assert not elimination.lu_solve_many(np.zeros((2, 2)), np.ones((2, 3)), 2)
-
-
-def test_symmetric_elimination_is_numpy_solve() -> None:
-    rng = np.random.default_rng(1)
-    for m in (1, 2, 7, 30):
-        root, b = rng.normal(size=(m, m)), rng.normal(size=m)
-        A = root @ root.T + 0.1 * np.eye(m)
-        expected = np.linalg.solve(A, b)
-        assert elimination.symmetric_solve(A.copy(), b, m)
-        assert np.allclose(b, expected, rtol=1e-8)
-    assert not elimination.symmetric_solve(-np.eye(2), np.ones(2), 2)
+    bad = -np.eye(2) if symmetric else np.zeros((2, 2))
+    assert not solve(bad, np.ones((2, *shapes[0][1:])), 2)
 
 
 def test_inverse_is_numpy_inverse() -> None:

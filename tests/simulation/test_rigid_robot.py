@@ -40,24 +40,22 @@ def dropped(name, height, seconds, terrain=None, **settings):
     return world, {key: np.array(values) for key, values in rows.items()}
 
 
-def test_go2_dropped_from_30_cm_comes_to_rest():
-    world, rows = dropped("go2", 0.3, 4.0)
+@pytest.mark.parametrize(
+    ("name", "height", "seconds", "last", "tolerance", "excess", "work", "speed"),
+    [
+        # energy beyond what the motors gave: never
+        pytest.param("go2", 0.3, 4.0, 500, 5e-3, 0.0, 1e-10, 0.02, id="go2 from 30 cm"),
+        pytest.param("g1", 0.02, 1.0, 100, 0.05, 1e-6, 1e-9, np.inf, id="g1 on eight corners"),
+    ],
+)
+def test_a_dropped_robot_comes_to_rest(name, height, seconds, last, tolerance, excess, work, speed):
+    world, rows = dropped(name, height, seconds)
     weight = world.robot.mass * GRAVITY
-    assert np.abs(rows["normal"][-500:] / weight - 1.0).max() < 5e-3
+    assert np.abs(rows["normal"][-last:] / weight - 1.0).max() < tolerance
     assert rows["gap"].min() > -5e-4
-    assert rows["excess"].max() <= 0.0  # energy beyond what the motors gave: never
-    assert rows["work"].max() < 1e-10
-    assert rows["speed"][-1] < 0.02
-    assert world.unsolved == 0
-
-
-def test_g1_stands_on_eight_corners():
-    world, rows = dropped("g1", 0.02, 1.0)
-    weight = world.robot.mass * GRAVITY
-    assert np.abs(rows["normal"][-100:] / weight - 1.0).max() < 0.05
-    assert rows["gap"].min() > -5e-4
-    assert rows["excess"].max() < 1e-6
-    assert rows["work"].max() < 1e-9
+    assert rows["excess"].max() <= excess
+    assert rows["work"].max() < work
+    assert rows["speed"][-1] < speed
     assert world.unsolved == 0
 
 

@@ -7,7 +7,6 @@ import pytest
 
 from surefoot.control.behaviours.behaviour import NOTHING
 from surefoot.control.behaviours.stop_at_drop import StopAtDrop
-from surefoot.control.controller import RobotState
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.estimation.touched_ground import DROP, REACH, Ledge, TouchedGround
@@ -18,38 +17,29 @@ from surefoot.simulation.scenario import Scenario
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import PitTerrain
-from tests.control.behaviours.views import view_of, walk_of
+from tests.control.behaviours.views import ALL, HEIGHT, HIPS, NONE, level, view_of, walk_of
 
-HEIGHT, RADIUS = 0.3, 0.022
-HIPS = np.array([[0.19, 0.14], [0.19, -0.14], [-0.19, 0.14], [-0.19, -0.14]])
-ALL, NONE = np.ones(4, dtype=bool), np.zeros(4, dtype=bool)
+RADIUS = 0.022
 ONE_UP = np.array([False, True, True, True])
-
-
-def state(time: float, x: float = 0.0, speed: float = 0.4) -> RobotState:
-    """Return a level robot with its base 0.3 m above the ground that goes forward [m/s]."""
-    q, v = np.zeros(19), np.zeros(18)
-    q[0], q[2], q[6], v[0] = x, 0.3, 1.0, speed
-    return RobotState(q, v, time)
 
 
 def reach_down(ground: TouchedGround, depths: list[float], place: float = 0.3) -> np.ndarray:
     """Let the left front foot look for the ground at a place, ever lower [m]; return the stands."""
     stands = np.column_stack([HIPS, np.zeros(4)])
     ground.radius = RADIUS
-    ground.begin(state(0.0), stands, HEIGHT)
-    ground.observe(state(0.001), stands, ONE_UP, NONE, stands)
+    ground.begin(level(0.0, speed=0.4), stands, HEIGHT)
+    ground.observe(level(0.001, speed=0.4), stands, ONE_UP, NONE, stands)
     for k, depth in enumerate(depths):
         soles = stands.copy()
         soles[0] = place, 0.14, -depth
-        ground.observe(state(0.1 + 0.01 * k), stands, ONE_UP, ~ONE_UP, soles)
+        ground.observe(level(0.1 + 0.01 * k, speed=0.4), stands, ONE_UP, ~ONE_UP, soles)
     return stands
 
 
 def stand(ground: TouchedGround, stands: np.ndarray, at: tuple[float, float]) -> None:
     """Let the left front foot stand at (x, z)."""
     stands[0] = at[0], 0.14, at[1]
-    ground.observe(state(0.4), stands, ALL, NONE, stands)
+    ground.observe(level(0.4, speed=0.4), stands, ALL, NONE, stands)
 
 
 def test_a_foot_that_finds_no_ground_stops_the_body_and_the_walk_says_why() -> None:
@@ -75,7 +65,7 @@ def test_a_foot_that_finds_no_ground_stops_the_body_and_the_walk_says_why() -> N
     stand(ground, stands, (0.31, -0.12))
     assert one.propose(view_of(command, ground=stands, time=0.5)).note == note
     one.reset()
-    ground.begin(state(0.0), stands, HEIGHT)
+    ground.begin(level(0.0, speed=0.4), stands, HEIGHT)
     assert one.propose(view_of(command)) is NOTHING
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.control.behaviours.behaviour import WalkFacts, WalkView
-from surefoot.control.controller import RobotState
+from surefoot.control.controller import HeightScan, RobotState
 from surefoot.control.whole_body_tasks import Kinematics
 from surefoot.stance.contact_schedule import ContactSchedule
 from surefoot.stance.gait_library import named_gait
@@ -34,12 +34,19 @@ def motion(speed: float = 0.0, com_velocity: Any = (0.0, 0.0, 0.0)) -> Kinematic
     return Kinematics(z, np.array(com_velocity), np.eye(3), z, np.zeros((N, 3)), twists, drifts)
 
 
+def level(
+    time: float = 0.0, x: float = 0.0, speed: float = 0.0, scan: HeightScan | None = None
+) -> RobotState:
+    """Return a robot that is level with its base 0.3 m above the ground and goes forward [m/s]."""
+    q, v = np.zeros(19), np.zeros(18)
+    q[0], q[2], q[6], v[0] = x, HEIGHT, 1.0, speed
+    return RobotState(q, v, time, scan=scan)
+
+
 def view_of(command: Any = (0.0, 0.0, 0.0), **more: Any) -> WalkView:
     """Return a view of a robot that stands level, `more` in place of its own fields."""
-    q = np.zeros(19)
-    q[2], q[6] = 0.3, 1.0
     usual = WalkView(
-        time=1.0, clock=0.7, state=RobotState(q, np.zeros(18), 1.0), now=motion(),
+        time=1.0, clock=0.7, state=level(1.0), now=motion(),
         command=np.array(command, dtype=np.float64), velocity=np.zeros(3), position=np.zeros(3), stance=ALL,
         ground=np.column_stack([HIPS, np.zeros(N)]), frames=FRAMES, fits=True, waiting=False,
     )  # fmt: skip
