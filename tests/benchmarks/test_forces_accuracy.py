@@ -6,11 +6,11 @@ from itertools import islice
 import numpy as np
 import pytest
 
-import surefoot as sf
 from benchmarks.forces.accuracy import measure_accuracy
 from benchmarks.forces.digits import DIGITS, exact_forces, exactly, project
 from benchmarks.problems.allocation_program import cone_violation, objective, program
 from benchmarks.problems.allocations import WRENCH_WEIGHTS, random_instances
+from tests.equilibrium.distributors import convex_error, distributor_of
 
 
 @pytest.mark.parametrize("force_weight", [1e-1, 1e-2, 1e-4])
@@ -28,8 +28,7 @@ def test_exact_forces_are_optimal_by_the_problem_alone():
         f = exact_forces(instance, np.zeros((instance.mu.size, 3)), 0.1)
         A, w, bounds = instance.grasp_map, instance.wrench, (instance.normal_min, instance.normal_max)
         G = A.T @ (WRENCH_WEIGHTS[:, None] * A) + 0.1 * np.eye(A.shape[1])
-        asked = sf.ContactProblem(G, -A.T @ (WRENCH_WEIGHTS * w), instance.mu, *bounds, law="convex")
-        assert sf.residuals(asked, f).velocity_error < 1e-9
+        assert convex_error(G, -A.T @ (WRENCH_WEIGHTS * w), f, instance.mu, *bounds) < 1e-9
         assert cone_violation(instance, f) < 1e-12
         p = program(instance, force_weight=0.1)
         least = objective(p, f.ravel())
@@ -69,9 +68,7 @@ def test_decimal_projection_and_its_jacobian(seed):
 @pytest.mark.parametrize("force_weight", [1e-2, 1e-5, 1e-7])
 def test_the_error_bound_holds_to_fifty_digits(force_weight):
     for instance in random_instances(60, seed=21):
-        distributor = sf.ForceDistributor(
-            instance.mu, instance.normal_min, instance.normal_max, WRENCH_WEIGHTS, force_weight
-        )
+        distributor = distributor_of(instance, force_weight)
         f = distributor.solve(instance.grasp_map, instance.wrench)
         distance = np.linalg.norm(f - exact_forces(instance, f, force_weight))
         assert distance <= distributor.force_error + 1e-11

@@ -9,10 +9,15 @@ from benchmarks.problems.allocations import grasp_map as grasp_map_of
 SOLVED = sf.Status.SOLVED
 
 
-def distributor_of(instance, **options):
+def distributor_of(instance, force_weight=FORCE_WEIGHT, **options):
     return sf.ForceDistributor(
-        instance.mu, instance.normal_min, instance.normal_max, WRENCH_WEIGHTS, FORCE_WEIGHT, **options
+        instance.mu, instance.normal_min, instance.normal_max, WRENCH_WEIGHTS, force_weight, **options
     )
+
+
+def convex_error(G, g, f, mu=0.6, low=5.0, high=250.0):
+    """Return how far forces are from the least of f·Gf/2 + g·f over the cones."""
+    return sf.residuals(sf.ContactProblem(G, g, mu, low, high, law="convex"), f).velocity_error
 
 
 def some_map(seed=0, n=4):
