@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import fields, replace
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import Any
 import pytest
 import yaml
 
-from surefoot.cli.main import main
 from surefoot.cli.physics import contact_law
 from surefoot.cli.scenario_file import STAND_KEYS, WALK_KEYS, ScenarioFile, schema
 from surefoot.laws import Hertz, HuntCrossley, MujocoLaw, SpringDamper
@@ -29,11 +27,15 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-def summary(capsys: pytest.CaptureFixture[str], out: Path, scenario: Path | None, *words: str) -> Any:
-    """Run a command and return its exit code and its summary."""
-    more = [] if scenario is None else ["--scenario", str(scenario)]
-    code = main([words[0], "go2", *words[1:], *more, *FILES, "--json", "--out", str(out / "runs")])
-    return code, json.loads(capsys.readouterr().out)
+@pytest.fixture
+def summary(answer: Any, tmp_path: Path) -> Any:
+    """Return what runs a command on Go2 with a scenario or none: it gives the summary of a good run."""
+
+    def run(scenario: Path | None, command: str, *words: str) -> Any:
+        more = [] if scenario is None else ["--scenario", scenario]
+        return answer(command, "go2", *words, *more, *FILES, "--out", tmp_path / "runs")
+
+    return run
 
 
 def test_one_schema_says_all_keys() -> None:
@@ -74,49 +76,44 @@ def test_a_law_is_one_of_our_laws_with_exact_friction(said: dict[str, Any], law:
     assert made == replace(law, friction=made.friction)
 
 
-def test_stands_on_soft_ground(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_stands_on_soft_ground(summary: Any, tmp_path: Path) -> None:
     soft = written(tmp_path, "law: {name: hunt-crossley, stiffness: 2e5, dissipation: 0.5}")
-    code, found = summary(capsys, tmp_path, soft, "stand", "--world", "rigid", "--duration", "1")
-    assert (code, found["stood"], found["laws_broken"]) == (0, True, [])
+    found = summary(soft, "stand", "--world", "rigid", "--duration", "1")
+    assert (found["stood"], found["laws_broken"]) == (True, [])
 
 
-def test_walks_in_the_rigid_world_and_stands_on_mujocos_own_ground(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    code, found = summary(capsys, tmp_path, None, "walk", "--world", "rigid", "--duration", "1")
-    assert (code, found["walked"]) == (0, True)
+def test_walks_in_the_rigid_world_and_stands_on_mujocos_own_ground(summary: Any, tmp_path: Path) -> None:
+    found = summary(None, "walk", "--world", "rigid", "--duration", "1")
+    assert found["walked"] is True
     soft = ROOT / "examples" / "scenarios" / "mujoco_default.yaml"
-    code, found = summary(capsys, tmp_path, soft, "stand", "--duration", "2")
-    assert (code, found["stood"], found["laws_broken"]) == (0, True, [])
+    found = summary(soft, "stand", "--duration", "2")
+    assert (found["stood"], found["laws_broken"]) == (True, [])
     assert found["laws"]["sinking"] > found["laws"]["penetration_max"] > 1e-3  # as its ground declares
 
 
-def test_the_true_state_is_chosen(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    _, known = summary(capsys, tmp_path, written(tmp_path, "estimator: truth"), "walk", "--duration", "1.2")
-    _, estimated = summary(capsys, tmp_path, None, "walk", "--duration", "1.2")
+def test_the_true_state_is_chosen(summary: Any, tmp_path: Path) -> None:
+    known = summary(written(tmp_path, "estimator: truth"), "walk", "--duration", "1.2")
+    estimated = summary(None, "walk", "--duration", "1.2")
     assert "estimate" not in known
     assert estimated["estimate"]["velocity_rms"] < 0.01
     assert estimated["velocity"]["forward"] != known["velocity"]["forward"]
 
 
-def test_velocities_come_from_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_velocities_come_from_a_file(summary: Any, tmp_path: Path) -> None:
     (tmp_path / "speeds.txt").write_text("0 0.2 0 0\n0.5 0 0.1 0.2\n")
     files = written(tmp_path, "velocity_file: speeds.txt")
-    code, _ = summary(capsys, tmp_path, files, "walk", "--duration", "1.2")
-    assert code == 0
+    summary(files, "walk", "--duration", "1.2")
     (folder,) = (tmp_path / "runs").iterdir()
     command = read_log(folder / "log.npz")["command"]
     assert command[600, 0] > 0.1
     assert command[-1].tolist() == pytest.approx([0.0, 0.1, 0.2], abs=0.02)
 
 
-def test_a_weak_motor_gives_less_than_it_is_asked_for(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_weak_motor_gives_less_than_it_is_asked_for(summary: Any, tmp_path: Path) -> None:
     weak = written(tmp_path, "weak_joint: FL_calf_joint\ntorque_loss: 0.5")
-    code, found = summary(capsys, tmp_path, weak, "stand", "--duration", "1")
-    _, whole = summary(capsys, tmp_path, None, "stand", "--duration", "1")
-    assert (code, found["stood"]) == (0, True)
+    found = summary(weak, "stand", "--duration", "1")
+    whole = summary(None, "stand", "--duration", "1")
+    assert found["stood"] is True
     assert found["base"]["position_max"] > 1.5 * whole["base"]["position_max"]
 
 
@@ -176,12 +173,11 @@ def test_what_a_file_cannot_mean_is_one_line(
     options: list[str],
     words: str,
     tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    printed: Any,
 ) -> None:
     path = written(tmp_path, text)
     out = tmp_path / "runs"
-    assert main([command, "go2", *options, *FILES, "--scenario", str(path), "--out", str(out)]) == 2
-    said = capsys.readouterr().err
+    said = printed(command, "go2", *options, *FILES, "--scenario", path, "--out", out, code=2)
     assert words in said
     assert said.count("\n") == 1
     assert not [file for file in out.rglob("*") if file.is_file()]
