@@ -10,14 +10,8 @@ from surefoot.errors import ProblemError
 from surefoot.planning import PlanSearch, plan_from, rollout
 from surefoot.planning.tracking import Reference
 from surefoot.spatial import rotation_about
-from tests.planning.tracking.hops import hop
 
 ROBOT = sf.load_robot("go2")
-
-
-@pytest.fixture(scope="module")
-def jump() -> Reference:
-    return hop(ROBOT, 1.6, 0.8)
 
 
 def test_knots_are_met_and_the_way_between_is_smooth(jump: Reference) -> None:

@@ -13,14 +13,8 @@ from surefoot.planning.tracking import Reference
 from surefoot.planning.tracking.flight import FlightControl, Touchdown, touchdowns
 from surefoot.planning.tracking.landing import BRAKE, NEAR, SLOW, gently
 from surefoot.spatial import quaternion_from_rotation, rotation_about
-from tests.planning.tracking.hops import hop
 
 ROBOT = sf.load_robot("go2")
-
-
-@pytest.fixture(scope="module")
-def jump() -> Reference:
-    return hop(ROBOT, 1.6, 0.8)
 
 
 @pytest.fixture(scope="module")

@@ -8,14 +8,8 @@ import pytest
 import surefoot as sf
 from surefoot.planning.tracking import Reference, TrackingController
 from surefoot.simulation.plan_execution import Surprise, execute
-from tests.planning.tracking.hops import hop
 
 ROBOT = sf.load_robot("go2")
-
-
-@pytest.fixture(scope="module")
-def jump() -> Reference:
-    return hop(ROBOT, 1.6, 0.8)
 
 
 @pytest.mark.parametrize("world", ["mujoco", "rigid"])
