@@ -1,16 +1,13 @@
 """`surefoot bench batch`: JSON alone on stdout; ours is solved to the tolerance, its gradients are right."""
 
-import json
+from typing import Any
 
 import pytest
 
-from surefoot.cli.main import main
-
 
 @pytest.mark.long
-def test_json_is_the_only_output(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", "batch", "--quick", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_json_is_the_only_output(answer: Any) -> None:
+    found = answer("bench", "batch", "--quick")
     assert found["problems"] == 100
     assert found["velocity_error"]["ours"] <= 1e-8
     assert found["gradient_error"]["ours"] < 1e-6

@@ -1,8 +1,8 @@
 from __future__ import annotations
 
-import json
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +18,6 @@ from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, m
 from benchmarks.contact.siconos_rival import siconos_best, siconos_installed
 from benchmarks.problems.contacts import NamedProblem, families, problem_set
 from benchmarks.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
-from surefoot.cli.main import main
 from surefoot.contact.files import write_problem
 from surefoot.errors import ProblemError
 
@@ -105,14 +104,12 @@ def test_compare_certifies_everybody() -> None:
     assert all(r.solved and r.residual <= 1e-8 and r.seconds > 0 for r in found.runs if r.solver == "auto")
 
 
-def test_command_writes_json_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_writes_json_and_pictures(tmp_path: Path, answer: Any) -> None:
     source = tmp_path / "files"
     source.mkdir()
     write_problem(problem_set("robot", copies=0.01)[0].problem, source / "cube.dat")
-    code = main(["bench", "contact", str(source), "--copies", "0.01", "--no-rivals", "--solver", "auto",
-                 "--out", str(tmp_path / "runs"), "--json"])  # fmt: skip
-    record = json.loads(capsys.readouterr().out)
-    assert code == 0
+    options = ["--copies", "0.01", "--no-rivals", "--solver", "auto", "--out", tmp_path / "runs"]
+    record = answer("bench", "contact", source, *options)
     assert {r["problem"] for r in record["runs"]} >= {"cube.dat", "cube-sticking-0"}
     folder = next((tmp_path / "runs").iterdir())
     assert {f.name for f in folder.iterdir()} == {"contact.json"}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +17,6 @@ from benchmarks.stacks.measures import Measures, outside_cones, stance_slides
 from benchmarks.stacks.setting import HARD, IDEAL, Setting
 from benchmarks.stacks.table import rows
 from benchmarks.stacks.tasks import TASKS, Bound, choose_tasks
-from surefoot.cli.main import main
 from surefoot.errors import ProblemError
 from surefoot.log import CHANNELS, Log
 from surefoot.spatial import GRAVITY
@@ -165,10 +163,9 @@ def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch
         measure(small(1), tmp_path)
 
 
-def test_a_real_trial_from_the_command_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_real_trial_from_the_command_line(printed: Any, answer: Any, tmp_path: Path) -> None:
     words = ["bench", "stacks", "--stack", "surefoot", "--task", "speed-0.2", "--seeds", "1", "--ideal"]
-    assert main([*words, "--json", "--out", str(tmp_path)]) == 0
-    record = json.loads(capsys.readouterr().out)
+    record = answer(*words, "--out", tmp_path)
     (row,) = record["rows"]
     assert (row["task"], row["held"], row["holds"], record["complete"]) == ("speed-0.2", 1, True, True)
     assert row["forward"] == pytest.approx(0.2, abs=0.01)
@@ -178,8 +175,7 @@ def test_a_real_trial_from_the_command_line(capsys: pytest.CaptureFixture[str], 
     assert record["setting"] == {"estimator": "truth", "actuators": "ideal", "collision": "feet"}
     (folder,) = tmp_path.iterdir()
     assert len((folder / TRIALS).read_text().splitlines()) == 2
-    assert main([*words, "--resume", str(folder)]) == 0
-    assert "speed-0.2*" in capsys.readouterr().out
+    assert "speed-0.2*" in printed(*words, "--resume", folder)
 
 
 def test_slides_of_stances_against_adding_up_one_by_one() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,17 +30,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def test_a_clean_log_ends_with_zero(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["audit", str(folder / "clean.npz")]) == 0
-    assert (
-        "lawful: all 11 laws that could be judged hold (1200 rows, 1.2 s); the task was attained"
-        in capsys.readouterr().out
-    )
+def test_a_clean_log_ends_with_zero(folder: Path, printed: Any) -> None:
+    said = printed("audit", folder / "clean.npz")
+    assert "lawful: all 11 laws that could be judged hold (1200 rows, 1.2 s); the task was attained" in said
 
 
-def test_json_is_the_report_and_nothing_else(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["audit", str(folder / "sunk.npz"), "--json"]) == 1
-    told = json.loads(capsys.readouterr().out)
+def test_json_is_the_report_and_nothing_else(folder: Path, answer: Any) -> None:
+    told = answer("audit", folder / "sunk.npz", code=1)
     assert told["verdict"] == "broken"
     (one,) = (v for v in told["violations"] if v["law"] == "penetration")
     assert (one["law"], one["contact"]) == ("penetration", "FL_foot")
@@ -47,14 +44,13 @@ def test_json_is_the_report_and_nothing_else(folder: Path, capsys: pytest.Captur
     assert told["symptoms"][0]["name"] == "sinking"
 
 
-def test_the_checklist_answers_from_the_log(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_checklist_answers_from_the_log(folder: Path, answer: Any) -> None:
     changed(log_of(TROT), keep=("forces", "mu")).save(folder / "forces.npz")
     unsaid = np.full(np.shape(log_of(TROT)["forces_commanded"]), np.nan)
     changed(log_of(TROT), forces_commanded=unsaid).save(folder / "policy.npz")
     answered = {}
     for name, code in (("clean", 0), ("sunk", 1), ("forces", 3), ("policy", 0)):
-        assert main(["audit", str(folder / f"{name}.npz"), "--checklist", "--json"]) == code
-        rows = json.loads(capsys.readouterr().out)["checklist"]
+        rows = answer("audit", folder / f"{name}.npz", "--checklist", code=code)["checklist"]
         answered[name] = {row["question"]: row["answer"] for row in rows}
     assert set(answered["clean"].values()) == {"yes"}
     ground = "Do feet stay out of the ground?"

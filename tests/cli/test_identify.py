@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from benchmarks.problems.tosses import random_tosses, write_tosses
-from surefoot.cli.main import main
 
 TRUTH = [0.2, 0.1, 0.003]
+QUICK = ("--resamples", "50")
 
 
 @pytest.fixture(scope="module")
@@ -22,17 +21,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def run(folder: Path, capfd: pytest.CaptureFixture[str], *words: str) -> Any:
-    code = main(["identify", str(folder / "train.npz"), "--resamples", "50", *words])
-    assert code == 0
-    return capfd.readouterr().out
-
-
 @pytest.mark.long
-def test_json_holds_the_fit_and_both_errors(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_json_holds_the_fit_and_both_errors(folder: Path, answer: Any) -> None:
     pytest.importorskip("mujoco")
-    words = ("--test", str(folder / "test.npz"), "--rivals", "mujoco", "--no-picture", "--json")
-    facts = json.loads(run(folder, capfd, *words))
+    words = ("--test", folder / "test.npz", "--rivals", "mujoco", "--no-picture")
+    facts = answer("identify", folder / "train.npz", *QUICK, *words)
     for name, truth in (("mu", 0.2), ("restitution", 0.1), ("com_z", 0.0)):
         estimate = facts["fit"][name]
         assert estimate["low"] <= estimate["value"] <= estimate["high"]
@@ -49,10 +42,10 @@ def test_json_holds_the_fit_and_both_errors(folder: Path, capfd: pytest.CaptureF
     assert set(rival["fit"]) >= {"mu", "solref_time", "solref_ratio", "solimp_least", "solimp_most"}
 
 
-def test_tables_laws_and_picture(folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_tables_laws_and_picture(folder: Path, tmp_path: Path, printed: Any) -> None:
     pytest.importorskip("matplotlib")
-    words = ("--law", "rigid", "--law", "newton", "--rivals", "none", "--out", str(tmp_path))
-    out = run(folder, capfd, *words)
+    words = ("--law", "rigid", "--law", "newton", "--rivals", "none", "--out", tmp_path)
+    out = printed("identify", folder / "train.npz", *QUICK, *words)
     for word in ("mu", "restitution", "rounding", "com_z", "ground", "No --test", "95 % interval"):
         assert word in out
     (picture,) = tmp_path.glob("identify-*/tosses.png")
@@ -60,8 +53,8 @@ def test_tables_laws_and_picture(folder: Path, tmp_path: Path, capfd: pytest.Cap
     assert str(picture) in out.replace("\n", "")
 
 
-def test_without_a_test_no_rival_runs_unasked(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    facts = json.loads(run(folder, capfd, "--no-picture", "--json"))
+def test_without_a_test_no_rival_runs_unasked(folder: Path, answer: Any) -> None:
+    facts = answer("identify", folder / "train.npz", *QUICK, "--no-picture")
     assert facts["test"] is None
     assert facts["train"]["rivals"] == {}
     assert facts["picture"] is None

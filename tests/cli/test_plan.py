@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,9 +15,8 @@ from surefoot.robot import load_robot, place
 pytest.importorskip("casadi")
 
 
-def test_a_ball_is_planned_and_saved(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["plan", "ball", "--json", "--out", str(tmp_path)]) == 0
-    facts = json.loads(capfd.readouterr().out)
+def test_a_ball_is_planned_and_saved(tmp_path: Path, answer: Any) -> None:
+    facts = answer("plan", "ball", "--out", tmp_path)
     assert {"status", "cost", "law_residual", "iterations", "time", "contacts", "executed"} <= set(facts)
     assert facts["status"] == "solved"
     assert facts["law_residual"] <= 1e-8
@@ -27,12 +27,11 @@ def test_a_ball_is_planned_and_saved(tmp_path: Path, capfd: pytest.CaptureFixtur
     assert again.status.value == "solved"
 
 
-def test_a_jump_is_planned_in_words(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_jump_is_planned_in_words(tmp_path: Path, printed: Any) -> None:
     pose = tmp_path / "pose.json"
     pose.write_text(json.dumps(place(load_robot("go2"), at=(0.1, 0.0)).tolist()))
     shown = ["--no-video", "--no-report", "--out", str(tmp_path), "--start", str(pose), "--over", "0.05"]
-    assert main(["plan", "jump", "--dt", "0.02", *shown]) == 0
-    said = capfd.readouterr().out
+    said = printed("plan", "jump", "--dt", "0.02", *shown)
     assert "jump: solved" in said
     assert "the feet get 0.50" in said
     assert "FL_foot" in said
@@ -40,10 +39,9 @@ def test_a_jump_is_planned_in_words(tmp_path: Path, capfd: pytest.CaptureFixture
     assert main(["plan", "jump", "--dt", "0.02", "--near", str(found), "--max-iterations", "6", *shown]) == 0
 
 
-def test_what_is_not_solved_is_exit_code_1(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_what_is_not_solved_is_exit_code_1(tmp_path: Path, printed: Any) -> None:
     shown = ["--no-video", "--no-report", "--out", str(tmp_path), "--max-iterations", "3"]
-    assert main(["plan", "jump", "0.2", "--dt", "0.02", *shown]) == 1
-    said = capfd.readouterr().out
+    said = printed("plan", "jump", "0.2", "--dt", "0.02", *shown, code=1)
     assert "the optimiser ended with Maximum_Iterations_Exceeded" in said
     assert "jump: solved" not in said
     assert list(tmp_path.glob("plan-jump-*/plan.npz"))

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
-
-from surefoot.cli.main import main
 
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")
 BALLS = """
@@ -30,10 +28,9 @@ def balls(tmp_path: Path) -> Path:
     return file
 
 
-def test_table_pictures_and_json(balls: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_table_pictures_and_json(balls: Path, tmp_path: Path, printed: Any, answer: Any) -> None:
     words = ["sweep", str(balls), "--out", str(tmp_path / "a"), "--backend", "serial"]
-    assert main([*words, "--json"]) == 0
-    facts = json.loads(capfd.readouterr().out)
+    facts = answer(*words)
     assert (facts["samples"], facts["done"], facts["errors"], facts["resumed"]) == (30, 30, 0, 0)
     assert sum(one["samples"] for one in facts["parameters"]["mu"]) == 30
     assert set(facts["parameters"]) == {"mu", "restitution", "terrain"}
@@ -41,15 +38,14 @@ def test_table_pictures_and_json(balls: Path, tmp_path: Path, capfd: pytest.Capt
     assert facts["share"]["low"] <= facts["share"]["value"] <= facts["share"]["high"]
     assert [Path(p).name for p in facts["pictures"]] == ["survival.png", "survival-map.png"]
     assert all(Path(p).stat().st_size > 5000 for p in facts["pictures"])
-    assert main([*words, "--no-picture"]) == 0
-    said = capfd.readouterr().out
+    said = printed(*words, "--no-picture")
     assert "0 samples in" in said
     assert "30 were there before" in said
     assert "rested over" in said
 
 
 def test_samples_with_errors_are_told(
-    tmp_path: Path, balls: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, balls: Path, printed: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from surefoot.errors import SimulationError
     from surefoot.sweep.drop import DropExperiment
@@ -59,20 +55,19 @@ def test_samples_with_errors_are_told(
 
     monkeypatch.setattr(DropExperiment, "run", fail)
     words = ["sweep", str(balls), "--out", str(tmp_path / "a"), "--backend", "serial"]
-    assert main(words) == 1
-    said = capfd.readouterr().out
+    said = printed(*words, code=1)
     assert "no sample is done" in said
     assert "30 errors, 0 crashed; sample 0: at 0.1 s the motion became non-finite" in said
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_an_interrupt_keeps_what_is_written(
-    number: signal.Signals, code: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    number: signal.Signals, code: int, tmp_path: Path, answer: Any
 ) -> None:
     file = tmp_path / "many.yaml"
     file.write_text(BALLS.replace("samples: 30", "samples: 3000"))
-    words = ["sweep", str(file), "--out", str(tmp_path / "a"), "--backend", "serial", "--json"]
-    process = subprocess.Popen([sys.executable, "-m", "surefoot", *words], stderr=subprocess.PIPE)
+    words = ["sweep", str(file), "--out", str(tmp_path / "a"), "--backend", "serial"]
+    process = subprocess.Popen([sys.executable, "-m", "surefoot", *words, "--json"], stderr=subprocess.PIPE)
     rows, deadline = tmp_path / "a" / "sweep.sqlite", time.monotonic() + 120.0
     while not rows.exists() or rows.stat().st_size < 20_000:
         assert time.monotonic() < deadline
@@ -84,7 +79,6 @@ def test_an_interrupt_keeps_what_is_written(
     assert b"the same command goes on from there" in said
     assert b"Traceback" not in said
     assert [p.name for p in (tmp_path / "a").iterdir()] == ["sweep.sqlite"]
-    assert main([*words, "--no-picture"]) == 0
-    facts = json.loads(capfd.readouterr().out)
+    facts = answer(*words, "--no-picture")
     assert facts["samples"] == 3000
     assert 0 < facts["resumed"] < 3000

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,10 +14,8 @@ from surefoot.log.formats import read_log
 QUICK = ("--duration", "1.2", "--no-video")
 
 
-def test_walk_writes_everything(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    code = main(["walk", "go2", *QUICK, "--seed", "3", "--out", str(tmp_path)])
-    said = capfd.readouterr().out
-    assert code == 0
+def test_walk_writes_everything(tmp_path: Path, printed: Any) -> None:
+    said = printed("walk", "go2", *QUICK, "--seed", "3", "--out", tmp_path)
     assert "go2 walked for 1.20 s" in said
     assert "no commanded force left its friction cone" in said
     (folder,) = tmp_path.iterdir()
@@ -32,14 +31,10 @@ def test_walk_writes_everything(tmp_path: Path, capfd: pytest.CaptureFixture[str
 
 
 @pytest.mark.parametrize("robot", ["a1", "anymal_c", "b1", "centauro", "go1", "hyq", "laikago", "solo8"])
-def test_every_quadruped_walks_as_a_new_user_calls_it(
-    robot: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    code = main(["walk", robot, "--duration", "2.0", "--no-video", "--no-report", "--out", str(tmp_path)])
-    said = capfd.readouterr()
-    assert code == 0, said
-    assert f"{robot} walked for 2.00 s" in said.out
-    assert "state estimate: velocity off by" in said.out
+def test_every_quadruped_walks_as_a_new_user_calls_it(robot: str, tmp_path: Path, printed: Any) -> None:
+    said = printed("walk", robot, "--duration", "2.0", "--no-video", "--no-report", "--out", tmp_path)
+    assert f"{robot} walked for 2.00 s" in said
+    assert "state estimate: velocity off by" in said
 
 
 def test_an_impossible_speed_is_slowed_and_said(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -49,17 +44,15 @@ def test_an_impossible_speed_is_slowed_and_said(tmp_path: Path, capfd: pytest.Ca
     assert "is more than this gait can do: slowed to" in capfd.readouterr().out
 
 
-def test_a_walk_finds_its_payload_and_says_so(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_walk_finds_its_payload_and_says_so(tmp_path: Path, printed: Any) -> None:
     options = ["--duration", "2", "--no-video", "--no-report", "--out", str(tmp_path)]
-    assert main(["walk", "go2", "--payload", "4@0.1,0.06,0.08", *options]) == 0
-    assert "estimated: the base carries" in " ".join(capfd.readouterr().out.split())
+    said = printed("walk", "go2", "--payload", "4@0.1,0.06,0.08", *options)
+    assert "estimated: the base carries" in " ".join(said.split())
     load = json.loads(next(tmp_path.glob("*/summary.json")).read_text())["load"]
     assert load["mass"] == pytest.approx(4.0, rel=0.05)
     assert load["place"][:2] == pytest.approx([0.1, 0.06], abs=0.015)
 
 
-def test_a_fall_is_exit_code_one(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_fall_is_exit_code_one(tmp_path: Path, printed: Any) -> None:
     options = ["--push", "0.5:0,1500,0:0.2", "--duration", "3", "--no-video", "--no-report"]
-    code = main(["walk", *options, "--out", str(tmp_path)])
-    assert code == 1
-    assert "go2 fell after" in capfd.readouterr().out
+    assert "go2 fell after" in printed("walk", *options, "--out", tmp_path, code=1)

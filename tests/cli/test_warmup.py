@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,14 +14,13 @@ from surefoot.cli.main import main
 
 
 def test_its_commands_are_commands_and_leave_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, answer: Any
 ) -> None:
     quick = tuple(words for words in warmup.COMMANDS if words.split()[0] not in ("stand", "walk", "plan"))
     assert {"stand", "walk", "plan"} == {words.split()[0] for words in {*warmup.COMMANDS} - {*quick}}
     monkeypatch.setattr(warmup, "COMMANDS", quick)
     monkeypatch.chdir(tmp_path)
-    assert main(["warmup", "--json"]) == 0
-    facts = json.loads(capfd.readouterr().out)
+    facts = answer("warmup")
     assert len(facts["tasks"]) == len(quick)
     assert facts["size"] > 0
     assert not any(row["skipped"] for row in facts["tasks"])

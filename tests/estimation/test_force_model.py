@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.cli.main import main
 from surefoot.errors import ProblemError
 from surefoot.estimation.force_model import TOUCHING
 from surefoot.estimation.leg_motion import LegLog, read_leg_log
@@ -78,19 +77,16 @@ def test_another_recording_may_have_another_offset(made_up: Path, fitted: sf.For
     assert (widths[2] > 1.2 * widths[0]).all()
 
 
-def test_the_command(made_up: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    leg, kept = str(made_up / "hopper.urdf"), str(made_up / "kept.csv")
-    words = ["--model", leg, "--test", kept, "--out", str(tmp_path)]
-    assert main(["identify", str(made_up / "hopper.csv"), *words, "--json"]) == 0
-    facts = json.loads(capsys.readouterr().out)
+def test_the_command(made_up: Path, tmp_path: Path, printed: Any, answer: Any) -> None:
+    leg, kept = made_up / "hopper.urdf", made_up / "kept.csv"
+    words = ("identify", made_up / "hopper.csv", "--model", leg, "--test", kept, "--out", tmp_path)
+    facts = answer(*words)
     assert facts["fit"]["KFE"]["friction"]["unit"] == "N m"
     table = np.genfromtxt(facts["test"]["forces"], delimiter=",", names=True)
     assert len(table) == facts["test"]["rows"]
     for wrong in (["--law", "newton"], ["--rivals", "mujoco"], ["--seed", "3"]):
-        assert main(["identify", str(made_up / "hopper.csv"), *words, *wrong]) == 2
-        assert f"{wrong[0]} are of tosses" in capsys.readouterr().err
-    assert main(["identify", str(made_up / "hopper.csv"), *words]) == 0
-    assert "touchdowns [s]" in capsys.readouterr().out
+        assert f"{wrong[0]} are of tosses" in printed(*words, *wrong, code=2)
+    assert "touchdowns [s]" in printed(*words)
 
 
 def test_wrong_input_is_one_line(made_up: Path, fitted: sf.ForceModel, tmp_path: Path) -> None:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import surefoot as sf
 from benchmarks.identify_walks import hidden_walk
-from surefoot.cli.main import main
 from surefoot.errors import ProblemError
 from surefoot.estimation.walked_robot import identify_robot
 from surefoot.log import Log
@@ -26,12 +25,11 @@ def walked() -> tuple[Log, dict[str, float]]:
 
 
 def test_a_walk_tells_what_was_hidden_in_it(
-    walked: tuple[Log, dict[str, float]], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    walked: tuple[Log, dict[str, float]], tmp_path: Path, printed: Any, answer: Any
 ) -> None:
     log, truth = walked
     log.save(tmp_path / "log.npz")
-    assert main(["identify", str(tmp_path / "log.npz"), "--out", str(tmp_path), "--json"]) == 0
-    told = json.loads(capfd.readouterr().out)
+    told = answer("identify", tmp_path / "log.npz", "--out", tmp_path)
     found = told["fit"]
     assert set(found) == NAMES
     for name in NAMES - {"mu"}:
@@ -42,8 +40,8 @@ def test_a_walk_tells_what_was_hidden_in_it(
     sweep = read_sweep(told["sweep"])
     assert set(sweep.space.drawn) == NAMES
     assert sweep.space.ranges["mu"].ends == (pytest.approx(found["mu"]["low"], rel=1e-3), 1.0)
-    assert main(["identify", str(tmp_path / "log.npz"), "--law", "rigid", "--out", str(tmp_path)]) == 2
-    assert "--law are of tosses" in capfd.readouterr().err
+    said = printed("identify", tmp_path / "log.npz", "--law", "rigid", "--out", tmp_path, code=2)
+    assert "--law are of tosses" in said
 
 
 def test_what_a_simulator_knows_besides_changes_nothing(walked: tuple[Log, dict[str, float]]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -178,20 +179,15 @@ def test_worlds_are_checked() -> None:
         replay_log(log_of(STAND), "moon")
 
 
-def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    import json
-
+def test_the_command_line(tmp_path: Path, printed: Any, answer: Any) -> None:
     from surefoot.cli.main import main
 
     path = log_of(STAND).save(tmp_path / "stand.npz")
     assert replay_log(path, "rigid").verdict == "survives"
-    assert main(["audit", str(path), "--replay", "mujoco"]) == 0
-    assert "the success survives in the world mujoco" in capsys.readouterr().out
-    assert main(["audit", str(path), "--replay", "mujoco", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["replay"]["verdict"] == "survives"
+    assert "the success survives in the world mujoco" in printed("audit", path, "--replay", "mujoco")
+    assert answer("audit", path, "--replay", "mujoco")["replay"]["verdict"] == "survives"
     bare = _without(log_of(STAND), "terrain").save(tmp_path / "bare.npz")
-    assert main(["audit", str(bare), "--replay", "rigid"]) == 2
-    assert "no fact terrain" in capsys.readouterr().err
+    assert "no fact terrain" in printed("audit", bare, "--replay", "rigid", code=2)
     assert main(["audit", str(bare), "--replay", "rigid", "--terrain", "flat"]) == 0
 
 

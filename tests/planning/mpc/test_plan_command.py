@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,9 +22,8 @@ def test_a_walk_without_a_gait_says_how_it_plans(capsys: pytest.CaptureFixture[s
     assert "25 knots of 20 ms" in found["notes"][0]
 
 
-def test_the_benchmark_prints_json_alone(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", "plan", "--quick", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_the_benchmark_prints_json_alone(answer: Any) -> None:
+    found = answer("bench", "plan", "--quick")
     solver, mpc, (ours, rival) = found["solver"], found["mpc"], found["jump"].values()
     assert ours["apart"] < 0.02
     assert "SUREFOOT_CROCODDYL_PYTHON names no" in rival or rival["replay_off"] < 0.05
