@@ -138,6 +138,7 @@ def test_kinks_in_a_batch_are_seen() -> None:
     assert (batch.derivative.distance < 1e-9).tolist() == [True, False]
 
 
+@pytest.mark.long
 def test_the_kernel_runs_in_a_callers_own_code() -> None:
     @numba.njit
     def normal_forces(G, g, laws):  # type: ignore[no-untyped-def]

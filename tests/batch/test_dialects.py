@@ -91,7 +91,10 @@ FORMS: dict[str, Callable[..., Said]] = {
 }
 
 
-@pytest.fixture(params=FORMS)
+HOST = pytest.param("jax on the host", marks=pytest.mark.long)
+
+
+@pytest.fixture(params=[HOST if name == "jax on the host" else name for name in FORMS])
 def form(request: pytest.FixtureRequest) -> Callable[..., Said]:
     needed = NEEDS.get(request.param)
     if needed is not None and find_spec(needed) is None:

@@ -51,10 +51,3 @@ def test_table():
     outer = [r for r in rows if r.cone == "4 outer" and r.instances == "infeasible-wrench"]
     assert all(r.lost_friction == pytest.approx(0.2929, abs=1e-4) for r in inner)
     assert all(r.cone_violation > 1.0 for r in outer)
-
-
-def test_command_prints_json(answer):
-    found = answer("bench", "forces", "--count", "2", "--instances", "2", "--no-stands")
-    assert [row["trajectory"] for row in found["warm"]] == ["made"]
-    assert found["accuracy"]["0.1"]["not_solved"] == 0
-    assert {"solver", "timing", "cone"} <= set(found["rows"][0])

@@ -7,14 +7,7 @@ from pathlib import Path
 import pytest
 import typer
 
-import benchmarks
 from surefoot.cli import bench, commands, main
-
-
-def test_a_checkout_has_them_beside_its_sources() -> None:
-    assert Path(benchmarks.__file__).parent == bench.FOLDER
-    names = {command.name for command in bench.app.registered_commands}
-    assert {"batch", "contact", "faults", "forces", "plan", "rigid", "statics", "walk"} <= names
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,4 @@
-"""`surefoot bench walk` and `speeds`: JSON alone on stdout."""
-
-
-def test_json_is_the_only_output(answer):
-    found = answer("bench", "walk", "--scene", "trot", "--calls", "12")
-    assert found["horizon"] == 10
-    assert found["rows"][0]["method"] == "surefoot, exact cones"
-    assert {row["scene"] for row in found["rows"]} == {"trot"}
+"""`surefoot bench speeds`: JSON alone on stdout."""
 
 
 def test_a_ladder_of_speeds(answer):

@@ -8,26 +8,25 @@ from typing import Any
 
 import pytest
 
-from surefoot.cli.main import main
 from tests.legged import write_legged
 
 NONE = ("--no-video", "--no-report")
 
 
 @pytest.fixture
-def told(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Any:
+def told(tmp_path: Path, printed: Any) -> Any:
     """Return a function that runs a command and gives its JSON, or what it says on standard error."""
 
     def run(*words: str, code: int = 0) -> Any:
-        out = () if words[0] == "model" else ("--out", str(tmp_path))
-        assert main([*words, *out]) == code
-        said = capfd.readouterr()
-        return json.loads(said.out) if code == 0 else said.err
+        said = printed(*words, *(() if words[0] == "model" else ("--out", tmp_path)), code=code)
+        return said if code else json.loads(said)
 
     return run
 
 
-@pytest.mark.parametrize("limits", [True, False], ids=["limits", "none"])
+@pytest.mark.parametrize(
+    "limits", [True, pytest.param(False, marks=pytest.mark.long)], ids=["limits", "none"]
+)
 def test_a_robot_is_the_same_as_urdf_and_as_mjcf(tmp_path: Path, told: Any, limits: bool) -> None:
     """Stand, walk and region within 2 %, though the files' shapes overlap and MJCF says less."""
     found: dict[str, list[float]] = {}

@@ -23,7 +23,10 @@ SOFTNESS = {
 }
 
 
-@pytest.mark.parametrize(("solref", "solimp"), SOFTNESS.values(), ids=SOFTNESS.keys())
+@pytest.mark.parametrize(
+    ("solref", "solimp"),
+    [pytest.param(*v, id=k, marks=() if k == "default" else pytest.mark.long) for k, v in SOFTNESS.items()],
+)
 def test_a_dropped_ball(solref, solimp):
     mass, paths, dt = 3.0, [], 2e-4
     body = ball(mass, 0.1)

@@ -32,6 +32,7 @@ def test_a_sample_that_fails_is_recorded(tmp_path: Path) -> None:
     assert rows[1]["twice"] == 2.0 * rows[1]["mu"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("backend", ["loky", "ray", "dask"])
 def test_a_sample_that_kills_its_worker_thrice_is_recorded_as_crashed(backend: str, tmp_path: Path) -> None:
     need(backend)

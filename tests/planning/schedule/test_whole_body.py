@@ -80,7 +80,9 @@ def test_forces_modes_and_limits(go2, found) -> None:
 
 
 @pytest.mark.parametrize(
-    "asked", [{"task": "jump", "amount": 0.2, "dt": 0.02}, {"task": "backflip"}], ids=str
+    "asked",
+    [{"task": "jump", "amount": 0.2, "dt": 0.02}, pytest.param({"task": "backflip"}, marks=pytest.mark.long)],
+    ids=str,
 )
 def test_a_search_that_is_stopped_is_not_solved(go2, asked) -> None:
     def stop(iteration) -> None:
