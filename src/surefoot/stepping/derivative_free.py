@@ -71,9 +71,9 @@ def regressors(motion: FreeFlight, q: FloatArray, v: FloatArray, a: FloatArray) 
     """Return the derivatives (n, 6, 10) of the bodies' forces by their inertial parameters."""
     import pinocchio
 
-    felt = a.reshape(-1, 6).copy()
-    felt[:, :3] -= gravity(motion, q)
-    pairs = zip(v.reshape(-1, 6), felt, strict=True)
+    proper = a.reshape(-1, 6).copy()
+    proper[:, :3] -= gravity(motion, q)
+    pairs = zip(v.reshape(-1, 6), proper, strict=True)
     return np.array([pinocchio.bodyRegressor(pinocchio.Motion(w), pinocchio.Motion(f)) for w, f in pairs])
 
 
