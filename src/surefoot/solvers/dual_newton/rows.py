@@ -48,6 +48,7 @@ HEAVINESS, LIGHTNESS = 100.0, 1e-3  # weights of T f - q and of q, against those
 INSET = 1e-9  # the rows are kept this much inside their limits, so that they hold in spite of rounding
 WIDEST_INSET = 1e-5  # ... or, where rounding is worse than that, up to this much
 ALMOST_KEPT = 1e-6
+TRIES = 3
 
 
 @kernel
@@ -226,8 +227,8 @@ def _load_rows(
 
 
 @kernel
-def _restore(program: Program, rows: FloatArray, tol: float, limit: float) -> tuple[int, bool]:
-    """Move the forces to the nearest ones that keep the rows, whatever the wrench; a far easier program."""
+def _aim_at_forces(program: Program, rows: FloatArray) -> None:
+    """Ask for the forces that keep the rows and are nearest, whatever the wrench: a far easier program."""
     columns, _, points, duals, _ = program
     steep = 0.0
     for i in range(columns.shape[0]):
@@ -242,8 +243,6 @@ def _restore(program: Program, rows: FloatArray, tol: float, limit: float) -> tu
     rows[:, MULTIPLIER] = 0.0
     heavy = math.sqrt(HEAVINESS * rows.shape[0] / steep) if steep > 0.0 else 1.0
     _stiffen(program, rows, heavy / rows[0, HEAVY])
-    _, _, used, settled, _ = _keep_rows(program, rows, tol, INSET, limit)
-    return used, settled
 
 
 @inline_kernel
@@ -270,22 +269,26 @@ def _solve_rows(
         ||F||² (infinite where the optimum was not reached), iterations, whether the multipliers have settled
         at the optimum and whether no force fits.
     """
-    margin, iterations, settled, empty, error = INSET, 0, False, False, math.inf
-    for _ in range(3):
-        _load_rows(wrench, jacobian, low, high, work, program, rows, margin)
-        error, violation, used, settled, empty = _keep_rows(program, rows, tol, margin, limit)
-        iterations += used
-        if settled or empty or violation > WIDEST_INSET:
+    error, margin, iterations, tries = math.inf, INSET, 0, 0
+    solved = empty = restoring = False
+    while tries < TRIES:
+        if restoring:
+            _aim_at_forces(program, rows)
+        else:
+            _load_rows(wrench, jacobian, low, high, work, program, rows, margin)
+        # one call for both: LLVM folds the whole method into every place that calls it
+        reached, violation, used, settled, none = _keep_rows(
+            program, rows, tol, INSET if restoring else margin, limit
+        )
+        iterations, tries = iterations + used, tries + 1
+        if not restoring:
+            solved, empty = settled, none
+            error = math.inf if empty else reached  # there is no optimum to be near
+            margin = 4.0 * violation  # rounding allows no better: stay inside by more than that
+        if settled or empty:
             break
-        margin = 4.0 * violation  # rounding allows no better: stay inside by more than that
-    solved = settled
-    if empty:
-        error = math.inf  # there is no optimum to be near
-    for _ in range(3):
-        if not settled and not empty:
-            error = math.inf
-            used, settled = _restore(program, rows, tol, limit)
-            iterations += used
+        if not restoring and (tries == TRIES or violation > WIDEST_INSET):
+            restoring, tries, error = True, 0, math.inf
     return error, iterations, solved, empty
 
 
