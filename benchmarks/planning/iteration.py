@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.planning.mujoco_ilqr import MujocoEngine
+from benchmarks.planning.mujoco_ilqr import MujocoIteration
 from benchmarks.timing import least_time
 from surefoot.arrays import FloatArray
 from surefoot.planning.shooting.costs import Costs, FootCost, StateCost, TorqueCost
-from surefoot.planning.shooting.engine import Engine
 from surefoot.planning.shooting.guess import holding_torques
+from surefoot.planning.shooting.iteration import ShootingIteration
 from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.robot import Robot, place
 from surefoot.stepping import Knot, StepOptions, Stepper
@@ -72,69 +72,69 @@ def knot_arrays(robot: Robot) -> tuple[FloatArray, FloatArray]:
     return np.empty((2 * n, 2 * n)), np.empty((2 * n, robot.joints))
 
 
-def start(engine: Engine) -> float:
-    """Put the torques that hold the robot into an engine; return the motion's cost."""
-    robot = engine.problem.robot
+def start(iteration: ShootingIteration) -> float:
+    """Put the torques that hold the robot into an iteration; return the motion's cost."""
+    robot = iteration.problem.robot
     q, v = place(robot), np.zeros(robot.model.nv)
-    engine.gains[:] = engine.steps[:] = 0.0
-    engine.damping = 1e-3
-    engine.now.q[:], engine.now.v[:], engine.now.torques[:] = q, v, holding_torques(robot, q)
-    engine.choose([(engine.policy, 0.0)], np.inf)
-    return engine.now.cost
+    iteration.gains[:] = iteration.steps[:] = 0.0
+    iteration.damping = 1e-3
+    iteration.now.q[:], iteration.now.v[:], iteration.now.torques[:] = q, v, holding_torques(robot, q)
+    iteration.choose([(iteration.policy, 0.0)], np.inf)
+    return iteration.now.cost
 
 
-def iterate(engine: Engine) -> float:
+def iterate(iteration: ShootingIteration) -> float:
     """Take one iteration; return the share of the step."""
-    engine.differentiate(SMOOTHING)
+    iteration.differentiate(SMOOTHING)
     for _ in range(20):
-        share = engine.search((1.0, 0.5, 0.25, 0.1)) if engine.backward() else 0.0
-        engine.damping = max(0.3 * engine.damping, 1e-6) if share else 10.0 * engine.damping
+        share = iteration.search((1.0, 0.5, 0.25, 0.1)) if iteration.backward() else 0.0
+        iteration.damping = max(0.3 * iteration.damping, 1e-6) if share else 10.0 * iteration.damping
         if share:
             return share
     return 0.0
 
 
-def time_iteration(engine: Engine, repeats: int) -> dict[str, float]:
+def time_iteration(iteration: ShootingIteration, repeats: int) -> dict[str, float]:
     """Return the least processor time of the parts of one iteration, and of a whole one [s]."""
-    start(engine)
-    iterate(engine)
+    start(iteration)
+    iterate(iteration)
     parts = {
-        "derivative": least(lambda: engine.differentiate(SMOOTHING), repeats),
-        "riccati": least(engine.backward, repeats),
+        "derivative": least(lambda: iteration.differentiate(SMOOTHING), repeats),
+        "riccati": least(iteration.backward, repeats),
     }
-    policy, bounds = engine.policy, engine.bounds
-    first = engine.now.q[0].copy(), engine.now.v[0].copy()
+    policy, bounds = iteration.policy, iteration.bounds
+    first = iteration.now.q[0].copy(), iteration.now.v[0].copy()
 
     def roll() -> None:
-        engine.spare.run(first, policy, 1.0, bounds)
-        engine.spare.price(engine.tables)
+        iteration.spare.run(first, policy, 1.0, bounds)
+        iteration.spare.price(iteration.tables)
 
     parts["rollout"] = least(roll, repeats)
 
     def whole() -> None:
-        engine.differentiate(SMOOTHING)
-        engine.backward()
+        iteration.differentiate(SMOOTHING)
+        iteration.backward()
         roll()
 
     return {**parts, "iteration": least(whole, repeats)}
 
 
-def descend(engine: Engine) -> dict[str, Any]:
+def descend(iteration: ShootingIteration) -> dict[str, Any]:
     """Return costs and the processor time of a solve of some iterations."""
     begun = time.process_time()
-    costs = [start(engine)]
+    costs = [start(iteration)]
     for _ in range(ITERATIONS):
-        iterate(engine)
-        costs.append(engine.now.cost)
+        iterate(iteration)
+        costs.append(iteration.now.cost)
     return {"costs": costs, "seconds": time.process_time() - begun}
 
 
 def measure(robot: Robot, quick: bool) -> dict[str, Any]:
     """Return everything measured; times in seconds."""
     repeats = 5 if quick else 40
-    ours = Engine(problem(robot, True, DT))
-    plain = Engine(problem(robot, False, RIVAL_DT))
-    rival = MujocoEngine(plain.problem)
+    ours = ShootingIteration(problem(robot, True, DT))
+    plain = ShootingIteration(problem(robot, False, RIVAL_DT))
+    rival = MujocoIteration(plain.problem)
     found: dict[str, Any] = {
         "knots": KNOTS,
         "dt": DT,

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.shooting.engine import Engine
 from surefoot.planning.shooting.horizon import FeedbackPolicy, Horizon
+from surefoot.planning.shooting.iteration import ShootingIteration
 from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.planning.shooting.state_space import feedback
 from surefoot.robot import Robot
@@ -103,7 +103,7 @@ def with_motors(robot: Robot, mu: float, dt: float) -> Any:
     return spec.compile()
 
 
-class MujocoEngine(Engine):
+class MujocoIteration(ShootingIteration):
     """The solver's iteration on MuJoCo."""
 
     centred = False

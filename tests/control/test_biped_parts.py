@@ -12,8 +12,8 @@ from surefoot.arrays import FloatArray
 from surefoot.control.biped.catching import BEGINS, CALM, PACES, Catching
 from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
-from surefoot.control.biped.posture import Posture, stretching
 from surefoot.control.biped.step_planner import Footstep, StepGeometry, StepPlanner, pressure_path, stances
+from surefoot.control.posture import Posture, stretching
 from surefoot.robot import load_robot, place
 from surefoot.robot.sole_plane import sole_plane
 from surefoot.stance.gait_library import named_gait

@@ -274,10 +274,10 @@ class ConvexMpc:
             status = Status.ALMOST
         return MpcPlan(forces, world, motion[:, 0], motion[:, 1], motion[:, 2], turn, status, error, total)
 
-    def body(self) -> mpc_model.Body:
+    def body(self) -> mpc_model.SingleBody:
         """Return what is moved, as of now."""
         weights = self.weights
-        return mpc_model.Body(
+        return mpc_model.SingleBody(
             float(self.mass), self._mobility, self._weights, float(weights.terminal), float(self.dt),
             float(weights.force), self.outside, float(self.fading),
         )  # fmt: skip

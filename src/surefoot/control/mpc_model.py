@@ -64,7 +64,7 @@ class Given(NamedTuple):
     reference: FloatArray
 
 
-class Body(NamedTuple):
+class SingleBody(NamedTuple):
     """What is moved, and what its errors cost.
 
     Attributes
@@ -92,7 +92,7 @@ class Body(NamedTuple):
 
 @kernel
 def build(
-    given: Given, body: Body, sway: FloatArray
+    given: Given, body: SingleBody, sway: FloatArray
 ) -> tuple[
     int, IntArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray
 ]:  # fmt: skip
@@ -318,7 +318,7 @@ def finish(
 
 @kernel
 def plan_forces(
-    given: Given, body: Body, points: FloatArray, tol: float, patience: int, limit: int
+    given: Given, body: SingleBody, points: FloatArray, tol: float, patience: int, limit: int
 ) -> tuple[int, int, float, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return the verdict on the input, the steps, the error bound [N] and what `finish` does.
 

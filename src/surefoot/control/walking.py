@@ -13,13 +13,13 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.control.behaviours.behaviour import Recovery, Request
-from surefoot.control.biped.posture import Posture
 from surefoot.control.command_limits import LeggedBody
 from surefoot.control.controller import RobotState
 from surefoot.control.foothold import catching_place, step_place
 from surefoot.control.force_planner import ForcePlanner
 from surefoot.control.gait_choice import choose_gait
 from surefoot.control.load_adaptation import LoadAdaptation
+from surefoot.control.posture import Posture
 from surefoot.control.step_phase import StepPhase
 from surefoot.control.touch_sense import TouchSense
 from surefoot.control.walker import Walker

@@ -81,10 +81,10 @@ def test_between_ticks_a_step_only_reads_the_plan() -> None:
     first = member.step(RobotState(q, np.zeros(18), 0.0))
     assert first.tick > 0.0
     assert first.status is Status.SOLVED
-    torques = member.engine.now.torques.copy()
+    torques = member.iteration.now.torques.copy()
     again = member.step(RobotState(q, np.zeros(18), 0.001))
     assert again.tick == 0.0
-    assert (member.engine.now.torques == torques).all()
+    assert (member.iteration.now.torques == torques).all()
     later = member.step(RobotState(q, np.zeros(18), 0.02))
     assert later.tick > 0.0
 
@@ -94,7 +94,7 @@ def test_the_wanted_motion_is_in_the_heading_frame_and_ramped() -> None:
     q[3:7] = [0.0, 0.0, np.sin(0.6), np.cos(0.6)]  # heading 1.2 rad
     member.step(RobotState(q, np.zeros(18), 0.0))
     member.step(RobotState(q, np.zeros(18), 0.02))
-    _, wanted_q, wanted_v = member.engine.tables.state
+    _, wanted_q, wanted_v = member.iteration.tables.state
     speed = 0.02 * 1.5  # the ramp's share of all three
     c, s = np.cos(1.2 + 0.02 * speed), np.sin(1.2 + 0.02 * speed)
     np.testing.assert_allclose(wanted_v[0, :2], [speed * (c - s), speed * (s + c)], rtol=1e-3)
@@ -111,7 +111,7 @@ def test_the_height_follows_the_ground() -> None:
     q[2] += float(ground.height(np.array([2.0, 0.0])) - ground.height(np.zeros(2)))
     assert member.step(RobotState(q, np.zeros(18), 0.0)).attained
     want = level[2] + float(ground.height(q[:2]))
-    np.testing.assert_allclose(member.engine.tables.state[1][:, 2], want)
+    np.testing.assert_allclose(member.iteration.tables.state[1][:, 2], want)
     assert want > level[2] + 0.05
 
 

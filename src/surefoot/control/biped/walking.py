@@ -19,7 +19,6 @@ from surefoot.control.behaviours.behaviour import Request
 from surefoot.control.biped.catching import Catching
 from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
-from surefoot.control.biped.posture import Posture, stretching
 from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.biped.soles import Soles, sole_damping
 from surefoot.control.biped.step_planner import (
@@ -32,6 +31,7 @@ from surefoot.control.biped.step_planner import (
 from surefoot.control.controller import RobotState
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.mpc import BodyReference, BodyState, MpcPlan
+from surefoot.control.posture import Posture, stretching
 from surefoot.control.walker import Walker
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
 from surefoot.control.walking_feet import LEAST_CLEARANCE, Feet

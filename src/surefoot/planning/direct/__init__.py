@@ -9,6 +9,6 @@ from surefoot.planning.transcription.contact_rows import Facets as Facets
 from surefoot.planning.transcription.contact_rows import GivenModes as GivenModes
 from surefoot.planning.transcription.guess import Guess as Guess
 from surefoot.planning.transcription.planar import planar_hopper as planar_hopper
-from surefoot.planning.transcription.touches import BodyTouch as BodyTouch
+from surefoot.planning.transcription.touches import PlanarTouch as PlanarTouch
 from surefoot.planning.transcription.window import StateWindow as StateWindow
 from surefoot.robot.symbolic_body import SymbolicBody as SymbolicBody

@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array, real_array, real_number, whole_number
 from surefoot.errors import ProblemError
 from surefoot.planning.transcription.planar import is_planar, passive_joints
-from surefoot.planning.transcription.touches import BodyTouch
+from surefoot.planning.transcription.touches import PlanarTouch
 from surefoot.planning.transcription.window import StateWindow, limit_joints
 from surefoot.robot import Robot
 from surefoot.stepping.momentum_knot import velocity_of_way
@@ -94,7 +94,7 @@ class DirectProblem:
     terrain: Terrain = field(default_factory=FlatTerrain)
     torque_limits: FloatArray | None = None
     joint_limits: bool = True
-    touches: tuple[BodyTouch, ...] = ()
+    touches: tuple[PlanarTouch, ...] = ()
 
     def __post_init__(self) -> None:
         robot, model = self.robot, self.robot.model

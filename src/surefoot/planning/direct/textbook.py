@@ -12,7 +12,7 @@ from surefoot.arrays import FloatArray
 from surefoot.planning.direct.problem import DirectProblem, Weights
 from surefoot.planning.transcription import planar
 from surefoot.planning.transcription.guess import Guess
-from surefoot.planning.transcription.touches import BodyTouch
+from surefoot.planning.transcription.touches import PlanarTouch
 from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -101,7 +101,7 @@ def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: fl
     towards = robot.nominal + np.array([distance, 0.0, distance + 0.1, 0.0])
     end, spread = np.array([distance, np.nan, np.nan, np.nan]), [0.1, 0.02, 0.1, 0.02]
     made = _driven(robot, end, towards, spread, 1e-2, (mu, knots, dt))
-    return replace(made, problem=replace(made.problem, touches=(BodyTouch("foot on block", face, 0.3),)))
+    return replace(made, problem=replace(made.problem, touches=(PlanarTouch("foot on block", face, 0.3),)))
 
 
 def _driven(

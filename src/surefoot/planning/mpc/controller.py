@@ -28,8 +28,8 @@ from surefoot.errors import SurefootError
 from surefoot.log.channels import CHANNELS
 from surefoot.planning.mpc.cost import WalkWeights, walking_costs
 from surefoot.planning.mpc.receding import move_on, torques_between
-from surefoot.planning.shooting.engine import Engine
 from surefoot.planning.shooting.horizon import FeedbackPolicy
+from surefoot.planning.shooting.iteration import ShootingIteration
 from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.robot import Robot
 from surefoot.robot.placement import place
@@ -147,7 +147,7 @@ class ContactImplicitMpc(Controller):
     ----------
     notes
         How it plans, in one line.
-    engine
+    iteration
         The solver, with the current plan.
 
     Raises
@@ -170,10 +170,11 @@ class ContactImplicitMpc(Controller):
         self.settings = s = settings or MpcSettings()
         self._pose = place(robot)
         costs = walking_costs(robot, self._pose, s.weights)
-        self.engine = Engine(ShootingProblem(robot, costs, s.knots, s.dt, s.mu, terrain, momentum=False))
+        problem = ShootingProblem(robot, costs, s.knots, s.dt, s.mu, terrain, momentum=False)
+        self.iteration = ShootingIteration(problem)
         self._terrain = FlatTerrain() if terrain is None else terrain
         self._limits = np.array([-robot.effort_limits, robot.effort_limits])
-        self._hold = self.engine.tables.torque[1][0].copy()
+        self._hold = self.iteration.tables.torque[1][0].copy()
         self._springs, self._still = self._fallbacks()
         self.notes = [
             f"contact-implicit MPC: {s.knots} knots of {1e3 * s.dt:g} ms, {s.iterations} iteration(s) every "
@@ -206,8 +207,8 @@ class ContactImplicitMpc(Controller):
         self.planned_at = -math.inf
         self._velocity, self._yaw, self._last = np.zeros(3), math.nan, 0.0
         self._well = False
-        self.engine.gains[:], self.engine.steps[:] = self._springs, 0.0
-        self.engine.damping = self.settings.damping
+        self.iteration.gains[:], self.iteration.steps[:] = self._springs, 0.0
+        self.iteration.damping = self.settings.damping
 
     def step(self, state: RobotState) -> MpcCommand:
         """Return the command for a state; a tick plans anew.
@@ -227,11 +228,11 @@ class ContactImplicitMpc(Controller):
 
     def _act(self, state: RobotState, tick: float) -> MpcCommand:
         """Return the plan's torques and the feedback of its gains."""
-        now, dt = self.engine.now, self.settings.dt
+        now, dt = self.iteration.now, self.settings.dt
         late = max(state.time - self.planned_at, 0.0) / dt if math.isfinite(self.planned_at) else 0.0
         knot = min(int(late), len(now) - 1)
         here, share = (state.q, state.v), min(late - knot, 1.0)
-        torques = torques_between(self.robot, here, self.engine.policy, knot, share, self._limits)
+        torques = torques_between(self.robot, here, self.iteration.policy, knot, share, self._limits)
         if not np.isfinite(torques).all():
             return self._blind(state.v)
         forces = now.impulses[knot] / dt
@@ -275,9 +276,9 @@ class ContactImplicitMpc(Controller):
 
     def _stand_by(self) -> None:
         """Take the nominal pose for a plan, followed by springs."""
-        now, still = self.engine.now, self._standing()
+        now, still = self.iteration.now, self._standing()
         now.q[:], now.v[:], now.torques[:], now.impulses[:] = still.q, still.v, still.torques, 0.0
-        self.engine.gains[:] = self._springs
+        self.iteration.gains[:] = self._springs
 
     def _aim(self, state: RobotState, passed: float) -> None:
         """Write the wanted motion into the cost: heading and velocities over the horizon."""
@@ -291,7 +292,7 @@ class ContactImplicitMpc(Controller):
         self._yaw = R + min(max((ahead + math.pi) % (2.0 * math.pi) - math.pi, -LEAD), LEAD)
         yaw = self._yaw + self.settings.dt * self._velocity[2] * np.arange(self.settings.knots + 1)
         c, s = np.cos(yaw), np.sin(yaw)
-        _, q, v = self.engine.tables.state
+        _, q, v = self.iteration.tables.state
         q[:, :2] = state.q[:2]
         q[:, 2] = self._pose[2] + float(self._terrain.height(state.q[:2]))
         q[:, 3:5], q[:, 5], q[:, 6] = 0.0, np.sin(0.5 * yaw), np.cos(0.5 * yaw)
@@ -301,37 +302,37 @@ class ContactImplicitMpc(Controller):
 
     def _begin(self, state: RobotState) -> bool:
         """Start a plan from scratch: torques that hold the robot, and a little noise."""
-        s, still, engine = self.settings, self._standing(), self.engine
+        s, still, iteration = self.settings, self._standing(), self.iteration
         noise = np.random.default_rng(s.seed).normal(size=still.torques.shape)
-        engine.now.q[0], engine.now.v[0] = state.q, state.v
-        return engine.choose([(still._replace(steps=s.noise * noise), 1.0), (still, 0.0)], -math.inf) >= 0
+        iteration.now.q[0], iteration.now.v[0] = state.q, state.v
+        return iteration.choose([(still._replace(steps=s.noise * noise), 1.0), (still, 0.0)], -math.inf) >= 0
 
     def _go_on(self, state: RobotState, passed: float) -> bool:
         """Move the last plan on in time, and let it begin where the robot is."""
-        engine, dt = self.engine, self.settings.dt
-        now, left = engine.now, passed / dt
+        iteration, dt = self.iteration, self.settings.dt
+        now, left = iteration.now, passed / dt
         if left > len(now):  # nothing is left of the plan
             return self._begin(state)
         while left > 0.0:
             move_on(self.robot, now.q, now.v, now.torques, min(left, 1.0), dt)
             left -= 1.0
         now.q[0], now.v[0] = state.q, state.v
-        return engine.take(now.q, now.v, now.torques)
+        return iteration.take(now.q, now.v, now.torques)
 
     def _iterate(self) -> bool:
         """Take one step of the solver from the last plan, gaps and all; return whether there is a new one."""
-        engine, s = self.engine, self.settings
-        enough, policy = ENOUGH * engine.now.cost + SMALL, engine.policy
+        iteration, s = self.iteration, self.settings
+        enough, policy = ENOUGH * iteration.now.cost + SMALL, iteration.policy
         candidates = [self._track(policy), (self._standing(), 0.0)]
-        if engine.differentiate(s.smoothing) and engine.backward():
+        if iteration.differentiate(s.smoothing) and iteration.backward():
             candidates = [*((policy, share) for share in s.shares), *candidates]
-        best = engine.choose(candidates, enough)
+        best = iteration.choose(candidates, enough)
         if best < 0:
             return False
         if candidates[best][0] is policy and candidates[best][1] >= 0.5:
-            engine.damping = max(0.3 * engine.damping, s.damping)
+            iteration.damping = max(0.3 * iteration.damping, s.damping)
         else:
-            engine.damping = min(3.0 * engine.damping, MOST)
+            iteration.damping = min(3.0 * iteration.damping, MOST)
         return True
 
     def _track(self, policy: FeedbackPolicy) -> tuple[FeedbackPolicy, float]:
@@ -340,7 +341,7 @@ class ContactImplicitMpc(Controller):
 
     def _standing(self) -> FeedbackPolicy:
         """Return the policy that holds the nominal pose where the robot is."""
-        now, still = self.engine.now, self._still
+        now, still = self.iteration.now, self._still
         still.q[:, :7] = now.q[0, :7]
         return still
 

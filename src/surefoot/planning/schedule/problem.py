@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
 from surefoot.errors import ProblemError
 from surefoot.planning.levels import PassedGround, passed
-from surefoot.planning.transcription.touches import BodyTouch
+from surefoot.planning.transcription.touches import PlanarTouch
 from surefoot.planning.transcription.window import StateWindow
 from surefoot.robot import Robot
 from surefoot.robot.motor_limits import MotorLimits
@@ -175,7 +175,7 @@ class ScheduleProblem:
         return float(self.robot.mass * GRAVITY)
 
     @property
-    def touches(self) -> tuple[BodyTouch, ...]:
+    def touches(self) -> tuple[PlanarTouch, ...]:
         """None: feet on the ground are all."""
         return ()
 

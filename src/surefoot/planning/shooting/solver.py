@@ -24,7 +24,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.contact import Status
 from surefoot.errors import ProblemError
-from surefoot.planning.shooting.engine import Engine
+from surefoot.planning.shooting.iteration import ShootingIteration
 from surefoot.planning.shooting.problem import (
     ShootingProblem,
     ShootingResult,
@@ -58,7 +58,7 @@ class Shooting:
 
     def __init__(self, problem: ShootingProblem) -> None:
         self.problem = problem
-        self.engine = Engine(problem)
+        self.iteration = ShootingIteration(problem)
 
     def solve(
         self,
@@ -83,22 +83,22 @@ class Shooting:
         ProblemError
             For arrays of the wrong shape, or not finite, and a guess whose steps cannot be solved.
         """
-        settings, engine = settings or ShootingSettings(), self.engine
-        engine.damping = settings.damping
+        settings, iteration = settings or ShootingSettings(), self.iteration
+        iteration.damping = settings.damping
         self._start(q, v, torques)
-        costs: list[float] = [engine.now.cost]
+        costs: list[float] = [iteration.now.cost]
         ended = Status.STALLED
         for stage, smoothing in enumerate(settings.smoothings):
             ended = self._descend(smoothing, settings, costs, stage == len(settings.smoothings) - 1)
             if ended is Status.MAX_ITERATIONS:
                 break
-        engine.damping = settings.damping
-        if engine.differentiate(smoothing):  # gains of what was found, not of the last step tried
-            engine.backward()
+        iteration.damping = settings.damping
+        if iteration.differentiate(smoothing):  # gains of what was found, not of the last step tried
+            iteration.backward()
         return self._result(costs, ended)
 
     def _start(self, q: FloatArray, v: FloatArray, torques: FloatArray | None) -> None:
-        """Put the guess into the engine."""
+        """Put the guess into the iteration."""
         p, model = self.problem, self.problem.robot.model
         N, nv, m = p.knots, int(model.nv), p.robot.joints
         q, v = p.robot.configuration(q), finite_array("v", v, (nv,))
@@ -106,22 +106,22 @@ class Shooting:
         if p.momentum:
             v = velocity_of_way(model, q, v, p.dt)
         u = np.zeros((N, m)) if torques is None else finite_array("torques", torques, (N, m))
-        engine = self.engine
-        engine.gains[:] = engine.steps[:] = 0.0
-        engine.now.torques[:] = u
-        engine.now.q[:], engine.now.v[:] = q, v
-        if engine.choose([(engine.policy, 0.0)], np.inf) < 0:
+        iteration = self.iteration
+        iteration.gains[:] = iteration.steps[:] = 0.0
+        iteration.now.torques[:] = u
+        iteration.now.q[:], iteration.now.v[:] = q, v
+        if iteration.choose([(iteration.policy, 0.0)], np.inf) < 0:
             raise ProblemError("the guess cannot be stepped: a contact problem of it has no solution found")
 
     def _descend(
         self, smoothing: float, settings: ShootingSettings, costs: list[float], last: bool
     ) -> Status:
         """Iterate at one smoothing until the cost stands still."""
-        engine, still = self.engine, 0
+        iteration, still = self.iteration, 0
         while len(costs) <= settings.max_iterations:
-            before = engine.now.cost
-            taken = engine.differentiate(smoothing) and self._step(settings)
-            now = engine.now
+            before = iteration.now.cost
+            taken = iteration.differentiate(smoothing) and self._step(settings)
+            now = iteration.now
             costs.append(now.cost)
             if not taken:
                 return Status.STALLED
@@ -133,22 +133,22 @@ class Shooting:
 
     def _step(self, settings: ShootingSettings) -> bool:
         """Take one step, with as much damping as it needs; return whether one was found."""
-        engine = self.engine
-        while engine.damping <= settings.most:
-            if engine.backward():
-                share = engine.search(settings.shares)
+        iteration = self.iteration
+        while iteration.damping <= settings.most:
+            if iteration.backward():
+                share = iteration.search(settings.shares)
                 if share > 0.0:
                     factor = 0.2 if share == 1.0 else (1.0 if share >= 0.25 else 4.0)
-                    engine.damping = max(factor * engine.damping, settings.least)
+                    iteration.damping = max(factor * iteration.damping, settings.least)
                     return True
-            engine.damping = max(10.0 * engine.damping, settings.least)
-        engine.damping = settings.damping
+            iteration.damping = max(10.0 * iteration.damping, settings.least)
+        iteration.damping = settings.damping
         return False
 
     def _result(self, costs: list[float], ended: Status) -> ShootingResult:
         """Return what was found: the rollout of the torques, judged."""
-        engine, p = self.engine, self.problem
-        now = engine.now
+        iteration, p = self.iteration, self.problem
+        now = iteration.now
         trajectory = rollout(p.robot, now.q[0], self._first, now.torques, dt=p.dt, mu=p.mu, terrain=p.terrain)
         distance = 0.0 if p.goal is None else float(p.goal.distance(trajectory))
         status: Status = Status.STALLED if ended is Status.SOLVED else ended
@@ -156,5 +156,5 @@ class Shooting:
         if lawful and distance <= (0.0 if p.goal is None else p.goal.tolerance):
             status = Status.SOLVED
         return ShootingResult(
-            trajectory, engine.gains.copy(), status, now.cost, tuple(costs), len(costs) - 1, distance,
+            trajectory, iteration.gains.copy(), status, now.cost, tuple(costs), len(costs) - 1, distance,
         )  # fmt: skip

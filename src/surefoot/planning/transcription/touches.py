@@ -28,7 +28,7 @@ PLANAR = np.array([0, 2])
 
 
 @dataclass(frozen=True)
-class BodyTouch:
+class PlanarTouch:
     """A place where two bodies of a planar robot can touch, whose coordinates are a vector space.
 
     Attributes

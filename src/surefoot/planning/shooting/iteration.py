@@ -16,7 +16,7 @@ ARMIJO = 1e-4
 """Share of the predicted decrease that a step has to bring."""
 
 
-class Engine:
+class ShootingIteration:
     """Keeps a motion and improves it, step by step.
 
     Parameters
