@@ -72,11 +72,14 @@ def step_place(
     >>> step_place(np.zeros(3), speed, np.zeros(2), 0.0, speed, 0.0, 0.3, 0.2)
     array([0.05, 0.  ])
     """
+    # Where the hip will be at touchdown, and the wanted velocity then: both turn with the body.
     turn, pendulum = velocity[2], math.sqrt(height / GRAVITY)
     c, s = math.cos(yaw + turn * left), math.sin(yaw + turn * left)
     wanted, hip, out = np.empty(2), np.empty(2), np.empty(2)
     wanted[0], wanted[1] = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
     x, y = c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]
+    # Raibert: T/2 v puts the foot below the hip at the middle of stance; sqrt(h/g) (v - v_wanted) is the
+    # offset of the capture point, at which a pendulum of this height takes up the difference.
     lead = 0.5 * stance_time * turn
     hip[0], hip[1] = com[0] + left * wanted[0] + x, com[1] + left * wanted[1] + y
     swerve = 0.5 * pendulum * pendulum * turn  # for the centripetal acceleration
@@ -111,12 +114,14 @@ def catching_place(
     >>> catching_place(np.zeros(3), fast, np.array([0.2, 0.1]), 0.0, np.zeros(3), 0.0, 0.3, 0.1)
     array([0.2 , 0.34])
     """
+    # In heading axes: reach and the side of the other leg are the body's.
     c, s = math.cos(yaw), math.sin(yaw)
     out, pendulum = np.empty(2), math.sqrt(height / GRAVITY)
     x, y = c * com_velocity[0] + s * com_velocity[1], c * com_velocity[1] - s * com_velocity[0]
     # turned round by this step it would stand far ahead of a foot that lands when others have slowed it
     ahead = 0.5 * stance_time * x + pendulum * (x - min(max(velocity[0], min(x, 0.0)), max(x, 0.0)))
     aside = 0.5 * stance_time * y + pendulum * (y - min(max(velocity[1], min(y, 0.0)), max(y, 0.0)))
+    # The leg bounds the way as a whole, so that the foot stays in the direction in which the body falls.
     reach, side = CATCH_REACH * height / max(math.hypot(ahead, aside), 1e-9), math.copysign(1.0, arm[1])
     ahead, aside = arm[0] + min(reach, 1.0) * ahead, arm[1] + min(reach, 1.0) * aside
     ahead, aside = ahead + left * x, side * max(side * aside, CATCH_ASIDE * abs(arm[1])) + left * y
@@ -214,6 +219,8 @@ def choose_foothold(
         windows = step_windows(terrain, place, way / length, margin)
         shift = math.inf if windows is None else float(nearest_shift(windows, np.zeros(1))[0])
         if windows is not None and before is not None:
+            # Hysteresis: the tread chosen before is kept while it costs little more, or a foot between two
+            # treads would be aimed at one and the other in turn.
             last = float((before - place) @ way) / length
             tread = int(np.abs(np.clip(last, *windows) - last).argmin())
             kept = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
@@ -232,6 +239,7 @@ def _most_level(terrain: Terrain, place: FloatArray, reach: float, margin: float
     ring = margin * np.column_stack([np.cos(angles), np.sin(angles)])
     middle = terrain.height(candidates)
     around = terrain.height(candidates[:, None, :] + ring)
+    # Edges within the margin by the spread of heights about a candidate, tilt by the largest slope to it.
     rise = np.ptp(np.concatenate([around, middle[:, None]], axis=1), axis=1)
     lean = np.abs(around - middle[:, None]).max(axis=1)
     if terrain.noise > 0.0:  # what may be noise is no edge

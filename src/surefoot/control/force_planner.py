@@ -127,10 +127,13 @@ class ForcePlanner:
         N, dt = self.mpc.horizon, self.mpc.dt
         ahead = 0.0 if self.forces is None else self.dt
         tick = dt * self.rate
+        # The plan is solved one step from now, so its horizon begins there; the clock of the gait runs at its
+        # rate.
         start = clock + ahead * self.rate
         contacts = self.schedule.horizon(start, tick, N)
         if start < 0.0:
             contacts[start + tick * (np.arange(N) + 0.5) < 0.0] = True
+        # The first step is what is, not what was planned: forces are commanded of it.
         contacts[0] = feet.stance
         for k in np.flatnonzero(feet.stance & ~feet.planned):  # landed early: carries on
             later = np.flatnonzero(contacts[1:, k])
@@ -142,6 +145,8 @@ class ForcePlanner:
             arms, round(0.5 * stance / tick), body.ground, body.position, body.slope,
         )  # fmt: skip
         if self.forces is not None and not self.pending:
+            # Once for every plan made: while a horizon is pending, `made` is of the plan before, whose points
+            # have been moved already.
             self.mpc.shift(max(time + ahead - self.made, 0.0))
         self._horizon = reference, places, contacts
         self.begun = time
@@ -196,6 +201,8 @@ def ramp_shares(
     """
     early = 0
     for k in range(shares.shape[0]):
+        # The bound on the normal force is a trapezium over a stance: up from the moment it carries, down to
+        # its planned lift-off, both along `length`.
         if stance[k] and not carried[k]:
             landed[k] = time
         elif stance[k] and not touching[k] and time - landed[k] + step < length:
@@ -203,6 +210,7 @@ def ramp_shares(
         carried[k] = stance[k]
         shares[k] = 1.0
         if stance[k]:
+            # Early feet are still in a swing of the schedule, whose end is not that of the stance to come.
             used = time - landed[k] + step
             if phases[k, 0] > 0.0:
                 used = min(used, phases[k, 2] - time)

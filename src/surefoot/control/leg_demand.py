@@ -55,6 +55,7 @@ class LegDemand:
 
     def __init__(self, robot: Robot, velocity: FloatArray, height: float) -> None:
         self.robot, legs = robot, table_of(robot, height)
+        # Velocity of each foot's place under the body: v + ω x r. A stance foot goes back at it.
         about = legs.centres[:, :2] - legs.centres[:, :2].mean(axis=0)
         x, y, turn = (float(v) for v in velocity)
         moves = np.column_stack([x - turn * about[:, 1], y + turn * about[:, 0]])
@@ -92,6 +93,8 @@ class LegDemand:
         factor
             Force in the middle of a stance over its mean.
         """
+        # The force over a stance is a parabola, lower at the ends by `ENDS`; its mean is what carries the
+        # weight on the share of the period that the foot stands.
         half = 0.5 * times * self.rates * pace.stance_time
         far = self._grid[0] * np.abs(np.arange(ALONG) - MIDDLE)[:, None]  # (ALONG, 1)
         push = factor * self.robot.mass * GRAVITY / (len(self.rates) * pace.duty)
@@ -129,12 +132,17 @@ def largest_speeds(
     for k, rate in enumerate(rates):
         for m in range(len(path) + SWEEP):
             along, high, forth, up = (2.0 * (m - len(path)) / (SWEEP - 1) - 1.0), 0.0, -rate, 0.0
+            # First the stance, from the front of the sweep to its back at the body's speed.
             along *= 0.5 * rate * stance
             if m < len(path):
+                # In the air the foot covers a whole stride over the ground while the body goes on: both in
+                # body axes.
                 share, way = path[m, 0], rate * period
                 along = path[m, 1] * way - share * air * rate - 0.5 * rate * stance
                 high, forth = path[m, 3] * clearance, path[m, 2] * way / air - rate
                 up = path[m, 4] * clearance / air
+            # Bilinear in the table; NaN of places that the leg does not reach spreads, and counts as infinite
+            # speed.
             u, w = along / grid[0] + MIDDLE, high / grid[1]
             if u < 0.0 or u > ALONG - 1 or w > UPWARDS - 1:
                 return np.full_like(most, np.inf)
@@ -194,6 +202,8 @@ class LegTable:
         self.weight = np.zeros((LINES, ALONG, n, joints))
         self._bind(robot)
         for line in range(LINES):
+            # Outwards from below the hip, each place from the joints of its neighbour: Newton's method stays
+            # on the same branch of the knee.
             for way in (range(MIDDLE, ALONG), range(MIDDLE, -1, -1)):
                 q = robot.nominal
                 for place in way:
@@ -268,6 +278,8 @@ class LegTable:
             if np.abs(miss).max() < SOLVED:
                 break
             stacked = jacobians.reshape(-1, self._joints)
+            # Levenberg's damping, and steps cut to 0.3 rad: near the end of a leg's reach the Jacobian loses
+            # rank.
             damped = stacked.T @ stacked + 1e-9 * np.eye(self._joints)
             step = np.linalg.solve(damped, stacked.T @ miss.ravel())
             now[7:] += np.minimum(np.maximum(step, -0.3), 0.3)

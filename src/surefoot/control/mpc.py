@@ -223,6 +223,8 @@ class ConvexMpc:
     def shift(self, elapsed: float) -> None:
         """Move the remembered plan on by the steps of the time since it was made [s]: a warm start."""
         steps = real_number("elapsed", elapsed, low=-1e9, high=1e9) / self.dt
+        # The last step is repeated for those that come into the horizon: as a warm start it only tells which
+        # contacts stick, slide or lift.
         ahead = np.arange(self.horizon) + round(max(steps, 0.0))
         self._points = self._points[np.minimum(ahead, self.horizon - 1)]
 

@@ -34,6 +34,8 @@ def grasp_map_of_points(
             points[k, i] = places[foot, i] - radii[k] * frames[k, i, 2]
             for j in range(3):
                 points[k, i] += rotations[foot, i, j] * centres[k, j]
+        # Column of a unit force along each contact axis: [axis; arm x axis], moments about the centre of
+        # mass.
         arm = points[k, 0] - com[0], points[k, 1] - com[1], points[k, 2] - com[2]
         for j in range(3):
             axis, column = (frames[k, 0, j], frames[k, 1, j], frames[k, 2, j]), 3 * k + j
@@ -71,6 +73,8 @@ def foot_impedance(
         Natural frequency [rad/s].
     """
     nv = jacobian.shape[1]
+    # The foot's velocity counts the base's, since its target is fixed in the world; the torques are the leg's
+    # alone, and so is the inertia: the base is taken to stand still.
     legs = np.flatnonzero(support[6:]) + 6
     J, moving = np.empty((3, nv)), support.copy()
     moving[:6] = True
@@ -86,6 +90,8 @@ def foot_impedance(
     # J M⁻¹ Jᵀ of the leg alone: its inverse is the mass that the foot feels
     mobility = leg_jacobian @ np.linalg.solve(leg_mass, np.ascontiguousarray(leg_jacobian.T))
     mobility += 1e-3 * np.trace(mobility) * np.eye(3)  # a stretched leg has no mobility along itself
+    # F = Λ (ω² e + 2 ω ė) with Λ = (J M⁻¹ Jᵀ)⁻¹, then τ = Jᵀ F: the foot answers as a unit mass on a
+    # critically damped spring along every axis, however the leg is bent.
     force = np.linalg.solve(mobility, omega * omega * miss + 2.0 * omega * (velocity - now))
     out = np.zeros(nv - 6)
     for i in range(count):

@@ -48,6 +48,7 @@ def minimum_jerk(share: float) -> tuple[float, float, float]:
     >>> minimum_jerk(0.5)[:2]
     (0.5, 1.875)
     """
+    # Clamped: a foot that is late stays at the end of its step and goes on with the descent alone.
     s = min(max(share, 0.0), 1.0)
     r = 1.0 - s
     return (
@@ -66,6 +67,9 @@ def sinking(
     The speed grows to `descent` over a quarter of the swing and stays; with the gain the path meets the
     ground when the speed is four fifths of it, at the share `down` [m, m, m/s, m/s²].
     """
+    # Speed 4 descent late up to a quarter, then descent: at `down`, late = 0.2, the speed is 0.8 descent and
+    # the way 2 (0.2)² = 0.08 descent duration, the gain. Started a fifth early it meets the ground while it
+    # still speeds up, so a foot that lands on time strikes with less than the full descent.
     late = max(share - down + 0.2, 0.0)
     way = descent * duration * (2.0 * late * late if late < 0.25 else late - 0.125)
     change = 4.0 * descent / duration if 0.0 < late < 0.25 else 0.0
@@ -91,9 +95,12 @@ def ramped_step(share: float, ramp: float = RAMP) -> tuple[float, float, float]:
     [0.5, 1.729175]
     """
     s = min(max(share, 0.0), 1.0)
+    # The step is odd about its middle: x(1 - s) = 1 - x(s), so only the first half is worked out.
     mirrored = s > 0.5
     t = 1.0 - s if mirrored else s
     r = ramp
+    # Speed and way at the end of the ramp, for A = 1, and what the unramped 1 - 2 s would have there, which
+    # is taken off its integrals after the ramp. A scales the way at the middle to one half.
     vr, xr = r / 2.0 - 2.0 * r * r / 3.0, r * r / 6.0 - r * r * r / 6.0
     er, ir = r - r * r, r * r / 2.0 - r * r * r / 3.0
     half = xr + vr * (0.5 - r) + (1.0 / 8.0 - 1.0 / 24.0) - ir - er * (0.5 - r)
@@ -150,6 +157,8 @@ def even_swing(
     for i in range(3):
         d = target[i] - start[i]
         out[0, i], out[1, i], out[2, i] = start[i] + b * d, db * d / length, ddb * d / (length * length)
+    # Upwards the straight line between the ends plus a bump, which brings the path to `apex` about its
+    # middle.
     h, dh, ddh = smooth_bump(share)
     rise = apex - 0.5 * (start[2] + target[2])
     out[0, 2] += h * rise
@@ -204,6 +213,8 @@ def swing_motion(
     if lift_first < 0.0:
         return even_swing(start, target, apex, share, duration, descent)
     out = np.zeros((3, 3))
+    # Sideways only once the foot has lifted, and no more when it comes down: it shall not touch an edge on
+    # its way up, nor the ground while it still moves along it.
     straight = min(DOWN_LAST, down)
     length = duration * (straight - lift_first)
     b, db, ddb = minimum_jerk((share - lift_first) / (straight - lift_first))
@@ -211,6 +222,7 @@ def swing_motion(
         d = target[i] - start[i]
         out[0, i], out[1, i], out[2, i] = start[i] + b * d, db * d / length, ddb * d / (length * length)
     gain, sunk, speed, change = sinking(share, duration, descent, down)
+    # Two minimum-jerk steps meet at the apex at rest, raised by what the descent takes until touchdown.
     if share < RISE:
         length, part, begin, end = duration * RISE, share / RISE, start[2], apex + gain
     else:
@@ -270,8 +282,10 @@ def clear_lift(
     shares = np.linspace(0.1, 0.9, 17)
     along = target[:2] - start[:2]
     length = math.hypot(float(along[0]), float(along[1]))
+    # The ground is looked at below the foot and ahead of it: an edge strikes the front of the foot first.
     reach = (radius + room) * along / length if length > 1e-6 else np.zeros(2)
     best, least = LIFT_FIRST, math.inf
+    # The least delay that clears is taken: the later a foot moves sideways, the faster it has to.
     for lift in LIFT_LATER:
         path = swing_places(start, target, apex, shares, lift)
         ground = terrain.height(np.concatenate([path[:, :2], path[:, :2] + reach])).reshape(2, -1).max(axis=0)

@@ -40,6 +40,8 @@ def follow(
     stiffness, damping
         Of the feedback [1/s²], [1/s].
     """
+    # Feed-forward and PD about a motion of constant acceleration, linear and angular. Turns are compared as
+    # rotation vectors from the plan's start, which add as vectors for the small turn of a plan's age.
     out, turned = np.empty((2, 3)), np.zeros(3)
     if t > 0.0:
         log_between(now_rotation, rotation, turned)
@@ -70,6 +72,8 @@ def body_rise(slope: FloatArray, yaw: float, height: float, dip: float, lowered:
     height, dip, lowered
         See `BodyPlan`.
     """
+    # With s the steepness, 1 + s² is one over the slope's squared cosine: the height along the vertical is h
+    # times its power ½ (h along the normal; downhill), 0 (across), or -½ (uphill).
     steepness = math.hypot(slope[0], slope[1])
     if steepness < 1e-9:
         return height
@@ -112,6 +116,8 @@ def advance_body(
     vx, vy = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
     position[0] += vx * dt
     position[1] += vy * dt
+    # The place is integrated from the velocity: bounded about the body, or one that is held up would be
+    # pulled ever harder and leap when it comes free.
     reach = lead * max(math.sqrt(GRAVITY * height), math.hypot(vx, vy))
     x, y = position[0] - com[0], position[1] - com[1]
     far = math.hypot(x, y)
@@ -230,6 +236,8 @@ def swing_paths(
         apex, share, duration = timing[k, 0], timing[k, 1], timing[k, 2]
         lift_first, down = timing[k, 3], timing[k, 5]
         path[:] = swing_motion(ends[0, k], ends[1, k], apex, share, duration, descent, lift_first, down)
+        # A late foot searches below its target: down at the acceleration `search` until it is `fastest`, then
+        # steadily, beside the swing's own descent.
         if late >= 0.0:
             rush = min(late, fastest / search)
             path[0, 2] -= search * rush * (late - 0.5 * rush)
@@ -295,6 +303,9 @@ def stance_places(
         flown = False
         for i in range(N):
             if i > 0 and contacts[i, k] and not contacts[i - 1, k]:
+                # Later stances follow the body: around the centre of mass halfway through, which the step
+                # planner will choose likewise (Raibert's neutral point). The landing of a foot in the air is
+                # chosen already.
                 if stance[k] or flown:
                     m = min(i + half_stance, N)
                     x, y = com[m, 0] + arms[m, k, 0], com[m, 1] + arms[m, k, 1]
@@ -340,6 +351,7 @@ def follow_phases(
         (n,) when each foot last touched the ground; (n, 2) when its interrupted swing began anew and ends;
         (n,) when its last swing began [s].
     """
+    # Most steps change nothing: what does not change is done here, the rest is told by a bit for each foot.
     events = 0
     for k in range(phases.shape[0]):
         on, begin, end = phases[k, 0] > 0.0, phases[k, 1], phases[k, 2]
@@ -348,6 +360,8 @@ def follow_phases(
             sensed_at[k] = time
         if not stance[k] and time + wait < retry[k, 1]:
             events |= 1 << k
+        # Planned to stand: nothing to do for one that does and has felt the ground of late; else it is to
+        # land, is late, or has lost the ground.
         elif on:
             if not (stance[k] and time - sensed_at[k] <= lost_time):
                 events |= 1 << k

@@ -55,6 +55,8 @@ def feet_motion(
     """
     count, nv = support.shape
     for k in range(count):
+        # Spatial velocity J v, and acceleration J̇ v at zero v̇, both of the foot's body at the world's
+        # origin: data.J has columns of every joint, of which only the foot's ancestors move it.
         twist, spatial = np.zeros(6), np.zeros(6)
         for j in range(nv):
             if support[k, j]:
@@ -65,10 +67,13 @@ def feet_motion(
             centres[k, i] = places[k, i]
             for j in range(3):
                 centres[k, i] += rotations[k, i, j] * middles[k, j]
+        # Both fields at the centre: v + ω x c, and v̇ + ω̇ x c.
         turn = cross(_three(twist, 3), _three(centres[k], 0))
         swerve = cross(_three(spatial, 3), _three(centres[k], 0))
         for i in range(3):
             twists[k, i], twists[k, 3 + i] = twist[i] + turn[i], twist[3 + i]
+        # Spatial acceleration is the rate at a place fixed in the world; that of the material point adds ω x
+        # v.
         bend = cross(_three(twist, 3), _three(twists[k], 0))
         for i in range(3):
             drifts[k, i], drifts[k, 3 + i] = spatial[i] + swerve[i] + bend[i], spatial[3 + i]
@@ -114,10 +119,15 @@ def contact_rows(
     for k in range(stance.shape[0]):
         if not stance[k]:
             continue
+        # The constraint is asked for as v̇ + damping v + stiffness gap n = 0 (Baumgarte): held on
+        # accelerations alone, what integration loses would stay as slip and as depth.
         point = centres[k] + arms[k]
         point_jacobian(jacobian, support[k], point, rows[at : at + 3])
         arm = _three(arms[k], 0)
         slip, drift = cross(_three(twists[k], 3), arm), cross(_three(drifts[k], 3), arm)
+        # Positive above the ground: it enters below with a minus, as an acceleration towards the ground. A
+        # sole's normal velocity decays at its own rate, so along the normal the difference of the rates is
+        # added.
         push = stiffness * gaps[k]
         if flat[k]:
             for i in range(3):
@@ -184,6 +194,8 @@ def base_tasks(
             ) / mass
     _add_rows(H, c, rows, wanted, weights[0])
     for i in range(3):
+        # In the state's own axes ω̇ is Rᵀ α: the turning of the axes adds ω x ω = 0. No row of M is needed,
+        # so the task stays diagonal in H.
         local = 0.0
         for k in range(3):
             local += rotation[k, i] * turn_acceleration[k]
@@ -214,6 +226,7 @@ def swing_tasks(
     for k in range(stance.shape[0]):
         if stance[k]:
             continue
+        # The task is J a + drift = wanted: the drift is known and goes to the right.
         point_jacobian(jacobian, support[k], centres[k], rows)
         _add_rows(H, c, rows, wanted[k, :3] - drifts[k, :3], weight)
         if flat[k]:
@@ -227,6 +240,7 @@ def _reduce_cost(
 ) -> bool:
     """Fill root and target so that a = offset + gain w costs ½ ||rootᵀ w - target||²; see `eliminate`."""
     nv = H.shape[0]
+    # ½ aᵀ H a - cᵀ a at a = offset + gain w: Hessian gainᵀ H gain, gradient gainᵀ (H offset - c) at w = 0.
     HX = np.empty((nv, 6))
     product(H, gain, HX)
     root[:] = 0.0
@@ -241,9 +255,12 @@ def _reduce_cost(
                 root[i, k] += gain[j, i] * HX[j, k]
         trace += root[i, i]
     for i in range(6):
+        # Where constraints leave a wrench nothing to accelerate, gain loses rank and the Hessian is singular:
+        # a shift of the size of rounding keeps the factor.
         root[i, i] += 1e-12 * trace
     if not cholesky(root):
         return False
+    # ½ ||Lᵀ w - t||² has the gradient L (Lᵀ w - t): t is L⁻¹ of the negative one.
     solve_lower(root, target)
     for i in range(6):
         for k in range(i + 1, 6):
@@ -287,6 +304,8 @@ def eliminate(
         free[j, 0] = c[j]
     solve_columns(L, Y)  # H⁻¹ Eᵀ
     solve_columns(L, free)  # H⁻¹ c
+    # The answer is affine in w, which enters the first six constraints alone: one factor of S serves their
+    # six unit vectors (the gain) and the known right-hand side (the offset).
     S, B = np.empty((r, r)), np.zeros((r, 7))
     product(E, Y, S)
     trace = 0.0
@@ -331,6 +350,7 @@ def place_points(
     """
     for k in range(len(radii)):
         for i in range(3):
+            # The lowest point of a sphere along the ground's normal touches, whatever way the foot is turned.
             normals[k, i] = frames[k, i, 2]
             arms[k, i] = -radii[k] * frames[k, i, 2]
     for j in range(len(foot)):

@@ -141,6 +141,8 @@ def kinematics(
     base, pose = _matrix(numbers, memory, BASE, 3, 3), _matrix(numbers, memory, POSE, 3, 4)
     body = _matrix(numbers, memory, BODY, 3, 3)
     for i in range(3):
+        # Pinocchio's free flyer has its velocity in base axes; controllers want the angular one in world
+        # axes.
         body[0, i], body[1, i], body[2, i], pose[i, 3] = com[i], com_velocity[i], 0.0, place[i]
         for j in range(3):
             base[i, j] = pose[i, j] = rotation[i, j]
@@ -171,6 +173,7 @@ def force_problem(
     stance, com, turn, feet, joints, frames, gaps
         Fields of `Tasks`: (n,), (3,), (3,), (n, 6), (joints,), (n, 3, 3), (n,).
     """
+    # Tasks: ½ aᵀ H a - cᵀ a, set by the base and the joints, then added to by the feet in the air.
     nv, n, p = numbers[NV], numbers[FEET], numbers[POINTS]
     J, base = _matrix(numbers, memory, TWISTS, 6, nv), _matrix(numbers, memory, BASE, 3, 3)
     support, flat = _whole(numbers, SUPPORT, n, nv), _whole(numbers, FLAT, 1, n)[0]
@@ -189,6 +192,8 @@ def force_problem(
         _matrix(numbers, memory, OFFSETS, p, 3), _vector(numbers, memory, RADII, n), normals, arms,
         point_frames, points,
     )  # fmt: skip
+    # Constraints E a = e + [w; 0]: the base's six rows of M a + h = outside + w come first, as `eliminate`
+    # wants them, then the contacts; rows of pinned joints are appended later, behind `count`.
     most = numbers[PARTS + OFFSET] - numbers[PARTS + WANTED]
     rows, wanted = _matrix(numbers, memory, E, most, nv), _vector(numbers, memory, WANTED, most)
     rates = weights[RATES], weights[RATES + 1], weights[RATES + 2], weights[RATES + 3]
@@ -220,8 +225,11 @@ def reduce(numbers: IntArray, memory: FloatArray, count: int) -> bool:
     )  # fmt: skip
     if not sound:
         return False
+    # w = G f with G the base's six columns of the contact rows, transposed: the cost in forces is ½ ||rootᵀ G
+    # f - target||², which is what `ForceDistributor` takes. rootᵀ is upper triangular.
     out, rows = _matrix(numbers, memory, MAP, 6, 3 * p), _matrix(numbers, memory, ROWS, 3 * p, nv)
     for i in range(6):
+        # The factors see H and E alone: a wanted acceleration or a bias that is not finite shows here.
         if not math.isfinite(target[i]):
             return False
         for k in range(3 * p):
@@ -259,6 +267,7 @@ def torques_of(
         (joints,) which of them no contact loads.
     """
     nv, p = numbers[NV], numbers[POINTS]
+    # Jᵀ f on all joints; its first six numbers are the w that fixes the accelerations.
     rows, gain = _matrix(numbers, memory, ROWS, 3 * p, nv), _matrix(numbers, memory, GAIN, nv, 6)
     offset, ground, a = _vector(numbers, memory, OFFSET, nv), np.zeros(nv), np.empty(nv)
     for k in range(p):
@@ -282,12 +291,16 @@ def torques_of(
             total += M[6 + j, i] * a[i]
         torques[j] = total
         command[j] = min(max(total, middle[j] - half[j]), middle[j] + half[j]) + span[2, j]
+        # The motors' range need not lie about zero: at speed a motor brakes with more torque than it drives.
         size = abs(total - middle[j])
         if not math.isfinite(size):
             finite = False
             continue
+        # 0 / 0 of a joint that has no range and needs none is no excess.
         share = size / half[j] if size > 0.0 else 0.0
         if loose[j]:
+            # Of joints that no contact loads the torque follows from the acceleration: both limits are pinned
+            # alike, so an acceleration out of its range counts as an excess without bound.
             beyond = max(span[3, j] - a[6 + j], a[6 + j] - span[4, j])
             light = max(light, math.inf if beyond > PINNED_SLACK * (span[4, j] - span[3, j]) else share)
         else:
@@ -311,5 +324,8 @@ def gain_range(q: FloatArray, v: FloatArray, stops: FloatArray, fastest: FloatAr
         (2, joints) least and largest positions [rad]; (joints,) speed limits [rad/s].
     """
     for j in range(len(v)):
+        # v <= STOPPING (stop - q) is first-order decay onto the stop, which never passes it; v̇ <= SPEEDING
+        # (limit - v) is the same for the speed. Both together are overdamped, as SPEEDING is more than four
+        # times STOPPING: no overshoot.
         out[3, j] = SPEEDING * (max(STOPPING * (stops[0, j] - q[j]), -fastest[j]) - v[j])
         out[4, j] = SPEEDING * (min(STOPPING * (stops[1, j] - q[j]), fastest[j]) - v[j])

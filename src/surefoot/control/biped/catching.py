@@ -122,6 +122,8 @@ class Catching:
         for one in steps:
             moved = one
             if one.begin > clock:
+                # The pressure moves by d evenly over the double support of length T, from t on: what that
+                # does to ξ now is d exp(-ω t) (1 - exp(-ω T)) / (ω T), by ξ̇ = ω (ξ - p) read backwards.
                 both = self.preview.omega * max(min(last.end, one.end) - one.begin, 1e-6)
                 share = math.exp(-self.preview.omega * (one.begin - clock)) * (1.0 - math.exp(-both)) / both
                 nominal, side = last.place + one.place - plain.place, float(self.planner.sides[one.foot])

@@ -42,6 +42,7 @@ class LegMomentum:
             pose = pinocchio.updateFramePlacement(model, data, frame)
             J = np.array(pinocchio.getFrameJacobian(model, data, frame, pinocchio.LOCAL_WORLD_ALIGNED))
             arm = pose.rotation @ points.middles[k]
+            # From the frame's origin to the middle of the sole: v + ω x arm.
             J[:3] -= pinocchio.skew(arm) @ J[3:]
             leg = points.foot_support[k].copy()
             leg[:6] = False

@@ -128,6 +128,8 @@ class Soles:
         feet = self.feet
         length = TURN_LAST - TURN_FIRST
         s, ds, dds = minimum_jerk((float(feet.share[k]) - TURN_FIRST) / length)
+        # Along the shortest turn, at a rate of constant direction: ω and its rate are then those of the
+        # share.
         whole = rotation_log(self._goal[k] @ self._start[k].T)
         turned = rotation_exp(s * whole) @ self._start[k]
         time = length * float(feet.duration[k])
