@@ -16,6 +16,7 @@ from surefoot.numerics.vectors import advance, dot
 @kernel
 def factorise(upper: FloatArray, L: FloatArray) -> None:
     """Write the lower Cholesky factor of a matrix (n, n), any unit, given by its upper triangle, into L."""
+    # Pinocchio's `crba` leaves the lower triangle unset: only the upper one is M.
     for i in range(L.shape[0]):
         for j in range(i + 1):
             L[i, j] = upper[j, i]
@@ -38,6 +39,7 @@ def largest(x: FloatArray) -> float:
     """Return the largest magnitude in x (n,), in any unit, infinity where an entry is not a number."""
     out = 0.0
     for i in range(x.size):
+        # Not `>`: NaN compares false with everything, and has to count as the largest.
         if not abs(x[i]) <= out:
             out = abs(x[i]) if abs(x[i]) < np.inf else np.inf
     return out
@@ -56,6 +58,8 @@ def near_ground(
     count = 0
     for c in range(gaps.size):
         before, after = dot(J[3 * c + 2], v), dot(J[3 * c + 2], free)
+        # Of forces that come only in the problem itself (other contacts' impulses) nothing is known here:
+        # those whom they press in join later, see `with_missed`.
         if gaps[c] + dt * min(before, after) < reach:
             out[count] = c
             count += 1
@@ -75,6 +79,8 @@ def turned(
     least: float,
 ) -> tuple[FloatArray, FloatArray] | None:  # fmt: skip
     """Return what `swerves` does, for contact velocities (p, 3) before impulses."""
+    # Over a step of free motion the velocity of a contact that holds changes by its centripetal and Coriolis
+    # terms. Half of it is what the mean velocity is off by from the one right after the impulses.
     out, largest = np.zeros(leaving.shape), 0.0
     groups = 1 + foot.max() if foot.size else 0
     means, count = np.zeros((groups, 3)), np.zeros(groups)
@@ -128,6 +134,8 @@ def with_missed(velocities: FloatArray, gaps: FloatArray, dt: float, near: IntAr
 
     Velocities are (p, 3) [m/s] in contact axes, gaps (p,) [m].
     """
+    # A nanometre is left alone: impulses are exact to the solver's tolerance only, and a set of contacts that
+    # grows by rounding would be solved again for nothing.
     taken = np.zeros(gaps.size, dtype=np.bool_)
     for c in near:
         taken[c] = True
@@ -162,10 +170,14 @@ def assemble(
             g[3 * i + a] = dot(J[row], free)
             # G = J M⁻¹ Jᵀ = Y Yᵀ with Y = J L⁻ᵀ, M = L Lᵀ: half the work of M⁻¹, and symmetric
             solve_lower(L, Y[3 * i + a])
+        # u + shift >= 0 bounds u_n from below by -shift: an open contact (shift > 0) may still come down by
+        # its gap, a closed one that bounces (e u⁻ < 0) has to leave. The lesser shift asks for the faster
+        # departure.
         shift = (1.0 if gaps[c] > 0.0 else pull) * gaps[c] / dt
         if restitution > 0.0 and before < -rest_speed and gaps[c] + dt * g[3 * i + 2] <= 0.0:
             shift = min(shift, restitution * before)
         g[3 * i + 2] += shift
+    # Both triangles from one product: half the work, and symmetric to the last bit.
     G = np.empty((3 * k, 3 * k))
     for i in range(3 * k):
         for j in range(i + 1):

@@ -93,6 +93,7 @@ class FlowDerivative:
                 first, second = (
                     self._rate(q, v, (k + share) * h, effort, inputs) for share in (GAUSS, 1.0 - GAUSS)
                 )
+                # Magnus of fourth order: h/2 (F₁ + F₂) + √3/12 h² [F₂, F₁], at the two points of Gauss.
                 swerve = second @ first - first @ second
                 X = _carried(0.5 * h * (first + second) + math.sqrt(3.0) / 12.0 * h * h * swerve, X)
         return np.asarray(X[:, : 2 * size].reshape(-1, 2, size, columns).swapaxes(0, 1).reshape(T.shape))
@@ -129,6 +130,8 @@ class FlowDerivative:
         data, upper = self.data, np.triu(self.data.Minv)
         if inertia is not None:
             a = np.array(data.ddq)
+            # M δa = δτ - Y δθ at fixed motion, with Y the regressor of inverse dynamics. Pinocchio fills the
+            # upper triangle of M⁻¹.
             more = more - pinocchio.computeJointTorqueRegressor(self.motion.model, data, q, v, a) @ inertia
         return np.asarray((upper + np.triu(upper, 1).T) @ more)[None]
 
@@ -163,6 +166,7 @@ def variation(
     the derivatives of the acceleration.
     """
     n = v.size
+    # q and v of joints with one axis: δq̇ = δv, and the derivatives of the acceleration.
     for i in range(n):
         F[i, n + i] = 1.0
         for j in range(n):

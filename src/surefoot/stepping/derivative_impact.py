@@ -162,6 +162,8 @@ class Exchange:
         if near.size:
             assert impact.rows is not None
             assert self.response is not None
+            # What the contact velocities would do if the impulses stayed, and the shift with them: to this
+            # the problem answers by ∂λ/∂g.
             b = (spin @ rates.q + J @ v)[rows]
             b[2::3] += self._shift(rates)
             guess = self._swerve(rates)
@@ -188,8 +190,11 @@ class Exchange:
             share = np.where(np.abs(gaps) <= RESTING, 1.0, share * horizon) / horizon
         out = share[:, None] * opening
         if rates.one_sided and (touching := np.abs(gaps) <= TOUCHING).any():
+            # A gap of zero is the kink of gap -> shift: a motion that opens it has the slope of open gaps,
+            # one that closes it that of penetration.
             out[touching] = np.where(opening > 0.0, 1.0, pull)[touching] / horizon * opening[touching]
         if rates.seconds is not None:
+            # The shift is gap over the time to the next impulses.
             out -= np.outer(share * gaps / horizon, rates.seconds)
         e = self.restitution[near]
         if e.any():

@@ -40,6 +40,7 @@ def _centre(c: int, positions: FloatArray, radii: FloatArray, frames: FloatArray
 @inline_kernel
 def _turning(turns: FloatArray, c: int) -> bool:
     """Return whether a contact's frame turns with its place."""
+    # Over a plane the frames are constant: the products with their rates are left out.
     found = False
     for d in range(2):
         for i in range(3):
@@ -97,15 +98,20 @@ def velocity_rates(
                 continue
             angular, f = _three(twists, k, 3), first[k]
             # velocity of the contact point with joint k
+            # Of the sphere's centre first: the contact lies below it along the ground's normal, which on
+            # curved ground turns as the centre moves.
             point = _plus(_three(twists, k, 0), cross(angular, at))
             if turning:
                 point = _turn(turns, c, point, radii[c], turn)
             # ∂X_j/∂q_k = X_k × X_j for the joints that k carries
             turned = cross(angular, _three(behind, f, 3))
+            # Linear part of X_k × X at the origin, then moved to the contact: the twist's own change at a
+            # fixed place, and the velocity field's change along the way that the contact point goes.
             rate = cross(angular, _three(behind, f, 0))
             rate = _plus(rate, cross(_three(twists, k, 0), _three(behind, f, 3)))
             rate = _plus(_plus(rate, cross(turned, place)), cross(spin, point))
             for a in range(3):
+                # Rᵀ δu + δRᵀ u, in contact axes.
                 total = frames[c, 0, a] * rate[0]
                 if turning:
                     total += turn[0, a] * whole[0]
@@ -145,6 +151,8 @@ def force_rates(
             if turning:
                 point = _turn(turns, c, point, radii[c], turn)
                 change = times(turn, f)
+            # The wrench about the world's origin [F; x × F] changes as the contact point moves, and as F
+            # turns with the frame, in which λ is held.
             swing = cross(point, force)
             if turning:
                 swing = _plus(swing, cross(place, change))

@@ -63,6 +63,7 @@ class LocatedStages(Stages):
             T = self._coasted(k, T, effort, given.inertia)
             wait = -late  # the end of the step stays where it is
             if touch is not None:
+                # The gap of whoever touches first stays zero: δs = -(∂gap δq) / (∂gap v⁻), see above.
                 opening = touch.ground.gaps()[self.step.pieces[k].first]
                 wait = -(opening @ T[:n]) / (opening @ touch.impact.before)
             T, late = T + np.outer(self.coasts[k].pace, wait), late + wait

@@ -28,6 +28,8 @@ def ground_turn(terrain: Terrain, contacts: Contacts, radii: FloatArray) -> tupl
     Rates (2, p, 3, 3) of the frames along x and y [1/m], and (p, 3) of the gaps with the spheres' centres;
     by central differences where it is curved.
     """
+    # Slopes of a plane's gap are its normal; terrains tell heights, not curvature, so curved ground is
+    # differenced.
     frames = contacts.frames
     turns, slopes = np.zeros((2, *frames.shape)), frames[:, :, 2].copy()
     if terrain.planar or not len(frames):

@@ -51,6 +51,10 @@ def _free(body: FallingBody, at: Placed, v: FloatArray, t: float, out: FloatArra
         out[r] = v[r] + t * out[r]
     for i in range(1, body.masses.size):
         if body.friction[i] > 0.0 or body.damping[i] > 0.0:
+            # M⁻¹ e_i: what a unit impulse on joint i does to all velocities. Dry friction is the impulse that
+            # would stop the joint, at most t times its torque; damping is that of backward Euler, r = r₀ / (1
+            # + t d M⁻¹_ii), on what is left. Both are stable for any t; a joint's effect on another one's
+            # losses is taken in their order.
             give = np.zeros(v.size)
             give[5 + i] = 1.0
             solve_mass(at.M, give)
@@ -69,6 +73,8 @@ def move(q: FloatArray, v: FloatArray, t: float) -> None:
         q[a] += t * v[a - 1]
     rate = math.sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])
     half = 0.5 * rate * t
+    # Quaternion exponential of ω t, multiplied from the left since ω is in the plane's axes; sin(x) / x is
+    # one to rounding below 1e-8. It keeps the length of the quaternion, so that nothing is normalised.
     share = 0.5 * t if half < 1e-8 else math.sin(half) / rate
     a, b, c, d = share * v[3], share * v[4], share * v[5], math.cos(half)
     x, y, z, w = q[3], q[4], q[5], q[6]
@@ -88,6 +94,8 @@ def _arrival(rows: FloatArray, gaps: FloatArray, v: FloatArray, drop: float, t: 
     first = t
     for k in range(gaps.size):
         if gaps[k] > CLOSED:
+            # First root of gap + u t - drop t² / 2 = 0 as 2 gap / (-u + sqrt(u² + 2 drop gap)): nothing
+            # cancels, and a drop of zero needs no case of its own.
             speed = dot(rows[k], v)
             root = speed * speed + 2.0 * drop * gaps[k]
             if root >= 0.0:
@@ -136,6 +144,9 @@ def step(
         t = left
         count, good = _push(body, at, v, law, t, calm, after)
         if number < ARRIVALS - 1:
+            # In the air the arrival is that of a parabola from v; with contacts the velocity after the
+            # impulses holds over the whole piece (semi-implicit Euler), and the arrival is on a straight
+            # line.
             drop = -gravity[2] if count == 0 else 0.0
             t = _arrival(rows, at.gaps, v if count == 0 else after, drop, left)
             if t < left and count > 0:
@@ -152,6 +163,7 @@ def step(
         else:
             move(q, after, t)
         v[:] = after
+        # Pieces that rounding leaves over have no length worth a contact problem.
         left -= t
         if left <= 1e-9 * dt:
             break
@@ -196,6 +208,8 @@ def throw(
             row += 1
             if calm < 2:
                 for _ in range(steps):
+                    # Three contacts hold a body: one that is at rest on them for two steps stays, and the
+                    # rest of its frames cost nothing.
                     count, solved = step(body, law, gravity, q, v, dt / steps, at, middle, after, rows)
                     failed += not solved
                     calm = calm + 1 if count >= 3 and np.abs(v).max() < ASLEEP else 0

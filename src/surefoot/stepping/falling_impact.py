@@ -64,6 +64,8 @@ def exchange(
     m = 3 * n
     packed, buffer, poisson = np.zeros((m + 2, m)), np.zeros((2 * n + 3, 3)), False
     for i in range(n):
+        # The problem as `solve_compiled` reads it: rows of G, then g = J v_free + shift, then mu and the
+        # bounds on the normal impulses.
         u = np.zeros(3)  # of arrival
         for a in range(3):
             u[a] = dot(J[3 * i + a], before)
@@ -73,6 +75,8 @@ def exchange(
         packed[m + 1, n + i], packed[m + 1, 2 * n + i] = 0.0, np.inf
         arrives = u[2] < -calm
         if arrives:
+            # Tangential restitution as a shift of the slip that friction opposes: a contact that sticks
+            # leaves with -e u_t.
             packed[m, 3 * i] += law[TANGENTIAL] * u[0]
             packed[m, 3 * i + 1] += law[TANGENTIAL] * u[1]
         packed[m, 3 * i + 2] += _shift(law, gaps[near[i]], u[2], arrives, t)
@@ -87,6 +91,7 @@ def exchange(
     if poisson:
         _expand(law, packed, buffer, impulses)
         done = max(done, solve_compiled(packed[:m], packed[m:], TOLERANCE, ITERATIONS, 0, buffer))
+        # Both phases happen at one instant: their impulses add up, and so do their changes of velocity.
         impulses += buffer[:n]
     change = np.zeros(nv)  # v += L⁻ᵀ Yᵀ λ
     for i in range(m):
@@ -101,6 +106,7 @@ def _shift(law: FloatArray, gap: float, arrival: float, arrives: bool, t: float)
     """Return the bias of a normal velocity: leave with -e times that of arrival, or keep the gap."""
     if arrives:
         return float(law[RESTITUTION] * arrival)
+    # What comes out of the ground does so gently: all of a depth in one step would be a throw.
     return float(gap / t if gap > 0.0 else -min(-RISE * gap / t, RISE_SPEED))
 
 

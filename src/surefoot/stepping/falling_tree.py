@@ -182,6 +182,9 @@ def dynamics(body: FallingBody, at: Placed, v: FloatArray, gravity: FloatArray) 
             at.alpha[0], at.acc[0] = 0.0, 0.0
         else:
             for k in range(3):
+                # From the parent outwards (recursive Newton-Euler, its kinematic half): origin, α and a move
+                # as a point of the parent does, plus the joint's rate r along its axis u, which adds ω × r u
+                # to α for a hinge and Coriolis' 2 ω × r u to a for a slide.
                 arm[k], inward[k] = at.p[i, k] - at.p[h, k], 0.0
                 at.w[i, k], at.alpha[i, k], at.acc[i, k] = at.w[h, k], at.alpha[h, k], at.acc[h, k]
             _cross(at.w[h], arm, inward)
@@ -198,11 +201,13 @@ def dynamics(body: FallingBody, at: Placed, v: FloatArray, gravity: FloatArray) 
         _turn(at.R[i], body.centres[i], arm)
         for k in range(3):
             centre[k], force[k], inward[k] = at.p[i, k] + arm[k], gravity[k] - at.acc[i, k], 0.0
+        # Newton at the centre of mass: g - a - α × arm - ω × (ω × arm), by products turned round to add.
         _cross(arm, at.alpha[i], force)
         _cross(at.w[i], arm, inward)
         _cross(inward, at.w[i], force)
         _product(at.R[i], body.inertias[i], half)
         _product(half, at.R[i].T, inertia)
+        # Euler about it: -(I α + ω × I ω).
         _turn(inertia, at.w[i], spin)
         _turn(inertia, at.alpha[i], moment)
         for k in range(3):
@@ -218,6 +223,7 @@ def dynamics(body: FallingBody, at: Placed, v: FloatArray, gravity: FloatArray) 
         for r in range(nv):
             for k in range(3):
                 at.f[r] += m * at.Jc[k, r] * force[k] + at.Jw[k, r] * moment[k]
+                # Jᵀ m J + Wᵀ I W, the lower triangle alone: Cholesky reads no more.
                 for c in range(r + 1):
                     at.M[r, c] += m * at.Jc[k, r] * at.Jc[k, c] + at.Jw[k, r] * turned[k, c]
     if not cholesky(at.M):  # a state that went too far: lost, and seen to be

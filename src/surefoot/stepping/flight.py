@@ -103,6 +103,8 @@ def fly(
     def by_acceleration(t: float, at: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
         assert joint_acceleration is not None
         joints = np.asarray(joint_acceleration(t, at, speed), dtype=np.float64)
+        # Nothing pushes the base: its six rows M_bb a_b + M_bj a_j + h_b = 0 give a_b for accelerations of
+        # the joints.
         M = np.array(pinocchio.crba(model, data, at))[:6]
         M[:, :6] = np.triu(M[:, :6]) + np.triu(M[:, :6], 1).T
         bias = pinocchio.nonLinearEffects(model, data, at, speed)[:6]
@@ -146,6 +148,7 @@ def follow_shape(
     def velocity(t: float, at: FloatArray) -> FloatArray:
         full = at.copy()
         full[7:], rates = shape(t)
+        # Angular momentum about the centre of mass is kept whatever gravity does.
         h_now = start + np.array([0.0, 0.0, weight * t, 0.0, 0.0, 0.0])
         return np.concatenate([base_velocity_for(robot, full, rates, h_now), rates])
 

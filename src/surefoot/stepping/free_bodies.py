@@ -119,6 +119,7 @@ def accelerate(
     for b in range(masses.shape[0]):
         at = 6 * b
         for i in range(6):
+            # Momentum h = M v in body axes, whose rate there is f - v x* h: [ω x p; ω x L + v x p].
             h[i] = 0.0
             for j in range(6):
                 h[i] += masses[b, i, j] * v[at + j]
@@ -131,6 +132,7 @@ def accelerate(
             out[at + i] = 0.0
             for j in range(6):
                 out[at + i] += light[b, i, j] * f[j]
+        # Gravity accelerates every point of a body alike: it is added to v̇, and needs no inertia.
         x, y, z, w = q[7 * b + 3], q[7 * b + 4], q[7 * b + 5], q[7 * b + 6]
         # Rᵀ g: the world's vertical in body axes
         out[at] -= gravity * 2.0 * (x * z - y * w)

@@ -62,6 +62,7 @@ class FreeContacts(NamedTuple):
 
     def near(self, v: FloatArray, free: FloatArray, dt: float, reach: float) -> IntArray:
         """Return the contacts that may touch within the step, see `arithmetic.near_ground`: (k,)."""
+        # As `arithmetic.near_ground` does, for blocks.
         speed = np.minimum(self.velocities(v)[:, 2], self.velocities(free)[:, 2])
         return np.flatnonzero(self.gaps + dt * speed < reach)
 

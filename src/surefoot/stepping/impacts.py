@@ -103,6 +103,8 @@ class Meeting(NamedTuple):
         arriving, swerve = guess
         impact = self._with_missed(near, last, swerve)
         work, push = arithmetic.mean_work(impact.impulses, arriving, impact.leaving)
+        # Friction and normal impulses never do positive work on the mean velocity where restitution is zero:
+        # a guess by which they do is a wrong one.
         if work <= GAIN * push * GRAVITY * self.options.dt:
             return impact
         # the guess would make energy: the mean velocity over the impulses themselves takes its place
@@ -115,6 +117,7 @@ class Meeting(NamedTuple):
             impact = self._exchange(near, warm, swerve)
             gaps = self.contacts.gaps
             more = arithmetic.with_missed(impact.velocities, gaps, self.horizon, near)
+            # The set only grows, so this ends.
             if more.size == near.size:
                 return impact
             near, warm = more, impact.impulses
@@ -138,6 +141,8 @@ class Meeting(NamedTuple):
         if self.options.restitution > 0.0 if own is None else own.any():
             e = self.options.restitution if own is None else own
             before, gaps = self.contacts.velocities(self.before)[near, 2], gaps[near]
+            # Restitution as in `arithmetic.assemble`, with a coefficient for each contact. Slower than
+            # gravity makes in two steps is no impact, so that bounces come to an end.
             shift = np.where(gaps > 0.0, gaps, pull * gaps) / dt
             slow = 2.0 * self.options.dt * GRAVITY
             closing = (before < -slow) & (gaps + dt * (g[2::3] - shift) <= 0.0) & (e > 0.0)

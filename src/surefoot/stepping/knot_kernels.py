@@ -77,6 +77,7 @@ def _solve(
         vectors[1, i], vectors[1, k + i], vectors[1, 2 * k + i] = settings[MU], 0.0, np.inf
         for a in range(3):
             vectors[0, 3 * i + a] = g[3 * i + a]
+    # A state that ran away is no contact problem: it counts as unsolved, and no solver is asked.
     if not (largest(g) < np.inf and (k == 0 or largest(G.reshape(-1)) < np.inf)):
         return False, Y, G, g, record
     done = 0
@@ -130,6 +131,8 @@ def first_order_step(
     contact_jacobian(twists.T, support, own, positions, frames, J)
     # without the ground
     free = free_velocity(L, effort, v, dt)
+    # A motion that is lost goes through the loop below once, without contacts, so that all outputs are
+    # filled.
     near = own[:0]
     lost = not (largest(gaps) < np.inf and largest(free) < FASTEST)
     if not lost:
@@ -188,6 +191,8 @@ def smooth_step(
     tuple
         Whether the path was reached, Y (3p, nv), and (3p, 4p) what `answer` fills.
     """
+    # On the central path every contact has a force, however far from the ground: no set of near ones to
+    # choose, and the derivative knows of contacts that are not there yet.
     p = gaps.size
     Y, G, g = assemble(
         J, L, v, free, gaps, np.arange(p), settings[DT], settings[RESTITUTION], settings[REST_SPEED],
@@ -219,6 +224,7 @@ def _shift_rates(
         for a in range(3):
             for j in range(n, 3 * n):
                 out[3 * i + a, j] = 0.0
+        # A gap moves with the sphere's centre, along the slope of the ground's distance there.
         x = positions[c, 0] + radii[c] * frames[c, 0, 2]
         y = positions[c, 1] + radii[c] * frames[c, 1, 2]
         z = positions[c, 2] + radii[c] * frames[c, 2, 2]
@@ -241,6 +247,8 @@ def _shifts(
     dt, restitution = settings[DT], settings[RESTITUTION]
     for i in range(near.size):
         c = near[i]
+        # The branches of `arithmetic.assemble`, each with what it is linear in: the gap, or the arriving
+        # velocity.
         share = (1.0 if gaps[c] > 0.0 else settings[PULL]) / dt
         before, ahead = dot(J[3 * c + 2], v), dot(J[3 * c + 2], free)
         hits = before < -settings[REST_SPEED] and gaps[c] + dt * ahead <= 0.0
@@ -286,6 +294,7 @@ def first_order_blocks(
     v, free, after = speeds
     n, m, dt = v.size, 3 * near.size, settings[DT]
     by_q, by_v = dynamics
+    # half = L⁻¹, and W = Y L⁻¹ = (M⁻¹ Jᵀ)ᵀ: a row for each row of the contact problem.
     half, K = np.empty((n, n)), np.empty((n, n))
     # K = M⁻¹ first; what the ground's answer adds comes below
     invert(L, half, K)

@@ -95,6 +95,8 @@ class MomentumKnot(Knot):
         n, other = len(self._rows), self._other
         out = self.v.copy()
         if n and np.isfinite(out).all():
+            # The momentum in directions of the base's own motion, 6 equations for a free flyer: joints keep
+            # their rates.
             A = np.array(self._pin.computeCentroidalMap(self._model, other, self.q))
             X = _rigid_motion(other, n)
             out[:n] = np.linalg.solve(X.T @ A[:, :n], X.T @ (self._A @ self.v - A[:, n:] @ out[n:]))

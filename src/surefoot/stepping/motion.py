@@ -105,6 +105,9 @@ class FreeMotion:
         `rate` is the acceleration at the start as the last call left it (`Ahead.rate`), for a motion that
         goes on from there; None where it is not known.
         """
+        # From the cheapest up: each formula comes with an estimate of its own error, and the next one is paid
+        # for only where that is above the tolerance. Joints with curved positions of their own need the
+        # stages' `_bend`.
         known = rate is not None
         first = self.acceleration(q, v, effort) if rate is None else rate
         xi, speed = self._xi, self._speed
@@ -133,6 +136,7 @@ class FreeMotion:
                     return Ahead(q, v, first)
             elif not error < np.inf:
                 error = np.inf  # not a number: as short as it goes
+            # The error of the embedded pair is of fifth order in the length of a piece.
             change = SAFETY * (TOLERANCE / max(error, 1e-30)) ** 0.2
             length *= min(GROW, max(SHRINK, change))
             if length >= left * (1.0 - 1e-9):
@@ -144,6 +148,8 @@ class FreeMotion:
     ) -> tuple[float, FloatArray, FloatArray]:
         """Return the error of one piece of `h` seconds, and where it ends."""
         moves, slopes, xi, speed = self._moves, self._slopes, self._xi, self._speed
+        # First same as last: the seventh stage is the acceleration at the end, with which the next piece
+        # begins.
         slopes[0] = first
         moves[0] = v
         at = q
@@ -199,6 +205,7 @@ def stage(
     ξ̇ = v + [ξ, v]/2 + [ξ, [ξ, v]]/12 - ad⁴/720, exact to the order of the method, in body axes.
     """
     for k in range(v.size):
+        # An explicit Runge-Kutta stage of (ξ, v).
         a = b = 0.0
         for j in range(i):
             a += STAGES[i, j] * moves[j, k]
@@ -206,6 +213,8 @@ def stage(
         xi[k] = h * a
         speed[k] = v[k] + h * b
         moves[i, k] = speed[k]
+    # Joints of one axis have ξ̇ = v. A free flyer's velocity is along axes that turn with it: dexp⁻¹ in
+    # brackets, with the Bernoulli numbers over factorials; the odd ones beyond the first are zero.
     one, two, three, four = np.empty(6), np.empty(6), np.empty(6), np.empty(6)
     for b in range(flyers):
         turn = xi[6 * b : 6 * b + 6]
@@ -257,12 +266,15 @@ def bent(
         a, b = rate[k], middle[k]
         if not abs(b - a) < np.inf:
             return np.nan
+        # v̇ = a + 2 (b - a) t / h, integrated once and twice; at the end it is 2 b - a.
         change = max(change, abs(b - a))
         speed[k] = v[k] + h * b
         xi[k] = h * v[k] + h * h * (a + 2.0 * b) / 6.0
         middle[k] = 2.0 * b - a
     swerve = np.empty(6)
     for b in range(flyers):
+        # First commutator of Magnus' series: while v turns to v + h v̇, twists before and after do not
+        # commute.
         bracket(v[6 * b : 6 * b + 6], rate[6 * b : 6 * b + 6], swerve)
         for k in range(6):
             xi[6 * b + k] += h * h * h / 12.0 * swerve[k]

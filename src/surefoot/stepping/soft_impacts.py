@@ -76,6 +76,8 @@ class SoftRows:
     """
 
     def __init__(self, graph: Graph, speeds: FloatArray, at_wall: BoolArray) -> None:
+        # Newton: λ = Λ₀ - s (u - u₀) is u + λ / s + (-Λ₀ / s - u₀) = 0, a row with the compliance 1 / s. At
+        # the wall the velocity is known, u = wall, and the impulse is what part of the jump that takes.
         impulses, slopes = graph.impulses(speeds)
         tangent = (slopes > 0.0) & ~at_wall
         steep = np.where(tangent, slopes, 1.0)

@@ -215,6 +215,8 @@ class Stepper:
         velocities = start.velocities(v)
         q, v, _ = moved(self.bodies.flight, state.q, v, dt, effort)
         end = self.detect(q)
+        # The next impulses act half a step later: who would be in the ground by then needs its own impulses
+        # first.
         if end.near(v, still, 0.5 * dt, 0.0).size:
             return None
         nothing = np.zeros(velocities.shape)
