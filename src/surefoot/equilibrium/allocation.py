@@ -80,6 +80,8 @@ def draw_to_parallel(
             total += last[k, 2]
             count += 1
     for k in range(last.shape[0]):
+        # Of the wanted force, which the first three rows give in contact axes, each foot takes the share of
+        # the weight that it had: all then use the same share of their friction.
         part = 0.0
         if normal_max[k] > 0.0:
             part = last[k, 2] / total if total > 0.0 else 1.0 / count

@@ -182,6 +182,7 @@ def minimise(
     dy, rp, rest, free = np.empty(r), np.empty(r), np.empty(r), np.empty(axis.size + min(1, axis.size))
     _dual_start(B, c, lorentz, y, z, spans, axis)
     for iteration in range(_MOST_ITERATIONS):
+        # x.z bounds the distance to the optimum where both programs' equations hold: both are judged.
         gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd, spare, spans)
         left, missed = _missing(B, b, x, rp, spans, axis)
         if lost <= 1e-12 and missed <= _FEASIBLE and gap <= tol + 1e-10 * abs(value - zero) + rounding:
@@ -343,10 +344,13 @@ def _dual_start(
     """Set y = B c and z = c - B' y, moved into the cone along its axis."""
     r, m = B.shape
     for j in range(r):
+        # B has orthonormal rows, so this is the y with the least |c - B' y|.
         y[j] = dot_span(B[j], c, spans, j)
     if axis.size > 0:
         advance(y, -dot(axis, y), axis)
     _slack(B, c, y, z, spans)
+    # From the boundary, or close to it, Newton's first steps would be cut short: z is moved in by its own
+    # size.
     size, depth = dot(z, z), math.inf
     for k in range(lorentz):
         depth = min(depth, z[3 * k] - math.hypot(z[3 * k + 1], z[3 * k + 2]))

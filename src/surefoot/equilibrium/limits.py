@@ -200,11 +200,14 @@ def equations(question: Question) -> Equations:
         by_corner = limits.rows[kept] if stance.points() is stance else limits.rows[kept] @ stance.corner_map
         rows = _times_cones(by_corner, whole, len(points))[:, columns]
         if off:  # what bounds their forces says nothing
+            # 0 <= bound is nothing to ask; 0 <= a negative bound is a contradiction, which has to be found.
             says = rows.any(axis=1) | (limits.bound[kept] < 0.0)
             kept, rows = kept[says], rows[says]
         order, groups = find_blocks(rows, unit)
         kept, rows = kept[order], rows[order]
         size = np.where(size > 0.0, size, 1.0)[kept]
+        # rows f + slack = bound, slack >= 0: a half-line each. Its axis makes the margin of a bound a
+        # distance of the forces from it, as it is one from the cones.
         distance = limits.bound[kept] / (size * scale)  # of the bound from zero force, in loads
         reach = np.maximum(1.0, np.abs(distance))  # slacks are counted in it, to be of size one
         row_scale = size * reach

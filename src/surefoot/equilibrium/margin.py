@@ -65,6 +65,7 @@ _SQUEEZE = 0.1
 @inline_kernel
 def depth(x: FloatArray, e: FloatArray, lorentz: int) -> float:
     """Return the largest t with x - t e in the cone, x and e (m,), e > 0 on the axes."""
+    # The axis has a height alone: |x_t| <= x_0 - t e solves for t cone by cone.
     least = math.inf
     for k in range(lorentz):
         i = 3 * k
@@ -111,6 +112,8 @@ def proof_reach(A: FloatArray, w: FloatArray, y: FloatArray, lorentz: int) -> fl
     for j in range(w.size):
         work += y[j] * w[j]
         rounding += abs(y[j] * w[j])
+    # Rounding is charged against the proof, here and below: what holds only by the luck of its sums does not
+    # count.
     work += _ROUNDING * rounding
     if not work < 0.0:
         return 0.0
@@ -123,6 +126,7 @@ def proof_reach(A: FloatArray, w: FloatArray, y: FloatArray, lorentz: int) -> fl
             z1 += A[j, i + 1] * y[j]
             z2 += A[j, i + 2] * y[j]
             size += max(abs(A[j, i]), abs(A[j, i + 1]), abs(A[j, i + 2])) * abs(y[j])
+        # The Lorentz cone is its own dual: z leaves it by |z_t| - z_0, a half-line by -z_0.
         lack = max(lack, math.hypot(z1, z2) - z0 + _ROUNDING * size)
     for i in range(3 * lorentz, A.shape[1]):
         z0, size = 0.0, 0.0
@@ -157,6 +161,7 @@ def most_margin(
     scales = _column_scales(e, lorentz)
     if not scales.size:
         return _most_margin(A, e, w, lorentz, blocks)
+    # Forces and proof are judged in the columns as they were given: scaling moves what rounding spoils.
     outcome, t, x, y, reach = _most_margin(A * scales, e / scales, w, lorentz, blocks)
     for i in range(x.size):
         x[i] *= scales[i]
@@ -199,6 +204,7 @@ def _most_margin(
     spans = blocks if blocks is None else np.empty((p, 5), dtype=np.int64)
     rank = orthonormal_blocks(A, blocks, Q, T, pivots, spans)
     apart = local_rows(spans) > 0
+    # A = T Q: A x = w is Q x = b, if w is in the range of A at all.
     if coordinates(T, pivots, rank, w, b) > BAND:
         _unreachable(T, pivots, rank, w, full, y)
         reach = proof_reach(A, w, y, lorentz)
@@ -208,10 +214,13 @@ def _most_margin(
     least_norm = x.copy()  # A⁺ w: what all solutions have in common; t0 is its margin
     for j in range(rank):
         a[j] = dot_span(Q[j], e, spans, j)
+    # With x = u + t e, u in K: Q u + t a = b, a = Q e. Rows turned until a lies along the first one, that row
+    # is c.u + t alpha = zero, and the others say nothing of t: the most t is the least c.u.
     steepest = _largest(e)
     alpha = math.sqrt(dot(a, a)) if apart else turn_first_row(Q, rank, a, h, b)
     t0 = depth(x, e, lorentz)
     squeeze = min(_SQUEEZE, 1.0 / steepest)
+    # A e = 0: forces along all axes cancel, so the contacts squeeze each other as much as one likes.
     if alpha <= 1e-9 * math.sqrt(dot(e, e)):
         advance(x, max(0.0, squeeze - t0), e)
         _restore(Q, b, rank, x, spans)
@@ -321,6 +330,9 @@ def _unreachable(
         if taken[j]:  # it can be met alone
             continue
         for q in range(rank):
+            # A row that depends on the pivots' rows, less its combination of them: zero on all contact
+            # forces. What is left of w in it is a load that no force can meet; the row with most of it proves
+            # best.
             row[q] = T[j, q]
         pull_back(T, pivots, rank, row, y)
         s = w[j]

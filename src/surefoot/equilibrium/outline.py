@@ -39,6 +39,8 @@ def _corner(
     ax: float, ay: float, ah: float, bx: float, by: float, bh: float, vx: float, vy: float
 ) -> tuple[float, float]:
     """Return where the lines a.q = ah and b.q = bh meet; parallel lines meet at (vx, vy)."""
+    # Half-planes of nearly one direction meet wherever rounding says: the point reached stands for the
+    # corner.
     det = ax * by - ay * bx
     if abs(det) < 1e-9:
         return vx, vy
@@ -84,6 +86,7 @@ def _most_force(
         c[i] = -1.0 if i >= 3 * lorentz or i % 3 == 0 else 0.0
         x[i] = start[i]
     status, _ = minimise(B, b, c, lorentz, x, y, z, _COARSE, -_MOST_FORCE, 0.0, IN_ONE, c[:0])
+    # -sum(x) = c.x >= value - lack sum(x): solved for the sum.
     value, lack = _lower_bound(B, b, c, lorentz, y)
     if status == UNBOUNDED or lack >= 0.5 or not -value < _MOST_FORCE:
         return math.inf
@@ -135,6 +138,7 @@ def trace(
             for i in range(m):
                 c[i] = -(dx * G[0, i] + dy * G[1, i])
                 x[i] = start[i]
+            # The objective is brought to size one, so that the tolerance of the program is one of distances.
             size = math.sqrt(dot(c, c))
             size = size if size > 0.0 else 1.0
             for i in range(m):
@@ -146,6 +150,8 @@ def trace(
                 points[k, q] = offset[q] + dot(G[q], x)
             # the half-plane comes from the dual, which proves it; the point is inside whatever the solver did
             value, lack = _lower_bound(B, b, c, lorentz, y)
+            # d.q = d.offset - size c.x, and c.x >= b.y - lack sum(x) for every x of the program, solved or
+            # not.
             heights[k] = dx * offset[0] + dy * offset[1] - size * (value - lack * most_force)
             heights[k] = max(heights[k], dx * points[k, 0] + dy * points[k, 1])
             pending += 1
@@ -202,6 +208,8 @@ def _insert(directions: FloatArray, heights: FloatArray, points: FloatArray, cou
     dx, dy = points[n, 0] - points[at, 0], points[n, 1] - points[at, 1]
     length = math.hypot(dx, dy)
     nx, ny = 0.0, 0.0
+    # The normal must lie strictly between the neighbours' directions: half-planes are in order of their
+    # angle.
     usable = length > 0.0
     if usable:
         nx, ny = dy / length, -dx / length

@@ -40,11 +40,14 @@ def stand(
     for i in range(n):
         _columns(positions[i], rotations[i], mu[i], about, length, A, 3 * i)
         e[3 * i] = axis_scale(mu[i])
+    # Forces in loads, moments in loads times the contacts' spread: margins and tolerances then have no unit,
+    # and both kinds of rows are of size one.
     scale = load_scale(load, length)
     for k in range(3):
         w[k], w[k + 3] = load[k] / scale, load[k + 3] / (scale * length)
     outcome, t, x, y, reach = most_margin(A, e, w, n, IN_ONE)
     for i in range(n):
+        # Back from (f_z, f_x / mu, f_y / mu).
         height = x[3 * i] * scale
         x[3 * i], x[3 * i + 1] = mu[i] * x[3 * i + 1] * scale, mu[i] * x[3 * i + 2] * scale
         x[3 * i + 2] = height

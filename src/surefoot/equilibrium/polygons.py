@@ -64,6 +64,7 @@ def hull(points: FloatArray) -> FloatArray:
             kept += 1
     if kept <= 2:
         return points[order[:kept]]
+    # A turn is twice an area: rounding makes one of some eps times the square of the extent.
     flat = 1e-14 * max(wide, tall) ** 2
     chain, size = np.empty(2 * kept, dtype=np.int64), 0
     # the lower chain, then the upper one
@@ -104,6 +105,7 @@ def intersection(directions: FloatArray, heights: FloatArray, middle: FloatArray
     Clipped one half-plane after the other, (h, 2) directions and (h,) heights (Sutherland and Hodgman 1974).
     Empty where nothing is left, up to rounding.
     """
+    # Each half-plane cuts a convex polygon twice at most: one corner more than before.
     most = len(heights) + 5
     corners, other, level = np.empty((most, 2)), np.empty((most, 2)), np.empty(most)
     corners[:4] = np.array([[-reach, -reach], [reach, -reach], [reach, reach], [-reach, reach]])
@@ -115,6 +117,8 @@ def intersection(directions: FloatArray, heights: FloatArray, middle: FloatArray
         size = 0
         for i in range(count):
             j = i - 1 if i > 0 else count - 1
+            # Levels are signed distances outside: corners within stay, and edges that cross give the
+            # crossing.
             s, t = level[i], level[j]
             if s * t < 0.0 and size < most:
                 share = t / (t - s)
@@ -171,6 +175,7 @@ def enclose(
     for k in range(len(heights)):
         for i in range(len(points)):
             h = directions[k, 0] * points[i, 0] + directions[k, 1] * points[i, 1]
+            # A point that was reached is in the region: a half-plane that leaves it out is wrong by rounding.
             heights[k] = max(heights[k], h)
     for k in range(len(heights)):
         reach = max(reach, heights[k] - directions[k, 0] * middle[0] - directions[k, 1] * middle[1])

@@ -145,6 +145,8 @@ def zmp_region(
     drop = about[2] - anchor[2]
     if abs(drop) < 1e-9 * max(1e-300, abs(about[2]) + abs(anchor[2])):
         raise ProblemError(f"height must differ from the centre of mass's, got {anchor[2]:g} m for both")
+    # F_z is the weight and the moment about the centre of mass zero; F_x and F_y are free. F is parallel to
+    # the line from the point to the centre of mass: p = c - (c_z - p_z) F / F_z.
     wrench = np.array([[0, 0, 1, 0, 0, 0], [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1.0]])
     goal = np.array([load[2], 0.0, 0.0, 0.0])
     pick = np.zeros((2, 6))

@@ -48,6 +48,8 @@ def find_blocks(rows: FloatArray, unit: int) -> tuple[IntArray, IntArray]:
     some = touched.any(axis=1)
     low = np.where(some, touched.argmax(axis=1) // unit * unit, 0)
     high = np.where(some, -(-(m - touched[:, ::-1].argmax(axis=1)) // unit) * unit, 0)
+    # A row over most of the columns (a sum of all normal forces) would tie all blocks together: it joins the
+    # border.
     wide = 2 * (high - low) > m
     order = np.lexsort((low, ~wide))
     groups: list[list[int]] = []
@@ -141,6 +143,8 @@ def orthonormal_blocks(
             for i in range(c, d):
                 part[j, b - a + i - c] = A[top + j, i]
         q, t, at = np.empty_like(part), np.empty((count, count)), np.empty(count, dtype=np.int64)
+        # Rows of a block that depend on each other may still hold as a whole, with the border: only the
+        # factor in one piece can tell.
         if orthonormal_rows(part, q, t, at) < count:
             _touch_all(spans, A.shape[1], 0)
             return orthonormal_rows(A, Q, T, pivots)
@@ -223,8 +227,11 @@ def guarded_cholesky(A: FloatArray, spans: IntArray | None, low: int, high: int)
         top, square = A[j, j], _reduced(A, j, j, spans)
         if not math.isfinite(square):
             return math.nan
+        # The share of its diagonal that a pivot keeps tells how many digits cancellation has left it.
         if square < least * top:
             least = square / top
+        # A row that depends on those before gives no equation of its own: a huge pivot makes its multiplier
+        # zero.
         A[j, j] = math.sqrt(square) if square > VANISHED * top else HUGE
         for i in range(j + 1, A.shape[0]):
             if first_row(spans, i) <= j:
@@ -254,6 +261,8 @@ def factor(M: FloatArray, spans: IntArray | None, axis: FloatArray, free: FloatA
     r, pivot = M.shape[0], 0.0
     if axis.size == 0:
         return float(guarded_cholesky(M, spans, 0, r))
+    # Elimination by blocks, then t, then the border. Blocks first keeps them sparse; t before the border
+    # makes the border's nearly singular Schur complement definite, by + free freeᵀ / |free|².
     local = local_rows(spans)
     kept = guarded_cholesky(M, spans, 0, local)
     for j in range(local):
@@ -321,6 +330,8 @@ def factor_rows(
 @inline_kernel
 def solve_factored(L: FloatArray, v: FloatArray, spans: IntArray | None, free: FloatArray) -> None:
     """Replace v (r,) by the solution u of M u + axis t = v, axis.u = 0, or of M u = v without an axis."""
+    # Forward through blocks, t and border, then backward through border, t and blocks; `across` over the
+    # pivot of t is t itself, once the border's part is in it.
     r, local, across = v.size, local_rows(spans), 0.0
     for i in range(r):
         total = v[i]

@@ -24,6 +24,9 @@ def step_to_boundary(x: FloatArray, d: FloatArray, lorentz: int) -> float:
         b = x[i] * d[i] - x[i + 1] * d[i + 1] - x[i + 2] * d[i + 2]
         a = d[i] * d[i] - d[i + 1] * d[i + 1] - d[i + 2] * d[i + 2]
         disc = max(0.0, b * b - a * c)  # never negative but for rounding: x is inside
+        # c over the sum of root and -b instead of their difference over a: nothing cancels near the boundary,
+        # where c is small, and a = 0 needs no case of its own. For the same reason c is a product, no
+        # difference of squares.
         bottom = math.sqrt(disc) - b
         if bottom > 0.0:
             longest = min(longest, c / bottom)
@@ -97,6 +100,7 @@ def corrector_target(
         r0 -= dx[i] * dz[i] + dx[i + 1] * dz[i + 1] + dx[i + 2] * dz[i + 2]
         r1 = -2.0 * a * b - (dx[i] * dz[i + 1] + dz[i] * dx[i + 1])
         r2 = -2.0 * a * c - (dx[i] * dz[i + 2] + dz[i] * dx[i + 2])
+        # Solve lam o out = r: the arrow matrix of lam, with the determinant lam_0 (lam_0² - |lam_t|²).
         h = math.sqrt(b * b + c * c)
         out[i] = (a * r0 - b * r1 - c * r2) / ((a - h) * (a + h))
         out[i + 1] = (r1 - b * out[i]) / a

@@ -137,6 +137,8 @@ def _general(question: Question) -> Verdict:
         return Verdict(question, "impossible", -math.inf, certificate=-load / size, reach=math.inf)
     eq = equations(question)
     outcome, margin, x, y, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz, eq.blocks)
+    # Where bounded contacts stand beside ones that squeeze without limit, forces with the most margin run
+    # away, and rounding in them hides what the bounded ones do.
     runaway = outcome in (FEASIBLE, ENDLESS, UNDECIDED) and np.abs(x).max() > RUNAWAY
     if bounds is not None and runaway:
         held = equations(_held_back(question, bounds))
@@ -148,6 +150,7 @@ def _general(question: Question) -> Verdict:
         corners = eq.force @ x
         forces = stance.corner_map @ corners
         return Verdict(question, "possible", margin, forces, None, corners.reshape(-1, 3))
+    # Multipliers of bounds are >= 0; one that rounding made negative would prove nothing.
     y[6:] = np.maximum(y[6:], 0.0)
     reach = proof_reach(eq.A, eq.w, y, eq.lorentz)
     if reach < REACH:

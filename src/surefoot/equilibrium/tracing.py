@@ -97,6 +97,9 @@ def traced(question: Question, rows: Rows, tol: float) -> Traced:
     if margin > ROOM:
         return certified(whole, None, tol)
     most = _MOST_BACK / (question.facets or 1)  # a pyramid's cone moves along each of its rays
+    # Without room inside the cones the interior-point method has no start. Two programs with room: one
+    # widened by what a verdict forgives, whose points count as inside, one by more, whose half-planes hold
+    # all the same.
     inside = _widened(_program(question, rows, BAND), max(BAND, _HAIR - margin), most)
     if inside is None:
         return Traced.nothing(math.inf)
@@ -113,6 +116,7 @@ def _program(question: Question, rows: Rows, more: float = 0.0) -> OutlineProgra
         question = replace(question, stance=question.stance.with_friction(question.stance.mu + more))
     eq = equations(question)
     wrench, goal, pick, offset = rows
+    # The equations hold scaled wrenches; fixed rows and the point are given in newtons and metres.
     unscale = np.array([1.0, 1.0, 1.0, eq.length, eq.length, eq.length]) * eq.scale
     A = np.vstack([(wrench * unscale) @ eq.A[:6] / eq.scale, eq.A[6:]])
     w = np.concatenate([goal / eq.scale, eq.w[6:]])

@@ -184,6 +184,8 @@ class Verdict:
                 return False
             force = force + self.stance.corner_map.T @ (self.limits.rows.T @ self.multipliers)
             work += float(self.multipliers @ self.limits.bound)
+        # Forces whose normal parts add up to S do work of at least -lack S: to give the load they need S >=
+        # -work / lack. Half of the reach is asked for, since this is other arithmetic than the kernel's.
         lack = float(-self._least_work(force.reshape(-1, 3))[on].min())
         size, _ = self._scales(grasp)
         return work < 0.0 and -work >= 0.5 * REACH * size * lack
@@ -225,6 +227,7 @@ class Verdict:
             return 0.0
         eq = equations(self.question)
         d = np.zeros(len(eq.w))
+        # A wrench on the robot takes off the load that contacts have to give: the sign of `needed_wrench`.
         d[:3], d[3:6] = -push[:3], -push[3:] / eq.length
         size = float(np.linalg.norm(d))
         d /= size
