@@ -50,6 +50,8 @@ class DirectNlp:
         closing, sliding = _contact_speeds(problem, knot, touches)
         self.contacts = contacts = law.write(closing, sliding, problem.frictions, eps)
         forces = knot.world(contacts.impulses[:, : body.points]) / dt
+        # Impulses: forces between bodies are generalised by their own Jacobian, those of the ground by the
+        # knot.
         moved = dt * knot.missing_effort(forces, torques)
         for k, (_, J) in enumerate(touches):
             moved -= ca.mtimes(J.T, contacts.impulses[[0, 2], body.points + k])
@@ -92,6 +94,7 @@ class DirectNlp:
 
     def contact_speeds(self, guess: Guess) -> tuple[FloatArray, FloatArray]:
         """Return φ (N, p) and u_t (N, p, 1) of a motion [m/s]."""
+        # Gaps and Jacobians at the start, velocities at the end of a knot: the exact step's φ and u.
         closing, sliding = [], []
         for q, v in zip(guess.q[:-1], guess.v[1:], strict=True):
             phi, u = self._seen(q, v)

@@ -69,6 +69,8 @@ def spread(mirror: FloatArray) -> FloatArray:
     One of each pair and its image; numbers whose images are their opposites are zero.
     """
     own, image = np.arange(len(mirror)), np.abs(mirror).argmax(axis=1)
+    # One number of each pair stands for both; what is its own image with the opposite sign (y, roll, yaw) is
+    # zero.
     kept = (own < image) | ((own == image) & (mirror[own, image] > 0.0))
     return np.asarray(np.clip(np.eye(len(mirror)) + mirror, -1.0, 1.0)[:, kept])
 
@@ -114,6 +116,7 @@ def row_reflection(block: Block, *mirrors: FloatArray) -> FloatArray:
     places = [[chance.uniform(-1.0, 1.0, len(one)) for one in mirrors] for _ in range(PLACES)]
     images = [[one @ part for one, part in zip(mirrors, at, strict=True)] for at in places]
     here, far = (np.array([np.array(value(*at)).ravel() for at in side]) for side in (places, images))
+    # Row i at a mirrored place against row j, or its opposite, at the place itself.
     apart = np.array([np.abs(far[:, None] - s * here[:, :, None]).max(axis=0) for s in (1.0, -1.0)])
     image, turned = apart.min(axis=0).argmin(axis=1), apart.min(axis=2).argmin(axis=0)
     own = np.arange(len(image))

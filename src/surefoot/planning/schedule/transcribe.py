@@ -48,6 +48,9 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
     shares = ca.reshape(u[robot.joints :], 3, p)
     speeds = knot.point_speeds(knot.q, v_after)
     slip = np.where(np.repeat(stance, 2, axis=1), 0.0, inf)
+    # The cone in newtons over m g; its tip is rounded, since the norm has no slope at zero force, where every
+    # swing ends. The row below gives the rounding back, sqrt(f² + r²) - r <= mu f_n, so that forces leave the
+    # cone by less than r.
     size = ca.sqrt(shares[0, :] ** 2 + shares[1, :] ** 2 + ROUND**2)
     joints, places = body_corners(robot)
     above = body.body_points(q_after, joints, places)
@@ -82,6 +85,7 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
     if problem.stance_reach > 0.0:
         rows.append((_reach(robot, body, q_after), np.where(stance, problem.stance_reach, -inf), inf))
     if np.isfinite(problem.touchdown_speed):
+        # The speed with which a foot arrives is that at the start of its first knot of stance.
         landing = stance & ~np.vstack([stance[:1], stance[:-1]])
         most = np.where(np.repeat(landing, 3, axis=1), problem.touchdown_speed, inf)
         rows.append((ca.reshape(knot.point_speeds(knot.q, knot.v), 3 * p, 1), -most, most))
@@ -185,6 +189,7 @@ def variable_bounds(problem: ScheduleProblem) -> Sides:
     limit_joints(robot, low, high, problem.speed_share)
     for k, window in problem.windows.items():
         window.narrow(low[k], high[k], nq, k)
+    # The start's velocity is that of an instant; knots count with that of the way which led there.
     low[0] = high[0] = np.concatenate([problem.q, velocity_of_way(model, problem.q, problem.v, problem.dt)])
     force = np.repeat(problem.stance, 3, axis=1)
     most = np.where(force, np.inf, 0.0)

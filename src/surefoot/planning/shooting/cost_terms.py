@@ -62,6 +62,8 @@ def _base_rates(motion: Motion, error: FloatArray) -> FloatArray:
     n, S = v.shape[1], skew(error[:, 3:6])
     angle = np.linalg.norm(error[:, 3:6], axis=1)
     some = np.where(angle > 1e-4, angle, 1.0)
+    # Inverse right Jacobian of SO(3), 1 + S/2 + c S²; below 1e-4 rad 1 - cos loses all digits, and 1/12 is
+    # the limit.
     c = np.where(angle > 1e-4, (1.0 - 0.5 * some * np.sin(some) / (1.0 - np.cos(some))) / some**2, 1.0 / 12.0)
     out = np.tile(np.eye(12), (len(q), 1, 1))
     out[:, :3, :3] = Rotation.from_quat(q[:, 3:7]).as_matrix()
@@ -89,6 +91,7 @@ def _beyond(motion: Motion, joint: JointTable) -> FloatArray:
 def _near(feet: Feet, foot: FootTable) -> FloatArray:
     """Return c = (1 / (1 + exp(gap / width)))^½ (N, p, 3), near one on the ground and zero above it."""
     gaps, widths = feet[2], foot[1]
+    # Clipped before exp can overflow: exp(±60) is nothing beside one, or all.
     share = np.clip(gaps[:, :, None] / widths, -60.0, 60.0)
     return (1.0 / np.sqrt(1.0 + np.exp(share)))[:, :, KIND]
 
@@ -145,6 +148,7 @@ def cost_slopes(
         lx[:, base] = np.einsum("kij,ki->kj", J, lx[:, base])
         lxx[:, base[:, None], base] = J.transpose(0, 2, 1) @ (state[0][:, base, None] * J)
     lx[:, cols] += joint[1] * over
+    # Gauss-Newton of max(0, .)²: a slope only where the bound is passed.
     lxx[:, cols, cols] += joint[1] * (over != 0.0)
     if joint[2].size:
         lx[:, cols] += error[:, cols] @ joint[2]
@@ -152,6 +156,8 @@ def cost_slopes(
     if foot[0].any():
         near, speeds = _near(feet, foot), _point_speeds(motion, feet)
         weights = foot[0].transpose(0, 2, 1)[:, :, KIND].reshape(N, -1)
+        # dc/dgap = -c (1 - c²) / (2 width) for c² = 1 / (1 + exp(gap / width)); a point's gap grows with its
+        # normal velocity, whose row of J is the gap's gradient.
         fading = -0.5 * near * (1.0 - near**2) / foot[1][KIND] * speeds
         rows = near.reshape(N, -1, 1) * np.concatenate([feet[1], feet[0]], axis=2)
         rows[:, :, :n] += fading.reshape(N, -1, 1) * np.repeat(feet[0][:, 2::3], 3, axis=1)

@@ -122,6 +122,7 @@ class Horizon:
             (N, 2, m) bounds on the torques [N m].
         """
         self.q[0], self.v[0] = start
+        # A rollout has no gaps: each knot starts where the one before ended.
         self.gaps[:] = 0.0
         for k, knot in enumerate(self._knots):
             here = self.q[k], self.v[k]

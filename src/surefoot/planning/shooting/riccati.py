@@ -50,6 +50,9 @@ def solve_box(
     slope = H @ x + g
     value, size = 0.5 * np.dot(x, slope + g), np.abs(g).max()
     for _ in range(BOX_STEPS):
+        # The active set of this iterate: inputs at a bound that the gradient pushes further out. Newton's
+        # step is that of the others, and projected: it may meet new bounds without a search for which comes
+        # first [1].
         held = ((x <= low) & (slope > 0.0)) | ((x >= high) & (slope < 0.0))
         free = np.flatnonzero(~held)
         L = np.ascontiguousarray(H[free][:, free])
@@ -64,6 +67,7 @@ def solve_box(
             trial = x.copy()
             trial[free] = np.minimum(np.maximum(x[free] + share * step[:, 0], low[free]), high[free])
             ahead = H @ trial + g
+            # Armijo's rule along the projected path.
             drop, after = np.dot(slope, trial - x), 0.5 * np.dot(trial, ahead + g)
             found = after <= value + 0.1 * drop or drop > -1e-15 * abs(value)  # or as far as rounding lets it
             if found:
@@ -121,9 +125,12 @@ def backward_pass(
         answer = Qux[free]
         solve_columns(L, answer)
         gains[k][free] = -answer
+        # Inputs that are held have no gain: feedback would push them through their bounds, or hold them off.
         predicted[0] += np.dot(Qu, steps[k])
         predicted[1] += np.dot(steps[k], Quu @ steps[k])
         # the value before it
+        # Kᵀ Q_uu K + Kᵀ Q_ux = 0 and Kᵀ (Q_uu k + Q_u) = 0 by the two solves above, so one product is left of
+        # each. The mean with the transpose keeps rounding from growing over the horizon.
         V = lxx[k] + A[k].T @ VA + Qux.T @ gains[k]
         V = 0.5 * (V + V.T)
         slopes[k] = lx[k] + A[k].T @ ahead + Qux.T @ steps[k]

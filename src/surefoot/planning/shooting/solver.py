@@ -138,6 +138,8 @@ class Shooting:
             if iteration.backward():
                 share = iteration.search(settings.shares)
                 if share > 0.0:
+                    # As with a trust region: less damping where the full step held what the model promised,
+                    # more where only a small part of it did.
                     factor = 0.2 if share == 1.0 else (1.0 if share >= 0.25 else 4.0)
                     iteration.damping = max(factor * iteration.damping, settings.least)
                     return True

@@ -24,6 +24,8 @@ def difference(floating: bool, a: FloatArray, b: FloatArray, out: FloatArray) ->
             out[i] = 0.0
             for j in range(3):
                 out[i] += R[j, i] * (b[j] - a[j])
+        # The place in body axes but not by the exponential of SE(3): simpler, and the same to first order,
+        # which is all that gains about a motion need.
         turn_between(a[3:7], b[3:7], out[3:6])
     for i in range(6 if floating else 0, out.size):
         out[i] = b[i + shift] - a[i + shift]

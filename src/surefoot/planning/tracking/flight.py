@@ -140,6 +140,8 @@ class FlightControl:
 
     def time_left(self, now: Kinematics, goal: Touchdown) -> float:
         """Return the time until the centre of mass has sunk to the planned touchdown [s], at least 0."""
+        # The later root of h + u t - g t² / 2 = 0; a body that cannot reach the height any more has its apex
+        # now.
         height, climb = float(now.com[2]) - goal.height, float(now.com_velocity[2])
         inside = climb * climb + 2.0 * GRAVITY * height
         return max((climb + math.sqrt(max(inside, 0.0))) / GRAVITY, 0.0)
@@ -175,6 +177,8 @@ class FlightControl:
         slope = np.einsum("ai,nij->naj", sides @ off @ goal.rotation, self.legs.slopes(goal.joints))
         slope = slope[goal.landing].reshape(len(miss), -1)
         slope[:, self._roots] = 0.0
+        # Damped least squares: near the end of a leg's reach it gives up millimetres instead of turning
+        # joints by much.
         square = slope @ slope.T + SLACK**2 * np.eye(len(miss))
         return np.asarray(np.clip(slope.T @ np.linalg.solve(square, miss), -MOST_TURN, MOST_TURN))
 
@@ -247,6 +251,7 @@ class FlightControl:
         targets
             As they should be.
         """
+        # Nothing holds the base: M_bb a_b = -M_bj a_j - h_b, put into the joints' rows.
         gain = np.linalg.solve(M[:6, :6], np.column_stack([M[:6, 6:], bias[:6]]))
         reduced, rest = M[6:, 6:] - M[6:, :6] @ gain[:, :-1], bias[6:] - M[6:, :6] @ gain[:, -1]
         w = FOLLOW * self._omega

@@ -166,6 +166,7 @@ class Reference:
         chosen = np.ones(len(feet), dtype=bool) if which is None else which
         own, there = self.feet_at(time)[0][chosen, :2], feet[chosen, :2]
         a, b = own - own.mean(axis=0), there - there.mean(axis=0)
+        # Least squares over rotations in the plane: the angle of Σ conj(a) b, of places as complex numbers.
         turn = math.atan2(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()), float((a * b).sum()))
         R = rotation_about([0.0, 0.0, 1.0], turn)
         q = self.q.copy()

@@ -254,6 +254,9 @@ class TrackingController(Controller):
     def _not_too_fast(self, torques: FloatArray, speeds: FloatArray) -> FloatArray:
         """Return torques that take no joint of an unloaded leg beyond its speed limit by the next step."""
         M = self.whole_body.instant().M
+        # What the torque of a joint does to its own speed while the others of the leg give way; never less
+        # than zero room towards rest, so that a joint that is too fast already may be braked but is not
+        # ordered to.
         inertia = 1.0 / np.diag(np.linalg.inv(M[6:, 6:])) / self.dt
         most = SPEED_MARGIN * self._speed_limits
         high, low = inertia * (most - speeds), inertia * (-most - speeds)

@@ -122,6 +122,8 @@ class Facets:
                 out.rows.append((phi - self.time * closing[k], 0.0, 0.0))
                 out.pair(form, normal, phi, eps)
                 return ca.vertcat(0.0, 0.0, normal)
+            # Both sides of every pair are variables of their own, tied to their expressions by equations: an
+            # interior-point method keeps variables inside their bounds, but not expressions.
             equal = ca.vertcat(
                 phi - self.time * closing[k],
                 sigma - (gamma + D.T * sliding[k]),
@@ -185,6 +187,7 @@ class GivenModes:
     def bounds(self, modes: IntArray, mu: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the bounds (N, m) of the variables for modes (N, p) and friction (p,)."""
         inf, slick = np.inf, mu == 0.0
+        # Open: no impulse, φ free upwards. Closed: φ = 0; sticking: u_t = 0.
         low = {OPEN: [0.0, 0.0, 0.0, -inf], STICK: [-inf, 0.0, 0.0, 0.0], SLIDE: [-inf, 0.0, 0.0, -inf]}
         high = {OPEN: [0.0, 0.0, inf, inf], STICK: [inf, inf, 0.0, 0.0], SLIDE: [inf, inf, 0.0, inf]}
         least, most = _by_mode(low, modes), _by_mode(high, modes)
@@ -220,6 +223,7 @@ def read_modes(
         Friction, one for all or (p,).
     """
     friction, normal, speed = np.abs(impulses[..., 0]), impulses[..., 2], np.abs(sliding[..., 0])
+    # Of each pair the larger side is the one that is not zero in the limit eps -> 0.
     slides = speed > mu * normal - friction
     return np.where(normal > closing, np.where(slides, SLIDE, STICK), OPEN).astype(np.int64)
 

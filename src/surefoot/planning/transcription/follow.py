@@ -86,6 +86,7 @@ def gains(problem: Followed, motion: Motion) -> FloatArray:
         except NoSolution:
             return out
         B = B[:, motors]
+        # Discrete Riccati recursion of ||x||² + EFFORT ||u||²; joints without motors have no part in it.
         weight = B.T @ value
         gain = np.linalg.solve(EFFORT * np.eye(len(motors)) + weight @ B, weight @ A)
         value = np.eye(size) + A.T @ value @ (A - B @ gain)

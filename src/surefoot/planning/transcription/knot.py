@@ -77,6 +77,8 @@ class SymbolicKnot:
             return missing
         n, body, turn = len(self._rows), self.body, self._turn
         # in the base's axes at the start, which turned from those where the way there began
+        # Momentum balance in place of the base's rows, see `stepping.momentum_knot`: (p⁺ - p⁻) / dt less
+        # forces and weight, and about the centre of mass the moments of forces.
         before = body.momentum(body.at_origin(body.integrate(self.q, -self.dt * self.v)), self.v)[1:]
         linear, angular = (turned(part, -self.dt * self._spin(self.v)) for part in before)
         pushes = ca.mtimes(turn.T, forces)
@@ -96,6 +98,8 @@ class SymbolicKnot:
         if not self._rows:
             return missed
         ahead = body.momentum(body.at_origin(self.q_after), self.v_after)[0]
+        # c(q⁺) = c(q) + dt p⁺ / m, in the base's axes at the start: the base's own way and what the shape
+        # adds.
         shape = turned(ahead, self.dt * self._spin(self.v_after)) - self._com
         slides = [row for row in self._rows if row < 3]
         moved = ca.SX.zeros(3)

@@ -222,6 +222,7 @@ def build_nlp(
     # gradient: the blocks' own, added where they share variables
     cost, slope = maps["slope"](seen, *given)
     f = ca.sum2(cost)
+    # A state is seen by the blocks on both sides: its entries of the gradient are summed by a matrix of ones.
     gather = ca.DM(
         ca.Sparsity.triplet(total, places.size, places.T.ravel().tolist(), list(range(places.size))), 1.0
     )
@@ -263,6 +264,7 @@ def _functions(block: Block) -> tuple[Any, tuple[str, ...], Callable[[], dict[st
 
     def write() -> dict[str, Any]:
         lam_f, lam_g = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", rows.shape[0])
+        # Ipopt takes the upper half alone.
         curved = ca.triu(ca.hessian(lam_f * cost + ca.dot(lam_g, rows), z)[0])
         return {
             "rows": ca.Function("rows", given, [rows]),
