@@ -103,17 +103,21 @@ def _observe(
     for j in range(6, twists.shape[1]):
         i = tables[j]
         R, h = turns[i], momenta[i]
+        # Momentum of the subtree in base axes, its moment carried from the joint to the base's origin, where
+        # the twists are taken.
         a, b, c = times(R, (h[0], h[1], h[2]))
         d, e, f = times(R, (h[3], h[4], h[5]))
         x, y, z = places[i, 0], places[i, 1], places[i, 2]
         d, e, f = d + y * c - z * b, e + z * a - x * c, f + x * b - y * a  # about the base's origin
         k, m, n = times(R, (masses[i, 0], masses[i, 1], masses[i, 2]))
         rise = point_velocity(twists, j, x + k, y + m, z + n)
+        # Power of the weight per unit of the joint's speed: how fast the carried mass' centre rises with it.
         weight = loads[i] * GRAVITY * (rise[0] * plumb[0] + rise[1] * plumb[1] + rise[2] * plumb[2])
         p = rotors[j] * v[j] + twists[0, j] * a + twists[1, j] * b + twists[2, j] * c
         p += twists[3, j] * d + twists[4, j] * e + twists[5, j] * f
         r = drifts[0, j] * a + drifts[1, j] * b + drifts[2, j] * c
         r += drifts[3, j] * d + drifts[4, j] * e + drifts[5, j] * f
+        # The first call has no momentum before it to compare with.
         if known > 0.0:
             seen = (p - momentum[j]) / dt - rate[j]
             residual[j] = keep * residual[j] + (1.0 - keep) * seen
@@ -153,6 +157,8 @@ def foot_forces(
                     A[r, count] = column[r] if r < 3 else twists[r, j]
                     f[r] += A[r, count] * residual[j]
                 count += 1
+        # Normal equations (J Jᵀ + damping² tr(J Jᵀ)) f = J r, with the joints' columns alone: the base's rows
+        # of the residual are everybody's, a leg's joints see its own foot.
         trace = 0.0
         for r in range(rows):
             for s in range(rows):
@@ -211,10 +217,14 @@ def decide_contacts(
             f = usual if measured[k] else 0.0
         s, high = deviations[k], (points[k, 2] - heights[k]) * up[k, 2]
         # a uniform density over [0, heavy] against a normal one about 0; a pull says no more than no force
+        # Log of the odds, contact over air, of three measurements taken for independent; `prior` is that of
+        # the plan.
         pushed = math.log(root * s / heavy) + 0.5 * max(f, 0.0) ** 2 / (s * s)
+        # A normal density about the ground against a uniform one over the clearance; speeds: two normal ones.
         near = math.log(clearance / (root * gap)) - 0.5 * (high / gap) ** 2
         stopped = _ratio(v, still, swinging)
         odds[k] = prior[k] + min(pushed, MOST_FORCE) + max(near, LEAST_HEIGHT) + max(stopped, LEAST_SPEED)
+        # Hysteresis: odds about one would make contact chatter.
         contact[k] = odds[k] > (-hold if contact[k] else hold)
 
 

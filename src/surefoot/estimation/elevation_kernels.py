@@ -40,6 +40,7 @@ def fuse_points(
     for k in range(points.shape[0]):
         if not (math.isfinite(points[k, 0]) and math.isfinite(points[k, 1]) and math.isfinite(points[k, 2])):
             continue
+        # The nearest cell; corner is the middle of the first one.
         i = math.floor((points[k, 0] - corner[0]) / spacing + 0.5)
         j = math.floor((points[k, 1] - corner[1]) / spacing + 0.5)
         if i < 0 or j < 0 or i >= count or j >= count:
@@ -59,6 +60,7 @@ def fuse_points(
             variances[i, j] = p
             if miss * miss > gate * gate * (p + r):
                 continue
+        # Scalar Kalman update.
         gain = p / (p + r)
         heights[i, j] += gain * miss
         variances[i, j] = (1.0 - gain) * p
@@ -111,6 +113,8 @@ def fill_unknown(
                             if inner and abs(b - j) < reach:
                                 continue
                             if variances[a, b] != np.inf:
+                                # Heights over the guessed plane: on a slope the lowest one would be the one
+                                # farthest down it.
                                 lowest = min(lowest, heights[a, b] - slope_x * a - slope_y * b)
                     if lowest < np.inf:
                         break
@@ -171,6 +175,7 @@ def flight_heights(
     out, own = seen.copy(), np.zeros(len(seen), dtype=np.bool_)
     tread, rise = flight[4], flight[7]
     for k in range(len(seen)):
+        # Along the flight and beside it; its turn is small, so that edges are moved by turn times w.
         s = xy[k, 0] * flight[0] + xy[k, 1] * flight[1]
         w = xy[k, 1] * flight[0] - xy[k, 0] * flight[1] - flight[2]
         share = (s - flight[3] - flight[5] * w) / tread

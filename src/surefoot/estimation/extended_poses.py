@@ -34,6 +34,8 @@ def gammas(phi: FloatArray, out: FloatArray) -> None:
     """
     x, y, z = phi[0], phi[1], phi[2]
     square = x * x + y * y + z * z
+    # θ - sin θ and θ²/2 + cos θ - 1 lose all digits for small angles; ten terms of the series are exact below
+    # one radian.
     if square < 1.0:
         third = fourth = 0.0
         for j in range(9, -1, -1):  # Horner: terms are products of -θ² / ((2j + m) (2j + m - 1))

@@ -219,6 +219,7 @@ class FlightFit:
             return float(np.median(s[on])), aside, REPEATED * PLACE**2
         if drop < 0.1:
             return None
+        # Where each ray passes the plane of the upper tread; one that goes on below it has passed the edge.
         share = drop / np.maximum(begin[2] - z, 0.5 * drop)
         through, beside = begin[0] + share * (s - begin[0]), begin[1] + share * (w - begin[1])
         on = (np.abs(through - place - self._x[2] * beside) < NEAR * self.tread) & (
@@ -232,6 +233,8 @@ class FlightFit:
         turned = self._x[2] * (beside - aside)
         way = 1.0 if ahead > 0.0 else -1.0
         found = parting(way * (through - turned)[stays], way * (through - turned)[goes])
+        # d/dα of drop cot α is (drop² + ahead²) / drop: what an error of the sensor's pitch moves the place
+        # by.
         slope = (drop * drop + ahead * ahead) / drop
         variance = PLACE**2 + float(self._Q[2, 2]) * slope * slope
         return way * (found - tilt * slope), aside, REPEATED * variance

@@ -28,6 +28,7 @@ def over_ground(
     X (3, 5 + n) is the filter's state with the IMU as its body, at `arm` (3,) from the base; `turn` (3,) the
     turn rate, `centres` and `velocities` (n, 3) the feet against the base, all in body axes.
     """
+    # Rᵀ v of the IMU, in body axes; a foot moves with it, with ω x r about it, and with its leg.
     u = X[0, 0] * X[0, 3] + X[1, 0] * X[1, 3] + X[2, 0] * X[2, 3]
     v = X[0, 1] * X[0, 3] + X[1, 1] * X[1, 3] + X[2, 1] * X[2, 3]
     w = X[0, 2] * X[0, 3] + X[1, 2] * X[1, 3] + X[2, 2] * X[2, 3]
@@ -62,6 +63,7 @@ def roll(
             a += now[2, s] * last[k, 1, s] - now[1, s] * last[k, 2, s]
             b += now[0, s] * last[k, 2, s] - now[2, s] * last[k, 0, s]
             c += now[1, s] * last[k, 0, s] - now[0, s] * last[k, 1, s]
+        # The skew part holds 2 sin of the angle, which for the turn of one step is twice the angle.
         x, y, z, half = normals[k, 0], normals[k, 1], normals[k, 2], 0.5 * radii[k]
         rolled[k, 0] = rolled[k, 0] + half * (b * z - c * y) if touching[k] else 0.0
         rolled[k, 1] = rolled[k, 1] + half * (c * x - a * z) if touching[k] else 0.0
@@ -160,6 +162,7 @@ def state_ahead(
     """
     n = len(joints)
     now, turn = X[:, :5].copy(), np.empty(3)
+    # The body by the readings that wait, its covariance left alone: nothing is learned here.
     foresee(now, bias, gyros, accelerometers, dt)
     for r in range(3):
         turn[r] = gyros[len(gyros) - 1, r] - bias[r]

@@ -141,6 +141,7 @@ def estimate_forces(
         torque[np.isnan(torque)] = 0.0
     needed = needed - generalised_torque(robot, finite_array("tau", torque, (robot.joints,)))
     M = np.triu(pinocchio.crba(model, data, configuration))
+    # An error of the acceleration enters a row of M v̇ + h - τ through that row of M.
     spread = shaking * np.linalg.norm(M + np.triu(M, 1).T, axis=1)
     spread = np.hypot(spread, np.where(np.arange(model.nv) < robot.base_dof, EXACT * noise, noise))
     J = contact_jacobian(robot, configuration, stance)
@@ -176,6 +177,8 @@ def _least_squares(A: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray
         return np.zeros(0), np.zeros(0), float(np.sqrt(np.mean(b * b)))
     U, sizes, V = np.linalg.svd(A, full_matrices=False)
     seen = sizes > RANK * sizes[0]
+    # Pseudoinverse with a rank: where the measurements leave a combination of forces open (inner forces
+    # between feet), the least is told, and every force with a part in it has an infinite deviation.
     x = V[seen].T @ ((U[:, seen].T @ b) / sizes[seen])
     variance = ((V[seen].T / sizes[seen]) ** 2).sum(axis=1)
     known = (V[seen] ** 2).sum(axis=0) > 1.0 - 1e-6

@@ -168,6 +168,7 @@ class TossFlight:
             change = np.zeros((count, 2 * nv))
             change[:, k] = step
             self._J[:, :, k] = (self._off(self._moved(self.starts, change), tree, gravity) - here) / step
+        # Normal equations of each toss on its own, of noise alike in metres and radians.
         square = np.zeros((count, 2 * nv, 2 * nv))
         np.add.at(square, self._owner, np.einsum("nik,nil->nkl", self._J, self._J))
         square += 1e-12 * np.trace(square, axis1=1, axis2=2)[:, None, None] * np.eye(2 * nv)

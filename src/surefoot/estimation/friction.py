@@ -204,6 +204,8 @@ def follow_friction(
     for k in range(forces.shape[0]):
         normal = forces[k, 2]
         sliding[k] = False
+        # Without load the ratio of forces says nothing. A short gap does not end a slide: feet chatter on
+        # ice.
         if normal < least:
             state[k, IDLE] += 1.0
             state[k, COUNT] = 0.0
@@ -217,6 +219,7 @@ def follow_friction(
         ring[k, at] = use
         state[k, AT] = (at + 1) % rows
         state[k, COUNT] = min(state[k, COUNT] + 1.0, float(rows))
+        # Sticking: ||f_t|| <= mu f_n bounds mu from below by a use that lasted, the least in the ring.
         if not sliding[k]:
             state[k, SLID], state[k, SUM] = 0.0, 0.0
             if state[k, COUNT] < rows:

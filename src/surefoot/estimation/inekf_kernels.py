@@ -31,9 +31,12 @@ def _transit(x: FloatArray, X: FloatArray, on: BoolArray, h: float, last: int) -
     n = on.shape[0]
     R, m = X[:, :3], 9 + 3 * n
     h2, h3 = 0.5 * h * h, h * h * h / 6.0
+    # The biases' errors in world axes. A is that of the error of a right-invariant filter with biases: φ' =
+    # -R b_g, v' = g x φ - v x R b_g - R b_a, p' = v - p x R b_g, d' = -d x R b_g.
     a, b, c = times(R, (x[m], x[m + 1], x[m + 2]))
     d, e, f = times(R, (x[m + 3], x[m + 4], x[m + 5]))
     # g x y = GRAVITY (y_y, -y_x, 0)
+    # From the last block to the first: each reads those before it as they were.
     if last >= 6:
         px, py, pz = h * X[0, 4] + h2 * X[0, 3], h * X[1, 4] + h2 * X[1, 3], h * X[2, 4] + h2 * X[2, 3]
         x[6] += h * x[3] + h2 * (GRAVITY * x[1] - d) - (py * c - pz * b) - h3 * GRAVITY * b
@@ -60,6 +63,7 @@ def _transit(x: FloatArray, X: FloatArray, on: BoolArray, h: float, last: int) -
 def _transport(P: FloatArray, X: FloatArray, on: BoolArray, h: float) -> None:
     """Replace P by Φ P Φᵀ, see `_transit`; rows of feet that do not touch are zero and stay so."""
     N, n = P.shape[0], on.shape[0]
+    # Rows first, P Φᵀ, then columns, Φ (P Φᵀ): Φ has few entries, and no product of matrices is formed.
     columns = P.T
     for turn in range(2):
         for i in range(N):
@@ -87,6 +91,8 @@ def _add_noise(P: FloatArray, X: FloatArray, on: BoolArray, densities: FloatArra
             G[1, j], G[2, j] = -z, y
             G[0, j + 1], G[2, j + 1] = z, -x
             G[0, j + 2], G[1, j + 2] = -y, x
+    # Only the gyro's noise couples blocks: as a turn of the body it turns v, p and d about the world's
+    # origin. All noise is alike along its three axes, so R Cov Rᵀ = Cov, and the rest goes on the diagonal.
     q = densities[0] * h
     for k in range(3 + n):
         if k < 3 or on[k - 3]:
@@ -111,6 +117,7 @@ def _march(X: FloatArray, bias: FloatArray, gyro: FloatArray, accelerometer: Flo
         phi[r] = (gyro[r] - bias[r]) * h
     gammas(phi, G)
     force = accelerometer - bias[3:]
+    # p + h v + h² (R Γ_2 f + g / 2), v + h (R Γ_1 f + g), R Γ_0, in this order: each reads what was before.
     u = times(R, times(G[1], (force[0], force[1], force[2])))
     w = times(R, times(G[2], (force[0], force[1], force[2])))
     for r in range(3):
@@ -163,6 +170,8 @@ def _innovation(
     Only what lies in the lower triangles is read and filled.
     """
     R, j = X[:, :3], 9 + 3 * k
+    # z = -H ξ to first order, and H has no R in it: this is what makes the filter invariant. exp(K z) X̂
+    # takes the error off.
     z[0], z[1], z[2] = times(R, (place[0], place[1], place[2]))
     for r in range(3):
         z[r] += X[r, 4] - X[r, 5 + k]
@@ -213,6 +222,8 @@ def correct(
     for k in range(n):
         if not used[k]:
             continue
+        # The covariance is that after the feet before, and so is the innovation, less what they have
+        # corrected already.
         S[:] = seen[k]
         _innovation(X, P, k, places[k], S, z)
         j = 9 + 3 * k
@@ -243,6 +254,7 @@ def _move_all(X: FloatArray, bias: FloatArray, delta: FloatArray) -> None:
     move(X, delta[:m])
     for r in range(6):
         bias[r] += delta[m + r]
+    # R (3 - RᵀR) / 2: rounding of thousands of products would make R stretch.
     R, half = X[:, :3].copy(), np.empty(3)
     for r in range(3):
         for b in range(3):
@@ -319,6 +331,8 @@ def observe_feet(
     [m²/s]. The rest is as in `correct`.
     """
     for k in range(on.shape[0]):
+        # Before the correction, so that a foot which has left says nothing more; feet that are new or slid
+        # come after it: they are placed by the state, and tell nothing of it yet.
         if on[k] and not touching[k]:
             forget_foot(P, k)
             on[k] = False

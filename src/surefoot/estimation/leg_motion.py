@@ -144,6 +144,7 @@ def leg_motion(robot: Robot, log: LegLog) -> LegMotion:
     J, needed = np.empty((rows, 3, nv)), np.empty((rows, nv))
     for t in range(rows):
         J[t] = pinocchio.computeFrameJacobian(model, data, q[t], frame, axes)[:3]
+    # J_r ṙ = -J_l q̇, and the same of accelerations with the rails' own still zero: `at` is J_l q̈ + J̇ v.
     held = -np.linalg.pinv(J[:, :, rails])
     free = np.einsum("tij,tj->ti", J[:, :, mine], log.smooth(log.q, STEADY, 1))
     slip = np.linalg.norm(free + np.einsum("tij,tjk,tk->ti", J[:, :, rails], held, free), axis=1)

@@ -30,6 +30,7 @@ def ripple_lines(q: FloatArray, speed: FloatArray, torque: FloatArray, parts: in
         return found
     starts = np.linspace(0, len(q), parts + 1).astype(int)[:-1]
     for _ in range(MOST):
+        # Over the angle, not over time: dq = |q̇| dt is the weight.
         waves = [np.add.reduceat(np.exp(-1j * n * q) * weight * left, starts) for n in LINES]
         each = np.array(waves) / np.add.reduceat(weight, starts)
         mean = each.mean(axis=1)

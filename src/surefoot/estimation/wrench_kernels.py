@@ -50,6 +50,8 @@ def sum_wrench(
         rest[i] = bias[i] - (torques[i - 6] if i >= 6 else 0.0)
         for j in range(nv):
             rest[i] += M[i, j] * (after[j] - v[j]) / dt
+    # `rest` = M a + h - Sᵀ τ: its joints' rows are the feet's Jᵀ f, its base's rows the feet's and the
+    # outside's.
     foot_forces(twists, support, points, flat, rest, v, SOLE_DAMPING if flat[0] else DAMPING, forces, speeds)
     for a in range(3):
         for b in range(3):
@@ -58,11 +60,14 @@ def sum_wrench(
     for k in range(n):
         if not touching[k]:
             continue
+        # What the ground gives, at the foot, is taken off.
         arm = points[k, 0] - pose[0, 3], points[k, 1] - pose[1, 3], points[k, 2] - pose[2, 3]
         turn = cross(arm, (forces[k, 0], forces[k, 1], forces[k, 2]))
         for a in range(3):
             wrench[a] -= forces[k, a]
             wrench[3 + a] -= turn[a] + forces[k, 3 + a]
+    # Weight of a load that the model has already, put back as an outside wrench: the filter estimates all of
+    # it.
     wrench[2] -= load[0] * GRAVITY
     for j in range(3):
         wrench[3] -= GRAVITY * pose[1, j] * load[1 + j]
@@ -108,6 +113,7 @@ def tell_wrench(
             on_base[a] += rotation[b, a] * on_com[b]
             on_base[3 + a] += rotation[b, a] * on_com[3 + b]
     arm = base[0] - com[0], base[1] - com[1], base[2] - com[2]
+    # The moment moves from the base's origin to the centre of mass: + (base - com) x f.
     turn = cross(arm, (on_com[0], on_com[1], on_com[2]))
     for a in range(3):
         on_com[3 + a] += turn[a]
@@ -135,6 +141,8 @@ def filter_wrench(
     keep, drive
         (10,) share of each state that is left, and variance that it gains.
     """
+    # Wrench of a load in units of gravity: force (0, 0, -m), moment R (m r) x (0, 0, -1), linear in m and m
+    # r.
     x, P = keep * state, keep[:, None] * covariance * keep + np.diag(drive)
     H = np.zeros((6, 10))
     H[:, 4:] = np.eye(6)

@@ -117,6 +117,8 @@ def _decay(block: float) -> tuple[FloatArray, FloatArray, float]:
     """
     times = np.array([math.inf] * 3 + [MEMORY] + [FADING] * 6)
     keep = np.exp(-block / times)
+    # What fades keeps its variance of before anything was seen (a first-order Markov process); mass and level
+    # first moment do not fade and gain variance steadily.
     drive = DEVIATIONS**2 * (1.0 - keep**2)
     drive[:3] = DEVIATIONS[:3] ** 2 * 2.0 * block / MEMORY
     return keep, drive, 1.0 - math.exp(-block / WATCH)
@@ -244,6 +246,8 @@ def take_block(
     """
     noise = np.empty(6)
     for a in range(6):
+        # Half the mean square of the differences of neighbours is the variance of what changes from block to
+        # block, whatever slow part there is: a gait's own wrench then counts as noise.
         new = min(max(mean[a], -VIOLENT), VIOLENT)
         change = new - last[a] if math.isfinite(last[a]) else 0.0
         spread[a] += watch * (0.5 * (change * change) - spread[a])
