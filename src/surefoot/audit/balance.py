@@ -41,6 +41,7 @@ def left_over(rows: Rows) -> FloatArray:
         out[:, 3:] -= np.einsum("tpij,tpj->ti", rows.frames, rows.numbers("contact_moments"))
     if "wrench_applied" in rows.log:
         out -= rows.numbers("wrench_applied")
+    # A planar robot's bearings carry what they like: rows that are not free are projected out.
     free = np.asarray(facts.get("free_wrenches", np.eye(6)))
     return np.asarray(out @ free.T @ free)
 

@@ -39,6 +39,7 @@ def grip(rows: Rows) -> FloatArray:
         return np.asarray(rows.mu * np.sqrt(1.0 - left**2))
     v = rows.velocities[..., :2]
     speed = np.hypot(v[..., 0], v[..., 1])
+    # At a corner, on the edge nearest to the slip: mu f_n times the slip's cosine to that edge.
     along = np.abs(_turned(v[..., 0], v[..., 1], turn)).max(axis=0) / np.maximum(speed, 1e-300)
     return np.asarray(rows.mu * (1.0 - left) * np.where(speed > 0.0, along, 1.0))
 

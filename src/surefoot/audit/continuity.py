@@ -44,6 +44,8 @@ def state(rows: Rows) -> Measured:
         scale = levers(q, v)
         w = rows.window(TIME)
         off, step = np.abs(sliding_sum(slips, w)) * scale, np.abs(v) * scale * rows.dt[:, None]
+        # The trapezium may be half a change of velocity off, at most the highest step in the window; the rest
+        # is drift.
         bound = STATE_LIMIT + _highest(step, w) + DRIFT * sliding_sum(step, w)
         worst = np.argmax(off / bound, axis=1)[:, None]
         value[:, -1:] = np.take_along_axis(off, worst, axis=1)

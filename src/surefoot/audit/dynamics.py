@@ -77,6 +77,8 @@ def unexplained(
     dt = np.diff(np.asarray(log["time"]))[:, None]
     acceleration = np.diff(v, axis=0) / dt
     model = _loaded(robot.model, payload, payload_position)
+    # M Δv / dt + h in the configuration before the step, with Coriolis forces of the velocity before and
+    # after it.
     (torque, later), jacobian = _newton_euler(model, q[:-1], acceleration, v[:-1], v[1:])
     later -= torque
     for part in (torque, later):
@@ -183,6 +185,7 @@ def _at_feet(robot: Robot, rest: FloatArray, jacobian: FloatArray, place: FloatA
         leg = np.flatnonzero(points.foot_support[foot][base:]) + base
         at = place[:, points.foot == foot].mean(axis=1)
         J = jacobian[:, :3, leg] + np.cross(jacobian[:, 3:, leg], at[:, :, None], axis=1)
+        # Least squares f of Jᵀ f = r over the leg's joints, damped where the leg is stretched.
         JJ = np.einsum("tij,tkj->tik", J, J)
         JJ += DAMPING * np.trace(JJ, axis1=1, axis2=2)[:, None, None] * np.eye(3)
         pulled = np.einsum("tij,tj->ti", J, rest[:, leg])

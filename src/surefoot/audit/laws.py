@@ -261,6 +261,7 @@ def _apart(f: FloatArray, gap: FloatArray, threshold: float) -> float:
 def _power_missing(f: FloatArray, v: FloatArray, mu: FloatArray, threshold: float) -> float:
     """Return the most friction missing against the slip of a loaded contact at an instant [N]."""
     speed = np.hypot(v[..., 0], v[..., 1])
+    # Maximum dissipation: along the slip the force is -mu f_n.
     along = (f[..., 0] * v[..., 0] + f[..., 1] * v[..., 1]) / np.maximum(speed, 1e-12)
     missing = mu * f[..., 2] + along
     unknown = ~np.isfinite(missing)

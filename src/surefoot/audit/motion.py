@@ -37,6 +37,7 @@ def slips(log: Log) -> FloatArray:
     active = np.asarray(log["active"])
     before = np.vstack([np.zeros((1, active.shape[1]), dtype=bool), active[:-1]])
     steps = np.arange(len(log))[:, None]
+    # The row in which each contact was last commanded anew; its travel is the zero of the slip.
     since = np.maximum.accumulate(np.where(active & ~before, steps, 0), axis=0)
     start = np.take_along_axis(travel, np.repeat(since[..., None], 2, axis=2), axis=0)
     return np.where(active, np.linalg.norm(travel - start, axis=-1), 0.0)

@@ -86,12 +86,15 @@ def slide_on(
             u, v = dt[k] * velocities[k, c, 0], dt[k] * velocities[k, c, 1]
             moved, friction = np.hypot(u, v), mu[k, c] * normal
             peak = max(peak, friction)
+            # Full friction takes mu f_n per metre; what the force did is f_t . v dt, negative where it
+            # brakes.
             lost += (1.0 - LAG) * friction * moved + forces[k, c, 0] * u + forces[k, c, 1] * v
             way += moved
             x += u
             y += v
             net = np.hypot(x, y)
             if lost > 0.0 and peak > 0.0:  # friction beyond the cone is the second law's matter
+                # Of a stretch that is not closed yet, only the net part of its way counts, too.
                 free = (total + lost * (net / way)) / min(peak, weight)
                 worst = free if free > worst or np.isnan(free) else worst
             # a stretch is closed: what friction owed on it, as far as it led anywhere

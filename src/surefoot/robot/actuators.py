@@ -257,6 +257,8 @@ def torque_range(
     low, high = motor_bounds(known, effort, fastest, knee, driving)
     out[2] = losses
     for j in range(len(speed)):
+        # The command's own limits within the motor's; both less the losses, since they are of the motor's
+        # torque and the range is of the torque on the leg.
         bottom, top = max(low[j], -limits[j]), min(high[j], limits[j])
         if math.isfinite(bottom) and math.isfinite(top):
             out[0, j] = 0.5 * (top + bottom) - losses[j]

@@ -133,6 +133,8 @@ def constrained_dynamics(
         return ConstrainedMotion(free, np.zeros(0), 0)
     weighted = scipy.linalg.cho_solve(factor, J.T)
     values, vectors = np.linalg.eigh(J @ weighted)
+    # G f = γ - J v̇_free by its eigenvectors: what repeats another contact has no direction of its own, and
+    # least norm shares the force among them.
     keep = values > RANK_TOLERANCE * values[-1]
     use = keep if epsilon == 0.0 else np.ones_like(keep)
     V = vectors[:, use]

@@ -87,6 +87,7 @@ class Legs:
         free = np.ones(len(leg), dtype=bool)
         step = np.zeros(len(leg))
         for _ in range(len(leg)):
+            # An active set: a joint at its stop is taken out, and the others find the step without it.
             J = rows * free
             step = J.T @ np.linalg.solve(J @ J.T + DAMPING**2 * np.eye(3), miss)
             beyond = free & (((angles <= low) & (step < 0.0)) | ((angles >= high) & (step > 0.0)))

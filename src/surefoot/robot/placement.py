@@ -135,6 +135,8 @@ def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float) -> Fl
     worst = np.inf
     for _ in range(ITERATIONS):
         residual, jacobian, worst = _miss(robot, ground, now, slope, rotation, anchors, offset)
+        # Least motion of the joints subject to the pose, by weight: legs with a joint to spare keep their
+        # shape.
         stay = pinocchio.difference(robot.model, start, now)[6:]
         lower = np.hstack([np.zeros((robot.joints, 6)), np.eye(robot.joints)])
         stacked = np.vstack([POSE_WEIGHT * jacobian, lower])
@@ -181,6 +183,8 @@ def _miss(
             normal = ground.normal(point[:2])
             gap = float(ground.gap(point)) - foot.radius
             worst = max(worst, abs(gap))
+            # Gap of each sphere along the normal, places of the feet over the ground, toes, attitude, weight:
+            # all to zero.
             rows.append(normal @ (J[:3] - pinocchio.skew(arm) @ J[3:]))
             values.append(gap)
         arm = pose.rotation @ foot.centre

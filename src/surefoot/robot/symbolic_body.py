@@ -113,6 +113,8 @@ class SymbolicBody:
             (3,) of the ground: a sphere is touched at its lowest point along it.
         """
         ca, poses = self._ca, self._poses(q)
+        # Outwards: what each body needs. Less what the ground gives. Inwards: a joint's row is its part of
+        # all forces beyond it, which are handed to the parent.
         bodies = self._body_forces(poses, v, a)
         for k, j in enumerate(self._carriers if forces is not None else ()):  # what the ground does
             pose, (force, moment) = poses[j - 1], bodies[j - 1]
@@ -297,6 +299,7 @@ class SymbolicBody:
             else:
                 above, about = ca.DM(-self._gravity), ca.DM.zeros(3)
             pull += ca.mtimes(back, above + ca.cross(about, pose.translation))
+            # v x S q̇ (spatial cross product): S is constant in the body's axes, which move.
             pull += ca.cross(spin, linear) + ca.cross(speed, angular)
             turn += ca.mtimes(back, about) + ca.cross(spin, angular)
             pulls.append(pull)

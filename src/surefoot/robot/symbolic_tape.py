@@ -203,6 +203,8 @@ def play(
     count, size = given.shape[0], len(table)
     held = np.empty(LANES)
     for first in range(0, count, LANES):
+        # The last round repeats its last knot in the lanes that are left over: loops of one fixed length are
+        # vectorised.
         lanes = min(LANES, count - first)
         for k in range(size):
             code, to, one, two = table[k, 0], table[k, 1], table[k, 2], table[k, 3]

@@ -190,6 +190,7 @@ def cast_rays(terrain: Terrain, origin: FloatArray, directions: FloatArray, reac
     """
     marks = reach * np.linspace(0.0, 1.0, MARCH + 1)
     along = origin + marks[:, None, None] * directions
+    # The first mark below the ground brackets the hit; what is thinner than a stride of the march is missed.
     below = along[..., 2] < terrain.height(along[..., :2])
     hit = below.any(axis=0)
     first = np.argmax(below, axis=0)

@@ -58,6 +58,7 @@ def face_principal(
         Whether the spheres have moved since gaps were found: those of spheres that touch are MuJoCo's then.
     """
     for k in range(len(gaps)):
+        # Of the contacts of sphere k with the ground, the one with the largest normal force.
         best, most = -1, 0.0
         for c in range(len(addresses)):
             first, second = owner[pairs[c, 0]], owner[pairs[c, 1]]
@@ -138,6 +139,8 @@ def read_contacts(
         if toward(contact_frames[c], sign, frames[k, :, 2]) < SAME_FACE:
             beside = beside or constraint_forces[at] > 0.0
             continue
+        # MuJoCo's force acts on the second geom along +frame: its sign is turned where the foot is the first
+        # one.
         forces[k, 2] += constraint_forces[at]
         for i in range(1, 3):
             for j in range(3):
@@ -149,6 +152,8 @@ def read_contacts(
             height += geom_places[geom, i] * frames[k, i, 2]
             positions[k, i] = geom_places[geom, i] - sizes[k, 0] * frames[k, i, 2]
         gaps[k] = height - sizes[k, 1] - sizes[k, 0]
+        # cvel is [angular; linear] of the body, the linear part of its point at the tree's centre of mass: v
+        # + ω x r.
         x = positions[k, 0] - tree_centres[root, 0]
         y = positions[k, 1] - tree_centres[root, 1]
         z = positions[k, 2] - tree_centres[root, 2]

@@ -38,6 +38,8 @@ def feet_on_ground(
     for c in range(len(rows)):
         first, second = owner[pairs[c, 0]], owner[pairs[c, 1]]
         k, sign = max(first, second), (1.0 if second >= 0 else -1.0)
+        # Owners are numbers of spheres, -1 for the ground: the lesser is -1 and the larger a sphere for such
+        # a contact.
         foot = min(first, second) == -1 and k >= 0
         if not foot or (len(frames) and toward(contact_frames[c], sign, frames[k, :, 2]) < SAME_FACE):
             rows[c] = -1

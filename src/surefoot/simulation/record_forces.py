@@ -60,6 +60,8 @@ class ForceStages:
         mujoco, model, stage, h = self._mujoco, self._model, self._data, float(self._model.opt.timestep)
         mujoco.mj_copyData(stage, model, data)
         q, v, act, stage.qacc_warmstart[:] = self._start
+        # The stages of the classical scheme are not kept by MuJoCo: they are run again from the state before
+        # the step.
         speed, rate, growth = v, np.zeros_like(v), np.zeros_like(act)
         mean = np.zeros_like(v)
         for weight, node in zip(_WEIGHTS, _NODES, strict=True):

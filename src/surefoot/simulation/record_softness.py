@@ -106,6 +106,7 @@ class SoftContact:
         depth, rate, pull = landing.depth, landing.speed, landing.inverse_mass * load
         for _ in range(MOST_STEPS):
             d, R = self._regularisation(depth)
+            # r'' = A L - A f with f from the law above: symplectic Euler, as MuJoCo steps, velocity first.
             share = A / (A + self.normal_factor * R)
             rate += self.step * (pull - share * (damp * rate + stiff * d * depth + pull))
             if not rate > 0.0:
@@ -226,6 +227,7 @@ def hardest_landing(
     gaps, velocities = np.asarray(points["gaps"]), np.asarray(points["contact_velocities"])
     if not gaps.size:
         return None
+    # Rows in which a contact closes: it was open in the row before, or the log begins with it.
     first = gaps <= 0.0
     first[1:] &= gaps[:-1] > 0.0
     speed, across = (

@@ -124,6 +124,8 @@ class Backward:
     def _feedback(self) -> FloatArray | None:
         """Return how each step's torques, push and friction move with its state (n, joints + 4, 2nv)."""
         size = 2 * self.model.nv
+        # Every other state is moved: what goes into the other steps must then stay as it is, or a controller
+        # remembers.
         way = WIDTH * np.random.default_rng(0).normal(size=size)
         again = self._replayed(self._moved(way, slice(0, None, 2)))
         change = np.abs(again.each - self.here.each).max(axis=1)
@@ -149,6 +151,8 @@ class Backward:
         Every other step's (., joints + 4) is `seen` to move so along the motion `way` (2nv,).
         """
         joints, nv, base = self.world.robot.joints, self.model.nv, self.world.robot.base_dof
+        # All joints at once, then all speeds: two replays instead of 2 nv. Whether the assumption holds is
+        # judged by the random motion.
         own = np.eye(size)[base : base + joints], np.eye(size)[nv + base : nv + base + joints]
         both = self._by_states(np.array([e.sum(axis=0) for e in own]))
         out = np.zeros((len(both), both.shape[1], size))
@@ -242,6 +246,8 @@ class Backward:
             if self.feedback is not None:
                 into[:, :size] = self.feedback[k]
             behind = self._ahead(k, eye[:size], eye[size:], into, fixed)
+            # Rows are state, impulses and leaving: the loss looks at no impulses, the next step at what this
+            # one leaves.
             back = np.concatenate([weight, 0.0 * left, left]) @ behind
             state, left, own = np.split(back, [size, before])
             whole += own

@@ -46,8 +46,11 @@ def mean_readings(
     y = d * f - b * h - c * e + a * g
     z = d * g - c * h - a * f + b * e
     w = d * h + a * e + b * f + c * g
+    # q and -q are one attitude: of the two turns between the states the shorter one.
     if w < 0.0:
         x, y, z, w = -x, -y, -z, -w
+    # Mean turn rate: the rotation vector over dt, which is the same in the axes of both states and of all
+    # between.
     length = math.sqrt(x * x + y * y + z * z)
     angle = 2.0 * math.atan2(length, w)
     scale = angle / length if length > 1e-12 else 2.0
@@ -60,6 +63,8 @@ def mean_readings(
     k = d * z + c * w + a * y - b * x
     m = d * w - a * x - b * y - c * z
     before, now = np.empty(3), np.empty(3)
+    # Mean specific force Rᵀ (Δv / dt - g) of the IMU's own place: the difference of velocities holds the
+    # centripetal and Euler terms of its arm, and an impact's whole change whatever the step.
     _velocity(qa, va, arm, before)
     _velocity(qb, vb, arm, now)
     for r in range(3):

@@ -251,6 +251,8 @@ class AdaptiveGait(ContactSchedule):
         shares = [float(o) for o in stride.offset]
         others = [o < shares[0] - EARLIER for o in shares]  # lift a cycle later
         shares = [o + other for o, other in zip(shares, others, strict=True)]
+        # The cycle begins when the last foot could have lifted and flown: the others stand as much longer as
+        # that takes.
         self._next = max(lift + air - o * pace.period for lift, o in zip(lifts, shares, strict=True))
         for stances, o in zip(self._stances, shares, strict=True):
             stances[-1][1] = self._next + o * pace.period - air

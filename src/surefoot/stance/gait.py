@@ -169,6 +169,7 @@ class Gait(_ModeTable):
         events = np.concatenate([[0.0], begin[moving], np.mod(begin + share, 1.0)[moving]])
         cuts = np.unique(np.round(events, SHARE_DIGITS))
         cuts = np.append(cuts[cuts < 1.0], 1.0)
+        # At the middles, where no event is: rounding of a cut cannot put a foot on the wrong side.
         middle = 0.5 * (cuts[1:] + cuts[:-1])
         table = np.mod(middle[:, None] - begin, 1.0) < share
         return cls(name, cuts * length, table | ~moving, max_flight=max_flight)

@@ -13,6 +13,8 @@ SPREAD = 0.02
 def rotation_between(true: FloatArray, logged: FloatArray) -> FloatArray:
     """Return the rotation R that makes R true come closest to logged: (3, 3), of (m, 3) rows (Kabsch)."""
     known = np.isfinite(true).all(axis=1)
+    # The third singular direction is turned where the best orthogonal matrix is a reflection: mirrors are a
+    # symptom of their own.
     U, _, V = np.linalg.svd(logged[known].T @ true[known])
     turn = np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ V))])
     return np.asarray(U @ turn @ V)
@@ -80,6 +82,8 @@ def pyramid_facets(use: FloatArray) -> tuple[int, float] | None:
         spread = 1.0 - abs(turns.mean()) > SPREAD
         free = np.arange(0.0, sector, np.radians(0.25)) if spread else np.array([0.0, 0.5 * sector])
         for phase in free.tolist():
+            # Angle to the middle of the nearest facet, whose distance from the axis is one: reach cos(off) is
+            # one on it.
             off = (direction - phase + 0.5 * sector) % sector - 0.5 * sector
             on_edge = reach * np.cos(off)
             if np.percentile(on_edge, 90) < 1.005 and np.percentile(on_edge, 10) > 0.98:
