@@ -97,8 +97,8 @@ def test_a_slope_leaves_less_the_steeper_it_is(degrees: float, most: float) -> N
 
 
 def test_too_little_friction_stops_it() -> None:
-    out = limits(SlopeTerrain(20.0), mu=0.3).limit(VelocityCommand.constant(0.4))
-    assert out.command.values[0].tolist() == [0.0, 0.0, 0.0]
+    outs = [limits(SlopeTerrain(20.0), mu=mu).limit(VelocityCommand.constant(0.4)) for mu in (0.3, 0.0)]
+    assert not any(out.command.values.any() for out in outs)
 
 
 def test_high_steps_are_taken_slowly_and_steep_stairs_not_at_all() -> None:

@@ -290,7 +290,7 @@ def ground_left(terrain: Terrain, mu: float, height: float) -> GroundLimit:
         return GroundLimit(np.array([0.0, 0.0, 1.0]), fastest, reason)
     fastest = slope_speed(steepness, mu, height)
     lean = steepness / math.hypot(1.0, steepness)
-    left = 100.0 * max(1.0 - steepness / mu, 0.0)
+    left = 100.0 * max(1.0 - steepness / mu, 0.0) if mu > 0.0 else 0.0
     reason = (
         f"the ground's slope of {steepness:.2f} leaves {left:.0f} % of the friction {mu:.2f} that may be used"
     )
