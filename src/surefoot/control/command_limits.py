@@ -204,6 +204,8 @@ class Limits:
         out, at, root = [], 0, math.sqrt(GRAVITY * self.height)
         most = min(BRISK, self.hurries[-1]) if self.terrain.planar else 0.0
         for part in FRACTIONS:
+            # Hurry grows with the speed: the search for a larger part goes on where that for the smaller one
+            # ended.
             while at + 1 < len(self.hurries):
                 speeds = table.speeds(self.hurried(self.hurries[at]), share * float(part))
                 if use_of(speeds, self.robot.speed_limits).max() <= SPEED_SHARE:

@@ -141,6 +141,7 @@ class StandingPlan:
         free = 0.0
         for k, (lift, foot) in enumerate(zip(self.lifts, self._feet, strict=True)):
             place = self.shifted(foot)
+            # There before the foot is unloaded: the others can carry the weight only once it is above them.
             arrive = lift.start - min(UNLOAD_TIME, 0.25 * (lift.start - free))
             keys.append((max(free, arrive - self._shift_time), keys[-1][1]))
             keys.append((arrive, place))

@@ -181,6 +181,7 @@ def _border(
     q, t, at = np.empty_like(rest), np.empty((head, head)), np.empty(head, dtype=np.int64)
     more = orthonormal_rows(rest, q, t, at)
     for n in range(more):
+        # What rounding has left along the blocks' rows is taken out once more, and the length restored.
         row = local + n
         for k in range(local):
             advance_span(q[n], -dot_span(q[n], Q[k], spans, k), Q[k], spans, k)

@@ -47,6 +47,8 @@ def sense_feet(
     """
     n, nv = support.shape
     numbers, radii, rows, forces, velocities, points, local = detector_arrays(memory, n, nv)
+    # All in base axes with the base at the origin, where the joints' columns do not depend on its place and
+    # attitude; gravity's direction comes in as the vertical seen from there, the last row of R.
     place_feet(twists, turns, places, tables, support, v[6:], feet)
     R = np.empty((3, 3))
     rotation_of(q, R)

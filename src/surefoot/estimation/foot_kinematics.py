@@ -205,6 +205,7 @@ def place_feet(
             centres[k, r] = places[j, r] + out
         for j in range(6, nv):
             if support[k, j]:
+                # Covariance J Jᵀ σ² of a foot whose joints' angles are off by σ each, independently.
                 column = point_velocity(twists, j, centres[k, 0], centres[k, 1], centres[k, 2])
                 for r in range(3):
                     velocity[r] += column[r] * speeds[j - 6]

@@ -189,6 +189,8 @@ class ForceModel:
             others.append(_ridge(seen, target, FREE))
             unseen[a:b] = left[a:b] - X[a:b] @ fits[-1].T
         parts, noise = np.array(fits), (left - X @ whole.T).std(axis=0)
+        # The mean error of a part that its fit did not see wanders by more than noise and doubt explain: the
+        # rest is drift of the sensor.
         doubt = _doubt(X, parts, noise)
         wandering = np.add.reduceat(unseen, cuts[:-1]) ** 2 / np.diff(cuts)[:, None] ** 2
         known = np.add.reduceat(doubt**2 - noise**2, cuts[:-1]) / np.diff(cuts)[:, None]
@@ -299,6 +301,8 @@ def _terms(
 
 def _ridge(X: FloatArray, y: FloatArray, weight: float = RIDGE) -> FloatArray:
     """Return (3, m) coefficients of readings (T, 3) by terms (T, m), drawn to zero but the last."""
+    # Ridge in units in which every term varies by one; the sensor's offset, the last one, is not drawn to
+    # zero.
     size = X.std(axis=0)
     size[size < 1e-9] = 1.0
     scaled = X / size

@@ -145,6 +145,9 @@ def first_impacts(
         poses = model.rollout(values, part._replace(starts=starts))[taken]
         return flight.apart(poses)[:, nv:]
 
+    # What the noise of the arrival does to the velocity after, by simulation: an impact is no linear function
+    # of it. The median over a chi-squared one's median is the variance, corners that change their order left
+    # aside.
     errors, random = apart(part.starts), np.random.default_rng(0)
     shaken = [apart(arrival.shaken(part.starts, noise, random)) - errors for _ in range(DRAWS)]
     carried = np.median(np.square(shaken), axis=0) / stats.chi2.median(1)

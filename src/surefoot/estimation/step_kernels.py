@@ -175,6 +175,7 @@ def advance(
     _wait(waiting, counts, gyro, accelerometer, positions, speeds)
     imu, legs, _, _, _ = waiting_arrays(waiting, counts, joints)
     if not first:
+        # The oldest of each queue is what belongs to the filter's time, see `Latency`.
         propagate(X, bias, P, borrowed(on)[0], imu[0, :3], imu[0, 3:], densities, numbers[0, 0])
         for r in range(3):
             numbers[2, r] = imu[0, r] - bias[r]
@@ -201,6 +202,8 @@ def stand(
     touching, landed, used = borrowed(standing)[0], borrowed(standing)[1], borrowed(on)[1]
     radii, pace, age = lines[0], lines[1], lines[2]
     dt, settling, sliding = numbers[0, 0], numbers[0, 1], numbers[0, 2]
+    # A foot that moves over the ground is no landmark; one that rolls is, with the roll of its centre taken
+    # off.
     over_ground(X, numbers[2], numbers[1], centres, velocities, pace)
     new = follow_stances(contact, pace, sliding, settling, dt, age, touching, landed)
     roll(X, rotations, normals, radii, touching, turned, rolled)

@@ -119,6 +119,8 @@ def search(
         square, slope, better = slopes.squares.mean(axis=0), slopes.moments.mean(axis=0), None
         axes = _axes(square, here.scale)
         for _ in range(TRIALS):
+            # Marquardt's scaling by the diagonal: damping has no unit, and leaves the parameters' sizes
+            # alone.
             lifted = square + damp * np.diag(np.diag(square) + 1e-12)
             ahead = np.clip(values - steps * _within(lifted, slope, values, low, high), low, high)
             there = _residuals(rows(ahead), first, frames, here.scale)
@@ -137,6 +139,8 @@ def search(
     bent = np.einsum("bk,bl,b->bkl", moments, moments, 1.0 / np.sqrt(here.scale**2 + here.errors**2))
     squares = slopes.squares - bent
     total = squares.sum(axis=0)
+    # Newton's step of each bootstrap sample from the common optimum, where Σ moments = 0: a toss moves the
+    # fit by its gradient over the curvature of the others (the jackknife's).
     moved = (draws - 1.0) @ np.einsum("bkl,bl->bk", _inverse(total - squares), moments)
     if held is not None:
         moved += _share(rows, values, fixed, held, here, slopes) @ _inverse(total)
@@ -177,6 +181,7 @@ def _slopes(
         up, down = np.clip(values + way, *ends), np.clip(values - way, *ends)
         J[:, :, k], ways[:, k] = rows(up) - rows(down), (up - down) / steps
     long = np.maximum(np.abs(ways).max(axis=0), 1e-300)  # ranges may have left two ways alike, or none
+    # Slopes along the axes, taken back to slopes by the parameters.
     J = J / long @ np.linalg.pinv(ways / long, rcond=HIDDEN)
     weight = np.repeat(1.0 / (frames * np.sqrt(here.scale**2 + here.errors**2)), frames)
     terms = np.einsum("nik,ni,n->nk", J, here.rows, weight)

@@ -69,6 +69,8 @@ def other_rows(
         taken = types[r] == stop
         if types[r] >= touch:
             c = ids[r]
+            # A contact's first row is its normal: one that does not press gives nothing in its other rows
+            # either.
             taken = on_ground[c] < 0 and first[c] >= 0 and forces[first[c]] > 0.0
         if taken:
             out[count] = r

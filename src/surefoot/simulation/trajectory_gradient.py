@@ -167,6 +167,8 @@ class TrajectoryGradient:
             q[rows], v[rows] = kept
             return found
 
+        # By halving: a part of the states that can be moved at random without moving the loss is left out
+        # whole. A loss of the last state costs the logarithm of the steps in looks, not the steps.
         everywhere = np.arange(len(states))
         seen = [i for i in range(2 * nv) if moved(everywhere, 1e-3 * way[i] * np.eye(2 * nv)[i]) != here]
         pending, rows = [everywhere], list[int]()

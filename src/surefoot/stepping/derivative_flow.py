@@ -187,6 +187,7 @@ def variation(
 @kernel
 def _carried(matrices: FloatArray, X: FloatArray) -> FloatArray:
     """Return the exponentials of matrices (k, n, n) times X (k, n, c), by their series to rounding."""
+    # The exponential's action on the columns, Σ Mᵏ X / k!: the exponential itself is never formed.
     out = X.copy()
     for b in range(X.shape[0]):
         matrix, term, largest = matrices[b], X[b].copy(), np.abs(X[b]).max()

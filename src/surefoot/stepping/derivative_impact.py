@@ -242,6 +242,8 @@ class Exchange:
         frames = self.contacts.frames
         guess = self.contacts.swerves(impact.before, leaving, last, feet, 0.0)
         axes = 2 if self.options.soft is not None else 3  # soft laws take no guess along the normal
+        # `Meeting.collide` takes half the change, or the mean over the impulses where that would make energy:
+        # which of both it was shows in the step's velocities.
         half = guess is not None and bool(
             (np.abs(guess[1] - taken)[:, :axes] <= 1e-12 + 1e-6 * np.abs(taken[:, :axes])).all()
         )

@@ -113,6 +113,7 @@ def _push(
     _free(body, at, v, t, after)
     count, near = 0, np.empty(at.gaps.size, dtype=np.int64)
     for k in range(at.gaps.size):
+        # Open spheres take no part: the piece ends where the first of them arrives.
         if at.gaps[k] <= CLOSED:
             near[count] = k
             count += 1

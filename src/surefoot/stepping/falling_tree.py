@@ -155,6 +155,8 @@ def point_rows(body: FallingBody, at: Placed, link: int, x: FloatArray, J: Float
         J[j, 3 + k] = x[i] - at.p[0, i]
         J[i, 3 + k] = at.p[0, j] - x[j]
     while link > 0:
+        # Joints between the link and the free one: a slide moves the point along its axis, a hinge by a x (x
+        # - p).
         a, c = at.a[link], 5 + link
         for k in range(3):
             i, j = (k + 1) % 3, (k + 2) % 3

@@ -358,6 +358,7 @@ def _advance(
             B[i, j] = 0.0
     for i in range(n):
         for k in range(n):
+            # δq⁺ = ∂(q ⊕ w)/∂q δq + dt ∂(q ⊕ w)/∂w δv⁺, with w = dt v⁺: rows of v⁺ are there already.
             s = dt * by_way[i, k]
             if s != 0.0:
                 advance(A[i], s, A[n + k])

@@ -64,6 +64,8 @@ def touching_step(stepper: Stepper, state: State, effort: FloatArray, mu: float)
             return None
         pieces = []  # a flight
     elif left > 0.0:
+        # Who presses or touches slowly has no root of its gap to go to: what is left is an ordinary, shorter
+        # step.
         rest = stepper.meet_ground(state, effort, None, mu, left)
         pieces.append(Piece(state, left, rest=rest))
         total = grown(total, len(rest.impulses)) + rest.impulses
@@ -114,6 +116,8 @@ def struck(
 ) -> Impact:
     """Return the impulses on those of the (p,) contacts at (nq,) q, (nv,) v that touch; no time goes by."""
     seen = stepper.detect(q)
+    # Contacts that do not touch at this instant are infinitely far, so that no impulse of the others takes
+    # them in.
     level = seen._replace(gaps=np.where(touching, 0.0, np.inf))
     stepper.bodies.weigh(q)
     meeting = stepper.meeting(q, v, v, level, stepper.options.dt, mu, tally)
