@@ -182,7 +182,7 @@ def _column_scales(e: FloatArray, lorentz: int) -> FloatArray:
     The axis of a cone with hardly any friction moves by e = 1 / mu, a bound's half-line by about one: beside
     each other they cost the margin as many digits as e has. Columns times the root of e share them out.
     """
-    if e.size == 3 * lorentz or _largest(e) < _LONG_AXIS:
+    if e.size == 3 * lorentz or e.max() < _LONG_AXIS:
         return np.empty(0)
     scales = np.ones(e.size)
     for i in range(e.size):
@@ -216,7 +216,7 @@ def _most_margin(
         a[j] = dot_span(Q[j], e, spans, j)
     # With x = u + t e, u in K: Q u + t a = b, a = Q e. Rows turned until a lies along the first one, that row
     # is c.u + t alpha = zero, and the others say nothing of t: the most t is the least c.u.
-    steepest = _largest(e)
+    steepest = e.max()
     alpha = math.sqrt(dot(a, a)) if apart else turn_first_row(Q, rank, a, h, b)
     t0 = depth(x, e, lorentz)
     squeeze = min(_SQUEEZE, 1.0 / steepest)
@@ -254,15 +254,6 @@ def _most_margin(
     pull_back(T, pivots, rank, full, y)
     reach = proof_reach(A, w, y, lorentz)
     return (INFEASIBLE if reach >= REACH else UNDECIDED), t, x, y, reach
-
-
-@inline_kernel
-def _largest(e: FloatArray) -> float:
-    """Return the largest entry of e (m,) >= 0."""
-    largest = 0.0
-    for i in range(e.size):
-        largest = max(largest, e[i])
-    return largest
 
 
 @inline_kernel

@@ -50,7 +50,7 @@ class ForceEstimate:
         Root mean square of what is left over, in standard deviations [-]: about one for a good model, far
         above one where something else acts on the robot; zero where nothing is over-determined.
     lawful
-        Whether the estimated forces themselves obey friction and push.
+        Whether the estimated forces themselves obey friction and push, those of soles inside their edges.
     explainable
         Whether any lawful forces of these contacts explain the body's motion: "yes", "no" if none do for any
         acceleration within three standard deviations (`verdict.certificate` proves it), else "cannot tell".
@@ -188,10 +188,12 @@ def _least_squares(A: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def _lawful(stance: Stance, forces: FloatArray, std: FloatArray) -> bool:
-    """Return whether forces push and stay in their cones, up to two standard deviations."""
+    """Return whether forces push and stay in their cones, soles' wrenches too, up to two deviations."""
     for contact, part in zip(stance, stance.slices, strict=True):
-        f, s = forces[part][:3], 2.0 * np.nan_to_num(std[part][:3], posinf=0.0)
+        f, s = forces[part], 2.0 * np.nan_to_num(std[part], posinf=0.0)
         side = float(np.hypot(f[0], f[1])) - float(np.hypot(s[0], s[1]))
-        if f[2] < -s[2] or side > contact.mu * (f[2] + s[2]):
+        # A sole's moments are those of pressure inside its edge, and of friction there: the wrench cone's.
+        sole = contact.sides(4, "outer") if contact.dim == 6 else np.zeros((0, 3))
+        if f[2] < -s[2] or side > contact.mu * (f[2] + s[2]) or (sole @ f > np.abs(sole) @ s).any():
             return False
     return True
