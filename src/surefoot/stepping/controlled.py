@@ -19,6 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
+from surefoot.errors import SimulationError
 from surefoot.stepping.state import Piece, State, Step
 from surefoot.stepping.stepper import Stepper
 
@@ -72,7 +73,7 @@ class ErrorControl:
         self, state: State, torques: FloatArray, push: FloatArray | None = None, mu: float = 0.6
     ) -> Step:
         """Return the step of the whole dt; see `Stepper.step`. Its pieces are the parts that were kept."""
-        begin, left, kept, whole = state, self._options.dt, list[Step](), None
+        self._begin, left, kept, whole = state, self._options.dt, list[Step](), None
         given = torques, push, mu
         while left > 0.0:
             h = left if self._length >= left else max(min(self._length, 0.5 * left), SHORTEST)
@@ -93,7 +94,7 @@ class ErrorControl:
             state, whole, left, self._last = second.state, None, left - h, half
             kept += [first, second]
         self.stepper.options = self._options
-        return self._joined(begin, kept)
+        return self._joined(kept)
 
     def _part(
         self, state: State, h: float, last: float, torques: FloatArray, push: FloatArray | None, mu: float
@@ -102,7 +103,13 @@ class ErrorControl:
         self.stepper.options = replace(self._options, dt=h)
         if state.memory is not None:
             state = state._replace(memory=state.memory._replace(pace=2.0 * h / (h + last)))
-        return self.stepper.step(state, torques, push, mu)
+        try:
+            return self.stepper.step(state, torques, push, mu)
+        except SimulationError as lost:
+            # The world stays where its whole step began: parts count as steps and bring a dt of their own,
+            # which would be the world's from here on. The joint that was fast is the part's.
+            self.stepper.options = self._options
+            raise self.stepper.told(lost.what, state._replace(steps=self._begin.steps)) from None
 
     def _apart(self, whole: State, halves: State) -> tuple[float, float]:
         """Return how far two ends are apart: positions [m, rad] and velocities [m/s, rad/s]."""
@@ -111,14 +118,14 @@ class ErrorControl:
         way = pinocchio.difference(self.stepper.bodies.model, whole.q, halves.q)
         return float(np.abs(way).max(initial=0.0)), float(np.abs(whole.v - halves.v).max(initial=0.0))
 
-    def _joined(self, begin: State, parts: list[Step]) -> Step:
+    def _joined(self, parts: list[Step]) -> Step:
         """Return parts as one step: the sum of their impulses, and what the last impact saw."""
         dt, total = self._options.dt, np.zeros(parts[-1].impulses.shape)
         for part in parts:
             total[: len(part.impulses)] += part.impulses
         seen = next((part for part in reversed(parts) if part.impact is not None), parts[-1])
         return Step(
-            parts[-1].state._replace(steps=begin.steps + 1), dt, total, seen.velocities, seen.gaps,
+            parts[-1].state._replace(steps=self._begin.steps + 1), dt, total, seen.velocities, seen.gaps,
             seen.positions, seen.impact, sum(part.unsolved for part in parts),
             max(part.worst_residual for part in parts), max(part.law_error for part in parts),
             tuple(Piece(part.state, part.dt, rest=part) for part in parts),

@@ -152,7 +152,7 @@ class Stepper:
         try:
             seen = self.detect(state.q)
         except LostMotion as lost:
-            raise self._told(lost, state) from None
+            raise self.told(str(lost), state) from None
         return seen.kept()
 
     def energy(self, state: State) -> float:
@@ -196,7 +196,7 @@ class Stepper:
             take = self.take_first_order if first_order else self.meet_ground
             return flown or take(state, effort, push, mu)
         except LostMotion as lost:
-            raise self._told(lost, state) from None
+            raise self.told(str(lost), state) from None
 
     def locates(self, mu: float) -> bool:
         """Return whether impacts are located on ground of friction `mu`, see `StepOptions.impacts`."""
@@ -382,7 +382,7 @@ class Stepper:
         self._seen = q, contacts
         return contacts
 
-    def _told(self, lost: LostMotion, state: State) -> SimulationError:
+    def told(self, what: str, state: State) -> SimulationError:
         """Return the error for a state that cannot go on; it names the joint that moved fastest before."""
         joint, speed = self.bodies.fastest_joint(state.v)
-        return SimulationError(str(lost), state.steps * self.options.dt, self.options.dt, joint, speed)
+        return SimulationError(what, state.steps * self.options.dt, self.options.dt, joint, speed)
