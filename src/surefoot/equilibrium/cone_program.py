@@ -130,6 +130,8 @@ def _refine(
         rest[j] = s
     solve_factored(M, rest, spans, free)
     for j in range(r):
+        # The step back in x is the step on in z: their sum stays the target, and the dual equation keeps
+        # holding.
         dy[j] += rest[j]
     for i in range(m):
         more[i] = 0.0
@@ -273,6 +275,8 @@ def _gap(
         bound += b[j] * y[j]
     for i in range(m):
         lost, largest = max(lost, abs(rd[i])), max(largest, weight[i])
+        # The gap twice: where both programs' equations hold they are one number, and where they do not
+        # neither may make the iterate look better than it is.
         product += x[i] * z[i]
         value += c[i] * x[i]
         size += abs(c[i] * x[i])

@@ -58,6 +58,8 @@ def _lower_bound(
     r, m = B.shape
     value, lack = 0.0, 0.0
     for j in range(r):
+        # Weak duality: c.x = b.y + (c - B'y).x for every x with B x = b, whatever y the solver left. The
+        # first term less its own rounding.
         value += b[j] * y[j] - _ROUNDING * abs(b[j] * y[j])
     s0, s1, size = 0.0, 0.0, 0.0
     for i in range(m):
@@ -66,6 +68,9 @@ def _lower_bound(
             s -= B[j, i] * y[j]
             weight += abs(B[j, i] * y[j])
         if i >= 3 * lorentz:
+            # The slack s = c - B'y should be in the dual cone, where s.x >= 0. What it lacks to be so, added
+            # to the height of a cone or to a half-line, puts it there: hence lack sum(x). Rounding of its
+            # terms counts as lacking.
             lack = max(lack, _ROUNDING * weight - s)
         elif i % 3 == 0:
             s0, size = s, weight
@@ -182,8 +187,13 @@ def _widest_gap(
             directions[k, 0], directions[k, 1], heights[k],
             directions[n, 0], directions[n, 1], heights[n], points[k, 0], points[k, 1],
         )  # fmt: skip
+        # Between two directions the region lies between the points reached and the corner of their
+        # half-planes: no point of it is farther from the inner polygon than that corner.
         d = to_segment(qx, qy, points[k, 0], points[k, 1], points[n, 0], points[n, 1])
         widest = max(widest, d)
+        # A half-plane that stands off its own point by as much came out of a program that was not solved to
+        # the end. One more direction leaves that as it is: the edge counts for the gap, and is not gone on
+        # from.
         if d > mendable and d > _MENDABLE * max(
             _play(directions, heights, points, k), _play(directions, heights, points, n)
         ):

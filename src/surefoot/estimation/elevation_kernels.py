@@ -82,6 +82,8 @@ def leave_out_strays(
                 for b in range(max(j - 1, 0), min(j + 2, count)):
                     if (a != i or b != j) and variances[a, b] != np.inf:
                         backed |= abs(heights[a, b] - heights[i, j]) < apart
+            # Only of what is passed on: in the map itself the cell keeps its height and variance, and counts
+            # as soon as a neighbour backs it.
             if not backed:
                 out[i, j] = np.inf
 

@@ -94,6 +94,8 @@ def follow_stances(
         touching[k] = contact[k] and pace[k] <= sliding
         age[k] = age[k] + dt if touching[k] else -dt
         landed[k] = age[k] < settling
+        # The first step on the ground has the age -dt + dt, zero but for rounding: half a step tells it from
+        # the second.
         new = new or (touching[k] and age[k] < 0.5 * dt)
     return new
 

@@ -277,16 +277,21 @@ def correct_height(
     nx, ny, nz = normal[0], normal[1], normal[2]
     x, y, z = X[0, 5 + k], X[1, 5 + k], X[2, 5 + k]
     a, b, c = y * nz - z * ny, z * nx - x * nz, x * ny - y * nx
+    # P Hᵀ and H P Hᵀ + R of the one row: d̂ x n on the turn, the normal on the foot; six entries, the rest of
+    # H is zero.
     column = np.empty(N)
     for i in range(N):
         p = P[i]
         column[i] = a * p[0] + b * p[1] + c * p[2] + nx * p[j] + ny * p[j + 1] + nz * p[j + 2]
     S = a * column[0] + b * column[1] + c * column[2] + variance
     S += nx * column[j] + ny * column[j + 1] + nz * column[j + 2]
+    # By the squared innovation, as of feet's places; written so that NaN is not believed.
     if not excess * excess <= gate * S:
         return False
     for i in range(N):
         for s in range(N):
+            # (I - K H) P of one row is P less this outer product: symmetric to the last bit, which (I - K H)
+            # P multiplied out would not be.
             P[i, s] -= column[i] * column[s] / S
     _move_all(X, bias, column * (-excess / S))
     return True

@@ -144,6 +144,8 @@ def _wait(
     row = _room(legs, counts, LEGS)
     for j in range(joints):
         row[j], row[joints + j] = positions[j], speeds[j]
+    # The window over which joints' accelerations are taken ends at the filter's time: it gets the speeds of
+    # the oldest reading that waits, not those that have just come.
     row = _room(past, counts, SPEEDS)
     for j in range(joints):
         row[j] = legs[0, joints + j]
@@ -238,6 +240,7 @@ def tell(
     X, bias, _, _, _, _, _ = filter_arrays(body, n)
     numbers, known_q, known_v, _, _, _, _, _ = robot_arrays(robot, n, joints)
     if counts[STEPS] == 0 or counts[QUEUED] == 0:
+        # Nothing waits: the filter's time is now.
         q[:], v[:] = known_q, known_v
         base_state(X, numbers[2], numbers[1], q, v)
     else:
