@@ -150,18 +150,19 @@ class Verdict:
         return mu / np.cos(np.pi / self.facets) if self.facets is not None and self.fit == "outer" else mu
 
     def _forces_hold(self, tol: float) -> bool:
-        if self.forces is None or self.corner_forces is None:
+        if self.forces is None or self.corner_forces is None or not np.all(np.isfinite(self.forces)):
             return False
         if not len(self.stance):
             return not np.any(self.load)
         size, scales = self._scales(self.stance.points().grasp_map(self.com))
-        if not np.all(np.isfinite(self.forces)):
-            return False
         rest = self.stance.grasp_map(self.com) @ self.forces - self.load
         corners, mu = self.corner_forces, self._friction()
         side = np.hypot(corners[:, 0], corners[:, 1])
         outside = np.maximum(-corners[:, 2], (side - mu * corners[:, 2]) / np.hypot(1.0, mu))
-        inside = bool(np.all(outside <= 2.0 * tol * size))
+        # The cones are those of the corners: they say nothing of forces that are not the corners' sums.
+        apart = np.abs(self.stance.corner_map @ corners.ravel() - self.forces)
+        reach = size * np.linalg.norm(self.stance.corner_map, axis=1)
+        inside = bool(np.all(outside <= 2.0 * tol * size)) and bool(np.all(apart <= 10.0 * tol * reach))
         if self.limits is not None:
             rows, bound = self.limits.rows, self.limits.bound
             reach = np.maximum(size * np.linalg.norm(rows, axis=1), np.abs(bound))
