@@ -56,8 +56,11 @@ def estimate_errors(log: Log) -> EstimateErrors:
     """
     if "q_estimated" not in log or "v_estimated" not in log or len(log) == 0:
         raise ProblemError("the log has no estimated state")
+    # Each in its own base's axes: what the attitude is wrong by does not count as an error of velocity again.
     velocity = np.linalg.norm(log["v_estimated"][:, :3] - log["v"][:, :3], axis=1)
     place = log["q_estimated"][:, :3] - log["q"][:, :3]
+    # IMU, encoders and contacts do not show place and heading: those drift, from whatever they started with,
+    # so the growth of their errors counts. Gravity shows tilt: its error is taken as it is.
     drift = float(np.linalg.norm(place[-1] - place[0]))
     way = float(np.linalg.norm(np.diff(log["q"][:, :2], axis=0), axis=1).sum())
     turned = _turns(log)

@@ -143,12 +143,16 @@ class BeliefTerrain(Terrain):
                 places.append(place)
                 weights.append(FORGETTING**age)
         points, shares = np.array(places), np.array(weights)
+        # Weighted least squares of heights over the footholds' middle: slopes are damped, since two feet or
+        # feet in one line say nothing about the slope across, and from the middle that pull leaves the level
+        # alone.
         about = points[:, :2].mean(axis=0)
         rows = np.column_stack([np.ones(len(points)), points[:, :2] - about])
         normal = (rows * shares[:, None]).T @ rows
         normal[1:, 1:] += DAMPING * np.eye(2)
         plane = np.linalg.solve(normal, rows.T @ (shares * points[:, 2]))
         off = points[:, 2] - rows @ plane
+        # The weighted deviation, less three numbers fitted.
         self._spread = math.sqrt(float(shares @ off**2) / max(float(shares.sum()) - 3.0, 1.0))
         self._about, self._level, self._slope = about, float(plane[0]), plane[1:]
         self._fitted()

@@ -164,6 +164,8 @@ class InvariantFilter(Bound):
         self.X[:] = np.column_stack([R, v, p, np.zeros((3, self.n))])
         self.bias[:] = np.zeros(6) if bias is None else finite_array("bias", bias, (6,))
         small = self._start(v, p) if covariance is None else finite_array("covariance", covariance, (15, 15))
+        # Feet lie between the place and the biases. Without feet their rows are zero, as they are for those
+        # in the air: a foot that lands gets its covariance from the place's.
         known = np.r_[0:9, 9 + 3 * self.n : 15 + 3 * self.n]
         self.covariance[:] = 0.0
         self.covariance[np.ix_(known, known)] = small

@@ -203,11 +203,16 @@ def _rows(
     surface_frames(np.ascontiguousarray(up).reshape(-1, 3), frames.reshape(-1, 3, 3))
     places = -points.radii[:, None] * up
     for k in range(T):
+        # M a + h, and the columns Y of the base's ten inertial parameters: the regressor reads the velocities
+        # and accelerations that rnea has left in the data, so it comes right behind it.
         needed[k] = pinocchio.rnea(model, data, q[k], v[k], a[k])
         load[k] = pinocchio.jointBodyRegressor(model, data, 1)
         J[k] = pinocchio.computeJointJacobians(model, data, q[k])
         places[k] += [data.oMi[joint].act(place) for joint, place in spheres]
+    # Pinocchio's M has the rotors' inertias in it, which get a factor of their own here.
     needed[:, robot.base_dof :] -= np.array(model.armature)[robot.base_dof :] * a[:, robot.base_dof :]
+    # World-axes columns are of the point at the origin: at the contact it is v + ω x p, of joints that move
+    # the foot.
     levers = J[:, None, :3] + np.cross(J[:, None, 3:], places[..., None], axis=2)
     levers *= points.support[:, None, :]
     speed = np.linalg.norm(np.einsum("tpiv,tv->tpi", levers, v[1:]), axis=2)

@@ -115,19 +115,28 @@ def contacts_from_mujoco(model: Any, data: Any, pushed_out: float = PUSHED_OUT) 
         frames[k], geoms[k] = _placed(model, contact)
         relative = _moved(mujoco, model, data, geoms[k, 1], contact.pos)
         relative = relative - _moved(mujoco, model, data, geoms[k, 0], contact.pos)
+        # Of the second geom's material against the first's at one place: the normal leads from the first to
+        # the second, and pushes count on the second.
         jacobian[k] = frames[k].T @ relative
     J = jacobian.reshape(3 * n, nv)
     mass = np.zeros((nv, nv))
     mujoco.mj_fullM(model, data, mass)
+    # Damping is implicit in MuJoCo's Euler step, so impulses meet M + h D, not M.
     mass[np.diag_indices(nv)] += h * model.dof_damping
     push = data.qfrc_smooth + _other(mujoco, model, data)
     answer = np.linalg.solve(mass, np.column_stack([h * push, J.T])) if nv else np.zeros((0, 1 + 3 * n))
     free, response = data.qvel + answer[:, 0], np.ascontiguousarray(answer[:, 1:])
     gaps = np.array([c.dist for c in touching])
+    # One mu for a cone that MuJoCo lets be an ellipse: the lesser lies inside it. condim 1 has no friction at
+    # all.
     mu = np.array([min(c.friction[:2]) if c.dim > 1 else 0.0 for c in touching])
     G, g = J @ response, J @ free
+    # The normal row is gap / h + velocity, so that a contact still open may close within the step but not
+    # cross; MuJoCo's soft contacts rest in the ground, and a penetration undone at once would leave with gap
+    # / h: a share of it is.
     g[2::3] += np.where(gaps > 0.0, gaps, share * gaps) / h
     places = np.array([c.pos for c in touching]).reshape(n, 3)
+    # Symmetric but for the solve's rounding.
     problem = ContactProblem(0.5 * (G + G.T), g, mu)
     return MujocoContacts(problem, frames, places, gaps, geoms, free, J, response)
 

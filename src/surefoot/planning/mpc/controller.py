@@ -285,9 +285,13 @@ class ContactImplicitMpc(Controller):
         R = _heading(state.q)
         if not math.isfinite(self._yaw):
             self._yaw = R
+        # The command is approached at a bounded acceleration: the horizon is asked for no jump of velocity.
         most = RAMP * passed
         wanted = self.command.at(state.time)
         self._velocity += np.clip(wanted - self._velocity, -most, most)
+        # The wanted heading integrates the wanted turn, so that what a disturbance turned is turned back; it
+        # leads the robot's by LEAD at most, so that a body that is held is not asked for all the turn it
+        # missed.
         ahead = self._yaw + passed * self._velocity[2] - R
         self._yaw = R + min(max((ahead + math.pi) % (2.0 * math.pi) - math.pi, -LEAD), LEAD)
         yaw = self._yaw + self.settings.dt * self._velocity[2] * np.arange(self.settings.knots + 1)

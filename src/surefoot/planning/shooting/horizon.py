@@ -83,6 +83,8 @@ class Horizon:
     ) -> None:  # fmt: skip
         model, p = robot.model, len(robot.contact_points)
         nq, nv, m = int(model.nq), int(model.nv), robot.joints
+        # Differences of states (`state_space`) know a free flyer and plain numbers, no other quaternions or
+        # angles given as cosine and sine.
         if nq != nv + (1 if robot.floating else 0):
             raise ModelError(f"{robot.name} has joints with more coordinates than degrees of freedom")
         if nv < 2 or m < 1:
