@@ -106,8 +106,8 @@ class ErrorControl:
         try:
             return self.stepper.step(state, torques, push, mu)
         except SimulationError as lost:
-            # The world stays where its whole step began: parts count as steps and bring a dt of their own,
-            # which would be the world's from here on. The joint that was fast is the part's.
+            # The world stays where its whole step began. Parts count as steps of a dt of their own and know
+            # no time: what is told is the whole step's, but for the joint that was fast in the part.
             self.stepper.options = self._options
             raise self.stepper.told(lost.what, state._replace(steps=self._begin.steps)) from None
 
