@@ -147,6 +147,7 @@ def test_compiled_code_is_kept_until_code_or_constants_change(two_files) -> None
     assert len(list(Path(folder).glob("*.nb?"))) == files, "old code was left behind"
 
 
+@pytest.mark.long
 def test_read_only_sources_use_the_users_folder(two_files, tmp_path: Path) -> None:
     home = tmp_path / "home"
     home.mkdir()
@@ -159,6 +160,7 @@ def test_read_only_sources_use_the_users_folder(two_files, tmp_path: Path) -> No
     assert two_files(**environment)[1] == "1"
 
 
+@pytest.mark.long
 def test_nowhere_to_write_is_no_error(tmp_path: Path) -> None:
     for name, text in TWO_FILES.items():
         text = text.replace("{factor}", "2.0").replace("{shift}", "1.0").replace("{comment}", "")
@@ -210,6 +212,7 @@ def test_without_compilation_the_results_are_the_same() -> None:
         np.testing.assert_allclose(compiled[name], plain[name], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.long
 def test_a_long_compilation_says_so_once(tmp_path: Path) -> None:
     code = """
 import logging

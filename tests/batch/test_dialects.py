@@ -151,7 +151,7 @@ EDGES = {
 }
 
 
-@pytest.mark.parametrize("law", ["coulomb", "convex"])
+@pytest.mark.parametrize("law", ["coulomb", pytest.param("convex", marks=pytest.mark.long)])
 @pytest.mark.parametrize("edge", EDGES)
 def test_a_kink_has_the_gradient_of_a_mode(form: Callable[..., Said], edge: str, law: str) -> None:
     """Beside it a contact that sticks; the gradient at the kink is one of those found a little off it."""

@@ -46,7 +46,7 @@ def test_certificate_is_the_packages_own(problems: Any, solved: Any) -> None:
             assert (STATUSES[int(own.status[k])] is Status.SOLVED) == (numbers.worst <= 1e-8)
 
 
-@pytest.mark.parametrize("smoothing", [0.0, 1e-3])
+@pytest.mark.parametrize("smoothing", [0.0, pytest.param(1e-3, marks=pytest.mark.long)])
 def test_gradients_are_those_of_differences(problems: Any, solved: Any, smoothing: float) -> None:
     law, _ = solved
     few = [jnp.asarray(v[:12]) for v in problems]
@@ -132,7 +132,7 @@ def test_on_the_path_force_times_velocity_is_the_smoothing(problems: Any, solved
 
 
 @pytest.mark.parametrize("law", ["coulomb", "convex"])
-@pytest.mark.parametrize("smoothing", [0.0, 1e-4])
+@pytest.mark.parametrize("smoothing", [0.0, pytest.param(1e-4, marks=pytest.mark.long)])
 def test_never_nan(hard: Any, smoothing: float, law: str) -> None:
     names = [name for name, _ in hard]
     given = [jnp.asarray(np.concatenate(v)) for v in zip(*(problem for _, problem in hard), strict=True)]

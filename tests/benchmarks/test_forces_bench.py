@@ -41,6 +41,7 @@ def test_a_wrong_answer_is_not_counted_as_solved():
     assert row.distance_worst == 0.0
 
 
+@pytest.mark.long
 def test_table():
     rows = run_all(2, 4)
     assert {r.instances for r in rows} == {*CLASSES, "trajectory"}

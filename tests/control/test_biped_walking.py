@@ -21,10 +21,12 @@ from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, rough_ground
 
 pytest.importorskip("mujoco")
+SLOW = [("g1", 0.3, 3.0), ("icub", 0.2, 0.0)]
 
 
 @pytest.mark.parametrize(
-    ("name", "speed", "load"), [("g1", 0.3, 0.0), ("g1", 0.3, 3.0), ("talos", 0.0, 0.0), ("icub", 0.2, 0.0)]
+    ("name", "speed", "load"),
+    [("g1", 0.3, 0.0), ("talos", 0.0, 0.0), *(pytest.param(*v, marks=pytest.mark.long) for v in SLOW)],
 )
 def test_humanoids_walk_lawfully(name: str, speed: float, load: float) -> None:
 
@@ -51,6 +53,7 @@ def test_a_pushed_humanoid_steps_where_it_is_caught() -> None:
     assert audit_log(log).lawful
 
 
+@pytest.mark.long
 def test_soles_come_down_gently_on_rough_ground() -> None:
     """Soles tip over the corners that touch: let down gently, no corner strikes the ground.
 

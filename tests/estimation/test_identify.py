@@ -44,6 +44,7 @@ def fit(tosses: Tosses) -> TossFit:
     return identify(tosses, ThrownModel(steps=2), test=others, resamples=200)
 
 
+@pytest.mark.long
 def test_truth_is_found_with_the_centre_of_mass_that_the_model_has_not(fit: TossFit) -> None:
     truth = dict(zip(("mu", "restitution", "rounding"), TRUTH, strict=True))
     truth |= {"gravity": 9.81, "com_x": 0.0, "com_z": COM, "scale": 1.0, "ground": GROUND[0]}

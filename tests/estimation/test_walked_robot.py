@@ -44,6 +44,7 @@ def test_a_walk_tells_what_was_hidden_in_it(
     assert "--law are of tosses" in said
 
 
+@pytest.mark.long
 def test_what_a_simulator_knows_besides_changes_nothing(walked: tuple[Log, dict[str, float]]) -> None:
     log, robot = walked[0].rows(slice(0, 2500)), sf.load_robot("go2")
     kept = ("time", "q_estimated", "v_estimated", "torques", "normals", "forces_commanded")

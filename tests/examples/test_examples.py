@@ -33,6 +33,7 @@ def test_a_picture_that_exists_is_kept(name: str, more: tuple[float, ...], tmp_p
     assert path.read_text() == "mine"
 
 
+@pytest.mark.long
 def test_the_animation_has_the_pictures_of_the_walk(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

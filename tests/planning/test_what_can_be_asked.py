@@ -112,6 +112,7 @@ def test_a_start_off_the_ground_is_refused(go2, by, told):
         sf.plan(go2, "jump", start=q)
 
 
+@pytest.mark.long
 def test_a_search_from_a_near_plan_ends_in_the_same_motion_sooner(go2, monkeypatch):
     kept = sf.plan(go2, "jump", 0.25, dt=0.02)
     far, near = (sf.plan(go2, "jump", 0.35, dt=0.02, near=one) for one in (None, kept))

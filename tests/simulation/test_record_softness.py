@@ -56,7 +56,7 @@ def test_rest_depth_and_creep_are_the_engines(cone: str, ratio: int, mu: float, 
 
 
 @pytest.mark.parametrize("soft", SOFTNESS)
-@pytest.mark.parametrize("drop", [0.005, 0.02, 0.2])
+@pytest.mark.parametrize("drop", [0.005, 0.2])
 def test_a_ball_lands_as_deep_as_declared(soft: str, drop: float) -> None:
     log = recorded(scene(SPHERE, 0.1 + drop, soft), 1000)
     deepest = -float(log["gaps"].min())
@@ -130,7 +130,7 @@ DROP = """<mujoco><option timestep='0.002' cone='{cone}'/><worldbody>
 
 
 @pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.long) for k in (1, 2))])
 def test_a_box_that_tumbles_down_is_lawful_and_one_that_sticks_beyond_its_cone_is_not(
     cone: str, seed: int
 ) -> None:

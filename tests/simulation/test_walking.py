@@ -12,7 +12,7 @@ from surefoot.terrain import SlopeTerrain, StairsTerrain, Terrain, rough_ground
 from tests.simulation.walks import walk
 
 
-@pytest.mark.parametrize("velocity", [(0.5, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.8)])
+@pytest.mark.parametrize("velocity", [(1.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.8)])
 def test_a_trot_follows_its_command_inside_the_cones(velocity: tuple[float, float, float]) -> None:
     log, summary = walk(velocity, 5.0)
     assert summary.success
@@ -57,7 +57,7 @@ def test_a_base_beside_the_centre_of_mass_goes_at_the_command(robot: str) -> Non
     assert np.abs(arm - arm[0]).max(initial=0.0) < 0.02
 
 
-@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("side", [1.0, pytest.param(-1.0, marks=pytest.mark.long)])
 def test_a_trot_survives_pushes(side: float) -> None:
     push = Push(1.5, (0.0, 100.0 * side, 0.0), 0.1)
     log, summary = walk(pushes=(push,), duration=3.5)
