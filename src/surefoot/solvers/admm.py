@@ -64,8 +64,12 @@ def _right_side(
     x: FloatArray, z: FloatArray, y: FloatArray, b: FloatArray,
 ) -> None:  # fmt: skip
     """Fill b = rho z - y + eta x - g - θ Γ(-y)."""
+    # stationarity of the augmented Lagrangian: G x + g + s + y + rho (x - z) + eta (x - x_old) = 0
     for i in range(g.size):
         b[i] = rho * z[i] - y[i] + eta * x[i] - g[i]
+    # at the solution -y = u + Γ(u), and Γ reads only tangential rows, which are those of u: s
+    # lags by an iteration, which makes the program convex in between and the whole a
+    # fixed-point heuristic for Coulomb's law
     add_shift(offset, group, table, y, -1.0, b)
 
 
@@ -77,11 +81,14 @@ def _update(
     """Project z = P_K(x + y / rho) with x over-relaxed and move y; return the primal and dual residuals."""
     primal = dual = 0.0
     share = 1.0 / rho
+    # over-relaxation: x is pushed 1.6 times as far from z (Boyd et al. 2011, section 3.4.3: 1.5 to 1.8)
     for i in range(x.size):
         b[i] = RELAXATION * x[i] + (1.0 - RELAXATION) * z[i]
         point[i] = b[i] + y[i] * share
     project_sets(offset, group, table, point, point)
     for i in range(x.size):
+        # rho (z_new - z_old) is what x's stationarity lacks at the new z: the dual
+        # residual, Boyd et al. 2011, section 3.3
         dual = max(dual, rho * abs(point[i] - z[i]))
         y[i] += rho * (b[i] - point[i])
         z[i] = point[i]
@@ -141,7 +148,10 @@ def next_penalty(
     ratio = (primal / most_z) / max(dual / most_y, 1e-300)
     if 1.0 / BALANCE <= ratio <= BALANCE:
         return rho
+    # at most tenfold at a time, and far enough from G's spectrum on both sides that neither
+    # the copy nor the problem is forgotten
     rho = min(max(rho * min(max(math.sqrt(ratio), 0.1), 10.0), 1e-8 * largest), 1e6 * largest)
+    # a new penalty costs an inverse: one that is within half of the old is not worth it
     return rho if rho > 1.5 * used or rho < used / 1.5 else used
 
 
@@ -157,6 +167,7 @@ def _run_dense(
     """
     x, z, y, inverse, state = memory
     m = g.size
+    # eta was set to PROXIMAL times it: the state need not hold both
     largest = state[2] / PROXIMAL
     velocities, point, gap = np.empty(m), np.empty(m), np.empty(m)
     done, least = 0, np.inf
@@ -175,6 +186,7 @@ def _run_dense(
             for j in range(m):
                 velocities[j] += G[i, j] * z[i]
         error = natural_sets(packed[0], packed[1], packed[2], step, weight, z, velocities, point, gap)
+        # ADMM is not monotone, least of all with a shift: the best copy is the answer
         if error < least:
             least = error
             for i in range(m):
@@ -211,6 +223,7 @@ class Splitting:
 
     def __init__(self, scaled: ScaledContacts, warm_start: FloatArray | None) -> None:
         self.scaled, problem = scaled, scaled.problem
+        # the mean of G's diagonal stands for its spectrum; blocks have one trace in scaled variables
         own = scaled.D * problem.operator.diagonal() * scaled.D
         self.largest = max(float(own.sum()) / scaled.g.size * LARGEST, 1e-300)
         self.eta, self.rho = PROXIMAL * self.largest, FIRST * self.largest
@@ -226,6 +239,7 @@ class Splitting:
             D = sp.diags(scaled.D)
             self.sparse = (D @ sp.csc_matrix(problem.operator) @ D).tocsc()
         if warm_start is not None:
+            # y = -(u + Γ(u)) at a solution: from the warm forces' own velocities
             dense, normals = self.sparse is None, scaled.normals
             u = scaled.G @ self.z + scaled.g if dense else scaled.velocities(self.z)
             self.y -= u
@@ -273,6 +287,8 @@ def solve_admm(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
         return run_admm(scaled, settings, warm_start)
     s, limit = Splitting(scaled, warm_start), _limit(settings)
     end = working_time() + settings.max_time
+    # state[1] = 0: no inverse yet. After state[3] iterations the penalty stays,
+    # without which ADMM need not converge
     memory = s.x, s.z, s.y, np.empty((size, size)), np.array([s.rho, 0.0, s.eta, ADAPTING_FEW * limit])
     chunk = limit
     if settings.max_time < math.inf:  # the clock is read four times or more
@@ -319,6 +335,8 @@ def run_admm(
                 found, error = tried, better
         if error < least:
             best, least = found, error
+        # a penalty that changed for ever would void the proof of
+        # convergence (Boyd et al. 2011, section 3.4.1)
         if done < ADAPTING * limit:
             rho = next_penalty(rho, used, primal, dual, s.z, s.y, s.largest)
     return Answer(best.reshape(shape), done)
@@ -332,6 +350,7 @@ def _inverse(G: FloatArray, shift: float) -> FloatArray:
     """Return the inverse of G + shift I."""
     A = G + shift * np.eye(G.shape[0])
     factor, info = scipy.linalg.lapack.dpotrf(A, lower=True)
+    # not definite: rounding left G an eigenvalue below minus the shift
     if info != 0:
         return np.asarray(np.linalg.inv(A))
     inverse, _ = scipy.linalg.lapack.dpotri(factor, lower=True)

@@ -68,6 +68,8 @@ def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     def infeasible(error: float) -> bool:
         """Look for a proof, for as long as the solve has taken: forces that run away look like progress."""
         weight, speed = problem.scales[:2]
+        # w_k ||λ_k|| is the speed that a contact's own force gives it: far beyond
+        # any speed of the problem, it runs away
         size = weight * np.linalg.norm(forces.reshape(-1, 3), axis=1)
         if error > POSSIBLE and (size > RUNAWAY * speed).any():
             looks.append(find_proof(problem, max(working_time() - start, EARLY_TIME)))
@@ -111,6 +113,8 @@ def _run(
             return Answer(best, done, Status.MAX_TIME)
         spent = most is not None and done >= most
         if stage.name == PROOF:  # takes no iterations
+            # nearly lawful forces mean that a solution probably exists: the proof,
+            # slow on many contacts, is kept for last
             possible = problem.contacts > COMPILED_CONTACTS and best_error <= POSSIBLE
             if looked or (possible and stage is not plan[-1]):
                 continue
@@ -180,6 +184,7 @@ def solve_parts(problem: ContactProblem, settings: SolverSettings, best: FloatAr
         own = flat[rows].reshape(part.shape)
         if worst_of(part, own) <= settings.tol:
             continue
+        # the smallest first: what they leave of time and iterations goes to the large ones
         share = count - turn
         found = solve(
             part, "auto", settings.tol, max_time=max(end - working_time(), 0.0) / share,

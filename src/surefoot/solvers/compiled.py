@@ -85,6 +85,7 @@ def solve_within(
     convex = mode & CONVEX != 0
     forces, velocities = window(memory, at, 1, m)[0], window(memory, at + m, 1, m)[0]
     scales, local = window(memory, at + 2 * m, 4, n), window(memory, at + 2 * m + 4 * n, n, WIDTH)
+    # the certificate's scales first: solver and judge measure by the same ruler
     scales_dense(G, g, low, high, scales)
     for i in range(m):
         forces[i] = record[i // 3, i % 3] if mode & WARM else 0.0
@@ -94,7 +95,10 @@ def solve_within(
     settle(low, scales, forces)
     fill_dense(G, scales, local)
     done, _ = run_dense(G, g, mu, low, high, convex, local, tol, ROUNDS, burst, most, forces, velocities)
+    # Newton may have moved what `settle` had put right: a part at rest has one solution, known beforehand
     settle(low, scales, forces)
+    # the judge computes velocities anew from G, g and the forces; nothing
+    # of what the iteration believed counts
     numbers = certify_dense(G, g, mu, low, high, scales, 0, True, not convex, forces, velocities)
     for k in range(n):
         for a in range(3):

@@ -81,12 +81,14 @@ def _solve_raw(
     """
     m = g.size
     start = warm and memory[m + FLAGS, 1] != 0.0
+    # forgotten until this call has solved: an unsolved one must not start the next
     memory[m + FLAGS, 1] = 0.0
     matrix, vectors = window(memory, 0, m, m), window(memory, m * m, 2, m)
     refused = read_system(borrowed(G), borrowed(g), ASYMMETRY, matrix, vectors)
     if refused != 0:
         return refused
     for i in range(m):
+        # after the check: the caller's G is judged as it was given
         memory[i, i] += memory[m + COMPLIANCE, i]
     start = start and _of_this_size(matrix, vectors[0], memory[m + LAST])
     if start:

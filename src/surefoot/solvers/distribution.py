@@ -41,6 +41,7 @@ def solve_distribution(
     own = max(float(values[0]), 0.0)
     share = 0.0 if own >= WELL_CONDITIONED * largest else PROXIMAL
     kept = values - own > 1e-15 * largest
+    # G = root rootᵀ + own I: the identity goes into the forces' own term, what is left has the rank of G
     root = np.ascontiguousarray(vectors[:, kept] * np.sqrt(values[kept] - own))
     n, m = problem.contacts, root.shape[1]
     sets, points = np.zeros((n, 4)), np.zeros((5, 3 * n))
@@ -54,6 +55,8 @@ def solve_distribution(
         unit = 1.0 / np.sqrt(weight)
         sets[:, 0], sets[:, 1], sets[:, 2] = problem.mu, problem.normal_min / unit, problem.normal_max / unit
         points[CENTRE] = unit * (share * largest * forces.ravel() - problem.g)
+        # ||F||² of the scaled dual against a tenth of the wanted velocity, over G's largest eigenvalue:
+        # velocities are G times what the forces are wrong by
         tol = (0.1 * settings.tol * float(np.linalg.norm(problem.g)) / (largest * unit)) ** 2
         warm = turn > 0 or warm_start is not None
         error, floor, used = minimise(

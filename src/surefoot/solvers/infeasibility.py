@@ -74,6 +74,7 @@ def find_proof(problem: ContactProblem, max_time: float = math.inf) -> Infeasibi
     end = working_time() + max_time
     for name in np.argsort(np.bincount(label), kind="stable"):  # the smallest first: their time is short
         members = np.flatnonzero(label == name)
+        # at rest without forces: solved by the nearest to zero, there is nothing to prove
         if float(speeds[members].max()) == 0.0:
             continue
         rows = np.concatenate([np.arange(*contacts.offsets[k : k + 2]) for k in members])
@@ -121,6 +122,7 @@ def _by_rays(rays: FloatArray, G: FloatArray, g: FloatArray, end: float) -> Floa
     if rays.shape[1] == 0 or left <= 0.0:
         return None
     limit = {"time_limit": left} if left < math.inf else {}
+    # β <= 1 only bounds the program: any positive multiple of a proof is one
     rows = rays.T @ G @ rays
     from scipy.optimize import linprog  # takes 0.2 s to import: only where a proof is looked for
 
@@ -145,6 +147,8 @@ def _onto_null_space(directions: _Directions, G: FloatArray, d: FloatArray) -> F
         whole = np.zeros((d.size, block.shape[1]))
         whole[own] = block
         columns.append(whole)
+    # d = C x: within the contacts that d loads, and x -> x - A⁺ A x is the nearest x with G C x = 0; twice,
+    # since once leaves the rounding of a first correction
     C = np.hstack(columns)
     x = C.T @ d
     A = G @ C
@@ -228,9 +232,11 @@ def _project(directions: _Directions, V: FloatArray, g: FloatArray, end: float) 
         if float(np.linalg.norm(gradient)) <= 1e-15 * np.sqrt(value):
             break
         H = V.T @ directions.product(J, V)
+        # where P_D is constant its Jacobian vanishes, and H with it
         H[np.diag_indices(rank)] += 1e-12
         step = np.linalg.solve(H, gradient)
         for share in SHARES:
+            # the minimum is 0 or not, nothing else is asked: any decrease will do
             trial, jacobian = directions.project(-(g + V @ (z + share * step)))
             now = float(trial @ trial)
             if now < value:

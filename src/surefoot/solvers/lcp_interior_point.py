@@ -22,6 +22,7 @@ MOST, PATIENCE = 200, 40
 
 def solve_interior_point(problem: LCP, settings: SolverSettings) -> Answer:
     """Solve a monotone LCP by a primal-dual interior-point method."""
+    # one scale for M and q leaves z as it is: tolerances and starts are for entries of size one
     scale = max(float(np.abs(problem.M).max()), 1e-300)
     M, q = problem.M / scale, problem.q / scale
     start = max(float(np.abs(q).max()), 1e-3)
@@ -34,6 +35,8 @@ def solve_interior_point(problem: LCP, settings: SolverSettings) -> Answer:
             z, w = _advance(M, q, z, w)
         if not (np.isfinite(z).all() and np.isfinite(w).all()):
             return Answer(best, done, Status.STALLED)
+        # an interior point has no zeros: z_i = 0 wherever w_i is larger is
+        # judged beside it, and mostly is nearer
         snapped = np.where(z > w, z, 0.0)
         residuals = problem.residual(z), problem.residual(snapped)
         idle = 0 if min(residuals) < 0.9 * error else idle + 1
@@ -49,6 +52,7 @@ def solve_interior_point(problem: LCP, settings: SolverSettings) -> Answer:
 def _advance(M: FloatArray, q: FloatArray, z: FloatArray, w: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Take one predictor-corrector step."""
     gap = float(z @ w) / z.size
+    # an infeasible start: every full step takes the equation's residual out
     slack = w - M @ z - q
     lu, pivots, _ = scipy.linalg.lapack.dgetrf(M + np.diag(w / z))
 
@@ -59,8 +63,11 @@ def _advance(M: FloatArray, q: FloatArray, z: FloatArray, w: FloatArray) -> tupl
     dz, dw = direction(-z * w)
     length = min(_longest(z, dz), _longest(w, dw))
     after = float((z + length * dz) @ (w + length * dw)) / z.size
+    # Mehrotra's rule: centre little where the predictor got far
     sigma = (after / gap) ** 3
+    # the corrector makes up for the product dz dw that linearisation dropped, with the predictor's own
     dz, dw = direction(sigma * gap - z * w - dz * dw)
+    # 0.5 % short of the boundary: z and w stay positive
     length = min(1.0, 0.995 * min(_longest(z, dz), _longest(w, dw)))
     return z + length * dz, w + length * dw
 

@@ -50,6 +50,8 @@ def _leaving_row(T: FloatArray, column: int, basis: IntArray, n: int, least: flo
             best = i
             continue
         other = T[best, column]
+        # ratios are compared relative to their own size: redundant contacts
+        # make exact ties, which rounding blurs
         scale = abs(T[i, 2 * n + 1]) / pivot + abs(T[best, 2 * n + 1]) / other
         difference = T[i, 2 * n + 1] / pivot - T[best, 2 * n + 1] / other
         # a tie: entry by entry, so that no basis comes back (lexicographic rule)
@@ -80,6 +82,8 @@ def _pivot(T: FloatArray, row: int, column: int) -> None:
         factor = T[i, column]
         if i != row and factor != 0.0:
             for j in range(T.shape[1]):
+                # what is left of two equal numbers is rounding, and a lexicographic
+                # comparison reads every digit: exact zero
                 step = factor * T[row, j]
                 rest = T[i, j] - step
                 T[i, j] = rest if abs(rest) > ZERO * abs(step) else 0.0
@@ -114,6 +118,8 @@ def _from_basis(problem: LCP, basis: IntArray, T: FloatArray) -> FloatArray:
         return z
     rows = np.ones(n, dtype=bool)
     rows[basis[basis < n]] = False
+    # w_i = 0 on the rows without a basic slack: M_held,active z_active =
+    # -q_held, in the numbers as they were given
     held = np.flatnonzero(rows)
     tableau, size = np.zeros(n), float(np.abs(problem.q).max())
     tableau[active] = size * T[among, -1]
@@ -133,6 +139,7 @@ def solve_lemke(problem: LCP, settings: SolverSettings) -> Answer:
         return Answer(np.zeros(problem.size), 0)
     M, d = equilibrated(problem.M)
     mantissa, exponent = np.frexp(problem.q)
+    # powers of two only, which round nothing: a solution of the scaled problem is one of the problem
     top = int((exponent + d)[mantissa != 0.0].max())
     scaled = LCP(M, np.ldexp(problem.q, d - top))
     end = working_time() + settings.max_time
@@ -141,6 +148,8 @@ def solve_lemke(problem: LCP, settings: SolverSettings) -> Answer:
     for least in PIVOTS:
         found = _pivoted(scaled, least, limit - pivots, end)
         pivots += found.iterations
+        # a pivot as small as the first bound refuses may be needed after all: only then the smaller bound,
+        # since small pivots spoil the tableau
         if scaled.residual(found.forces) <= settings.tol or pivots >= limit or working_time() > end:
             break
     with np.errstate(over="ignore"):
@@ -173,6 +182,7 @@ def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: in
     """Return the secondary ray's direction in z, a claim of infeasibility that is still to be proven."""
     n = problem.size
     direction = np.zeros(2 * n + 1)
+    # nothing blocks the entering variable: along it the basic ones move by minus its column, for ever
     direction[entering] = 1.0
     direction[basis] = -T[:, entering]
     z, slack = np.maximum(direction[n : 2 * n], 0.0), np.flatnonzero(direction[n : 2 * n] > 1e-12)

@@ -64,6 +64,8 @@ def solve_newton(problem: ContactProblem, settings: SolverSettings, warm_start: 
     for turn in range(ROUNDS):
         if done >= most or working_time() > end:
             break
+        # a sweep finds out who slides anew, another share of the proximal
+        # term each turn goes elsewhere from there
         done += newton.sweep(forces, 1)
         steps, relative = newton.run(forces, min(30, most - done), SHARES_MANY[turn % 3])
         done += steps
@@ -89,6 +91,8 @@ def on_natural_map(
     while least > tol and done < limit and since < NATURAL_PATIENCE and working_time() < end:
         jacobian_sets(*s.packed, s.point, J)
         newton_matrix(s.G, *s.packed, s.step, u, J, A)
+        # redundant contacts make A singular; the term shrinks with the error, so
+        # that the last steps are Newton's own
         A[np.diag_indices(m)] += min(max(SHARE * error, PROXIMAL), PROXIMAL_FAR)
         try:
             forces = forces - np.linalg.solve(A, s.gap)
@@ -97,6 +101,7 @@ def on_natural_map(
         u, error = s.measure(forces)
         done, since = done + 1, since + 1
         if error < least:
+            # progress by less than a tenth counts as none
             since = 0 if error < 0.9 * least else since
             best, least = forces, error
         if not np.isfinite(error):

@@ -59,6 +59,8 @@ def _reduced_entries(
                 p = rows[k, c, 0] * B[0, 0] + rows[k, c, 1] * B[1, 0] + rows[k, c, 2] * B[2, 0]
                 q = rows[k, c, 0] * B[0, 1] + rows[k, c, 1] * B[1, 1] + rows[k, c, 2] * B[2, 1]
                 r = rows[k, c, 0] * B[0, 2] + rows[k, c, 1] * B[1, 2] + rows[k, c, 2] * B[2, 2]
+                # rows differ from columns under Coulomb's law where a
+                # contact slides: the matrix is not symmetric
                 for d in range(count[j]):
                     value = p * columns[j, d, 0] + q * columns[j, d, 1] + r * columns[j, d, 2]
                     if j == k and d == c:
@@ -92,6 +94,8 @@ def _solve(begin: IntArray, where: IntArray, entries: FloatArray, b: FloatArray)
     A = sp.csr_matrix((entries, where, begin), shape=(m, m))
     try:
         if m < 150 or entries.size > DENSE_ABOVE * m * m:
+            # small or nearly full: SuperLU's ordering and bookkeeping would
+            # take longer than LAPACK's dense factors
             lu, pivots, info = scipy.linalg.lapack.dgetrf(A.toarray(order="F"), overwrite_a=True)
             if info != 0:
                 return None
@@ -183,6 +187,9 @@ class BlockNewton:
         velocities, best, far = self.measure(current)
         nearest, done, steps, since, count = far, 0, 0, 0, float(sweeps)
         while done < limit and best > self.tol and since < patience and working_time() < self.end:
+            # the force error steers (the proximal term, patience): velocities of a high
+            # stack stay large until its last force is right. The velocity error judges: the
+            # forces kept are those with the least of it
             moved = self.step(current, velocities, max(PROXIMAL, min(PROXIMAL_FAR, share * far)))
             done, steps, since = done + 1, steps + 1, since + 1
             if moved is None:
@@ -198,6 +205,8 @@ class BlockNewton:
             if error < best:
                 best = error
                 forces[:] = current
+            # still as far off as no forces at all: another method's start
+            # will be worth more than further steps
             if steps == without_guess and nearest > NO_GUESS:
                 break
             if steps == DOUBT_AFTER and infeasible is not None and infeasible(best):

@@ -48,6 +48,8 @@ def _stick(
     target: FloatArray,
 ) -> None:  # fmt: skip
     """Give contact k its first `count` components as unknowns, and that their velocities vanish."""
+    # in the contact's own axes, u + du = 0 in every free direction: with count = 2 the normal force is
+    # held at a bound and its velocity is free
     for c in range(count):
         for a in range(3):
             rows[k, c, a] = columns[k, c, a] = 1.0 if a == c else 0.0
@@ -75,12 +77,23 @@ def classify(
     For contact k and each of its count[k] unknowns c: the force moves by jump[k] + sum_c y_c columns[k, c];
     the equations are rows[k, c] . (u + du) + weight[k, c] y_c = target[k, c].
 
+    Alart and Curnier's equations are λ_n = [λ_n - ρ_n u_n] within the bounds and λ_t = P(λ_t - ρ_t u_t), P
+    onto the disc of radius mu λ_n; ρ is one over the block's own diagonal, one number for both tangents, for
+    a disc must stay a disc. Beyond a bound the normal force is known (take-off is the bound zero), else u_n =
+    0 is asked. Where the tangents' point lies within the disc u_t = 0 is asked. Beyond it, along e, the force
+    is put onto the cone and follows the normal force, so that (mu e, 1) is its column; Coulomb's row is u_n
+    alone, the convex law's n . u with n = (mu e, 1) too, which keeps the matrix symmetric. Across e the
+    disc's projection turns a point by ratio = radius / length as far, and the point has no part there: λ_t =
+    ρ_t u_t across e.
+
     Forces and velocities are flat, (3n,); `local` is (n, WIDTH), mu and the bounds are (n,). Filled: rows and
     columns (n, 3, 3), jump, weight and target (n, 3), count (n,).
     """
     for k in range(mu.size):
         i = 3 * k
         W00, W11, W22 = local[k, 0], local[k, 3], local[k, 5]
+        # a proximal term pulls the step, not the force, towards zero: it
+        # vanishes with the step and moves no solution
         small = proximal * (W00 + W11 + W22)
         jump[k, 0] = jump[k, 1] = jump[k, 2] = 0.0
         if low[k] == -np.inf:  # bilateral: any force, u = 0
@@ -143,6 +156,8 @@ def _assemble(
     for j in range(moved.size):
         moved[j] = velocities[j]  # u after the known part of the step
     for k in range(n):
+        # the known part (take-off, forces onto the cone or a bound) moves
+        # every velocity; most contacts have none
         x, y, z = jump[k, 0], jump[k, 1], jump[k, 2]
         if x != 0.0 or y != 0.0 or z != 0.0:
             for j in range(moved.size):
@@ -154,6 +169,8 @@ def _assemble(
             at = 0
             for h in range(n):
                 few = count[h]
+                # a contact that takes off has no unknown, hence neither row nor column: the
+                # system shrinks to what is in contact
                 if few == 0:
                     continue
                 j = 3 * h
@@ -227,6 +244,7 @@ def newton_dense(
         if not (symmetric_solve(A, b, m) if plain else lu_solve(A, b, m)):
             break
         spread(columns, jump, kinds, b, step)
+        # a full step, however bad the error after it: who slides is found by going there
         for j in range(step.size):
             forces[j] += step[j]
         # from the forces anew: updated velocities would drift
@@ -242,6 +260,7 @@ def newton_dense(
                 return done, best
             for j in range(step.size):
                 best_forces[j], best_velocities[j] = forces[j], velocities[j]
+    # steps are not monotone: what is handed back is the best point on the way
     for j in range(step.size):
         forces[j], velocities[j] = best_forces[j], best_velocities[j]
     return done, best
@@ -279,6 +298,7 @@ def run_dense(
             done += 1
             count += 1
             relative = velocity_error(forces, velocities, mu, low, high, local, convex)
+            # swept velocities are sums of changes: whether it is solved is asked again of G λ + g itself
             if relative <= tol:
                 refresh_dense(G, g, forces, velocities)
                 relative = velocity_error(forces, velocities, mu, low, high, local, convex)

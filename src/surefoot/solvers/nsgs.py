@@ -51,6 +51,8 @@ def _change(
         return 0.0, 0.0, 0.0
     i, W = 3 * k, block_of(local, k)
     x, y, z = forces[i], forces[i + 1], forces[i + 2]
+    # the damped block of `prepare`, not G's own: what damping adds here
+    # it takes away again in the local solve
     q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)  # q = u_k - G_kk λ_k: what the others leave
     q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
     q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
@@ -75,6 +77,7 @@ def sweep_dense(
         i = 3 * k
         d0, d1, d2 = _change(k, local, mu, low, high, convex, relax, forces, velocities)
         if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
+            # G is symmetric: its columns are taken as rows, which lie side by side in memory
             for j in range(velocities.size):
                 velocities[j] += G[i, j] * d0 + G[i + 1, j] * d1 + G[i + 2, j] * d2
 
@@ -97,6 +100,8 @@ def relaxation(gap: float, relax: float, best: float, since: int) -> tuple[float
     if gap < 0.99 * best:
         return relax, gap, 0
     if since >= CIRCLE:
+        # sweeps that no proof makes converge (Coulomb's law) may go round: half steps cut the circle. A new
+        # relaxation starts a record of its own, hence the best gap is forgotten
         return max(0.5 * relax, 0.05), 10.0 * gap, 0
     return relax, best, since + 1
 
@@ -130,6 +135,7 @@ def sweep_blocks(
             for at in range(starts[k], starts[k + 1]):
                 B = values[at]
                 j = 3 * columns[at]
+                # row k holds G_kj and contact j needs G_jk: its transpose, since G is symmetric
                 velocities[j] += B[0, 0] * d0 + B[1, 0] * d1 + B[2, 0] * d2
                 velocities[j + 1] += B[0, 1] * d0 + B[1, 1] * d1 + B[2, 1] * d2
                 velocities[j + 2] += B[0, 2] * d0 + B[1, 2] * d1 + B[2, 2] * d2
@@ -154,6 +160,7 @@ def run_blocks(
         relax, best, since = relaxation(error, relax, best, since)
         state[0], state[1], state[2] = relax, best, since
         if error <= tol:
+            # a sum of many small changes has drifted from G λ + g: the verdict is on velocities computed anew
             velocities = block_product(starts, columns, values, forces) + g
             if velocity_error(forces, velocities, mu, low, high, local, convex) <= tol:
                 return count, True
@@ -170,6 +177,8 @@ def solve_nsgs(problem: ContactProblem, settings: SolverSettings, warm_start: Fl
     blocks = problem.blocks
     matrix = blocks.starts, blocks.columns, blocks.values
     local, state = prepare_blocks(*matrix, problem.scales), np.array([1.0, np.inf, 0.0])
+    # the clock is looked at between compiled calls, after about 2e6 multiplications, 9
+    # n² of them a sweep over a full matrix
     chunk = limit if settings.max_time == np.inf else max(1, int(2e6 / (9.0 * problem.contacts**2 + 1)))
     done, solved = 0, False
     while not solved and done < limit:

@@ -81,6 +81,7 @@ def alternate(
     while error > tol and done < most and working_time() < newton.end:
         done += newton.sweep(forces, min(CHUNK, most - done))
         before, (_, error, far) = error, newton.measure(forces)
+        # linear convergence extrapolated: would the sweeps that a Newton step is worth reach the tolerance?
         if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
             break
     if error > tol and done < most and working_time() < newton.end and not heavy(problem):

@@ -40,10 +40,15 @@ def prepare(
     [12:14] is room for the direction in which the contact last slid; zero, as here, if that is not known.
     """
     trace = G00 + G11 + G22
+    # a proximal term: `nsgs._change` subtracts this same damped block from the velocity, so that a force that
+    # solves the contact solves it damped or not. A block of zeros has no size of its own: any unit will do.
     damping = LOCAL_DAMPING * trace if trace > 0.0 else 1.0
     a, b, c = G00 + damping, G11 + damping, G22 + damping
+    # the inverse by cofactors: symmetric, without branches, six numbers to keep
     A, B, C = b * c - G12 * G12, G02 * G12 - G01 * c, G01 * G12 - G02 * b
     det = a * A + G01 * B + G02 * C
+    # a rank-one block has det = damping² trace, 1e-24 of trace³: what is far below that, negative or no
+    # number at all is what cancellation in the cofactors left, and its inverse would be noise
     if not det > 1e-30 * trace * trace * trace:  # singular beyond rounding: damp more
         damping = 1e-9 * trace if trace > 0.0 else 1.0
         a, b, c = G00 + damping, G11 + damping, G22 + damping
@@ -70,6 +75,9 @@ def _slope(
     tx, ty = W[0] * ex + W[1] * ey, W[1] * ex + W[3] * ey
     px, py = -W[0] * ey + W[1] * ex, -W[1] * ey + W[3] * ex  # Wtt times e turned by 90 degrees
     wx, wy = mu * tx + W[2], mu * ty + W[4]
+    # a(e) = nᵀ W n and b(e) = q·n with n = (mu e, 1) for the convex law, whose sliding force
+    # does no work on u; Coulomb's asks for u_n = 0 alone, which drops the rows of the
+    # tangents. da and db: along the turn of e
     if convex:
         a = mu * (wx * ex + wy * ey) + mu * (W[2] * ex + W[4] * ey) + W[5]
         da = 2.0 * mu * (-wx * ey + wy * ex)
@@ -82,6 +90,8 @@ def _slope(
         db = 0.0
     vx, vy = q0 * a - b * wx, q1 * a - b * wy
     dx, dy = q0 * da - db * wx - b * mu * px, q1 * da - db * wy - b * mu * py
+    # v = s e + h e⊥; e⊥ turns towards -e, hence -s in dh: where friction opposes a fast slide (s << 0) h
+    # rises steeply through its zero, where it would drive the slide (s > 0) it falls
     h = -vx * ey + vy * ex
     s = vx * ex + vy * ey
     slope = -dx * ey + dy * ex - s
@@ -98,6 +108,8 @@ def _sliding_normal(
         tx, ty = W[0] * ex + W[1] * ey, W[1] * ex + W[3] * ey
         a += mu * ((mu * tx + W[2]) * ex + (mu * ty + W[4]) * ey)
         b += mu * (q0 * ex + q1 * ey)
+    # a <= 0: normal and tangents are coupled so strongly that a sliding force drives the
+    # contact inwards (Painlevé's paradox)
     return -b / a if a > 0.0 else -1.0
 
 
@@ -112,6 +124,7 @@ def _search_circle(
         low, high = 2.0 * math.pi * k / count, 2.0 * math.pi * (k + 1) / count
         now = _slope(W, q0, q1, q2, mu, convex, math.cos(high), math.sin(high))[0]
         if last <= 0.0 <= now:  # h rises through a solution
+            # fifty halvings of 2π / 96 leave 6e-17 rad, less than a double tells from the angle
             for _ in range(50):
                 middle = 0.5 * (low + high)
                 if _slope(W, q0, q1, q2, mu, convex, math.cos(middle), math.sin(middle))[0] <= 0.0:
@@ -120,6 +133,7 @@ def _search_circle(
                     high = middle
             ex, ey = math.cos(low), math.sin(low)
             s = _slope(W, q0, q1, q2, mu, convex, ex, ey)[2]
+            # a rising zero of h may still be one where a changes sign, or whose force would pull
             if s <= 0.0 and _sliding_normal(W, q0, q1, q2, mu, convex, ex, ey) > 0.0:
                 return True, ex, ey
         last = now
@@ -132,12 +146,15 @@ def _disc(W: Block, q0: float, q1: float, normal: float, radius: float) -> tuple
 
     On the rim (Wtt + s) r = -p with a multiplier s >= 0; Newton on 1 / |r(s)| climbs to it from s = 0.
     """
+    # min ½ rᵀ Wtt r + p·r over ||r|| <= radius, a trust region's subproblem: p is the free velocity that the
+    # known normal force leaves, and a force inside the disc stops the contact (s = 0, it sticks)
     px, py = q0 + W[2] * normal, q1 + W[4] * normal
     s = 0.0
     x = y = 0.0
     for _ in range(60):
         a, c = W[0] + s, W[3] + s
         det = a * c - W[1] * W[1]
+        # tangents that no force moves: any multiplier that makes the matrix definite, doubled until one does
         if not det > 0.0:
             s = 1e-12 * (W[0] + W[3]) + 2.0 * s
             continue
@@ -146,10 +163,13 @@ def _disc(W: Block, q0: float, q1: float, normal: float, radius: float) -> tuple
         length = math.sqrt(square)
         if length <= radius * (1.0 + 1e-14):
             break
+        # rᵀ (Wtt + s)⁻¹ r, minus half the derivative of ||r||². 1 / ||r(s)|| is nearly linear in s where
+        # ||r(s)|| has a pole, and concave: from s = 0 the steps never pass the root (Moré and Sorensen 1983)
         along = (c * x * x - 2.0 * W[1] * x * y + a * y * y) / det
         if not along > 0.0:  # a radius too small to square
             break
         s += (length / radius - 1.0) * square / along  # Newton on 1 / |r(s)| = 1 / radius
+    # onto the rim exactly: rounding must not leave a force outside its cone
     length = math.sqrt(x * x + y * y)
     if length > radius:
         x, y = radius * x / length, radius * y / length
@@ -176,9 +196,12 @@ def solve_one(
     a guess (x, y) of the tangential force serves. low = -inf marks a bilateral contact.
     """
     if low == 0.0:  # first, because take-off and stick may both be solutions where normal and tangents couple
+        # a free velocity in K* needs no force; Coulomb's law shifts it into
+        # K* by Γ, which leaves q_n >= 0 to ask
         need = mu * math.sqrt(q0 * q0 + q1 * q1) if convex else 0.0
         if q2 >= need:
             return 0.0, 0.0, 0.0, ex, ey
+    # the force that stops the contact, -W⁻¹ q: the answer of a bilateral contact, and of one that sticks
     r0 = -(W[6] * q0 + W[7] * q1 + W[8] * q2)
     r1 = -(W[7] * q0 + W[9] * q1 + W[10] * q2)
     r2 = -(W[8] * q0 + W[10] * q1 + W[11] * q2)
@@ -212,15 +235,21 @@ def _turn(
         if slope > 0.0 and s < 0.0:
             turn = -h / slope
             good = abs(turn) < CLOSE
+            # Cayley's rotation: of length one whatever the turn, and its angle right
+            # to third order, all that Newton uses
             half = 0.5 * max(-0.8, min(0.8, turn))
             share = 1.0 / (1.0 + half * half)
             cosine, sine = (1.0 - half * half) * share, 2.0 * half * share
             ex, ey = cosine * ex - sine * ey, cosine * ey + sine * ex
+            # judged before the turn, so that the step just taken is the last:
+            # what it leaves is the square of `CLOSE`
             if good:
                 normal = _sliding_normal(W, q0, q1, q2, mu, convex, ex, ey)
                 if normal > 0.0:
                     return True, ex, ey, normal
         else:  # uphill: turn against the velocity
+            # v = s e + h e⊥ as `_slope` splits it: friction against the velocity
+            # that e itself leads to, a fixed point
             fx, fy = -(ex * s - h * ey), -(ey * s + h * ex)
             length = math.sqrt(fx * fx + fy * fy)
             if length == 0.0:
@@ -235,6 +264,7 @@ def slide_one(
     x: float, y: float, ex: float, ey: float,
 ) -> tuple[float, float, float, float, float]:  # fmt: skip
     """Solve a contact that neither takes off nor sticks within its bounds; see `solve_one`."""
+    # with a lower bound on the normal force a contact that would take off is held down: it may still slide
     lifts = q2 >= (mu * math.sqrt(q0 * q0 + q1 * q1) if convex else 0.0)
     r0 = -(W[6] * q0 + W[7] * q1 + W[8] * q2)
     r1 = -(W[7] * q0 + W[9] * q1 + W[10] * q2)
@@ -243,15 +273,15 @@ def slide_one(
     if r2 > 0.0 and r0 * r0 + r1 * r1 <= (mu * r2) ** 2:  # it would stick, but for the bounds
         normal = r2
     elif not lifts:
-        if (
-            ex == 0.0 and ey == 0.0
-        ):  # towards where it would stick: right where the tangents' inertias differ much
+        # towards where it would stick: right where the tangents' inertias differ much
+        if ex == 0.0 and ey == 0.0:
             ex, ey = _unit(r0, r1) if x == 0.0 and y == 0.0 else _unit(x, y)
         good, ex, ey, normal = _turn(W, q0, q1, q2, mu, convex, ex, ey)
         if not good:  # afresh
             ex, ey = _unit(r0, r1)
             good, ex, ey, normal = _turn(W, q0, q1, q2, mu, convex, ex, ey)
         if not good:
+            # twice Newton has left the branch: every zero of h is looked at, far more slowly
             good, ex, ey = _search_circle(W, q0, q1, q2, mu, convex)
             normal = _sliding_normal(W, q0, q1, q2, mu, convex, ex, ey) if good else 0.0
         if low <= normal <= high:

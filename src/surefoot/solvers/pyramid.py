@@ -39,6 +39,7 @@ def project_any(
         return x, y, z
     if facets == 0 or mu == 0.0:
         return project_truncated(x, y, z, mu, low, high)
+    # in the axes of the nearest face, and by symmetry in its upper half, the nearest point is on that face
     c, s, slope, corner, out, side = sector(x, y, mu, facets, inner)
     sign = 1.0 if side >= 0.0 else -1.0
     side = abs(side)
@@ -49,9 +50,12 @@ def project_any(
         if b > corner * h:  # beyond the edge (slope, corner, 1)
             h = (slope * out + corner * side + z) / (slope * slope + corner * corner + 1.0)
             a, b = slope * h, corner * h
+        # the foot lies below the apex: the point is in the polar cone
         if h <= 0.0:
             a = b = h = 0.0
     if h < low or h > high:
+        # the section is a convex polygon: where a bound is broken it holds at the answer, and what is left is
+        # the nearest point of the polygon in the plane
         h = min(max(h, low), high)
         a, b = min(out, slope * h), min(side, corner * h)
     return c * a - s * sign * b, s * a + c * sign * b, h
@@ -64,6 +68,8 @@ def shift_any(p: float, q: float, mu: float, facets: int, inner: bool) -> float:
     if facets == 0 or speed == 0.0:
         return mu * speed
     half = math.pi / facets
+    # the support function of the section in the direction -u_t: that of the corner nearest in bearing. An
+    # outer pyramid has its corners beyond the cone, at mu / cos(half)
     first = 0.0 if inner else half  # bearing of a corner
     bearing = math.atan2(-q, -p)
     off = bearing - first - 2.0 * half * math.floor((bearing - first) / (2.0 * half) + 0.5)

@@ -66,6 +66,8 @@ def pack_cones(
         w, s = scales[0, k], scales[1, k]
         # blocks of trace 3
         trace = scales[2, k] / 3.0
+        # a block that all but vanishes beside the largest would get a
+        # unit without bounds: it takes that one's
         if not trace > 1e-12 * top:
             trace = top if top > 0.0 else 1.0
         unit = 1.0 / math.sqrt(trace)
@@ -79,6 +81,9 @@ def pack_cones(
         table[k, RADIUS], table[k, FRICTION] = mu, 1.0
         if not w > 0.0:
             w = s if s > 0.0 else 1.0
+        # λ = unit λ' and u' = unit u: 1 / w becomes 1 / (w unit²), and a gap in λ' is w unit / s
+        # times a velocity over s. A part that no velocity moves (s = 0) weighs nothing: its
+        # forces are known, see `stopping.settle`
         measure[0, k], measure[1, k] = 1.0 / (w * unit * unit), w * unit / s if s > 0.0 else 0.0
 
 
@@ -105,6 +110,8 @@ def _height(group: IntArray, start: int, end: int, row: FloatArray, x: FloatArra
     s - z = Σ r_b (||x_b|| - r_b s)₊ is concave in s where it counts: Newton's method from s = 0 rises to the
     root, one disc let go at a time.
     """
+    # ½ (s - z)² + ½ Σ (||x_b|| - r_b s)²₊ is the squared distance to the
+    # section at height s; its slope vanishes
     normal = _norms(group, start, end, x, row)
     z = x[normal] if normal >= 0 else 0.0
     s = 0.0
@@ -119,6 +126,7 @@ def _height(group: IntArray, start: int, end: int, row: FloatArray, x: FloatArra
         if push / slope <= s:
             break
         s = push / slope
+    # the distance is convex in s, so that the nearest height within bounds is the clamped one
     return float(min(max(s, row[LOW], 0.0), row[HIGH]))
 
 
@@ -148,6 +156,8 @@ def project_sets(
                 if b < 0:
                     out[i] = s
                 else:
+                    # the norms stand in `row` since `_height`: x may be `out`,
+                    # and its first rows overwritten by now
                     limit = row[RADIUS + b] * s
                     out[i] = x[i] * (limit / row[NORM + b]) if row[NORM + b] > limit else x[i]
 
@@ -163,6 +173,8 @@ def add_shift(
             continue
         gamma, normal = 0.0, start + 2
         if table[k, CODE] == CONE:
+            # u = -y of ADMM comes with sense = -1, without a copy; for a
+            # pyramid of odd facets Γ(-u) is not Γ(u)
             p, q = sense * u[start], sense * u[start + 1]
             gamma = shift_any(p, q, table[k, MU], int(table[k, SIDES]), table[k, INNER] != 0.0)
         else:
@@ -179,6 +191,9 @@ def _disc_jacobian(
     group: IntArray, start: int, end: int, row: FloatArray, x: FloatArray, J: FloatArray
 ) -> None:
     """Fill the Jacobian of one contact's projection onto a section of discs; J is zero before."""
+    # the projection is (r_b s x̂_b, s) on the discs that hold, x_b within the others, so
+    # that its Jacobian is p ds/dx + the turn of x̂_b: with p = (r_b x̂_b, 1) the gradient of
+    # s is p over the slope, and J symmetric
     s = _height(group, start, end, row, x)
     slope = 1.0
     for b in range(MOST_DISCS):
@@ -213,6 +228,7 @@ def _polygon_jacobian(start: int, row: FloatArray, x: FloatArray, J: FloatArray)
     c, s, slope, corner, out, side = sector(
         x[start], x[start + 1], row[MU], int(row[SIDES]), row[INNER] != 0.0
     )
+    # one half of the sector serves for both: the pyramid is symmetric about the middle of a face
     sign = 1.0 if side >= 0.0 else -1.0
     side, z = abs(side), x[start + 2]
     # rows of the map in (out, side, normal)
@@ -227,6 +243,8 @@ def _polygon_jacobian(start: int, row: FloatArray, x: FloatArray, J: FloatArray)
         if outside:
             length += corner * corner
             h = (slope * out + corner * side + z) / length
+        # onto the plane out = slope z: its two directions are the ray up the middle of the face and the
+        # side's axis; onto the edge: the ray through the corner alone
         ray = (slope, corner if outside else 0.0, 1.0)
         for a in range(3):
             for b in range(3):
@@ -285,6 +303,7 @@ def natural_sets(
         for i in range(offset[k], offset[k + 1]):
             point[i] = forces[i] - step[k] * point[i]
     project_sets(offset, group, table, point, gap)
+    # `max` drops a NaN, a sum keeps it
     worst = total = 0.0
     for k in range(table.shape[0]):
         square = 0.0
@@ -318,6 +337,7 @@ def newton_matrix(
     row_of_shift, moved = np.empty(WIDEST), np.empty((WIDEST, m))
     for k in range(table.shape[0]):
         start, end, row = offset[k], offset[k + 1], table[k]
+        # N = θ ∂Γ/∂u; at u_b = 0, where Γ has a kink, zero is one of its subgradients
         normal = _norms(group, start, end, u, row)
         # N has one row, the normal's: θ ∂Γ/∂u_b = θ r_b u_b / ||u_b||
         for i in range(start, end):

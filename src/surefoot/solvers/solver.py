@@ -266,6 +266,7 @@ def certify(
         forces = np.where(rows, nearest_to_zero(problem), forces)
     velocities, numbers = certificate(problem, forces)
     error, rest = numbers[0], max(numbers[1], numbers[2])
+    # a solver's word for infeasible counts for nothing without a proof
     stop = Status.STALLED if answer.stop is Status.INFEASIBLE else answer.stop
     if error <= tol and rest <= tol:
         status, proof = Status.SOLVED, None
@@ -273,6 +274,8 @@ def certify(
         status, proof = Status.INFEASIBLE, answer.proof
     elif math.isnan(error):
         status, proof = Status.INVALID, None
+    # only the velocity error may be too large for ALMOST: rounding and
+    # energy gap are bounds on what can be known
     elif error <= ALMOST_FACTOR * tol and rest <= tol:
         status, proof = Status.ALMOST, None
     else:

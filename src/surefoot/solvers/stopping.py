@@ -21,6 +21,7 @@ def fill_measure(scales: FloatArray, measure: FloatArray) -> None:
     at = measure.shape[1] - 2
     for k in range(measure.shape[0]):
         w, s = scales[0, k], scales[1, k]
+        # a contact that its own force does not move: λ and u have no common scale but the problem's speed
         if not w > 0.0:
             w = s if s > 0.0 else 1.0
         measure[k, at] = 1.0 / w
@@ -45,6 +46,8 @@ def _natural_square(
     i = 3 * k
     x, y, z = forces[i], forces[i + 1], forces[i + 2]
     p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
+    # Γ(u) on the normal row: u + Γ(u) is what is complementary to λ, for Coulomb's law; a bilateral
+    # contact has all of space for K and no Γ
     if not convex and low > -np.inf:
         r += mu * math.sqrt(p * p + q * q)
     a, b, c = project_any(x - step * p, y - step * q, z - step * r, mu, low, high, 0, True)
@@ -88,6 +91,7 @@ def force_error(
         gap += _natural_square(forces, velocities, k, step, mu[k], low[k], high[k], convex) / step
         size += (forces[i] ** 2 + forces[i + 1] ** 2 + forces[i + 2] ** 2) / step
         reach += step * (g[i] ** 2 + g[i + 1] ** 2 + g[i + 2] ** 2)
+    # near zero forces the map over the forces says nothing: Σ ||g_k||² / w_k is what they will have to be
     scale = max(size, reach)
     if not gap >= 0.0:
         return np.inf

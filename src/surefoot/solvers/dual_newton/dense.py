@@ -83,6 +83,7 @@ def _pull_back(memory: Memory, y: FloatArray, kappa: float) -> None:
     columns, sets, points, contacts = memory.columns, memory.sets, memory.points, memory.contacts
     rho = 1.0 / kappa
     for i in range(3 * contacts):
+        # Bᵀ y / κ column by column: B is kept transposed, so that every product runs along memory
         points[STEP, i] = rho * dot(columns[i], y)
     for k in range(contacts, sets.shape[0]):
         points[STEP, 2 * contacts + k] = -rho * sets[k, LINK] * y[y.size - sets.shape[0] + k]
@@ -97,6 +98,7 @@ def _gradient(memory: Memory, t: float) -> float:
     for a in range(F.size):
         F[a] = y[a] - memory.duals[TARGET, a]
     for i in range(3 * contacts):
+        # contacts that are unloaded (at the apex) cost nothing
         value = points[VALUE, i]
         if value != 0.0:
             advance(F, value, columns[i])
@@ -139,12 +141,14 @@ def _assemble(memory: Memory, kappa: float) -> None:
         if sticks:  # Π' = I, or the tangents' part of it at a bound
             for c in range(3 if free else 2):
                 _add_outer(H, columns[i + c])
+        # on the cone's side Π' is a sum of v vᵀ over e⊥ and the generator (mu e, 1), see `projection.face`
         if across > 0.0:
             _add_sum(H, columns, i, -q * across, p * across, 0.0, spare)
         if along > 0.0:
             _add_sum(H, columns, i, mu * p * along, mu * q * along, along, spare)
     for k in range(contacts, sets.shape[0]):
         a = spare.size - sets.shape[0] + k
+        # an interval's projection has slope one inside and none at its ends
         if sets[k, LOW] < points[VALUE, 2 * contacts + k] < sets[k, HIGH]:
             H[a, a] += sets[k, LINK] ** 2
 
@@ -174,6 +178,7 @@ def _direction(memory: Memory, F: FloatArray, kappa: float) -> tuple[FloatArray,
     points, d = memory.points, memory.duals[DIRECTION]
     _assemble(memory, kappa)
     for a in range(d.size):
+        # (I + B Π' Bᵀ / κ)⁻¹ = κ (κ I + B Π' Bᵀ)⁻¹: H as `_assemble` fills it stays finite for a tiny κ
         d[a] = -kappa * F[a]
     _solve(memory.H, d)
     for i in range(points.shape[1]):
@@ -194,6 +199,7 @@ def _take(
 
 @inline_kernel
 def _line(memory: Memory, y: FloatArray, d: FloatArray) -> tuple[float, float]:
+    # of y - b, the part of F that is affine in t: along d its product with d grows by ||d||² a full step
     return dot(y, d) - dot(memory.duals[TARGET], d), dot(d, d)
 
 
@@ -277,6 +283,7 @@ def minimise(
     if warm:
         F, error = _enter(memory, y, 1.0)
         y, F, error, count = _newton(memory, y, F, error, 1.0, tol, WARM_STEPS, -1.0)
+    # no good start, or not good enough a one: from y = 0 down the path
     if not error <= max(tol, _noise_floor(memory)):
         duals[DUAL, :] = 0.0
         enough = PATH_TOLERANCE * dot(duals[TARGET], duals[TARGET])

@@ -147,6 +147,7 @@ def _begin(memory: Memory, a: FloatArray, rho: float) -> None:
     for i in range(memory.step.size):
         u, v, w = places[POINT, i, 0], places[POINT, i, 1], places[POINT, i, 2]
         x, r, z = _project(places, i, u, v, w)
+        # the force row holds the guess's own projection: `_assemble` reads its height for the faces
         places[FORCE, i, 0], places[FORCE, i, 1], places[FORCE, i, 2] = x, r, z
         # Π(p) + Π'(p) (c - p): the projection linearised at the guess p, at multipliers of zero
         dx, dr, dz = differential(
@@ -155,6 +156,8 @@ def _begin(memory: Memory, a: FloatArray, rho: float) -> None:
         )  # fmt: skip
         _push(memory, a, i, (x + dx, r + dr, z + dz), 1.0)
     _assemble(memory, rho)
+    # a + G y = M (Π + Π' (c - p)) with y = P a + q, a = M f at the linearised forces: the motion in place of
+    # the right side, the multipliers in DIRECTION
     riccati.solve(memory.tracking, memory.blocks, motions[SLOPE], motions[MOTION], motions[DIRECTION])
     _pull_back(memory, memory.vectors[DIRECTION], rho, CENTRE, POINT)
 
@@ -184,6 +187,8 @@ def _direction(memory: Memory, F: FloatArray, rho: float) -> tuple[FloatArray, f
     motions = memory.motions
     _assemble(memory, rho)
     for i in range(z.size):
+        # z + G P z = -F gives the motion's step z; the multipliers' step d
+        # = P z falls out of the same recursion
         z[i] = -F[i]
     riccati.solve(memory.tracking, memory.blocks, motions[NOTHING], motions[CHANGE], motions[DIRECTION])
     for i in range(memory.step.size):
@@ -254,6 +259,7 @@ def _solve(memory: Memory, rho: float, goal: float, patience: int, limit: int) -
     _begin(memory, a, rho)
     F, error = _enter(memory, a, rho)
     a, F, error, total = _newton(memory, a, F, error, rho, goal, float(limit), float(patience))
+    # rounding has stopped it near the goal, or patience ran out there: go on without a limit on full steps
     if error > goal and total < limit and error <= ROUNDING * goal:
         a, F, error, count = _newton(memory, a, F, error, rho, goal, float(limit - total), -1.0)
         total += count
@@ -263,6 +269,8 @@ def _solve(memory: Memory, rho: float, goal: float, patience: int, limit: int) -
             largest = max(largest, abs(places[CENTRE, i, 2]))
             for j in range(3):
                 places[POINT, i, j] = places[CENTRE, i, j]
+                # a force weight as steep as the motion's own cost makes
+                # an easy program: there the path starts
                 curve = 0.0  # of the cost of the rates that a force leads to in its own step
                 for m in range(6):
                     curve += t.weights[1, m] * (t.dt * M[i, j, m]) ** 2
@@ -322,6 +330,7 @@ def newton(
     warm = False
     for i in range(contacts):
         point = points[step[i], foot[i]]
+        # a foot that has just touched down has no point from the step before: it starts at its wanted force
         known = not math.isnan(point[0] + point[1] + point[2])
         warm = warm or known
         for j in range(3):

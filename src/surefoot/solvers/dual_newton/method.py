@@ -111,12 +111,16 @@ def descend(
         t, before, again = 1.0, 0.0, True
         while again:  # the full step, and a shorter one where that goes too far and no nearer either
             y, F, error, at_1 = form.take(memory, y, d, kappa, t, before)
+            # at_1 = F · d at the full step: the dual's slope there. If it has grown to a share of what it was
+            # at the start the step went far beyond the minimum; an error that fell well excuses it
             again = before == 0.0 and at_1 > -steps.ahead * at_0 and error > steps.nearer * best
             if again:
                 patience -= 1.0
                 before = 1.0
                 ahead, curve = form.line(memory, y, d)
                 line = memory, kappa, ahead, curve
+                # out of patience: back to where the step began (t = 0), so
+                # that the caller finds a point it knows
                 t = 0.0 if patience == 0.0 else search(form.derivative, line, at_0, at_1, steps.accuracy)
         idle = 0 if error < 0.5 * best else idle + 1
         best = min(best, error)
@@ -160,6 +164,7 @@ def follow_path(
         enough = tol if last else path.accuracy
         y, F, error, used = newton(memory, y, F, error, kappa, enough, most, -1.0)
         count += used
+        # stages on the way are solved loosely: only their faces matter, which the prediction starts from
         if last:
             return y, F, error, count
         smaller = max(path.end, kappa * path.shrink)

@@ -150,6 +150,8 @@ def _root(left: FloatArray, V: FloatArray) -> None:
             left[j, i] = left[i, j]
         store(V, i, 0, NOTHING)
     for k in range(6):
+        # the pivot whose share of its own diagonal is largest, not the
+        # largest entry: rows have different units
         most, p = SPENT, -1
         for i in range(6):
             share = left[i, i] / x[i] if x[i] > 0.0 else 0.0
@@ -168,6 +170,8 @@ def _gain(t: Tracking, G: FloatArray, gain: FloatArray) -> None:
     V, C, S, VS, push, value, h = t.small[0], t.small[1], t.small[2], t.small[3], t.push, t.value, t.dt
     half = 0.5 * h * h
     for i in range(6):
+        # Bᵀ Π with B = (h²/2, h): rows of place and rate; times B it is
+        # S, times A = (1, h; 0, 1) it is `push`
         by_place = mix(scale(h, column(value, 6 + i, PLACE)), half, column(value, i, PLACE))
         by_rate = mix(scale(h, column(value, 6 + i, RATE)), half, column(value, i, RATE))
         store(S, i, 0, mix(scale(h, by_rate), half, by_place))
@@ -175,12 +179,14 @@ def _gain(t: Tracking, G: FloatArray, gain: FloatArray) -> None:
         store(push, i, RATE, mix(by_rate, h, by_place))
     _root(G, V)
     for i in range(6):
+        # C Cᵀ = I + Uᵀ S U is positive definite whatever the rank of G
         store(VS, i, 0, _combine(column(V, i, 0), S, 0))
         for j in range(i + 1):
             C[i, j] = dot(column(VS, i, 0), column(V, j, 0))
         C[i, i] += 1.0
     cholesky(C)
     for i in range(6):
+        # T = C⁻¹ Uᵀ by forward substitution, and T Xᵀ = T Bᵀ Π A beside it: Riccati's step needs no more
         x = column(V, i, 0)
         for m in range(i):
             x = mix(x, -C[i, m], column(gain, m, GAIN))
@@ -199,6 +205,7 @@ def _step_back(t: Tracking, gain: FloatArray) -> None:
         back, rate = column(value, 6 + i, PLACE), column(value, 6 + i, RATE)
         rate = mix(rate, h, mix(mix(cross, 1.0, back), h, place))  # symmetric to the last digit
         by_place, by_rate = _down(gain, i), _down(gain, 6 + i)
+        # Aᵀ Π A for A = (1, h; 0, 1), less (T Xᵀ)ᵀ (T Xᵀ), block by block
         store(value, i, PLACE, mix(place, -1.0, _combine(by_place, gain, PLACE)))
         store(value, i, RATE, mix(mix(cross, h, place), -1.0, _combine(by_place, gain, RATE)))
         store(value, 6 + i, PLACE, mix(mix(back, h, place), -1.0, _combine(by_rate, gain, PLACE)))
@@ -227,10 +234,12 @@ def solve(t: Tracking, blocks: FloatArray, q: FloatArray, z: FloatArray, out: Fl
             x = column(gain, i, GAIN)
             r = mix(r, -dot(x, b), x)
         store(z, k, 0, r)
+        # π <- Aᵀ (π + Π B r): the costate at rest, one step earlier
         rate = mix(mix(rate, h, place), 1.0, _combine(r, t.push, RATE))
         place = mix(place, 1.0, _combine(r, t.push, PLACE))
         if k > 0:
             _step_back(t, gain)
+    # forwards from rest: each acceleration is its value at rest less E Xᵀ times the state that has come about
     place, rate = NOTHING, NOTHING
     for k in range(N):
         gain, x = t.gains[k], column(z, k, 0)

@@ -59,6 +59,7 @@ def _stiffen(program: Program, rows: FloatArray, factor: float) -> None:
     contacts = sets.shape[0] - count
     for j in range(count):
         a = m - count + j
+        # the row's term is root (T f - q); y times the root is the multiplier, and must stay what it is
         rows[j, HEAVY] *= factor
         sets[contacts + j, LINK] *= factor
         duals[DUAL, a] /= factor
@@ -139,6 +140,8 @@ def _keep_rows(
     empty = False
     for _ in range(TURNS):
         for j in range(count):
+            # the row's target is its multiplier over the root, and q is drawn to where it was: Rockafellar's
+            # proximal method of multipliers, one turn a solve
             duals[TARGET, m - count + j] = rows[j, MULTIPLIER] / rows[j, HEAVY]
             points[CENTRE, 3 * contacts + j] = rows[j, LIGHT] * rows[j, LAST]
         error, floor, used = minimise(*program, True, tol, limit)
@@ -148,6 +151,8 @@ def _keep_rows(
         if violation <= row_tol and shift**2 <= max(tol, floor):
             return error, violation, iterations, True, False
         still = still + 1 if violation > max(row_tol, (LEAST if empty else 0.95) * last) else 0
+        # multipliers that grow along a separating direction: no force fits,
+        # and what is left is the least violation
         empty = empty or (violation > row_tol and _proves_empty(columns, sets, rows))
         if iterations >= limit or (empty and still >= STUBBORN):
             break
@@ -287,6 +292,7 @@ def _solve_rows(
             margin = 4.0 * violation  # rounding allows no better: stay inside by more than that
         if settled or empty:
             break
+        # broken by more than rounding could: a wider inset would not mend it
         if not restoring and (tries == TRIES or violation > WIDEST_INSET):
             restoring, tries, error = True, 0, math.inf
     return error, iterations, solved, empty
@@ -320,6 +326,8 @@ def _gap_of_rows(program: Program, rows: FloatArray, low: FloatArray, high: Floa
         norm = abs(multiplier) * math.sqrt(size) / rows[j, HEAVY]
         slack = abs(value - low[j]) if multiplier > 0.0 else abs(high[j] - value)
         lacking = abs(multiplier) * slack if multiplier != 0.0 else 0.0
+        # whichever bound is smaller: next to no multiplier on a row far
+        # from its limit would count by its slack
         if 2.0 * lacking <= norm * norm:
             total += 2.0 * lacking
         else:

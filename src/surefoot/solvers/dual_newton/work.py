@@ -108,6 +108,7 @@ def load(grasp_map: FloatArray, work: FloatArray, contacts: int) -> tuple[float,
             wanted = work[k, PULL + side] * work[k, REFERENCE + i] + work[k, DRAG + side] * work[k, LAST + i]
             work[k, CENTRE + i] = wanted
             work[k, FORCE + i] = 0.0
+            # zero, or NaN for a wanted force that is not finite
             check += wanted * 0.0
         if work[k, HIGH] <= 0.0:
             for i in range(18):
@@ -146,6 +147,7 @@ def unload(work: FloatArray, contacts: int, forces: FloatArray) -> None:
         if work[k, HIGH] > 0.0:
             x, y, z = vector(work, k, FORCE)
             x, y, z = x * work[k, TANGENT], y * work[k, TANGENT], z * work[k, NORMAL]
+            # scaling there and back rounds: bounds [N] are kept to the digit
             z = min(max(z, work[k, FLOOR]), work[k, CEILING])
         forces[k, 0], forces[k, 1], forces[k, 2] = x, y, z
         store_vector(work, k, LAST, (x, y, z))
@@ -163,6 +165,7 @@ def hold(work: FloatArray, contacts: int, forces: FloatArray) -> None:
     keep = work[contacts + 1, HAS_LAST] > 0.0
     for k in range(contacts):
         x, y, z = vector(work, k, LAST) if keep else (0.0, 0.0, 0.0)
+        # friction or bounds may have changed since: the old command is projected onto what is admissible now
         x, y, z = x / work[k, TANGENT], y / work[k, TANGENT], z / work[k, NORMAL]
         store_vector(work, k, FORCE, project(work, k, (x, y, z)))
     unload(work, contacts, forces)

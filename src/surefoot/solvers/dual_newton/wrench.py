@@ -183,6 +183,7 @@ def _take(
     for k in range(contacts):
         if work[k, HIGH] > 0.0:
             store_vector(work, k, POINT, _ahead(work, k, t))
+    # y is moved from the last trial (`before`), the points from where the step began
     y = mix(y, t - before, d)
     F = _evaluate(work, contacts, y, b)
     return y, F, dot(F, F), dot(F, d)
@@ -265,6 +266,7 @@ def distribute_wrench(grasp_map: FloatArray, wrench: FloatArray, work: FloatArra
     b = weigh(wrench, work, contacts)
     norm, check = load(grasp_map, work, contacts)
     size = dot(b, b)
+    # NaN and infinities survive a product with zero: one comparison refuses all bad input
     if check + size * 0.0 != 0.0:
         hold(work, contacts, forces)
         work[results, ITERATIONS] = 0.0
@@ -276,6 +278,8 @@ def distribute_wrench(grasp_map: FloatArray, wrench: FloatArray, work: FloatArra
     memory = work, contacts, b, noise
     F, error = _enter(memory, y, 1.0)
     count = 0
+    # a first residual near ||b||² itself means an optimum far from c, where Newton alone zigzags (see
+    # `method`): those go down the path at once
     if tol < error < FAR * size:
         y, F, error, count = _newton(memory, y, F, error, 1.0, tol, limit, PATIENCE)
     if not error <= tol:
@@ -296,13 +300,16 @@ def _persist(
     results, start, size = contacts + 1, max(1.0, PATH_START * norm), dot(b, b)
     tol, limit = work[results, TOLERANCE] ** 2, work[results, LIMIT]
     if not error <= noise * _spread(work, contacts):
+        # quickly first: few stages, loosely solved
         path = Path(start, 1.0, PATH_STEP, PATH_TOLERANCE * size, STAGE, limit - count, PATH_LIMIT)
         y, F, error, used = _follow_path(memory, path, tol)
         count += used
     if not error <= max(tol, noise * _spread(work, contacts)) and count < limit:
+        # that failed: shorter stages solved tightly, so that each prediction starts on the right faces
         path = Path(start, 1.0, SMALL_STEP, TIGHT_TOLERANCE * size, STAGE, limit - count, limit - count)
         y, F, error, used = _follow_path(memory, path, tol)
         count += used
+    # F = y + B f - b: what is left of the wrench is the part that is not y
     missing = mix(F, -1.0, y)
     if error > max(tol, RELATIVE * dot(missing, missing)) and count < limit:
         memory, extra = (work, contacts, b, LESS_NOISE * noise), min(EXTRA, limit - count)
