@@ -34,9 +34,11 @@ def _nearest_round(
     if radius > mu * z:
         along = mu * radius + z
         p, r = 0.0, 0.0
+        # in the polar cone the apex is nearest; "not <=" lets a NaN through to be seen
         if not along <= 0.0:
             r = along / (1.0 + mu * mu)
             p = mu * r
+    # the section is convex: a bound that the nearest point breaks holds at the answer
     if r < low or r > high:
         r = low if r < low else high
         p = min(radius, mu * r)
@@ -64,6 +66,7 @@ def nearest(
     start = 0.5 * sector if inner else 0.0  # direction of the first face's middle
     turn = start + sector * math.floor((bearing - start) / sector + 0.5)
     side = 1.0 if bearing >= turn else -1.0
+    # by mirrors into one chamber, a the coordinate along the face's normal, b along the face
     a, b = radius * math.cos(bearing - turn), radius * abs(math.sin(bearing - turn))
     widen = math.tan(0.5 * sector)
     p, q, r = a, b, z
@@ -71,6 +74,7 @@ def nearest(
         r = (slope * a + z) / (1.0 + slope * slope)
         p = slope * r
         edge = slope * widen
+        # the foot on the face's plane lies beyond its edge: onto the edge's ray instead
         if b > edge * r:
             r = (slope * a + edge * b + z) / (1.0 + slope * slope + edge * edge)
             p, q = slope * r, edge * r

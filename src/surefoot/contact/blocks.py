@@ -65,6 +65,7 @@ def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]
             G[i, j] = G[j, i] = 0.5 * (a + b)
     if not abs(total) < np.inf:
         return np.inf, gap, row, column
+    # G + slack max |G| I is what has to be semidefinite: eigenvalues down to -slack max |G| are rounding
     add = slack * scale
     if gap > add:
         return scale, gap, row, column
@@ -79,6 +80,7 @@ def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]
                 return scale, -1.0, i, j
     for i in range(0, G.shape[0] - 2, 3):
         # and no 3x3 diagonal block of negative determinant
+        # a determinant's own rounding is some eps times the cube of the trace
         if block_determinant(G, i, add) < -1e-14 * (G[i, i] + G[i + 1, i + 1] + G[i + 2, i + 2]) ** 3:
             return scale, -1.0, i, i + 3
     return scale, gap, row, column
@@ -104,6 +106,7 @@ def checked_copy(G: FloatArray, slack: float, out: FloatArray) -> tuple[bool, bo
             a, b = G[i, j], G[j, i]
             half = 0.5 * (a + b)
             out[i, j] = out[j, i] = half
+            # "not <=" and not ">": a NaN fails every test, and goes where it is named
             bad |= not abs(a - b) <= add
             bad |= not half * half <= own * (out[j, j] + add)
     for i in range(0, G.shape[0] - 2, 3):
@@ -114,6 +117,7 @@ def checked_copy(G: FloatArray, slack: float, out: FloatArray) -> tuple[bool, bo
     for i in range(G.shape[0]):
         for j in range(G.shape[0]):
             out[i, j] = G[i, j]
+    # `out` holds the symmetric part by now, which hides an asymmetry: afresh from G
     scale, gap, _, _ = checked_mirror(out, slack)
     return scale < np.inf, 0.0 <= gap <= slack * scale
 
@@ -141,6 +145,7 @@ def dense_blocks(G: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
         for j in range(3 * n):
             if G[i, j] != 0.0:
                 present[i // 3, j // 3] = True
+    # the diagonal block is always kept, zero or not: sweeps look for it
     count = n
     for i in range(n):
         for j in range(n):

@@ -77,6 +77,7 @@ def choices_of(
 def _choice(contact: ContactState, mode: Mode, unit: float, tol: float) -> Continuation:
     if mode.normal == HELD:
         return Continuation((mode,), np.inf, False, unit, tol)
+    # every misfit as a velocity over the part's speed: a force counts as what it moves its contact by
     force = contact.weight / unit
     height, lift = float(contact.force[2]), abs(contact.lift) / unit
     misfits = {FREE: lift, LOW: (height - contact.low) * force, HIGH: (contact.high - height) * force}
@@ -118,6 +119,8 @@ def _heading(contact: ContactState, ready: bool) -> tuple[FloatArray, float]:
     force, slip = contact.force[:2], contact.velocity[:2]
     if ready:
         size, speed = float(np.hypot(*force)), float(np.hypot(*slip))
+        # ratio = mu λ_n / ||λ_t - u_t / w|| where λ_t is on the rim and opposes
+        # u_t: radius / (radius + ||u_t|| / w)
         reach = contact.radius * contact.weight
         return (force / size if size > 0.0 else np.array([1.0, 0.0])), reach / (reach + speed)
     speed = float(np.hypot(*slip))
@@ -147,6 +150,7 @@ def directional(
         worst = max(faults, default=0.0)
         if best is None or worst < best[0]:
             best = worst, modes
+        # all signs right: for a regular system that is the B-derivative
         if worst <= CONSISTENT:
             return modes, True
         trial = None if step >= PIVOTS else _changed(choices, picked, faults, seen)
@@ -170,6 +174,7 @@ def _changed(
 ) -> list[int] | None:
     """Return the choice with all offenders changed, or one, the worst first; None if all were seen."""
     offenders = [k for k in np.argsort(faults)[::-1].tolist() if faults[k] > CONSISTENT]
+    # all offenders at once first, as in principal pivoting: then singly, the worst first
     for group in (offenders, *([k] for k in offenders)):
         trial = list(picked)
         for k in group:
@@ -198,6 +203,8 @@ def _judge(
         forces, velocities = flat[0].reshape(-1, 3), flat[1].reshape(-1, 3)
         moved = 0.0
         for k in turning:
+            # at rest and without force the law holds in the rates alone:
+            # their own natural map turns the direction
             w = forces[k, :2] - velocities[k, :2] / contacts[k].weight
             size = float(np.hypot(*w))
             if size > 0.0:
@@ -236,6 +243,8 @@ def _fault(
     normals = {m.normal for m in choice.modes}
     if len(normals) > 1:
         lift = _lift_rate(contact, choice, velocity, float(rates[0][k]))
+        # Signorini in the rates: open, it must not approach; at the upper bound, not part;
+        # between, its force must not leave the bounds
         if mode.normal == LOW:
             faults.append(-lift)
         elif mode.normal == HIGH:
@@ -245,6 +254,8 @@ def _fault(
             faults += [w * float(force[2] - rates[2][k])] if HIGH in normals else []
     radius = _radius_rate(contact, k, forces, rates)
     if len({m.tangent for m in choice.modes}) > 1:
+        # Coulomb in the rates: sliding, friction must not push the slide;
+        # sticking, the force must stay in the disc
         e = mode.direction if mode.tangent == SLIDE else _heading(contact, not choice.point)[0]
         if mode.tangent == SLIDE:
             faults.append(float(e @ velocity[:2]))

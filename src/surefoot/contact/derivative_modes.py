@@ -115,6 +115,7 @@ def natural_mode(contact: ContactState) -> Mode:
     normal = normal_state(contact)
     if normal == HELD:
         return stick_mode(HELD)
+    # the disc's radius is that of the height the normal force is projected to, as in the natural map itself
     height = {LOW: contact.low, HIGH: contact.high, FREE: max(float(contact.force[2]), 0.0)}[normal]
     radius = contact.mu * height
     w = contact.force[:2] - contact.velocity[:2] / contact.weight
@@ -148,7 +149,9 @@ def slide_mode(contact: ContactState, normal: str, direction: FloatArray, ratio:
         columns.insert(0, up)
         rows.insert(0, up if contact.convex else np.array([0.0, 0.0, 1.0]))
         weight.insert(0, 0.0)
+        # d(u_n + mu e·u_t) / dmu = e·u_t at a fixed e, on the other side of the equation
         target.insert(0, -float(direction @ contact.velocity[:2]) if contact.convex else 0.0)
+    # λ_t = mu λ_n e moves by λ_n e with mu
     jump = np.array([*(float(contact.force[2]) * direction), 0.0])
     return Mode(
         normal, SLIDE, np.array(columns).T, np.array(rows), np.array(weight), jump, up, np.array(target),
@@ -168,5 +171,7 @@ def defect(contact: ContactState, mode: Mode) -> tuple[FloatArray, FloatArray]:
         e = mode.direction
         step[:2] = (contact.mu * height - float(force[:2] @ e)) * e
         ratio = float(np.hypot(*mode.rows[-1, :2]))
+        # (1 - ratio) w e⊥·λ_t + ratio e⊥·u = 0 at the mode, in what the natural
+        # map's point leaves: e⊥·λ_t = e⊥·u / w
         target[-1] = (ratio - 1.0) * float(mode.columns[:2, -1] @ contact.velocity[:2])
     return step, target

@@ -114,6 +114,7 @@ def _follow(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray, bo
     moved, last, on_path = 0.0, np.inf, problem.contacts == 0
     for _ in range(STEPS if problem.contacts else 0):
         gap = float((f * y)[kept].sum()) / count
+        # at most so much down at once: a point near the path for one κ is a start for the next
         target = max(kappa, SHRINK * gap)
         at = path.at(f, problem.velocity(f), target)
         want = np.empty_like(f)
@@ -121,6 +122,7 @@ def _follow(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray, bo
         path_system(problem.G, *at, y.reshape(-1), matrix, right)
         if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
             return f, y, False
+        # least squares: redundant contacts leave the system singular as κ falls, and the least step is wanted
         flat = np.asarray(np.linalg.lstsq(matrix, right[:, 0], rcond=1e-15)[0], dtype=np.float64)
         du, dy, step = np.asarray(problem.G @ flat), np.empty_like(f), flat.reshape(-1, 3)
         fill_slack_rates(*at, flat, du, dy.reshape(-1))
@@ -128,6 +130,7 @@ def _follow(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray, bo
         share = _share(path, f, step, y, dy)
         f, y = f + share * step, y + share * dy
         moved = float(np.abs(step).max(initial=0.0)) / max(float(np.abs(f).max(initial=0.0)), 1e-300)
+        # only whole steps for κ itself tell by their size how far the point is
         on_path = target == kappa and share == 1.0
         if on_path and (moved <= EXACT or NEAR >= moved >= 0.5 * last):  # as near as rounding lets it
             break
@@ -139,12 +142,15 @@ def _start(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return forces and slacks well inside their cones."""
     p = path.problem
     w, s = p.scales[:2]
+    # forces and slacks of the problem's own size, straight up: on the axes of both
+    # cones, where y ∘ λ is a multiple of e
     speed = np.maximum(s, np.sqrt(path.kappa * np.where(w > 0.0, w, 1.0)))
     reach = np.divide(speed, w, out=np.ones_like(w), where=w > 0.0)
     f, y = np.zeros_like(forces), np.zeros_like(forces)
     low = np.maximum(p.normal_min, 0.0)
     height = np.maximum(np.maximum(reach, forces[:, 2]), low + reach)
     room = np.isfinite(p.normal_max)
+    # no higher than the middle between bounds, where neither barrier is steep
     height[room] = np.minimum(height[room], 0.5 * (low + p.normal_max)[room])
     f[:, 2], y[:, 2] = height, speed
     held, off = p.normal_min == -np.inf, p.normal_max == 0.0
@@ -157,6 +163,7 @@ def _share(path: _Path, f: FloatArray, df: FloatArray, y: FloatArray, dy: FloatA
     share = 1.0
     while share > TINY and not _inside(path, f + share * df, y + share * dy):
         share *= SHORTER
+    # a share of the way to the boundary only: from the boundary itself the next step could not start
     return share if share == 1.0 else REACH * share
 
 

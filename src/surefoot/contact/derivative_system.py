@@ -56,6 +56,7 @@ class ActiveSystem:
         for k, (mode, count) in enumerate(zip(modes, counts, strict=True)):
             own, mine = slice(3 * k, 3 * k + 3), slice(at, at + count)
             self.C[own, mine], self.R[mine, own], weight[mine] = mode.columns, mode.rows, mode.weight
+            # R S = 1: S spreads what the equations lack back over the contact's velocities
             size = (mode.rows**2).sum(axis=1)  # a contact's rows are orthogonal
             self.S[own, mine] = (mode.rows / np.where(size > SHORT, size, np.inf)[:, None]).T
             self.target_mu[mine, k] = mode.target_mu
@@ -107,6 +108,7 @@ class ActiveSystem:
         Formed once and used both ways: rates and gradients are adjoint whatever A's condition.
         """
         n = len(self.modes)
+        # unit perturbations all at once: 6n right sides with one factorisation
         b, mu, low, high = np.split(np.eye(6 * n), [3 * n, 4 * n, 5 * n])
         return move(self, b, (mu, low, high))[:2]
 
@@ -115,6 +117,7 @@ class ActiveSystem:
         """How far velocities are open: the largest ||G C y|| / ||G|| over unit y with A y = 0."""
         if self.rank == self.size:
             return 0.0
+        # y with A y = 0 moves forces; whether it moves velocities as well is what G C y tells
         open_directions = np.linalg.svd(self.A)[2][self.rank :]
         scale = float(np.abs(self.G).max(initial=0.0))
         return float(np.linalg.norm(self.G @ self.C @ open_directions.T, 2)) / scale if scale > 0.0 else 0.0
@@ -157,6 +160,7 @@ def polished(
         jump = np.concatenate([p[0] for p in parts]) if parts else np.zeros(0)
         target = np.concatenate([p[1] for p in parts]) if parts else np.zeros(0)
         y = system.solve(target - system.R @ (moving.ravel() + problem.G @ jump))
+        # one semismooth Newton step, without a proximal term: G's redundancy is the pseudo-inverse's affair
         step = system.C @ y + jump
         now = now + step.reshape(-1, 3)
         moving = problem.velocity(now)
@@ -166,6 +170,8 @@ def polished(
             error, best = found, (now.copy(), moving.copy())
         if not np.isfinite(size) or size <= 1e-16 * float(np.abs(now).max(initial=0.0)) or size >= last:
             break
+        # quadratic convergence at least halves every step; one that does
+        # not is rounding, or a change of modes
         last = 0.5 * size
     contacts = contacts_of(problem, *best)
     return best[0], best[1], contacts, [natural_mode(contact) for contact in contacts]

@@ -106,6 +106,7 @@ class LCP:
             size = float(np.abs(q).max())
             found.append((index, np.zeros(index.size, dtype=np.int64), M, q, size or everywhere or 1.0))
             balanced, d = equilibrated(M)
+            # the same part once more, equilibrated: an error in a row of small numbers shows there
             if size > 0.0 and d.max() > d.min():
                 exponents = np.frexp(q)[1][q != 0.0] + d[q != 0.0]
                 scaled = np.ldexp(q, d - int(exponents.max()))
@@ -134,6 +135,7 @@ class LCP:
         if x.shape != (self.size,) or not np.isfinite(x).all() or (x < 0.0).any():
             return False
         held = np.flatnonzero(x)
+        # rationals over a common power of two: integers, whose sums and signs are exact
         weights = _whole(x[held])
         if not (weights * _whole(self.q[held])).sum() < 0:
             return False
@@ -153,12 +155,15 @@ def equilibrated(M: FloatArray) -> tuple[FloatArray, IntArray]:
     logs = np.maximum(logs, logs.T)
     scale = np.zeros(M.shape[0])
     for _ in range(30):
+        # Ruiz's iteration in logarithms: each row is divided by the root of its
+        # largest entry, until all are near one
         largest = (logs + scale[:, None] + scale).max(axis=1, initial=-np.inf)
         largest[~np.isfinite(largest)] = 0.0  # a row and column of zeros
         scale -= 0.5 * largest
         if float(np.ptp(scale)) <= COARSE or (np.abs(largest) < 0.1).all():
             break
     middle = float(np.median(scale))
+    # what is nearly of one scale keeps one: a matrix that is fine already is not touched
     off = np.where(np.abs(scale - middle) <= COARSE, 0.0, scale - middle)
     d = np.asarray(np.round(middle) + np.round(off), dtype=np.int64)
     return np.ldexp(np.ldexp(M, d[:, None]), d), d
@@ -230,9 +235,11 @@ def stewart_trinkle(problem: ContactProblem) -> FrictionLCP:
     H = edges.T @ problem.G @ edges
     M = np.zeros((n + m + s, n + m + s))
     M[: n + m, : n + m] = H
+    # d·u_t + σ >= 0 for every edge: σ is the sliding speed, at least the largest -d·u_t
     sigma = n + m + owner
     M[n + np.arange(m), sigma] = 1.0
     M[sigma, n + np.arange(m)] = -1.0
+    # in mu f_n - Σ shares >= 0 mu is the radius of the pyramid's corners, for outer ones beyond the cone
     radius = np.array(
         [
             np.hypot(*FrictionPyramid(float(problem.mu[k]), problem.facets, problem.fit).rays[0, :2])

@@ -21,6 +21,8 @@ from surefoot.kernels import inline_kernel, kernel
 def fill_epsilon(scales: FloatArray, kappa: float, convex: bool, out: FloatArray) -> None:
     """Fill out (n,) with ε, by which Γ is rounded: κ w / s, at most sqrt(κ w); scales are (4, n)."""
     for k in range(out.size):
+        # of the order of the velocity errors that κ makes elsewhere (κ / λ_n with λ_n about s / w), and at a
+        # kink, where those are sqrt(κ w), no more than that
         w, s = scales[0, k], scales[1, k]
         out[k] = 0.0 if convex else math.sqrt(kappa * w)
         if s > 0.0 and not convex:
@@ -43,6 +45,8 @@ def _normal_slack(
     if not convex:
         speed = math.sqrt(u[h] * u[h] + u[h + 1] * u[h + 1] + epsilon[k] * epsilon[k])
         slope = mu / speed if speed > 0.0 else 0.0
+    # barriers of the bounds, κ / distance each: they push λ_n off its bounds. A lower bound of zero is the
+    # apex, which the cone's own barrier keeps away from
     if low > 0.0:
         above = 1.0 / (forces[h + 2] - low)
     if high < np.inf:
@@ -95,11 +99,13 @@ def _cone_parts(
     fx, fy, fz = forces[h], forces[h + 1], forces[h + 2]
     normal, speed, slope, by_force, above, below = _normal_slack(laws, epsilon, kappa, convex, k, forces, u)
     # Q U by rows
+    # ∂y/∂u is the identity but for the normal row, (slope u_t, 1): Γ lets the tangents into y_n
     p, q = slope * u[h], slope * u[h + 1]
     part[0, 0], part[0, 1], part[0, 2] = square * fz + fx * p, fx * q, fx
     part[1, 0], part[1, 1], part[1, 2] = fy * p, square * fz + fy * q, fy
     part[2, 0], part[2, 1], part[2, 2] = fx + fz * p, fy + fz * q, fz
     # c, and what it moves by when the slacks catch up
+    # slacks are unknowns of their own on the way, so that they can stay inside their cones while u does not
     p, q, r = u[h] - x, u[h + 1] - y, normal - z
     lag[0] = -(square * fz * x + z * fx + (square * fz * p + fx * r))
     lag[1] = -(square * fz * y + z * fy + (square * fz * q + fy * r))
@@ -121,6 +127,8 @@ def _fill_right(
     h, m = 3 * k, 3 * n
     wide = right.shape[1] > 1
     for a in range(3):
+        # rows of stiff and soft contacts, and of u = 0 and λ = 0, differ by the
+        # units of G: each is made of size one
         size = 0.0
         for j in range(m):
             size = max(size, abs(A[h + a, j]))
@@ -163,6 +171,7 @@ def path_system(
         else:
             by_force = _cone_parts(laws, epsilon, kappa, convex, k, forces, u, slacks, part, lag, own)
         for a in range(3):
+            # Q U G: velocities follow the forces
             for j in range(m):
                 A[h + a, j] = part[a, 0] * G[h, j] + part[a, 1] * G[h + 1, j] + part[a, 2] * G[h + 2, j]
             if off:

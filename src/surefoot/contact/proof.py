@@ -74,6 +74,7 @@ def _admissible(problem: ContactProblem, direction: FloatArray) -> FloatArray:
         for disc in contact.discs_inside:
             rows = list(disc.rows)
             size = float(np.linalg.norm(own[rows] / contact.lengths[rows]))
+            # a little inside the disc: rounding must not carry the direction out of the cone
             limit = disc.radius * (share if disc.friction else 1.0) * height * (1.0 - 4.0 * ROUNDING)
             keep[rows] = own[rows] * (min(1.0, limit / size) if size > 0.0 else 0.0)
         own[:] = keep
@@ -92,6 +93,7 @@ def check_proof(problem: ContactProblem, direction: FloatArray) -> Infeasibility
     d = _admissible(problem, np.asarray(direction, dtype=np.float64).reshape(problem.shape).copy())
     flat, size = d.ravel(), problem.g.size
     terms = problem.g * flat
+    # the bound on the sum's rounding, n eps Σ |terms|, is added: it can only weaken the proof
     work = float(terms.sum()) + size * ROUNDING * float(np.abs(terms).sum())
     if not work < 0.0:
         return None

@@ -127,6 +127,8 @@ def _contact_error(
     With p = w λ - v the error is w λ - P(p) = v - (P(p) - p): velocities are added to velocities, and where p
     is admissible the answer is ||v|| whatever the size of λ.
     """
+    # a part that nothing moves at the least forces has those for its
+    # solution: there is no speed to compare with
     if s == 0.0:
         return 0.0 if x == 0.0 and y == 0.0 and z == max(low, 0.0) else np.inf
     # then ε is the distance of -(u + Γ) to the normal cone at λ: a λ large beside s stands for it
@@ -137,6 +139,8 @@ def _contact_error(
     unit = 1.0 / s
     p, q, r = (w * x - ux) * unit, (w * y - uy) * unit, (w * z - shifted) * unit
     size = w * unit
+    # P_K commutes with scaling by w / s, bounds scaled alike: ε / s in one
+    # projection, with no λ - u / w formed
     a, b, c = nearest(p, q, r, mu, low * size if low > 0.0 else 0.0, high * size, facets, inner)
     a, b, c = ux * unit - (a - p), uy * unit - (b - q), shifted * unit - (c - r)
     return _size(a, b, c)
@@ -166,10 +170,13 @@ def _measure(
         if low[k] == -np.inf:  # bilateral: any force, no velocity
             speed = math.sqrt(ux * ux + uy * uy + uz * uz)
             approach = max(approach, speed)
+            # without a speed of its part any force at all is one too many
             still = 0.0 if x == 0.0 and y == 0.0 and z == 0.0 else np.inf
             own = still if s == 0.0 else speed / s
             error, lost = max(error, own), lost or own != own
             continue
+        # Γ(u): with it on the normal row Coulomb's law is K ∋ λ ⟂ u + Γ(u) ∈
+        # K*; the convex law is that of u itself
         limit = dissipation_limit(ux, uy, mu[k], facets, inner)
         shifted = uz + limit if coulomb else uz
         own = _contact_error(x, y, z, ux, uy, shifted, w, s, mu[k], low[k], high[k], facets, inner)
@@ -180,11 +187,13 @@ def _measure(
             if own > 0.0:
                 own = own / scales[3, k] if scales[3, k] > 0.0 else np.inf
             gap, lost = max(gap, own), lost or own != own
+        # most forces of a round cone lie in it: one comparison instead of a projection
         if facets > 0 or not (z >= 0.0 and low[k] <= z <= high[k] and x * x + y * y <= (mu[k] * z) ** 2):
             a, b, c = nearest(x, y, z, mu[k], low[k], high[k], facets, inner)
             violation = max(violation, math.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2))
         # the unilateral law sees the velocity less the convex law's separation
         v = uz if coulomb else uz - limit
+        # at its upper bound a contact may be pressed in: the bound is all that holds it
         if v < 0.0 and z < high[k]:
             approach = max(approach, -v)
         power = abs(z - low[k]) * v if v > 0.0 else 0.0
@@ -192,6 +201,7 @@ def _measure(
             power = abs(high[k] - z) * -v
         normal_power = max(normal_power, power)
         # maximum dissipation: -λ_t·u_t = mu λ_n ||u_t||
+        # the cone's most power is z Γ(u), mu λ_n ||u_t|| for a round one
         slip_power = max(slip_power, abs(z * limit + x * ux + y * uy))
     if lost or not abs(total) < np.inf:
         return np.nan, np.nan, np.nan, np.nan, np.nan, np.nan, np.nan
@@ -205,10 +215,12 @@ def _rounding_bound(scales: FloatArray, forces: FloatArray) -> float:
     for k in range(scales.shape[1]):
         x, y, z, s = forces[3 * k], forces[3 * k + 1], forces[3 * k + 2], scales[1, k]
         product = abs(scales[2, k]) * (x * x + y * y + z * z)
+        # a product that underflowed would bound nothing
         if 0.0 < product < 1e-250 and s > 0.0:
             return np.inf
         size += math.sqrt(product)
         most = max(most, abs(scales[2, k]) / (s * s) if s > 0.0 else 0.0)
+    # Σ_j sqrt(tr G_kk tr G_jj) ||λ_j|| is a product of k's part and a sum: O(n) where the sharp sum is O(n²)
     return math.sqrt(most) * size
 
 
@@ -228,6 +240,7 @@ def _rounding_dense(G: FloatArray, scales: FloatArray, forces: FloatArray) -> fl
             for a in range(3):
                 block += _size(G[i + a, h], G[i + a, h + 1], G[i + a, h + 2])
             total += block * _size(forces[h], forces[h + 1], forces[h + 2])
+        # rounding is measured against the motion of the contact's own part, as the error is
         if scales[1, k] > 0.0:
             worst = max(worst, total / scales[1, k])
     return DOUBT * worst

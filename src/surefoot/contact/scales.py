@@ -38,6 +38,7 @@ def symmetric_norm(a: float, b: float, c: float, d: float, e: float, f: float) -
     The largest root x = 2 cos(acos(y) / 3) of x³ - 3 x = 2 y (O. K. Smith, CACM 4(4), 1961), of the matrix
     less its mean and in units of its radius; as a polynomial in sqrt((1 + y) / 2), where it is analytic.
     """
+    # the eigenvalues are mean + radius x with x³ - 3 x = 2 y, y = det(A - mean) / (2 radius³)
     mean = THIRD * (a + b + c)
     p, q, r = a - mean, b - mean, c - mean
     half = THIRD * (0.5 * (p * p + q * q + r * r) + d * d + e * e + f * f)
@@ -54,6 +55,8 @@ def _norm_about(
     radius = math.sqrt(half)
     cosine = (p * (q * r - z * z) - x * (x * r - z * y) + y * (x * z - q * y)) / (2.0 * half * radius)
     largest = mean + radius * _largest_root(cosine)
+    # roots lie in [-2, 2] and the largest is 1 or more: only a mean below half the radius lets the
+    # smallest eigenvalue have the larger size
     if mean < 0.5 * radius:  # not semidefinite, perhaps: the other end may be farther out
         largest = max(largest, radius * _largest_root(-cosine) - mean)
     return largest
@@ -78,6 +81,7 @@ def _scaled_norm(a: float, b: float, c: float, d: float, e: float, f: float) -> 
 @inline_kernel
 def _largest_root(cosine: float) -> float:
     """Return the largest x with x³ - 3 x = 2 cosine, to 1e-8."""
+    # rounding takes a cosine beyond ±1 where two eigenvalues coincide
     t = math.sqrt(min(max(0.5 + 0.5 * cosine, 0.0), 1.0))
     x = 0.00741545040178 - 0.00127864228505 * t
     x = 0.0393516268071 + t * (-0.0206511564316 + t * x)
@@ -111,6 +115,7 @@ def _labels(
             head += 1
             for at in range(starts[k], starts[k + 1]):
                 j = columns[at]
+                # a contact that is off carries no force, and so couples nothing
                 if label[j] >= 0 or on[k] == 0.0 or on[j] == 0.0:
                     continue
                 entry = np.abs(values[at]).max()
@@ -172,6 +177,8 @@ def _in_one_part(G: FloatArray, trace: FloatArray, low: FloatArray, high: FloatA
     for k in range(trace.size):
         if not (high[k] > 0.0 and low[k] <= 0.0):
             return False
+        # squares are compared: no root for each of the blocks; |G_kj|² >
+        # noise² tr G_kk tr G_jj as in `_labels`
         bound, joined = first * trace[k], k == 0
         for a in range(3):
             for b in range(3):
@@ -188,6 +195,7 @@ def _scales_of_one_part(g: FloatArray, scales: FloatArray) -> bool:
     most = energy = 0.0
     for k in range(n):
         most = max(most, g[3 * k] * g[3 * k] + g[3 * k + 1] * g[3 * k + 1] + g[3 * k + 2] * g[3 * k + 2])
+        # Σ s² / w of one part, whose contacts all have the speed s
         energy += 1.0 / scales[0, k] if scales[0, k] > 0.0 else 0.0
     if not 1e-250 < most < 1e250:
         return False
@@ -208,6 +216,7 @@ def scales_dense(G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray
         a, b, c = G[i, i], G[i + 1, i + 1], G[i + 2, i + 2]
         scales[0, k] = symmetric_norm(a, b, c, G[i, i + 1], G[i, i + 2], G[i + 1, i + 2])
         scales[2, k] = a + b + c
+    # a search over blocks only where there may be more than one part
     if not (_in_one_part(G, scales[2], low, high) and _scales_of_one_part(g, scales)):
         starts, columns, values = dense_blocks(G)
         scales_blocks(starts, columns, values, g, low, high, scales)
@@ -242,6 +251,7 @@ def scales_blocks(
         _drop_noise(velocities, sizes)
     faint = _labels(starts, columns, values, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
+    # before noise lends speeds: the energy is the part's own
     _energies(w, s, label, energy)
     # parts that only blocks near rounding join lend each other a share of their speed
     if faint:

@@ -89,6 +89,7 @@ def block_sizes(s: ContactSet, matrix: FloatArray) -> FloatArray:
     """Return the (n, n) Frobenius norms of the blocks of G in the contacts' metric [m/s/N]."""
     G = s.lengths[:, None] * matrix * s.lengths[None, :]
     top = float(np.abs(G).max(initial=0.0))
+    # over the largest entry, so that no square vanishes
     squares = (G / (top or 1.0)) ** 2
     starts = s.offsets[:-1]
     sums = np.add.reduceat(np.add.reduceat(squares, starts, axis=0), starts, axis=1)
@@ -122,6 +123,7 @@ def set_scales(s: ContactSet, G: FloatArray, g: FloatArray) -> FloatArray:
     speeds = np.zeros(n)
     on = np.array([c.normal_max > 0.0 for c in s])
     for k, (own, size) in enumerate(zip(s.split(u), s.split(noise), strict=True)):
+        # preloads that hold each other up to rounding leave no motion, see `scales._drop_noise`
         preload_only = nearest.any() and np.abs(own).sum() <= ROUNDING * u.size * size.sum()
         speed = 0.0 if preload_only or not on[k] else math.hypot(*(own * s[k].lengths))
         speeds[k] = speed if speed > REST else 0.0

@@ -163,6 +163,7 @@ class PressureField:
             raise ProblemError("rotation must be a rotation matrix")
         axes, offsets = solid.normals @ R.T, solid.offsets + solid.normals @ (R.T @ p)
         wetted = _square_below(solid.corners @ R.T + p)
+        # Sutherland and Hodgman: the ground's square cut by one face of the sole after another
         for axis, offset in zip(axes, offsets, strict=True):
             wetted = _clipped(wetted, offset - wetted @ axis)
 
@@ -244,6 +245,7 @@ def _square_below(points: FloatArray) -> FloatArray:
 def _levelling(normal: FloatArray) -> FloatArray:
     """Return the least rotation that takes a direction (3,) with z > 0 to z."""
     n = normal / np.linalg.norm(normal)
+    # Rodrigues' formula from n to z, 1 + n_z > 0 since n points up
     K = np.array([[0.0, 0.0, -n[0]], [0.0, 0.0, -n[1]], [n[0], n[1], 0.0]])  # of n x z
     turned: FloatArray = np.eye(3) + K + K @ K / (1.0 + n[2])
     return turned

@@ -155,6 +155,8 @@ def _restitution(severity: float) -> float:
 
     if severity < 1e-4:  # the logarithms cancel: two terms of the series
         return 1.0 - 2.0 / 3.0 * severity + 4.0 / 9.0 * severity**2
+    # the compression's elastic work, times dissipation² over the mass;
+    # log1p and expm1 since it nearly cancels
     work = severity - math.log1p(severity)
     # with y = a e in (0, 1): -y - ln(1 - y) = work, solved for z = -ln(1 - y), which stays well scaled
     z = brentq(lambda z: z + math.expm1(-z) - work, 0.0, work + 1.0, xtol=1e-300, rtol=1e-15)

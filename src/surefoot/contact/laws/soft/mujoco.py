@@ -101,6 +101,7 @@ class MujocoLaw(SoftLaw):
         stiff, damp = self.stiffness_and_damping
         d, slope = self.impedance(depth)
         wanted = damp * rate + stiff * d * depth - self.free_acceleration
+        # product rule on d(r) (b v + k d(r) r - a0): the reference's stiffness k itself carries a factor d(r)
         by_depth = self.mass * (slope * wanted + d * stiff * (d + slope * depth))
         return self.mass * d * wanted, by_depth, self.mass * d * damp
 
@@ -116,6 +117,7 @@ class MujocoLaw(SoftLaw):
         depth = np.maximum(-(gap + dt * speed), 0.0)
         d, rise = self.impedance(depth)
         wanted = -damp * speed + stiff * d * depth - (speed - arriving) / dt
+        # f (1 - d) / (d m) = wanted solved for f; its derivative by d is m / (1 - d)²
         gain = self.mass * d / (1.0 - d)
         by_depth = self.mass * rise / (1.0 - d) ** 2 * wanted + gain * stiff * (rise * depth + d)
         return gain * wanted, dt * by_depth + gain * (damp + 1.0 / dt)
