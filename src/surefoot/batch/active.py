@@ -52,6 +52,8 @@ def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray
         lifted = z - (r - (mu * slip if convex else 0.0)) / own
         normal = FREE
         if lifted <= low:
+            # the disc's radius is that of the height that the natural map
+            # projects to, not of the force at hand
             normal, z = AT_LOW, low
         elif lifted >= high:
             normal, z = AT_HIGH, high
@@ -160,6 +162,7 @@ def unscale(unknown: FloatArray, size: int, x: FloatArray) -> None:
 @inline_kernel
 def regular_pivots(A: FloatArray, m: int) -> bool:
     """Tell whether the m pivots that an elimination left on A's diagonal (at least (m, m)) clear rounding."""
+    # cheap, and no proof: pivots bound no singular value, so that the doubtful go to the SVD
     most, least = 0.0, np.inf
     for i in range(m):
         most, least = max(most, abs(A[i, i])), min(least, abs(A[i, i]))
@@ -176,6 +179,7 @@ def least_squares(A: FloatArray, b: FloatArray, m: int, extra: FloatArray) -> No
     out, rest = np.zeros(m), b[:m].copy()
     added = extra[:m].copy()
     for k in range(m):
+        # singular directions: redundant contacts, whose forces are of least norm, or what no force reaches
         if not values[k] > RANK * values[0]:
             continue
         along = over = 0.0

@@ -129,6 +129,7 @@ def descend(xp: Framework, path: ScaledBatch, target: Any) -> tuple[Any, Any]:
     """Follow the path down to κ = target (...,); return the best y (..., 3n) and its error (...,)."""
     single = single_precision(xp, path.g)
     enough, least = ENOUGH[single], PROXIMAL[single]
+    # κ never quite zero: there F's Jacobian may be singular at a kink
     floor = xp.clip(target, enough**2)
     none = xp.zeros_like(path.tilt)
     start = xp.reshape(xp.stack([none, none, none + 1.0], -1), path.g.shape)
@@ -141,6 +142,7 @@ def descend(xp: Framework, path: ScaledBatch, target: Any) -> tuple[Any, Any]:
         busy = (at.error > enough) & (at.stage < len(FACTORS))
         root = xp.sqrt(at.kappa)
         proximal = xp.clip(_of_stage(xp, at.stage, SHARES, root) * root, least)
+        # a proximal term that goes with sqrt(κ), the scale of u and λ at a kink
         move, t, reached = _newton_step(xp, path, at.y, at.kappa, proximal)
         y = xp.where(busy[..., None], at.y + t[..., None] * move, at.y)
         # once near the path at this κ, the next one: faster after a whole step, at once from a small κ
@@ -173,6 +175,7 @@ def _newton_step(xp: Framework, path: ScaledBatch, y: Any, kappa: Any, proximal:
     M, _ = jacobian(xp, path, y, u, kappa)
     M = M + proximal[..., None, None] * xp.eye(y.shape[-1], M)
     move = -xp.solve(M, F[..., None])[..., 0]
+    # a singular matrix gives no numbers: that problem stands still, and the next descent may have it
     move = xp.where(xp.isfinite(move).all(-1)[..., None], move, 0.0)
     # u is linear in y: all lengths are tried with two products
     turn, before = velocity(path, move) - path.g, _size(xp, F)

@@ -75,6 +75,7 @@ def _misses(
         h, d = 3 * k, scale[1, k]
         p, q = u[h], u[h + 1]
         speed = 0.0 if convex else math.sqrt(p * p + q * q + scale[0, k] * scale[0, k])
+        # without friction the cone is a ray, and its tangential unknowns stay zero
         over = 1.0 / (mu[k] * d) if mu[k] > 0.0 else 0.0
         # the cone made ||·|| <= z by y = λ / (mu, mu, 1), in units of d
         yx, yy, yz = forces[h] * over, forces[h + 1] * over, forces[h + 2] / d
@@ -84,6 +85,8 @@ def _misses(
         # its two eigenvalues; p_κ takes each to (a + sqrt(a² + 4 κ)) / 2 (Fukushima, Luo and Tseng 2002)
         a, b = z + radius, z - radius
         up, down = math.sqrt(a * a + 4.0 * kappa), math.sqrt(b * b + 4.0 * kappa)
+        # (p_κ(a) - p_κ(b)) / (a - b), the roots' difference rationalised: nothing
+        # cancels, or divides by a small radius
         across = 0.5 + z / (up + down)
         # slopes of the smooth plus at both
         sa, sb = 0.5 * (1.0 + a / up), 0.5 * (1.0 + b / down)
@@ -118,6 +121,8 @@ def _slope(
         # ∂Γ/∂u of the rounded shift
         lean = 0.0 if convex or speed == 0.0 else mu[k] / speed
         for j in range(m):
+            # G T: λ = T y with T = d (mu, mu, 1); s = d (mu u_t, u_n + mu
+            # ||u_t||) is linear in u but for the shift
             own = scale[1, j // 3] * (1.0 if j % 3 == 2 else mu[j // 3])
             x, y, z = G[h, j], G[h + 1, j], G[h + 2, j]
             row[0, j], row[1, j] = own * mu[k] * d * x, own * mu[k] * d * y
@@ -180,11 +185,14 @@ def follow_path(
             return False
         if not own:
             for i in range(m):
+                # from y to forces
                 b[i] *= scale[1, i // 3] * (1.0 if i % 3 == 2 else mu[i // 3])
         # Armijo's line search on ||F||²
         share = 1.0
         for _ in range(HALVINGS):
             for i in range(m):
+                # a step of the path's own equations is taken whole: ||F|| loses the
+                # digits that it gains where κ is small
                 tried[i] = f[i] + share * b[i] if mu[i // 3] > 0.0 or i % 3 == 2 else 0.0
             refresh_dense(G, g, tried, u)
             now = _misses(mu, scale, kappa, convex, tried, u, J, F)
@@ -198,6 +206,7 @@ def follow_path(
         if not size < np.inf:
             return False
         last, moved = moved, way / size if size > 0.0 else 0.0
+        # exact, or as near as rounding lets it come: the step no longer halves
         if own and (moved <= EXACT or NEAR >= moved >= 0.5 * last):
             return _inside(mu, scale, convex, f, u)
     return False
@@ -233,6 +242,7 @@ def path_blocks(
     f = forces.reshape(-1)
     refresh_dense(G, g, f, u)
     laws, slacks = _without_bounds(mu), np.empty(m)
+    # at a point of the path the slacks are what they should be, and the lag vanishes
     fill_slacks(laws, scale[0], kappa, convex, f, u, slacks)
     path_system(G, laws, scale[0], kappa, convex, f, u, slacks, A, out)
     return bool(lu_solve_many(A, out, m))

@@ -48,6 +48,7 @@ def symmetric_norm(xp: Any, B: Any) -> Any:
     radius = xp.sqrt(half)
     volume = xp.where(half > 0.0, 2.0 * half * radius, xp.ones_like(half))
     cosine = (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)) / volume
+    # the trigonometric root of the characteristic cubic, and of that of -B: the end farther out
     angle = xp.arccos(xp.clip(cosine, -1.0, 1.0)) / 3.0
     low = xp.arccos(xp.clip(-cosine, -1.0, 1.0)) / 3.0
     high = mean + 2.0 * radius * xp.cos(angle)
@@ -84,6 +85,8 @@ def scales(xp: Any, G: Any, g: Any, on: Any) -> Scales:
     size = xp.where(on & (size > REST), size, xp.zeros_like(size))
     root = xp.sqrt(trace)
     speed = xp.zeros_like(size)
+    # the wide parts first, joined by any entry, lend a little; `most` and
+    # `part` of the proper ones are left last
     for share, bound in ((LENT, 0.0), (1.0, noise)):
         joined = (entry > bound * root[..., :, None] * root[..., None, :]) & both
         part = _closure(xp, joined | (xp.eye(n, size) > 0.0))
@@ -98,6 +101,7 @@ def _closure(xp: Any, joined: Any) -> Any:
     """Return which contacts are joined through others: the transitive closure of (..., n, n)."""
     reach, n = 1, joined.shape[-1]
     while reach < n - 1:
+        # squaring the graph doubles the length of the ways that it knows: log n products
         joined = (joined[..., :, :, None] & joined[..., None, :, :]).any(-2)
         reach *= 2
     return joined
@@ -140,6 +144,7 @@ def judge(
     if convex:
         power = abs((forces * velocities).sum(-1))
         some = s.energy > 0.0
+        # normal_min = 0: the least of λ·u over the cone is zero, so λ·u itself is the gap
         gap = xp.where(some, power / xp.where(some, s.energy, 1.0), xp.where(power > 0.0, xp.inf, 0.0))
         rest = xp.maximum(rest, xp.amax(gap, -1))
     near = xp.where(error <= tol, SOLVED, xp.where(error <= ALMOST_FACTOR * tol, ALMOST, STALLED))

@@ -94,6 +94,7 @@ def solve_within_memory(
     mode = (CONVEX if convex else 0) | (WARM if warm else 0)
     bound = most if most >= 0 else UNBOUNDED
     done = solve_within(matrix, vectors, tol, bound, mode, buffer, memory, m * (m + 2))
+    # one number says both: iterations, their bits turned where it is not solved (0 has no negative)
     return ~(done - UNSOLVED) if done >= UNSOLVED else done
 
 
@@ -162,6 +163,8 @@ def vjp_within(
         fill(G, mode, unknown, COLUMN, ROW, spare, work)
         gather(mode, unknown, COLUMN, p, b)
         gather(mode, unknown, ROW, back, extra)
+        # Sᵀ ū with R S = 1: what the singular A misses of a right side stays with the velocities (see
+        # `contact.derivative_system`), whose weights pull here
         unscale(unknown, size, extra)
         least_squares(work, b, size, extra)
     # the gradient in g is v̄ - Rᵀ z, that of a force that jumps with its bound is p - G Rᵀ z

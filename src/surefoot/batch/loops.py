@@ -34,6 +34,7 @@ def derive_range(
     """Fill the vjp (B, 2n, 3) of problems start to stop - 1; zero where not valid."""
     memory = np.empty(slope_memory(laws.shape[2]))
     for b in range(start, stop):
+        # what is not solved has no modes that mean anything
         if not valid[b]:
             out[b, :, :] = 0.0
             continue
@@ -67,11 +68,14 @@ def measure_range(
             if normal == HELD:
                 continue
             if normal == FREE:
+                # closed: how far the normal force is from its bounds, as the velocity that it makes
                 least = min(least, min(z - low, high - z) * G[b, i + 2, i + 2])
             else:
+                # at a bound: how fast it would leave it, under the convex law less its own separation
                 least = min(least, abs(buffers[b, n + k, 2] - (mu * slip if convex else 0.0)))
             x, y = buffers[b, k, 0], buffers[b, k, 1]
             if tangent == STICK:
+                # sticking: the room in its disc; below, sliding: the speed at which it might stop
                 weight = max(G[b, i, i], G[b, i + 1, i + 1])
                 least = min(least, (mu * z - np.sqrt(x * x + y * y)) * weight)
             if tangent == SLIDE:

@@ -73,6 +73,7 @@ def active(
     one, zero = xp.ones_like(z), xp.zeros_like(z)
     w = xp.where(weight > 0.0, weight, one)
     slip = xp.hypot(p, q)
+    # w times the natural map's point λ - u / w: velocities, so that no division by a small w
     lifted = w * z - (r - mu * slip if convex else r)
     closed = (lifted > 0.0) & on
     radius = w * mu * xp.clip(z, 0.0)
@@ -84,9 +85,11 @@ def active(
     ex, ey = xp.where(size > 0.0, across / safe, one), along / safe
     ratio = xp.where(size > 0.0, radius / safe, zero)
     codes = xp.where(~on, OFF, xp.where(stick, STICK, xp.where(slide, SLIDE, OPEN)))
+    # kinks: near the bound of the normal force, or near the rim of the disc
     rim = xp.where(closed, abs(size - radius), xp.full_like(size, xp.inf))
     near = xp.minimum(abs(lifted), xp.where(mu > 0.0, rim, xp.full_like(size, xp.inf)))
     kinks = on & (near <= KINK * speed)
+    # masks as numbers: every contact has three places, and a mode decides which of them say something
     s, t = stick * one, slide * one
     flat = t * (1.0 if convex else 0.0)
     columns = _stack(xp, [[s, -t * ey, t * mu * ex], [zero, s + t * ex, t * mu * ey], [zero, zero, s + t]])
@@ -139,6 +142,7 @@ def gradients(xp: Any, G: Any, forces: Any, a: Active, cotangents: tuple[Any, An
     lost = ~xp.isfinite(A).all(-1).all(-1)
     left, values, right = xp.linalg.svd(xp.where(lost[..., None, None], 0.0, A))
     values = xp.where(lost[..., None], xp.nan, values)
+    # the pseudo-inverse: redundant contacts' singular values are rounding
     keep = values > rank_tolerance(xp, G.dtype) * values[..., :1]
     inverse = xp.where(keep, 1.0 / xp.where(keep, values, 1.0), 0.0 * values)
     size = (R * R).sum(-1)[..., None]
@@ -146,6 +150,7 @@ def gradients(xp: Any, G: Any, forces: Any, a: Active, cotangents: tuple[Any, An
     lift = xp.where(held, R / xp.where(held, size, xp.ones_like(size)), 0.0)
     p = f + G @ u
     q = left @ (inverse[..., None] * (right @ (xp.swapaxes(C, -1, -2) @ p)))
+    # as `vjp_within`: what the singular A does not reach is left to the velocities
     over = xp.swapaxes(left, -1, -2) @ (lift @ u)
     q = q + left @ xp.where(keep[..., None], xp.zeros_like(over), over)  # velocities of what A cannot reach
     back = xp.swapaxes(R, -1, -2) @ q
@@ -181,6 +186,7 @@ def snapped(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, forces: Any, c
     normal = xp.clip(forces[..., 2], 0.0)
     size = xp.hypot(forces[..., 0], forces[..., 1])
     share = mu * normal / xp.where(size > 0.0, size, xp.ones_like(size))
+    # an iteration ends near the face: the mode it is in says which face, and the force is put onto it
     rim = xp.stack([forces[..., 0] * share, forces[..., 1] * share, normal], -1)
     codes = modes.codes[..., None]
     return xp.where(codes == STICK, forces, xp.where(codes == SLIDE, rim, 0.0))

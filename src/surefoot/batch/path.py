@@ -59,6 +59,7 @@ def path_of(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, convex: bool) 
     T = xp.reshape(xp.stack([mu, mu, one], -1), flat)
     keep = xp.reshape(xp.stack([on, on, on], -1), flat)
     blocks = diagonal_of(xp, blocks_of(xp, G))
+    # of the block in the unknowns y, where mu has gone from the cone into G
     trace = (mu**2 * (blocks[..., 0, 0] + blocks[..., 1, 1]) + blocks[..., 2, 2]) / 3.0
     D = 1.0 / xp.sqrt(xp.where(on & (trace > 0.0), trace, one))
     wide = xp.reshape(xp.stack([D, D, D], -1), flat)
@@ -67,6 +68,7 @@ def path_of(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, convex: bool) 
     top = xp.amax(abs(free), -1)
     top = xp.where(top > 0.0, top, 1.0)
     scaled = side[..., :, None] * G * side[..., None, :]
+    # takes ||u_t|| to the slack's units, in which the largest free velocity is 1
     tilt = mu * D / top[..., None]
     return ScaledBatch(
         scaled, free / top[..., None], on, T * wide * top[..., None], top * top, tilt, s, convex
@@ -92,6 +94,7 @@ def slacks(xp: Any, path: ScaledBatch, velocities: Any, kappa: Any) -> tuple[Any
     round_ = rounding(xp, path, kappa)
     x, z = u[..., 0], u[..., 1]
     speed = xp.sqrt(x * x + z * z + round_)
+    # at rest with nothing to round by the shift has a kink: of its subgradients zero
     safe = xp.where(speed > 0.0, speed, xp.ones_like(speed))
     slope = xp.stack([x / safe, z / safe], -1)
     return xp.stack([x, z, u[..., 2] + speed], -1), slope, round_ / safe
@@ -114,6 +117,7 @@ def smoothed(xp: Any, z: Any, kappa: Any) -> tuple[Any, Any]:
     radius = xp.sqrt(x * x + y * y)
     safe = xp.where(radius > 0.0, radius, xp.ones_like(radius))
     ex, ey = xp.where(radius > 0.0, x / safe, xp.ones_like(x)), y / safe
+    # the cone's spectral values; p_κ acts on each by itself (Fukushima, Luo and Tseng 2002)
     high, low = height + radius, height - radius
     q, r = xp.sqrt(high * high + 4.0 * kappa), xp.sqrt(low * low + 4.0 * kappa)
 
@@ -126,6 +130,7 @@ def smoothed(xp: Any, z: Any, kappa: Any) -> tuple[Any, Any]:
         return xp.where(root > 0.0, 0.5 * (1.0 + value / xp.where(root > 0.0, root, 1.0)), 0.0)
 
     a, b = slope(high, q), slope(low, r)
+    # (p(high) - p(low)) / (2 radius), with the roots' difference rationalised
     across = slope(2.0 * height, q + r)
     mean, skew = 0.5 * (a + b), 0.5 * (a - b)
     value = xp.stack([across * x, across * y, 0.5 * (part(high, q) + part(low, r))], -1)
@@ -150,6 +155,7 @@ def jacobian(xp: Any, path: ScaledBatch, y: Any, velocities: Any, kappa: Any) ->
     """Return the Jacobian of F by y (..., 3n, 3n), 1 - J + J S G, and J, that of p_κ by contact."""
     s, tilt, _ = slacks(xp, path, velocities, kappa)
     _, J = smoothed(xp, by_contact(xp, y) - s, kappa[..., None])
+    # contacts that are off keep F = y: their unknowns are solved to zero
     J = xp.where(path.on[..., None, None], J, 0.0)
     inner = xp.eye(3, J) - J
     return spread(xp, inner) + spread(xp, J @ _shift(xp, tilt)) @ path.G, J
@@ -180,6 +186,7 @@ def path_gradients(
     p = f + (G @ u[..., None])[..., 0]
     at = velocity(path, y)
     M, J = jacobian(xp, path, y, at, kappa)
+    # the adjoint of F(y) = 0: Mᵀ v = (dλ/dy)ᵀ p, then through p_κ to the slacks
     v = xp.solve(xp.swapaxes(M, -1, -2), (path.turn * p)[..., None])
     h = (xp.swapaxes(J, -1, -2) @ xp.reshape(v, (*shape, 1)))[..., 0]
     _, tilt, bend = slacks(xp, path, at, kappa)
@@ -190,6 +197,7 @@ def path_gradients(
     per_mu = xp.reshape(path.turn, shape) / path.unit[..., None, None]  # s needs T D / top
     back = -xp.reshape(per_mu * lean, flat)  # on u, as g
     bare = per_mu[..., 2:] * lean[..., :2]  # without T
+    # ε moves with w and s, hence with G and g; `contact.derivative_path` holds it
     bent = -0.5 * h[..., 2] * bend
     on_G, on_g = _of_rounding(xp, path, kappa, G, g, bent)
     b = u + back
@@ -208,11 +216,13 @@ def _of_rounding(xp: Any, path: ScaledBatch, kappa: Any, G: Any, g: Any, weights
     safe = xp.where(w > 0.0, w, xp.ones_like(w))
     per_w = xp.where(fast, 2.0, 1.0) * weights / safe
     blocks = diagonal_of(xp, blocks_of(xp, G))
+    # dw/dG = a aᵀ, the block's largest eigenvector
     axis = xp.linalg.eigh(blocks)[1][..., -1]
     on_G = spread(xp, per_w[..., None, None] * axis[..., :, None] * axis[..., None, :])
     free = xp.reshape(g, (*w.shape, 3))
     size = xp.sqrt((free * free).sum(-1))
     same = (abs(size[..., None, :] - s[..., :, None]) <= 1e-12 * s[..., :, None]) & path.on[..., None, :]
+    # s_k is a maximum: its gradient goes to whose speed it is, in equal shares on a tie
     share = xp.where(same, 1.0, 0.0 * s[..., None])  # whose velocity s_k is
     share = share / xp.clip(share.sum(-1), 1.0)[..., None]
     per_s = (xp.where(fast, -2.0, 0.0) * weights)[..., :, None] * share
