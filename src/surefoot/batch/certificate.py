@@ -9,12 +9,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from surefoot.batch.answers import ALMOST, INVALID, SOLVED, STALLED
-from surefoot.contact.scales import LENT
+from surefoot.contact.scales import LENT, REST
 from surefoot.solvers.solver import ALMOST_FACTOR
 
 NOISE = 68.0
 """Share of sqrt(trace G_kk trace G_jj), in machine epsilons, up to which entries of G_kj are rounding."""
-REST = 1e-290
 
 
 class Scales(NamedTuple):

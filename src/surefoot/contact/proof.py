@@ -19,11 +19,11 @@ import scipy.sparse as sp
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, of_kind
 from surefoot.contact.problem import ContactProblem
+from surefoot.contact.scales import ROUNDING
 from surefoot.contact.set_residuals import block_sizes, parts_of
 
 MEANT = 1e6
 """Forces beyond this many times s / ||G_kk||, the force that stops the fastest contact, are never meant."""
-ROUNDING = 2.3e-16
 
 
 @dataclass(frozen=True)
