@@ -39,10 +39,10 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def draws(cone, seed, count=8):
-    """Return random points inside, outside and near the cone's boundary."""
+    """Return random points inside, outside and near the boundary, the apex, and all axes downwards."""
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(count, cone.dim)) * 10.0 ** rng.uniform(-1, 2, size=(count, 1))
-    return np.vstack([points, cone.project(points[: count // 2]), np.zeros((1, cone.dim))])
+    return np.vstack([points, cone.project(points[: count // 2]), np.zeros((1, cone.dim)), -np.eye(cone.dim)])
 
 
 def size(x):

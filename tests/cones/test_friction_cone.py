@@ -25,7 +25,7 @@ def call_truncated(f, mu, low, high):
 def test_compiled_projection_equals_the_class():
     rng = np.random.default_rng(0)
     for mu in (0.0, 0.3, 1.0, 5.0):
-        forces = rng.normal(size=(300, 3)) * [10, 10, 10]
+        forces = np.vstack([rng.normal(size=(300, 3)) * [10, 10, 10], [0.0, 0.0, -1.0]])
         ours = np.array([call_cone(f, mu) for f in forces])
         np.testing.assert_allclose(ours, FrictionCone(mu).project(forces), atol=1e-12)
 

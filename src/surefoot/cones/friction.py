@@ -52,7 +52,7 @@ class FrictionCone(Cone):
             out[..., 2] = np.maximum(z, 0.0)
             return out
         t = np.hypot(f[..., 0], f[..., 1])
-        outside = t > self.mu * z
+        outside = (t > self.mu * z) | (z < 0.0)  # without friction t = mu z below the ray, too
         along = np.maximum(self.mu * t + z, 0.0) / (1.0 + self.mu**2)  # new f_z where outside
         ratio = np.divide(self.mu * along, t, out=np.zeros_like(t), where=t > 0.0)
         out[..., 0] = np.where(outside, ratio * f[..., 0], f[..., 0])

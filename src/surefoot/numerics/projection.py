@@ -14,7 +14,7 @@ from surefoot.kernels import inline_kernel
 def project_cone(x: float, y: float, z: float, mu: float) -> tuple[float, float, float]:
     """Return the nearest point of the friction cone of `mu` (finite)."""
     t = math.sqrt(x * x + y * y)
-    if t <= mu * z:
+    if t <= mu * z and z >= 0.0:  # without friction 0 <= mu z holds below the ray, too
         return x, y, z
     s = mu * t + z
     if s <= 0.0:
