@@ -37,13 +37,18 @@ def contact_rates(
     """
     n, k = normals, len(gaps)
     flat, spin = np.eye(3) - n[:, :, None] * n[:, None, :], skew(n)
+    # the place lies halfway between the surfaces: each core's nearest point
+    # is half a gap and its radius from it
     far = 0.5 * gaps[:, None] + radii  # of the cores' points from the place, along the normal
     cored = points[:, None] + np.array([[-1.0], [1.0]]) * (far[:, :, None] * n[:, None])
     local = np.einsum("ksji,ksj->ksi", rotations, cored - centres)
+    # along the axes in which a core's point lies within its feature (an
+    # edge, a face) it may slide as bodies move
     free = rotations * (np.abs(local) < cores - ON_FEATURE)[:, :, None, :]
     # whose face the normal is
     cosines = np.abs(np.einsum("ksji,kj->ksi", rotations, n)).max(axis=2)
     face = (cosines > 1.0 - ON_FACE) & (cores > 0.0).all(axis=2)
+    # of two faces that agree the first gives the normal, as `manifolds` decides
     face[:, 1] &= ~face[:, 0]
     edges = free * ~face.any(axis=1)[:, None, None, None]
     guides = np.where(face[:, :, None, None], rotations, edges)
@@ -54,13 +59,18 @@ def contact_rates(
         moves[:, side, :, 6 * side + 3 : 6 * side + 6] = sign * far[:, side, None, None] * spin
     apart = moves[:, 1] - moves[:, 0]
     # the normal: with the guides' bodies along them, with the points across
+    # along a guide T the normal keeps its right angle: T·dn = -dT·n, with dT = ω x T
     rows = np.concatenate([guides[:, 0], guides[:, 1]], axis=2).swapaxes(1, 2) @ flat
     turned = np.zeros((k, 6, 12))
     turned[:, :3, 3:6], turned[:, 3:, 9:] = -rows[:, :3] @ spin, -rows[:, 3:] @ spin
     back, distance = np.linalg.pinv(rows, rcond=PARALLEL), gaps + radii.sum(axis=1)
+    # over the distance of the cores' points; a touching pair of sharp ones is given a
+    # radius, or it would turn at any move
     across = (flat - back @ rows) / np.maximum(np.abs(distance), SHARP)[:, None, None]
     normal = back @ turned + across @ apart
     # the place: both points slide until they lie across from each other
+    # T_1 a - T_2 b = what apart - x dn leaves in the tangent plane; of sliding along
+    # parallel features the least is taken
     slides = flat @ np.concatenate([free[:, 0], -free[:, 1]], axis=2)
     way = np.linalg.pinv(slides, rcond=PARALLEL) @ (flat @ apart - distance[:, None, None] * normal)
     moves += np.stack([free[:, 0] @ way[:, :3], free[:, 1] @ way[:, 3:]], axis=1)

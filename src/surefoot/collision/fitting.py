@@ -88,6 +88,7 @@ def fit_points(points: FloatArray) -> Fitted | None:
     """
     if len(points) < 4:
         return None
+    # the points' own axes, for parts that lie askew in their frame
     _, axes = np.linalg.eigh(np.cov(points.T))
     if np.linalg.det(axes) < 0.0:
         axes[:, 0] *= -1.0
@@ -120,6 +121,7 @@ DIRECTIONS = _directions(400)
 
 def _reach(fit: Fitted) -> FloatArray:
     """Return how far a fitted shape reaches along `DIRECTIONS` [m]."""
+    # the support function: Σ |d·axis| core + radius + d·position
     shape, rotation, position = fit
     return np.asarray(np.abs(DIRECTIONS @ rotation) @ shape.core + shape.radius + DIRECTIONS @ position)
 
@@ -140,6 +142,7 @@ def _capsule(points: FloatArray, axis: int) -> tuple[Capsule, FloatArray, FloatA
 def _cylinder(item: Any) -> Shape:
     """Return a long cylinder as the capsule inside it, a short one as the box of its height and volume."""
     r, length = float(item.radius), 2.0 * float(item.halfLength)
+    # a square of the circle's area
     edge = float(np.sqrt(np.pi)) * r
     return Capsule(r, length - 2.0 * r) if length > 2.0 * r else Box((edge, edge, length))
 

@@ -81,6 +81,7 @@ def manifolds(
 @kernel
 def _face(half: FloatArray, R: FloatArray, n: FloatArray) -> tuple[int, float]:
     """Return the axis of a box that is best aligned with n, and the cosine; -1 for what has no faces."""
+    # spheres and capsules have cores without volume, and no faces
     if half[0] * half[1] * half[2] == 0.0:
         return 0, -1.0
     best, cosine = 0, -1.0
@@ -110,6 +111,7 @@ def _facing(
     count = 0
     for corner in range(4):
         s, t = (1.0 if corner in (0, 3) else -1.0), (1.0 if corner < 2 else -1.0)
+        # an edge or a point is a side of no width: each vertex once
         if (half[u] == 0.0 and s < 0.0) or (half[v] == 0.0 and t < 0.0):
             continue
         x = y = z = 0.0
@@ -146,6 +148,7 @@ def _clipped(table: FloatArray, sheet: FloatArray, count: int, half: FloatArray,
                 for k in range(4):
                     sheet[kept, k] = table[i, k]
                 kept += 1
+            # a line has one edge, not two: it is crossed from its first vertex only
             if (here >= 0.0) != (there >= 0.0) and (count > 2 or i == 0):
                 # where the edge crosses the border
                 t = here / (here - there)
@@ -166,6 +169,7 @@ def _place(
     flip: bool, first: int, gaps: FloatArray, points: FloatArray, normals: FloatArray,
 ) -> None:  # fmt: skip
     """Write the contacts of what was cut to a face; vertices take the slot of their index, cuts the rest."""
+    # a vertex keeps its slot, so that a contact keeps its number from step to step
     taken = np.zeros(8, dtype=np.bool_)
     for i in range(count):
         if table[i, 3] >= 0.0:
@@ -207,6 +211,7 @@ def _nearest(
     length_b = _line(half[b], rotation[b], centre[b], n, -1.0, at_b, along_b)
     if length_a == 0.0 or length_b == 0.0:
         return
+    # two lines, such as capsules' or edges that face each other: overlap along a, in a's own parameter
     cosine = ends = 0.0
     for k in range(3):
         cosine += along_a[k] * along_b[k]
@@ -225,6 +230,7 @@ def _nearest(
         s = 0.0
         for k in range(3):
             s += (at_a[k] + t * along_a[k] - at_b[k]) * along_b[k]
+        # the point of b across from an end of the overlap, within b
         s = min(max(s, -length_b), length_b)
         far = straight = 0.0
         for k in range(3):
@@ -256,6 +262,7 @@ def _line(
 
     A capsule's is its own, a box's the edge; 0 for a point.
     """
+    # of a box the edge most across the normal
     axis, least = 2, 2.0
     if half[0] > 0.0:
         for j in range(3):
@@ -267,6 +274,7 @@ def _line(
     for j in range(3):
         if j != axis:
             cosine = R[0, j] * n[0] + R[1, j] * n[1] + R[2, j] * n[2]
+            # to the side of the box that faces the other shape
             shift = half[j] if sense * cosine >= 0.0 else -half[j]
             for k in range(3):
                 at[k] += shift * R[k, j]

@@ -124,6 +124,7 @@ class PairSearch:
             self._turns, self._places, self._carrier, self._turn, self._place, self._core, self._radius,
             self.pairs if self._all else self.pairs[:0], self._reach, rotation, centre,
         )  # fmt: skip
+        # of many solids only near pairs are ever listed: all of them grow with the square of the solids
         if not self._all:
             close = swept(centre, extent, self._reach)
             near = self._found(self._geometry.pairs(close)) if len(close) else near
@@ -156,6 +157,7 @@ class PairSearch:
         result.clear()
         row[3] = self._distance(self._solids[a], poses[a], self._solids[b], poses[b], self._request, result)
         row[:3], row[4:7], row[7:] = result.normal, result.getNearestPoint1(), result.getNearestPoint2()
+        # the direction of a vanishing distance is rounding; of the shapes made smaller by INSET it is not
         inner = self._inner[a], self._inner[b]
         if abs(row[3]) < VAGUE and None not in inner:
             result.clear()
@@ -195,6 +197,7 @@ def place_solids(
                 for c in range(3):
                     total += turns[j, a, c] * turn[s, c, b]
                 rotation[s, a, b] = total
+                # half the bounding box of a turned box: |R| half
                 extent[s, a] += abs(total) * half[s, b]
     near = np.empty(pairs.shape[0], dtype=np.int64)
     count = 0
@@ -229,6 +232,7 @@ def swept(centre: FloatArray, extent: FloatArray, reach: float) -> IntArray:
             y = abs(centre[one, 1] - centre[two, 1]) - extent[one, 1] - extent[two, 1]
             z = abs(centre[one, 2] - centre[two, 2]) - extent[one, 2] - extent[two, 2]
             if y < reach and z < reach:
+                # one number per pair sorts them at once, by the smaller index first
                 found.append(min(one, two) * n + max(one, two))
     keys = np.sort(np.array(found, dtype=np.int64))
     out = np.empty((keys.size, 2), dtype=np.int64)
@@ -248,6 +252,7 @@ def look_at_balls(
     seen, balls = np.empty((pairs.shape[0], 10)), np.zeros(pairs.shape[0], dtype=np.bool_)
     for i in range(pairs.shape[0]):
         a, b = pairs[i, 0], pairs[i, 1]
+        # a ball's core is its centre; all other pairs are coal's
         if half[a].any() or half[b].any():
             continue
         balls[i], apart = True, math.sqrt(((centre[b] - centre[a]) ** 2).sum())
