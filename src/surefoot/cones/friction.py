@@ -81,6 +81,7 @@ class FrictionCone(Cone):
         """
         f = self._points(x)
         t = np.hypot(f[..., 0], f[..., 1])
+        # without a normal force there is no friction to use, and any tangential force is infinitely much
         limit = np.where(f[..., 2] > 0.0, self.mu * f[..., 2], 0.0) if self.mu > 0 else np.zeros_like(t)
         share = np.divide(t, limit, out=np.full_like(t, np.inf), where=limit > 0.0)
         return np.where((t == 0.0) & (f[..., 2] >= 0.0), 0.0, share)

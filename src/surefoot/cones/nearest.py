@@ -61,11 +61,13 @@ def _project(
     """Find the weights beta >= 0 of the nearest point; used marks passive (1) and refused (2) rays."""
     r, d = rays.shape
     beta[:], used[:] = 0.0, 0
+    # of the point's own size: what rounding leaves of a residual that is orthogonal to a ray
     tol = 1e-13 * math.sqrt(dot(x, x))
     count = 0
     for _ in range(10 * (r + d)):
         # the ray along which the distance falls fastest (Lawson and Hanson 1974, NNLS)
         best, at = tol, -1
+        # Karush-Kuhn-Tucker: at the nearest point no ray that is out has a positive product with the residual
         for k in range(r):
             if used[k] != 0:
                 continue
@@ -79,6 +81,7 @@ def _project(
                 best, at = s, k
         if at < 0:
             return True
+        # more than d rays depend on each other, and d of them span the space already
         if count == d or not _append(rays, at, count, basis, L):
             used[at] = 2  # depends on the passive ones: it cannot come in now
             continue
@@ -91,6 +94,7 @@ def _project(
             used[at] = 2
             continue
         count = _leave(rays, x, count, passive, used, beta, basis, L, y)
+        # passive rays have changed: what depended on them may be wanted now
         for k in range(r):
             if used[k] == 2:
                 used[k] = 0
@@ -104,6 +108,7 @@ def _leave(
 ) -> int:  # fmt: skip
     """Step towards the least-squares weights y, dropping rays whose weight would turn negative."""
     while True:
+        # the longest step from beta towards y that keeps all weights >= 0
         step = 1.0
         for j in range(count):
             if y[j] <= 0.0:

@@ -164,6 +164,8 @@ class FrictionPyramid(PolyhedralCone):
         self.facets, self.fit, self.phase = int(facets), checked_fit(fit), float(phase)
         half = math.pi / self.facets
         at = self.phase + 2.0 * half * np.arange(self.facets)
+        # rays on the cone and faces inside it, or faces that touch the cone and
+        # rays outside: cos(π / k) between them
         face_angle, ray_angle = (at + half, at) if fit == "inner" else (at, at + half)
         face_mu = self.mu * math.cos(half) if fit == "inner" else self.mu
         ray_mu = self.mu if fit == "inner" else self.mu / math.cos(half)

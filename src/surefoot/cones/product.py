@@ -48,6 +48,7 @@ class ProductCone(Cone):
             return np.full(points.shape[:-1], np.inf)
         parts = zip(self.cones, self.slices, strict=True)
         margins = np.stack([c.margin(points[..., s]) for c, s in parts], axis=-1)
+        # squared distances to the factors add up; the largest ball inside is the smallest of theirs
         distance = np.linalg.norm(np.minimum(margins, 0.0), axis=-1)
         return np.asarray(np.where(distance > 0.0, -distance, margins.min(axis=-1)))
 

@@ -64,6 +64,7 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
         return np.vstack([np.eye(dim), -np.eye(dim)]), index
     if method == "cdd":
         return _unit_rows(_cddlib(V)), index
+    # units out, then directions of equal weight: rays of a flat cone span all of its space alike
     column = np.abs(V).max(axis=0)
     column[column == 0.0] = 1.0
     W = _unit_rows(V / column)
@@ -72,6 +73,8 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
     X = _unit_rows(W @ whiten)
     facets, kept = _facets(X)
     flat = basis[rank:]
+    # n · whitenᵀ (x / column): facets in the given coordinates; what the
+    # rays do not span is held by equations
     H = np.vstack([facets @ whiten.T, flat, -flat]) / column
     return _unit_rows(H) + 0.0, index[kept]
 
@@ -105,9 +108,11 @@ def _facets(X: FloatArray) -> tuple[FloatArray, IntArray]:
     _, basis, rank = _row_space(X[lineal])
     rest = basis[rank:]
     needed = list(np.flatnonzero(lineal))
+    # the cone is a linear space: no facets
     if not len(rest):
         return np.zeros((0, X.shape[1])), np.array(needed, dtype=np.int64)
     others = np.flatnonzero(~lineal)
+    # modulo the lineality space the cone is pointed, and its facets are the whole cone's
     Y = X[others] @ rest.T
     alive = np.linalg.norm(Y, axis=1) > _FLAT
     facets, kept = _facets(_unit_rows(Y[alive]))
@@ -119,11 +124,13 @@ def _section(X: FloatArray) -> FloatArray | None:
     """Return c with X @ c > 0 for every row, well inside, or None if the cone is not pointed."""
     c = X.mean(axis=0)
     length = float(np.linalg.norm(c))
+    # the mean of the rays mostly serves, and saves the linear program
     if length > 0.1 and float((X @ c).min()) > 0.05 * length * length:
         return np.asarray(c / length)
     from scipy.optimize import linprog  # here as below: loading it takes longer than most programs need cones
 
     rows, dim = X.shape
+    # maximise the least of X c over a box: positive exactly if the cone is pointed
     result = linprog(
         np.array([*np.zeros(dim), -1.0]),
         A_ub=np.hstack([-X, np.ones((rows, 1))]),
@@ -162,6 +169,7 @@ def _pointed_facets(X: FloatArray, section: FloatArray) -> tuple[FloatArray, Int
     dim = X.shape[1]
     if dim == 1:
         return -np.sign(X[:1]), np.array([0], dtype=np.int64)
+    # rays to points of the section c·x = 1, a polytope of one dimension less; its facets are the cone's
     points = X / (X @ section)[:, None]
     plane = np.linalg.svd(section[None])[2][1:]
     q = points @ plane.T
@@ -174,6 +182,7 @@ def _pointed_facets(X: FloatArray, section: FloatArray) -> tuple[FloatArray, Int
     try:
         hull = ConvexHull(q, qhull_options="Qx" if dim > 5 else "")
     except QhullError:
+        # joggled: points too flat for Qhull's own merging
         hull = ConvexHull(q, qhull_options="QJ")
     facets = _unit_rows(hull.equations[:, :-1] @ plane + hull.equations[:, -1:] * section)
     return _distinct(facets), np.asarray(hull.vertices, dtype=np.int64)
@@ -181,6 +190,7 @@ def _pointed_facets(X: FloatArray, section: FloatArray) -> tuple[FloatArray, Int
 
 def _distinct(rows: FloatArray) -> FloatArray:
     """Drop rows that repeat another one: Qhull splits a facet into simplices with equal normals."""
+    # a projection that separates different rows: equal ones are neighbours in its order
     mark = rows @ np.sin(np.arange(1.0, rows.shape[1] + 1.0))
     order = np.argsort(mark)
     new = np.append(True, (rows[order[1:]] != rows[order[:-1]]).any(axis=1))  # most repeat to the last bit

@@ -73,6 +73,8 @@ def _rows(X: float, Y: float, m: float) -> FloatArray:
     for k, (axis, limit) in enumerate(((0, m), (1, m), (3, Y), (4, X))):
         rows[2 * k, axis], rows[2 * k + 1, axis] = 1.0, -1.0
         rows[2 * k : 2 * k + 2, 2] = -limit
+    # Caron, Pham and Nakamura 2015: |Y f_x - m τ_x| + |X f_y - m τ_y| - m (X + Y) f_z <= τ_z, one row for
+    # each pair of signs of the two, and its mirror image from above
     yaw = [
         [a * Y, b * X, -m * (X + Y), -s * a * m, -s * b * m, -s]
         for s in (1.0, -1.0)  # lower and upper limit of tau_z
