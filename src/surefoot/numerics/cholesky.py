@@ -33,6 +33,7 @@ def cholesky(A: FloatArray) -> bool:
     """Replace the lower triangle of A (n, n) by its Cholesky factor; False if A is not positive definite."""
     for j in range(A.shape[0]):
         square = _reduced(A, j, j)
+        # "not >" catches a NaN as well
         if not square > 0.0:
             return False
         A[j, j] = math.sqrt(square)
@@ -77,6 +78,7 @@ def _scale_row(B: FloatArray, i: int, s: float) -> None:
 def solve_columns(L: FloatArray, B: FloatArray) -> None:
     """Replace the columns of B (n, m) by those of (L Lᵀ)⁻¹ B, row by row."""
     n = L.shape[0]
+    # rows of B lie side by side in memory: all columns advance together
     for i in range(n):
         for k in range(i):
             _subtract_row(B, i, L[i, k], k)
@@ -102,6 +104,7 @@ def invert(L: FloatArray, half: FloatArray, out: FloatArray) -> None:
         s = 1.0 / L[i, i]
         for j in range(i + 1):
             half[i, j] *= s
+    # (L Lᵀ)⁻¹ = L⁻ᵀ L⁻¹: the sum over rows k of L⁻¹ of its own outer products
     for k in range(n):
         for i in range(k + 1):
             s = half[k, i]

@@ -30,6 +30,7 @@ def symmetric_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
             return False
         if k + 1 == m:
             break
+        # two pivots before the rows below are touched: they are read and written half as often
         first = 1.0 / A[k, k]
         factor = A[k, k + 1] * first
         for j in range(k + 1, m):
@@ -160,6 +161,7 @@ def invert_shifted(G: FloatArray, shift: float, out: FloatArray) -> None:
             out[i, j] = G[i, j]
         out[i, i] += shift
     for k in range(m):
+        # without pivoting: the diagonal of a definite matrix serves
         pivot = 1.0 / out[k, k]
         out[k, k] = 1.0
         for j in range(m):

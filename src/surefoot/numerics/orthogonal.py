@@ -65,6 +65,7 @@ def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArr
     for j in range(p):
         first[j] = math.sqrt(dot(A[j], A[j]))
     for k in range(p):
+        # the row with most left comes next: small pivots would make Q of rounding
         best, at = -1.0, -1
         for j in range(p):
             s = -1.0 if taken[j] else dot(rest[j], rest[j])
@@ -80,6 +81,7 @@ def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArr
         pivots[k] = at
         taken[at] = True
         for j in range(p):
+            # modified Gram-Schmidt: every row that is left loses its part at once
             s = dot(rest[j], Q[k])
             T[j, k] = s if not taken[j] or j == at else 0.0
             if not taken[j]:
@@ -99,6 +101,7 @@ def coordinates(T: FloatArray, pivots: IntArray, rank: int, w: FloatArray, out: 
         for q in range(k):
             s -= T[pivots[k], q] * out[q]
         out[k] = s / T[pivots[k], k]
+    # rows that are no pivots depend on them: what they contradict no unknown can answer
     worst = 0.0
     for j in range(p):
         s = w[j]

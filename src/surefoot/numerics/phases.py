@@ -20,6 +20,7 @@ def debounced(time: FloatArray, touch: BoolArray, shortest: float) -> BoolArray:
         k = int(np.argmin(lengths)) + 1
         if lengths[k - 1] >= shortest:
             break
+        # both edges of a short phase go: it joins its neighbours, which makes those longer
         del edges[k : k + 2]
     out = np.empty(len(touch), dtype=bool)
     for begin, finish in pairwise(edges):

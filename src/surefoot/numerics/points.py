@@ -72,6 +72,7 @@ def relative_jacobian(
         x, y, z = points[k, 0], points[k, 1], points[k, 2]
         R = frames[k]
         for j in range(out.shape[1]):
+            # a joint that carries both bodies moves neither against the other
             sign = (1.0 if support[second[k], j] else 0.0) - (1.0 if support[first[k], j] else 0.0)
             if sign == 0.0:  # moved by neither, or both alike
                 out[3 * k, j] = out[3 * k + 1, j] = out[3 * k + 2, j] = 0.0

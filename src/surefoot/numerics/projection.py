@@ -16,9 +16,11 @@ def project_cone(x: float, y: float, z: float, mu: float) -> tuple[float, float,
     t = math.sqrt(x * x + y * y)
     if t <= mu * z and z >= 0.0:  # without friction 0 <= mu z holds below the ray, too
         return x, y, z
+    # s <= 0: in the polar cone, ||f_t|| mu <= -f_z, whose nearest point is the apex
     s = mu * t + z
     if s <= 0.0:
         return 0.0, 0.0, 0.0
+    # onto the generator (mu e, 1) through the point's own bearing
     z_new = s / (1.0 + mu * mu)
     ratio = mu * z_new / t
     return ratio * x, ratio * y, z_new
@@ -63,9 +65,11 @@ def face(
     free = low < z < high
     if t <= limit and limit > 0.0:
         return True, free, 0.0, 0.0, 0.0, 0.0
+    # at the apex the projection is constant: no direction moves it
     if not z > 0.0:
         return False, False, 0.0, 0.0, 0.0, 0.0
     p, q = (x / t, y / t) if t > 0.0 else (0.0, 0.0)
+    # the rim turns with the point: a sideways move at distance t is one of mu z / t on the rim
     across = math.sqrt(limit / t) if limit > 0.0 else 0.0
     return False, free, p, q, across, 1.0 / math.sqrt(1.0 + mu * mu) if free else 0.0
 
@@ -78,6 +82,7 @@ def differential(
     sticks, free, p, q, across, along = face(x, y, z, mu, low, high)
     if sticks:
         return dx, dy, dz if free else 0.0
+    # Π' d = Σ v (v·d), with e⊥ = (-q, p, 0)
     side = across * across * (p * dy - q * dx)
     up = along * along * (mu * (p * dx + q * dy) + dz)
     return p * mu * up - q * side, q * mu * up + p * side, up

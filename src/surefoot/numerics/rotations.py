@@ -12,6 +12,7 @@ from surefoot.kernels import inline_kernel
 def rotation_of(q: FloatArray, out: FloatArray) -> None:
     """Fill out (3, 3) with the rotation of the quaternion q[3:7] of a configuration (nq,), of any length."""
     x, y, z, w = q[3], q[4], q[5], q[6]
+    # over the square of the length: an integrated quaternion need not be of length one
     s = 2.0 / (x * x + y * y + z * z + w * w)
     out[0, 0], out[0, 1], out[0, 2] = 1.0 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)
     out[1, 0], out[1, 1], out[1, 2] = s * (x * y + z * w), 1.0 - s * (x * x + z * z), s * (y * z - x * w)
@@ -25,9 +26,11 @@ def turn_between(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
     y = a[3] * b[1] - a[1] * b[3] - a[2] * b[0] + a[0] * b[2]
     z = a[3] * b[2] - a[2] * b[3] - a[0] * b[1] + a[1] * b[0]
     w = a[3] * b[3] + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    # q and -q are one rotation: the one with w >= 0 turns by at most pi
     if w < 0.0:
         x, y, z, w = -x, -y, -z, -w
     sine = math.sqrt(x * x + y * y + z * z)
+    # atan2 keeps its digits near both ends, where an arc cosine loses them
     scale = 2.0 * math.atan2(sine, w) / sine if sine > 1e-12 else 2.0 / w
     out[0], out[1], out[2] = scale * x, scale * y, scale * z
 
@@ -38,6 +41,7 @@ def log_between(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
     x = y = z = trace = 0.0
     for k in range(3):
         trace += A[0, k] * B[0, k] + A[1, k] * B[1, k] + A[2, k] * B[2, k]
+        # A Bᵀ without forming it: its skew part is sin axis, its trace 1 + 2 cos
         x += 0.5 * (A[2, k] * B[1, k] - A[1, k] * B[2, k])
         y += 0.5 * (A[0, k] * B[2, k] - A[2, k] * B[0, k])
         z += 0.5 * (A[1, k] * B[0, k] - A[0, k] * B[1, k])

@@ -42,6 +42,8 @@ def add_outer(H: Lower, a: Six) -> Lower:
 @inline_kernel
 def solve_six(H: Lower, F: Six) -> Six:
     """Return -H⁻¹ F by an LDLᵀ factorisation; H is positive definite."""
+    # L D Lᵀ without roots, entry by entry in registers; a_ij are the
+    # entries before the division by their pivot
     d0 = 1.0 / H[0]
     l10, l20, l30, l40, l50 = H[1] * d0, H[3] * d0, H[6] * d0, H[10] * d0, H[15] * d0
     a11 = H[2] - l10 * H[1]
