@@ -86,6 +86,8 @@ class Cache(FunctionCache):  # type: ignore[misc]
         beside = os.path.join(os.path.dirname(py_func.__code__.co_filename), "__pycache__")
         self._cache_file = _KernelFiles(self._cache_path, name, tree.key)
         _caches.append(self)
+        # where the sources' folder is not Numba's choice (it may not be written to)
+        # code kept there is read all the same
         elsewhere = beside != self._cache_path and not numba.config.CACHE_DIR
         self._beside = _KernelFiles(beside, name, tree.key) if elsewhere else None
 
@@ -98,6 +100,7 @@ class Cache(FunctionCache):  # type: ignore[misc]
         rtsys.initialize(target_context)
         found = self._load_overload(sig, target_context)
         if found is None:
+            # after the wait another process may have compiled and kept it
             self._await_turn()
             found = super().load_overload(sig, target_context)
         if found is None:
@@ -116,6 +119,7 @@ class Cache(FunctionCache):  # type: ignore[misc]
                 lock = _locks[self._cache_path] = os.open(path, os.O_RDWR | os.O_CREAT)
             while time.monotonic() < until:
                 with contextlib.suppress(BlockingIOError, PermissionError):
+                    # one byte per kernel: different kernels of a folder compile at the same time
                     fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, byte)
                     self._turn = lock, byte
                     return

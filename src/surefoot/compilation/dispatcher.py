@@ -84,6 +84,7 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 
     def _for_kernels(self) -> CPUDispatcher:
         if self._part is None:
+            # what only kernels call needs no way in from Python or C
             options = {**self.targetoptions, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
             more = {"pipeline_class": PartCompiler} if WHOLE_TREES else {}
             self._part = _PartDispatcher(self.py_func, {}, options, **more)

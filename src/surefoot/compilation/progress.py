@@ -43,6 +43,7 @@ class CompilationProgress:
         if self._running and function not in self._running[-1][1]:
             tree, done, _ = self._running[-1]
             done.add(function)
+            # translating is taken for 0.7 of the way; the optimiser, at the end, says nothing of its own
             share = sum(len(f.__code__.co_code) for f in done) / max(tree.size, 1)
             self._say(logging.DEBUG, min(0.7 * share, 0.7), f"translated {function.__name__}")
 

@@ -62,9 +62,11 @@ class KernelTree:
         """Return what there is to say of a value that a function reads; `names` are those in its code."""
         if isinstance(value, CPUDispatcher):
             yield repr(sorted(value.targetoptions.items())).encode()
+            # options change what is compiled from the same code
             value = value.py_func
         if isinstance(value, FunctionType):
             yield f"{value.__module__}.{value.__qualname__}".encode()
+            # once each: kernels of a tree share functions
             if value not in self.functions:
                 self.functions.append(value)
                 yield from self._of_function(value)
@@ -77,6 +79,7 @@ class KernelTree:
         elif isinstance(value, ModuleType):
             yield value.__name__.encode()
             if value.__name__.partition(".")[0] == PACKAGE:
+                # of a module of this package what the code may read: any name in the code that the module has
                 for name in names:
                     if name in vars(value):
                         yield from self._of_value(vars(value)[name], names)
@@ -91,6 +94,7 @@ class KernelTree:
         elif isinstance(value, (frozenset, set)):
             yield repr(sorted(map(repr, value))).encode()
         else:
+            # an address says nothing, and differs in every process
             text = repr(value)
             yield f"{type(value)} {'' if ' at 0x' in text else text}".encode()
 
