@@ -53,7 +53,8 @@ class FrictionCone(Cone):
             return out
         t = np.hypot(f[..., 0], f[..., 1])
         outside = (t > self.mu * z) | (z < 0.0)  # without friction t = mu z below the ray, too
-        along = np.maximum(self.mu * t + z, 0.0) / (1.0 + self.mu**2)  # new f_z where outside
+        length = math.hypot(1.0, self.mu)  # its square overflows for the duals of thin cones
+        along = np.maximum((self.mu * t + z) / length, 0.0) / length  # new f_z where outside
         ratio = np.divide(self.mu * along, t, out=np.zeros_like(t), where=t > 0.0)
         out[..., 0] = np.where(outside, ratio * f[..., 0], f[..., 0])
         out[..., 1] = np.where(outside, ratio * f[..., 1], f[..., 1])
