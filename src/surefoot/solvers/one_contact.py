@@ -186,36 +186,6 @@ def block_of(local: FloatArray, k: int) -> Block:
 
 
 @inline_kernel
-def solve_one(
-    W: Block, q0: float, q1: float, q2: float, mu: float, low: float, high: float, convex: bool,
-    x: float, y: float, ex: float, ey: float,
-) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """Return the force of one contact with free velocity q, and the direction in which it slides.
-
-    (ex, ey) is the direction in which it last slid, returned as it came where it does not slide; for (0, 0)
-    a guess (x, y) of the tangential force serves. low = -inf marks a bilateral contact.
-    """
-    if low == 0.0:  # first, because take-off and stick may both be solutions where normal and tangents couple
-        # a free velocity in K* needs no force; Coulomb's law shifts it into
-        # K* by Γ, which leaves q_n >= 0 to ask
-        need = mu * math.sqrt(q0 * q0 + q1 * q1) if convex else 0.0
-        if q2 >= need:
-            return 0.0, 0.0, 0.0, ex, ey
-    # the force that stops the contact, -W⁻¹ q: the answer of a bilateral contact, and of one that sticks
-    r0 = -(W[6] * q0 + W[7] * q1 + W[8] * q2)
-    r1 = -(W[7] * q0 + W[9] * q1 + W[10] * q2)
-    r2 = -(W[8] * q0 + W[10] * q1 + W[11] * q2)
-    if low == -math.inf:
-        return r0, r1, r2, ex, ey
-    limit = mu * r2
-    if low <= r2 <= high and r0 * r0 + r1 * r1 <= limit * limit:
-        return r0, r1, r2, ex, ey
-    if mu < FRICTIONLESS:
-        return 0.0, 0.0, min(max(-q2 / W[5], low), high), ex, ey
-    return slide_one(W, q0, q1, q2, mu, low, high, convex, x, y, ex, ey)
-
-
-@inline_kernel
 def _unit(x: float, y: float) -> tuple[float, float]:
     length = math.sqrt(x * x + y * y)
     return (x / length, y / length) if length > 0.0 else (1.0, 0.0)
@@ -259,20 +229,35 @@ def _turn(
 
 
 @inline_kernel
-def slide_one(
+def solve_one(
     W: Block, q0: float, q1: float, q2: float, mu: float, low: float, high: float, convex: bool,
     x: float, y: float, ex: float, ey: float,
 ) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """Solve a contact that neither takes off nor sticks within its bounds; see `solve_one`."""
-    # with a lower bound on the normal force a contact that would take off is held down: it may still slide
+    """Return the force of one contact with free velocity q, and the direction in which it slides.
+
+    (ex, ey) is the direction in which it last slid, returned as it came where it does not slide; for (0, 0)
+    a guess (x, y) of the tangential force serves. low = -inf marks a bilateral contact.
+    """
+    # a free velocity in K* needs no force; Coulomb's law shifts it into K* by Γ, which leaves q_n >= 0 to
+    # ask. First, because take-off and stick may both be solutions where normal and tangents couple
     lifts = q2 >= (mu * math.sqrt(q0 * q0 + q1 * q1) if convex else 0.0)
+    if lifts and low == 0.0:
+        return 0.0, 0.0, 0.0, ex, ey
+    # the force that stops the contact, -W⁻¹ q: the answer of a bilateral contact, and of one that sticks
     r0 = -(W[6] * q0 + W[7] * q1 + W[8] * q2)
     r1 = -(W[7] * q0 + W[9] * q1 + W[10] * q2)
     r2 = -(W[8] * q0 + W[10] * q1 + W[11] * q2)
+    if low == -math.inf:
+        return r0, r1, r2, ex, ey
+    limit = mu * r2
+    if low <= r2 <= high and r0 * r0 + r1 * r1 <= limit * limit:
+        return r0, r1, r2, ex, ey
+    if mu < FRICTIONLESS:
+        return 0.0, 0.0, min(max(-q2 / W[5], low), high), ex, ey
     normal = 0.0
-    if r2 > 0.0 and r0 * r0 + r1 * r1 <= (mu * r2) ** 2:  # it would stick, but for the bounds
+    if r2 > 0.0 and r0 * r0 + r1 * r1 <= limit * limit:  # it would stick, but for the bounds
         normal = r2
-    elif not lifts:
+    elif not lifts:  # what lifts is held down by a bound, and may still slide under it
         # towards where it would stick: right where the tangents' inertias differ much
         if ex == 0.0 and ey == 0.0:
             ex, ey = _unit(r0, r1) if x == 0.0 and y == 0.0 else _unit(x, y)
