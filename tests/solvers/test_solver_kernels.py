@@ -10,15 +10,7 @@ import pytest
 import surefoot as sf
 from surefoot.cones.polyhedral import FrictionPyramid
 from surefoot.contact import blocks
-from surefoot.solvers import (
-    admm,
-    newton_step,
-    nsgs,
-    one_contact,
-    pyramid,
-    scaled,
-    solver,
-)
+from surefoot.solvers import admm, newton_step, nsgs, one_contact, pyramid, scaled, solver
 
 
 def problem(seed: int, contacts: int = 4, law: str = "coulomb") -> sf.ContactProblem:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from surefoot.batch.answers import ALMOST, INVALID, SOLVED, STALLED
-from surefoot.contact.scales import LENT, REST
+from surefoot.contact.scales import APPROACH, LENT, REST
 from surefoot.solvers.solver import ALMOST_FACTOR
 
 NOISE = 68.0
@@ -114,9 +114,12 @@ def velocity_errors(xp: Any, forces: Any, velocities: Any, mu: Any, s: Scales, o
     slip = xp.hypot(velocities[..., 0], velocities[..., 1])
     lift = velocities[..., 2] if convex else velocities[..., 2] + mu * slip
     v = xp.stack([velocities[..., 0], velocities[..., 1], lift], -1) * unit[..., None]
-    p = (weight * unit)[..., None] * forces - v
-    gap = v - (nearest(xp, p, mu) - p)
-    size = xp.sqrt((gap * gap).sum(-1))
+    own = (weight * unit)[..., None] * forces
+    p = own - v
+    near = nearest(xp, p, mu)
+    drowned = (abs(v).sum(-1) > abs(own).sum(-1))[..., None]  # see `contact.residuals`
+    gap = xp.where(drowned, own - near, v - (near - p))
+    size = xp.maximum(xp.sqrt((gap * gap).sum(-1)), -APPROACH * unit * velocities[..., 2])
     idle = xp.where((forces == 0.0).all(-1), xp.zeros_like(size), xp.full_like(size, xp.inf))
     return xp.where(on & ~rest, size, idle)
 

@@ -12,11 +12,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, check_order, finite_array, per_contact
 from surefoot.cones import FrictionPyramid
-from surefoot.contact.blocks import (
-    Blocks,
-    dense_blocks,
-    vectors_fit,
-)
+from surefoot.contact.blocks import Blocks, dense_blocks, vectors_fit
 from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
 from surefoot.contact.matrix import checked_sparse, read_compliance, read_dense, spectral_norm
 from surefoot.contact.scales import scales_blocks, scales_dense

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, IntArray, of_kind
 from surefoot.contact.admissible import dissipation_limit, nearest
 from surefoot.contact.problem import ContactProblem
+from surefoot.contact.scales import APPROACH
 from surefoot.contact.set_residuals import DOUBT, WEIGHTLESS, Numbers, set_certificate
 from surefoot.errors import ProblemError
 from surefoot.kernels import inline_kernel, kernel
@@ -39,8 +40,9 @@ class Residuals:
     velocity_error
         max_k ε_k / s_k with ε_k = w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)|| [m/s], w_k = ||G_kk||₂ and
         s_k the largest velocity in the contact's connected part of the problem at the admissible forces
-        nearest to zero (`contact.scales`); Γ = 0 for the convex law. Dimensionless. Where s_k = 0 those
-        forces are the solution and others count as infinitely wrong.
+        nearest to zero (`contact.scales`); Γ = 0 for the convex law. Where a contact below its upper bound
+        approaches, at least 0.7 times that speed over s_k: ε_k shows little of it where mu is large.
+        Dimensionless. Where s_k = 0 those forces are the solution and others count as infinitely wrong.
     rounding
         max_k 4 eps Σ_j ||G_kj|| ||λ_j|| / s_k, bounded from above: how much of the velocities
         double precision cannot tell. Dimensionless. `Status.SOLVED` needs it within the tolerance, too.
@@ -119,13 +121,14 @@ def _size(x: float, y: float, z: float) -> float:
 
 @inline_kernel
 def _contact_error(
-    x: float, y: float, z: float, ux: float, uy: float, shifted: float, w: float, s: float,
+    x: float, y: float, z: float, ux: float, uy: float, uz: float, shift: float, w: float, s: float,
     mu: float, low: float, high: float, facets: int, inner: bool,
 ) -> float:  # fmt: skip
-    """Return ε_k / s_k of one contact, its velocity with the De Saxcé shift given.
+    """Return ε_k / s_k of one contact, its De Saxcé shift given, or its speed of approach where that is more.
 
-    With p = w λ - v the error is w λ - P(p) = v - (P(p) - p): velocities are added to velocities, and where p
-    is admissible the answer is ||v|| whatever the size of λ.
+    With v = u + Γ and p = w λ - v the error is v - (P(p) - p) = w λ - P(p). The first form adds velocities to
+    velocities: where p is admissible the answer is ||v|| whatever the size of λ. The second keeps w λ where
+    a huge Γ (mu ||u_t|| for a large mu) would drown it. For `APPROACH` see `contact.scales`.
     """
     # a part that nothing moves at the least forces has those for its
     # solution: there is no speed to compare with
@@ -137,13 +140,19 @@ def _contact_error(
         w = WEIGHTLESS * s / size if size > 0.0 else 1.0
     # in units of s, so that nothing under- or overflows
     unit = 1.0 / s
+    shifted, size = uz + shift, w * unit
     p, q, r = (w * x - ux) * unit, (w * y - uy) * unit, (w * z - shifted) * unit
-    size = w * unit
     # P_K commutes with scaling by w / s, bounds scaled alike: ε / s in one
     # projection, with no λ - u / w formed
     a, b, c = nearest(p, q, r, mu, low * size if low > 0.0 else 0.0, high * size, facets, inner)
-    a, b, c = ux * unit - (a - p), uy * unit - (b - q), shifted * unit - (c - r)
-    return _size(a, b, c)
+    if abs(ux) + abs(uy) + abs(shifted) > w * (abs(x) + abs(y) + abs(z)):
+        a, b, c = size * x - a, size * y - b, size * z - c
+    else:
+        a, b, c = ux * unit - (a - p), uy * unit - (b - q), shifted * unit - (c - r)
+    error = _size(a, b, c)
+    # 0 <= u_n below the upper bound: the natural map of the unilateral law alone. A NaN stays one
+    approach = APPROACH * min(-uz * unit, size * (high - z))
+    return approach if approach > error else error
 
 
 @inline_kernel
@@ -178,8 +187,8 @@ def _measure(
         # Γ(u): with it on the normal row Coulomb's law is K ∋ λ ⟂ u + Γ(u) ∈
         # K*; the convex law is that of u itself
         limit = dissipation_limit(ux, uy, mu[k], facets, inner)
-        shifted = uz + limit if coulomb else uz
-        own = _contact_error(x, y, z, ux, uy, shifted, w, s, mu[k], low[k], high[k], facets, inner)
+        shift = limit if coulomb else 0.0
+        own = _contact_error(x, y, z, ux, uy, uz, shift, w, s, mu[k], low[k], high[k], facets, inner)
         error, lost = max(error, own), lost or own != own
         # the convex program's gap: λ·u above its least over K, over the energy of the part
         if not coulomb:

@@ -31,6 +31,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel, working_time
 from surefoot.numerics.elimination import invert_shifted
+from surefoot.solvers.nsgs import refresh_dense
 from surefoot.solvers.scaled import ScaledContacts
 from surefoot.solvers.set_kernels import Packing, add_shift, natural_sets, project_sets
 from surefoot.solvers.solver import Answer, SolverSettings, register, start_forces
@@ -180,11 +181,7 @@ def _run_dense(
         now = min(CHECK_EVERY, limit - done)
         primal, dual = iterate(inverse, packed, g, rho, state[2], x, z, y, now)
         done += now
-        for i in range(m):  # u = G z + g at the copy, which is admissible; x is not
-            velocities[i] = g[i]
-        for i in range(m):
-            for j in range(m):
-                velocities[j] += G[i, j] * z[i]
+        refresh_dense(G, g, z, velocities)  # at the copy, which is admissible; x is not
         error = natural_sets(packed[0], packed[1], packed[2], step, weight, z, velocities, point, gap)
         # ADMM is not monotone, least of all with a shift: the best copy is the answer
         if error < least:

@@ -13,13 +13,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import kernel, working_time
-from surefoot.solvers.newton_step import (
-    PATIENCE,
-    PROXIMAL,
-    PROXIMAL_FAR,
-    classify,
-    spread,
-)
+from surefoot.solvers.newton_step import PATIENCE, PROXIMAL, PROXIMAL_FAR, classify, spread
 from surefoot.solvers.nsgs import prepare_blocks, run_blocks
 from surefoot.solvers.stopping import force_error, velocity_error
 

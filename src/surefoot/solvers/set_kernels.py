@@ -13,6 +13,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.laws import Law
+from surefoot.contact.scales import APPROACH
 from surefoot.contact.sets import ContactSet
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.pyramid import project_any, sector, shift_any
@@ -294,7 +295,8 @@ def natural_sets(
 ) -> float:  # fmt: skip
     """Fill flat (m,) point = λ - step (u + θ Γ(u)) and gap = λ - P(point); return max_k weight_k ||gap_k||.
 
-    With step 1 / w_k and weight w_k / s_k that is the velocity error. A sum that is no number is infinite.
+    With step 1 / w_k and weight w_k / s_k that is the velocity error, of which ||gap_k|| counts as at least
+    `APPROACH` times the step times -u_n below the upper bound. A sum that is no number is infinite.
     """
     for i in range(point.size):
         point[i] = velocities[i]
@@ -306,11 +308,13 @@ def natural_sets(
     # `max` drops a NaN, a sum keeps it
     worst = total = 0.0
     for k in range(table.shape[0]):
-        square = 0.0
+        square = approach = 0.0
         for i in range(offset[k], offset[k + 1]):
             gap[i] = forces[i] - gap[i]
             square += gap[i] * gap[i]
-        own = weight[k] * math.sqrt(square)
+            if group[i] < 0 and table[k, CODE] != FREE:  # the last such row is the normal's, of pyramids too
+                approach = APPROACH * min(-step[k] * velocities[i], table[k, HIGH] - forces[i])
+        own = weight[k] * (approach if approach * abs(approach) > square else math.sqrt(square))
         worst = max(worst, own)
         total += own
     return worst if total >= 0.0 else np.inf

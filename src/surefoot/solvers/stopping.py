@@ -42,16 +42,21 @@ def _natural_square(
     forces: FloatArray, velocities: FloatArray, k: int, step: float, mu: float, low: float, high: float,
     convex: bool,
 ) -> float:  # fmt: skip
-    """Return ||λ_k - P_K(λ_k - step (u_k + Γ(u_k)))||² of contact k."""
+    """Return ||λ_k - P_K(λ_k - step (u_k + Γ(u_k)))||² of contact k, at least half its approach squared.
+
+    The approach, step times -u_n below the upper bound, is what ε shows little of where mu is large.
+    """
     i = 3 * k
     x, y, z = forces[i], forces[i + 1], forces[i + 2]
     p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
     # Γ(u) on the normal row: u + Γ(u) is what is complementary to λ, for Coulomb's law; a bilateral
     # contact has all of space for K and no Γ
+    approach = min(-step * r, high - z) if low > -np.inf else 0.0
     if not convex and low > -np.inf:
         r += mu * math.sqrt(p * p + q * q)
     a, b, c = project_any(x - step * p, y - step * q, z - step * r, mu, low, high, 0, True)
-    return float((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2)
+    square = (x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2
+    return 0.5 * approach * approach if approach > 0.0 and 0.5 * approach * approach > square else square
 
 
 @inline_kernel
@@ -60,6 +65,8 @@ def velocity_error(
     measure: FloatArray, convex: bool,
 ) -> float:  # fmt: skip
     """Return max_k w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)|| / s_k for flat (3n,) forces and velocities.
+
+    As in `contact.residuals` at least `APPROACH` times the speed of approach over s_k.
 
     `measure` is what `fill_measure` filled. A sum that is not a number is returned as infinite.
     """

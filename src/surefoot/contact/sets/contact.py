@@ -19,6 +19,7 @@ from typing import ClassVar
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
+from surefoot.contact.scales import APPROACH
 from surefoot.errors import ProblemError
 
 
@@ -187,6 +188,8 @@ class ContactKind:
     ) -> float:
         """Return ε = w ||λ - P_K(λ - (u + θ Γ(u)) / w)|| in the contact's metric [m/s].
 
+        Or `APPROACH` times the speed of approach, where that is more; see `contact.scales`.
+
         Parameters
         ----------
         force, velocity
@@ -200,8 +203,12 @@ class ContactKind:
         """
         v = np.asarray(velocity) * self.lengths
         v[self.normal] += shift * self.shift(velocity)
-        p = weight * np.asarray(force) / self.lengths - v
+        own = weight * np.asarray(force) / self.lengths
+        p = own - v
         unit = weight * scale
         low, high = unit * self.normal_min, unit * self.normal_max if self.normal_max > 0.0 else 0.0
-        # v - (P(p) - p): velocities are added to velocities, whatever the size of λ
-        return float(np.linalg.norm(v - (self.nearest(p, low, high) - p)))
+        # v - (P(p) - p): velocities are added to velocities, whatever the size of λ; w λ - P(p) for a huge Γ
+        nearest = self.nearest(p, low, high)
+        gap = own - nearest if np.abs(v).sum() > np.abs(own).sum() else v - (nearest - p)
+        approach = APPROACH * min(-float(velocity[self.normal]), high - float(own[self.normal]))
+        return max(float(np.linalg.norm(gap)), approach)
