@@ -104,14 +104,9 @@ def _misses(
 
 @inline_kernel
 def _slope(
-    G: FloatArray,
-    mu: FloatArray,
-    scale: FloatArray,
-    convex: bool,
-    u: FloatArray,
-    J: FloatArray,
+    G: FloatArray, mu: FloatArray, scale: FloatArray, convex: bool, u: FloatArray, J: FloatArray,
     A: FloatArray,
-) -> None:
+) -> None:  # fmt: skip
     """Fill A with the derivative of F by y: 1 - J + J S G T, with s = S u and λ = T y."""
     m = u.size
     row = np.empty((3, m))

@@ -40,6 +40,7 @@ def robot_geometry(robot: Robot) -> Geometry:
     feet = {foot.frame for foot in robot.feet}
     solids = []
     for item in robot.collision.geometryObjects:
+        # feet are spheres of their own below, joint 0 is the world
         if item.parentFrame in feet or int(item.parentJoint) == 0:
             continue
         made = fitted(item.geometry)

@@ -146,6 +146,8 @@ class PairSearch:
     def _found(self, pairs: IntArray) -> IntArray:
         """Return where pairs (k, 2) are among all, with slots for those that had none."""
         keys = pairs[:, 0] * len(self._solids) + pairs[:, 1]
+        # a pair near for the first time gets slots behind all others, and keeps
+        # them: numbers of contacts never change
         fresh = pairs[~np.isin(keys, self._keys)]
         if len(fresh):
             self._add(fresh)

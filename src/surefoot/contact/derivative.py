@@ -101,6 +101,7 @@ class ContactDerivative:
         self.kinks: tuple[Kink, ...] = ()
         self._choices: list[Continuation] = []
         self._system: ActiveSystem | SmoothSystem
+        # to rounding first: a derivative is as wrong as its point is, times the condition
         f, u, contacts, modes = polished(problem, forces, velocities)
         if smoothing > 0.0:
             self._system = central_path(problem, f, smoothing)

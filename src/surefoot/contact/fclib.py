@@ -156,6 +156,7 @@ def write(problem: ContactProblem, path: Path, forces: FloatArray | None) -> Non
         matrix = group.create_group("W")
         for name, value in (("m", 3 * n), ("n", 3 * n), ("nz", -2), ("nzmax", W.nnz)):
             matrix[name] = np.array([value], dtype=np.int32)
+        # compressed rows, which nz = -2 says above
         matrix["p"], matrix["i"], matrix["x"] = W.indptr.astype(np.int32), W.indices.astype(np.int32), W.data
         group["vectors/q"], group["vectors/mu"] = problem.g[back], problem.mu
         group["info/title"] = np.bytes_("contact problem")

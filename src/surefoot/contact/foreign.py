@@ -107,6 +107,7 @@ def condensed(
     check_dense("a global problem's H", *H.shape)
     right = np.column_stack([H.toarray(), f])
     if G is not None and b is not None:
+        # the saddle point system of M v - G l = H r + f, Gᵀ v = -b: one factor for all columns of H and for f
         M = sp.bmat([[M, -G], [G.T, None]], format="csc")
         rest = np.zeros((G.shape[1], right.shape[1]))
         rest[:, -1] = -b
@@ -126,6 +127,7 @@ def _in_space(matrix: Any, q: FloatArray) -> tuple[Any, FloatArray]:
     place = (3 * np.arange(count)[:, None] + [0, 2]).ravel()
     entries = sp.coo_matrix(matrix)
     idle = 3 * np.arange(count) + 1
+    # the idle tangent is given the mean of its contact's diagonal, which leaves ||G_kk|| as it is
     size = matrix.diagonal().reshape(-1, 2).mean(axis=1)
     rows = np.concatenate([place[entries.row], idle])
     columns = np.concatenate([place[entries.col], idle])

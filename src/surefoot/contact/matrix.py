@@ -111,11 +111,18 @@ def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
         raise ProblemError(_asymmetry(i, j, float(matrix[i, j]), float(matrix[j, i]), limit))
     matrix = 0.5 * (matrix + matrix.T)
     entries, own = matrix.tocoo(), matrix.diagonal() + limit * largest
+    # 2x2 minors, then 3x3 diagonal blocks, of G + limit max |G| I as in `checked_mirror`
     over = entries.data**2 > own[entries.row] * own[entries.col]
     over = (over & (entries.row > entries.col)) | ((entries.row == entries.col) & (own[entries.row] < 0.0))
     if over.any():
         k = int(np.argmax(over))
         raise ProblemError(_indefinite(int(entries.row[k]), int(entries.col[k]), matrix.tocsr()))
+    rows = np.arange(size).reshape(-1, 3)
+    blocks = matrix.tocsr()[np.repeat(rows, 3, axis=1), np.tile(rows, 3)].toarray().reshape(-1, 3, 3)
+    blocks /= largest or 1.0  # no cube overflows or vanishes
+    sunk = np.linalg.det(blocks + limit * np.eye(3)) < -1e-14 * np.trace(blocks, axis1=1, axis2=2) ** 3
+    if sunk.any():
+        raise ProblemError(_indefinite(3 * int(np.argmax(sunk)), 3 * int(np.argmax(sunk)) + 3, matrix))
     if compliance is not None:
         matrix = matrix + sp.diags(compliance)
     return matrix.tocsr()

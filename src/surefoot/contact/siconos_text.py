@@ -185,6 +185,7 @@ def write(problem: ContactProblem, path: Path) -> None:
     back = np.argsort(turned(n))
     W = problem.G[np.ix_(back, back)]
     lines = ["3", str(n), "0", str(3 * n), str(3 * n), f"{3 * n}\t{3 * n}"]
+    # entries go column by column; W is symmetric, so that its rows are its columns
     lines += [" ".join(f"{x:.17e}" for x in row) for row in W]
     lines.append(" ".join(f"{x:.17e}" for x in problem.g[back]))
     lines.append(" ".join(f"{x:.17e}" for x in problem.mu))

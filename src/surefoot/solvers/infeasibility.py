@@ -104,6 +104,7 @@ def _part_directions(
         d = _by_rays(directions.rays(), G, g / size, end)
         if d is not None:
             yield np.asarray(D * _onto_null_space(directions, G, d))
+        # eigenvectors cost the cube of the contacts: not begun where the time would not do
         if DECOMPOSITION * directions.starts.size**3 > end - working_time():
             return
         values, vectors = np.linalg.eigh(G)

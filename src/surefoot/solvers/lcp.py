@@ -155,6 +155,7 @@ def _by_parts(problem: LCP, method: LcpFunction, settings: SolverSettings) -> An
         with np.errstate(all="ignore"):  # what is lost shows in the residual
             found = method(part, SolverSettings(settings.tol, left, max(0.0, end - working_time())))
             z[index], iterations = np.ldexp(found.forces, unit), iterations + found.iterations
+        # a part is judged by itself, so that one without solution does not take the others' answers along
         if part.residual(found.forces) <= settings.tol:
             continue
         if stop is None or found.stop is Status.INFEASIBLE:

@@ -100,6 +100,7 @@ def hunt_crossley(law: SoftLaw, situation: Situation) -> tuple[float, float, lis
         dissipation = STICKIEST / situation.speed
     else:  # the closed form without weight bounces more, so it needs no less than this
         low = high = math.log(HuntCrossley.bouncing(stiffness, max(wanted, 1e-3), 1.0).dissipation)
+        # a bracket in the logarithm of the dissipation, from which restitution falls
         while miss(low) < 0.0:
             low -= 0.5
         while miss(high) > 0.0:

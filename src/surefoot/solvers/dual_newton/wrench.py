@@ -334,6 +334,7 @@ def _finish(memory: Memory, y: Six, F: Six, error: float, count: int, forces: Fl
     tol = work[results, TOLERANCE] ** 2
     if error <= tol:
         return SOLVED
+    # solved up to rounding, and the gap small beside the objective: there is no more to be had in doubles
     floor = max(tol, noise * _spread(work, contacts))
     if error <= floor and error <= RELATIVE * left:
         return SOLVED

@@ -131,6 +131,7 @@ def rebound(law: SoftLaw, mass: float, speed: float, gravity: float = GRAVITY) -
     apart.terminal, apart.direction = True, 1.0  # type: ignore[attr-defined]
     turning.terminal, turning.direction = 2, -1.0  # type: ignore[attr-defined]
     depth = law.rest_depth(mass * gravity)
+    # times that the contact has by itself: that of its stiffness under the weight, that of crossing its depth
     scale = max(math.sqrt(depth / gravity), depth / fast)
     found = solve_ivp(
         motion,
