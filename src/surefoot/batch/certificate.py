@@ -117,8 +117,8 @@ def velocity_errors(xp: Any, forces: Any, velocities: Any, mu: Any, s: Scales, o
     own = (weight * unit)[..., None] * forces
     p = own - v
     near = nearest(xp, p, mu)
-    drowned = (abs(v).sum(-1) > abs(own).sum(-1))[..., None]  # see `contact.residuals`
-    gap = xp.where(drowned, own - near, v - (near - p))
+    # w λ where a huge Γ would drown it, see `contact.residuals`
+    gap = xp.where((abs(v).sum(-1) > abs(own).sum(-1))[..., None], own - near, v - (near - p))
     size = xp.maximum(xp.sqrt((gap * gap).sum(-1)), -APPROACH * unit * velocities[..., 2])
     idle = xp.where((forces == 0.0).all(-1), xp.zeros_like(size), xp.full_like(size, xp.inf))
     return xp.where(on & ~rest, size, idle)
@@ -127,7 +127,8 @@ def velocity_errors(xp: Any, forces: Any, velocities: Any, mu: Any, s: Scales, o
 def nearest(xp: Any, p: Any, mu: Any) -> Any:
     """Return p projected to the friction cones."""
     radius, z = xp.hypot(p[..., 0], p[..., 1]), p[..., 2]
-    height = xp.clip(mu * radius + z, 0.0) / (1.0 + mu * mu)
+    length = xp.hypot(xp.ones_like(mu), mu)  # its square overflows in single precision from 1e19 on
+    height = xp.clip(mu * radius + z, 0.0) / length / length
     outside = (radius > mu * z) | (z < 0.0)  # without friction the cone is a ray, with nothing below
     share = xp.where(outside, mu * height / xp.where(radius > 0.0, radius, 1.0), 1.0)
     return xp.stack([p[..., 0] * share, p[..., 1] * share, xp.where(outside, height, z)], -1)

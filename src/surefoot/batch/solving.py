@@ -23,6 +23,7 @@ from surefoot.arrays import (
 )
 from surefoot.batch.derivative import BatchDerivative
 from surefoot.batch.loops import solve_range
+from surefoot.contact.blocks import MOST_FRICTION
 from surefoot.contact.derivative_rates import fitting
 from surefoot.contact.laws import LAWS, Law
 from surefoot.contact.matrix import ASYMMETRY, SINGLE_ASYMMETRY
@@ -200,10 +201,9 @@ def _read_laws(mu: ArrayLike, low: ArrayLike, high: ArrayLike, B: int, n: int) -
     for name, value in zip(names, read, strict=True):
         fitting(name, value, (B,), n)
         held = (value == -np.inf) & (name == "normal_min")
-        if (~held & (value < 0.0)).any() or (name != "normal_max" and (value == np.inf).any()):
-            raise ProblemError(
-                f"{name} must be finite and >= 0" if name != "normal_max" else f"{name} must be >= 0"
-            )
+        if (~held & (value < 0.0)).any() or (name != "normal_max" and (value > MOST_FRICTION).any()):
+            words = ">= 0" if name == "normal_max" else f"finite and >= 0, at most {MOST_FRICTION:g}"
+            raise ProblemError(f"{name} must be {words}")
     laws = np.empty((B if any(value.ndim == 2 for value in read) else 1, 3, n))
     for row, value in enumerate(read):
         laws[:, row] = value

@@ -9,6 +9,9 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 
+MOST_FRICTION = 1e150
+"""Largest friction coefficient: beyond it squares overflow, and what a cone refuses would pass."""
+
 
 @dataclass(frozen=True)
 class Blocks:
@@ -131,7 +134,7 @@ def vectors_fit(vectors: FloatArray) -> bool:
             return False
     for k in range(n):
         mu, low, high = vectors[1, k], vectors[1, n + k], vectors[1, 2 * n + k]
-        if not (0.0 <= mu < np.inf and 0.0 <= low <= high and low < np.inf):
+        if not (0.0 <= mu <= MOST_FRICTION and 0.0 <= low <= high and low < np.inf):
             return False
     return True
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, check_order, finite_array, per_contact
 from surefoot.cones import FrictionPyramid
-from surefoot.contact.blocks import Blocks, dense_blocks, vectors_fit
+from surefoot.contact.blocks import MOST_FRICTION, Blocks, dense_blocks, vectors_fit
 from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
 from surefoot.contact.matrix import checked_sparse, read_compliance, read_dense, spectral_norm
 from surefoot.contact.scales import scales_blocks, scales_dense
@@ -219,8 +219,8 @@ class ContactProblem:
         if vector.size % 3:
             raise ProblemError(f"g must have three entries per contact, got {vector.size}")
         own_mu[:] = per_contact("mu", mu, n)
-        if np.isinf(own_mu).any():
-            raise ProblemError("mu must be finite, got inf")
+        if (own_mu > MOST_FRICTION).any():
+            raise ProblemError(f"mu must be finite, at most {MOST_FRICTION:g}, got {own_mu.max():g}")
         low[:] = per_contact("normal_min", normal_min, n)
         if np.isinf(low).any():
             raise ProblemError("normal_min must be finite, got inf")

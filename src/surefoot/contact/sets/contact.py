@@ -19,6 +19,7 @@ from typing import ClassVar
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
+from surefoot.contact.blocks import MOST_FRICTION
 from surefoot.contact.scales import APPROACH
 from surefoot.errors import ProblemError
 
@@ -78,7 +79,7 @@ class ContactKind:
         if not (low < math.inf and low <= high):
             raise ProblemError(f"normal_min must be finite and <= normal_max, got {low:g} and {high:g}")
         for name in ("mu", *self._sizes):
-            real_number(name, getattr(self, name, 0.0), low=0.0, high=1e300)
+            real_number(name, getattr(self, name, 0.0), low=0.0, high=MOST_FRICTION)
 
     @property
     def coefficient(self) -> float:
