@@ -98,7 +98,7 @@ def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
     """Return the symmetric part of a sparse G (size, size), compliance (size,) on its diagonal, in CSR."""
     if G.shape != (size, size):
         raise ProblemError(f"G must have shape ({size}, {size}), got {G.shape}")
-    matrix = sp.csr_matrix(G, dtype=np.float64)
+    matrix: Any = sp.csr_matrix(G, dtype=np.float64)
     finite_array("the entries of G", matrix.data)
     largest = float(abs(matrix.data).max(initial=0.0))
     with np.errstate(over="ignore"):
