@@ -98,7 +98,7 @@ def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
     """Return the symmetric part of a sparse G (size, size), compliance (size,) on its diagonal, in CSR."""
     if G.shape != (size, size):
         raise ProblemError(f"G must have shape ({size}, {size}), got {G.shape}")
-    matrix: Any = sp.csr_matrix(G, dtype=np.float64)
+    matrix = sp.csr_matrix(G, dtype=np.float64)
     finite_array("the entries of G", matrix.data)
     largest = float(abs(matrix.data).max(initial=0.0))
     with np.errstate(over="ignore"):
@@ -117,9 +117,9 @@ def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
     if over.any():
         k = int(np.argmax(over))
         raise ProblemError(_indefinite(int(entries.row[k]), int(entries.col[k]), matrix.tocsr()))
-    rows = np.arange(size).reshape(-1, 3)
-    blocks = matrix.tocsr()[np.repeat(rows, 3, axis=1), np.tile(rows, 3)].toarray().reshape(-1, 3, 3)
-    blocks /= largest or 1.0  # no cube overflows or vanishes
+    near = entries.row // 3 == entries.col // 3
+    blocks, i, j = np.zeros((size // 3, 3, 3)), entries.row[near], entries.col[near]
+    blocks[i // 3, i % 3, j % 3] = entries.data[near] / (largest or 1.0)  # no cube overflows or vanishes
     sunk = np.linalg.det(blocks + limit * np.eye(3)) < -1e-14 * np.trace(blocks, axis1=1, axis2=2) ** 3
     if sunk.any():
         raise ProblemError(_indefinite(3 * int(np.argmax(sunk)), 3 * int(np.argmax(sunk)) + 3, matrix))
