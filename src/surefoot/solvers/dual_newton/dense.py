@@ -38,7 +38,7 @@ PATH_START, PATH_STEP, PATH_TOLERANCE, STAGE = 0.002, 0.05, 1e-6, 10.0
 a stage, and the most steps of one."""
 
 
-class Memory(NamedTuple):
+class DenseMemory(NamedTuple):
     """The program and where the method is; see `minimise`.
 
     Attributes
@@ -61,7 +61,7 @@ class Memory(NamedTuple):
 
 
 @kernel
-def _project(memory: Memory, t: float) -> None:
+def _project(memory: DenseMemory, t: float) -> None:
     """Set POINT to OLD + t STEP, and VALUE to its projection."""
     sets, points, contacts = memory.sets, memory.points, memory.contacts
     for i in range(points.shape[1]):
@@ -78,7 +78,7 @@ def _project(memory: Memory, t: float) -> None:
 
 
 @kernel
-def _pull_back(memory: Memory, y: FloatArray, kappa: float) -> None:
+def _pull_back(memory: DenseMemory, y: FloatArray, kappa: float) -> None:
     """Set STEP to [Bᵀ; -Lᵀ] y / kappa."""
     columns, sets, points, contacts = memory.columns, memory.sets, memory.points, memory.contacts
     rho = 1.0 / kappa
@@ -90,7 +90,7 @@ def _pull_back(memory: Memory, y: FloatArray, kappa: float) -> None:
 
 
 @kernel
-def _gradient(memory: Memory, t: float) -> float:
+def _gradient(memory: DenseMemory, t: float) -> float:
     """Move the points to OLD + t STEP, set GRADIENT to y + B f - L q - b there and return its square."""
     _project(memory, t)
     columns, sets, points, contacts = memory.columns, memory.sets, memory.points, memory.contacts
@@ -126,7 +126,7 @@ def _add_sum(H: FloatArray, columns: FloatArray, i: int, x: float, y: float, z: 
 
 
 @kernel
-def _assemble(memory: Memory, kappa: float) -> None:
+def _assemble(memory: DenseMemory, kappa: float) -> None:
     """Set the lower triangle of H to kappa I + the curvature of the contacts and intervals."""
     columns, sets, points, contacts = memory.columns, memory.sets, memory.points, memory.contacts
     H, spare = memory.H, memory.duals[SPARE]
@@ -164,7 +164,7 @@ def _solve(H: FloatArray, x: FloatArray) -> None:
 
 
 @inline_kernel
-def _enter(memory: Memory, y: FloatArray, kappa: float) -> tuple[FloatArray, float]:
+def _enter(memory: DenseMemory, y: FloatArray, kappa: float) -> tuple[FloatArray, float]:
     """Place the points and evaluate; see `method.Form`, here and below. y, F and d are rows of `duals`."""
     points = memory.points
     _pull_back(memory, y, kappa)
@@ -174,7 +174,7 @@ def _enter(memory: Memory, y: FloatArray, kappa: float) -> tuple[FloatArray, flo
 
 
 @kernel
-def _direction(memory: Memory, F: FloatArray, kappa: float) -> tuple[FloatArray, float]:
+def _direction(memory: DenseMemory, F: FloatArray, kappa: float) -> tuple[FloatArray, float]:
     points, d = memory.points, memory.duals[DIRECTION]
     _assemble(memory, kappa)
     for a in range(d.size):
@@ -189,7 +189,7 @@ def _direction(memory: Memory, F: FloatArray, kappa: float) -> tuple[FloatArray,
 
 @kernel
 def _take(
-    memory: Memory, y: FloatArray, d: FloatArray, kappa: float, t: float, before: float
+    memory: DenseMemory, y: FloatArray, d: FloatArray, kappa: float, t: float, before: float
 ) -> tuple[FloatArray, FloatArray, float, float]:
     F = memory.duals[GRADIENT]
     advance(y, t - before, d)
@@ -198,13 +198,13 @@ def _take(
 
 
 @inline_kernel
-def _line(memory: Memory, y: FloatArray, d: FloatArray) -> tuple[float, float]:
+def _line(memory: DenseMemory, y: FloatArray, d: FloatArray) -> tuple[float, float]:
     # of y - b, the part of F that is affine in t: along d its product with d grows by ||d||² a full step
     return dot(y, d) - dot(memory.duals[TARGET], d), dot(d, d)
 
 
 @inline_kernel
-def _derivative(line: tuple[Memory, float, float, float], t: float) -> float:
+def _derivative(line: tuple[DenseMemory, float, float, float], t: float) -> float:
     memory, kappa, ahead, curve = line
     points = memory.points
     _project(memory, t)
@@ -212,18 +212,18 @@ def _derivative(line: tuple[Memory, float, float, float], t: float) -> float:
 
 
 @kernel
-def _noise_floor(memory: Memory) -> float:
+def _noise_floor(memory: DenseMemory) -> float:
     """Return the square of the rounding error of the gradient."""
     return memory.noise * dot(memory.points[POINT], memory.points[POINT])
 
 
 @inline_kernel
-def _rounding(memory: Memory, progress: Progress, tol: float) -> bool:
+def _rounding(memory: DenseMemory, progress: Progress, tol: float) -> bool:
     return progress.steps > 0 and progress.error <= _noise_floor(memory)
 
 
 @kernel
-def _predict(memory: Memory, y: FloatArray, kappa: float, smaller: float) -> FloatArray:
+def _predict(memory: DenseMemory, y: FloatArray, kappa: float, smaller: float) -> FloatArray:
     """Return the solution for the smaller weight if no contact changes its face."""
     m, H, spare = y.size, memory.H, memory.duals[GRADIENT]
     _assemble(memory, kappa)
@@ -245,7 +245,7 @@ FORM = Form(_enter, _direction, _take, _line, _derivative, _rounding, _predict)
 
 @kernel
 def _newton(
-    memory: Memory, y: FloatArray, F: FloatArray, error: float, kappa: float, tol: float, limit: float,
+    memory: DenseMemory, y: FloatArray, F: FloatArray, error: float, kappa: float, tol: float, limit: float,
     patience: float,
 ) -> tuple[FloatArray, FloatArray, float, int]:  # fmt: skip
     return descend(FORM, STEPS, memory, y, F, error, kappa, tol, limit, patience)
@@ -278,7 +278,7 @@ def minimise(
     for i in range(columns.shape[0]):
         norm += dot(columns[i], columns[i])
     contacts, y = columns.shape[0] // 3, duals[DUAL]
-    memory = Memory(columns, sets, points, duals, H, contacts, ROUNDING * norm)
+    memory = DenseMemory(columns, sets, points, duals, H, contacts, ROUNDING * norm)
     count, error = 0, math.inf
     if warm:
         F, error = _enter(memory, y, 1.0)

@@ -49,7 +49,7 @@ POINT, OLD, MOVE, FORCE, CENTRE, BOUNDS = 0, 1, 2, 3, 4, 5
 GRADIENT, DIRECTION, MOTION, CHANGE, SLOPE, NOTHING = 0, 1, 2, 3, 4, 5
 
 
-class Memory(NamedTuple):
+class HorizonMemory(NamedTuple):
     """The program, see `newton`, and where the method is.
 
     Attributes
@@ -83,7 +83,7 @@ def _project(places: FloatArray, i: int, x: float, y: float, z: float) -> Three:
 
 
 @inline_kernel
-def _pull_back(memory: Memory, y: FloatArray, rho: float, origin: int, out: int) -> None:
+def _pull_back(memory: HorizonMemory, y: FloatArray, rho: float, origin: int, out: int) -> None:
     """Set row `out` of the places to -Mᵀ y / ρ, plus row `origin` if that is not negative."""
     M, places = memory.M, memory.places
     for i in range(memory.step.size):
@@ -96,7 +96,7 @@ def _pull_back(memory: Memory, y: FloatArray, rho: float, origin: int, out: int)
 
 
 @inline_kernel
-def _push(memory: Memory, x: FloatArray, i: int, f: Three, sign: float) -> None:
+def _push(memory: HorizonMemory, x: FloatArray, i: int, f: Three, sign: float) -> None:
     """Add the accelerations of a force on contact i, times a sign, to x (6 N,)."""
     M, at = memory.M, 6 * memory.step[i]
     for j in range(6):
@@ -113,7 +113,7 @@ def _add_outer(G: FloatArray, m: FloatArray, x: float, y: float, z: float) -> No
 
 
 @kernel
-def _assemble(memory: Memory, rho: float) -> None:
+def _assemble(memory: HorizonMemory, rho: float) -> None:
     """Fill the blocks M Π' Mᵀ / ρ, Π' the projections' Jacobian at the points."""
     M, places, blocks = memory.M, memory.places, memory.blocks
     blocks[:] = 0.0
@@ -136,7 +136,7 @@ def _assemble(memory: Memory, rho: float) -> None:
 
 
 @kernel
-def _begin(memory: Memory, a: FloatArray, rho: float) -> None:
+def _begin(memory: HorizonMemory, a: FloatArray, rho: float) -> None:
     """Fill a with the motion of the program linearised at guessed points; the points become those of it.
 
     A guess says which contacts stick, slide or are unloaded; if it is right, this is already a Newton step
@@ -163,7 +163,7 @@ def _begin(memory: Memory, a: FloatArray, rho: float) -> None:
 
 
 @kernel
-def _evaluate(memory: Memory, a: FloatArray, rho: float) -> float:
+def _evaluate(memory: HorizonMemory, a: FloatArray, rho: float) -> float:
     """Fill the forces at the points and F = a - M f; return Fᵀ P F / ρ, the squared error bound."""
     places, F = memory.places, memory.vectors[GRADIENT]
     for i in range(F.size):
@@ -176,13 +176,13 @@ def _evaluate(memory: Memory, a: FloatArray, rho: float) -> float:
 
 
 @inline_kernel
-def _enter(memory: Memory, a: FloatArray, rho: float) -> tuple[FloatArray, float]:
+def _enter(memory: HorizonMemory, a: FloatArray, rho: float) -> tuple[FloatArray, float]:
     """Evaluate at the points as they are; see `method.Form`, here and below, with a for y."""
     return memory.vectors[GRADIENT], _evaluate(memory, a, rho)
 
 
 @kernel
-def _direction(memory: Memory, F: FloatArray, rho: float) -> tuple[FloatArray, float]:
+def _direction(memory: HorizonMemory, F: FloatArray, rho: float) -> tuple[FloatArray, float]:
     places, d, z = memory.places, memory.vectors[DIRECTION], memory.vectors[CHANGE]
     motions = memory.motions
     _assemble(memory, rho)
@@ -200,7 +200,7 @@ def _direction(memory: Memory, F: FloatArray, rho: float) -> tuple[FloatArray, f
 
 @kernel
 def _take(
-    memory: Memory, a: FloatArray, d: FloatArray, rho: float, t: float, before: float
+    memory: HorizonMemory, a: FloatArray, d: FloatArray, rho: float, t: float, before: float
 ) -> tuple[FloatArray, FloatArray, float, float]:
     places, F = memory.places, memory.vectors[GRADIENT]
     advance(a, t - before, memory.vectors[CHANGE])
@@ -212,12 +212,12 @@ def _take(
 
 
 @inline_kernel
-def _line(memory: Memory, a: FloatArray, d: FloatArray) -> tuple[float, float]:
+def _line(memory: HorizonMemory, a: FloatArray, d: FloatArray) -> tuple[float, float]:
     return dot(a, d), dot(memory.vectors[CHANGE], d)
 
 
 @inline_kernel
-def _derivative(line: tuple[Memory, float, float, float], t: float) -> float:
+def _derivative(line: tuple[HorizonMemory, float, float, float], t: float) -> float:
     memory, rho, ahead, curve = line
     places, total = memory.places, 0.0
     for i in range(memory.step.size):
@@ -230,12 +230,12 @@ def _derivative(line: tuple[Memory, float, float, float], t: float) -> float:
 
 
 @inline_kernel
-def _rounding(memory: Memory, progress: Progress, tol: float) -> bool:
+def _rounding(memory: HorizonMemory, progress: Progress, tol: float) -> bool:
     return progress.idle > IDLE and progress.best < ROUNDING * tol
 
 
 @inline_kernel
-def _predict(memory: Memory, a: FloatArray, rho: float, smaller: float) -> FloatArray:
+def _predict(memory: HorizonMemory, a: FloatArray, rho: float, smaller: float) -> FloatArray:
     """Return the motion for the smaller weight if no contact changes its face."""
     _begin(memory, a, smaller)
     return a
@@ -246,14 +246,14 @@ FORM = Form(_enter, _direction, _take, _line, _derivative, _rounding, _predict)
 
 @kernel
 def _newton(
-    memory: Memory, a: FloatArray, F: FloatArray, error: float, rho: float, tol: float, limit: float,
+    memory: HorizonMemory, a: FloatArray, F: FloatArray, error: float, rho: float, tol: float, limit: float,
     patience: float,
 ) -> tuple[FloatArray, FloatArray, float, int]:  # fmt: skip
     return descend(FORM, STEPS, memory, a, F, error, rho, tol, limit, patience)
 
 
 @kernel
-def _solve(memory: Memory, rho: float, goal: float, patience: int, limit: int) -> tuple[int, float]:
+def _solve(memory: HorizonMemory, rho: float, goal: float, patience: int, limit: int) -> tuple[int, float]:
     """Solve from the points as they are; return the steps and the error, see `newton`."""
     a, places, largest = memory.vectors[MOTION], memory.places, 0.0
     _begin(memory, a, rho)
@@ -325,7 +325,7 @@ def newton(
     N, contacts = q.shape[0], step.size
     places, motions = np.empty((6, contacts, 3)), np.zeros((6, N, 6))
     vectors = motions.reshape((6, 6 * N))
-    memory = Memory(cost, M, step, places, vectors, motions, np.empty((N, 6, 6)))
+    memory = HorizonMemory(cost, M, step, places, vectors, motions, np.empty((N, 6, 6)))
     motions[SLOPE] = q
     warm = False
     for i in range(contacts):
