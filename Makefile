@@ -11,7 +11,7 @@ TRIM = rm -rf $(PREFIX)/include $(PREFIX)/share/cmake
 ARMS := alex allegro_hand asr_twodof baxter borinot hextilt iris pr2 so_arm tiago tiago_pro xarm
 PYTEST := $(BIN)/python -m pytest -n 2 --dist loadgroup -q
 .DEFAULT_GOAL := help
-.PHONY: help setup stand lint test test-all test-extras test-release bench docs clean
+.PHONY: help setup stand lint test quick test-all test-extras test-release bench docs clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -45,7 +45,11 @@ lint: setup ## ruff, mypy strict, import-linter
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-test: lint ## lint, then every test that is not long: minutes
+test: setup ## lint beside every test that is not long: minutes
+	@$(MAKE) --no-print-directory -j2 lint quick
+
+# what `make test` runs beside lint, whose type checker has one thread
+quick: setup
 	$(PYTEST) -m "not long"
 
 test-all: test ## what `make test` runs, then the long tests: hunts, long walks, whole pages

@@ -50,7 +50,7 @@ def redundant() -> Problems:
     return go2_like(10, 3, rigid=True)
 
 
-@pytest.fixture(scope="session", params=["coulomb", "convex"])
+@pytest.fixture(scope="session", params=["coulomb", pytest.param("convex", marks=pytest.mark.long)])
 def solved(request: pytest.FixtureRequest, problems: Problems) -> tuple[str, list[ContactSolution]]:
     """The law, and the solutions of `problems` by `surefoot.solve`."""
     law = request.param

@@ -1,10 +1,10 @@
-"""The forces benchmark: its instances, its judgement of rivals and its table."""
+"""The forces benchmark: its rivals and its judgement of them."""
 
 import numpy as np
 import pytest
 
 import surefoot as sf
-from benchmarks.forces.race import best_known, judge, run_all, run_ours
+from benchmarks.forces.race import best_known, judge, run_ours
 from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, available
 from benchmarks.problems.allocation_program import objective, program
 from benchmarks.problems.allocations import CLASSES, four_feet
@@ -39,16 +39,3 @@ def test_a_wrong_answer_is_not_counted_as_solved():
     row = judge("x", "exact", "near-boundary", False, np.ones(4), programs, wrong, best, exact, 0.0)
     assert row.solved == 0.25
     assert row.distance_worst == 0.0
-
-
-@pytest.mark.long
-def test_table():
-    rows = run_all(2, 4)
-    assert {r.instances for r in rows} == {*CLASSES, "trajectory"}
-    ours = [r for r in rows if r.solver == "Surefoot"]
-    assert all(r.solved == 1.0 and r.cone_violation <= 1e-9 for r in ours)
-    assert sum(r.warm for r in ours) == 1
-    inner = [r for r in rows if r.cone == "4 inner"]
-    outer = [r for r in rows if r.cone == "4 outer" and r.instances == "infeasible-wrench"]
-    assert all(r.lost_friction == pytest.approx(0.2929, abs=1e-4) for r in inner)
-    assert all(r.cone_violation > 1.0 for r in outer)

@@ -43,7 +43,7 @@ QUICK_PAGES = (
     "jacobians.md", "contact-files.md", "contact-sequences.md", "translate.md", "audit.md", "lab.md",
 )  # fmt: skip
 """Pages whose commands take seconds: they run in `make test`, those of the others in `make test-all`."""
-LONG_COMMANDS = ("bench", "plan", "sweep", "warmup")
+LONG_COMMANDS = ("bench", "plan", "sweep", "walk", "warmup")
 """What takes long on any page."""
 
 

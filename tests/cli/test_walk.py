@@ -12,6 +12,7 @@ from surefoot.cli.main import main
 from surefoot.log.formats import read_log
 
 QUICK = ("--duration", "1.2", "--no-video")
+ALIKE = ("a1", "anymal_c", "b1", "go1", "laikago")
 
 
 def test_walk_writes_everything(tmp_path: Path, printed: Any) -> None:
@@ -30,7 +31,9 @@ def test_walk_writes_everything(tmp_path: Path, printed: Any) -> None:
     assert "The three laws" in report
 
 
-@pytest.mark.parametrize("robot", ["a1", "anymal_c", "b1", "centauro", "go1", "hyq", "laikago", "solo8"])
+@pytest.mark.parametrize(
+    "robot", ["centauro", "hyq", "solo8", *(pytest.param(name, marks=pytest.mark.long) for name in ALIKE)]
+)
 def test_every_quadruped_walks_as_a_new_user_calls_it(robot: str, tmp_path: Path, printed: Any) -> None:
     said = printed("walk", robot, "--duration", "2.0", "--no-video", "--no-report", "--out", tmp_path)
     assert f"{robot} walked for 2.00 s" in said

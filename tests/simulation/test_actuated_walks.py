@@ -17,7 +17,9 @@ from surefoot.simulation.sensors import SensorModel
 from tests.simulation.walks import GO2, REAL, WHOLE, walk
 
 
-@pytest.mark.parametrize(("speed", "world"), [(0.5, "mujoco"), (1.0, "mujoco"), (0.5, "rigid")])
+@pytest.mark.parametrize(
+    ("speed", "world"), [pytest.param(0.5, "mujoco", marks=pytest.mark.long), (1.0, "mujoco"), (0.5, "rigid")]
+)
 def test_a_trot_with_real_actuators_keeps_every_limit(speed: float, world: str) -> None:
     walked = {"world": WHOLE | {"name": world}, "sensors": SensorModel(), "seed": 1}
     log, summary = walk(speed, 4.0, settings=WalkSettings(actuators=REAL), **walked)

@@ -28,7 +28,6 @@ def estimated(*words: Any, sensors: SensorModel = ORDINARY, **options: Any) -> t
 @pytest.mark.parametrize(
     ("world", "speed", "terrain", "seed"),
     [
-        ("mujoco", 0.5, None, 1),
         ("mujoco", 1.0, None, 2),
         ("mujoco", 0.4, SlopeTerrain(10.0), 3),
         ("rigid", 0.5, None, 4),

