@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 from surefoot.cli import commands, warmup
 from surefoot.cli.main import main
+from surefoot.compilation.cache import _KernelFiles
 
 
 def test_its_commands_are_commands_and_leave_nothing(
@@ -69,3 +71,11 @@ def test_after_it_walks_and_plans_compile_nothing(tmp_path: Path) -> None:
         [sys.executable, "-c", LOADED, *commands], cwd=tmp_path, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr[-2000:]
+
+
+def test_an_index_that_names_a_type_which_has_gone_is_that_of_older_code(tmp_path: Path) -> None:
+    files = _KernelFiles(str(tmp_path), "kernel", "now")
+    (tmp_path / "kernel.nbi").write_bytes(pickle.dumps(files._version) + b"csurefoot.arrays\nGone\n.")
+    assert files.load("types") is None
+    files.save("types", 1)
+    assert files._load_index().keys() == {"types"}

@@ -56,6 +56,13 @@ class _KernelFiles(IndexDataCacheFile):  # type: ignore[misc]
     most of the time to load, and no kernel asks for it: a caller compiles its whole tree.
     """
 
+    def _load_index(self) -> Any:
+        # Numba reads an index whole before it asks what code it is of: an earlier one may name types that
+        # have gone or moved.
+        with contextlib.suppress(AttributeError, ImportError):
+            return super()._load_index()
+        return {}
+
     def _load_data(self, name: str) -> Any:
         with open(self._data_path(name), "rb") as file:
             library, described, *more = _Unpickler(file).load()
