@@ -96,6 +96,18 @@ def test_a_slope_leaves_less_the_steeper_it_is(degrees: float, most: float) -> N
     assert not out.notes or "leaves 14 % of the friction 0.54" in out.notes[0]
 
 
+def test_slopes_of_a_ground_of_ones_own_bound_speed_as_a_plane_does() -> None:
+    class Ramp(Terrain):
+        steepness = math.tan(math.radians(25.0))  # type: ignore[assignment]
+
+        def height(self, xy: np.ndarray) -> np.ndarray:  # type: ignore[override]
+            return np.maximum(self.steepness * (np.asarray(xy)[..., 0] - 1.0), 0.0)
+
+    command = VelocityCommand.constant(0.4)
+    out, plane = limits(Ramp()).limit(command), limits(SlopeTerrain(25.0)).limit(command)
+    assert out.notes == plane.notes
+
+
 def test_too_little_friction_stops_it() -> None:
     outs = [limits(SlopeTerrain(20.0), mu=mu).limit(VelocityCommand.constant(0.4)) for mu in (0.3, 0.0)]
     assert not any(out.command.values.any() for out in outs)

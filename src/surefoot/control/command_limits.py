@@ -284,7 +284,7 @@ def ground_left(terrain: Terrain, mu: float, height: float) -> GroundLimit:
     steepness = terrain.steepness
     if steepness <= 1e-9:
         return GroundLimit(np.array([0.0, 0.0, 1.0]), math.inf, "")
-    if not terrain.planar:
+    if terrain.highest_step > 0.0 and not terrain.planar:
         fastest = step_speed(terrain, height)
         reason = f"steps of {1e3 * terrain.highest_step:.0f} mm are taken at up to {fastest:.2g} m/s"
         if steepness > STEEP_STAIRS:
