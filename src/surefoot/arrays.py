@@ -72,6 +72,23 @@ def finite_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None
     return array
 
 
+def semidefinite(name: str, value: ArrayLike, size: int) -> FloatArray:
+    """Return `value` as a symmetric positive semidefinite (size, size) matrix.
+
+    Raises
+    ------
+    ProblemError
+        If it is none, beyond rounding; the message says what is amiss.
+    """
+    matrix = finite_array(name, value, (size, size))
+    scale = max(float(np.abs(matrix).max(initial=0.0)), 1e-300)
+    if np.abs(matrix - matrix.T).max(initial=0.0) > 1e-12 * scale:
+        raise ProblemError(f"{name} must be symmetric")
+    if size and np.linalg.eigvalsh(matrix)[0] < -1e-10 * scale:
+        raise ProblemError(f"{name} must be positive semidefinite")
+    return matrix.copy()
+
+
 def real_number(name: str, value: float, *, low: float = -np.inf, high: float = np.inf) -> float:
     """Return `value` as a float within [low, high]; NaN is refused.
 

@@ -270,6 +270,12 @@ def test_doubt_widens_and_wrong_input_is_refused() -> None:
     np.testing.assert_allclose(filter.covariance[3:6, 3:6], before + 0.3**2 * np.eye(3))
     with pytest.raises(ProblemError, match="rotation must be a rotation matrix"):
         filter.reset(np.diag([1.0, 1.0, -1.0]))
+    for entry, value in (((0, 1), 0.5), ((2, 2), -1.0), ((3, 3), np.nan)):
+        covariance = np.eye(15)
+        covariance[entry] = value
+        with pytest.raises(ProblemError, match="covariance"):
+            filter.reset(position=(1.0, 0.0, 0.0), covariance=covariance)
+    assert not filter.position.any()
     with pytest.raises(ProblemError, match="feet must be"):
         InvariantFilter(0)
     with pytest.raises(ProblemError, match="gyro must be"):

@@ -18,7 +18,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, semidefinite, whole_number
 from surefoot.errors import ProblemError
 from surefoot.estimation import inekf_kernels as kernels
 from surefoot.estimation.live_arrays import Bound
@@ -155,15 +155,16 @@ class InvariantFilter(Bound):
         Raises
         ------
         ProblemError
-            For wrong shapes and what is no rotation.
+            For wrong shapes, what is no rotation, and a covariance that is not symmetric and positive
+            semidefinite. The filter stays as it was.
         """
         R = np.eye(3) if rotation is None else finite_array("rotation", rotation, (3, 3))
         if np.abs(R @ R.T - np.eye(3)).max() > 1e-6 or np.linalg.det(R) < 0.0:
             raise ProblemError("rotation must be a rotation matrix")
         v, p = finite_array("velocity", velocity, (3,)), finite_array("position", position, (3,))
-        self.X[:] = np.column_stack([R, v, p, np.zeros((3, self.n))])
+        small = self._start(v, p) if covariance is None else semidefinite("covariance", covariance, 15)
         self.bias[:] = np.zeros(6) if bias is None else finite_array("bias", bias, (6,))
-        small = self._start(v, p) if covariance is None else finite_array("covariance", covariance, (15, 15))
+        self.X[:] = np.column_stack([R, v, p, np.zeros((3, self.n))])
         # Feet lie between the place and the biases. Without feet their rows are zero, as they are for those
         # in the air: a foot that lands gets its covariance from the place's.
         known = np.r_[0:9, 9 + 3 * self.n : 15 + 3 * self.n]

@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number, semidefinite
 from surefoot.errors import ProblemError
 from surefoot.planning.shooting.cost_terms import FootTable, JointTable, StateTable, Tables, TorqueTable
 from surefoot.robot import Robot
@@ -92,7 +92,7 @@ class TorqueCost:
         m = robot.joints
         R = np.diag(_spread("torque weights", self.weights, (m,), low=0.0))
         if self.matrix is not None:
-            R = R + _semidefinite("torque matrix", self.matrix, m)
+            R = R + semidefinite("torque matrix", self.matrix, m)
         if m and np.linalg.eigvalsh(R)[0] <= 0.0:
             raise ProblemError("torque weights must be positive: the inputs' Hessian has no inverse without")
         return R, _spread("wanted torques", self.wanted, (knots, m))
@@ -153,7 +153,7 @@ class JointCost:
         low, high = (x[model.nq - m :] for x in (model.lowerPositionLimit, model.upperPositionLimit))
         most = model.velocityLimit[model.nv - m :]
         bounds = np.array([np.r_[low, -most], np.r_[high, most]])
-        C = np.zeros((0, 0)) if self.coupling is None else _semidefinite("coupling", self.coupling, 2 * m)
+        C = np.zeros((0, 0)) if self.coupling is None else semidefinite("coupling", self.coupling, 2 * m)
         return bounds, weights, C
 
 
@@ -197,14 +197,3 @@ def _spread(name: str, value: ArrayLike, shape: tuple[int, ...], low: float = -n
     if array.size and array.min() < low:
         raise ProblemError(f"{name} must be >= {low:g}, got {array.min():g}")
     return np.ascontiguousarray(np.broadcast_to(array, shape)).copy()
-
-
-def _semidefinite(name: str, value: ArrayLike, size: int) -> FloatArray:
-    """Return a symmetric positive semidefinite matrix."""
-    matrix = finite_array(name, value, (size, size))
-    scale = max(float(np.abs(matrix).max(initial=0.0)), 1e-300)
-    if np.abs(matrix - matrix.T).max(initial=0.0) > 1e-12 * scale:
-        raise ProblemError(f"{name} must be symmetric")
-    if size and np.linalg.eigvalsh(matrix)[0] < -1e-10 * scale:
-        raise ProblemError(f"{name} must be positive semidefinite")
-    return matrix.copy()
