@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import surefoot as sf
 from surefoot.audit.estimate import EstimateErrors, estimate_errors
@@ -209,6 +210,19 @@ def test_start_and_wrong_input(robot: Robot) -> None:
         WatchSettings(patience=0.0)
     with pytest.raises(ProblemError, match="no estimated state"):
         estimate_errors(log_of(TROT))
+
+
+def test_a_heading_that_is_wrong_by_more_than_half_a_turn_has_grown_by_that_much() -> None:
+    """From 170 to 190 degrees while the robot turns on, and the estimate leans by a degree."""
+    q, yaw = np.zeros((2, 21, 7)), np.radians(np.linspace(0.0, 60.0, 21))
+    off = np.radians(np.linspace(170.0, 190.0, 21))
+    q[0, :, 3:] = Rotation.from_euler("z", yaw[:, None]).as_quat()
+    lean = Rotation.from_rotvec(np.radians([1.0, 0.0, 0.0]))
+    q[1, :, 3:] = (lean * Rotation.from_euler("z", (yaw + off)[:, None])).as_quat()
+    still = np.zeros((21, 6))
+    log = Log({"time": yaw, "q": q[0], "v": still, "q_estimated": q[1], "v_estimated": still})
+    found = estimate_errors(log)
+    assert (found.heading_deg, found.tilt_rms_deg) == pytest.approx((20.0, 1.0))
 
 
 @pytest.mark.parametrize(("pitch", "believed"), [(0.0, True), (0.15, False)])

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
 from surefoot.audit.summary import StepTimes
 from surefoot.errors import ProblemError
 from surefoot.log import Log
@@ -54,6 +53,8 @@ def estimate_errors(log: Log) -> EstimateErrors:
     ProblemError
         If the log has no estimate, or no rows.
     """
+    from scipy.spatial.transform import Rotation  # takes 0.1 s
+
     if "q_estimated" not in log or "v_estimated" not in log or len(log) == 0:
         raise ProblemError("the log has no estimated state")
     # Each in its own base's axes: what the attitude is wrong by does not count as an error of velocity again.
@@ -63,25 +64,21 @@ def estimate_errors(log: Log) -> EstimateErrors:
     # so the growth of their errors counts. Gravity shows tilt: its error is taken as it is.
     drift = float(np.linalg.norm(place[-1] - place[0]))
     way = float(np.linalg.norm(np.diff(log["q"][:, :2], axis=0), axis=1).sum())
-    turned = _turns(log)
+    true, estimated = (Rotation.from_quat(log[name][:, 3:7]) for name in ("q", "q_estimated"))
+    # The attitude's error as a turn about the vertical and one about a level axis. The heading's may grow
+    # beyond half a turn, where that of a rotation vector jumps back by a whole one.
+    x, y, z, w = (estimated * true.inv()).as_quat().T
+    tilt, heading = 2.0 * np.arctan2(np.hypot(x, y), np.hypot(z, w)), np.unwrap(2.0 * np.arctan2(z, w))
     time = 1e6 * np.asarray(log["estimator_time"]) if "estimator_time" in log else np.full(1, np.nan)
     return EstimateErrors(
         velocity_rms=float(np.sqrt(np.mean(velocity**2))),
         velocity_max=float(velocity.max()),
         drift=drift,
         drift_share=drift / way if way >= SHORTEST_WAY else None,
-        tilt_rms_deg=float(np.degrees(np.sqrt(np.mean((turned[:, :2] ** 2).sum(axis=1))))),
-        heading_deg=float(np.degrees(turned[-1, 2] - turned[0, 2])),
+        tilt_rms_deg=float(np.degrees(np.sqrt(np.mean(tilt**2)))),
+        heading_deg=float(np.degrees(heading[-1] - heading[0])),
         step_us=StepTimes.of(time),
     )
-
-
-def _turns(log: Log) -> FloatArray:
-    """Return the rotation vectors from the true to the estimated attitude, world axes: (T, 3) [rad]."""
-    from scipy.spatial.transform import Rotation  # takes 0.1 s
-
-    true, estimated = (Rotation.from_quat(log[name][:, 3:7]) for name in ("q", "q_estimated"))
-    return np.asarray((estimated * true.inv()).as_rotvec())
 
 
 LAST = 1.0
