@@ -8,8 +8,10 @@ import pytest
 import surefoot as sf
 from benchmarks.work_precision import PERIOD, motions
 from surefoot.collision import Box
+from surefoot.errors import SimulationError
 from surefoot.simulation.bodies import ball, box
 from surefoot.spatial import GRAVITY
+from surefoot.terrain import Terrain
 from tests.moving import advance, lifted
 
 MOTIONS = {motion.name: motion for motion in motions()}
@@ -63,6 +65,29 @@ def test_a_step_is_one_step_to_whoever_looks() -> None:
     assert world.control.error <= 1e-4
     world.reset(q)
     assert world.control.taken == 0
+
+
+def test_a_lost_step_spends_nothing_of_the_error_and_may_be_tried_again() -> None:
+    """The ground ends 5 cm ahead of a ball that is pushed back, at the first attempt or the second."""
+
+    class Hole(Terrain):
+        def height(self, xy: np.ndarray) -> np.ndarray:
+            return np.where(np.asarray(xy)[..., 0] < 0.3, 0.0, np.nan)
+
+    worlds = [sf.RigidWorld(ball(1.0, 0.1), Hole(), dt=0.03, tol=1e-4) for _ in range(2)]
+    for world in worlds:
+        world.reset(lifted(world.robot.nominal, 0.01), np.array([5.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+        world.step(np.zeros(0))
+        world.step(np.zeros(0), np.array([-100.0, 0.0, 0.0]))
+    with pytest.raises(SimulationError, match="gap between feet and ground"):
+        worlds[0].step(np.zeros(0), np.array([200.0, 0.0, 0.0]))
+    with pytest.raises(sf.ProblemError, match="torques must have shape"):
+        worlds[0].step(np.zeros(3))
+    assert worlds[0].stepper.options.dt == 0.03
+    for world in worlds:
+        world.step(np.zeros(0), np.array([-200.0, 0.0, 0.0]))
+    one, other = ((*world.state(), world.control.error, world.control.taken) for world in worlds)
+    assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
 
 
 def test_scenes_take_a_stated_error_too() -> None:

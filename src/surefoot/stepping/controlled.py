@@ -74,6 +74,7 @@ class ErrorControl:
     ) -> Step:
         """Return the step of the whole dt; see `Stepper.step`. Its pieces are the parts that were kept."""
         self._begin, left, kept, whole = state, self._options.dt, list[Step](), None
+        self._before = self._left, self._length, self._last, self.error, self.taken, self.refused
         given = torques, push, mu
         while left > 0.0:
             h = left if self._length >= left else max(min(self._length, 0.5 * left), SHORTEST)
@@ -93,23 +94,26 @@ class ErrorControl:
             self.error, self.taken = self.error + way, self.taken + 1
             state, whole, left, self._last = second.state, None, left - h, half
             kept += [first, second]
-        self.stepper.options = self._options
         return self._joined(kept)
 
     def _part(
         self, state: State, h: float, last: float, torques: FloatArray, push: FloatArray | None, mu: float
     ) -> Step:
         """Return a step of h [s] behind one of `last` [s]."""
-        self.stepper.options = replace(self._options, dt=h)
         if state.memory is not None:
             state = state._replace(memory=state.memory._replace(pace=2.0 * h / (h + last)))
+        self.stepper.options = replace(self._options, dt=h)
         try:
             return self.stepper.step(state, torques, push, mu)
         except SimulationError as lost:
-            # The world stays where its whole step began. Parts count as steps of a dt of their own and know
-            # no time: what is told is the whole step's, but for the joint that was fast in the part.
+            what = lost.what
+        finally:
             self.stepper.options = self._options
-            raise self.stepper.told(lost.what, state._replace(steps=self._begin.steps)) from None
+        # The world stays where its whole step began, and so does what was spent. Parts count as steps of a dt
+        # of their own and know no time: what is told is the whole step's, but for the joint that was fast in
+        # the part.
+        self._left, self._length, self._last, self.error, self.taken, self.refused = self._before
+        raise self.stepper.told(what, state._replace(steps=self._begin.steps))
 
     def _apart(self, whole: State, halves: State) -> tuple[float, float]:
         """Return how far two ends are apart: positions [m, rad] and velocities [m/s, rad/s]."""
