@@ -41,14 +41,15 @@ H, C, E, WANTED = range(14, 18)
 # and push along the rows (3p, nv)
 OFFSET, GAIN, ROOT, TARGET, MAP, ROWS = range(18, 24)
 # contacts: normals, arms and touching points of the feet (n, 3), frames (p, 3, 3) and places (p, 3) of points
-NORMALS, ARMS, TOUCHING, FRAMES, SPOTS, END = range(24, 30)
+NORMALS, ARMS, TOUCHING, FRAMES, SPOTS = range(24, 29)
 PINNED_SLACK = 1e-6
 """Share of its range by which a torque or an acceleration exceeds it before it is pinned [-]: rounding is
 less."""
 SPEEDING, STOPPING = 200.0, 30.0
 """Rates at which joints that no contact loads approach their speed limits, and their stops [1/s]."""
-LINEAR, ANGULAR, SWING, TURN, RATES = range(5)
-"""What the weights are: of the base's tasks, of feet in the air, and four rates as for `contact_rows`."""
+SWING, TURN, RATES = range(2, 5)
+"""What the weights are, behind two of the base's tasks: of feet in the air, and four rates as for
+`contact_rows`."""
 
 
 def step_memory(

@@ -282,9 +282,10 @@ class ContactImplicitMpc(Controller):
 
     def _aim(self, state: RobotState, passed: float) -> None:
         """Write the wanted motion into the cost: heading and velocities over the horizon."""
-        R = _heading(state.q)
+        level = heading_of(state.q[3:7])
+        heading = math.atan2(level[1], level[0])
         if not math.isfinite(self._yaw):
-            self._yaw = R
+            self._yaw = heading
         # The command is approached at a bounded acceleration: the horizon is asked for no jump of velocity.
         most = RAMP * passed
         wanted = self.command.at(state.time)
@@ -292,8 +293,8 @@ class ContactImplicitMpc(Controller):
         # The wanted heading integrates the wanted turn, so that what a disturbance turned is turned back; it
         # leads the robot's by LEAD at most, so that a body that is held is not asked for all the turn it
         # missed.
-        ahead = self._yaw + passed * self._velocity[2] - R
-        self._yaw = R + min(max((ahead + math.pi) % (2.0 * math.pi) - math.pi, -LEAD), LEAD)
+        ahead = self._yaw + passed * self._velocity[2] - heading
+        self._yaw = heading + min(max((ahead + math.pi) % (2.0 * math.pi) - math.pi, -LEAD), LEAD)
         yaw = self._yaw + self.settings.dt * self._velocity[2] * np.arange(self.settings.knots + 1)
         c, s = np.cos(yaw), np.sin(yaw)
         _, q, v = self.iteration.tables.state
@@ -357,9 +358,3 @@ def _springs(knots: int, nv: int, stiffness: FloatArray, damping: FloatArray) ->
     for i in range(m):
         gains[:, i, nv - m + i], gains[:, i, 2 * nv - m + i] = -stiffness[i], -damping[i]
     return gains
-
-
-def _heading(q: FloatArray) -> float:
-    """Return the yaw of a free flyer [rad]."""
-    ahead, aside = heading_of(q[3:7])
-    return math.atan2(aside, ahead)
