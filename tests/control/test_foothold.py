@@ -1,6 +1,4 @@
-"""Footholds: Raibert's rule, the search around edges, and the plane under the feet."""
-
-import math
+"""Footholds: the search around edges, and the plane under the feet."""
 
 import numpy as np
 import pytest
@@ -8,30 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.control import foothold
-from surefoot.control.foothold import choose_foothold, step_place
+from surefoot.control.foothold import choose_foothold
 from surefoot.control.walking_kernels import plane_through, slope_frames
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, rough_ground
-
-
-def step(velocity: tuple[float, float], wanted: tuple[float, float, float]) -> np.ndarray:
-    """Return where a foot below the centre of mass steps, at once."""
-    return step_place(
-        np.zeros(3), np.array([*velocity, 0.0]), np.zeros(2), 0.0, np.array(wanted), 0.0, 0.3, 0.25
-    )
-
-
-def test_a_body_at_its_wanted_speed_steps_half_a_stance_ahead() -> None:
-    assert step((0.8, -0.2), (0.8, -0.2, 0.0)) == pytest.approx([0.1, -0.025])
-
-
-def test_a_body_that_is_too_fast_steps_further_towards_the_capture_point() -> None:
-    assert step((0.3, 0.0), (0.0, 0.0, 0.0)) == pytest.approx([0.3 * math.sqrt(0.3 / 9.81), 0.0])
-
-
-def test_a_turning_body_leans_into_the_turn() -> None:
-    straight, turning = (step((1.0, 0.0), (1.0, 0.0, w)) for w in (0.0, 1.0))
-    # centripetal acceleration 1 m/s² to the left: feet go right of the path by half h/g times it
-    assert turning - straight == pytest.approx([0.0, -0.5 * 0.3 / 9.81])
 
 
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))

@@ -61,14 +61,6 @@ def test_forces_stay_inside_whatever_the_state(where, size, seed):
     assert plan.solved == (plan.error <= mpc.tol)
 
 
-def test_the_height_of_demands_is_flagged_not_hidden():
-    mpc = make(max_iterations=2)
-    plan = mpc.solve(state_off((0, 3, 0), (0, -9, 0), (1.5, 0, 0)), reference(), FEET, TROT)
-    assert plan.status in (Status.MAX_ITERATIONS, Status.ALMOST)
-    assert not plan.solved
-    assert_inside(plan, mpc, TROT)
-
-
 def test_feet_in_swing_may_be_anywhere():
     feet = np.tile(FEET, (10, 1, 1))
     wanted = make().solve(state_off((0.01, 0, 0)), reference(), feet, TROT).forces

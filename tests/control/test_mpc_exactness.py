@@ -5,8 +5,6 @@ interior-point method knows the cost to many more digits than the forces: from 1
 tolerance, its forces approach ours from 4e-2 N to 4e-3 N, always from a higher cost.
 """
 
-import time
-
 import numpy as np
 import pytest
 
@@ -134,20 +132,3 @@ def test_the_bound_on_the_error_is_one():
             plan = mpc.solve(*given)
             assert np.linalg.norm(plan.forces - best) <= plan.error + 1e-6
             assert plan.solved == (plan.error <= mpc.tol)
-
-
-def test_a_newton_step_takes_time_in_proportion_to_the_horizon():
-    """A kicked body, nothing known to start from; with matrices over the horizon, 64 times and more."""
-    took = []
-    for steps in (20, 160):
-        given, best = instance(np.random.default_rng(3), "trot", steps), np.inf
-        for _ in range(9):
-            mpc = controller(np.random.default_rng(1), steps)
-            mpc.tol = 1e-2
-            begin = time.perf_counter()
-            plan = mpc.solve(*given)
-            best = min(best, (time.perf_counter() - begin) / (1 + plan.iterations))
-        assert plan.solved
-        assert plan.iterations <= 60
-        took.append(best)
-    assert took[1] < 24.0 * took[0]

@@ -12,7 +12,6 @@ import surefoot as sf
 from benchmarks.problems.stances import KINDS, random_case, random_cases
 from benchmarks.statics import rivals
 from benchmarks.statics.race import agreement
-from surefoot.equilibrium.limits import ForceLimits
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
@@ -262,23 +261,6 @@ def test_a_patch_is_its_four_corners():
         whole, corners = ask(case), sf.can_stand(case.stance.points(), case.com, case.mass)
         assert bool(whole) == bool(corners)
         assert whole.margin == pytest.approx(corners.margin, abs=1e-7 * np.linalg.norm(whole.load))
-
-
-def test_bounds_that_never_bind_change_nothing():
-    """The path with bounds and the fast one without give the same margin."""
-    rng = np.random.default_rng(14)
-    for k in range(40):
-        case = random_case(rng, KINDS[k % 5])
-        plain = ask(case)
-        most = 1e5 * np.linalg.norm(plain.load)
-        loose = ForceLimits(np.eye(case.stance.dim)[2:3], np.array([most]), ("loose",))
-        bounded = ask(case, limits=loose)
-        assert bool(plain) == bool(bounded)
-        assert bounded.verify()
-        if math.isfinite(plain.margin) and plain.margin < 0.1 * most:
-            assert bounded.margin == pytest.approx(
-                plain.margin, rel=1e-6, abs=1e-7 * np.linalg.norm(plain.load)
-            )
 
 
 def test_certificate_is_a_separating_wrench():
