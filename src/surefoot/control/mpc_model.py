@@ -9,8 +9,8 @@ accelerations that the contact forces give::
 
 integrated exactly over a step. So that the model is linear, the body's orientation in its inertia is the
 reference's, and the centre of mass in the levers is a guess of its mean over each step: from its error now,
-whose velocity is expected to die out, or, in a second pass, from the plan just found. Dropped: the gyroscopic
-torque, and products of errors with angular velocities.
+whose velocity is expected to die out. Dropped: the gyroscopic torque, and products of errors with angular
+velocities.
 
 References
 ----------
@@ -122,10 +122,14 @@ def build(
                 count += 1
     step, foot = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     M, limits, centre = np.empty((count, 3, 6)), np.empty((count, 3)), np.empty((count, 3))
+    # One frame for all steps: between frames that turn, a step would mix the axes' errors, and the
+    # integrators would not be six on their own. The heading halfway is off by the least.
     heading = _heading_frame(ref_rotation[N // 2])
     drift = _free_motion(rotation, motion, ref_rotation, reference, heading, dt)
     if fading < math.inf:
         _add_wrench(outside, fading, mass, inverse, ref_rotation, heading, dt, drift)
+    # q of ½ aᵀ P a + qᵀ a is the cost's slope at a = 0: the costates along the motion without forces, which
+    # has gravity, the reference and the error now in it.
     q, nothing = np.empty((N, 6)), np.zeros((N, 6))
     costates(weights, terminal, dt, predict(drift, nothing, dt)[1:], nothing, q)
     lever = np.empty(3)
@@ -144,10 +148,14 @@ def build(
                 verdict = NOT_ROTATION
             for a in range(3):
                 limits[at, a] = bounds[k, i, a]
+                # Wanted is an even share of the weight, straight up in the world: Rᵀ e_z m g / n. The lever
+                # is from where the centre of mass is expected halfway through the step.
                 centre[at, a] = mass * GRAVITY / standing * frames[k, i, 2, a]
                 lever[a] = feet[k, i, a] - 0.5 * (reference[k, 0, a] + reference[k + 1, 0, a]) - sway[k, a]
             _fill_columns(lever, frames[k, i], ref_rotation[k], heading, mass, inverse, M[at])
             at += 1
+    # Whatever is not finite in state, reference, feet or frames has come into one of these, frames of NaN
+    # too, which pass for rotations above.
     if not (_all_finite(q.ravel()) and _all_finite(M.ravel()) and _all_finite(drift.ravel())):
         verdict = NOT_FINITE
     return verdict, step, foot, M, limits, centre, q, drift, heading
@@ -168,6 +176,7 @@ def expected_sway(motion: FloatArray, reference: FloatArray, dt: float) -> Float
     N = reference.shape[0] - 1
     out = np.empty((N, 3))
     for k in range(N):
+        # ∫ exp(-t / CALM) dt up to the middle of the step: the way that a unit of velocity error still goes.
         reach = CALM * (1.0 - math.exp(-(k + 0.5) * dt / CALM))
         for a in range(3):
             out[k, a] = motion[0, a] - reference[0, 0, a] + reach * (motion[1, a] - reference[0, 1, a])
@@ -211,6 +220,8 @@ def _fill_columns(
     arm = lever[0], lever[1], lever[2]
     for a in range(3):
         f = frame[0, a], frame[1, a], frame[2, a]
+        # (R I Rᵀ)⁻¹ (r x f) with the reference's R: with the body's own the accelerations would not be linear
+        # in the forces and the state.
         turn = times(R, times(inverse, times(R.T, cross(arm, f))))
         f, turn = times(heading.T, f), times(heading.T, turn)
         for j in range(3):
@@ -226,6 +237,7 @@ def _free_motion(
     N = reference.shape[0] - 1
     world = np.empty((N + 1, 2, 6))
     turn = np.empty(3)
+    # Errors are the state less the reference; the attitude's is the rotation vector of R R_refᵀ, world axes.
     log_between(rotation, ref_rotation[0], turn)
     for a in range(3):
         world[0, 0, a], world[0, 0, 3 + a] = motion[0, a] - reference[0, 0, a], turn[a]
@@ -240,6 +252,8 @@ def _free_motion(
                 reference[k, 0, a] - reference[k + 1, 0, a] + dt * reference[k, 1, a] + 0.5 * dt * dt * fall
             )
             world[k + 1, 1, a] = reference[k, 1, a] - reference[k + 1, 1, a] + dt * fall
+            # The same of turns, whose rotation vectors are added up: products of errors with turn rates are
+            # dropped, and so is the gyroscopic torque.
             world[k + 1, 0, 3 + a] = dt * reference[k, 2, a] - turn[a]
             world[k + 1, 1, 3 + a] = reference[k, 2, a] - reference[k + 1, 2, a]
     out = np.zeros((N + 1, 2, 6))
@@ -271,6 +285,8 @@ def _add_wrench(
 ) -> None:  # fmt: skip
     """Add what a wrench from outside does to the drift, see `build`; `rotations` are the reference's."""
     for k in range(drift.shape[0] - 1):
+        # Held over a step as the forces are, at its value halfway; it accelerates as they do, its moment in
+        # the place of r x f.
         share = math.exp(-(k + 0.5) * dt / fading)
         R = rotations[k]
         f = wrench[0], wrench[1], wrench[2]
@@ -301,9 +317,11 @@ def finish(
         for a in range(3):
             forces[k, leg, a] = force[i, a]
             for j in range(6):
+                # a = M f, summed over the feet of a step; the wrench from outside is in the drift already.
                 accelerations[k, j] += M[i, a, j] * force[i, a]
             for b in range(3):
                 world[k, leg, b] += frames[k, leg, b, a] * force[i, a]
+    # The motion is the reference plus its error, back from the heading's axes to the world's.
     errors = predict(drift, accelerations, dt)
     motion, turn = reference.copy(), np.zeros((N + 1, 3))
     for k in range(N + 1):
@@ -334,6 +352,7 @@ def plan_forces(
     reference, dt = given.reference, body.dt
     sway = expected_sway(given.motion, reference, dt)
     verdict, step, foot, M, limits, centre, q, drift, heading = build(given, body, sway)
+    # Of input that is not GOOD no program is solved: the forces stay zero, and their bound infinite.
     count, error, force = 0, math.inf, np.zeros((step.size, 3))
     if verdict == GOOD:
         cost = tracking(body.weights, body.terminal, dt, given.contacts.shape[0])

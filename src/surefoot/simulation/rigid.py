@@ -163,6 +163,8 @@ class RigidWorld:
         recorder = RECORDER.get()
         parts = robot, terrain, options, payload, collision, payload_position
         known = None if recorder is None else recorder.known(*parts)
+        # While a gradient is taken, rollouts after the first one take its stepper, and the states that it
+        # came to: see `RolloutRecorder`.
         self.stepper = known or Stepper(
             robot, terrain, options, payload, chosen_geometry(robot, collision), payload_position
         )
@@ -211,6 +213,7 @@ class RigidWorld:
         if law is None:
             return {}
         mass = self.robot.mass + self.payload
+        # Touchdowns: a foot gets a load that it had not in the row before, where it still had its speed.
         loaded = np.asarray(log["forces"])[..., 2] > 0.0
         landing = loaded & ~np.concatenate([loaded[:1], loaded[:-1]])
         before = np.concatenate([np.asarray(log["contact_velocities"])[:1], log["contact_velocities"][:-1]])
@@ -242,6 +245,7 @@ class RigidWorld:
         torques = self._net(torques)
         self.last = step = (self.control or self.stepper).step(self._state, torques, push, self.mu)
         pushed = None if push is None else np.array(push, dtype=np.float64)
+        # What `derivative` differentiates: copies, as callers may write into their arrays between steps.
         self._given = self._state, np.array(torques, dtype=np.float64), pushed, self.mu
         if recorder is not None:
             recorder.after(self._state, step)
@@ -257,6 +261,7 @@ class RigidWorld:
             return torques
         speed = self._state.v[self.robot.base_dof :]
         self.applied = self.actuators.given(finite_vector("torques", torques, self.robot.joints), speed)
+        # Friction of the joints is no torque of the motors: `applied` is without.
         return self.applied + self._friction.torques(speed)
 
     def contacts(self) -> ContactReading:
@@ -284,6 +289,8 @@ class RigidWorld:
             return None
         if step is None or step.impact is None or not step.impulses[p:].any():
             return np.zeros(self.model.nv)
+        # Impulses act where the impact was, in the frames of there: Σ Jᵀ f of what is not a foot on the
+        # ground.
         contacts = self.stepper.contacts(State(step.impact.q, step.impact.after))
         forces = np.zeros((len(contacts.gaps), 3))
         forces[p : len(step.forces)] = step.forces[p:]

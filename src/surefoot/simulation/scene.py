@@ -144,6 +144,8 @@ class Scene(Robot):
             joint = 0 if body.fixed else _add(model, body)
             self._joint[body.name] = joint
             place = Pose(np.array(body.position, dtype=np.float64), body.rotation)
+            # Joint 0 is the world: a fixed body's shape lies in it where the body is. A free one's lies at
+            # the origin of its own joint, which is its centre of mass.
             here = place if body.fixed else Pose(np.zeros(3), np.eye(3))
             at = here.rotation, here.position, body.friction, body.restitution
             solids.append(Solid(body.name, body.shape, joint, *at))
@@ -155,6 +157,7 @@ class Scene(Robot):
         collision, visual = (
             (empty, lambda: empty) if robot is None else (robot.collision, lambda: robot.visual)
         )
+        # Where the free bodies' quaternions lie in q, behind three of the place each.
         free = [model.joints[joint].idx_q for joint in self._joint.values() if joint]
         self._quaternions = np.array(free, dtype=np.int64).reshape(-1, 1) + np.arange(3, 7)
         floating = True if robot is None else robot.floating
@@ -195,6 +198,7 @@ class Scene(Robot):
         v = np.zeros(self.model.nv)
         for body in self.bodies:
             if not body.fixed:
+                # Bodies say both velocities in world axes, a free flyer's are in its own: Rᵀ v, Rᵀ ω.
                 first = self.model.joints[self._joint[body.name]].idx_v
                 v[first : first + 3] = body.rotation.T @ np.array(body.velocity)
                 v[first + 3 : first + 6] = body.rotation.T @ np.array(body.spin)

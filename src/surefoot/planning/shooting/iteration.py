@@ -64,6 +64,7 @@ class ShootingIteration:
 
         Returns whether every step is solved.
         """
+        # Clipped, so that a step of zero lies within the boxes of `backward`.
         torques = np.clip(torques, self.bounds[:, 0], self.bounds[:, 1])
         done = self.now.take(q, v, torques)
         if done:
@@ -80,6 +81,7 @@ class ShootingIteration:
     def backward(self) -> bool:
         """Run the Riccati recursion; return whether every box program was solved."""
         now = self.now
+        # The bounds are on u + k: on the step k they are the same less u.
         low = np.minimum(self.bounds[:, 0] - now.torques, 0.0)  # rounding
         high = np.maximum(self.bounds[:, 1] - now.torques, 0.0)
         damping, found = self.damping * self._scale, (self.gains, self.steps, self._slopes, self._predicted)
@@ -93,6 +95,8 @@ class ShootingIteration:
             if not self._next.run(first, policy, share, self.bounds):
                 continue
             cost = self._next.price(self.tables)
+            # Armijo's rule by what the quadratic model promises, -a Q_uᵀ k - ½ a² kᵀ Q_uu k. With open gaps
+            # it may promise a rise: then what costs no more is taken.
             gain = -share * (self._predicted[0] + 0.5 * share * self._predicted[1])
             if cost <= now.cost - ARMIJO * max(gain, 0.0):
                 self.now, self._next = self._next, now
@@ -121,6 +125,7 @@ class ShootingIteration:
             cost = self._next.price(self.tables)
             if cost < least:
                 best, least = number, cost
+                # The cheapest so far is kept in `spare`: the next rollout writes over `_next`.
                 self._next, self.spare = self.spare, self._next
             if least <= enough:
                 break

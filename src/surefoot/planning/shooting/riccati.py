@@ -114,6 +114,8 @@ def backward_pass(
     gains[:] = 0.0
     for k in range(N - 1, -1, -1):
         # the cost-to-go by state and input, Q of [1]
+        # The slope of the value where the knot ends: from where the next one starts it changes by V times the
+        # gap.
         ahead = slopes[k + 1] + V @ gaps[k]
         VA, VB = V @ A[k], V @ B[k]
         Qu, Qux = lu[k] + B[k].T @ ahead, B[k].T @ VA
