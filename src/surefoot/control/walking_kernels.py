@@ -156,6 +156,7 @@ def cruise(
         c, s = math.cos(heading), math.sin(heading)
         flow[k, 0], flow[k, 1] = c * vx - s * vy, s * vx + c * vy
         flow[k, 2] = flow[k, 0] * slope[0] + flow[k, 1] * slope[1]
+        # The chord's heading is exact; its length is taken for that of the arc, v t for 2 v / ω sin(ω t / 2).
         c, s = math.cos(middle), math.sin(middle)  # the chord of the arc
         x, y = (c * vx - s * vy) * t, (s * vx + c * vy) * t
         places[k, 0], places[k, 1] = position[0] + x, position[1] + y

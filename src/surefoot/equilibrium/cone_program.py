@@ -294,6 +294,7 @@ def _missing(
 
     An equation among small numbers may miss much of its own terms and be of no weight among the others.
     """
+    # Terms cancel: what rounding leaves of a sum is a share of the sum of their sizes, not of the sum.
     worst, most, largest, along = 0.0, 0.0, 0.0, 0.0
     if axis.size > 0:  # what is missed along the axis is the free unknown's
         for j in range(rp.size):
@@ -328,6 +329,8 @@ def _set_slack(
 ) -> None:  # fmt: skip
     """Set z = c - B' y, so that the dual equations hold to rounding, if that is inside the cone."""
     m = c.size
+    # Steps add up their rounding in z, the slack of y has none of it. Outside the cone there is no scaling:
+    # then z stays.
     _slack(B, c, y, trial, spans)
     for k in range(lorentz):
         i = 3 * k

@@ -143,6 +143,7 @@ def _farthest_from(corners: FloatArray, polygon: FloatArray) -> float:
     worst, k = 0.0 if len(corners) else math.inf, len(polygon)
     for i in range(len(corners)):
         x, y = corners[i, 0], corners[i, 1]
+        # Inside is to the left of every edge; a point or a segment has no inside.
         nearest, inside = math.inf, k >= 3
         for j in range(k):
             n = (j + 1) % k

@@ -76,6 +76,7 @@ def apply(
     for k in range(lorentz):
         i = 3 * k
         e = 1.0 / eta[k] if inverse else eta[k]
+        # W^-1 is W of J v and 1 / eta: J turns the sign of the last two.
         a, b, c = v[i], sign * v[i + 1], sign * v[i + 2]
         dot = 2.0 * (a * d[i] + b * d[i + 1] + c * d[i + 2])
         out[i] = e * (dot * a - d[i])

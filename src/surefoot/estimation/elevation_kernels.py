@@ -148,6 +148,7 @@ def bilinear(filled: FloatArray, corner: FloatArray, spacing: float, xy: FloatAr
         if not (x >= 0.0 and y >= 0.0):  # a place that is not a number
             out[k] = math.nan
             continue
+        # On the far border the last square serves with a share of one: behind it there is no cell.
         i, j = min(int(x), count - 2), min(int(y), count - 2)
         u, w = x - i, y - j
         low = filled[i, j] + w * (filled[i, j + 1] - filled[i, j])

@@ -312,6 +312,8 @@ def add_foot(X: FloatArray, P: FloatArray, k: int, place: FloatArray, spread: Fl
     Its error is that of p and R times the measurement's: no Jacobian depends on the state.
     """
     R, j = X[:, :3], 9 + 3 * k
+    # With d = p + R y the error of d is that of p, so rows and columns are copied (the foot's own block with
+    # the second), and R N Rᵀ of the measurement y on the diagonal is all that is new.
     u = times(R, (place[0], place[1], place[2]))
     for r in range(3):
         X[r, 5 + k] = X[r, 4] + u[r]

@@ -50,6 +50,7 @@ def credible(X: FloatArray, bias: FloatArray, fastest: float, largest: FloatArra
         (2,) largest biases of gyro [rad/s] and accelerometer [m/s²], each of its axes.
     """
     speed = math.sqrt(X[0, 3] ** 2 + X[1, 3] ** 2 + X[2, 3] ** 2)
+    # Written so that NaN fails: `speed > fastest` would let it pass.
     if not speed <= fastest:
         return False
     for i in range(6):  # noqa: SIM110  # a loop compiles faster than all()
@@ -120,6 +121,7 @@ def waiting_arrays(memory: FloatArray, counts: IntArray, joints: int) -> tuple[F
 def _room(queue: FloatArray, counts: IntArray, which: int) -> FloatArray:
     """Return the row for a new reading at the end of a queue; the oldest leaves one that is full."""
     at = QUEUED + which - IMU
+    # Rows are moved up, and not gone through in a ring: whoever reads has the oldest in the first row.
     if counts[at] == counts[which]:
         for i in range(counts[which] - 1):
             for j in range(queue.shape[1]):
@@ -267,6 +269,8 @@ def settle(
     """
     found = TOUCHED if _some(contact) else 0
     if not lost:
+        # A touch that is not meant, as of a foot that brushes the ground in its swing, need not stand still,
+        # and a foot that is to stand but feels nothing does not.
         both = np.empty(contact.shape[0], np.bool_)
         for k in range(contact.shape[0]):
             both[k] = contact[k] and meant[k]

@@ -214,6 +214,7 @@ def feedback(trajectory: Trajectory, robot: Robot) -> TorquePolicy:
     stiff = effort / WHOLE_EFFORT
 
     def torques(step: int, q: FloatArray, v: FloatArray) -> FloatArray:
+        # In knots, and half a one behind the torques: in the first half no way is known, the start is held.
         at = (step + 0.5) / FINER - 0.5
         k, here = min(step // FINER, len(t) - 1), min(max(int(np.floor(at)), 0), len(t) - 1)
         way = t.q[here + 1, -joints:] - t.q[here, -joints:] if at > 0.0 else np.zeros(joints)

@@ -110,6 +110,8 @@ def _driving(speed: float, effort: float, fastest: float, knee: float, driving: 
 @inline_kernel
 def _bounds(speed: float, effort: float, fastest: float, knee: float, driving: float) -> tuple[float, float]:
     """Return a motor's least and largest torque at a speed [N m]."""
+    # Along the motion torque falls with speed, against it a motor brakes with all it has. NaN is neither: as
+    # at rest.
     if speed > 0.0:
         return -effort, _driving(speed, effort, fastest, knee, driving)
     if speed < 0.0:

@@ -184,6 +184,7 @@ def centre_rates(
         at = _centre(c, positions, radii, frames)
         for k in range(n):
             if support[c, k]:
+                # Twists are about the world's origin: v + ω x c is what joint k moves the centre by.
                 rate = _plus(_three(twists, k, 0), cross(_three(twists, k, 3), at))
                 out[c, 0, k], out[c, 1, k], out[c, 2, k] = rate
     return out

@@ -193,6 +193,7 @@ def block_velocities(bodies: IntArray, blocks: FloatArray, v: FloatArray) -> Flo
     for c in range(bodies.shape[0]):
         for side in range(2):
             b = bodies[c, side]
+            # The ground and what is fixed are body -1, and do not move.
             if b >= 0:
                 for a in range(3):
                     for k in range(6):

@@ -291,6 +291,7 @@ def pair_error(h: float, slopes: FloatArray, v: FloatArray) -> float:
     for k in range(v.size):
         total = 0.0
         for j in range(7):
+            # h Σ (b_j - b̂_j) k_j: the difference of the two steps, the error of the one of fourth order.
             total += ERROR[j] * slopes[j, k]
         if not abs(total) < np.inf:
             return np.nan

@@ -57,6 +57,7 @@ def feedback(
     off = np.empty(2 * n)
     difference(floating, nominal[0], here[0], off[:n])
     off[n:] = here[1] - nominal[1]
+    # The backward pass bounds the step alone: what feedback adds away from the nominal motion is cut here.
     wanted = torques + share * step + gains @ off
     out: FloatArray = np.minimum(np.maximum(wanted, limits[0]), limits[1])
     return out
