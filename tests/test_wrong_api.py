@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 import surefoot as sf
 from tests.robots import go2
@@ -30,6 +31,10 @@ NO_FRICTION: list[Any] = ["x", -0.1, np.nan, None]
 NO_ROBOTS: list[Any] = ["go2", None, 3]
 NO_TERRAINS: list[Any] = ["flat", 3, STANCE]
 NO_NUMBERS: list[Any] = ["x", None, np.nan]
+NO_ARRAYS: list[Any] = [
+    "x", 10**5000, [10**400], np.array(1 + 1j), np.complex128(1), [[1], [2, 3]], sp.eye(3) * 1j,
+    np.ma.array([1.0, 2.0, 3.0], mask=[0, 1, 0]), np.array(["1", "2", "3"]), np.ones(3).tolist,
+]  # fmt: skip
 
 TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "stance": (sf.Stance, [sf.PointContact(FEET[0]), sf.PointContact, 3, None, [3], "a"], "contacts"),
@@ -46,7 +51,11 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "region bounds": (lambda x: sf.com_region(STANCE, 15.0, limits=x), ["x", 3], "limits must be"),
     "stands push": (lambda x: sf.can_stand_batch([STANCE], COM, 15.0, x), NO_WRENCHES, "external_wrench"),
     "share wish": (lambda x: SHARE.solve(np.eye(6)[:, :3], NOTHING, x), ["x", object()], "reference must"),
-    "free velocity": (lambda x: sf.ContactProblem(np.eye(3), x, 0.5), [np.array([max] * 3)], "g must"),
+    "problem": (
+        lambda x: sf.ContactProblem(**({"G": np.eye(3), "g": np.zeros(3), "mu": 0.5} | x)),
+        [{n: x} for n in ("G", "g", "mu", "normal_max", "facets", "bilateral", "fit") for x in NO_ARRAYS],
+        "^(the entries of )?G|^g|^mu|^normal_max|^facets|^bilateral|^unknown fit",
+    ),
     "mpc": (
         lambda x: sf.ConvexMpc(1.0, np.eye(3), **x),
         [{name: value} for name in ("feet", "horizon", "max_iterations") for value in (None, 0, 1.5)],
@@ -64,8 +73,21 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "solve": (sf.solve, [{"G": np.eye(3)}, np.eye(3), None, "p"], "problem must be a ContactProblem"),
     "solver": (lambda x: sf.solve(PROBLEM, solver=x), ["x", None, 3], "valid names: |solver"),
     "tol": (lambda x: sf.solve(PROBLEM, tol=x), ["x", -1.0, np.nan], "tol"),
+    "each call": (
+        lambda x: sf.ContactSolver(1, 0.5).solve(**({"G": np.eye(3), "g": np.zeros(3)} | x)),
+        [{n: x} for n in ("G", "g", "out") for x in [*NO_ARRAYS, np.frombuffer(bytes(120)).reshape(5, 3)]],
+        "^G must|^g must|^out must be a writable",
+    ),
+    "batch": (
+        lambda x: sf.solve_batch(**({"G": np.eye(3)[None], "g": np.zeros((1, 3)), "mu": 0.5} | x)),
+        [{n: x} for n in ("G", "g", "mu", "tol") for x in NO_ARRAYS],
+        "^G must|^g must|^mu must|^tol must",
+    ),
+    "settings": (
+        lambda x: sf.ContactSolver(**({"contacts": 4, "mu": 0.5} | x)),
+        [{"mu": -1.0}, {"law": "glue"}, {"tol": np.nan}, {"mu": [0.5, 0.5]}], "mu|unknown law|tol",
+    ),
     "contacts": (lambda x: sf.ContactSolver(contacts=x, mu=0.5), [0, -1, 1.5, "x", None], "contacts must be"),
-    "mu": (lambda x: sf.ContactProblem(np.eye(3), np.zeros(3), x), NO_FRICTION, "mu"),
     "law": (lambda x: sf.ContactProblem(np.eye(3), np.zeros(3), 0.5, law=x), ["x", 3, None], "law"),
     "wrt": (lambda x: sf.trajectory_gradient(max, min, wrt=x), [[], (), "x", 3, None], "wrt must be"),
     "audit": (sf.audit_log, NO_LOGS, "arrays become one by sf.log_from_arrays"),

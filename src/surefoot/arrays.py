@@ -3,18 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surefoot.errors import ProblemError
+from surefoot.errors import ProblemError, shown
 
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
 BoolArray: TypeAlias = NDArray[np.bool_]
 
 _FLOAT = np.dtype(np.float64)
+
+
+def array_of(name: str, value: ArrayLike, kinds: str, wanted: str, dtype: type) -> NDArray[Any]:
+    """Return `value` as an array (...) of a dtype, in C order, if its entries are of NumPy's kinds.
+
+    What was `wanted` is said in the message. Masked entries are no entries.
+    """
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in kinds or np.ma.is_masked(value):
+            raise TypeError
+        return np.asarray(array, dtype, order="C")
+    except (TypeError, ValueError, OverflowError, RuntimeError) as error:
+        raise ProblemError(f"{name} must be {wanted}, got {shown(value)}") from error
+
+
+def numbers(name: str, value: ArrayLike) -> FloatArray:
+    """Return `value` as floats (...) in C order, itself where it is that, with its NaN and infinity.
+
+    Neither text, dates nor complex numbers are numbers.
+    """
+    if type(value) is np.ndarray and value.dtype is _FLOAT and value.flags.c_contiguous:
+        return value
+    return array_of(name, value, "biufO", "numeric", np.float64)
 
 
 def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None = None) -> FloatArray:
@@ -39,13 +63,7 @@ def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None =
     >>> real_array("com", [0, 0, 0.3], (3,))
     array([0. , 0. , 0.3])
     """
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind not in "biufO":  # neither text nor dates are numbers
-            raise TypeError
-        array = np.array(array, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise ProblemError(f"{name} must be numeric, got {' '.join(f'{value!r:.80}'.split())}") from error
+    array = np.array(numbers(name, value))
     if shape is not None:
         wanted = tuple(shape)
         fits = array.ndim == len(wanted) and all(
@@ -96,10 +114,12 @@ def real_number(name: str, value: float, *, low: float = -np.inf, high: float = 
     0.6
     """
     try:
+        if isinstance(value, np.ndarray | np.generic) and np.iscomplexobj(value):
+            raise TypeError
         number = float(value)
     except (TypeError, ValueError, OverflowError) as error:
         wanted = "a number that a float can hold" if isinstance(error, OverflowError) else "a number"
-        raise ProblemError(f"{name} must be {wanted}, got {value!r:.80}") from error
+        raise ProblemError(f"{name} must be {wanted}, got {shown(value)}") from error
     if not low <= number <= high:
         wanted = f">= {low:g}" if high == np.inf else f"between {low:g} and {high:g}"
         raise ProblemError(
@@ -124,7 +144,7 @@ def whole_number(name: str, value: float, *, low: int = 0) -> int:
     """
     number = None if isinstance(value, (bool, np.bool_)) else real_number(name, value)
     if number is None or number != np.floor(number) or not low <= number < 2**53:
-        raise ProblemError(f"{name} must be a whole number >= {low}, got {value!r:.80}")
+        raise ProblemError(f"{name} must be a whole number >= {low}, got {shown(value)}")
     return int(number)
 
 
@@ -168,9 +188,8 @@ def of_kind(name: str, value: object, kind: type) -> None:
     surefoot.errors.ProblemError: stance must be a list, got None
     """
     if not isinstance(value, kind):
-        given = " ".join(f"{value!r:.60}".split())
         like = f", as {LIKE[kind.__name__]} is one" if kind.__name__ in LIKE else ""
-        raise ProblemError(f"{name} must be a {kind.__name__}{like}, got {given}")
+        raise ProblemError(f"{name} must be a {kind.__name__}{like}, got {shown(value)}")
 
 
 def check_order(low: FloatArray, high: FloatArray) -> None:

@@ -156,7 +156,19 @@ def unknown_name(kind: str, name: object, valid: Iterable[str]) -> str:
     "unknown gait 'hop'; valid names: trot, walk"
     """
     names = ", ".join(sorted({str(one) for one in valid if one != ""}))
-    return f"unknown {kind} {name!r}; valid names: {names or 'none, nothing has a name'}"
+    return f"unknown {kind} {shown(name)}; valid names: {names or 'none, nothing has a name'}"
+
+
+def shown(value: object) -> str:
+    """Return a value as a message shows it: one short line, whatever it is.
+
+    >>> shown(10**5000)
+    'a value of type int'
+    """
+    try:
+        return " ".join(f"{value!r:.80}".split())
+    except Exception:  # a foreign object's own, or a whole number of too many digits
+        return f"a value of type {type(value).__name__}"
 
 
 def one_line(error: BaseException) -> str:

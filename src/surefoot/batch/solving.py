@@ -17,6 +17,7 @@ from surefoot.arrays import (
     FloatArray,
     IntArray,
     finite_array,
+    numbers,
     real_array,
     real_number,
     whole_number,
@@ -179,19 +180,14 @@ def in_ranges(work: Callable[[int, int], None], count: int, threads: int) -> Non
 
 def _read(G: ArrayLike, g: ArrayLike) -> tuple[FloatArray, FloatArray, bool]:
     """Return G (B, 3n, 3n) and g (B, 3n) as doubles, and whether G was of single precision."""
-    try:
-        given = np.asarray(G)
-        matrices = np.ascontiguousarray(given, dtype=np.float64)
-        free = np.ascontiguousarray(g, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ProblemError(f"G and g must be arrays of numbers: {error}") from error
+    matrices, free = numbers("G", G), numbers("g", g)
     if free.ndim != 2 or free.shape[1] % 3 or free.shape[1] == 0:
         raise ProblemError(f"g must have shape (B, 3n), got {free.shape}")
     if matrices.shape != (*free.shape, free.shape[1]):
         raise ProblemError(
             f"G must have shape {(*free.shape, free.shape[1])} for this g, got {matrices.shape}"
         )
-    return matrices, free, given.dtype == np.float32
+    return matrices, free, np.asarray(G).dtype == np.float32
 
 
 def _read_laws(mu: ArrayLike, low: ArrayLike, high: ArrayLike, B: int, n: int) -> FloatArray:

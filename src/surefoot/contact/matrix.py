@@ -46,13 +46,11 @@ def read_dense(G: ArrayLike, compliance: FloatArray | None, out: FloatArray, thr
 
     `threes` tells whether all contacts have three rows: messages then name them.
     """
-    matrix = np.asarray(G) if isinstance(G, np.ndarray) else finite_array("G", G)
-    if matrix.shape != out.shape or matrix.dtype.kind == "c":
+    plain = type(G) is np.ndarray and G.dtype.kind == "f"
+    matrix = np.asarray(G) if plain else finite_array("G", G)
+    if matrix.shape != out.shape:
         finite_array("G", G, out.shape)  # says so
-    try:
-        out[:] = matrix
-    except (TypeError, ValueError):
-        finite_array("G", G, out.shape)
+    out[:] = matrix
     scale, gap, _, _ = checked_mirror(out, ASYMMETRY)
     if not scale < np.inf:
         finite_array("G", G, out.shape)  # names the entry
@@ -98,8 +96,8 @@ def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
     """Return the symmetric part of a sparse G (size, size), compliance (size,) on its diagonal, in CSR."""
     if G.shape != (size, size):
         raise ProblemError(f"G must have shape ({size}, {size}), got {G.shape}")
-    matrix = sp.csr_matrix(G, dtype=np.float64)
-    finite_array("the entries of G", matrix.data)
+    matrix = sp.csr_matrix(G)
+    matrix.data = finite_array("the entries of G", matrix.data)
     largest = float(abs(matrix.data).max(initial=0.0))
     with np.errstate(over="ignore"):
         single = bool((matrix.data == matrix.data.astype(np.float32)).all())

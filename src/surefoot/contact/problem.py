@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, check_order, finite_array, per_contact
+from surefoot.arrays import BoolArray, FloatArray, array_of, check_order, finite_array, numbers, per_contact
 from surefoot.cones import FrictionPyramid
 from surefoot.contact.blocks import MOST_FRICTION, Blocks, dense_blocks, vectors_fit
 from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
@@ -148,8 +148,9 @@ class ContactProblem:
         self._read_vectors(g, mu, normal_min, normal_max)
         if bilateral is not None:
             self._hold(bilateral)
-        if facets is not None or fit != "inner":
-            FrictionPyramid(0.5, facets if facets is not None else 8, fit)  # its checks are ours
+        if not (facets is None and isinstance(fit, str) and fit == "inner"):
+            read = FrictionPyramid(0.5, 8 if facets is None else facets, fit)  # its checks are ours
+            facets = None if facets is None else read.facets
         self.facets, self.fit = facets, fit
         self.shape: tuple[int, ...] = (self.contacts, 3)
         self.general = self.law not in LAWS
@@ -202,18 +203,20 @@ class ContactProblem:
         self, g: ArrayLike, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike
     ) -> None:
         """Read the vectors: one compiled check, and the words only where it fails."""
-        plain = isinstance(g, np.ndarray) and g.dtype.kind == "f"
+        plain = type(g) is np.ndarray and g.dtype.kind == "f"
         vector = np.asarray(g, dtype=np.float64) if plain else finite_array("g", g)
         self.contacts = n = vector.size // 3
         self._vectors = np.empty((2, 3 * n))
         own_mu, low, high = self.mu, self.normal_min, self.normal_max
         try:
-            own_mu[:], low[:], high[:] = mu, normal_min, normal_max
+            own_mu[:] = mu if type(mu) is float else numbers("mu", mu)
+            low[:] = normal_min if type(normal_min) is float else numbers("normal_min", normal_min)
+            high[:] = normal_max if type(normal_max) is float else numbers("normal_max", normal_max)
             if vector.shape == (3 * n,):
                 self._vectors[0] = vector
                 if vectors_fit(self._vectors):
                     return
-        except (TypeError, ValueError):
+        except ValueError:
             pass
         vector = finite_array("g", g, (None,))
         if vector.size % 3:
@@ -258,8 +261,8 @@ class ContactProblem:
 
     def _hold(self, bilateral: ArrayLike) -> None:
         """Read the mask of bilateral contacts."""
-        mask = np.asarray(bilateral)
-        if mask.shape != (self.contacts,) or mask.dtype != np.bool_:
+        mask: BoolArray = array_of("bilateral", bilateral, "b", "a mask of True and False", np.bool_)
+        if mask.shape != (self.contacts,):
             raise ProblemError(
                 f"bilateral must be a mask of shape ({self.contacts},), got {mask.dtype} {mask.shape}"
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 from typing import TYPE_CHECKING
 
@@ -39,8 +40,7 @@ class Status(Enum):
 
 def record_of(forces: FloatArray, velocities: FloatArray, numbers: Numbers) -> FloatArray:
     """Return a `ContactSolution`'s record, (2n + 3, 3): forces, velocities, the fields of `Residuals`."""
-    width = forces[0].size if len(forces) else 1
-    rest = np.zeros((-(-len(numbers) // width), *forces.shape[1:]))
+    rest = np.zeros((-(-len(numbers) // math.prod(forces.shape[1:])), *forces.shape[1:]))
     rest.reshape(-1)[: len(numbers)] = numbers
     return np.concatenate([forces, velocities, rest])
 

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import (
     FloatArray,
     finite_array,
+    numbers,
     of_kind,
     per_contact,
     real_array,
@@ -342,10 +343,7 @@ def _over_horizon(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatA
     """Return a value of one step, or of every step, at the full shape."""
     if isinstance(value, np.ndarray) and value.shape == shape and value.dtype == np.float64:
         return np.ascontiguousarray(value)
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (ValueError, TypeError) as error:
-        raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
+    array = numbers(name, value)
     if array.shape not in (shape[1:], shape):
         raise ProblemError(f"{name} must have shape {shape[1:]} or {shape}, got {array.shape}")
     return np.array(np.broadcast_to(array, shape), order="C")

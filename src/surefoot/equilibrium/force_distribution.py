@@ -9,14 +9,13 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array, real_array, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, numbers, real_array, real_number
 from surefoot.contact.solution import Status
 from surefoot.equilibrium.force_parameters import (
     contact_count,
     force_weights,
     friction,
     normal_bounds,
-    numbers,
     torque_limits,
     wrench_metric,
 )

@@ -11,15 +11,6 @@ from surefoot.arrays import FloatArray, check_order, finite_array, per_contact, 
 from surefoot.errors import ProblemError
 
 
-def numbers(name: str, value: ArrayLike) -> FloatArray:
-    """Return a value as a contiguous array (...), in its own unit, NaN and infinity as they are."""
-    try:
-        return np.ascontiguousarray(value, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        given = " ".join(f"{value!r:.60}".split())
-        raise ProblemError(f"{name} must be an array of numbers, got {given}") from error
-
-
 def contact_count(parameters: Sequence[FloatArray]) -> int | None:
     """Return how many contacts the parameters, (n,) or numbers, are for; None if all of them are numbers."""
     sizes = {len(a) for a in parameters if a.ndim > 0}

@@ -14,7 +14,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, real_number, whole_number
+from surefoot.arrays import FloatArray, numbers, real_number, whole_number
 from surefoot.contact.matrix import ASYMMETRY
 from surefoot.contact.problem import ContactOptions, ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
@@ -260,8 +260,10 @@ class ContactSolver:
             G, g = self._read("G", G, shapes[0]), self._read("g", g, shapes[1])
         if out is None:
             out = _empty((2 * n + 3, 3))
-        elif not (out.dtype is FLOAT and out.shape == (2 * n + 3, 3) and out.flags.c_contiguous):
-            raise ProblemError(f"out must be a C-contiguous float64 array of shape ({2 * n + 3}, 3)")
+        elif not (
+            type(out) is _ndarray and out.dtype is FLOAT and out.shape == (2 * n + 3, 3) and out.flags.carray
+        ):  # fmt: skip
+            raise ProblemError(f"out must be a writable C-contiguous float64 array of shape ({2 * n + 3}, 3)")
         if not self._compiled:
             return self._solve_rest(G, g, out, 0)
         done = self._call(G, g, self._memory, self.tol, self._most, self.warm_start, out)
@@ -273,10 +275,7 @@ class ContactSolver:
 
     def _read(self, name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
         """Return an argument as the compiled call takes it."""
-        try:
-            array = np.ascontiguousarray(value, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise ProblemError(f"{name} must be an array of numbers: {error}") from error
+        array = numbers(name, value)
         if array.shape != shape:
             raise ProblemError(f"{name} must have shape {shape}, got {array.shape}")
         return array

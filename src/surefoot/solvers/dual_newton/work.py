@@ -34,9 +34,9 @@ WIDTH = 50
 # ... one with memory: the dual wrench, roots of the wrench weights, the dual wrench's last change ...
 DUAL, ROOT, CHANGE = 0, 6, 12
 # ... one with settings and results ...
-WARM, TOLERANCE, LIMIT, HAS_LAST, ITERATIONS, FORCE_ERROR, GAP, WRENCH_ERROR = 0, 1, 2, 3, 4, 5, 6, 7
-ROW_VIOLATION, ROWS_WARM = 8, 9  # see `rows`
-TREND, INSIDE = 10, 11  # whether CHANGE foretells the next one, whether no cone or bound was active
+WARM, TOLERANCE, LIMIT, HAS_LAST, ITERATIONS, FORCE_ERROR, WRENCH_ERROR = 0, 1, 2, 3, 4, 5, 6
+ROW_VIOLATION, ROWS_WARM = 7, 8  # see `rows`
+TREND, INSIDE = 9, 10  # whether CHANGE foretells the next one, whether no cone or bound was active
 # ... and three per contact for vectors whose outer products are summed.
 
 SOLVED, ALMOST, MAX_ITERATIONS, INVALID, INFEASIBLE = 0, 1, 2, 3, 4
@@ -47,7 +47,7 @@ TREND_HELPS = 0.25  # share of a squared change that the one before may have lef
 def new_work(contacts: int) -> FloatArray:
     """Return the (4n + 2, WIDTH) work space of n contacts, all off; nothing is known of any forces."""
     work = np.zeros((4 * contacts + 2, WIDTH))
-    work[contacts + 1, [FORCE_ERROR, GAP, WRENCH_ERROR, ROW_VIOLATION]] = math.inf
+    work[contacts + 1, [FORCE_ERROR, WRENCH_ERROR, ROW_VIOLATION]] = math.inf
     return work
 
 
@@ -160,7 +160,7 @@ def hold(work: FloatArray, contacts: int, forces: FloatArray) -> None:
     How far that is from an optimum is unknown, and said to be infinite.
     """
     results = contacts + 1
-    work[results, GAP] = work[results, FORCE_ERROR] = work[results, WRENCH_ERROR] = math.inf
+    work[results, FORCE_ERROR] = work[results, WRENCH_ERROR] = math.inf
     work[results, ROW_VIOLATION] = math.inf
     keep = work[contacts + 1, HAS_LAST] > 0.0
     for k in range(contacts):
@@ -193,7 +193,6 @@ def measure(work: FloatArray, contacts: int, missing: Six, error: float) -> floa
     for k in range(contacts):
         widest = max(widest, work[k, TANGENT], work[k, NORMAL])
     left = dot(missing, missing)
-    work[results, GAP] = 0.5 * error
     work[results, FORCE_ERROR] = widest * math.sqrt(error)
     work[results, WRENCH_ERROR] = math.sqrt(left)
     return left
