@@ -85,9 +85,9 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     ),
     "settings": (
         lambda x: sf.ContactSolver(**({"contacts": 4, "mu": 0.5} | x)),
-        [{"mu": -1.0}, {"law": "glue"}, {"tol": np.nan}, {"mu": [0.5, 0.5]}], "mu|unknown law|tol",
+        [{"mu": -1.0}, {"law": "glue"}, {"tol": np.nan}, {"contacts": 0}, {"contacts": 1.5}],
+        "^mu|^unknown law|^tol|^contacts must be",
     ),
-    "contacts": (lambda x: sf.ContactSolver(contacts=x, mu=0.5), [0, -1, 1.5, "x", None], "contacts must be"),
     "law": (lambda x: sf.ContactProblem(np.eye(3), np.zeros(3), 0.5, law=x), ["x", 3, None], "law"),
     "wrt": (lambda x: sf.trajectory_gradient(max, min, wrt=x), [[], (), "x", 3, None], "wrt must be"),
     "audit": (sf.audit_log, NO_LOGS, "arrays become one by sf.log_from_arrays"),

@@ -164,6 +164,8 @@ def _quaternion(log: Log) -> Log:
 
 SPOILT = {
     **{f"nan in {n}": _nan(n) for n in (*CONTACT, "q", "v", "torques", "normals", "push")},
+    "nan in wrench_applied": lambda log: changed(log, wrench_applied=np.full((len(log), 6), np.nan)),
+    "nan in contact_creep": lambda log: changed(log, contact_creep=np.full((len(log), 4), np.nan)),
     "no time passes": lambda log: changed(log, time=np.zeros(len(log))),
     "time runs back": _time(lambda t: t.__setitem__(slice(None), t[::-1].copy())),
     "a stamp twice": _time(lambda t: t.__setitem__(100, t[99])),
@@ -208,12 +210,24 @@ def test_a_wrong_log_is_never_lawful(name: str) -> None:
         ({"feet": []}, "feet"),
         ({"sinking": -1.0}, "sinking"),
         ({"robot": 3}, "robot"),
+        *(({name: [np.nan] * 12}, name) for name in ("armature", "viscous_friction", "dry_friction")),
+        ({"gravity": [0.0, 0.0, np.nan]}, r"the fact gravity\[2\] is NaN"),
+        ({"gravity": 1.62}, "gravity must have shape"),
+        ({"contact_margin": [0.0, np.inf, 0.0, 0.0]}, r"contact_margin\[1\] is infinite"),
     ],
     ids=str,
 )
 def test_wrong_facts_are_one_clear_line(facts: dict[str, object], said: str) -> None:
     with pytest.raises(ProblemError, match=said):
         sf.audit_log(changed(log_of(STAND), facts))
+
+
+def test_a_stand_is_lawful_in_the_gravity_that_its_log_tells() -> None:
+    log, moon = log_of(STAND), 1.62 / GRAVITY
+    scaled = {n: moon * np.array(log[n]) for n in ("forces", "torques", "forces_commanded")}
+    assert sf.audit_log(changed(log, {"gravity": [0.0, 0.0, -1.62]}, **scaled)).laws_broken == ()
+    for facts in ({"gravity": [0.0, 0.0, -1.62]}, {"gravity": [0.0, 0.0, 0.0]}):
+        assert sf.audit_log(changed(log, facts)).laws_broken == ("motion",)
 
 
 def test_no_rows_no_feet_and_no_file(tmp_path: Path) -> None:

@@ -58,6 +58,9 @@ def test_a_stand_that_ends_on_its_hind_legs_says_so_first_and_fails() -> None:
     report = sf.audit_log(log)
     assert report.task == "failed"
     assert "the task failed: the base is not where it should stand" in report.sentence
+    symptoms = {found.name for found in report.symptoms}
+    assert "joint stop" in symptoms
+    assert "dropout" not in symptoms  # a leg on its stop is no faulty sensor
     assert report.exit_code == 1
     with pytest.raises(LawBroken, match="task failed"):
         sf.assert_lawful(log)

@@ -141,10 +141,8 @@ def test_cone_use_allows_unloaded_contacts_noise_and_knows_ice() -> None:
     np.testing.assert_allclose(contact_use(forces, np.array([0.0]), 0.1)[0, 1], 5.0 / (20.0 * LEAST_FRICTION))
 
 
-def test_friction_may_be_one_number_one_per_time_or_one_per_contact() -> None:
+def test_friction_may_differ_from_contact_to_contact() -> None:
     f, gap, v = np.tile([10.0, 0.0, 50.0], (3, 2, 1)), np.zeros((3, 2)), np.zeros((3, 2, 3))
-    for mu in (0.5, np.full(3, 0.5), np.full((3, 2), 0.5), np.float64(0.5)):
-        assert check_laws(f, gap, v, mu, WEIGHT).cone_use_max == pytest.approx(0.4)
     mu = np.full((3, 2), 0.5)
     mu[1, 1] = 0.1
     assert check_laws(f, gap, v, mu, WEIGHT).cone_use_max == pytest.approx(2.0)

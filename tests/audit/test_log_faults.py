@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from benchmarks.audit import faulty_logs, judge
-from benchmarks.problems.logged_runs import CleanRun, clean_runs
 from surefoot.audit import SYMPTOMS, audit_log
-from surefoot.audit.log_faults import LOG_FAULTS, LogFault
-from tests.audit.logs import PUSHED, RUNS, log_of
+from surefoot.audit.log_faults import LOG_FAULTS, LogFault, seeded_faults
+from surefoot.errors import ProblemError
+from tests.audit.logs import PUSHED, RUNS, STAND, changed, log_of
 
 
 def test_there_are_enough_kinds_and_each_has_its_symptom() -> None:
@@ -20,26 +20,11 @@ def test_there_are_enough_kinds_and_each_has_its_symptom() -> None:
     assert {f.symptom for f in LOG_FAULTS if f.symptom} <= {s.name for s in SYMPTOMS}
 
 
-def test_clean_runs_are_many_and_different() -> None:
-    runs = clean_runs(100)
-    assert len({run.name for run in runs}) == 100
-    assert {run.world for run in runs} == {"mujoco", "rigid"}
-    assert {run.robot for run in runs} == {"go2", "a1", "anymal"}
-
-
 @pytest.mark.parametrize("fault", [f for f in LOG_FAULTS if f.name != "mirror"], ids=lambda f: f.name)
 def test_a_seeded_fault_is_found_with_foot_time_and_cause(fault: LogFault) -> None:
     spoilt = next(iter(faulty_logs(fault, (log_of(run) for run in (*RUNS, PUSHED)), 1)))
     report = audit_log(spoilt.log)
     assert judge(fault, spoilt, report) == (True, True, True, True), report.sentence
-
-
-def test_a_leg_on_its_stop_is_no_faulty_sensor() -> None:
-    log = CleanRun(push=(12.0, 0.0, 0.0), duration=1.2).make()  # it falls onto its hind legs
-    report = audit_log(log)
-    assert report.verdict == "broken"
-    assert "joint stop" in {s.name for s in report.symptoms}
-    assert "dropout" not in {s.name for s in report.symptoms}
 
 
 def test_every_symptom_and_fault_is_on_the_page() -> None:
@@ -50,6 +35,17 @@ def test_every_symptom_and_fault_is_on_the_page() -> None:
         size = f"{fault.amplitude:.3g} {fault.unit}".strip()
         row = f"| `{fault.name}` | {fault.title} | {size} |"
         assert row in page
+
+
+def test_what_no_fault_can_be_seeded_into_is_refused() -> None:
+    log = log_of(STAND)
+    for spoilt, said in (
+        (changed(log, keep=("forces", "torques")), "needs the channel '.*', which the log lacks"),
+        (changed(log, {"feet": ["left", "right"]}), "on point feet"),
+        (log.rows(slice(0, 300)), "200 rows and 0.25 s or more"),
+    ):
+        with pytest.raises(ProblemError, match=said):
+            list(seeded_faults(spoilt, seed=1))
 
 
 def test_a_fault_leaves_the_clean_log_alone() -> None:

@@ -185,8 +185,6 @@ def test_contacts_that_are_all_off_carry_nothing(law: str) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"max_iterations": "many"}, "max_iterations must be a number, got 'many'"),
-        ({"max_iterations": 2.5}, "max_iterations must be a whole number >= 0, got 2.5"),
         ({"max_iterations": -1}, "max_iterations must be a whole number >= 0, got -1"),
         ({"max_time": "soon"}, "max_time must be a number, got 'soon'"),
         ({"solver": ["auto"]}, "unknown solver .*valid names: admm, auto"),

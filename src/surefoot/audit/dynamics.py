@@ -64,7 +64,8 @@ def unexplained(
     robot
         Whose log it is.
     log
-        T + 1 rows with q, v, time and contact_positions; torques, push, other_forces where it has them.
+        T + 1 rows with q, v, time and contact_positions; torques, push, other_forces, and the fact gravity,
+        where it has them.
     forces_world
         (T + 1, p, 3) forces on the contact points, world axes [N].
     mass_scale
@@ -76,7 +77,7 @@ def unexplained(
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
     dt = np.diff(np.asarray(log["time"]))[:, None]
     acceleration = np.diff(v, axis=0) / dt
-    model = _loaded(robot.model, payload, payload_position)
+    model = _loaded(robot.model, log, payload, payload_position)
     # M Δv / dt + h in the configuration before the step, with Coriolis forces of the velocity before and
     # after it.
     (torque, later), jacobian = _newton_euler(model, q[:-1], acceleration, v[:-1], v[1:])
@@ -122,10 +123,11 @@ def balanced_forces(robot: Robot, log: Log) -> FloatArray:
     robot
         Whose log it is.
     log
-        Rows with q, v, torques and contact_positions.
+        Rows with q, v, torques and contact_positions; the fact gravity where it has one.
     """
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
-    (torque,), jacobian = _newton_euler(robot.model, q, np.zeros(v.shape), v)
+    model = _loaded(robot.model, log)
+    (torque,), jacobian = _newton_euler(model, q, np.zeros(v.shape), v)
     torque[:, robot.base_dof :] -= np.asarray(log["torques"])
     return _at_feet(robot, torque, jacobian, np.asarray(log["contact_positions"]))
 
@@ -149,12 +151,13 @@ def _lost(
     return np.asarray(lost + np.where(sticks, holding, dry * np.sign(before)))
 
 
-def _loaded(model: Any, payload: float, position: FloatArray | None) -> Any:
-    """Return a robot's model with a point mass [kg] on the base; the model itself without one."""
+def _loaded(model: Any, log: Log, payload: float = 0.0, position: FloatArray | None = None) -> Any:
+    """Return a copy of a robot's model in the log's gravity, with a point mass [kg] on the base."""
     import pinocchio
 
+    model = model.copy()
+    model.gravity.linear = np.asarray(log.facts.get("gravity", model.gravity.linear))
     if payload > 0.0:
-        model = model.copy()
         place = np.zeros(3) if position is None else np.asarray(position, dtype=np.float64)
         model.inertias[1] = model.inertias[1] + pinocchio.Inertia(payload, place, np.zeros((3, 3)))
     return model

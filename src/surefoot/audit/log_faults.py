@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.arrays import FloatArray, of_kind
 from surefoot.audit import spoiling
 from surefoot.audit.spoiling import FaultyLog, LogCopy, Spoil, everywhere, on_flight, on_stance
-from surefoot.errors import check_name
+from surefoot.errors import ProblemError, check_name
 from surefoot.log import Log
 from surefoot.robot import load_robot
 from surefoot.spatial import GRAVITY, rotation_about
@@ -67,13 +67,17 @@ def seeded_faults(log: Log, *kinds: str, seed: int = 0) -> Iterator[FaultyLog]:
     Raises
     ------
     ProblemError
-        For an unknown kind.
+        For an unknown kind, and for a log that is no run of a robot on point feet, or shorter than 0.5 s.
     """
+    of_kind("log", log, Log)
     by_name = {fault.name: fault for fault in LOG_FAULTS}
     for name in kinds:
         check_name("fault", name, by_name)
     for name in kinds or by_name:
-        spoilt = by_name[name].apply(log, seed)
+        try:
+            spoilt = by_name[name].apply(log, seed)
+        except KeyError as lacks:
+            raise ProblemError(f"the fault {name} needs the channel {lacks}, which the log lacks") from lacks
         if spoilt is not None:
             yield spoilt
 
@@ -88,7 +92,7 @@ def _direction(c: LogCopy, foot: int, part: slice) -> FloatArray:
     return np.where(size > 1e-9, f / np.maximum(size, 1e-9), [1.0, 0.0])
 
 
-def _more_friction(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
+def _overload(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     f = c.arrays["forces"]
     f[part, foot, :2] = (
         _direction(c, foot, part) * (amplitude * c.arrays["mu"][part] * f[part, foot, 2])[:, None]
@@ -279,8 +283,7 @@ def _carry(c: LogCopy, change: FloatArray) -> None:
 
 
 def _permute_torques(c: LogCopy, amplitude: float) -> FaultyLog | None:
-    joints: IntArray = np.arange(c.arrays["torques"].shape[1]).reshape(len(c.feet), -1)
-    c.arrays["torques"] = c.arrays["torques"][:, np.roll(joints, 1, axis=1).ravel()]
+    c.arrays["torques"] = c.arrays["torques"][:, np.roll(c.legs, 1, axis=1).ravel()]
     return c.whole()
 
 
@@ -288,12 +291,7 @@ LOG_FAULTS: tuple[LogFault, ...] = (
     LogFault("pull", "the ground pulls a standing foot", 0.1, "m g", "pull", on_stance(_pull)),
     LogFault("reversed", "force on the ground logged", 1.0, "", "reversed", everywhere(_reverse)),
     LogFault(
-        "friction",
-        "a foot uses more than its cone",
-        1.3,
-        "mu",
-        "too much friction",
-        on_stance(_more_friction),
+        "friction", "a foot uses more than its cone", 1.3, "mu", "too much friction", on_stance(_overload)
     ),
     LogFault(
         "pyramid", "a foot in the corner of a pyramid of four", 1.0, "mu", "coarse facets", on_stance(_corner)

@@ -67,13 +67,9 @@ def motor_use(log: Log) -> MotorUse | None:
 
 def _beyond(log: Log, torques: FloatArray, speed: FloatArray, effort: FloatArray) -> FloatArray:
     """Return by how much torques (T, joints) along the motion exceed the motors' curve, over the effort."""
-    knee = float(log.facts.get("motor_knee", 1.0))
-    driving = float(log.facts.get("motor_driving", 1.0))
+    knee, driving = (float(log.facts.get(name, 1.0)) for name in ("motor_knee", "motor_driving"))
     share = np.abs(speed) / log.fact("speed_limits")
-    if knee < 1.0:
-        falling = np.clip((1.0 - share) / (1.0 - knee), 0.0, 1.0)
-    else:
-        falling = (share < 1.0).astype(np.float64)
+    falling = np.clip((1.0 - share) / max(1.0 - knee, 1e-12), 0.0, 1.0)
     along = torques * np.sign(speed) / effort
     return np.asarray(np.maximum(along - driving * falling, 0.0))
 

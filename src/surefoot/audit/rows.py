@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.audit.dynamics import MOTOR_FACTS, UnexplainedForces, balanced_forces, unexplained
+from surefoot.audit.dynamics import UnexplainedForces, balanced_forces, unexplained
 from surefoot.audit.laws import swinging
 from surefoot.audit.setting import PER_POINT, Setting
 from surefoot.log import Log
@@ -24,7 +24,10 @@ CREEP = 0.1
 """Most that is allowed of a declared creep, whatever a row's own is [m/s]."""
 PIECE = 1 << 15
 """Rows of a piece."""
-FINITE = (*PER_POINT, "q", "v", "torques", "mu", "push", "other_forces", "momentum_rate", "com")
+FINITE = (
+    *PER_POINT, "q", "v", "torques", "mu", "push", "other_forces", "momentum", "momentum_rate", "com",
+    "energy", "wrench_applied", "contact_moments", "contact_creep", "pyramid_turn",
+)  # fmt: skip
 
 
 def lacking(log: Log, names: Iterable[str]) -> list[str]:
@@ -73,7 +76,7 @@ class Rows:
             else:
                 out[:, -1] |= bad.reshape(self.count, -1).any(axis=1)
         if "normals" in self.log:
-            length = (np.nan_to_num(np.asarray(self.log["normals"])) ** 2).sum(axis=2)
+            length = (self.numbers("normals") ** 2).sum(axis=2)
             out[:, :-1] |= np.abs(length - 1.0) > 0.02  # no direction
         return out
 
@@ -165,8 +168,7 @@ class Rows:
             return None
         log, time = self.log, self.time
         arrays = {name: self.numbers(name) for name in _MOTION if name in log}
-        motors = {name: log.facts[name] for name in MOTOR_FACTS if name in log.facts}
-        clean = Log({**arrays, "time": time}, motors, channels=log.channels)
+        clean = Log({**arrays, "time": time}, log.facts, channels=log.channels)
         with np.errstate(all="ignore"):
             world = np.einsum("tpij,tpj->tpi", self.frames, self.forces)
             load = self.setting.payload
@@ -197,7 +199,7 @@ class Rows:
         if robot is None or "torques" not in self.log:
             return None
         return self._at_points(
-            balanced_forces(robot, Log({name: self.numbers(name) for name in _BALANCE}, {}))
+            balanced_forces(robot, Log({name: self.numbers(name) for name in _BALANCE}, self.log.facts))
         )
 
     def _at_points(self, feet: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray, finite_array
+from surefoot.audit.dynamics import MOTOR_FACTS
 from surefoot.audit.laws import LOADED_SHARE, SLIDE_LIMIT, SOFTEST, stated
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.log import Log
@@ -36,6 +37,9 @@ PER_POINT = ("forces", "gaps", "contact_velocities", "contact_positions", "norma
 """Channels with a row for each contact point."""
 OF_POINTS = ("contact_with", "moment_friction", "contact_margin", "contact_damping", "critically_damped")
 """Facts with a row for each contact point."""
+
+REAL = {*MOTOR_FACTS, *OF_POINTS[1:], "gravity", "free_wrenches"}
+"""Facts that the laws are worked out with: NaN in one of them would leave nothing over."""
 
 
 @dataclass(frozen=True)
@@ -153,6 +157,8 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     dt = float(np.median(good)) if good.size else stated_dt
     if stated_dt and good.size and abs(stated_dt - dt) > 0.02 * dt:
         doubts.append(f"the log says dt = {stated_dt:g} s, its time stamps {dt:g} s")
+    for name in REAL.intersection(log.facts):
+        finite_array(f"the fact {name}", log.fact(name))
     soft = [stated(log, name) for name in SOFTEST]
     if _by_row(log):  # friction is judged by its own law, row by row: what is left to allow is bounded
         soft[1], soft[2] = _mean_creep(log), min(soft[2], SOFTEST["stopping"][0])

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.errors import ProblemError
 from surefoot.log import Log
 from surefoot.numerics.phases import runs_of
 from surefoot.spatial import GRAVITY
@@ -51,7 +52,13 @@ class LogCopy:
         self.dt, self.weight = float(log.fact("dt")), float(log.fact("mass")) * GRAVITY
         self.feet = list(log.fact("feet"))
         self.normal = self.arrays["forces"][..., 2].copy()
-        self.rows = len(log)
+        self.rows, joints = len(log), np.arange(self.arrays["torques"].shape[1])
+        alike = 0 < self.normal.shape[1] == len(self.feet) and joints.size % len(self.feet) == 0
+        if not alike or self.rows < 200 + 0.25 / self.dt:
+            raise ProblemError(
+                "faults want a robot on point feet, legs alike, and 200 rows and 0.25 s or more"
+            )
+        self.legs = joints.reshape(len(self.feet), -1)
 
     def span(self, on: BoolArray, seconds: float = LENGTH) -> tuple[int, slice] | None:
         """Return a foot and rows, so long at least, where (T, n) flags are on; away from the log's ends."""
@@ -178,8 +185,7 @@ def held_rows(c: LogCopy, amplitude: float) -> FaultyLog | None:
 
 def dead_torque(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     """Take the torque of the foot's last joint away."""
-    joints = np.arange(c.arrays["torques"].shape[1]).reshape(len(c.feet), -1)
-    c.arrays["torques"][part, joints[foot, -1]] = 0.0
+    c.arrays["torques"][part, c.legs[foot, -1]] = 0.0
 
 
 def not_finite(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:

@@ -115,16 +115,21 @@ def statics_line(phase: str, possible: bool, margin: float, needed: float, mu: f
     return f"{phase}: not possible with friction {mu:g}; {needed:.2f} would be needed"
 
 
+FOOT_USE: dict[str, Cell] = {
+    "share of m g": lambda foot: f"{100 * foot.weight_share:.1f} %",
+    "highest cone use": lambda foot: f"{100 * foot.cone_use_max:.0f} %",
+    "slip [mm]": lambda foot: f"{1e3 * foot.slip:.2f}",
+}
+"""Columns of every table of feet."""
+
+
 def stand_tables(summary: StandSummary) -> list[Table]:
     """Return the table of feet."""
     feet: dict[str, Cell] = {
         "foot": lambda foot: foot.name,
         "normal force [N]": lambda foot: f"{foot.normal_force_mean:.2f}",
-        "share of m g": lambda foot: f"{100 * foot.weight_share:.1f} %",
-        "highest cone use": lambda foot: f"{100 * foot.cone_use_max:.0f} %",
-        "slip [mm]": lambda foot: f"{1e3 * foot.slip:.2f}",
     }
-    return [Table.of("Feet", summary.feet, feet)]
+    return [Table.of("Feet", summary.feet, feet | FOOT_USE)]
 
 
 def stand_lines(summary: StandSummary) -> list[str]:
@@ -185,11 +190,8 @@ def walk_tables(summary: WalkSummary) -> list[Table]:
         "foot": lambda foot: foot.name,
         "footfalls": lambda foot: str(foot.footfalls),
         "on the ground": lambda foot: f"{100 * (foot.duty or 0.0):.0f} %",
-        "share of m g": lambda foot: f"{100 * foot.weight_share:.1f} %",
-        "highest cone use": lambda foot: f"{100 * foot.cone_use_max:.0f} %",
-        "slip [mm]": lambda foot: f"{1e3 * foot.slip:.2f}",
     }
-    return [Table.of("Velocity", AXES, velocity), Table.of("Feet", summary.feet, feet)]
+    return [Table.of("Velocity", AXES, velocity), Table.of("Feet", summary.feet, feet | FOOT_USE)]
 
 
 def walk_lines(summary: WalkSummary) -> list[str]:

@@ -211,7 +211,7 @@ class ContactSolver:
         self._laws = ContactProblem(np.zeros((m, m)), np.zeros(m), mu, normal_min, normal_max, law, **options)
         self.law = self._laws.law
         self._memory = np.zeros((m + LAST + 1 + -(-WORK // 3), max(m, 2)))
-        self._shapes = (m, m), (m,)
+        self._shapes = (m, m), (m,), (2 * n + 3, 3)
         self._most = UNBOUNDED if self.max_iterations is None else self.max_iterations
         self._compiled = not self._laws.general and self._laws.facets is None and 0 < n <= COMPILED_CONTACTS
         if self._compiled:
@@ -251,19 +251,17 @@ class ContactSolver:
             never for a problem that is hard or has no solution.
         """
         n = self.contacts
-        shapes = self._shapes
+        square, row, whole = self._shapes
         if not (
             type(G) is _ndarray and type(g) is _ndarray and G.dtype is FLOAT and g.dtype is FLOAT
-            and G.shape == shapes[0] and g.shape == shapes[1]
+            and G.shape == square and g.shape == row
             and G.flags.c_contiguous and g.flags.c_contiguous
         ):  # fmt: skip
-            G, g = self._read("G", G, shapes[0]), self._read("g", g, shapes[1])
+            G, g = self._read("G", G, square), self._read("g", g, row)
         if out is None:
-            out = _empty((2 * n + 3, 3))
-        elif not (
-            type(out) is _ndarray and out.dtype is FLOAT and out.shape == (2 * n + 3, 3) and out.flags.carray
-        ):  # fmt: skip
-            raise ProblemError(f"out must be a writable C-contiguous float64 array of shape ({2 * n + 3}, 3)")
+            out = _empty(whole)
+        elif not (type(out) is _ndarray and out.dtype is FLOAT and out.shape == whole and out.flags.carray):
+            raise ProblemError(f"out must be a writable C-contiguous float64 array of shape {whole}")
         if not self._compiled:
             return self._solve_rest(G, g, out, 0)
         done = self._call(G, g, self._memory, self.tol, self._most, self.warm_start, out)

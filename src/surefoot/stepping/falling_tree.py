@@ -10,6 +10,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
+from surefoot.numerics.rotations import rotation_of
 
 
 class FallingBody(NamedTuple):
@@ -106,11 +107,7 @@ def _product(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
 @kernel
 def place(body: FallingBody, q: FloatArray, at: Placed) -> None:
     """Fill R, p, a, x and gaps at q (7 + joints,): place, quaternion (x, y, z, w), joints."""
-    x, y, z, w = q[3], q[4], q[5], q[6]
-    R = at.R[0]
-    R[0, 0], R[0, 1], R[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)
-    R[1, 0], R[1, 1], R[1, 2] = 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)
-    R[2, 0], R[2, 1], R[2, 2] = 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)
+    rotation_of(q, at.R[0])
     for k in range(3):
         at.p[0, k] = q[k]
     turn, rest = np.empty((3, 3)), np.empty((3, 3))

@@ -13,6 +13,7 @@ import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import kernel
+from surefoot.numerics.rotations import rotation_of
 from surefoot.solvers.compiled import COMPILED_CONTACTS
 from surefoot.stepping import arithmetic
 from surefoot.stepping.detection import GroundBelow
@@ -144,11 +145,7 @@ class FreeDetection(PairDetection):
 def place_bodies(q: FloatArray, turns: FloatArray, places: FloatArray) -> None:
     """Write rotations (n, 3, 3) and places (n, 3) of free bodies at (7n,) q: place, (x, y, z, w)."""
     for b in range(places.shape[0]):
-        x, y, z, w = q[7 * b + 3], q[7 * b + 4], q[7 * b + 5], q[7 * b + 6]
-        R = turns[b]
-        R[0, 0], R[0, 1], R[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)
-        R[1, 0], R[1, 1], R[1, 2] = 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)
-        R[2, 0], R[2, 1], R[2, 2] = 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)
+        rotation_of(q[7 * b : 7 * b + 7], turns[b])
         for k in range(3):
             places[b, k] = q[7 * b + k]
 
