@@ -26,7 +26,7 @@ NO_POINTS: list[Any] = ["com", None, [0.0, 0.0], [np.nan, 0, 0], [np.inf, 0, 0],
 NO_WRENCHES: list[Any] = ["w", [[1.0], [1.0, 2.0]], [np.nan] * 6, [1e200, 0, 0, 0, 0, 0], {}]
 NO_FACETS: list[Any] = [10**6, 2, -1, 3.5, np.nan, "x"]
 NO_LOGS: list[Any] = [np.zeros(3), None, 3, {}, [1, 2]]
-NO_PATHS: list[Any] = [3, None, [], np.zeros(2)]
+NO_PATHS: list[Any] = [3, None, [], np.zeros(2), "zero\0byte.npz", "x" * 300 + ".npz"]
 NO_FRICTION: list[Any] = ["x", -0.1, np.nan, None]
 NO_ROBOTS: list[Any] = ["go2", None, 3]
 NO_TERRAINS: list[Any] = ["flat", 3, STANCE]
@@ -72,7 +72,6 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "pyramid": (sf.FrictionCone(0.5).polyhedral, NO_FACETS, "facets"),
     "solve": (sf.solve, [{"G": np.eye(3)}, np.eye(3), None, "p"], "problem must be a ContactProblem"),
     "solver": (lambda x: sf.solve(PROBLEM, solver=x), ["x", None, 3], "valid names: |solver"),
-    "tol": (lambda x: sf.solve(PROBLEM, tol=x), ["x", -1.0, np.nan], "tol"),
     "each call": (
         lambda x: sf.ContactSolver(1, 0.5).solve(**({"G": np.eye(3), "g": np.zeros(3)} | x)),
         [{n: x} for n in ("G", "g", "out") for x in [*NO_ARRAYS, np.frombuffer(bytes(120)).reshape(5, 3)]],
@@ -85,10 +84,9 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     ),
     "settings": (
         lambda x: sf.ContactSolver(**({"contacts": 4, "mu": 0.5} | x)),
-        [{"mu": -1.0}, {"law": "glue"}, {"tol": np.nan}, {"contacts": 0}, {"contacts": 1.5}],
+        [{"mu": -1.0}, {"law": "glue"}, {"law": None}, {"tol": np.nan}, {"contacts": 0}, {"contacts": 1.5}],
         "^mu|^unknown law|^tol|^contacts must be",
     ),
-    "law": (lambda x: sf.ContactProblem(np.eye(3), np.zeros(3), 0.5, law=x), ["x", 3, None], "law"),
     "wrt": (lambda x: sf.trajectory_gradient(max, min, wrt=x), [[], (), "x", 3, None], "wrt must be"),
     "audit": (sf.audit_log, NO_LOGS, "arrays become one by sf.log_from_arrays"),
     "lawful": (sf.assert_lawful, NO_LOGS, "sf.log_from_arrays"),
@@ -97,6 +95,8 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "stance file": (sf.read_stance, NO_PATHS, "a file is named by"),
     "sequence file": (sf.read_sequence, NO_PATHS, "a file is named by"),
     "sweep file": (sf.read_sweep, NO_PATHS, "a file is named by"),
+    "saved": (sf.Log({"time": [0.0]}).save, [*NO_PATHS, "", "/", "no/x.npz"], "named by|read, not|cannot"),
+    "written": (lambda x: sf.write_problem(PROBLEM, x), [*NO_PATHS, "no/x.npz"], "named by|cannot write"),
     "robot": (sf.load_robot, ["nope", "nope.urdf", 3, None, ""], "robot|file"),
     "feet": (lambda x: sf.load_robot("go2", feet=x), [3, [3], "toe", ["FL_foot"] * 2, {"a"}], "feet|foot"),
     "place robot": (sf.place, NO_ROBOTS, "robot must be a Robot, as sf.load_robot"),

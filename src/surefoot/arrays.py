@@ -123,7 +123,7 @@ def real_number(name: str, value: float, *, low: float = -np.inf, high: float = 
     if not low <= number <= high:
         wanted = f">= {low:g}" if high == np.inf else f"between {low:g} and {high:g}"
         raise ProblemError(
-            f"{name} must be a number {wanted if low > -np.inf else ''}".rstrip() + f", got {number:g}"
+            f"{name} must be a number {wanted if low > -np.inf else ''}".rstrip() + f", got {number:.10g}"
         )
     return number
 

@@ -9,17 +9,18 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from surefoot.errors import ProblemError, check_name
+from surefoot.errors import ProblemError, check_name, shown
 
 MOST = 64_000_000
 """Bytes of a text that are read at most: a device never ends."""
 
 
 def path_of(value: object) -> Path:
-    """Return the path that a text or path names, or raise for what is neither."""
-    if not isinstance(value, (str, Path)):
-        raise ProblemError(f"a file is named by a text or a Path, got {value!r:.60}")
-    return Path(value)
+    """Return the path that a text or path names, or raise for what is neither or names nothing anywhere."""
+    text = isinstance(value, (str, Path)) and "\0" not in str(value)
+    if not text or max(map(len, Path(str(value)).parts), default=0) > 255:  # letters of a name
+        raise ProblemError(f"a file is named by a text or a Path that a disk can hold, got {shown(value)}")
+    return Path(str(value))
 
 
 def read_text(path: Path | str, what: str = "") -> str:

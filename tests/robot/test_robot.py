@@ -10,6 +10,7 @@ import surefoot as sf
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot.catalog import CATALOG, find, robots_folder
 from surefoot.robot.foot import DEFAULT_RADIUS, Foot
+from tests.legged import write_legged
 
 
 def test_go2_is_the_published_robot() -> None:
@@ -78,10 +79,12 @@ def test_missing_urdf_and_foreign_feet(tmp_path: Path) -> None:
     broken.write_text("<robot")
     with pytest.raises(ModelError, match="not a URDF that Pinocchio can read"):
         sf.load_robot(broken, feet=["a"])
-    with pytest.raises(ModelError, match=r"unknown foot frame of go2.urdf 'toe'; valid names: .*FL_foot"):
-        sf.load_robot(robots_folder() / find("go2").urdf, feet=["toe"])
-    with pytest.raises(ModelError, match="feet must differ"):
-        sf.load_robot("go2", feet=["FL_foot", "FL_foot"])
+
+
+def test_legs_of_no_length_have_a_pose(tmp_path: Path) -> None:
+    path, feet = write_legged(tmp_path, 4)
+    path.write_text(path.read_text().replace('"0 0 -0.2"', '"0 0 0"'))
+    assert np.isfinite(sf.load_robot(path, feet=feet).nominal).all()
 
 
 def test_aliases() -> None:

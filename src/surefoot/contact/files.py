@@ -24,7 +24,7 @@ from surefoot.contact import fclib, siconos_text
 from surefoot.contact.foreign import SHRINKS, SMALL
 from surefoot.contact.lcp import LCP
 from surefoot.contact.problem import ContactProblem
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, unknown_name, writing
 from surefoot.text_files import path_of
 
 KINDS = {".hdf5": "fclib", ".h5": "fclib", ".dat": "siconos", ".npz": "npz"}
@@ -61,6 +61,8 @@ def write_problem(problem: ContactProblem, path: str | Path, forces: ArrayLike |
     ------
     ProblemError
         If the file exists, its ending is unknown, or the format cannot hold the problem.
+    WriteError
+        If it cannot be written.
     """
     path = path_of(path)
     kind = _kind(path)
@@ -69,19 +71,19 @@ def write_problem(problem: ContactProblem, path: str | Path, forces: ArrayLike |
     if path.exists():
         raise ProblemError(f"{path} exists; nothing is overwritten")
     solution = None if forces is None else finite_array("forces", forces, (problem.contacts, 3))
-    if kind == "npz":
-        _write_npz(problem, path, solution)
-        return path
     bounded = problem.bounded or problem.bilateral is not None or (problem.normal_max == 0.0).any()
-    if problem.law != "coulomb" or problem.facets is not None or bounded:
+    if kind != "npz" and (problem.law != "coulomb" or problem.facets is not None or bounded):
         raise ProblemError(
             f"a {path.suffix} file holds Coulomb's law on exact cones, without normal bounds or bilateral "
             "contacts; use .npz"
         )
-    if kind == "fclib":
-        fclib.write(problem, path, solution)
-    else:
-        siconos_text.write(problem, path)
+    with writing(path):
+        if kind == "npz":
+            _write_npz(problem, path, solution)
+        elif kind == "fclib":
+            fclib.write(problem, path, solution)
+        else:
+            siconos_text.write(problem, path)
     return path
 
 

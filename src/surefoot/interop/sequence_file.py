@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, of_kind
-from surefoot.errors import ProblemError, WriteError, located, one_line
+from surefoot.errors import ProblemError, located, one_line, writing
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
 from surefoot.text_files import list_of, path_of, read_text, table_of
@@ -70,15 +70,12 @@ def write_sequence(sequence: ContactSequence, path: Path | str) -> Path:
         If it cannot be written.
     """
     of_kind("sequence", sequence, ContactSequence)
-    target = Path(path)
+    target = path_of(path)
     text = json.dumps(sequence_to_dict(sequence), indent=1, allow_nan=False) + "\n"
-    try:
-        with target.open("x", encoding="utf-8") as stream:
-            stream.write(text)
-    except FileExistsError as error:
-        raise ProblemError(f"{target} exists already") from error
-    except OSError as error:
-        raise WriteError(target, error) from error
+    if target.exists():
+        raise ProblemError(f"{target} exists already")
+    with writing(target), target.open("x", encoding="utf-8") as stream:
+        stream.write(text)
     return target
 
 

@@ -168,7 +168,7 @@ def new_file(path: Path) -> tuple[Path, Callable[[Log, Path], None]]:
     ProblemError
         For a format that is only read, or a file that exists.
     """
-    path = path if path.suffix else path.with_name(path.name + ".npz")
+    path = path if path.suffix or not path.name else path.with_name(path.name + ".npz")
     entry = format_of(path)
     if entry.write is None:
         raise ProblemError(f"{path}: logs of the format {entry.name} can be read, not written")

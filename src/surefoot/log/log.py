@@ -14,6 +14,7 @@ from surefoot.arrays import of_kind
 from surefoot.errors import ProblemError, check_name
 from surefoot.log.channels import CHANNELS, Channel, check_shapes
 from surefoot.log.facts import FACTS
+from surefoot.text_files import path_of
 
 MEMORY = 64 << 20
 """Largest log that is held in memory; a longer one is mapped from files [bytes]."""
@@ -142,7 +143,7 @@ class Log:
         """
         from surefoot.log.formats import write_log
 
-        return write_log(self, Path(path))
+        return write_log(self, path_of(path))
 
 
 def _let_go(array: Any) -> None:

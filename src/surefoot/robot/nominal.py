@@ -63,7 +63,7 @@ def _bend(
     pinocchio.framesForwardKinematics(model, data, start)
     places = [data.oMi[j].translation.copy() for j in joints[1 if len(joints) >= 3 else 0 :]]
     places.append(data.oMf[frame].translation.copy())
-    length = float(sum(np.linalg.norm(b - a) for a, b in pairwise(places)))
+    length = max(float(sum(np.linalg.norm(b - a) for a, b in pairwise(places))), 1e-9)
     target = places[0] - [0.0, 0.0, STRETCH * length]
     index = [model.joints[j].idx_q for j in joints]
     low = np.maximum(model.lowerPositionLimit[index], -np.pi)

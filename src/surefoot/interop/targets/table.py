@@ -8,6 +8,7 @@ from pkgutil import resolve_name
 
 from surefoot.errors import ProblemError, check_name, writing
 from surefoot.interop.sequence import ContactSequence
+from surefoot.text_files import path_of
 
 Target = Callable[[ContactSequence], dict[str, str]]
 """Takes a sequence, returns names of files and their texts; a ProblemError where it cannot express it."""
@@ -43,7 +44,7 @@ def export_sequence(sequence: ContactSequence, target: str, folder: Path | str) 
         If a file cannot be written.
     """
     texts = find_target(target)(sequence)
-    where = Path(folder)
+    where = path_of(folder)
     taken = [name for name in texts if (where / name).exists()]
     if taken:
         raise ProblemError(f"{where / taken[0]} exists already")
