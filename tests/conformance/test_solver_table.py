@@ -182,17 +182,9 @@ def test_contacts_that_are_all_off_carry_nothing(law: str) -> None:
         assert not found.forces.any()
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"max_iterations": -1}, "max_iterations must be a whole number >= 0, got -1"),
-        ({"max_time": "soon"}, "max_time must be a number, got 'soon'"),
-        ({"warm_start": [0.0, 1.0]}, "warm_start must have shape"),
-    ],
-)
-def test_wrong_settings_are_named(changes: dict[str, object], words: str) -> None:
-    with pytest.raises(sf.SurefootError, match=words):
-        sf.solve(family_problems()[0][1], **changes)  # type: ignore[arg-type]
+def test_a_wrong_warm_start_is_named() -> None:
+    with pytest.raises(sf.SurefootError, match="warm_start must have shape"):
+        sf.solve(family_problems()[0][1], warm_start=[0.0, 1.0])  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton"])

@@ -48,6 +48,8 @@ def test_a_motion_that_no_friction_gives_is_disproved() -> None:
     assert found.verdict.verify()
     assert found.misfit > 5.0
     assert sf.estimate_forces(robot, *state, mu=0.6).explainable == "yes"
+    state[2][0] += 6.0  # 10 m/s² tip it over its hind feet, whatever its torques are
+    assert sf.estimate_forces(robot, *state, mu=5.0, torque_std=100.0).explainable == "no"
 
 
 def test_what_lies_within_the_noise_is_not_disproved() -> None:
@@ -77,8 +79,9 @@ def test_uncertainty_follows_the_torques() -> None:
 
 def test_wrong_input_is_one_line() -> None:
     robot, state, _ = _at(log_of(STAND), 300)
-    with pytest.raises(ProblemError, match="tau"):
-        sf.estimate_forces(robot, *state[:3], np.zeros(3))
+    for tau in (np.zeros(3), ["a"] * 12):
+        with pytest.raises(ProblemError, match="tau"):
+            sf.estimate_forces(robot, *state[:3], tau)
     with pytest.raises(ProblemError, match="torque_std"):
         sf.estimate_forces(robot, *state, torque_std=0.0)
     with pytest.raises(ProblemError, match="bolted"):

@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, of_kind, real_number
+from surefoot.arrays import FloatArray, finite_array, numbers, of_kind, real_number
 from surefoot.equilibrium.statics import can_stand
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
@@ -134,7 +134,7 @@ def estimate_forces(
     shaking = real_number("acceleration_std", acceleration_std, low=0.0)
     stance = robot.stance(configuration, mu=mu, terrain=terrain, feet=feet)
     needed = np.array(pinocchio.rnea(model, data, configuration, velocity, acceleration))
-    torque = np.array(tau, dtype=float)
+    torque = np.array(numbers("tau", tau))
     known = np.ones(model.nv, dtype=bool)
     if torque.shape == (robot.joints,):
         known[robot.base_dof :] = ~np.isnan(torque)
@@ -155,20 +155,23 @@ def estimate_forces(
     rows = np.flatnonzero(known)[: robot.base_dof or None]
     left = np.abs(needed - J.T @ forces)[rows] <= REACH * spread[rows]
     answer: Literal["yes", "no", "cannot tell"] = "cannot tell"
-    if (verdict is not None and verdict.feasible) or (lawful and bool(left.all())):
-        answer = "yes"
-    elif verdict is not None and _proven(verdict, float(spread[:3].max()), float(spread[3:6].max())):
+    moved = shaking * np.array(pinocchio.computeCentroidalMap(model, data, configuration))
+    if verdict is not None and _proven(verdict, np.hstack([moved, EXACT * noise * np.eye(6)])):
         answer = "no"
+    elif (verdict is not None and verdict.feasible) or (lawful and bool(left.all())):
+        answer = "yes"
     return ForceEstimate(forces, std, misfit, lawful, answer, verdict, stance)
 
 
-def _proven(verdict: Verdict, force_std: float, moment_std: float) -> bool:
-    """Return whether a certificate holds for every load within `REACH` standard deviations."""
+def _proven(verdict: Verdict, spread: FloatArray) -> bool:
+    """Return whether a certificate holds for every load within `REACH` standard deviations.
+
+    Which are the columns of (6, k) `spread`, each what one unknown does to the load [N, N m].
+    """
     y = verdict.certificate
     if y is None or not verdict.verify():
         return False
-    blur = np.hypot(force_std * np.linalg.norm(y[:3]), moment_std * np.linalg.norm(y[3:]))
-    return bool(y @ verdict.load < -REACH * blur)
+    return bool(y @ verdict.load < -REACH * np.linalg.norm(y @ spread))
 
 
 def _least_squares(A: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray, float]:
