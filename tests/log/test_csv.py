@@ -166,7 +166,9 @@ def test_what_does_not_map_is_one_line(text: str, message: str, tmp_path: Path) 
         ("time,a\n0,1\n", "no channel can be guessed from the fields time, a: give a mapping"),
         ("mu,x\n0,1\n", "the mapping must say which column is the time"),
         ("\0\1\2", "must name the columns|is no text"),
+        ('time,mu\n0,"1\n' + "1,2\n" * 50_000, "is no table, a quote may be open"),
     ],
+    ids=lambda text: text[:20],
 )
 def test_a_table_that_is_none_is_one_line(text: str, message: str, tmp_path: Path) -> None:
     path = tmp_path / "bad.csv"
@@ -178,11 +180,12 @@ def test_a_table_that_is_none_is_one_line(text: str, message: str, tmp_path: Pat
 
 def test_empty_cells_and_words_are_numbers(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
-    path.write_text("time;mu;FL_contact\n0;0.5;true\n0.1;;false\n0.2;0.7;true\n")
     how = LogMapping({"time": Take(("time",)), "mu": Take(("mu",))})
-    log = read_log(path, how)
-    np.testing.assert_array_equal(log["mu"], [0.5, np.nan, 0.7])
-    assert log.doubts == ("mu is not finite in 1 rows, first in row 1",)
+    for end in ("\n", "\r\n", "\r"):
+        path.write_text("time;mu;FL_contact\n0;0.5;true\n0.1;;false\n0.2;0.7;true\n", newline=end)
+        log = read_log(path, how)
+        np.testing.assert_array_equal(log["mu"], [0.5, np.nan, 0.7])
+        assert log.doubts == ("mu is not finite in 1 rows, first in row 1",)
 
 
 @pytest.mark.parametrize(

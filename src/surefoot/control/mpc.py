@@ -341,8 +341,6 @@ class ConvexMpc:
 
 def _over_horizon(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     """Return a value of one step, or of every step, at the full shape."""
-    if isinstance(value, np.ndarray) and value.shape == shape and value.dtype == np.float64:
-        return np.ascontiguousarray(value)
     array = numbers(name, value)
     if array.shape not in (shape[1:], shape):
         raise ProblemError(f"{name} must have shape {shape[1:]} or {shape}, got {array.shape}")

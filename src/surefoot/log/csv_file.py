@@ -30,19 +30,21 @@ def source(path: Path, columns: Sequence[str] | None = None) -> Source:
     """
     check_size(path.stat().st_size, path)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
+        with path.open(encoding="utf-8-sig") as file:
             line = file.readline(1 << 20)
             cells, separator = _cells(line)
             names = _checked_names(path, line, cells) if columns is None else list(columns)
             text = file.read() if columns is None else line + file.read()
+        twice = [name for k, name in enumerate(names) if name in names[:k]]
+        if twice:
+            raise ProblemError(f"{path}: two columns are called {twice[0]!r}")
+        if "\0" in line or "\0" in text:
+            raise ProblemError(f"{path} is no text: it holds zero bytes")
+        table = _numbers(path, text, names, separator, 2 if columns is None else 1)
     except UnicodeDecodeError as error:
         raise ProblemError(f"{path} is no text: {error.reason} at byte {error.start}") from error
-    twice = [name for k, name in enumerate(names) if name in names[:k]]
-    if twice:
-        raise ProblemError(f"{path}: two columns are called {twice[0]!r}")
-    if "\0" in line or "\0" in text:
-        raise ProblemError(f"{path} is no text: it holds zero bytes")
-    table = _numbers(path, text, names, separator, 2 if columns is None else 1)
+    except csv.Error as error:
+        raise ProblemError(f"{path} is no table, a quote may be open: {error}") from error
     return Source({"": Topic(None, {name: table[:, k] for k, name in enumerate(names)})})
 
 
