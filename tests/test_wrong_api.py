@@ -19,6 +19,7 @@ COM, NOTHING = [0.0, 0.0, 0.3], np.zeros(6)
 STANCE = sf.Stance([sf.PointContact(p, mu=0.6) for p in FEET])
 BOUNDED = sf.Stance([sf.PointContact(p, mu=0.6, normal_max=1e4) for p in FEET])
 PROBLEM = sf.ContactProblem(np.eye(3), [0.0, 0.0, -1.0], 0.5)
+LOG = sf.Log({"time": [0.0]})
 SHARE = sf.ForceDistributor(0.6)
 NO_STANCES: list[Any] = [None, FEET, "stance", 3, STANCE.contacts]
 NO_MASSES: list[Any] = ["15", None, 0.0, -1.0, np.nan, np.inf, 1e200, [15.0]]
@@ -95,7 +96,21 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "stance file": (sf.read_stance, NO_PATHS, "a file is named by"),
     "sequence file": (sf.read_sequence, NO_PATHS, "a file is named by"),
     "sweep file": (sf.read_sweep, NO_PATHS, "a file is named by"),
-    "saved": (sf.Log({"time": [0.0]}).save, [*NO_PATHS, "", "/", "no/x.npz"], "named by|read, not|cannot"),
+    "faults": (lambda x: next(sf.seeded_faults(LOG, seed=x)), [-1, "x", None, np.eye(2)], "seed must be"),
+    "residuals": (lambda x: sf.residuals(PROBLEM, x), NO_ARRAYS, "forces must"),
+    "proof": (lambda x: sf.check_proof(PROBLEM, x), NO_ARRAYS, "direction must"),
+    "kept": (lambda x: sf.carry_over(np.zeros((3, 3)), x), [*NO_ARRAYS[1:], [0.5], [True], [3]], "kept must"),
+    "ranks": (lambda x: sf.redundancy(PROBLEM, tol=x), [*NO_NUMBERS, -1.0, np.complex128(1)], "tol must"),
+    "law": (lambda x: sf.translate(x, to="mujoco", mass=1.0), ["x", None, 3], "law must be a SoftLaw"),
+    "weighed": (lambda x: sf.can_stand(STANCE, COM, x), [np.complex128(15)], "mass must be a number"),
+    "rows": (lambda x: sf.wrench_cone(STANCE, COM, most_rows=x), NO_NUMBERS, "most_rows must"),
+    "rigid ground": (lambda x: sf.RigidWorld(go2(), x), NO_TERRAINS, "terrain must be a Terrain"),
+    "arrays": (
+        lambda x: sf.log_from_arrays({"net_forces_w": np.zeros((5, 1, 3))}, **({"dt": 0.1} | x)),
+        [{"dt": x} for x in (*NO_NUMBERS, 0.0)] + [{n: x} for n in ("frames", "facts") for x in ("x", [1])],
+        "^give the array time|^frames must|^facts must",
+    ),
+    "saved": (LOG.save, [*NO_PATHS, "", "/", "no/x.npz"], "named by|read, not|cannot"),
     "written": (lambda x: sf.write_problem(PROBLEM, x), [*NO_PATHS, "no/x.npz"], "named by|cannot write"),
     "robot": (sf.load_robot, ["nope", "nope.urdf", 3, None, ""], "robot|file"),
     "feet": (lambda x: sf.load_robot("go2", feet=x), [3, [3], "toe", ["FL_foot"] * 2, {"a"}], "feet|foot"),

@@ -24,7 +24,7 @@ def array_of(name: str, value: ArrayLike, kinds: str, wanted: str, dtype: type) 
     """
     try:
         array = np.asarray(value)
-        if array.dtype.kind not in kinds or np.ma.is_masked(value):
+        if array.dtype.kind not in kinds or (hasattr(value, "mask") and np.ma.is_masked(value)):
             raise TypeError
         return np.asarray(array, dtype, order="C")
     except (TypeError, ValueError, OverflowError, RuntimeError) as error:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, of_kind
+from surefoot.arrays import FloatArray, of_kind, whole_number
 from surefoot.audit import spoiling
 from surefoot.audit.spoiling import FaultyLog, LogCopy, Spoil, everywhere, on_flight, on_stance
 from surefoot.errors import ProblemError, check_name
@@ -75,7 +75,7 @@ def seeded_faults(log: Log, *kinds: str, seed: int = 0) -> Iterator[FaultyLog]:
         check_name("fault", name, by_name)
     for name in kinds or by_name:
         try:
-            spoilt = by_name[name].apply(log, seed)
+            spoilt = by_name[name].apply(log, whole_number("seed", seed))
         except KeyError as lacks:
             raise ProblemError(f"the fault {name} needs the channel {lacks}, which the log lacks") from lacks
         if spoilt is not None:

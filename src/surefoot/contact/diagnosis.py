@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, of_kind
+from surefoot.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
 
@@ -69,7 +69,7 @@ def redundancy(problem: ContactProblem, tol: float = 1e-9) -> Redundancy:
     of_kind("problem", problem, ContactProblem)
     if problem.shape != (problem.contacts, 3):
         raise ProblemError("redundancy is for contacts of three rows; for others look at the rank of G")
-    n = problem.contacts
+    n, tol = problem.contacts, real_number("tol", tol, low=0.0)
     trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1)
     scale = np.repeat(1.0 / np.sqrt(np.where(trace > 0.0, trace, 1.0)), 3)
     values, vectors = np.linalg.eigh(scale[:, None] * problem.G * scale[None, :])

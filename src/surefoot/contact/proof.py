@@ -17,10 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, of_kind
+from surefoot.arrays import BoolArray, FloatArray, IntArray, numbers, of_kind
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.scales import ROUNDING
 from surefoot.contact.set_residuals import block_sizes, parts_of
+from surefoot.errors import ProblemError
 
 MEANT = 1e6
 """Forces beyond this many times s / ||G_kk||, the force that stops the fastest contact, are never meant."""
@@ -90,7 +91,10 @@ def check_proof(problem: ContactProblem, direction: FloatArray) -> Infeasibility
     of_kind("problem", problem, ContactProblem)
     if problem.contacts == 0:
         return None
-    d = _admissible(problem, np.asarray(direction, dtype=np.float64).reshape(problem.shape).copy())
+    given = numbers("direction", direction)
+    if given.size != problem.g.size:
+        raise ProblemError(f"direction must have shape {problem.shape}, got {given.shape}")
+    d = _admissible(problem, given.reshape(problem.shape).copy())
     flat, size = d.ravel(), problem.g.size
     terms = problem.g * flat
     # the bound on the sum's rounding, n eps Σ |terms|, is added: it can only weaken the proof

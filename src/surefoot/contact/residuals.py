@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, IntArray, of_kind
+from surefoot.arrays import FloatArray, IntArray, numbers, of_kind
 from surefoot.contact.admissible import dissipation_limit, nearest
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.scales import APPROACH
@@ -87,7 +87,7 @@ def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:
         If the forces do not have the shape (n, 3). One force that is not finite makes every number NaN.
     """
     of_kind("problem", problem, ContactProblem)
-    f = np.ascontiguousarray(forces, dtype=np.float64)
+    f = numbers("forces", forces)
     if f.shape != problem.shape:
         raise ProblemError(f"forces must have shape {problem.shape}, got {f.shape}")
     return Residuals(*certificate(problem, f)[1])

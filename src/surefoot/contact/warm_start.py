@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array
-from surefoot.errors import ProblemError
+from surefoot.arrays import FloatArray, array_of, finite_array
+from surefoot.errors import ProblemError, shown
 
 
 def carry_over(forces: ArrayLike, kept: ArrayLike) -> FloatArray:
@@ -35,13 +35,11 @@ def carry_over(forces: ArrayLike, kept: ArrayLike) -> FloatArray:
     [[1.0, 0.0, 7.0], [0.0, 0.0, 0.0]]
     """
     old = finite_array("forces", forces, (None, 3))
-    which = np.asarray(kept)
-    if which.ndim != 1 or (which.size and which.dtype.kind not in "iu"):
-        raise ProblemError(f"kept must be a list of whole numbers, got {which.dtype} of shape {which.shape}")
+    which = array_of("kept", kept, "iufO", "a list of whole numbers", np.float64)
+    if which.ndim != 1 or (which != np.floor(which)).any():
+        raise ProblemError(f"kept must be a list of whole numbers, got {shown(kept)}")
     if which.size and (which.min() < -1 or which.max() >= len(old)):
-        raise ProblemError(
-            f"kept must lie between -1 and {len(old) - 1}, got {int(which.min())} to {int(which.max())}"
-        )
+        raise ProblemError(f"kept must be -1 to {len(old) - 1}, got {which.min():g} to {which.max():g}")
     which = which.astype(np.int64)
     start = np.zeros((which.size, 3))
     there = which >= 0

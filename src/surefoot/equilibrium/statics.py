@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import LARGEST, FloatArray, finite_array, of_kind, real_number
+from surefoot.arrays import LARGEST, FloatArray, finite_array, numbers, of_kind, real_number
 from surefoot.cones.cone import Fit
 from surefoot.equilibrium.limits import (
     ForceLimits,
@@ -299,7 +299,7 @@ def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> Floa
     ProblemError
         If the mass is not positive and finite or the wrench is not (6,) and finite.
     """
-    if not isinstance(mass, (int, float, np.number)):
+    if not isinstance(mass, (int, float, np.integer, np.floating)):
         raise ProblemError(f"mass must be a number [kg], got {mass!r:.60}")
     if not 0.0 < mass <= LARGEST:
         raise ProblemError(f"mass must be positive and up to {LARGEST:g} kg, got {mass!r:.60}")
@@ -312,14 +312,9 @@ def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> Floa
 
 def _vector(name: str, value: ArrayLike, size: int) -> FloatArray:
     """Return a finite vector, at little cost when it is one already."""
-    if isinstance(value, (list, tuple, np.ndarray)):
-        try:
-            vector = np.array(value)
-        except ValueError:  # said below
-            vector = np.zeros(0)
-        if vector.dtype == np.float64 and vector.shape == (size,) and math.hypot(*vector.tolist()) <= LARGEST:
-            # no entry is larger; others are looked at one by one
-            return vector
+    vector = np.array(numbers(name, value))
+    if vector.shape == (size,) and math.hypot(*vector.tolist()) <= LARGEST:
+        return vector  # no entry is larger; others are looked at one by one
     vector = finite_array(name, value, (size,))
     if np.abs(vector).max() > LARGEST:
         raise ProblemError(f"{name} must be within {LARGEST:g}, got {vector[np.abs(vector).argmax()]:g}")

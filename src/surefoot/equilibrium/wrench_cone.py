@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, of_kind
+from surefoot.arrays import FloatArray, of_kind, real_number
 from surefoot.cones import FrictionPyramid, PolyhedralCone
 from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError
@@ -106,7 +106,7 @@ def wrench_cone(
     of_kind("stance", stance, Stance)
     points = stance.points()
     size = wrench_cone_size(stance, facets)
-    if size.most_rows > most_rows:
+    if size.most_rows > real_number("most_rows", most_rows):
         raise ProblemError(
             f"the wrench cone of {size.rays} rays may have up to {size.most_rows} half-spaces, more than "
             f"most_rows={most_rows}: use fewer facets or contacts, or raise most_rows"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import of_kind
+from surefoot.arrays import of_kind, positive_number
 from surefoot.errors import ProblemError, check_name
 from surefoot.log.channels import CHANNELS
 from surefoot.log.log import Log
@@ -80,14 +80,15 @@ def log_from_arrays(
     """
     of_kind("arrays", arrays, Mapping)
     fields, frame_of = _channels(arrays)
+    for name, table in (("frames", frames), ("facts", facts)):
+        of_kind(name, {} if table is None else table, Mapping)
     frame_of |= {**(frames or {})}
     rows = {name: len(array) for name, array in fields.items() if array.ndim}
     if len(set(rows.values())) != 1 or len(rows) != len(fields):
         raise ProblemError(f"arrays must have the same number of rows, got {rows}")
     if "time" not in fields:
-        if dt is None or not 0.0 < dt < np.inf:
-            raise ProblemError(f"give the array time, or dt > 0 between the rows, got {dt}")
-        fields["time"] = dt * np.arange(next(iter(rows.values())), dtype=np.float64)
+        step = positive_number("give the array time, or dt > 0: dt", np.nan if dt is None else dt, "s")
+        fields["time"] = step * np.arange(float(min(rows.values())))
     if "q" in fields and "torques" in fields and fields["torques"].shape[1] == fields["q"].shape[1] - 1:
         fields["torques"] = fields["torques"][:, 6:]
     turned = [name for name in ("base_orientation", "q") if name in fields and _has_quaternion(name, fields)]

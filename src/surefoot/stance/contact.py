@@ -147,7 +147,7 @@ class PointContact(Contact):
 
     def sides(self, facets: int, fit: Fit) -> FloatArray:
         """(facets, 3) sides [-] of the friction pyramid, whose slack is in newtons of tangential force."""
-        return self.cone.polyhedral(facets, fit).halfspaces[:facets]
+        return self.cone.polyhedral(facets, fit).halfspaces[: int(facets)]
 
     def side_count(self, facets: int) -> int:
         """Return `facets`."""

@@ -35,7 +35,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
+from surefoot.arrays import FloatArray, IntArray, finite_array, of_kind, real_number
 from surefoot.collision import Geometry
 from surefoot.contact import ContactProblem, ContactSolution
 from surefoot.errors import ProblemError, SimulationError
@@ -110,6 +110,7 @@ class Stepper:
     ) -> None:
         self.robot, self.options = robot, options or StepOptions()
         self.terrain = FlatTerrain() if terrain is None else terrain
+        of_kind("terrain", self.terrain, Terrain)
         if geometry is not None and self.options.soft is not None:
             raise ProblemError("soft laws are of feet on the ground; a geometry's contacts are rigid")
         if geometry is not None and self.options.order == 1:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from surefoot.arrays import finite_array, real_number
+from surefoot.arrays import finite_array, of_kind, real_number
 from surefoot.contact.engines.engine import ENGINES, EngineContact
 from surefoot.contact.engines.fitting import Situation
 from surefoot.contact.laws.soft.behaviour import MassOnContact, behaviour
@@ -207,6 +207,7 @@ def translate(
         real_number("impedance", impedance, low=0.0, high=1.0),
     )
     source = law.law(situation) if isinstance(law, EngineContact) else law
+    of_kind("law", source, SoftLaw)
     words, lost = ENGINES[to].words(source, situation)
     contact = EngineContact(to, words)
     made = contact.law(situation)
