@@ -134,7 +134,7 @@ def _number(where: str, value: Any, form: Mapping[str, Any]) -> float:
     low, high = form.get("minimum", -math.inf), form.get("maximum", math.inf)
     try:
         number = math.nan if isinstance(value, bool) else float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     whole = form["type"] == "integer"
     if not (math.isfinite(number) and low <= number <= high and (not whole or number == int(number))):

@@ -36,7 +36,7 @@ class Fact:
         """Return a value as text, float, list of texts, or array, or raise `ProblemError`."""
         try:
             array = np.asarray(value, dtype=None if self.text else np.float64)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise ProblemError(f"the fact {name} must be numbers, got {value!r:.80}") from error
         wanted = tuple(sizes.get(s) if isinstance(s, str) else s for s in self.shape)
         fits = array.ndim == len(wanted) and all(
