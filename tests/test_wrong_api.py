@@ -68,7 +68,7 @@ TABLE: dict[str, tuple[Callable[[Any], Any], list[Any], str]] = {
     "share stance": (lambda x: sf.distribute(x, NOTHING), NO_STANCES, "stance must be"),
     "halfspaces": (lambda x: STANCE.halfspaces(facets=x), NO_FACETS, "facets"),
     "no name": (STANCE.without, ["x", None], "valid names: none, nothing has a name"),
-    "contact": (sf.PointContact, ["abc", None, [0, 0], [np.nan] * 3], "position"),
+    "contact": (sf.PointContact, ["abc", None, [0, 0], [np.nan] * 3, [10**400, 0, 0]], "position"),
     "cone": (sf.FrictionCone, NO_FRICTION, "mu"),
     "pyramid": (sf.FrictionCone(0.5).polyhedral, NO_FACETS, "facets"),
     "solve": (sf.solve, [{"G": np.eye(3)}, np.eye(3), None, "p"], "problem must be a ContactProblem"),

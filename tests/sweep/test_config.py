@@ -34,6 +34,7 @@ def drop(**ranges: Any) -> Any:
         ({**DROP, "settings": 3}, "settings must be a mapping"),
         ({**DROP, "maps": [["mu", "mass"]]}, "maps: unknown drawn number 'mass'; valid names: mu"),
         ({**DROP, "maps": [["mu", "mu"]]}, "maps must be a list of pairs"),
+        ({**DROP, "maps": [["mu", []]]}, "maps: unknown drawn number"),
         (drop(mue=[0, 1]), "unknown parameter 'mue'; valid names: body, body_mass"),
         (drop(tumble=True), "unknown parameter 'tumble'"),
         (drop(body=["box", "cat"]), "unknown body 'cat'; valid names: ball, box"),

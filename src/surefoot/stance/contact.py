@@ -49,7 +49,7 @@ def _three(value: ArrayLike) -> tuple[float, float, float] | None:
     if not isinstance(value, (list, tuple)) or len(value) != 3:
         return None
     for entry in value:
-        if not isinstance(entry, (float, int)) or not math.isfinite(entry):
+        if not isinstance(entry, (float, int)) or not -1e308 < entry < 1e308:
             return None
     return float(value[0]), float(value[1]), float(value[2])
 

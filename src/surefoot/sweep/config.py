@@ -124,7 +124,7 @@ def sweep_from_dict(content: Any, folder: Path | None = None, allow_code: bool =
     if own is not None:
         replace(own, **{name: drawn.ends[0] for name, drawn in ranges.items()}).learn()
     maps = top.get("maps") or []
-    if not isinstance(maps, list) or not all(isinstance(p, list) and len(p) == len({*p}) == 2 for p in maps):
+    if type(maps) is not list or any(type(p) is not list or len(p) != 2 or p[0] == p[1] for p in maps):
         raise ProblemError(f"maps must be a list of pairs of parameters, got {maps!r:.60}")
     samples = whole_number("samples", top.get("samples", SAMPLES))
     space = Space(ranges, whole_number("seed", top.get("seed", 0)))
