@@ -170,7 +170,7 @@ def test_general_curvature_with_intervals():
     points[dense.CENTRE, :15] = c
     columns = np.ascontiguousarray(B9.T)
 
-    memory = dense.Memory(columns, sets, points, duals, H, 5, 0.0)
+    memory = dense.DenseMemory(columns, sets, points, duals, H, 5, 0.0)
 
     def gradient(y):
         duals[dense.DUAL] = y

@@ -67,7 +67,7 @@ def memory_of(program, y):
     vectors, cost = motions.reshape(6, 6 * N), riccati.tracking(weights, TERMINAL, DT, N)
     places[horizon.CENTRE], places[horizon.BOUNDS] = centre, bounds
     vectors[horizon.SLOPE], vectors[horizon.MOTION] = q, np.linalg.solve(P, y - q)
-    memory = horizon.Memory(cost, M, step, places, vectors, motions, np.empty((N, 6, 6)))
+    memory = horizon.HorizonMemory(cost, M, step, places, vectors, motions, np.empty((N, 6, 6)))
     run_pull_back(memory, y)
     return memory
 

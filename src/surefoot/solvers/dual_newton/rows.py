@@ -22,17 +22,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.dual_newton import work as base
-from surefoot.solvers.dual_newton.dense import (
-    CENTRE,
-    DUAL,
-    HIGH,
-    LINK,
-    LOW,
-    MU,
-    TARGET,
-    VALUE,
-    minimise,
-)
+from surefoot.solvers.dual_newton.dense import CENTRE, DUAL, HIGH, LINK, LOW, MU, TARGET, VALUE, minimise
 from surefoot.solvers.dual_newton.wrench import RELATIVE, distribute_wrench
 
 RowsWork = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
