@@ -67,6 +67,7 @@ def test_no_false_claim(start: int) -> None:
         if found.solved:
             nearest = problem.velocity(s.nearest_to_zero()).ravel() * s.lengths
             slack = 1e-7 * float(np.abs(nearest).max()) * max(1.0, float(np.abs(found.forces).max()))
+            assert found.residuals.cone_violation <= 1e-9 * max(1.0, float(np.abs(found.forces).max()))
             parts = zip(s, s.split(found.forces), s.split(problem.velocity(found.forces)), strict=True)
             for contact, force, velocity in parts:
                 if contact.normal_min == 0.0 and contact.normal_max == math.inf:

@@ -88,7 +88,16 @@ def on_natural_map(
     J, A = np.empty((n, WIDEST, WIDEST)), np.empty((m, m))
     u, error = s.measure(forces)
     best, least, done, since = forces, error, 0, 0
-    while least > tol and done < limit and since < NATURAL_PATIENCE and working_time() < end:
+    admissible = np.empty(m)
+    while done < limit and since < NATURAL_PATIENCE and working_time() < end:
+        if error <= tol:
+            # the point of the sets beside it: what is left of the natural map goes into the velocities, which
+            # may take another step
+            project_sets(*s.packed, forces, admissible)
+            left = s.measure(admissible)[1]
+            if left <= tol:
+                return admissible * s.D, left, done
+            u, error = s.measure(forces)
         jacobian_sets(*s.packed, s.point, J)
         newton_matrix(s.G, *s.packed, s.step, u, J, A)
         # redundant contacts make A singular; the term shrinks with the error, so
@@ -106,8 +115,6 @@ def on_natural_map(
             best, least = forces, error
         if not np.isfinite(error):
             break
-    # a point of the sets: what is left of the natural map goes into the velocities
-    admissible = np.empty(m)
     project_sets(*s.packed, best, admissible)
     error = s.measure(admissible)[1]
     if error <= max(least, tol):
