@@ -131,8 +131,9 @@ def test_on_the_path_force_times_velocity_is_the_smoothing(problems: Any, solved
     assert (gap > 0.0).all()
 
 
-@pytest.mark.parametrize("law", ["coulomb", pytest.param("convex", marks=pytest.mark.long)])
-@pytest.mark.parametrize("smoothing", [0.0, pytest.param(1e-4, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("law", ["coulomb", "convex"])
+@pytest.mark.parametrize("smoothing", [0.0, 1e-4])
 def test_never_nan(hard: Any, smoothing: float, law: str) -> None:
     names = [name for name, _ in hard]
     given = [jnp.asarray(np.concatenate(v)) for v in zip(*(problem for _, problem in hard), strict=True)]
