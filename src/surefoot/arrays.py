@@ -17,10 +17,11 @@ BoolArray: TypeAlias = NDArray[np.bool_]
 _FLOAT = np.dtype(np.float64)
 
 
-def array_of(name: str, value: ArrayLike, kinds: str, wanted: str, dtype: type) -> NDArray[Any]:
+def array_of(name: str, value: ArrayLike, kinds: str, wanted: str, dtype: type | None) -> NDArray[Any]:
     """Return `value` as an array (...) of a dtype, in C order, if its entries are of NumPy's kinds.
 
-    What was `wanted` is said in the message. Masked entries are no entries.
+    No dtype stands for the value's own; what was `wanted` is said in the message. Masked entries are no
+    entries.
     """
     try:
         array = np.asarray(value)

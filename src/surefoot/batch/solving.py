@@ -16,6 +16,7 @@ from surefoot.arrays import (
     BoolArray,
     FloatArray,
     IntArray,
+    array_of,
     finite_array,
     numbers,
     real_array,
@@ -180,14 +181,15 @@ def in_ranges(work: Callable[[int, int], None], count: int, threads: int) -> Non
 
 def _read(G: ArrayLike, g: ArrayLike) -> tuple[FloatArray, FloatArray, bool]:
     """Return G (B, 3n, 3n) and g (B, 3n) as doubles, and whether G was of single precision."""
-    matrices, free = numbers("G", G), numbers("g", g)
+    given = array_of("G", G, "biufO", "numeric", None)
+    matrices, free = numbers("G", given), numbers("g", g)
     if free.ndim != 2 or free.shape[1] % 3 or free.shape[1] == 0:
         raise ProblemError(f"g must have shape (B, 3n), got {free.shape}")
     if matrices.shape != (*free.shape, free.shape[1]):
         raise ProblemError(
             f"G must have shape {(*free.shape, free.shape[1])} for this g, got {matrices.shape}"
         )
-    return matrices, free, np.asarray(G).dtype == np.float32
+    return matrices, free, given.dtype == np.float32
 
 
 def _read_laws(mu: ArrayLike, low: ArrayLike, high: ArrayLike, B: int, n: int) -> FloatArray:

@@ -89,12 +89,16 @@ def on_natural_map(
     u, error = s.measure(forces)
     best, least, done, since = forces, error, 0, 0
     admissible = np.empty(m)
+
+    def beside(point: FloatArray) -> float:
+        project_sets(*s.packed, point, admissible)
+        return s.measure(admissible)[1]
+
     while done < limit and since < NATURAL_PATIENCE and working_time() < end:
         if error <= tol:
             # the point of the sets beside it: what is left of the natural map goes into the velocities, which
             # may take another step
-            project_sets(*s.packed, forces, admissible)
-            left = s.measure(admissible)[1]
+            left = beside(forces)
             if left <= tol:
                 return admissible * s.D, left, done
             u, error = s.measure(forces)
@@ -115,8 +119,7 @@ def on_natural_map(
             best, least = forces, error
         if not np.isfinite(error):
             break
-    project_sets(*s.packed, best, admissible)
-    error = s.measure(admissible)[1]
+    error = beside(best)
     if error <= max(least, tol):
         best, least = admissible, error
     return best * s.D, least, done
