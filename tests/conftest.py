@@ -1,13 +1,15 @@
 """Shared by all tests: fixed seeds, MuJoCo that draws without a screen, and what makes them quick.
 
 XLA's compiled programs are kept in pytest's cache folder (`make clean` removes it), by the features of the
-processor that they were compiled for: tests with JAX spend four fifths of their time in the compiler.
+processor that they were compiled for, and compiled without XLA's optimiser: tests with JAX spend four fifths
+of their time in the compiler (batch/test_jax takes 11 s of CPU in place of 18).
 
 Where Python is told to keep no bytecode beside the sources, it is kept in pytest's cache folder as well: else
 every worker compiles four hundred files of tests anew, and every process that a test starts the package.
 
 Several workers are given whole files, see `pytest_xdist_make_scheduler`: what the tests of a file share is
-made once. (The groups of pytest-xdist 3.8, `--dist loadgroup`, have no effect under pytest 9.2.)
+made once, and what the kernels of a room share is compiled once. (The groups of pytest-xdist 3.8, `--dist
+loadgroup`, have no effect under pytest 9.2.)
 
 One function of a package is replaced, Pinocchio's reader of meshes, by one that reads each file once: a
 process of a user loads a robot or two, the tests load hundreds. Of the 0.66 s that a G1 takes, its meshes
@@ -49,6 +51,7 @@ _CACHE = Path(__file__).resolve().parents[1] / ".pytest_cache" / "d"
 os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(_CACHE / f"jax-{_processor()}"))
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES", "-1")
+os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0")
 
 if sys.dont_write_bytecode and sys.pycache_prefix is None:
     sys.pycache_prefix, sys.dont_write_bytecode = str(_CACHE / "bytecode"), False
@@ -102,15 +105,16 @@ with contextlib.suppress(ImportError):  # the tests that need it say so themselv
 
     pinocchio.buildGeomFromUrdf = _shapes_read_once(pinocchio.buildGeomFromUrdf)
 
-FIRST = (
-    "cli/test_shown_commands", "jax", "test_course", "adversary/test_contact_verdicts",
-    "simulation/test_walking", "conformance/test_solver_table", "planning/schedule/test_whole_body",
-    "sweep/test_kill", "batch/test_batch", "planning/tasks/test_stand_up", "benchmarks/test_forces_bench",
-    "sweep/test_driver", "test_startup", "stepping/test_soft_world", "parity/test_soft_vs_mujoco",
+ROOMS = (
+    "batch", "stepping", "parity", "contact", "conformance", "solvers", "adversary", "benchmarks", "cli", "",
+    "experiments", "examples", "equilibrium", "planning", "estimation", "simulation", "control",
 )  # fmt: skip
-"""Files that take longest, which go first: begun last, one of them would leave the other worker idle."""
-WITH_JAX = ("batch/test_jax", "docs/test_cookbook")
-"""Files that one worker has to run: no two processes should write to one folder of compiled programs."""
+"""Rooms that compile the same kernels stand together, all others at the empty name in the middle.
+
+One worker begins at the left, the next at the right: else every one compiles nearly everything.
+"""
+WITH_JAX = ("batch/test_dialects", "docs/test_cookbook", "simulation/test_trajectory_gradient")
+"""Files for the worker that has batch/test_jax: no two should write to one folder of compiled programs."""
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -121,12 +125,17 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     class WholeFiles(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
             file = nodeid.split("::")[0].removeprefix("tests/").removesuffix(".py")
-            return "jax" if file in WITH_JAX else file
+            return "batch/test_jax" if file in WITH_JAX else file
 
         def _assign_work_unit(self, node: Any) -> None:
-            first = next((name for name in FIRST if name in self.workqueue), None)
-            if first is not None:
-                self.workqueue.move_to_end(first, last=False)
+            rooms = ROOMS[::-1] if self.nodes.index(node) % 2 else ROOMS
+
+            def place(file: str) -> int:
+                room = file.split("/")[0]
+                return rooms.index(room if room in rooms else "")
+
+            # of a room the file with the most tests, which is first in the queue
+            self.workqueue.move_to_end(min(self.workqueue, key=place), last=False)
             super()._assign_work_unit(node)
 
     return WholeFiles(config, log) if config.getvalue("dist") == "loadgroup" else None

@@ -92,6 +92,7 @@ FORMS: dict[str, Callable[..., Said]] = {
 
 
 HOST = pytest.param("jax on the host", marks=pytest.mark.long)
+LAWS = ["coulomb", pytest.param("convex", marks=pytest.mark.long)]
 
 
 @pytest.fixture(params=[HOST if name == "jax on the host" else name for name in FORMS])
@@ -106,7 +107,7 @@ def weights_for(g: FloatArray) -> FloatArray:
     return np.random.default_rng(1).normal(size=(2, len(g), g.shape[1] // 3, 3))
 
 
-@pytest.mark.parametrize("law", ["coulomb", "convex"])
+@pytest.mark.parametrize("law", LAWS)
 def test_the_forms_agree(form: Callable[..., Said], law: str, problems: Any) -> None:
     """Stick, slide and open contacts, some without friction: forces, velocities and gradients."""
     G, g, mu = (v[:16] for v in problems)
@@ -151,7 +152,7 @@ EDGES = {
 }
 
 
-@pytest.mark.parametrize("law", ["coulomb", pytest.param("convex", marks=pytest.mark.long)])
+@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("edge", EDGES)
 def test_a_kink_has_the_gradient_of_a_mode(form: Callable[..., Said], edge: str, law: str) -> None:
     """Beside it a contact that sticks; the gradient at the kink is one of those found a little off it."""

@@ -85,6 +85,7 @@ def test_torques_are_held_between_the_times_when_the_peer_is_due(peer: Peer) -> 
         controller.close()
 
 
+@pytest.mark.long
 def test_a_trial_with_a_peer(peer: Peer) -> None:
     found = carry_out(peer, TASKS["speed-0.2"], 0, IDEAL)
     assert found.outcome == "done"

@@ -14,6 +14,7 @@ pytest.importorskip("mujoco")
 ROOT = Path(__file__).resolve().parents[2]
 
 
+@pytest.mark.long
 def test_our_own_models_are_told_as_a_table(capsys: pytest.CaptureFixture[str]) -> None:
     main(["--quick"])
     out = capsys.readouterr().out

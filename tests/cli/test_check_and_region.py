@@ -56,6 +56,8 @@ def test_tables_are_readable(printed, slides):
     text = printed("check", EXAMPLES / "slope.yaml", "--no-picture")
     assert "push at the centre of mass" in text
     assert "37.74" in text
+    text = printed("check", "go2", "--lift", "FL,FR,RL,RR", "--no-picture", code=1)
+    assert "nothing touches the ground" in text
 
 
 def test_robot_on_a_slope(answer):

@@ -12,6 +12,7 @@ def test_cone_prints_half_spaces_rays_and_errors(tmp_path: Path, printed: Any) -
     said = printed("cone", "--mu", "0.6", "--facets", "4", "--fit", "outer", "--out", tmp_path)
     assert "41.421 %" in said
     assert "-0.600000" in said
+    assert "more, see --json" in printed("cone", "--facets", "64", "--no-picture")
     assert len(list(tmp_path.glob("cone-*/pyramids.png"))) == 1
 
 

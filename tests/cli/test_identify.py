@@ -53,6 +53,7 @@ def test_tables_laws_and_picture(folder: Path, tmp_path: Path, printed: Any) -> 
     assert str(picture) in out.replace("\n", "")
 
 
+@pytest.mark.long
 def test_without_a_test_no_rival_runs_unasked(folder: Path, answer: Any) -> None:
     facts = answer("identify", folder / "train.npz", *QUICK, "--no-picture")
     assert facts["test"] is None

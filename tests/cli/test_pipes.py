@@ -39,7 +39,7 @@ def test_a_full_disk_is_one_line() -> None:
     assert done.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize("columns", ["0", "60", "45", "many"])
+@pytest.mark.parametrize("columns", ["0", pytest.param("60", marks=pytest.mark.long), "45", "many"])
 def test_narrow_screens_cut_no_names(columns: str) -> None:
     printed = shell(f"surefoot {POSSIBLE}", COLUMNS=columns).stdout
     cells = [line.split("│") for line in printed.splitlines() if line.startswith("│")]

@@ -12,7 +12,7 @@ from surefoot.cli.main import main
 from surefoot.log.formats import read_log
 
 QUICK = ("--duration", "1.2", "--no-video")
-ALIKE = ("a1", "anymal_c", "b1", "go1", "laikago")
+ALIKE = ("a1", "anymal_c", "b1", "go1", "hyq", "laikago")
 
 
 def test_walk_writes_everything(tmp_path: Path, printed: Any) -> None:
@@ -32,7 +32,7 @@ def test_walk_writes_everything(tmp_path: Path, printed: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    "robot", ["centauro", "hyq", "solo8", *(pytest.param(name, marks=pytest.mark.long) for name in ALIKE)]
+    "robot", ["centauro", "solo8", *(pytest.param(name, marks=pytest.mark.long) for name in ALIKE)]
 )
 def test_every_quadruped_walks_as_a_new_user_calls_it(robot: str, tmp_path: Path, printed: Any) -> None:
     said = printed("walk", robot, "--duration", "2.0", "--no-video", "--no-report", "--out", tmp_path)

@@ -21,12 +21,12 @@ from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, rough_ground
 
 pytest.importorskip("mujoco")
-SLOW = [("g1", 0.3, 3.0), ("icub", 0.2, 0.0)]
+SLOW = [("g1", 0.3, 3.0), ("icub", 0.2, 0.0), ("talos", 0.0, 0.0)]
 
 
 @pytest.mark.parametrize(
     ("name", "speed", "load"),
-    [("g1", 0.3, 0.0), ("talos", 0.0, 0.0), *(pytest.param(*v, marks=pytest.mark.long) for v in SLOW)],
+    [("g1", 0.3, 0.0), *(pytest.param(*v, marks=pytest.mark.long) for v in SLOW)],
 )
 def test_humanoids_walk_lawfully(name: str, speed: float, load: float) -> None:
 
@@ -44,6 +44,7 @@ def test_humanoids_walk_lawfully(name: str, speed: float, load: float) -> None:
     assert log["load_estimated"][-1, :3] == pytest.approx([load, 0.08 * load, 0.0], abs=0.3)
 
 
+@pytest.mark.long
 def test_a_pushed_humanoid_steps_where_it_is_caught() -> None:
     robot = load_robot("g1")
     controller = walking_controller(robot, VelocityCommand.constant(0.3))

@@ -10,6 +10,7 @@ import pytest
 from benchmarks.identify_coverage import TRUTH, main
 
 
+@pytest.mark.long
 def test_coverage_is_counted_written_and_gone_on_with(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

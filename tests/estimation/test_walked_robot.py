@@ -24,6 +24,7 @@ def walked() -> tuple[Log, dict[str, float]]:
     return hidden_walk(6)
 
 
+@pytest.mark.long
 def test_a_walk_tells_what_was_hidden_in_it(
     walked: tuple[Log, dict[str, float]], tmp_path: Path, printed: Any, answer: Any
 ) -> None:

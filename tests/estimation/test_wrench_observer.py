@@ -82,7 +82,7 @@ def test_a_known_wrench_is_what_the_equations_of_motion_leave(name: str, touchin
 
 def test_the_filters_step_is_kalmans() -> None:
     random = np.random.default_rng(4)
-    rotation = pinocchio.Quaternion(random.normal(size=4)).normalized().matrix()
+    rotation = np.array(pinocchio.Quaternion(random.normal(size=4)).normalized().matrix(), order="C")
     x, root, y = random.normal(size=10), random.normal(size=(10, 10)), random.normal(size=6)
     P, noise = root @ root.T, random.uniform(0.1, 1.0, 6)
     keep, drive = random.uniform(0.5, 1.0, 10), random.uniform(0.0, 0.5, 10)

@@ -66,6 +66,7 @@ def test_a_trot_over_bumps_takes_a_push(tmp_path: Path, load) -> None:
     assert len(list(tmp_path.rglob("*.png"))) == 2
 
 
+@pytest.mark.long
 def test_an_own_gait_walks_from_phases_and_from_mode_numbers(load) -> None:
     speeds = load("31_own_gait").main(duration=3.5)
     assert speeds["phases"] == pytest.approx(0.4, rel=0.1)

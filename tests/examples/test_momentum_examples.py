@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+pytestmark = pytest.mark.long
 
 
 @pytest.fixture
@@ -85,8 +85,3 @@ def test_rigid_world_and_mujoco_differ_as_told(tmp_path, facts_of):
 
 def test_shins_on_a_stair(tmp_path, facts_of):
     assert facts_of("28_bodies", tmp_path)["shins"] > 40.0
-
-
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("2[0-9]_*.py")), ids=lambda p: p.stem)
-def test_examples_are_short(path):
-    assert len(path.read_text().splitlines()) < 100

@@ -20,6 +20,7 @@ from surefoot.terrain import PitTerrain, StairsTerrain, rough_ground
 pytest.importorskip("casadi")
 
 
+@pytest.mark.long
 def test_a_jump_goes_where_it_is_told_and_carries_its_payload(go2):
     plan = sf.plan(go2, "jump", 0.2, direction=0.5 * math.pi, payload=1.5, dt=0.02)
     assert plan.status.value in ("solved", "almost"), plan.facts["goal"]

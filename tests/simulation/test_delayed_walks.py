@@ -41,6 +41,7 @@ def test_five_milliseconds_late(wired: Wiring) -> None:
     assert max(foot.slip for foot in summary.feet) < 2e-3
 
 
+@pytest.mark.long
 def test_targets_slide_less_than_torques() -> None:
     slips = [
         max(foot.slip for foot in late(Wiring(targets=targets, latency=0.0), delay=0.005)[1].feet)

@@ -74,6 +74,7 @@ def test_a_slope_is_felt_without_a_map() -> None:
     assert summary.estimate.drift_share < 0.01
 
 
+@pytest.mark.long
 def test_a_heavy_robot_whose_feet_bounce_stays_level() -> None:
     """HyQ's feet rebound at 1.2 m/s: a force alone finds them 50 ms late, and it leans by 30 degrees."""
     _, summary = estimated(1.21, 5.0, "hyq")

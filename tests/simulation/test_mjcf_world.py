@@ -89,7 +89,9 @@ def test_one_step_is_that_of_mujoco_itself() -> None:
     assert np.abs(data.qvel).max() > 0.1
 
 
-@pytest.mark.parametrize("path", [MOTORS, SERVOS], ids=["motors", "servos"])
+@pytest.mark.parametrize(
+    "path", [pytest.param(MOTORS, marks=pytest.mark.long), SERVOS], ids=["motors", "servos"]
+)
 def test_a_quadruped_walks_in_its_own_file(path: Path) -> None:
     robot = load(path)
     world = MjcfWorld(robot, path)

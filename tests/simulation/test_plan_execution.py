@@ -57,7 +57,7 @@ def test_a_displaced_body_keeps_its_feet(jump: Reference) -> None:
     np.testing.assert_allclose(rotation_log(turned), surprise.turn, atol=1e-9)
 
 
-@pytest.mark.parametrize("limits", ["box", "curve"])
+@pytest.mark.parametrize("limits", [pytest.param("box", marks=pytest.mark.long), "curve"])
 def test_surprises_are_survived(jump: Reference, limits: str) -> None:
     done = execute(jump, "mujoco", limits, 4, dt=1e-3)
     assert done.landed, done.why

@@ -42,6 +42,7 @@ def test_sbatch_reads_the_job_file() -> None:
         assert re.fullmatch(DIRECTIVES[option], value), line
 
 
+@pytest.mark.long
 def test_tasks_of_an_array_run_parts_that_merge(tmp_path: Path) -> None:
     file = tmp_path / "balls.yaml"
     file.write_text(BALLS)

@@ -111,11 +111,7 @@ def _sentence(question: Any, ground: Any, motor: Any, needed: float) -> str:
     if not ground.feasible:
         if math.isinf(needed):
             return "impossible: no friction would be enough"
-        if needed > least:
-            return (
-                f"impossible: needs friction {needed:.3f} at every contact, least friction here is {least:g}"
-            )
-        return "impossible: the contacts reach their bounds"
+        return f"impossible: needs friction {needed:.3f} at every contact, least friction here is {least:g}"
     joints = ", ".join(name.split()[0] for name in motor.limiting[:3])
     return f"impossible for the motors, though not for the ground: short of torque at {joints}"
 

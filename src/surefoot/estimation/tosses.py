@@ -137,7 +137,7 @@ class Tosses:
     @property
     def poses(self) -> FloatArray:
         """(N, 7 + joints) position [m], quaternion and joints [rad, m]."""
-        return self.states[:, : 7 + self.joints]
+        return np.ascontiguousarray(self.states[:, : 7 + self.joints])
 
     @property
     def frames(self) -> IntArray:

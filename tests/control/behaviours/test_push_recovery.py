@@ -92,12 +92,13 @@ def test_a_body_leaps_that_was_thrown_aside_over_a_plane_until_it_is_slower() ->
     assert not leaps(0.0, 1.4, PushRecovery(walk_of(read_terrain("rough:1,0.04", "terrain"))))
 
 
+@pytest.mark.long
 def test_a_trot_that_is_thrown_to_its_left_leaps_and_stays_up_lawfully() -> None:
     task = TASKS["shove-400-left"]  # falls without leaps
     assert carry_out(Surefoot(), task, 1).survived(task.asked)
 
 
-@pytest.mark.parametrize("phase", [0.0, 0.5])
+@pytest.mark.parametrize("phase", [pytest.param(0.0, marks=pytest.mark.long), 0.5])
 def test_a_trot_that_is_pushed_hard_stays_up_lawfully_and_comes_back(phase: float) -> None:
     robot = sf.load_robot("go2")
     walker = WalkingController(robot, VelocityCommand.constant(0.5))

@@ -20,7 +20,7 @@ from surefoot.planning.transcription.touches import touching_rollout
 pytest.importorskip("casadi")
 
 
-@pytest.mark.parametrize("task", ["ball", "hopper", "push"])
+@pytest.mark.parametrize("task", ["ball", "hopper", pytest.param("push", marks=pytest.mark.long)])
 def test_a_task_is_solved_and_lawful(task: str) -> None:
     heard = []
     made = plan(None, task, mu=0.5, tell=heard.append)

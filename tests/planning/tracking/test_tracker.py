@@ -12,7 +12,8 @@ from surefoot.simulation.plan_execution import Surprise, execute
 ROBOT = sf.load_robot("go2")
 
 
-@pytest.mark.parametrize("world", ["mujoco", pytest.param("rigid", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("world", ["mujoco", "rigid"])
 def test_a_hop_lands_where_it_should(jump: Reference, world: str) -> None:
     done = execute(
         jump, world, dt=5e-4
