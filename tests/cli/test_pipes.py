@@ -33,8 +33,9 @@ def test_closed_outputs_change_no_exit_code(output: str) -> None:
     assert "rror" not in done.stderr  # what is compiled is told there
 
 
-def test_a_full_disk_is_one_line() -> None:
-    done = shell(f"surefoot {POSSIBLE} > /dev/full")
+@pytest.mark.parametrize("command", [POSSIBLE, "--version"])
+def test_a_full_disk_is_one_line(command: str) -> None:
+    done = shell(f"surefoot {command} > /dev/full", PYTHONUNBUFFERED="")
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
 

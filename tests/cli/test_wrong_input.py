@@ -150,7 +150,6 @@ RUNS = [
     ("walk --terrain stairs:0.08,0", "tread must be positive"),
     ("walk --terrain stairs:0.25,0.3", "steps of 0.25 m, its legs take"),
     ("walk --terrain slope:35", "cannot stand on SlopeTerrain(35) with friction 0.6: 0.70 would be needed"),
-    ("walk --commands thoughts", "valid names: targets, torques"),
     ("walk --dropout 1", "is not of the form T:DURATION"),
     ("walk --dropout 99:0.1", "when the run is over"),
     ("walk --dropout 1:-0.1", "T and DURATION must be >= 0"),

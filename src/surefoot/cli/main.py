@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Any, TextIO, cast
+from typing import Any, NoReturn, TextIO, cast
 
 from surefoot import __version__
 
@@ -17,16 +17,23 @@ def run(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; bad input is one line on stderr and exit code 2."""
     sys.stdout, sys.stderr = heard(sys.stdout), heard(sys.stderr)
     if (sys.argv[1:] if arguments is None else arguments) == ["--version"]:  # asked by scripts, often
-        print(f"surefoot {__version__}", flush=True)
-        sys.exit(0)
+        _end(0, f"surefoot {__version__}\n")
     said = os.environ.get("COLUMNS", "1" if sys.stdout.isatty() else "")
     if not said.isdecimal() or int(said) == 0:  # neither the terminal nor its user says a width
         os.environ["COLUMNS"] = PIPE_WIDTH
     from surefoot.cli.compiling import announce_compilation
 
     announce_compilation()
-    code = main(arguments)
-    sys.stdout.flush()
+    _end(main(arguments))
+
+
+def _end(code: int, last: str = "") -> NoReturn:
+    """Exit, once what was printed and a last text have arrived: a full disk is found here at the latest."""
+    try:
+        sys.stdout.write(last)
+        sys.stdout.flush()
+    except OSError as error:
+        code = _bad_input(error.strerror or str(error))
     sys.exit(code)
 
 
@@ -62,7 +69,11 @@ def _bad_input(message: str) -> int:
 
 
 class _Pipe:
-    """A text stream that goes on into nothing once its reader is gone, as `head` is after ten lines."""
+    """A text stream that goes on into nothing once its reader is gone, as `head` is after ten lines.
+
+    So it does after an error, a full disk say, that has been raised once: what the buffer still holds would
+    raise it again when Python ends.
+    """
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
@@ -74,20 +85,22 @@ class _Pipe:
         """Write, or drop what nobody reads."""
         try:
             return self._stream.write(text)
-        except BrokenPipeError:
-            self._drop()
+        except OSError as error:
+            self._drop(error)
             return len(text)
 
     def flush(self) -> None:
         """Flush, or drop what nobody reads."""
         try:
             self._stream.flush()
-        except BrokenPipeError:
-            self._drop()
+        except OSError as error:
+            self._drop(error)
 
-    def _drop(self) -> None:
+    def _drop(self, error: OSError) -> None:
         with open(os.devnull, "w", encoding="utf-8") as nowhere:
             os.dup2(nowhere.fileno(), self._stream.fileno())
+        if not isinstance(error, BrokenPipeError):
+            raise error
 
 
 def heard(stream: TextIO | None) -> TextIO:
