@@ -8,6 +8,8 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
+import pytest
+
 import surefoot
 
 TESTS = Path(__file__).parents[1]
@@ -40,6 +42,7 @@ def is_public_kernel(node: ast.AST) -> bool:
     return bool({d.id for d in node.decorator_list if isinstance(d, ast.Name)} & DECORATORS)
 
 
+@pytest.mark.long
 def test_every_public_kernel_is_reached() -> None:
     found = definitions()
     named = (names_in(ast.parse(path.read_text(encoding="utf-8"))) for path in TESTS.rglob("test_*.py"))

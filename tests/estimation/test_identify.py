@@ -59,6 +59,7 @@ def test_truth_is_found_with_the_centre_of_mass_that_the_model_has_not(fit: Toss
         assert estimate.low <= estimate.value <= estimate.high
 
 
+@pytest.mark.long
 def test_errors_on_other_tosses_are_as_small_and_noise_is_measured(fit: TossFit) -> None:
     assert fit.test is not None
     assert fit.train.position.shape == (16,)

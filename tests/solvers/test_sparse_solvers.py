@@ -37,6 +37,7 @@ def test_admm_with_sparse_factors_matches_a_dense_twin(heap: ContactProblem) -> 
     assert np.abs(z).max() > 0.0
 
 
+@pytest.mark.long
 def test_a_heap_of_1063_contacts_is_solved_by_its_bodies() -> None:
     problem = rocks(np.random.default_rng(1), 150, 1063, 0.5)
     assert (

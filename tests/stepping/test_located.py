@@ -84,6 +84,7 @@ def test_slopes_of_a_throw_with_spin_and_friction(mu: float, grips: bool, order:
     assert turned[0] == pytest.approx(by["mu"], rel=1e-5, abs=1e-5)
 
 
+@pytest.mark.long
 def test_a_bouncing_throw_hits_to_a_millimetre_in_15_evaluations() -> None:
     """Thrown at 4 m/s over rough ground, it is to be at 2 m after 0.9 s and a bounce: by its angle."""
     goal, seconds, speed, h, mu = 2.0, 0.9, 4.0, 0.3, 0.1
