@@ -159,6 +159,7 @@ def test_what_does_not_map_is_one_line(text: str, message: str, tmp_path: Path) 
         ("time,mu\n", "has no rows"),
         ("time,mu\n0,1\n1\n", "line 3: 1 cells, 2 columns are named"),
         ("time,mu\n0,1\n1,two\n", "line 3, column mu: 'two' is no number"),
+        ("time,mu\n0,1\n1,1_0\n", "line 3, column mu: '1_0' is no number"),
         ("time,mu\n0,1\nnan,2\n", "the time stamp of row 1 is no finite number"),
         ("0,1\n1,2\n", "the first line must name the columns, got numbers"),
         ("word\n", "the first line must name the columns"),
@@ -282,6 +283,8 @@ def test_arrays_that_do_not_fit(arrays: dict[str, Any], message: str) -> None:
         sf.log_from_arrays(arrays, dt=0.01)
     with pytest.raises(ProblemError, match="give the array time, or dt > 0"):
         sf.log_from_arrays({"mu": np.zeros(5)})
+    with pytest.raises(ProblemError, match="feet must be a name or a list of names, got 3"):
+        sf.log_from_arrays({"mu": np.zeros(5)}, dt=0.1, feet=3)  # type: ignore[arg-type]
     with pytest.raises(ProblemError, match="4 contact points, feet names 2"):
         sf.log_from_arrays({"forces": np.zeros((5, 4, 3))}, dt=0.1, feet=["a", "b"])
 

@@ -100,6 +100,9 @@ def test_stance_lies_below_the_feet_in_terrain_frames() -> None:
     np.testing.assert_allclose(stance.mu, [0.1, 0.2, 0.3, 0.4])
     for contact in stance:
         np.testing.assert_allclose(contact.normal, terrain.normal([0.0, 0.0]), atol=1e-12)
+    assert robot.stance(feet="FL_foot, RR_foot").names == ("FL_foot", "RR_foot")
+    with pytest.raises(ProblemError, match="feet must be names of frames, got 3"):
+        robot.stance(feet=3)  # type: ignore[arg-type]
 
 
 def test_configuration_is_checked() -> None:

@@ -12,7 +12,7 @@ from surefoot.errors import ProblemError, check_name
 from surefoot.log.channels import CHANNELS
 from surefoot.log.log import Log
 from surefoot.log.mapped import log_from_source
-from surefoot.log.mapping import QUATERNIONS, LogMapping, Take
+from surefoot.log.mapping import QUATERNIONS, LogMapping, Take, name_list
 from surefoot.log.source import Source, Topic
 
 ALIASES: dict[str, tuple[str, str]] = {
@@ -104,7 +104,8 @@ def log_from_arrays(
     }
     for name in frame_of:
         check_name("array", name, fields)
-    mapping = LogMapping(takes, tuple(feet), tuple(joints), dict(facts or {}))
+    feet, joints = name_list("arrays", "feet", feet), name_list("arrays", "joints", joints)
+    mapping = LogMapping(takes, feet, joints, dict(facts or {}))
     points = "forces" in fields and fields["forces"].ndim == 3 and fields["forces"].shape[1]
     if feet and points and points != len(feet) and "contact_foot" not in mapping.facts:
         raise ProblemError(f"forces has {points} contact points, feet names {len(feet)}")

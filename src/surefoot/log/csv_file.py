@@ -107,6 +107,6 @@ def _cell(path: Path, line: int, name: str, cell: str) -> float:
     if text in _WORDS:
         return _WORDS[text]
     try:
-        return float(text)
+        return float(text.replace("_", "?"))  # Python takes 1_0 for 10
     except ValueError as error:
         raise ProblemError(f"{path}, line {line}, column {name}: {cell[:40]!r} is no number") from error

@@ -185,8 +185,8 @@ def _mapping_from(content: Any, name: str) -> LogMapping:
         takes = {"time": content["time"], **takes}
     return LogMapping(
         {str(channel): _take_from(name, str(channel), take) for channel, take in takes.items()},
-        _texts(name, "feet", content.get("feet", ())),
-        _texts(name, "joints", content.get("joints", ())),
+        name_list(name, "feet", content.get("feet", ())),
+        name_list(name, "joints", content.get("joints", ())),
         table_of(f"{name}: facts", content.get("facts") or {}),
         _defined(name, content.get("define", [])),
     )
@@ -209,10 +209,11 @@ def _take_from(name: str, channel: str, content: Any) -> Take:
     if isinstance(scale, bool) or not isinstance(scale, (int, float)):
         raise ProblemError(f"{name}, {channel}: scale must be a number, got {scale!r:.40}")
     texts = {key: str(table.get(key, "")) for key in ("unit", "frame", "quaternion")}
-    return Take(_texts(name, channel, table.get("from")), scale=float(scale), **texts)
+    return Take(name_list(name, channel, table.get("from")), scale=float(scale), **texts)
 
 
-def _texts(name: str, key: str, value: Any) -> tuple[str, ...]:
+def name_list(name: str, key: str, value: Any) -> tuple[str, ...]:
+    """Return the names that a value lists, which is `name`'s `key` in messages; a text is one name."""
     listed = [value] if isinstance(value, str) else value
     if not isinstance(listed, (list, tuple)) or not all(isinstance(v, str) and v for v in listed):
         raise ProblemError(f"{name}: {key} must be a name or a list of names, got {value!r:.80}")

@@ -180,7 +180,7 @@ class Robot:
         q: ArrayLike | None = None,
         mu: float | Sequence[float] = 0.6,
         terrain: Terrain | None = None,
-        feet: Sequence[str] | None = None,
+        feet: str | Sequence[str] | None = None,
         normal_min: float = 0.0,
         normal_max: float = math.inf,
     ) -> Stance:
@@ -203,7 +203,8 @@ class Robot:
             Bounds on each normal force [N].
         """
         ground = FlatTerrain() if terrain is None else terrain
-        chosen = self.feet if feet is None else tuple(self.foot(f) for f in feet)
+        names = frame_names(feet)
+        chosen = self.feet if names is None else tuple(self.foot(name) for name in names)
         of_kind("terrain", ground, Terrain)
         frictions = per_contact("mu", mu, len(chosen))
         self._forward(self.configuration(q))
