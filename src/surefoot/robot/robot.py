@@ -348,6 +348,11 @@ def _parsed(path: Path, root: Sequence[Any]) -> Any:
     mass = float(pinocchio.computeTotalMass(model))
     if root and not 0.0 < mass < math.inf:
         raise ModelError(f"{path} describes no robot that can move: its total mass is {mass:g} kg")
+    for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
+        span = slice(joint.idx_q, joint.idx_q + joint.nq)
+        low, high = model.lowerPositionLimit[span], model.upperPositionLimit[span]
+        if (low > high).any():
+            raise ModelError(f"{path}: joint {name} has its lower limit above its upper one, {low} > {high}")
     return model
 
 
