@@ -137,6 +137,7 @@ class Tosses:
     @property
     def poses(self) -> FloatArray:
         """(N, 7 + joints) position [m], quaternion and joints [rad, m]."""
+        # in rows without gaps, as kernels are compiled for
         return np.ascontiguousarray(self.states[:, : 7 + self.joints])
 
     @property

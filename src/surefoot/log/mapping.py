@@ -213,7 +213,7 @@ def _take_from(name: str, channel: str, content: Any) -> Take:
 
 
 def name_list(name: str, key: str, value: Any) -> tuple[str, ...]:
-    """Return the names that a value lists, which is `name`'s `key` in messages; a text is one name."""
+    """Return the names in a value, of which a text is one; errors call it the `key` of `name`."""
     listed = [value] if isinstance(value, str) else value
     if not isinstance(listed, (list, tuple)) or not all(isinstance(v, str) and v for v in listed):
         raise ProblemError(f"{name}: {key} must be a name or a list of names, got {value!r:.80}")

@@ -198,7 +198,7 @@ class Robot:
         terrain
             None for flat ground.
         feet
-            Names of the feet that touch; None for all.
+            Names of the feet that touch, in a list or between commas; None for all.
         normal_min, normal_max
             Bounds on each normal force [N].
         """
