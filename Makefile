@@ -57,7 +57,7 @@ test-all: test ## what `make test` runs, then the long tests: hunts, long walks,
 
 test-extras: setup ## install the large extras (torch, mjx, ray, dask: gigabytes) and run their tests
 	$(INSTALL) --quiet -e '.[torch,mjx,scale]'
-	$(BIN)/python -m pytest -q tests/batch tests/sweep tests/experiments/test_engines.py tests/benchmarks/test_batch_bench.py
+	$(BIN)/python -m pytest -q tests/contact/batch tests/worlds/sweep tests/worlds/experiments/test_engines.py tests/benchmarks/test_batch_bench.py
 
 test-release: setup ## build the wheel and install it with every extra in clean environments (gigabytes)
 	SUREFOOT_RELEASE=1 $(BIN)/python -m pytest -q tests/test_release.py

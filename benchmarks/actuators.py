@@ -16,14 +16,14 @@ from rich.table import Table
 from benchmarks import walks
 from benchmarks.printing import options, show
 from benchmarks.printing import table as table_of
-from surefoot.cli.walk_options import Wiring
-from surefoot.control.controller import Controller
-from surefoot.control.walkers import walking_controller
-from surefoot.robot import Robot
-from surefoot.simulation.faults import Faults
-from surefoot.simulation.sensors import SensorModel
-from surefoot.spatial import GRAVITY
-from surefoot.terrain import Terrain
+from surefoot.app.cli.walk_options import Wiring
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics.robot import Robot
+from surefoot.mechanics.terrain import Terrain
+from surefoot.motion.control.controller import Controller
+from surefoot.motion.walking.walkers import walking_controller
+from surefoot.worlds.running.faults import Faults
+from surefoot.worlds.running.sensors import SensorModel
 
 TORQUES, TARGETS = Wiring(latency=0.0), Wiring(targets=True, latency=0.0)
 WIRINGS = {

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from itertools import islice
 
 from benchmarks.problems.logged_runs import clean_runs
-from surefoot.audit import AuditReport, audit_log
-from surefoot.audit.log_faults import LOG_FAULTS, LogFault
-from surefoot.audit.spoiling import FaultyLog
-from surefoot.log import Log
+from surefoot.records.audit import AuditReport, audit_log
+from surefoot.records.audit.fault_injection import FaultyLog
+from surefoot.records.audit.seeded_faults import LOG_FAULTS, LogFault
+from surefoot.records.log import Log
 
 NEAR = 0.05
 """A fault is found in time within this [s]."""

@@ -18,10 +18,10 @@ import surefoot as sf
 from benchmarks.batch_rivals import jax_sweeps
 from benchmarks.contact.rivals import ITERATIONS, PinocchioCall, Setting
 from benchmarks.timing import least_time
-from surefoot.arrays import FloatArray
-from surefoot.batch.loops import derive_range, solve_range
-from surefoot.robot.dynamics import delassus_dense
-from surefoot.robot.jacobians import contact_jacobian
+from surefoot.base.arrays import FloatArray
+from surefoot.contact.batch.loops import derive_range, solve_range
+from surefoot.mechanics.robot.dynamics import delassus_dense
+from surefoot.mechanics.robot.jacobians import contact_jacobian
 
 TOL, MU = 1e-8, 0.6
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.base.arrays import FloatArray
 
 SWEEPS = 200
 """Gauss-Seidel sweeps that JAX differentiates through, unrolled by `lax.scan`."""

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import least_time
-from surefoot.arrays import FloatArray
+from surefoot.base.arrays import FloatArray
 
 REPEATS = 5
 DISTINCT = 4096
@@ -47,7 +47,7 @@ def in_jax(arrays: tuple[FloatArray, ...], device: str, tol: float) -> Calls:
     """Return calls that solve, and that take the gradient of the forces' sum, on a device of JAX."""
     import jax
 
-    from surefoot.batch import jax as sfj
+    from surefoot.contact.batch import jax as sfj
 
     jax.config.update("jax_enable_x64", True)
     where = jax.devices(device)[0]
@@ -61,7 +61,7 @@ def in_torch(arrays: tuple[FloatArray, ...], device: str, tol: float) -> Calls:
     """Return calls that solve, and that take the gradient of the forces' sum, on a device of PyTorch."""
     import torch
 
-    from surefoot.batch import torch as sft
+    from surefoot.contact.batch import torch as sft
 
     given = [torch.tensor(v, dtype=torch.float64, device=device, requires_grad=True) for v in arrays]
 

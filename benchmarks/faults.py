@@ -19,14 +19,14 @@ from functools import partial
 import numpy as np
 
 from benchmarks import walks
-from surefoot.control.controller import Controller
-from surefoot.errors import ProblemError, unknown_name
-from surefoot.log import Ending
-from surefoot.robot import Robot, load_robot
-from surefoot.simulation.faults import Faults
-from surefoot.simulation.run import Ice, Push
-from surefoot.simulation.sensors import SensorModel
-from surefoot.terrain import FlatTerrain, Terrain
+from surefoot.base.errors import ProblemError, unknown_name
+from surefoot.mechanics.robot import Robot, load_robot
+from surefoot.mechanics.terrain import FlatTerrain, Terrain
+from surefoot.motion.control.controller import Controller
+from surefoot.records.log import Ending
+from surefoot.worlds.running.faults import Faults
+from surefoot.worlds.running.run import Ice, Push
+from surefoot.worlds.running.sensors import SensorModel
 
 ESTIMATORS = ("inekf", "truth")
 """Where the controller has its state from."""

@@ -20,8 +20,8 @@ from rich.table import Table
 
 from benchmarks.printing import show, table
 from benchmarks.problems.tosses import random_tosses
-from surefoot.estimation.identify import identify
-from surefoot.estimation.toss_model import ThrownModel
+from surefoot.records.identification.identify import identify
+from surefoot.records.identification.toss_model import ThrownModel
 
 RESAMPLES = 400
 LAW = {"mu": 0.18, "restitution": 0.15, "rounding": 0.0026}

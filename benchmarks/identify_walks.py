@@ -15,11 +15,11 @@ from rich.table import Table
 
 from benchmarks.printing import options, show, table
 from benchmarks.walks import Walk, known_robot
-from surefoot.estimation.walked_robot import identify_robot
-from surefoot.log import Log
-from surefoot.robot.actuators import real_actuators
-from surefoot.simulation.faults import Faults
-from surefoot.simulation.sensors import SensorModel
+from surefoot.mechanics.robot.actuators import real_actuators
+from surefoot.records.identification.walked_robot import identify_robot
+from surefoot.records.log import Log
+from surefoot.worlds.running.faults import Faults
+from surefoot.worlds.running.sensors import SensorModel
 
 DURATION, DRAWS = 5.0, 12
 """Of a walk [s], and how many."""

@@ -20,18 +20,18 @@ from benchmarks import walks
 from benchmarks.printing import options, show
 from benchmarks.printing import table as table_of
 from benchmarks.timing import Stopwatch
-from surefoot.arrays import FloatArray
-from surefoot.audit import WalkSummary, summarise_walk
-from surefoot.control.controller import Controller
-from surefoot.control.walking import WalkingController, WalkSettings
-from surefoot.robot import Robot
-from surefoot.simulation.faults import Faults
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import run
-from surefoot.simulation.scenario import Ice, Push, Scenario
-from surefoot.simulation.sensors import SensorModel
-from surefoot.spatial import rotation_from_quaternion
-from surefoot.terrain import Terrain, read_terrain
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.mechanics.robot import Robot
+from surefoot.mechanics.terrain import Terrain, read_terrain
+from surefoot.motion.control.controller import Controller
+from surefoot.motion.walking.walking_controller import WalkingController, WalkSettings
+from surefoot.records.audit import WalkSummary, summarise_walk
+from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
+from surefoot.worlds.running.faults import Faults
+from surefoot.worlds.running.run import run
+from surefoot.worlds.running.scenario import Ice, Push, Scenario
+from surefoot.worlds.running.sensors import SensorModel
 
 LATE = 2.0
 """Time from which the lean of a robot that has settled is told [s]."""

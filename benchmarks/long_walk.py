@@ -14,11 +14,11 @@ import numpy as np
 
 from benchmarks.printing import options, show, table
 from benchmarks.walks import HARD, Walk
-from surefoot.audit import summarise_walk
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.simulation.observers import Moment, Observer
-from surefoot.simulation.scenario import Push
-from surefoot.simulation.sensors import SensorModel
+from surefoot.motion.walking.walking_body import VelocityCommand
+from surefoot.records.audit import summarise_walk
+from surefoot.worlds.running.observers import Moment, Observer
+from surefoot.worlds.running.scenario import Push
+from surefoot.worlds.running.sensors import SensorModel
 
 
 class Memory(Observer):

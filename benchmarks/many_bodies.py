@@ -10,8 +10,8 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 
-from surefoot.collision import Sphere
-from surefoot.simulation.scene import Body, Scene, SceneWorld
+from surefoot.mechanics.collision import Sphere
+from surefoot.worlds.rigid.scene import Body, Scene, SceneWorld
 
 STEPS = 100
 

@@ -20,10 +20,10 @@ from scipy.stats import spearmanr
 
 import surefoot as sf
 from benchmarks import strangers
-from surefoot.audit.motion import foot_forces, heading_velocity
-from surefoot.log import Ending
-from surefoot.simulation.faults import Faults
-from surefoot.simulation.observers import Moment, Observer
+from surefoot.records.audit.motion import foot_forces, heading_velocity
+from surefoot.records.log import Ending
+from surefoot.worlds.running.faults import Faults
+from surefoot.worlds.running.observers import Moment, Observer
 
 SPEED, SECONDS, CHANGE = 0.5, 6.0, 2.5
 """Commanded [m/s], how long where it may fall, and when soft ground becomes hard [s]."""

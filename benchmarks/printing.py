@@ -12,9 +12,9 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from surefoot.cli.console import plain_console
-from surefoot.cli.console import table as right_table
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.app.cli.console import plain_console
+from surefoot.app.cli.console import table as right_table
+from surefoot.app.cli.output import new_run_folder, to_json
 
 
 def show(tables: Iterable[Table], as_json: bool = False, console: Console | None = None) -> None:

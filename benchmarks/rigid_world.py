@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.timing import Timing, one_core
-from surefoot.arrays import FloatArray
-from surefoot.control.controller import RobotState
-from surefoot.control.standing import StandingController
-from surefoot.control.standing_plan import StandingPlan
-from surefoot.robot import Robot, load_robot, place
-from surefoot.simulation.worlds import make_world
-from surefoot.spatial import GRAVITY
-from surefoot.terrain import FlatTerrain
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics.robot import Robot, load_robot, place
+from surefoot.mechanics.terrain import FlatTerrain
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.standing.standing_controller import StandingController
+from surefoot.motion.standing.standing_plan import StandingPlan
+from surefoot.worlds.interface.table import make_world
 
 SETTLED = 500
 """Last steps of a run, over which the resting force is judged."""

@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 
 import surefoot as sf
-from surefoot.control.controller import JointTargets
-from surefoot.simulation.motor_robot import lying
-from surefoot.simulation.mujoco import import_mujoco, pinocchio_state
-from surefoot.simulation.sensors import SensorModel, Sensors
-from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion
+from surefoot.base.spatial import quaternion_from_rotation, rotation_from_quaternion
+from surefoot.motion.control.controller import JointTargets
+from surefoot.worlds.mujoco.mujoco_world import import_mujoco, pinocchio_state
+from surefoot.worlds.running.motor_robot import lying
+from surefoot.worlds.running.sensors import SensorModel, Sensors
 
 SPEED, PUSH, PUSHED, SLOPE = 0.5, 150.0, 0.1, np.radians(10.0)
 """Of the walk [m/s], of the push [N] and its length [s], of the ground [rad]."""

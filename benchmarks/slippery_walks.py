@@ -13,11 +13,11 @@ from rich.table import Table
 
 from benchmarks.printing import options, show, table
 from benchmarks.walks import Walk
-from surefoot.arrays import FloatArray
-from surefoot.estimation.friction import FrictionTracker
-from surefoot.log import Log
-from surefoot.simulation.run import Push
-from surefoot.spatial import GRAVITY
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import GRAVITY
+from surefoot.records.identification.friction_tracker import FrictionTracker
+from surefoot.records.log import Log
+from surefoot.worlds.running.run import Push
 
 BELIEVED, PUSH = 0.6, (30.0, 40.0, 0.0)
 """Friction that the controller counts on, and the force of its push on slippery ground [N]."""

@@ -68,8 +68,8 @@ def four_contacts() -> sf.ContactProblem:
 
 def use(way: str) -> None:
     """Have kernels that are imported from now on compiled in one of `WAYS`."""
-    from surefoot import kernels
-    from surefoot.compilation import dispatcher, parts, tree
+    from surefoot.base import kernels
+    from surefoot.base.compilation import dispatcher, parts, tree
 
     if way != "tree":
         for module in (parts, dispatcher, tree):

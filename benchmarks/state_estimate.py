@@ -20,12 +20,12 @@ from rich.table import Table
 
 from benchmarks.printing import options, show, table
 from benchmarks.walks import Walk, known_robot
-from surefoot.arrays import BoolArray, FloatArray
-from surefoot.estimation.inekf_robot import InvariantEkf
-from surefoot.estimation.state_estimator import Reading, StateEstimator
-from surefoot.simulation.run import Ice, Push
-from surefoot.simulation.sensors import SensorModel
-from surefoot.spatial import GRAVITY
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.spatial import GRAVITY
+from surefoot.motion.estimation.inekf_robot import InvariantEkf
+from surefoot.motion.estimation.state_estimator import Reading, StateEstimator
+from surefoot.worlds.running.run import Ice, Push
+from surefoot.worlds.running.sensors import SensorModel
 
 ORDINARY = SensorModel()
 NUMB = replace(ORDINARY, touch=replace(ORDINARY.touch, missed=0.1))

@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 
 import surefoot as sf
-from surefoot.control.controller import RobotState
-from surefoot.errors import SurefootError
-from surefoot.simulation.mujoco import import_mujoco
-from surefoot.spatial import rotation_from_quaternion
+from surefoot.base.errors import SurefootError
+from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.motion.control.controller import RobotState
+from surefoot.worlds.mujoco.mujoco_world import import_mujoco
 
 STIFF, DAMPED = 8.0, 0.25
 """Joint control: stiffness over m g [m/rad], damping over that [s]."""
@@ -74,7 +74,7 @@ def own_models() -> Iterator[tuple[str, Any]]:
 
 def models_under(paths: Sequence[Path]) -> Iterator[tuple[str, Any]]:
     """Yield name and model of every .xml below the paths that compiles and has a root that moves freely."""
-    from surefoot.simulation.record_tree import BodyTree
+    from surefoot.worlds.mujoco.record_tree import BodyTree
 
     mujoco = import_mujoco()
     files = sorted(f for path in paths for f in ([path] if path.is_file() else path.rglob("*.xml")))

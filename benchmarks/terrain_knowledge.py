@@ -17,17 +17,17 @@ from rich.table import Table
 from benchmarks import walks
 from benchmarks.printing import options, show
 from benchmarks.printing import table as table_of
-from surefoot.arrays import FloatArray
-from surefoot.audit import summarise_walk
-from surefoot.control.controller import Controller
-from surefoot.control.terrain_knowledge import KNOWLEDGE, believed_ground
-from surefoot.control.walkers import walking_controller
-from surefoot.robot import Robot
-from surefoot.simulation.height_scan import RangeSensor
-from surefoot.simulation.run import IcePatch
-from surefoot.simulation.sensors import SensorModel
-from surefoot.sweep.survival import wilson
-from surefoot.terrain import Terrain
+from surefoot.base.arrays import FloatArray
+from surefoot.mechanics.robot import Robot
+from surefoot.mechanics.terrain import Terrain
+from surefoot.motion.control.controller import Controller
+from surefoot.motion.ground.terrain_knowledge import KNOWLEDGE, believed_ground
+from surefoot.motion.walking.walkers import walking_controller
+from surefoot.records.audit import summarise_walk
+from surefoot.worlds.running.height_scan import RangeSensor
+from surefoot.worlds.running.run import IcePatch
+from surefoot.worlds.running.sensors import SensorModel
+from surefoot.worlds.sweep.survival import wilson
 
 OFF_COURSE = 0.5
 """A walk that ends further beside its line is off course [m]."""

@@ -15,18 +15,18 @@ import numpy as np
 from rich.table import Table
 
 from benchmarks.printing import show, table
-from surefoot.arrays import FloatArray
-from surefoot.estimation.free_flight import TossFlight, flying_frames
-from surefoot.estimation.ground_plane import GroundPlane, ground_points
-from surefoot.estimation.thrown_body import cube_body
-from surefoot.estimation.toss_errors import toss_errors
-from surefoot.estimation.toss_model import ThrownModel, TossScene
-from surefoot.estimation.tosses import Tosses, read_tosses
-from surefoot.experiments.tosses import DrakeBody, MujocoBody
-from surefoot.simulation import drake_python
-from surefoot.simulation.bullet import import_bullet
-from surefoot.spatial import GRAVITY
-from surefoot.stepping.falling_tree import sphere_places
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import GRAVITY
+from surefoot.records.identification.ground_plane import GroundPlane, ground_points
+from surefoot.records.identification.thrown_body import cube_body
+from surefoot.records.identification.thrown_body_tree import sphere_places
+from surefoot.records.identification.toss_errors import toss_errors
+from surefoot.records.identification.toss_model import ThrownModel, TossScene
+from surefoot.records.identification.toss_start import TossFlight, flying_frames
+from surefoot.records.identification.tosses import Tosses, read_tosses
+from surefoot.worlds.bullet.bullet_world import import_bullet
+from surefoot.worlds.drake import drake_python
+from surefoot.worlds.experiments.tosses import DrakeBody, MujocoBody
 
 MUJOCO = (0.02, 1.0, 0.9, 0.95)
 """Its solref and the first two of its solimp."""

@@ -13,8 +13,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.base.arrays import FloatArray
+from surefoot.motion.control.controller import Command, Controller, RobotState
 
 Answer = TypeVar("Answer")
 Key = TypeVar("Key", bound=Hashable)

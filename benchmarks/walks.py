@@ -7,20 +7,20 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
-from surefoot.audit import WalkSummary, summarise_walk
-from surefoot.control.controller import Controller
-from surefoot.control.walkers import walking_controller
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.log import Log
-from surefoot.robot import Robot, load_robot
-from surefoot.robot.actuators import Actuators, actuators_of
-from surefoot.simulation.faults import Faults, scaled_robot
-from surefoot.simulation.height_scan import RangeSensor
-from surefoot.simulation.run import run
-from surefoot.simulation.scenario import Ice, IcePatch, Push, Scenario
-from surefoot.simulation.sensors import SensorModel
-from surefoot.simulation.worlds import make_world
-from surefoot.terrain import Terrain, read_terrain
+from surefoot.mechanics.robot import Robot, load_robot
+from surefoot.mechanics.robot.actuators import Actuators, actuators_of
+from surefoot.mechanics.terrain import Terrain, read_terrain
+from surefoot.motion.control.controller import Controller
+from surefoot.motion.walking.walkers import walking_controller
+from surefoot.motion.walking.walking_body import VelocityCommand
+from surefoot.records.audit import WalkSummary, summarise_walk
+from surefoot.records.log import Log
+from surefoot.worlds.interface.table import make_world
+from surefoot.worlds.running.faults import Faults, scaled_robot
+from surefoot.worlds.running.height_scan import RangeSensor
+from surefoot.worlds.running.run import run
+from surefoot.worlds.running.scenario import Ice, IcePatch, Push, Scenario
+from surefoot.worlds.running.sensors import SensorModel
 
 HARD: Mapping[str, Any] = {"actuators": "real", "collision": "full"}
 """Options of a world with real motors in which every link may touch."""

@@ -21,14 +21,14 @@ from typing import Any
 import numpy as np
 
 import surefoot as sf
-from surefoot.control.controller import JointTargets
-from surefoot.drive.loop_log import LoopLog
-from surefoot.drive.modes import LoopMode
-from surefoot.drive.wire import wired_loop
-from surefoot.drive.wire.dialect import dialect_of
-from surefoot.drive.wire.link import WireEnd
-from surefoot.simulation import motor_robot
-from surefoot.simulation.motor_robot import MotorRobot, WiredRobot
+from surefoot.motion.control.controller import JointTargets
+from surefoot.motion.drive.loop_log import LoopLog
+from surefoot.motion.drive.modes import LoopMode
+from surefoot.motion.drive.wire import wired_loop
+from surefoot.motion.drive.wire.dialect import dialect_of
+from surefoot.motion.drive.wire.link import WireEnd
+from surefoot.worlds.running import motor_robot
+from surefoot.worlds.running.motor_robot import MotorRobot, WiredRobot
 
 SLOWER, DOMAIN = 16.0, 94
 """Length of a second of both sides' clock [s], and DDS's domain."""

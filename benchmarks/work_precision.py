@@ -19,11 +19,11 @@ from scipy.integrate import solve_ivp
 
 import surefoot as sf
 from benchmarks.printing import options, show, table
-from surefoot.arrays import FloatArray
-from surefoot.experiments.bodies import CORNER, FLAT_BOX, LEAN, MASS, TALL, _arm, _slowing
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import GRAVITY
 from surefoot.laws import SpringDamper
-from surefoot.simulation.bodies import ball, box
-from surefoot.spatial import GRAVITY
+from surefoot.worlds.experiments.bodies import CORNER, FLAT_BOX, LEAN, MASS, TALL, _arm, _slowing
+from surefoot.worlds.rigid.bodies import ball, box
 
 RADIUS, PERIOD = 0.1, 0.01
 """Of balls [m], and how long torques and pushes stay as they are [s]: the longest step with a tol."""
@@ -191,7 +191,7 @@ def carried_out(motion: Motion, tolerances: Sequence[float], steps: Sequence[flo
 
 def draw(runs: Sequence[Runs], path: Path) -> Path:
     """Draw error over steps, a panel for each motion."""
-    from surefoot.viz.style import BAD, INK, new_figure, save
+    from surefoot.app.viz.style import BAD, INK, new_figure, save
 
     figure, axes = new_figure(3, 5, size=(13.0, 7.2))
     for axis, (motion, stated, fixed) in zip(axes.flat, runs, strict=False):

@@ -4,7 +4,7 @@ Run: python docs/check.py (exit code 1 and a line per fault if something is wron
 stands in a code block, in a code span (a command's name alone is only a name), or in the rows of a table
 whose first heading is a command and "...".
 It is promised to end with exit code 0, unless a comment beside it, its row or what follows its span says
-"exit code N". The tests run them all (tests/cli/test_shown_commands.py).
+"exit code N". The tests run them all (tests/app/cli/test_shown_commands.py).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from surefoot.cli.commands import NAMES, UsageError, load
+from surefoot.app.cli.commands import NAMES, UsageError, load
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import surefoot as sf
-from surefoot.viz.video import Renderer, RenderError, cone_lines, log_arrows
+from surefoot.app.viz.video import Renderer, RenderError, cone_lines, log_arrows
 
 
 def main(picture: Path) -> np.ndarray:

@@ -29,7 +29,7 @@ def main(animation: Path, seconds: float = SECONDS) -> sf.Log:
     try:
         from PIL import Image
 
-        from surefoot.viz.film import frames_of
+        from surefoot.app.viz.film import frames_of
 
         frames = [Image.fromarray(picture) for picture in frames_of(log, robot, slope, RATE, SIZE)]
     except (ImportError, sf.SurefootError) as error:

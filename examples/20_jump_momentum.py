@@ -9,10 +9,10 @@ import numpy as np
 import pinocchio
 
 import surefoot as sf
-from surefoot.cli.output import new_run_folder
-from surefoot.robot.centroidal import momentum
-from surefoot.stepping.flight import FlightRecord, fly
-from surefoot.viz.style import draw_panels
+from surefoot.app.cli.output import new_run_folder
+from surefoot.app.viz.style import draw_panels
+from surefoot.mechanics.dynamics.airborne_motion import FlightRecord, fly
+from surefoot.mechanics.robot.centroidal import momentum
 
 TAKE_OFF = np.array([0.4, 0.1, 2.6, 0.6, -1.5, 0.8])  # base velocity at take-off [m/s, rad/s]
 STIFFNESS, DAMPING, LIMIT = 20.0, 0.5, 20.0  # [N m/rad, N m s/rad, N m]

@@ -9,10 +9,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 import surefoot as sf
-from surefoot.cli.output import new_run_folder
-from surefoot.robot.centroidal import centroidal_inertia
-from surefoot.stepping.flight import FlightRecord, Shape, fly, follow_shape
-from surefoot.viz.style import draw_panels
+from surefoot.app.cli.output import new_run_folder
+from surefoot.app.viz.style import draw_panels
+from surefoot.mechanics.dynamics.airborne_motion import FlightRecord, Shape, fly, follow_shape
+from surefoot.mechanics.robot.centroidal import centroidal_inertia
 
 LIFT_SPEED = 3.0  # of the centre of mass at take-off [m/s]
 FLIGHT_TIME = 2.0 * LIFT_SPEED / 9.81

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
-from surefoot.cli.output import new_run_folder
-from surefoot.simulation.bodies import falling_cat
-from surefoot.stepping.flight import fly, follow_shape
-from surefoot.viz.style import draw_panels
+from surefoot.app.cli.output import new_run_folder
+from surefoot.app.viz.style import draw_panels
+from surefoot.mechanics.dynamics.airborne_motion import fly, follow_shape
+from surefoot.worlds.rigid.bodies import falling_cat
 
 PERIOD, HALF_MASS, HALF_INERTIA, LEG_MASS = 0.4, 1.0, 0.003, 0.4  # [s], [kg], [kg m²] about the spine, [kg]
 REACH = (0.03, 0.20)  # legs' distance from the spine, pulled in and stretched [m]

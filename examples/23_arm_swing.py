@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 import surefoot as sf
-from surefoot.cli.output import new_run_folder
-from surefoot.robot.centroidal import momentum, momentum_matrix
-from surefoot.stepping.flight import follow_shape
-from surefoot.viz.style import draw_panels
+from surefoot.app.cli.output import new_run_folder
+from surefoot.app.viz.style import draw_panels
+from surefoot.mechanics.dynamics.airborne_motion import follow_shape
+from surefoot.mechanics.robot.centroidal import momentum, momentum_matrix
 
 PERIOD = 1.0  # one stride [s]
 HIP, KNEE, SHOULDER_LIMIT = 0.35, 0.45, 0.8  # amplitudes [rad]

@@ -18,9 +18,9 @@ import numpy as np
 import pinocchio
 
 import surefoot as sf
-from surefoot.cli.output import new_run_folder
-from surefoot.spatial import GRAVITY
-from surefoot.viz.style import draw_panels, new_axis, save
+from surefoot.app.cli.output import new_run_folder
+from surefoot.app.viz.style import draw_panels, new_axis, save
+from surefoot.base.spatial import GRAVITY
 
 LEAN, STEP = 0.8, 2.5e-4  # farthest lean of the upper body [rad], time step [s]
 

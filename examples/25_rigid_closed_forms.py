@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 import surefoot as sf
-from surefoot.cli.output import new_run_folder
-from surefoot.simulation.bodies import ball, box
-from surefoot.simulation.rigid import RigidWorld
-from surefoot.spatial import GRAVITY, quaternion_from_rotation
-from surefoot.viz.style import new_axis, save
+from surefoot.app.cli.output import new_run_folder
+from surefoot.app.viz.style import new_axis, save
+from surefoot.base.spatial import GRAVITY, quaternion_from_rotation
+from surefoot.worlds.rigid.bodies import ball, box
+from surefoot.worlds.rigid.rigid_world import RigidWorld
 
 NO_MOTORS = np.zeros(0)
 

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 
 import surefoot as sf
-from surefoot.cli.output import new_run_folder
-from surefoot.control.controller import RobotState
-from surefoot.control.standing import StandingController
-from surefoot.control.standing_plan import StandingPlan
-from surefoot.simulation.bodies import box
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.rigid import RigidWorld
-from surefoot.spatial import GRAVITY, quaternion_from_rotation
-from surefoot.viz.style import draw_panels
+from surefoot.app.cli.output import new_run_folder
+from surefoot.app.viz.style import draw_panels
+from surefoot.base.spatial import GRAVITY, quaternion_from_rotation
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.standing.standing_controller import StandingController
+from surefoot.motion.standing.standing_plan import StandingPlan
+from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
+from surefoot.worlds.rigid.bodies import box
+from surefoot.worlds.rigid.rigid_world import RigidWorld
 
 BLOCK = box(2.0, (0.3, 0.3, 0.1), rounding=0.01)
 WORLDS: dict[str, Any] = {"rigid": RigidWorld, "mujoco": MujocoWorld}

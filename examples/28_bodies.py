@@ -11,7 +11,7 @@ import pinocchio
 from scipy.spatial import ConvexHull
 
 import surefoot as sf
-from surefoot.collision import Shape, robot_geometry
+from surefoot.mechanics.collision import Shape, robot_geometry
 
 
 def on_a_stair() -> sf.RigidWorld:

@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 import surefoot as sf
-from surefoot.terrain.rough import rough_ground
-from surefoot.viz.walk_plots import draw_footfalls, draw_velocity
+from surefoot.app.viz.walk_plots import draw_footfalls, draw_velocity
+from surefoot.mechanics.terrain.rough import rough_ground
 
 
 def main(folder: Path, duration: float = 5.0) -> dict[str, float]:

@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio
 
 import surefoot as sf
-from surefoot.viz.style import FOOT_COLOURS, INK, new_figure, save
+from surefoot.app.viz.style import FOOT_COLOURS, INK, new_figure, save
 
 
 def main(folder: Path) -> dict[str, float]:

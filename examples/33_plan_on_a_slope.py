@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc
-from surefoot.spatial import rotation_from_normal
-from surefoot.viz.style import FOOT_COLOURS, MUTED, new_figure, save
+from surefoot.app.viz.style import FOOT_COLOURS, MUTED, new_figure, save
+from surefoot.base.spatial import rotation_from_normal
+from surefoot.motion.control.mpc import BodyReference, BodyState, ConvexMpc
 
 MU, SLOPE, NAMES = 0.5, math.radians(15.0), ("FL", "FR", "RL", "RR")
 

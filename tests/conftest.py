@@ -2,7 +2,7 @@
 
 XLA's compiled programs are kept in pytest's cache folder (`make clean` removes it), by the features of the
 processor that they were compiled for, and compiled without XLA's optimiser: tests with JAX spend four fifths
-of their time in the compiler (batch/test_jax takes 11 s of CPU in place of 18).
+of their time in the compiler (contact/batch/test_jax takes 11 s of CPU in place of 18).
 
 Where Python is told to keep no bytecode beside the sources, it is kept in pytest's cache folder as well: else
 every worker compiles four hundred files of tests anew, and every process that a test starts the package.
@@ -65,8 +65,8 @@ for _number, _usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
 import pytest
 from hypothesis import settings
 
-from surefoot.errors import SurefootError
-from surefoot.simulation.mujoco import import_mujoco
+from surefoot.base.errors import SurefootError
+from surefoot.worlds.mujoco.mujoco_world import import_mujoco
 
 
 @pytest.hookimpl(wrapper=True)
@@ -106,15 +106,17 @@ with contextlib.suppress(ImportError):  # the tests that need it say so themselv
     pinocchio.buildGeomFromUrdf = _shapes_read_once(pinocchio.buildGeomFromUrdf)
 
 ROOMS = (
-    "batch", "stepping", "parity", "contact", "conformance", "solvers", "adversary", "benchmarks", "cli", "",
-    "experiments", "examples", "equilibrium", "planning", "estimation", "simulation", "control",
+    "contact/batch", "mechanics/dynamics", "parity", "contact/derivative", "contact/problem", "conformance",
+    "contact/solvers", "adversary", "benchmarks", "app/cli", "", "worlds/experiments", "examples",
+    "mechanics/statics", "motion/planning", "records/identification", "motion/estimation", "worlds/rigid",
+    "worlds/running", "motion/control", "motion/walking",
 )  # fmt: skip
 """Rooms that compile the same kernels stand together, all others at the empty name in the middle.
 
 One worker begins at the left, the next at the right: what two compile both is 34 s of CPU in place of 39.
 """
-WITH_JAX = ("batch/test_dialects", "docs/test_cookbook", "simulation/test_trajectory_gradient")
-"""Files for the worker that has batch/test_jax: no two should write to one folder of compiled programs."""
+WITH_JAX = ("contact/batch/test_dialects", "docs/test_cookbook", "worlds/rigid/test_trajectory_gradient")
+"""Files for the worker that has test_jax: no two should write to one folder of compiled programs."""
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -125,14 +127,16 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     class WholeFiles(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
             file = nodeid.split("::")[0].removeprefix("tests/").removesuffix(".py")
-            return "batch/test_jax" if file in WITH_JAX else file
+            return "contact/batch/test_jax" if file in WITH_JAX else file
 
         def _assign_work_unit(self, node: Any) -> None:
             rooms = ROOMS[::-1] if self.nodes.index(node) % 2 else ROOMS
 
             def place(file: str) -> int:
-                room = file.split("/")[0]
-                return rooms.index(room if room in rooms else "")
+                names = (
+                    "/".join(file.split("/")[:k]) for k in (2, 1)
+                )  # wing and room, or one of tests' own folders
+                return rooms.index(next((name for name in names if name in rooms), ""))
 
             # of a room the file with the most tests, which is first in the queue
             self.workqueue.move_to_end(min(self.workqueue, key=place), last=False)
@@ -171,7 +175,7 @@ def robot(go2: Any) -> Any:
 @pytest.fixture
 def printed(capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
     """Return what runs a command line: it gives what is said, on standard error where the exit code is 2."""
-    from surefoot.cli.main import main
+    from surefoot.app.cli.main import main
 
     def run(*words: object, code: int = 0) -> str:
         assert main([*map(str, words)]) == code

@@ -1,6 +1,6 @@
 """How strong the tests are: single lines of the package are changed, and a room's own tests judge each.
 
-    python -m tests.mutations --seed 0 --count 100 [--room cones] [--tests "tests/cones tests/axioms"]
+    python -m tests.mutations --seed 0 --count 100 [--room contact/cones] [--tests "tests/axioms"]
 
 A change is an operator (+ and -, * and /, < and <=, and, or, ...), a constant, or a dropped statement, drawn
 with the seed from the lines of code of a room (all rooms, by their lines, if none is named). It is made in a
@@ -47,13 +47,15 @@ class Mutation(NamedTuple):
 
 
 def room_of(file: Path) -> str:
-    """Return the room of a file below the package; that of one at the top is its own name."""
-    return file.parts[0] if len(file.parts) > 1 else file.stem
+    """Return wing and room of a file below the package; a module at the top of a wing is a room."""
+    return "/".join(file.with_suffix("").parts[:2])
 
 
 def tests_of(room: str) -> list[str]:
     """Return where the tests of a room are."""
-    places = [f"tests/{room}", *(str(p.relative_to(ROOT)) for p in ROOT.glob(f"tests/test_{room}*.py"))]
+    wing, _, own = room.rpartition("/")
+    beside = ROOT.glob(f"tests/{wing}/test_{own}*.py")
+    places = [f"tests/{room}", *(str(p.relative_to(ROOT)) for p in beside)]
     return [place for place in places if (ROOT / place).exists()]
 
 

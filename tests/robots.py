@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from surefoot.robot import Robot, load_robot
+from surefoot.mechanics.robot import Robot, load_robot
 
 
 @cache

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.audit import log_laws
-from surefoot.control.controller import RobotState
-from surefoot.log import CHANNELS, formats
-from surefoot.robot import load_robot
-from surefoot.robot.catalog import CATALOG
-from surefoot.simulation.worlds import WORLDS, make_world
-from surefoot.stance import gait_library
-from surefoot.terrain import TERRAINS, read_terrain
+from surefoot.mechanics.robot import load_robot
+from surefoot.mechanics.robot.catalog import CATALOG
+from surefoot.mechanics.terrain import TERRAINS, read_terrain
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.gaits import library as gait_library
+from surefoot.records.audit import log_laws
+from surefoot.records.log import CHANNELS, formats
+from surefoot.worlds.interface.table import WORLDS, make_world
 from tests.pages import run_page as run_blocks
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from surefoot.solvers import solver as solvers
+from surefoot.contact.solvers import solver as solvers
 from tests.pages import blocks, run_page
 
 RUN = (

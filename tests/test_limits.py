@@ -19,14 +19,14 @@ FILE_LINES, FUNCTION_LINES, PARAMETERS, KERNEL_PARAMETERS = 400, 60, 10, 14
 
 EXCEPTED = {
     # the short form of a contact problem is a contract: every argument has its name there
-    ("parameters", "surefoot/contact/problem.py", "__init__"),
-    ("parameters", "surefoot/planning/planner.py", "plan"),  # and what can be asked of a plan
+    ("parameters", "surefoot/contact/problem/problem.py", "__init__"),
+    ("parameters", "surefoot/motion/planning/planner.py", "plan"),  # and what can be asked of a plan
     # where a user's words, or a file's, become a law
     ("isinstance", "surefoot/contact/laws/__init__.py", "Law"),
     # where what a user gives as ground is refused if it is none
-    ("isinstance", "surefoot/simulation/world.py", "Terrain"),
+    ("isinstance", "surefoot/worlds/interface/world.py", "Terrain"),
     # a solver's law is a word or, for the stepper, a soft law: the one place that tells them apart
-    ("isinstance", "surefoot/stepping/options.py", "SoftLaw"),
+    ("isinstance", "surefoot/mechanics/dynamics/options.py", "SoftLaw"),
 }
 """(limit, file, name of the function, file or class) that a limit is not meant for."""
 
@@ -98,7 +98,7 @@ def _allowed(file: str, function: ast.FunctionDef | ast.AsyncFunctionDef) -> flo
     marks = [ast.unparse(mark) for mark in function.decorator_list]
     if any("kernel" in mark for mark in marks):
         return KERNEL_PARAMETERS
-    command = file.startswith("surefoot/cli/") and function.name == Path(file).stem
+    command = file.startswith("surefoot/app/cli/") and function.name == Path(file).stem
     return float("inf") if command else PARAMETERS
 
 
@@ -173,9 +173,12 @@ def test_what_has_been_mended_is_off_the_list() -> None:
 
 def test_classes_of_one_name_are_told_apart_by_their_modules() -> None:
     """A belief about which feet touch is no terrain, a belief about the ground is one."""
-    nodes = list(ast.walk(ast.parse("from surefoot.terrain import Terrain\nclass Odds: ...")))
-    names = _origins("surefoot/estimation/odds.py", nodes)
-    assert names == {"Terrain": "surefoot.terrain.Terrain", "Odds": "surefoot.estimation.odds.Odds"}
-    assert _home(names["Terrain"]) == "surefoot.terrain.terrain.Terrain" in _members()
-    assert "surefoot.estimation.ground_belief.BeliefTerrain" in _members()
-    assert "surefoot.estimation.contact_odds.GroundBelief" not in _members()
+    nodes = list(ast.walk(ast.parse("from surefoot.mechanics.terrain import Terrain\nclass Odds: ...")))
+    names = _origins("surefoot/motion/estimation/odds.py", nodes)
+    assert names == {
+        "Terrain": "surefoot.mechanics.terrain.Terrain",
+        "Odds": "surefoot.motion.estimation.odds.Odds",
+    }
+    assert _home(names["Terrain"]) == "surefoot.mechanics.terrain.terrain.Terrain" in _members()
+    assert "surefoot.motion.ground.ground_belief.BeliefTerrain" in _members()
+    assert "surefoot.motion.estimation.contact_fusion.GroundBelief" not in _members()

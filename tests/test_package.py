@@ -34,14 +34,18 @@ def test_unknown_name_is_an_attribute_error() -> None:
 @pytest.mark.parametrize(
     ("module", "package", "call"),
     [
-        ("mujoco", "mujoco", "from surefoot.simulation.mujoco import import_mujoco; import_mujoco()"),
+        (
+            "mujoco",
+            "mujoco",
+            "from surefoot.worlds.mujoco.mujoco_world import import_mujoco; import_mujoco()",
+        ),
         ("pinocchio", "pin", "import surefoot; surefoot.load_robot('go2')"),
-        ("matplotlib", "matplotlib", "from surefoot.viz.style import new_figure; new_figure()"),
+        ("matplotlib", "matplotlib", "from surefoot.app.viz.style import new_figure; new_figure()"),
     ],
 )
 def test_absent_package_is_one_clear_error(module: str, package: str, call: str) -> None:
     code = (
-        f"import sys; sys.modules[{module!r}] = None; from surefoot.errors import SurefootError\n"
+        f"import sys; sys.modules[{module!r}] = None; from surefoot.base.errors import SurefootError\n"
         f"try:\n    {call}\nexcept ImportError as x:\n    assert isinstance(x, SurefootError)\n    print(x)"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

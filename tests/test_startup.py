@@ -31,9 +31,9 @@ print(json.dumps({
 }))
 """
 TWO_FILES = {
-    "below.py": "from surefoot.kernels import inline_kernel\n\n"
+    "below.py": "from surefoot.base.kernels import inline_kernel\n\n"
     "SHIFT = {shift}\n\n@inline_kernel\ndef below(x: float) -> float:\n    return {factor} * x + SHIFT\n",
-    "above.py": "from surefoot.kernels import kernel\nimport below\n{comment}\n"
+    "above.py": "from surefoot.base.kernels import kernel\nimport below\n{comment}\n"
     "shifted = below.below\n\n@kernel\ndef above(x: float) -> float:\n    return shifted(x)\n",
 }
 ASK = (
@@ -54,7 +54,7 @@ def run(code: str, *path: Path, **environment: str) -> str:
 def test_cones_need_neither_numba_nor_scipy() -> None:
     code = """
 import sys, surefoot as sf
-from surefoot.cones import ProductCone
+from surefoot.contact.cones import ProductCone
 cone = sf.FrictionCone(mu=0.6)
 forces = [[1.0, 2.0, 3.0], [9.0, 0.0, 1.0]]
 for each in (cone, cone.dual()):
@@ -71,7 +71,7 @@ print([name for name in ("numba", "scipy") if name in sys.modules])
 def test_help_and_cone_commands_need_no_numba() -> None:
     code = """
 import sys
-from surefoot.cli.main import main
+from surefoot.app.cli.main import main
 main(["--help"]), main(["cone", "--no-picture"])
 print([name for name in ("numba", "scipy", "matplotlib") if name in sys.modules])
 """
@@ -82,14 +82,15 @@ def test_a_command_loads_what_it_needs() -> None:
     """`python -m benchmarks.start_up` prints what is saved by it."""
     code = """
 import sys
-from surefoot.cli.main import main, run
+from surefoot.app.cli.main import main, run
 try: run(["--version"])
 except SystemExit: print("typer" in sys.modules)
 main(["--help"])
-print([m for m in ("numpy", "surefoot.cli.check") if m in sys.modules])
+print([m for m in ("numpy", "surefoot.app.cli.check") if m in sys.modules])
 main(["check", "STANCE", "--no-picture"])
 ours = sum(m.startswith("surefoot.") for m in sys.modules)
-others = "scipy.sparse numba.np.linalg numba.cpython.unicode surefoot.cli.walk surefoot.equilibrium.regions"
+others = "scipy.sparse numba.np.linalg numba.cpython.unicode surefoot.app.cli.walk"
+others += " surefoot.mechanics.statics.com_region"
 print(ours, [m for m in others.split() if m in sys.modules])
 """
     stance = Path(__file__).parents[1] / "examples" / "stances" / "go2_three_legs.yaml"
@@ -112,7 +113,8 @@ def test_a_name_loads_what_it_needs(name: str, most: int) -> None:
 import sys, surefoot as sf
 sf.{name}
 ours = [m for m in sys.modules if m.startswith("surefoot.")]
-others = sorted({"scipy.stats", "scipy.optimize", "scipy.spatial", "surefoot.audit"} & sys.modules.keys())
+heavy = {"scipy.stats", "scipy.optimize", "scipy.spatial", "surefoot.records.audit"}
+others = sorted(heavy & sys.modules.keys())
 print(len(ours), others)
 """
     count, others = run(code).split(" ", 1)
@@ -191,8 +193,8 @@ def test_of_two_processes_that_miss_a_kernel_one_compiles_it(tmp_path: Path) -> 
     code = f"""
 import time, numpy as np
 from pathlib import Path
-from surefoot import compilation
-from surefoot.contact.blocks import checked_mirror
+from surefoot.base import compilation
+from surefoot.contact.problem.blocks import checked_mirror
 Path("{tmp_path}", str(time.time_ns())).touch()
 while len(list(Path("{tmp_path}").glob("1*"))) < 2: time.sleep(0.001)
 checked_mirror(np.eye(3), 1e-9)
@@ -221,11 +223,11 @@ class Keep(logging.Handler):
     def emit(self, record): records.append(record)
 log = logging.getLogger("surefoot.compilation")
 log.addHandler(Keep()); log.setLevel(logging.DEBUG); log.propagate = False
-from surefoot import compilation
-from surefoot.compilation import progress
+from surefoot.base import compilation
+from surefoot.base.compilation import progress
 progress.LONG = 0.0
 import numpy as np
-from surefoot.cones.nearest import nearest_in_cone
+from surefoot.contact.cones.nearest import nearest_in_cone
 nearest_in_cone(np.eye(3), np.ones((1, 3)))
 nearest_in_cone(np.eye(3), np.ones((1, 3)))
 shares = [r.share for r in records]

@@ -19,7 +19,7 @@ from benchmarks.commands import (
     walk,
     wire,
 )
-from surefoot.cli.typer_command import LiteralHelpCommand
+from surefoot.app.cli.typer_command import LiteralHelpCommand
 
 app = typer.Typer(help="Measure Surefoot against its rivals in the same run.", no_args_is_help=True)
 

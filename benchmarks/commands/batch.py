@@ -8,8 +8,8 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import table
-from surefoot.cli import extras
-from surefoot.cli.console import show
+from surefoot.app.cli import extras
+from surefoot.app.cli.console import show
 
 
 def batch(

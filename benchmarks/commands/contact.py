@@ -11,10 +11,10 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import table
-from surefoot.arrays import real_number
-from surefoot.cli import extras, parsing
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.app.cli import extras, parsing
+from surefoot.app.cli.console import plain_console
+from surefoot.app.cli.output import check_out, new_run_folder, to_json
+from surefoot.base.arrays import real_number
 
 if TYPE_CHECKING:
     from benchmarks.contact.comparison import Comparison, FamilyRow, Kind

@@ -10,13 +10,13 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import report, table
-from surefoot.cli.console import progress_bar
-from surefoot.cli.output import check_out
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.app.cli.console import progress_bar
+from surefoot.app.cli.output import check_out
+from surefoot.base.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
     from benchmarks.execution.trials import Row
-    from surefoot.planning import Plan
+    from surefoot.motion.planning import Plan
 
 TASKS: dict[str, float | None] = {"jump": 0.4, "backflip": None, "stand-up": None}
 """Tasks and their numbers."""
@@ -39,8 +39,8 @@ def execution(
     torque and speed, or give less torque the faster they turn.
     """
     from benchmarks.execution.trials import measure
-    from surefoot.cli import extras
-    from surefoot.planning import Plan as SavedPlan
+    from surefoot.app.cli import extras
+    from surefoot.motion.planning import Plan as SavedPlan
 
     check_out(out)
     extras.require((*extras.robot_packages("go2"), "mujoco"))
@@ -100,11 +100,11 @@ def measure_matrix(seeds: int, quick: bool, as_json: bool, out: Path | None) -> 
 
 def planned(task: str, quick: bool = False) -> Plan:
     """Return the plan of a task for Go2; a quick stand-up is looked for in MuJoCo, which is faster."""
-    from surefoot.planning.planner import plan as make_plan
-    from surefoot.planning.stand_up.task import StandUp
-    from surefoot.planning.tasks.task import PlanRequest
-    from surefoot.robot import load_robot
-    from surefoot.simulation.mujoco import MujocoWorld
+    from surefoot.mechanics.robot import load_robot
+    from surefoot.motion.planning.planner import plan as make_plan
+    from surefoot.motion.planning.stand_up.task import StandUp
+    from surefoot.motion.planning.tasks.task import PlanRequest
+    from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 
     robot = load_robot("go2")
     if task == "stand-up" and quick:

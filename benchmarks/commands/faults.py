@@ -10,8 +10,8 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import report, table
-from surefoot.cli.console import progress_bar
-from surefoot.cli.output import check_out
+from surefoot.app.cli.console import progress_bar
+from surefoot.app.cli.output import check_out
 
 QUICK_FAULTS = ("payload", "delay")
 
@@ -35,7 +35,7 @@ def faults(
     A level counts as survived when the robot falls in none of the seeds.
     """
     from benchmarks.faults import measure
-    from surefoot.cli import extras
+    from surefoot.app.cli import extras
 
     check_out(out)
     extras.require((*extras.robot_packages(robot), "mujoco"))

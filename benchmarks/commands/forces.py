@@ -10,9 +10,9 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import report, table
-from surefoot.cli import extras
-from surefoot.cli.console import plain_console
-from surefoot.errors import MissingExtra
+from surefoot.app.cli import extras
+from surefoot.app.cli.console import plain_console
+from surefoot.base.errors import MissingExtra
 
 WIDTH = 126
 """Columns that the table needs; a narrower terminal wraps its lines."""

@@ -8,8 +8,8 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import table
-from surefoot.cli import extras
-from surefoot.cli.console import show
+from surefoot.app.cli import extras
+from surefoot.app.cli.console import show
 
 
 def plan(
@@ -18,7 +18,7 @@ def plan(
 ) -> None:
     """Time a solver beside iLQR on MuJoCo's differences, a jump beside Crocoddyl, and walk without a gait."""
     from benchmarks.planning import iteration, jump_rival, walking
-    from surefoot.robot import load_robot
+    from surefoot.mechanics.robot import load_robot
 
     extras.require((*extras.robot_packages("go2"), "mujoco"))
     robot = load_robot("go2")

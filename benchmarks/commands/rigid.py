@@ -9,9 +9,9 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import table
-from surefoot.arrays import real_number
-from surefoot.cli import extras
-from surefoot.cli.console import show
+from surefoot.app.cli import extras
+from surefoot.app.cli.console import show
+from surefoot.base.arrays import real_number
 
 if TYPE_CHECKING:
     from benchmarks.rigid_world import DropResult

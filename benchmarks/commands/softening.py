@@ -11,9 +11,9 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.printing import report
-from surefoot.cli import extras
-from surefoot.cli.console import plain_console
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.app.cli import extras
+from surefoot.app.cli.console import plain_console
+from surefoot.base.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
     from benchmarks.softening.race import Row
@@ -42,7 +42,7 @@ def softening(
 ) -> None:
     """Compare relaxation, barrier, Fischer-Burmeister and others on a ball, a point, a hopper, a push."""
     from benchmarks.softening import race
-    from surefoot.planning.direct.textbook import PROBLEMS
+    from surefoot.motion.planning.direct.textbook import PROBLEMS
 
     extras.require(["casadi"])
     problems = _among("problem", problem, list(PROBLEMS))

@@ -10,8 +10,8 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import report, table
-from surefoot.cli.console import progress_bar
-from surefoot.cli.output import check_out
+from surefoot.app.cli.console import progress_bar
+from surefoot.app.cli.output import check_out
 
 if TYPE_CHECKING:
     from benchmarks.walk.speeds import SpeedRow
@@ -34,7 +34,7 @@ def speeds(
     """Walk at a ladder of velocities; print velocity errors, slip, joint speeds, torques and their rates."""
     from benchmarks.walk.speeds import LADDER, measure, pace_of
     from benchmarks.walks import QUADRUPEDS
-    from surefoot.cli import extras
+    from surefoot.app.cli import extras
 
     check_out(out)
     names = QUADRUPEDS if robot == ROBOTS else (robot,)

@@ -12,11 +12,11 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import report, table
-from surefoot.cli import extras
-from surefoot.cli.console import progress_bar
-from surefoot.cli.output import check_out, new_run_folder, to_json
-from surefoot.cli.signals import ends_softly
-from surefoot.errors import ProblemError
+from surefoot.app.cli import extras
+from surefoot.app.cli.console import progress_bar
+from surefoot.app.cli.output import check_out, new_run_folder, to_json
+from surefoot.app.cli.signals import ends_softly
+from surefoot.base.errors import ProblemError
 
 if TYPE_CHECKING:
     from benchmarks.stacks.judging import Trial

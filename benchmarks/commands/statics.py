@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import report, table
-from surefoot.cli import extras, parsing
+from surefoot.app.cli import extras, parsing
 
 
 def statics(

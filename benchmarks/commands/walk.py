@@ -9,8 +9,8 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import report, table
-from surefoot.cli import extras
-from surefoot.cli.console import progress_bar
+from surefoot.app.cli import extras
+from surefoot.app.cli.console import progress_bar
 
 if TYPE_CHECKING:
     from benchmarks.timing import Timing
@@ -33,7 +33,7 @@ def walk(
 ) -> None:
     """Time the MPC step (ours, QP solvers with pyramids, Clarabel) and a walking controller's whole step."""
     from benchmarks.walk.race import measure
-    from surefoot.robot import load_robot
+    from surefoot.mechanics.robot import load_robot
 
     for name in robot or ["go2"]:
         extras.require((*extras.robot_packages(name), "mujoco", "clarabel", "qpsolvers"))

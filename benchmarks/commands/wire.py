@@ -15,10 +15,10 @@ import typer
 from rich.console import Console
 
 from benchmarks.printing import table
-from surefoot.cli import extras
-from surefoot.cli.console import plain_console, say, show
-from surefoot.errors import SurefootError
-from surefoot.log.formats import read_log
+from surefoot.app.cli import extras
+from surefoot.app.cli.console import plain_console, say, show
+from surefoot.base.errors import SurefootError
+from surefoot.records.log.formats import read_log
 
 SHARES = (50.0, 99.0, 99.9, 100.0)
 DOMAIN = 93
@@ -73,8 +73,8 @@ def _suffer(count: int, as_json: bool) -> int:
 def _end(kind: str, robot_side: bool) -> tuple[Any, Any, Any]:
     """Return robot, dialect and an end of a wire of that name."""
     import surefoot as sf
-    from surefoot.drive.wire.dialect import dialect_of
-    from surefoot.drive.wire.link import WireEnd
+    from surefoot.motion.drive.wire.dialect import dialect_of
+    from surefoot.motion.drive.wire.link import WireEnd
 
     robot = sf.load_robot("go2")
     dialect = dialect_of(robot)
@@ -84,8 +84,8 @@ def _end(kind: str, robot_side: bool) -> tuple[Any, Any, Any]:
 def _serve(kind: str) -> None:
     """Answer states for good: by an echo of the tick, or by a loop that walks."""
     robot, dialect, end = _end(kind, False)
-    from surefoot.control.controller import JointTargets
-    from surefoot.drive.robot_loop import RobotLoop
+    from surefoot.motion.control.controller import JointTargets
+    from surefoot.motion.drive.robot_loop import RobotLoop
 
     loop = RobotLoop(robot, motors=dialect.motors) if kind == "loop" else None
     still = JointTargets(*np.zeros((5, 12)))
@@ -112,8 +112,8 @@ def _serve(kind: str) -> None:
 
 def _measure(seconds: float, servers: list[Any]) -> dict[str, Any]:
     """Return the times between a state and its answer [s] while the loop walks a robot in MuJoCo."""
-    from surefoot.control.controller import JointTargets
-    from surefoot.simulation.motor_robot import MotorRobot
+    from surefoot.motion.control.controller import JointTargets
+    from surefoot.worlds.running.motor_robot import MotorRobot
 
     robot, dialect, loop = _end("loop", True)
     echo = _end("echo", True)[2]

@@ -25,10 +25,11 @@ import numpy as np
 
 from benchmarks.contact.comparison import problems_in
 from benchmarks.problems.contacts import NamedProblem, problem_set
-from surefoot.contact import ContactProblem, Status
-from surefoot.solvers import auto, plans
-from surefoot.solvers.compiled import COMPILED_CONTACTS
-from surefoot.solvers.solver import solve
+from surefoot.contact.problem import ContactProblem, Status
+from surefoot.contact.solvers import auto
+from surefoot.contact.solvers import strategies as plans
+from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
+from surefoot.contact.solvers.solver import solve
 
 TRY, RUN = auto.try_stage, auto._run
 Stages = frozenset[plans.PlanStage]

@@ -21,10 +21,10 @@ from benchmarks.contact.ours import CONTACT_SOLVER, in_turn, our_calls
 from benchmarks.problems.contacts import NamedProblem
 from benchmarks.problems.judge import judge
 from benchmarks.timing import Timing, interleaved, one_core
-from surefoot.arrays import FloatArray
-from surefoot.contact import ContactProblem
-from surefoot.contact.files import KINDS, read_problem
-from surefoot.errors import ProblemError
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import ProblemError
+from surefoot.contact.files.formats import KINDS, read_problem
+from surefoot.contact.problem import ContactProblem
 
 OURS = ("auto", "nsgs", "newton", "admm")
 ROBOT_SCALE = 25

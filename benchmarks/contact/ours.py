@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import FloatArray
-from surefoot.contact import ContactProblem
-from surefoot.solvers.compiled import COMPILED_CONTACTS
-from surefoot.solvers.contact_solver import ContactSolver
-from surefoot.solvers.solver import solve
+from surefoot.base.arrays import FloatArray
+from surefoot.contact.problem import ContactProblem
+from surefoot.contact.solvers.compiled import COMPILED_CONTACTS
+from surefoot.contact.solvers.contact_solver import ContactSolver
+from surefoot.contact.solvers.solver import solve
 
 CONTACT_SOLVER = "contact solver"
 """Name of the real-time path in the tables."""

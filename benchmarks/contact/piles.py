@@ -18,8 +18,8 @@ from benchmarks.contact import rivals, siconos_rival
 from benchmarks.contact.comparison import RIVAL_STACK
 from benchmarks.printing import table
 from benchmarks.problems.heaps import capsules, rocks
-from surefoot.contact import ContactProblem, residuals
-from surefoot.solvers.solver import solve
+from surefoot.contact.problem import ContactProblem, residuals
+from surefoot.contact.solvers.solver import solve
 
 HEAPS = ((rocks, 150, 1063), (rocks, 500, 3720), (rocks, 1300, 10_000), (capsules, 2600, 10_000))
 TOL, MINUTE, PATIENCE, ITERATIONS = 1e-4, 60.0, 180.0, 2000

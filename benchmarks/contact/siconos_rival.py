@@ -13,8 +13,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from benchmarks.problems.judge import DECADES, finer, judge
-from surefoot.arrays import FloatArray
-from surefoot.contact import ContactProblem
+from surefoot.base.arrays import FloatArray
+from surefoot.contact.problem import ContactProblem
 
 SYSTEM_PYTHON = "/usr/bin/python3"
 METHODS = ("nsgs", "newton", "admm")

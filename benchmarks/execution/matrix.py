@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from benchmarks.execution.trials import Row, measure
-from surefoot.planning import Plan
-from surefoot.planning.planner import plan
-from surefoot.robot import load_robot
+from surefoot.mechanics.robot import load_robot
+from surefoot.motion.planning import Plan
+from surefoot.motion.planning.planner import plan
 
 ROBOTS = ("go2", "a1", "solo12", "anymal_c")
 CELLS: dict[str, tuple[str, float | None, dict[str, float]]] = {

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.planning import Plan
-from surefoot.planning.tracking import Reference
-from surefoot.robot.motor_limits import MOTOR_MODELS
-from surefoot.simulation.plan_execution import Execution, execute
+from surefoot.mechanics.robot.motor_limits import MOTOR_MODELS
+from surefoot.motion.planning import Plan
+from surefoot.motion.planning.tracking import Reference
+from surefoot.worlds.running.plan_execution import Execution, execute
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ import numpy as np
 from benchmarks.forces.digits import exact_forces
 from benchmarks.problems.allocation_program import cone_violation
 from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
-from surefoot.contact import Status
-from surefoot.equilibrium.force_distribution import ForceDistributor
+from surefoot.contact.problem import Status
+from surefoot.mechanics.statics.force_distribution import ForceDistributor
 
 
 @dataclass(frozen=True)

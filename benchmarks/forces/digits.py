@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
-from surefoot.arrays import FloatArray
+from surefoot.base.arrays import FloatArray
 
 DIGITS = 50
 SMALL = Decimal("1e-30")

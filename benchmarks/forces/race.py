@@ -30,11 +30,11 @@ from benchmarks.problems.allocations import (
 )
 from benchmarks.problems.judge import coarsest
 from benchmarks.timing import Timing, one_core
-from surefoot.arrays import FloatArray
-from surefoot.cones import FrictionCone
-from surefoot.cones.cone import Fit
-from surefoot.contact import Status
-from surefoot.equilibrium.force_distribution import ForceDistributor
+from surefoot.base.arrays import FloatArray
+from surefoot.contact.cones import FrictionCone
+from surefoot.contact.cones.cone import Fit
+from surefoot.contact.problem import Status
+from surefoot.mechanics.statics.force_distribution import ForceDistributor
 
 FITS: tuple[Fit, Fit] = ("inner", "outer")
 CONES: tuple[tuple[int | None, Fit], ...] = ((None, "inner"), *product((4, 8, 16), FITS))

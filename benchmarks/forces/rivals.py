@@ -15,8 +15,8 @@ import numpy as np
 
 from benchmarks.prepared import RIVALS, rival
 from benchmarks.problems.allocation_program import Program, cone_program
-from surefoot.arrays import FloatArray
-from surefoot.solvers.backends import Backend, Options, installed
+from surefoot.base.arrays import FloatArray
+from surefoot.contact.solvers.backends import Backend, Options, installed
 
 TOLERANCE = 1e-6
 """Asked of solvers that stop by a tolerance, unless the benchmark finds that a looser one will do."""

@@ -13,11 +13,11 @@ from benchmarks.forces.rivals import DAQP, available
 from benchmarks.problems.allocation_program import program
 from benchmarks.problems.allocations import Instance
 from benchmarks.timing import Timing, one_core
-from surefoot.arrays import FloatArray
-from surefoot.contact import Status
-from surefoot.kernels import kernel
-from surefoot.solvers.dual_newton.work import WARM
-from surefoot.solvers.dual_newton.wrench import distribute_wrench
+from surefoot.base.arrays import FloatArray
+from surefoot.base.kernels import kernel
+from surefoot.contact.problem import Status
+from surefoot.contact.solvers.dual_newton.distribution_memory import WARM
+from surefoot.contact.solvers.dual_newton.wrench import distribute_wrench
 
 FACETS = 8
 LOOPS, TRIES = 100, 5

@@ -21,7 +21,7 @@ import numpy as np
 
 from benchmarks.gradients.landing import Landing
 from benchmarks.gradients.systems import Path, System, penalty, rollout
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.base.arrays import FloatArray, IntArray
 
 SIGMA = 0.04
 """Noise of randomised smoothing, as a share of the range."""

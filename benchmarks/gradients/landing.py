@@ -6,8 +6,8 @@ import numpy as np
 
 import surefoot as sf
 from benchmarks.gradients.systems import Path
+from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.contact.laws.soft import SoftLaw
-from surefoot.spatial import rotation_from_quaternion
 
 STIFFNESS, DAMPING, GOAL = 60.0, 3.0, 0.05
 """Of the joints' controller [N m/rad, N m s/rad], and how far forward it should end [m]."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.gradients.estimators import Grid
-from surefoot.viz.style import FOOT_COLOURS, MUTED, new_figure, save
+from surefoot.app.viz.style import FOOT_COLOURS, MUTED, new_figure, save
 
 SPREAD = 25
 """Points at which slopes of smoothing and penalty are computed."""

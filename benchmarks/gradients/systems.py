@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 import surefoot as sf
-from surefoot.arrays import FloatArray
+from surefoot.base.arrays import FloatArray
 
 SOFT_SPEED, SLIP = 0.5, 0.01
 """Speed at which an opening spring's force vanishes, and that at which friction is regularised [m/s]."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from benchmarks.gradients.systems import Scene, System
-from surefoot.arrays import FloatArray
-from surefoot.spatial import GRAVITY
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import GRAVITY
 
 THICKNESS = 0.12
 """Of the ball's wall [m]: what springs let it sink in."""

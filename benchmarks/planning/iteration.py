@@ -11,13 +11,13 @@ import numpy as np
 
 from benchmarks.planning.mujoco_ilqr import MujocoIteration
 from benchmarks.timing import least_time
-from surefoot.arrays import FloatArray
-from surefoot.planning.shooting.costs import Costs, FootCost, StateCost, TorqueCost
-from surefoot.planning.shooting.guess import holding_torques
-from surefoot.planning.shooting.iteration import ShootingIteration
-from surefoot.planning.shooting.problem import ShootingProblem
-from surefoot.robot import Robot, place
-from surefoot.stepping import Knot, StepOptions, Stepper
+from surefoot.base.arrays import FloatArray
+from surefoot.mechanics.dynamics import Knot, StepOptions, Stepper
+from surefoot.mechanics.robot import Robot, place
+from surefoot.motion.planning.shooting.costs import Costs, FootCost, StateCost, TorqueCost
+from surefoot.motion.planning.shooting.guess import holding_torques
+from surefoot.motion.planning.shooting.iteration import ShootingIteration
+from surefoot.motion.planning.shooting.problem import ShootingProblem
 
 KNOTS, DT, MU = 20, 0.025, 0.6
 RIVAL_DT = 0.005

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.planning.certificate import link_hits, replayed
-from surefoot.planning.schedule import ScheduleProblem, optimise
-from surefoot.planning.schedule.motions import jump
-from surefoot.planning.tasks.scheduled import FEEDBACK
-from surefoot.planning.trajectory import Trajectory
-from surefoot.planning.transcription.follow import follow
-from surefoot.robot import Robot
+from surefoot.mechanics.robot import Robot
+from surefoot.motion.planning.certificate import link_hits, replayed
+from surefoot.motion.planning.schedule import ScheduleProblem, optimise
+from surefoot.motion.planning.schedule.motions import jump
+from surefoot.motion.planning.tasks.scheduled import FEEDBACK
+from surefoot.motion.planning.trajectory import Trajectory
+from surefoot.motion.planning.transcription.follow import follow
 
 VARIABLE = "SUREFOOT_CROCODDYL_PYTHON"
 """Names an interpreter that has the package crocoddyl."""

@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
-from surefoot.planning.shooting.horizon import FeedbackPolicy, Horizon
-from surefoot.planning.shooting.iteration import ShootingIteration
-from surefoot.planning.shooting.problem import ShootingProblem
-from surefoot.planning.shooting.state_space import feedback
-from surefoot.robot import Robot
-from surefoot.simulation.mujoco import add_ground, robot_spec
-from surefoot.spatial import quaternion_wxyz, quaternion_xyzw, rotation_from_quaternion, skew
-from surefoot.terrain import FlatTerrain
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import quaternion_wxyz, quaternion_xyzw, rotation_from_quaternion, skew
+from surefoot.mechanics.robot import Robot
+from surefoot.mechanics.terrain import FlatTerrain
+from surefoot.motion.planning.shooting.horizon import FeedbackPolicy, Horizon
+from surefoot.motion.planning.shooting.iteration import ShootingIteration
+from surefoot.motion.planning.shooting.problem import ShootingProblem
+from surefoot.motion.planning.shooting.state_space import feedback
+from surefoot.worlds.mujoco.mujoco_world import add_ground, robot_spec
 
 STEP = 1e-6
 """Of the finite differences."""

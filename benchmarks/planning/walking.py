@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import Stopwatch
-from surefoot.arrays import FloatArray
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.log import Ending, Log
-from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
-from surefoot.planning.mpc.cost import WalkWeights
-from surefoot.robot import Robot
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import run
-from surefoot.simulation.scenario import Push, Scenario
+from surefoot.base.arrays import FloatArray
+from surefoot.mechanics.robot import Robot
+from surefoot.motion.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+from surefoot.motion.planning.mpc.cost import WalkWeights
+from surefoot.motion.walking.walking_body import VelocityCommand
+from surefoot.records.log import Ending, Log
+from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
+from surefoot.worlds.running.run import run
+from surefoot.worlds.running.scenario import Push, Scenario
 
 Velocity = tuple[float, float, float]
 """Forward, left [m/s], yaw rate [rad/s]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from benchmarks.prepared.osqp import PreparedOsqp
 from benchmarks.prepared.piqp import PreparedPiqp
 from benchmarks.prepared.quadprog import PreparedQuadprog
-from surefoot.solvers.backends import BACKENDS, Backend, Options
+from surefoot.contact.solvers.backends import BACKENDS, Backend, Options
 
 RIVALS: dict[str, type[Backend]] = BACKENDS | {
     kind.name: kind for kind in (PreparedOsqp, PreparedPiqp, PreparedQuadprog)

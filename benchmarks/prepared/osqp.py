@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import FloatArray
-from surefoot.solvers.backends.backend import Backend, Options
-from surefoot.solvers.backends.program import ConeProgram, End, Outcome, pattern, upper_triangle
+from surefoot.base.arrays import FloatArray
+from surefoot.contact.solvers.backends.backend import Backend, Options
+from surefoot.contact.solvers.backends.program import ConeProgram, End, Outcome, pattern, upper_triangle
 
 ENDS = {
     1: End.SOLVED, 2: End.ALMOST, 3: End.INFEASIBLE, 4: End.ALMOST_INFEASIBLE, 5: End.UNBOUNDED,

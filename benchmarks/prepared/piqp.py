@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.solvers.backends.backend import Backend
-from surefoot.solvers.backends.program import ConeProgram, End, Outcome, dense, pattern
+from surefoot.contact.solvers.backends.backend import Backend
+from surefoot.contact.solvers.backends.program import ConeProgram, End, Outcome, dense, pattern
 
 ENDS = {
     "PIQP_SOLVED": End.SOLVED,

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.solvers.backends.backend import Backend
-from surefoot.solvers.backends.program import ConeProgram, End, Outcome, dense
+from surefoot.contact.solvers.backends.backend import Backend
+from surefoot.contact.solvers.backends.program import ConeProgram, End, Outcome, dense
 
 
 class PreparedQuadprog(Backend):

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
-from surefoot.arrays import FloatArray
-from surefoot.cones import FrictionPyramid
-from surefoot.cones.cone import Fit
-from surefoot.solvers.backends import ConeProgram
+from surefoot.base.arrays import FloatArray
+from surefoot.contact.cones import FrictionPyramid
+from surefoot.contact.cones.cone import Fit
+from surefoot.contact.solvers.backends import ConeProgram
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
-from surefoot.errors import ProblemError
-from surefoot.spatial import GRAVITY, rotation_from_quaternion, skew
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.errors import ProblemError
+from surefoot.base.spatial import GRAVITY, rotation_from_quaternion, skew
 
 CLASSES = ("easy", "near-boundary", "infeasible-wrench")
 FEET = np.array([[0.19, 0.14, 0.0], [0.19, -0.14, 0.0], [-0.19, 0.14, 0.0], [-0.19, -0.14, 0.0]])

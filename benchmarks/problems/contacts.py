@@ -18,9 +18,9 @@ from benchmarks.problems.heaps import capsules, cups, masonry, rocks
 from benchmarks.problems.judge import judge
 from benchmarks.problems.rigid_bodies import Scene
 from benchmarks.problems.robot_scenes import robot_delassus as robot
-from surefoot.arrays import FloatArray
-from surefoot.contact import ContactProblem
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import ProblemError, unknown_name
+from surefoot.contact.problem import ContactProblem
 
 TRIVIAL = 1e-6
 """A drawn problem that no forces at all solve this well is drawn again: nothing touches."""

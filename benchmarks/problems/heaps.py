@@ -14,8 +14,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from benchmarks.problems.rigid_bodies import Scene
-from surefoot.arrays import FloatArray, IntArray
-from surefoot.contact import ContactProblem
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.contact.problem import ContactProblem
 
 UP = np.array([0.0, 0.0, 1.0])
 ROUNDS = 120

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
-from surefoot.arrays import FloatArray
-from surefoot.contact import ContactProblem, residuals
+from surefoot.base.arrays import FloatArray
+from surefoot.contact.problem import ContactProblem, residuals
 
 STEPS_PER_DECADE = 8
 """How finely a rival's tolerance is chosen."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.arrays import FloatArray
-from surefoot.contact import ContactProblem
-from surefoot.spatial import GRAVITY, skew
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import GRAVITY, skew
+from surefoot.contact.problem import ContactProblem
 
 
 def tangents(normal: FloatArray) -> FloatArray:

@@ -6,10 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
-from surefoot.contact import ContactProblem
-from surefoot.robot import Robot, load_robot
-from surefoot.spatial import GRAVITY, skew
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import GRAVITY, skew
+from surefoot.contact.problem import ContactProblem
+from surefoot.mechanics.robot import Robot, load_robot
 
 TIME_STEP = 2e-3
 ROTOR = 0.01
@@ -39,7 +39,7 @@ def robot_delassus(
     rng
         Random pose, velocity and torques come from it.
     name
-        A robot of `surefoot.robot.robot_names`.
+        A robot of `surefoot.mechanics.robot.robot_names`.
     feet_down
         How many feet touch, the first and the last ones in turn (diagonal for two of four).
     points

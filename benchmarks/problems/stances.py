@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
-from surefoot.equilibrium.statics import friction_needed
-from surefoot.stance import PatchContact, PointContact, Stance
-from surefoot.stance.contact import Contact
+from surefoot.base.arrays import FloatArray
+from surefoot.mechanics.stance import PatchContact, PointContact, Stance
+from surefoot.mechanics.stance.contact import Contact
+from surefoot.mechanics.statics.statics import friction_needed
 
 KINDS = ("flat", "tilted", "patches", "chimney", "pushed", "edge")
 """Flat ground; tilted normals; patches among points; opposing walls; a push; friction just (not) enough."""

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
-from surefoot.estimation.ground_plane import GroundPlane
-from surefoot.estimation.thrown_body import ThrownBody, cube_body
-from surefoot.estimation.toss_model import ThrownModel, TossScene
-from surefoot.estimation.tosses import Cube, Tosses
-from surefoot.spatial import GRAVITY
+from surefoot.base.arrays import FloatArray, finite_array, real_number, whole_number
+from surefoot.base.spatial import GRAVITY
+from surefoot.records.identification.ground_plane import GroundPlane
+from surefoot.records.identification.thrown_body import ThrownBody, cube_body
+from surefoot.records.identification.toss_model import ThrownModel, TossScene
+from surefoot.records.identification.tosses import Cube, Tosses
 
 POSITION_NOISE, ROTATION_NOISE = 7e-5, 5e-4
 """Of fiducials seen by a good camera: what the free flight of 428 recorded tosses leaves [m, rad]."""

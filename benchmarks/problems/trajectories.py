@@ -47,13 +47,13 @@ def simulate(scene: Scene, duration: float = DURATION) -> list[Instance]:
     MissingExtra
         If MuJoCo or Pinocchio is not installed.
     """
-    from surefoot.control.standing import StandingController
-    from surefoot.control.standing_plan import StandingPlan
-    from surefoot.robot import load_robot, place
-    from surefoot.simulation.mujoco import MujocoWorld
-    from surefoot.simulation.run import Push, Scenario, run
-    from surefoot.simulation.scenario import START_DEPTH
-    from surefoot.terrain import FlatTerrain, SlopeTerrain
+    from surefoot.mechanics.robot import load_robot, place
+    from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain
+    from surefoot.motion.standing.standing_controller import StandingController
+    from surefoot.motion.standing.standing_plan import StandingPlan
+    from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
+    from surefoot.worlds.running.run import Push, Scenario, run
+    from surefoot.worlds.running.scenario import START_DEPTH
 
     robot = load_robot(ROBOT)
     terrain = SlopeTerrain(scene.slope) if scene.slope else FlatTerrain()

@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
-from surefoot.errors import ProblemError, unknown_name
-from surefoot.spatial import GRAVITY, rotation_about, rotation_from_normal
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.errors import ProblemError, unknown_name
+from surefoot.base.spatial import GRAVITY, rotation_about, rotation_from_normal
+from surefoot.motion.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
 
 TICK = 0.01
 """Time between two calls [s]."""

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
-from surefoot.planning.direct.planner import SMOOTHINGS, plan_direct
-from surefoot.planning.direct.textbook import PROBLEMS, SmallProblem
-from surefoot.planning.direct.transcribe import DirectNlp
-from surefoot.planning.transcription.contact_rows import Facets, GivenModes, read_modes
-from surefoot.planning.transcription.forms import FORMS, fischer_burmeister_eps, schedule
-from surefoot.planning.transcription.guess import Guess
-from surefoot.planning.transcription.judge import complementarity, window_miss
-from surefoot.planning.transcription.nlp import Iterate
+from surefoot.base.arrays import FloatArray
+from surefoot.motion.planning.direct.planner import SMOOTHINGS, plan_direct
+from surefoot.motion.planning.direct.textbook import PROBLEMS, SmallProblem
+from surefoot.motion.planning.direct.transcribe import DirectNlp
+from surefoot.motion.planning.transcription.contact_rows import Facets, GivenModes, read_modes
+from surefoot.motion.planning.transcription.forms import FORMS, fischer_burmeister_eps, schedule
+from surefoot.motion.planning.transcription.guess import Guess
+from surefoot.motion.planning.transcription.judge import complementarity, window_miss
+from surefoot.motion.planning.transcription.nlp import Iterate
 
 MOST, EACH = 1200, 200
 """Iterations of Ipopt that a start is given, over all stages and in each."""

@@ -16,8 +16,8 @@ from benchmarks.stacks.setting import HARD, Setting
 from benchmarks.stacks.stack import Stack
 from benchmarks.stacks.tasks import Task
 from benchmarks.stacks.trial import carry_out
-from surefoot.cli.output import plain
-from surefoot.errors import ProblemError
+from surefoot.app.cli.output import plain
+from surefoot.base.errors import ProblemError
 
 TRIALS = "trials.jsonl"
 """File of a bench's folder: what was measured with what in its first line, then a line for each trial."""

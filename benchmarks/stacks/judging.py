@@ -8,7 +8,7 @@ from typing import Any
 
 from benchmarks.stacks.measures import Measures
 from benchmarks.stacks.tasks import Bound, Task
-from surefoot.log import Ending
+from surefoot.records.log import Ending
 
 SPEED_SHARE, SPEED_FLOOR = 0.2, 0.1
 """A robot is on course whose velocity is off by at most this share, or this much [m/s, rad/s] ..."""

@@ -10,11 +10,11 @@ import numpy as np
 
 from benchmarks.stacks.stack import START, Job, TimedController, ramp_time, ramped
 from benchmarks.timing import Stopwatch
-from surefoot.arrays import FloatArray
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.policy.policy import Policy
-from surefoot.policy.publishers import robot_of
-from surefoot.robot.rotors import with_rotors
+from surefoot.base.arrays import FloatArray
+from surefoot.mechanics.robot.rotors import with_rotors
+from surefoot.motion.policy.policy import Policy
+from surefoot.motion.policy.publishers import robot_of
+from surefoot.motion.walking.walking_body import VelocityCommand
 
 PERIOD = 0.5
 """A gait's period where nobody says one: seeds push at its phases [s]."""

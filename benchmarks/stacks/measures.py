@@ -10,14 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
-from surefoot.audit.estimate import estimate_errors
-from surefoot.audit.laws import log_laws
-from surefoot.audit.motion import TOUCH, foot_forces, heading_velocity
-from surefoot.audit.motors import motor_use
-from surefoot.audit.slides import RELEASE
-from surefoot.log import Log
-from surefoot.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.records.audit.laws import log_laws
+from surefoot.records.audit.motion import TOUCH, foot_forces, heading_velocity
+from surefoot.records.audit.slides import RELEASE
+from surefoot.records.audit.summary.estimate_summary import estimate_errors
+from surefoot.records.audit.summary.motor_summary import motor_use
+from surefoot.records.log import Log
 
 CONE_LIMIT = 1e-3
 """A commanded force leaves its cone if it is this share of m g outside."""

@@ -21,10 +21,10 @@ import numpy as np
 
 from benchmarks.stacks.pins import PINS, commit_of
 from benchmarks.stacks.stack import START, Job, TimedController, ramped
-from surefoot.arrays import FloatArray
-from surefoot.control.controller import Command, Controller, RobotState
-from surefoot.errors import SurefootError
-from surefoot.log.channels import CHANNELS, Channel
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import SurefootError
+from surefoot.motion.control.controller import Command, Controller, RobotState
+from surefoot.records.log.channels import CHANNELS, Channel
 
 PROGRAMS = Path(__file__).parent / "peers"
 JOINTS, FEET = 12, 4
@@ -235,7 +235,7 @@ class _PeerCommand(Command):
 
 def _urdf(robot: str) -> dict[str, str]:
     """Return where the robot's own file lies, and the folder that its meshes are named from."""
-    from surefoot.robot.catalog import find, robots_folder
+    from surefoot.mechanics.robot.catalog import find, robots_folder
 
     folder = robots_folder()
     return {"file": str(folder / find(robot).urdf), "packages": str(folder.parents[1])}

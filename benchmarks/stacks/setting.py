@@ -8,12 +8,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from surefoot.errors import ProblemError, unknown_name
-from surefoot.robot import Robot
-from surefoot.robot.actuators import Actuators, actuators_of
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.sensors import SensorModel
-from surefoot.terrain import Terrain
+from surefoot.base.errors import ProblemError, unknown_name
+from surefoot.mechanics.robot import Robot
+from surefoot.mechanics.robot.actuators import Actuators, actuators_of
+from surefoot.mechanics.terrain import Terrain
+from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
+from surefoot.worlds.running.sensors import SensorModel
 
 Motors: TypeAlias = Actuators | None
 ESTIMATORS, ACTUATORS, COLLISIONS = ("inekf", "truth"), ("real", "ideal"), ("full", "feet")

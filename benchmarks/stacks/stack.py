@@ -10,16 +10,16 @@ import numpy as np
 
 from benchmarks.stacks.setting import Motors
 from benchmarks.timing import Stopwatch
-from surefoot.arrays import FloatArray
-from surefoot.control.controller import Controller
-from surefoot.control.terrain_knowledge import believed_ground
-from surefoot.control.walkers import walking_controller
-from surefoot.control.walking import WalkSettings
-from surefoot.control.walking_body import ACCELERATION, VelocityCommand
-from surefoot.drive.latency import LatencyCompensation
-from surefoot.robot import Robot
-from surefoot.spatial import GRAVITY
-from surefoot.terrain import Terrain
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics.robot import Robot
+from surefoot.mechanics.terrain import Terrain
+from surefoot.motion.control.controller import Controller
+from surefoot.motion.drive.latency import LatencyCompensation
+from surefoot.motion.ground.terrain_knowledge import believed_ground
+from surefoot.motion.walking.walkers import walking_controller
+from surefoot.motion.walking.walking_body import ACCELERATION, VelocityCommand
+from surefoot.motion.walking.walking_controller import WalkSettings
 
 START = WalkSettings().start
 """Time that a robot stands before it is asked to walk [s]."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from benchmarks.stacks.learned import LearnedStack
 from benchmarks.stacks.peer import Peer
 from benchmarks.stacks.stack import Stack, Surefoot
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.base.errors import ProblemError, unknown_name
 
 PEERS = {
     "go2-convex-mpc": Peer("go2-convex-mpc", "go2_convex_mpc.py", ("go2",)),

@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.stacks.judging import Trial
 from benchmarks.stacks.tasks import TASKS
 from benchmarks.stacks.trial import asked_velocity
-from surefoot.sweep.survival import Share, wilson
+from surefoot.worlds.sweep.survival import Share, wilson
 
 HOLDS = 0.95
 """A task is held if at least this share of its trials is: 19 of 20."""

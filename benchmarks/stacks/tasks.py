@@ -10,8 +10,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from surefoot.audit.motors import OVER_SPEED
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.base.errors import ProblemError, unknown_name
+from surefoot.records.audit.summary.motor_summary import OVER_SPEED
 
 NEWTONS, PUSH_TIME, PUSH_AT = 150.0, 0.1, 2.5
 """A push on Go2 [N], its length, and the time from which on its phase of the gait is waited for [s]."""

@@ -14,19 +14,24 @@ from benchmarks.stacks.setting import HARD, Setting, true_robot
 from benchmarks.stacks.stack import Job, Stack, TimedController, ramp_time, ramped
 from benchmarks.stacks.tasks import PUSH_AT, PUSH_TIME, Task
 from benchmarks.walks import known_robot
-from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra, SurefootError
-from surefoot.log import Ending, Log
-from surefoot.robot import Robot
-from surefoot.robot.legs import Legs
-from surefoot.simulation.faults import Faults
-from surefoot.simulation.height_scan import RangeSensor
-from surefoot.simulation.observers import Moment, Observer
-from surefoot.simulation.run import run
-from surefoot.simulation.scenario import Push, Scenario
-from surefoot.simulation.walk_terrain import start_pose
-from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about, rotation_from_quaternion
-from surefoot.terrain import Terrain, read_terrain
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import MissingExtra, SurefootError
+from surefoot.base.spatial import (
+    GRAVITY,
+    quaternion_from_rotation,
+    rotation_about,
+    rotation_from_quaternion,
+)
+from surefoot.mechanics.robot import Robot
+from surefoot.mechanics.robot.legs import Legs
+from surefoot.mechanics.terrain import Terrain, read_terrain
+from surefoot.records.log import Ending, Log
+from surefoot.worlds.running.faults import Faults
+from surefoot.worlds.running.height_scan import RangeSensor
+from surefoot.worlds.running.observers import Moment, Observer
+from surefoot.worlds.running.run import run
+from surefoot.worlds.running.scenario import Push, Scenario
+from surefoot.worlds.running.walk_terrain import start_pose
 
 MASS_ERROR, FRICTION_ERROR = 0.05, 0.1
 """Largest errors of all links' mass and of the ground's friction, as shares."""

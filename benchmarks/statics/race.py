@@ -13,13 +13,13 @@ import numpy as np
 from benchmarks.problems.stances import StanceCase, random_case
 from benchmarks.statics import rivals
 from benchmarks.timing import Timing, one_core, time_calls
-from surefoot.cones.representation import convert
-from surefoot.equilibrium.batch import can_stand_batch, com_region_batch
-from surefoot.equilibrium.regions import com_region
-from surefoot.equilibrium.statics import can_stand
-from surefoot.equilibrium.wrench_cone import wrench_cone
-from surefoot.spatial import GRAVITY
-from surefoot.stance import PatchContact, PointContact, Stance, StanceBatch
+from surefoot.base.spatial import GRAVITY
+from surefoot.contact.cones.representation import convert
+from surefoot.mechanics.stance import PatchContact, PointContact, Stance, StanceBatch
+from surefoot.mechanics.statics.batch import can_stand_batch, com_region_batch
+from surefoot.mechanics.statics.com_region import com_region
+from surefoot.mechanics.statics.statics import can_stand
+from surefoot.mechanics.statics.wrench_cone import wrench_cone
 
 MANY_FEET = (4, 16, 64, 256)
 """Contacts of the stances whose normal forces are bounded."""

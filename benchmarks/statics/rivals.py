@@ -1,6 +1,6 @@
 """The same questions to a stance, put to SciPy's HiGHS, Clarabel and cddlib.
 
-Each is written from the mathematics and shares no code with `surefoot.equilibrium`: these are the
+Each is written from the mathematics and shares no code with `surefoot.mechanics.statics`: these are the
 oracles of the tests as well as the rivals of the benchmark.
 """
 
@@ -14,11 +14,11 @@ import numpy as np
 from scipy.optimize import linprog
 
 from benchmarks.problems.stances import StanceCase
-from surefoot.arrays import FloatArray
-from surefoot.errors import needs
-from surefoot.solvers.backends import ConeProgram, Options, backend
-from surefoot.spatial import GRAVITY, skew
-from surefoot.stance import Stance
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import needs
+from surefoot.base.spatial import GRAVITY, skew
+from surefoot.contact.solvers.backends import ConeProgram, Options, backend
+from surefoot.mechanics.stance import Stance
 
 CAP = 1.0
 """Largest margin that the rivals look for, as a share of the load: squeezing may be unlimited."""

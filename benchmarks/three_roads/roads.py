@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.three_roads.task import JumpTask, reached
-from surefoot.arrays import FloatArray
-from surefoot.errors import ProblemError
-from surefoot.planning.direct import DirectProblem, Guess, plan_direct, plan_with_modes
-from surefoot.planning.shooting import (
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import ProblemError
+from surefoot.mechanics.dynamics import StepOptions, Stepper
+from surefoot.motion.planning.direct import DirectProblem, Guess, plan_direct, plan_with_modes
+from surefoot.motion.planning.shooting import (
     Costs,
     Shooting,
     ShootingProblem,
@@ -20,9 +21,8 @@ from surefoot.planning.shooting import (
     StateCost,
     TorqueCost,
 )
-from surefoot.planning.trajectory import Trajectory, rollout
-from surefoot.planning.transcription.judge import exact_cost, window_miss
-from surefoot.stepping import StepOptions, Stepper
+from surefoot.motion.planning.trajectory import Trajectory, rollout
+from surefoot.motion.planning.transcription.judge import exact_cost, window_miss
 
 PRICES = (1e3, 1e4, 1e5)
 """Of missing the end and the height, where a road can only price them: per m² and rad²; speeds a tenth."""

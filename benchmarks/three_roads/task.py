@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray
-from surefoot.planning.direct import DirectProblem, StateWindow, Weights, planar_hopper
-from surefoot.planning.trajectory import TOLERANCE, Trajectory
-from surefoot.planning.transcription.contact_rows import OPEN, STICK
-from surefoot.planning.transcription.judge import window_miss
-from surefoot.planning.transcription.planar import RADIUS
-from surefoot.terrain import SlopeTerrain
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.mechanics.terrain import SlopeTerrain
+from surefoot.motion.planning.direct import DirectProblem, StateWindow, Weights, planar_hopper
+from surefoot.motion.planning.trajectory import TOLERANCE, Trajectory
+from surefoot.motion.planning.transcription.contact_rows import OPEN, STICK
+from surefoot.motion.planning.transcription.judge import window_miss
+from surefoot.motion.planning.transcription.planar import RADIUS
 
 NEAR = 0.02
 """The goal is reached where no bound is missed by more [m, rad; ten times as many m/s and rad/s]."""

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, IntArray
-from surefoot.control import mpc_model
-from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc
-from surefoot.errors import ProblemError
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.errors import ProblemError
+from surefoot.motion.control import mpc_model
+from surefoot.motion.control.mpc import BodyReference, BodyState, ConvexMpc
 
 
 def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> FloatArray:
@@ -35,7 +35,7 @@ def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> Flo
 
 @dataclass(frozen=True)
 class HorizonProgram:
-    """The condensed program of a horizon; see `surefoot.solvers.dual_newton.horizon` for the symbols.
+    """The condensed program of a horizon; see `surefoot.contact.solvers.dual_newton.horizon` for the symbols.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class HorizonProgram:
     rho
         Weight of the forces.
     drift, heading
-        See `surefoot.control.mpc_model.build`.
+        See `surefoot.motion.control.mpc_model.build`.
     """
 
     step: IntArray

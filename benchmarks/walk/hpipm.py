@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import MissingExtra
 
 if TYPE_CHECKING:
     from benchmarks.walk.rivals import Matrices, Variant

@@ -23,9 +23,9 @@ from benchmarks.walk import rivals as mpc_rivals
 from benchmarks.walk.horizon import HorizonProgram, horizon_program
 from benchmarks.walk.rivals import Rival, Variant
 from benchmarks.walk.steps import StepRow, measure_steps
-from surefoot.arrays import FloatArray
-from surefoot.control import mpc_model
-from surefoot.control.mpc import ConvexMpc
+from surefoot.base.arrays import FloatArray
+from surefoot.motion.control import mpc_model
+from surefoot.motion.control.mpc import ConvexMpc
 
 ACCURACY = 0.1
 """Distance of all forces of the horizon together to the method's own optimum [N], in 95 of 100 inputs."""

@@ -22,11 +22,11 @@ import scipy.sparse as sp
 from benchmarks.prepared import rival
 from benchmarks.walk import hpipm as mpc_hpipm
 from benchmarks.walk.horizon import HorizonProgram
-from surefoot.arrays import FloatArray
-from surefoot.cones import FrictionPyramid
-from surefoot.control.mpc import ConvexMpc
-from surefoot.solvers.backends import ConeProgram, Options, solve_program
-from surefoot.solvers.backends.program import stacked
+from surefoot.base.arrays import FloatArray
+from surefoot.contact.cones import FrictionPyramid
+from surefoot.contact.solvers.backends import ConeProgram, Options, solve_program
+from surefoot.contact.solvers.backends.program import stacked
+from surefoot.motion.control.mpc import ConvexMpc
 
 DECADES = tuple(range(-2, -12, -1))
 """Powers of ten that a rival's tolerance is tried at; it runs at the loosest eighth of a decade that does."""
@@ -88,7 +88,7 @@ class Rival:
 def driven(
     solver: str, facets: int | None, forms: tuple[str, ...], warm: tuple[bool, ...], own: dict[str, Any]
 ) -> Rival:
-    """Return the rival that a backend of `surefoot.solvers` is, with settings by its own names."""
+    """Return the rival that a backend of `surefoot.contact.solvers` is, with settings by its own names."""
 
     def ready(m: Matrices, form: str) -> tuple[Matrices, Any]:
         return m, rival(solver.lower(), Options(sparse=form == "sparse")).ready(cone_program(m))

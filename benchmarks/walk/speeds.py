@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks import walks
-from surefoot.arrays import FloatArray
-from surefoot.audit import summarise_walk
-from surefoot.audit.motion import heading_velocity
-from surefoot.log import Ending, Log
-from surefoot.spatial import GRAVITY
-from surefoot.terrain import FlatTerrain
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics.terrain import FlatTerrain
+from surefoot.records.audit import summarise_walk
+from surefoot.records.audit.motion import heading_velocity
+from surefoot.records.log import Ending, Log
 
 MASS_ERROR, FRICTION_ERROR, MU = 0.05, 0.1, 0.6
 """Largest errors of the believed mass and of the friction, as shares; the friction."""

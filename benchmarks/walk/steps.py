@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import Timing, best_of, one_core
-from surefoot.control.controller import RobotState
-from surefoot.control.walking import WalkingController
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.robot import load_robot
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import Scenario, run
+from surefoot.mechanics.robot import load_robot
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.walking.walking_body import VelocityCommand
+from surefoot.motion.walking.walking_controller import WalkingController
+from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
+from surefoot.worlds.running.run import Scenario, run
 
 PASSES = 3
 

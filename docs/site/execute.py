@@ -50,7 +50,7 @@ def run_page(page: Page, figures: Path | None = None) -> Ran:
     """
     import matplotlib
 
-    from surefoot.viz.style import FOOT_COLOURS, house_style
+    from surefoot.app.viz.style import FOOT_COLOURS, house_style
 
     matplotlib.use("Agg")
     ran, count = Ran(page), 0

@@ -10,45 +10,58 @@ from typing import Any
 import surefoot
 
 ROOMS = {
-    "cones": "Cones",
-    "stance": "Contacts and stances",
-    "terrain": "Terrains",
-    "equilibrium": "Questions to a stance",
-    "contact": "Contact problems",
-    "solvers": "Solvers",
-    "batch": "Batches",
-    "robot": "Robots",
-    "control": "Controllers",
-    "planning": "Planning",
-    "interop": "Contact sequences as data",
-    "simulation": "Worlds and runs",
-    "sweep": "Sweeps",
-    "log": "Logs",
-    "audit": "Audit",
-    "estimation": "Estimation and identification",
-    "viz": "Pictures",
-    "errors": "Errors",
+    "contact.cones": "Cones",
+    "contact.problem": "Contact problems",
+    "contact.sets": "Kinds of contact",
+    "contact.solvers": "Solvers",
+    "contact.batch": "Batches",
+    "contact.files": "Problems in files",
+    "contact.translation": "Parameters of simulators",
+    "mechanics.terrain": "Terrains",
+    "mechanics.stance": "Contacts and stances",
+    "mechanics.robot": "Robots",
+    "mechanics.statics": "Questions to a stance",
+    "records.log": "Logs",
+    "records.audit": "Audit",
+    "records.identification": "Identification",
+    "motion.control": "Controllers of forces",
+    "motion.standing": "Standing",
+    "motion.walking": "Walking",
+    "motion.gaits": "Gaits",
+    "motion.estimation": "State estimation",
+    "motion.planning": "Planning",
+    "motion.policy": "Learned policies",
+    "motion.drive": "The loop of a real robot",
+    "worlds.rigid": "Rigid worlds",
+    "worlds.mujoco": "MuJoCo",
+    "worlds.running": "Runs",
+    "worlds.replay": "Replays",
+    "worlds.sweep": "Sweeps",
+    "app.export": "Contact sequences as data",
+    "base.errors": "Errors",
 }
 """Room of the package and the title of its page; a room that is missing gets its own name."""
 MODULES = {
     "laws": "Soft contact laws",
-    "spatial": "Conventions as code",
-    "robot.centroidal": "Momentum",
-    "robot.jacobians": "Contact Jacobians",
-    "robot.dynamics": "Constrained dynamics",
-    "equilibrium.actuation": "Statics with motors' limits",
-    "stepping.flight": "Flights",
+    "base.spatial": "Conventions as code",
+    "mechanics.robot.centroidal": "Momentum",
+    "mechanics.robot.jacobians": "Contact Jacobians",
+    "mechanics.robot.dynamics": "Constrained dynamics",
+    "mechanics.statics.actuation": "Statics with motors' limits",
+    "mechanics.dynamics.airborne_motion": "Flights",
 }
 """Modules whose names are used through the module, as the pages show."""
 
 
 def public_names() -> dict[str, list[str]]:
-    """Return the public names by the room where they live, as the stub says."""
+    """Return the public names by the room (wing.room) where they live, as the stub says."""
     tree = ast.parse(Path(surefoot.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
     rooms: dict[str, list[str]] = {}
     for node in tree.body:
         if isinstance(node, ast.ImportFrom) and node.module:
-            rooms.setdefault(node.module.split(".")[0], []).extend(a.asname or a.name for a in node.names)
+            rooms.setdefault(".".join(node.module.split(".")[:2]), []).extend(
+                a.asname or a.name for a in node.names
+            )
     return rooms
 
 

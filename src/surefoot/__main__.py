@@ -1,6 +1,6 @@
 """`python -m surefoot` is the `surefoot` command."""
 
-from surefoot.cli.main import run
+from surefoot.app.cli.main import run
 
 if __name__ == "__main__":
     run()

@@ -1,6 +1,6 @@
 """A judge of contact verdicts that shares no arithmetic with the package: decimals, own projections.
 
-What it judges is the definition of SOLVED (docs, `surefoot.contact.residuals`)::
+What it judges is the definition of SOLVED (docs, `surefoot.contact.problem.residuals`)::
 
     eps_k = w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)||,   w_k = ||G_kk||₂
     s     = max ||u_k|| over the block's contacts that are on, at the admissible forces nearest to zero

@@ -12,10 +12,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from surefoot.audit import LawFigures
-from surefoot.audit.slides import LAG
-from surefoot.errors import ProblemError
-from tests.audit.logs import check_laws
+from surefoot.base.errors import ProblemError
+from surefoot.records.audit import LawFigures
+from surefoot.records.audit.slides import LAG
+from tests.records.audit.logs import check_laws
 
 MU, WEIGHT, DT, STEPS = 0.5, 160.0, 1e-3, 1200
 Motion = dict[str, np.ndarray]

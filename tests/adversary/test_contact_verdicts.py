@@ -14,7 +14,7 @@ from insoluble import squeezed_twins
 from oracle import check_proof, judge, read
 
 import surefoot as sf
-from surefoot.contact.residuals import residuals
+from surefoot.contact.problem.residuals import residuals
 
 COUNT = {
     "large_sparse": 8,

@@ -13,7 +13,7 @@ from hunt_derivatives import Comparison, compare
 from kink_problems import kinky, moved
 
 import surefoot as sf
-from surefoot.contact.derivative import ContactDerivative
+from surefoot.contact.derivative.solution_derivative import ContactDerivative
 
 SAMPLE = 60
 

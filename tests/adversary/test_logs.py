@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from surefoot.audit import RunSummary, summarise_stand, summarise_walk
-from surefoot.errors import ProblemError
-from surefoot.log import FACTS, Log
-from surefoot.log.formats import read_log
+from surefoot.base.errors import ProblemError
+from surefoot.records.audit import RunSummary, summarise_stand, summarise_walk
+from surefoot.records.log import FACTS, Log
+from surefoot.records.log.formats import read_log
 
-DATA = Path(__file__).resolve().parents[1] / "log" / "data"
+DATA = Path(__file__).resolve().parents[1] / "records" / "log" / "data"
 LOGS = {
     "stand": (read_log(DATA / "stand.npz"), summarise_stand),
     "walk": (read_log(DATA / "walk.npz"), summarise_walk),

@@ -7,10 +7,10 @@ import pytest
 from stance_families import FAMILIES, question
 
 import surefoot as sf
-from surefoot.equilibrium.limits import Question, equations, normal_limits
-from surefoot.equilibrium.margin import most_margin
-from surefoot.equilibrium.row_blocks import IN_ONE
-from surefoot.equilibrium.statics import needed_wrench
+from surefoot.mechanics.statics.limits import Question, equations, normal_limits
+from surefoot.mechanics.statics.margin import most_margin
+from surefoot.mechanics.statics.row_blocks import IN_ONE
+from surefoot.mechanics.statics.statics import needed_wrench
 
 
 def crowd(rng: np.random.Generator, family: str) -> tuple[sf.Stance, np.ndarray, float]:

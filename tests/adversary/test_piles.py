@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.collision import Box, Capsule, Sphere
-from surefoot.simulation.scene import Body, Scene, SceneWorld
+from surefoot.mechanics.collision import Box, Capsule, Sphere
+from surefoot.worlds.rigid.scene import Body, Scene, SceneWorld
 
 
 def thrown(rng, count, **surface):

@@ -15,8 +15,8 @@ from scipy.optimize import linprog
 from stance_families import FAMILIES, corner_contacts, directions, question
 
 import surefoot as sf
-from surefoot.equilibrium.regions import zmp_region
-from surefoot.solvers.backends import ConeProgram, End, solve_program
+from surefoot.contact.solvers.backends import ConeProgram, End, solve_program
+from surefoot.mechanics.statics.com_region import zmp_region
 
 GRAVITY = 9.81
 EXACT, PYRAMIDS = 2e-6, 2e-7

@@ -13,11 +13,11 @@ import pinocchio
 import pytest
 
 import surefoot as sf
-from surefoot.errors import SimulationError
-from surefoot.simulation.bodies import box, falling_cat
-from surefoot.simulation.rigid import RigidWorld
-from surefoot.spatial import GRAVITY
-from surefoot.terrain import rough_ground
+from surefoot.base.errors import SimulationError
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics.terrain import rough_ground
+from surefoot.worlds.rigid.bodies import box, falling_cat
+from surefoot.worlds.rigid.rigid_world import RigidWorld
 
 BODIES = {"cat": falling_cat, "plank": lambda: box(0.7, (0.6, 0.1, 0.02)), "cube": lambda: box(2.0)}
 TERRAINS = (sf.FlatTerrain, lambda: sf.SlopeTerrain(20.0), lambda: rough_ground(1, 0.08))

@@ -15,7 +15,7 @@ import pytest
 from stance_families import FAMILIES, SCALES, corner_contacts, question
 
 import surefoot as sf
-from surefoot.solvers.backends import ConeProgram, End, solve_program
+from surefoot.contact.solvers.backends import ConeProgram, End, solve_program
 
 BAND = Fraction(4, 10**9)
 """Forces may leave their cones, and miss the load, by this share of the load."""

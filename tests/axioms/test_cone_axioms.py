@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surefoot.cones import FrictionCone, PolyhedralCone, ProductCone, WrenchCone
-from surefoot.errors import ProblemError
+from surefoot.base.errors import ProblemError
+from surefoot.contact.cones import FrictionCone, PolyhedralCone, ProductCone, WrenchCone
 from tests.pages import blocks, run_page
 
 RNG = np.random.default_rng(7)

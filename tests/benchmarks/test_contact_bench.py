@@ -18,8 +18,8 @@ from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, m
 from benchmarks.contact.siconos_rival import siconos_best, siconos_installed
 from benchmarks.problems.contacts import NamedProblem, families, problem_set
 from benchmarks.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
-from surefoot.contact.files import write_problem
-from surefoot.errors import ProblemError
+from surefoot.base.errors import ProblemError
+from surefoot.contact.files.formats import write_problem
 
 
 @cache

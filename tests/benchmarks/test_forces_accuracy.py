@@ -10,7 +10,7 @@ from benchmarks.forces.accuracy import measure_accuracy
 from benchmarks.forces.digits import DIGITS, exact_forces, exactly, project
 from benchmarks.problems.allocation_program import cone_violation, objective, program
 from benchmarks.problems.allocations import WRENCH_WEIGHTS, random_instances
-from tests.equilibrium.distributors import convex_error, distributor_of
+from tests.mechanics.statics.distributors import convex_error, distributor_of
 
 
 @pytest.mark.parametrize("force_weight", [1e-1, 1e-2, 1e-4])

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from surefoot.cli import bench, commands, main
+from surefoot.app.cli import bench, commands, main
 
 
 @pytest.mark.parametrize(

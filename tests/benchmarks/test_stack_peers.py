@@ -14,10 +14,10 @@ from benchmarks.stacks.setting import IDEAL
 from benchmarks.stacks.stack import Job
 from benchmarks.stacks.tasks import TASKS
 from benchmarks.stacks.trial import carry_out
-from surefoot.control.controller import RobotState
-from surefoot.errors import SurefootError
-from surefoot.robot import load_robot
-from surefoot.terrain import FlatTerrain, SlopeTerrain
+from surefoot.base.errors import SurefootError
+from surefoot.mechanics.robot import load_robot
+from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain
+from surefoot.motion.control.controller import RobotState
 
 STANDS = """
     import json, os, sys, time

@@ -17,9 +17,9 @@ from benchmarks.stacks.measures import Measures, outside_cones, stance_slides
 from benchmarks.stacks.setting import HARD, IDEAL, Setting
 from benchmarks.stacks.table import rows
 from benchmarks.stacks.tasks import TASKS, Bound, choose_tasks
-from surefoot.errors import ProblemError
-from surefoot.log import CHANNELS, Log
-from surefoot.spatial import GRAVITY
+from surefoot.base.errors import ProblemError
+from surefoot.base.spatial import GRAVITY
+from surefoot.records.log import CHANNELS, Log
 
 GOOD = Measures(
     0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004

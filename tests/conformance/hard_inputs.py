@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from surefoot.stance import PointContact, Stance
+from surefoot.mechanics.stance import PointContact, Stance
 
 NOT_FINITE = [math.nan, math.inf, -math.inf]
 EXTREME = [1e6, -1e12, 1e100, -1e200, 1e308, 1e-310]

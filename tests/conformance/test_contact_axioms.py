@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 import surefoot as sf
 from benchmarks.problems.rigid_bodies import Scene
-from surefoot.spatial import GRAVITY, skew
-from tests.solvers.convex_oracle import convex_forces
+from surefoot.base.spatial import GRAVITY, skew
+from tests.contact.solvers.convex_oracle import convex_forces
 
 SOLVERS = ("auto", "nsgs", "admm")
 

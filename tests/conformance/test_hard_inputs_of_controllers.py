@@ -9,22 +9,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from surefoot.contact import Status
-from surefoot.control.body_motion import BodyReference, BodyState
-from surefoot.control.controller import RobotState
-from surefoot.control.mpc import ConvexMpc
-from surefoot.control.standing import StandingController
-from surefoot.control.standing_plan import Lift, StandingPlan
-from surefoot.control.walking import WalkingController, WalkSettings
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.control.whole_body import Tasks, WholeBodyController
-from surefoot.drive.joint_targets import JointTargetController
-from surefoot.drive.latency import LatencyCompensation
-from surefoot.drive.watchdog import Watchdog
-from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
-from surefoot.robot import Robot, place
-from surefoot.robot.actuators import real_actuators
-from surefoot.terrain import FlatTerrain
+from surefoot.contact.problem import Status
+from surefoot.mechanics.robot import Robot, place
+from surefoot.mechanics.robot.actuators import real_actuators
+from surefoot.mechanics.terrain import FlatTerrain
+from surefoot.motion.control.body_motion import BodyReference, BodyState
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.control.mpc import ConvexMpc
+from surefoot.motion.control.whole_body import Tasks, WholeBodyController
+from surefoot.motion.drive.joint_targets import JointTargetController
+from surefoot.motion.drive.latency import LatencyCompensation
+from surefoot.motion.drive.watchdog import Watchdog
+from surefoot.motion.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+from surefoot.motion.standing.standing_controller import StandingController
+from surefoot.motion.standing.standing_plan import Lift, StandingPlan
+from surefoot.motion.walking.walking_body import VelocityCommand
+from surefoot.motion.walking.walking_controller import WalkingController, WalkSettings
 from tests.conformance.hard_inputs import (
     EXTREME,
     FEET,

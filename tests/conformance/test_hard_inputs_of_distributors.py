@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from surefoot.contact import Status
-from surefoot.equilibrium.allocation import ExactAllocation, SolverAllocation
-from surefoot.equilibrium.force_distribution import ForceDistributor
+from surefoot.contact.problem import Status
+from surefoot.mechanics.statics.allocation import ExactAllocation, SolverAllocation
+from surefoot.mechanics.statics.force_distribution import ForceDistributor
 from tests.conformance.hard_inputs import (
     EXTREME,
     HIGH,

@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from surefoot.errors import SurefootError
-from surefoot.robot import place
-from surefoot.simulation import drake_python
-from surefoot.simulation.bullet import BulletWorld
-from surefoot.simulation.drake.world import DrakeWorld
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.rigid import RigidWorld
-from surefoot.simulation.world import World
+from surefoot.base.errors import SurefootError
+from surefoot.mechanics.robot import place
+from surefoot.worlds.bullet.bullet_world import BulletWorld
+from surefoot.worlds.drake import drake_python
+from surefoot.worlds.drake.drake_world import DrakeWorld
+from surefoot.worlds.interface.world import World
+from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
+from surefoot.worlds.rigid.rigid_world import RigidWorld
 from tests.conformance.hard_inputs import NOT_FINITE
 from tests.robots import robot_of
 

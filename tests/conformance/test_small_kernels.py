@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from surefoot.kernels import borrowed, keep, kernel, window
+from surefoot.base.kernels import borrowed, keep, kernel, window
 
 
 @kernel

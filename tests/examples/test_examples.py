@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from surefoot.spatial import GRAVITY
+from surefoot.base.spatial import GRAVITY
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

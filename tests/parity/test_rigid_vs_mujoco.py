@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.control.controller import RobotState
-from surefoot.control.standing import StandingController
-from surefoot.control.standing_plan import StandingPlan
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.rigid import RigidWorld
-from surefoot.simulation.world import World
-from surefoot.spatial import GRAVITY
-from surefoot.terrain import Terrain
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics.terrain import Terrain
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.standing.standing_controller import StandingController
+from surefoot.motion.standing.standing_plan import StandingPlan
+from surefoot.worlds.interface.world import World
+from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
+from surefoot.worlds.rigid.rigid_world import RigidWorld
 
 
 def standing(world_type, robot: sf.Robot, ground: Terrain, steps: int, push=None) -> Iterator[World]:
@@ -73,8 +73,8 @@ def test_a_stack_carries_the_same_forces_and_sinks_only_in_mujoco():
     """Five cubes: the forces between them agree; MuJoCo's contacts give, the rigid ones do not."""
     import mujoco
 
-    from surefoot.collision import Box
-    from surefoot.simulation.scene import Body, Scene, SceneWorld
+    from surefoot.mechanics.collision import Box
+    from surefoot.worlds.rigid.scene import Body, Scene, SceneWorld
 
     bodies = "".join(
         f'<body name="b{k}" pos="0 0 {0.1 + 0.2 * k}"><freejoint/>'

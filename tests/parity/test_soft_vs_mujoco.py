@@ -9,10 +9,10 @@ import pytest
 
 import surefoot as sf
 from surefoot.laws import MujocoLaw
-from surefoot.simulation.bodies import ball
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.rigid import RigidWorld
-from surefoot.terrain import FlatTerrain
+from surefoot.mechanics.terrain import FlatTerrain
+from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
+from surefoot.worlds.rigid.bodies import ball
+from surefoot.worlds.rigid.rigid_world import RigidWorld
 from tests.moving import lifted
 from tests.parity.test_rigid_vs_mujoco import standing
 

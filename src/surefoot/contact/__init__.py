@@ -1,13 +1,14 @@
-"""Contact problems, their solutions and the laws as numbers; free of any solver."""
+"""Which contact forces are possible, and the solvers for them; nothing here knows a robot.
 
-from surefoot.contact import sets
-from surefoot.contact.problem import ContactProblem as ContactProblem
-from surefoot.contact.proof import InfeasibilityProof as InfeasibilityProof
-from surefoot.contact.proof import check_proof as check_proof
-from surefoot.contact.residuals import Residuals as Residuals
-from surefoot.contact.residuals import residuals as residuals
-from surefoot.contact.sets import ContactSet as ContactSet
-from surefoot.contact.solution import ContactSolution as ContactSolution
-from surefoot.contact.solution import Status as Status
+Begin with `cones` (one convex set a file) and `problem` (u = G λ + g as plain data, its residuals and its
+proofs); `sets` are contacts of other kinds than points, `laws` what relates force, gap and velocity.
+`solvers` find forces and never judge them, `batch` takes many problems at once, `derivative` is that of a
+solution. `files` reads and writes problems, `translation` puts contact parameters of one simulator into
+another's words. Other wings import what stands in `__init__.pyi` and nothing else.
+"""
 
-contact_sets = sets
+from __future__ import annotations
+
+from surefoot.base.faces import face
+
+__getattr__, __dir__ = face(__name__, __file__)

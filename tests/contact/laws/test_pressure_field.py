@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.errors import ProblemError
+from surefoot.base.errors import ProblemError
+from surefoot.base.spatial import rotation_about
 from surefoot.laws import CompliantSolid, PressureField
-from surefoot.spatial import rotation_about
 
 RECTANGLE = np.array([[-0.1, -0.05], [0.1, -0.05], [0.1, 0.05], [-0.1, 0.05]])
 E, H = 1e6, 0.01

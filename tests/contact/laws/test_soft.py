@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
+from surefoot.base.errors import ProblemError
 from surefoot.contact.laws.soft import (
     ExactFriction,
     Hertz,
@@ -19,7 +20,6 @@ from surefoot.contact.laws.soft import (
     behaviour,
     rebound,
 )
-from surefoot.errors import ProblemError
 
 LAWS: dict[str, SoftLaw] = {
     "spring": SpringDamper(2e4),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from surefoot.base.errors import ProblemError, unknown_name
 from surefoot.contact.laws.law import CONVEX, COULOMB, Law
-from surefoot.errors import ProblemError, unknown_name
 
 LAWS: dict[str, Law] = {law: law for law in (COULOMB, CONVEX)}
 """The laws that have a name; any other `Law` can be given as the value that it is."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Self
 
-from surefoot.arrays import real_number
+from surefoot.base.arrays import real_number
 
 
 class Law(str):

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import ProblemError
+from surefoot.base.arrays import FloatArray, finite_array, real_number
+from surefoot.base.errors import ProblemError
 
 __all__ = ["CompliantSolid", "PressureField", "PressurePatch"]
 

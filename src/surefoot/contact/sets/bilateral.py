@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, whole_number
+from surefoot.base.arrays import FloatArray, whole_number
+from surefoot.base.errors import ProblemError
 from surefoot.contact.sets.contact import ContactKind
-from surefoot.errors import ProblemError
 
 
 @dataclass(frozen=True)

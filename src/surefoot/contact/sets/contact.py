@@ -18,10 +18,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
-from surefoot.contact.blocks import MOST_FRICTION
-from surefoot.contact.scales import APPROACH
-from surefoot.errors import ProblemError
+from surefoot.base.arrays import FloatArray, real_number
+from surefoot.base.errors import ProblemError
+from surefoot.contact.problem.blocks import MOST_FRICTION
+from surefoot.contact.problem.scales import APPROACH
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ class ContactKind:
     ) -> float:
         """Return ε = w ||λ - P_K(λ - (u + θ Γ(u)) / w)|| in the contact's metric [m/s].
 
-        Or `APPROACH` times the speed of approach, where that is more; see `contact.scales`.
+        Or `APPROACH` times the speed of approach, where that is more; see `contact.problem.scales`.
 
         Parameters
         ----------

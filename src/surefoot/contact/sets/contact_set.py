@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.errors import ProblemError
 from surefoot.contact.sets.bilateral import Bilateral
 from surefoot.contact.sets.contact import ContactKind
 from surefoot.contact.sets.kinds import Point
 from surefoot.contact.sets.pyramid import Pyramid
-from surefoot.errors import ProblemError
 
 
 class ContactSet(Sequence[ContactKind]):

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import ProblemError
 from surefoot.contact.sets.contact import ContactKind, Factor
-from surefoot.errors import ProblemError
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
-from surefoot.cones import FrictionPyramid
-from surefoot.contact.admissible import nearest
+from surefoot.base.arrays import FloatArray
+from surefoot.contact.cones import FrictionPyramid
+from surefoot.contact.problem.admissible import nearest
 from surefoot.contact.sets.contact import ContactKind, Factor
 
 

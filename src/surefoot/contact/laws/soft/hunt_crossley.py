@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.base.arrays import FloatArray, real_number
+from surefoot.base.errors import ProblemError
 from surefoot.contact.laws.soft.law import SoftLaw
-from surefoot.errors import ProblemError
 
 
 @dataclass(frozen=True)

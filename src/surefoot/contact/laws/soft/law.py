@@ -9,8 +9,8 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import ProblemError
+from surefoot.base.arrays import FloatArray, finite_array, real_number
+from surefoot.base.errors import ProblemError
 
 
 @dataclass(frozen=True)

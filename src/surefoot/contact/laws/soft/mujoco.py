@@ -2,8 +2,7 @@
 
 MuJoCo's documentation, "Solver parameters": the constraint wants the acceleration -b v - k r and yields by
 the impedance d(r). For one normal contact its convex program has the solution f = d m (-b v - k r - a0), a0
-the acceleration without the contact (see docs/translate.md for the derivation, and tests/simulation for the
-engine).
+the acceleration without the contact (see docs/translate.md for the derivation, tests/worlds for the engine).
 """
 
 from __future__ import annotations
@@ -14,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.base.arrays import FloatArray, finite_array, real_number
+from surefoot.base.errors import ProblemError
+from surefoot.base.spatial import GRAVITY
 from surefoot.contact.laws.soft.law import SoftLaw
-from surefoot.errors import ProblemError
-from surefoot.spatial import GRAVITY
 
 IMPEDANCE_RANGE = (0.0001, 0.9999)
 """Bounds that MuJoCo puts on the impedance (mjMINIMP, mjMAXIMP)."""

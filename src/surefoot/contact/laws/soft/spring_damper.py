@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.base.arrays import FloatArray, real_number
+from surefoot.base.errors import ProblemError
 from surefoot.contact.laws.soft.law import SoftLaw
-from surefoot.errors import ProblemError
 
 FULLY_PLASTIC = 1e-6
 """Restitution below which no damping ratio is looked for: it would be above 1e3."""

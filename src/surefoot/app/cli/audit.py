@@ -1,0 +1,186 @@
+"""`surefoot audit`: which law a log broke, when, where, and why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from surefoot.app.cli import options
+from surefoot.app.cli.checklist import ANSWER, answers
+from surefoot.app.cli.console import Cell, Table, plain_console, print_tables, say, say_verdict
+from surefoot.app.cli.log_options import LogOptions
+from surefoot.app.cli.output import check_out, new_run_folder, to_json
+from surefoot.base.errors import MissingExtra, ProblemError
+from surefoot.worlds.interface.table import WORLDS
+
+if TYPE_CHECKING:
+    from surefoot.mechanics import Robot
+    from surefoot.records import Log
+    from surefoot.records.audit import AuditReport
+    from surefoot.worlds.replay.replay import ReplayReport
+
+MOST = 40
+"""Rows of a table on the screen and on the page; the JSON has all."""
+SHOWN = 6
+"""Columns of a finding on the screen; the page has all."""
+
+
+def audit(
+    log: Annotated[
+        Path,
+        typer.Argument(help="A log: .npz or any other format that sf.read_log reads."),
+    ],
+    *,
+    given: LogOptions,
+    replay: Annotated[
+        str | None,
+        typer.Option(
+            help=f"Replay the motion in another world ({', '.join(WORLDS)}): does it survive there?"
+        ),
+    ] = None,
+    template: Annotated[
+        Path | None,
+        typer.Option(help="Judge nothing: write the mapping that is guessed to this new file (- prints it)."),
+    ] = None,
+    checklist: Annotated[
+        bool, typer.Option("--checklist", help="Answer ten questions on contact first, from the log.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for report.html and audit.json; None for no files.")
+    ] = None,
+    as_json: options.AsJson = False,
+) -> int:
+    """Tell which law of contact a log broke, when, where, and what the likely cause is.
+
+    Exit code 0 if it is lawful, its task did not fail and it survives its replay; 1 if not; 2 for wrong
+    input; 3 if one cannot tell.
+    """
+    from surefoot.app.cli.run_files import report_sections, write_page
+    from surefoot.records import audit_log
+
+    check_out(out)
+    if template is not None:
+        return _write_template(log, given.names(), template)
+    read, whose = given.read(log)
+    again = None if replay is None else _replay(read, replay, whose, given)
+    read = given.completed(read, whose, replayed=again is not None)
+    report = audit_log(read, whose)
+    verdicts, facts = [(report.sentence, report.passed)], report.as_dict()
+    if again is not None:
+        verdicts.append((again.sentence, again.survives))
+        facts["replay"] = again.as_dict()
+    tables = _tables(report, again)
+    if checklist:
+        rows = answers(report, read)
+        facts["checklist"] = [dict(zip(ANSWER, row, strict=True)) for row in rows]
+        tables.insert(0, Table("Checklist", ANSWER, rows))
+    console, lines = plain_console(quiet=as_json), _lines(read, report)
+    if as_json:
+        print(to_json(facts))
+    print_tables(console, tables, lines)
+    for line, good in verdicts:
+        say_verdict(console, line, good)
+    if out is not None:
+        folder = new_run_folder(out, f"audit-{log.stem}")
+        (folder / "audit.json").write_text(to_json(facts) + "\n", encoding="utf-8")
+        sections = [_picture(read, report, folder), *report_sections(tables, lines)]
+        page = write_page(folder / "report.html", f"Audit of {log.name}", verdicts, sections)
+        say(console, f"report: {page}")
+    return report.exit_code or (0 if again is None or again.survives else 1)
+
+
+def _replay(log: Log, world: str, robot: Robot | None, given: LogOptions) -> ReplayReport:
+    """Replay a log in another world, on its own ground or a given one."""
+    from surefoot.worlds.replay.replay import replay_log
+
+    return replay_log(log, world, robot, given.ground(), given.mu)
+
+
+def _write_template(log: Path, columns: Sequence[str] | None, path: Path) -> int:
+    """Write the mapping that is guessed for a log to a new file."""
+    from surefoot.app.cli.mapping_template import template
+
+    text = template(log, columns)
+    if str(path) == "-":
+        print(text, end="")
+        return 0
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError as error:
+        raise ProblemError(f"{path} exists already") from error
+    print(f"mapping: {path}; complete it, then: surefoot audit {log} --mapping {path}")
+    return 0
+
+
+def _tables(report: AuditReport, again: ReplayReport | None) -> list[Table]:
+    """Return the tables of symptoms, violations, coverage, friction and of a replay's windows."""
+    where: dict[str, Cell] = {
+        "foot": lambda one: one.contact,
+        "from [s]": lambda one: f"{one.start:.3f}",
+        "to [s]": lambda one: f"{one.end:.3f}",
+    }
+    finding: dict[str, Cell] = {
+        "symptom": lambda f: f.name,
+        **where,
+        "evidence": lambda f: f.evidence,
+        "likely cause": lambda f: f.cause,
+        "confirm": lambda f: f.confirm,
+        "cure": lambda f: f.cure,
+    }
+    broken: dict[str, Cell] = {
+        "law": lambda v: v.law,
+        **where,
+        "value": lambda v: f"{v.value:.4g} {v.unit}",
+        "limit": lambda v: f"{v.limit:.4g}",
+    }
+    friction: dict[str, Cell] = {
+        "foot": lambda f: f.contact,
+        "from [s]": lambda f: f"{f.start:.2f}",
+        "to [s]": lambda f: f"{f.end:.2f}",
+        "at least": lambda f: f"{f.low:.3f}",
+        "at most": lambda f: f"{f.high:.3f}" if f.high < math.inf else "unknown",
+        "slid [s]": lambda f: f"{f.slid:.3f}",
+    }
+    windows: dict[str, Cell] = {
+        "from [s]": lambda w: f"{w.start:.3f}",
+        "to [s]": lambda w: f"{w.end:.3f}",
+        "way [m]": lambda w: f"{w.way:.3f} of {w.logged_way:.3f}",
+        "lean [deg]": lambda w: f"{math.degrees(w.tilt):.1f}",
+        "drift [m]": lambda w: f"{w.drift:.3f}",
+        "result": lambda w: w.lost or "holds",
+    }
+    covered = [[name, why or "judged"] for name, why in report.coverage.items()]
+    found = [
+        Table.of("Symptoms", report.symptoms[:MOST], finding, SHOWN),
+        Table.of("Command", report.command[:MOST], finding, SHOWN),
+        Table.of("Violations", report.violations[:MOST], broken),
+        Table("What could be judged", ("law", "judged"), covered),
+        Table.of("Friction of the ground", report.friction, friction),
+    ]
+    if again is not None:
+        found.append(Table.of(f"Replay in the world {again.world}", again.windows[:MOST], windows))
+    return [table for table in found if table.rows]
+
+
+def _lines(log: Log, report: AuditReport) -> list[str]:
+    """Return what was computed, notes, and how many violations are not shown."""
+    made = [f"computed: {line}" for line in log.facts.get("computed", ())]
+    hidden = len(report.violations) - MOST + sum(report.more.values())
+    return [*made, *report.notes, *([f"and {hidden} violations more"] if hidden > 0 else [])]
+
+
+def _picture(log: Log, report: AuditReport, folder: Path) -> tuple[str, str]:
+    """Draw into the folder; return the page's section of the picture, or of why there is none."""
+    from surefoot.app.viz.report import paragraph, picture
+
+    try:
+        from surefoot.app.viz.audit_plots import draw_timeline
+
+        return "Timeline", picture(draw_timeline(log, report, folder / "timeline.png"))
+    except MissingExtra as error:
+        return "Timeline", paragraph(f"picture left out: {error}")

@@ -1,0 +1,179 @@
+"""Contact sequences as JSON, version 1; `contact_sequence.schema.json` beside this file is its schema."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot.app.export.sequence import ContactSequence, SequencePhase
+from surefoot.base.arrays import FloatArray, finite_array, of_kind
+from surefoot.base.errors import ProblemError, located, one_line, writing
+from surefoot.base.text_files import list_of, path_of, read_text, table_of
+from surefoot.mechanics.stance import Contact, PatchContact, PointContact, Stance
+
+FORMAT, VERSION = "surefoot.contact-sequence", 1
+SCHEMA = Path(__file__).with_name("contact_sequence.schema.json")
+"""The JSON schema of the file."""
+ORTHONORMAL = 1e-6
+"""How far a rotation may be from one."""
+_TOP, _FRICTION = ("format", "version", "frames", "friction", "phases"), ("facets", "fit")
+_PHASE, _CONTACT = ("duration", "contacts"), ("frame", "position", "rotation", "mu")
+_PATCH, _ROWS = ("length", "width"), ("A", "b")
+SAME = 1e-9
+"""How far half-spaces in a file may be from those of their contact, relative to the largest entry."""
+
+
+def sequence_to_dict(sequence: ContactSequence) -> dict[str, Any]:
+    """Return a sequence as what JSON holds; floats are written so that they read back the same."""
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "robot": sequence.robot,
+        "mass": sequence.mass,
+        "frames": list(sequence.frames),
+        "friction": {"facets": sequence.facets, "fit": sequence.fit},
+        "phases": [_phase_entry(sequence, k) for k in range(len(sequence.phases))],
+    }
+
+
+def sequence_from_dict(content: Any) -> ContactSequence:
+    """Return the sequence that parsed JSON stands for.
+
+    Raises
+    ------
+    ProblemError
+        Naming the entry at fault.
+    """
+    top = table_of("the file", content, (*_TOP, "robot", "mass"), required=_TOP)
+    if top["format"] != FORMAT or top["version"] != VERSION:
+        found = f"{top['format']!r} version {top['version']!r}"
+        raise ProblemError(f"a contact sequence has the format {FORMAT!r} version {VERSION}, got {found}")
+    friction = table_of("friction", top["friction"], _FRICTION, required=_FRICTION)
+    phases = [_phase(f"phases[{k}]", p, friction) for k, p in enumerate(list_of("phases", top["phases"]))]
+    names = [str(name) for name in list_of("frames", top["frames"])]
+    who = str(top.get("robot", "")), top.get("mass", 0.0)
+    return ContactSequence(phases, names, *who, friction["facets"], friction["fit"])
+
+
+def write_sequence(sequence: ContactSequence, path: Path | str) -> Path:
+    """Write a sequence to a new JSON file and return its path.
+
+    Raises
+    ------
+    ProblemError
+        If the file exists already: nothing is overwritten.
+    WriteError
+        If it cannot be written.
+    """
+    of_kind("sequence", sequence, ContactSequence)
+    target = path_of(path)
+    text = json.dumps(sequence_to_dict(sequence), indent=1, allow_nan=False) + "\n"
+    if target.exists():
+        raise ProblemError(f"{target} exists already")
+    with writing(target), target.open("x", encoding="utf-8") as stream:
+        stream.write(text)
+    return target
+
+
+def read_sequence(path: Path | str) -> ContactSequence:
+    """Read a sequence.
+
+    Raises
+    ------
+    ProblemError
+        If the file cannot be read, is no JSON, or says something that no sequence can be; naming the entry.
+    """
+    source = path_of(path)
+    try:
+        content = json.loads(read_text(source))
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise ProblemError(f"{source} is not JSON: {one_line(error)}") from error
+    with located(source):
+        return sequence_from_dict(content)
+
+
+def _phase_entry(sequence: ContactSequence, number: int) -> dict[str, Any]:
+    """Return a phase with its contacts, cones and forces."""
+    phase, at, contacts = sequence.phases[number], 0, []
+    for contact in phase.stance:
+        rows = Stance([contact]).halfspaces(sequence.facets, sequence.fit)
+        kept = np.isfinite(rows.b)
+        force = None if phase.forces is None else phase.forces[at : at + contact.dim].tolist()
+        at += contact.dim
+        patch = None
+        if isinstance(contact, PatchContact):
+            patch = {"length": contact.length, "width": contact.width}
+        contacts.append(
+            {
+                "frame": contact.name,
+                "position": contact.position.tolist(),
+                "rotation": contact.rotation_world_contact.tolist(),
+                "mu": contact.mu,
+                "normal_min": contact.normal_min,
+                "normal_max": contact.normal_max if math.isfinite(contact.normal_max) else None,
+                "patch": patch,
+                "halfspaces": {"A": rows.A[kept].tolist(), "b": rows.b[kept].tolist()},
+                "force": force,
+            }
+        )
+    return {"duration": phase.duration, "contacts": contacts}
+
+
+def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
+    """Return a phase; errors name the entry."""
+    given = table_of(where, entry, _PHASE, required=_PHASE)
+    entries = enumerate(list_of(f"{where}.contacts", given["contacts"]))
+    found = [_contact(f"{where}.contacts[{k}]", one, friction) for k, one in entries]
+    stated = [force for _, force in found if force is not None]
+    if stated and len(stated) < len(found):
+        raise ProblemError(f"{where}: either all contacts have a force or none has one")
+    with located(where):
+        stance = Stance([contact for contact, _ in found])
+        return SequencePhase(given["duration"], stance, np.concatenate(stated) if stated else None)
+
+
+def _contact(where: str, entry: Any, friction: dict[str, Any]) -> tuple[Contact, FloatArray | None]:
+    """Return a contact and the force that it is meant to carry."""
+    more = ("normal_min", "normal_max", "patch", "halfspaces", "force")
+    given = table_of(where, entry, (*_CONTACT, *more), required=_CONTACT)
+    with located(where):
+        turn = finite_array("rotation", given["rotation"], (3, 3))
+        if np.abs(turn.T @ turn - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(turn) < 0.0:
+            raise ProblemError("rotation must be a rotation: orthonormal, right-handed")
+        high = given.get("normal_max")
+        options: dict[str, Any] = {
+            "position": given["position"], "normal": (0.0, 0.0, 1.0), "mu": given["mu"],
+            "name": str(given["frame"]), "normal_min": given.get("normal_min", 0.0),
+            "normal_max": math.inf if high is None else high,
+        }  # fmt: skip
+        contact = _shape(given.get("patch"), options)
+        contact.rotation_world_contact = turn  # as written, to the last bit
+        _check_rows(contact, given.get("halfspaces"), friction)
+        force = given.get("force")
+        return contact, None if force is None else finite_array("force", force, (contact.dim,))
+
+
+def _shape(patch: Any, options: dict[str, Any]) -> Contact:
+    """Return a point or a patch."""
+    if patch is None:
+        return PointContact(**options)
+    sizes = table_of("patch", patch, _PATCH, required=_PATCH)
+    return PatchContact(length=sizes["length"], width=sizes["width"], **options)
+
+
+def _check_rows(contact: Contact, entry: Any, friction: dict[str, Any]) -> None:
+    """Refuse half-spaces that are not those of the contact: a file that says two things says nothing."""
+    if entry is None:
+        return
+    given = table_of("halfspaces", entry, _ROWS, required=_ROWS)
+    rows = Stance([contact]).halfspaces(friction["facets"], friction["fit"])
+    kept = np.isfinite(rows.b)
+    A = finite_array("halfspaces.A", given["A"], (None, contact.dim))
+    b = finite_array("halfspaces.b", given["b"], (None,))
+    for name, have, own in (("A", A, rows.A[kept]), ("b", b, rows.b[kept])):
+        if have.shape != own.shape or np.abs(have - own).max(initial=0.0) > SAME * (1.0 + np.abs(own).max()):
+            raise ProblemError(f"halfspaces.{name} is not that of its mu, bounds, facets and fit")

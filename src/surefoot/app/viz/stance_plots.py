@@ -1,0 +1,234 @@
+"""Pictures of a stance: contacts, cones, forces or the falling motion, and its regions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot.app.viz.shapes import cone_rim, ring
+from surefoot.app.viz.style import BAD, FOOT_COLOURS, FORCE, INK, MUTED, blank_figure, house_style, save
+from surefoot.base.arrays import FloatArray
+from surefoot.mechanics import Verdict
+from surefoot.mechanics.stance import Contact, Stance, StanceQuestion
+from surefoot.mechanics.statics.com_region import com_region, support_polygon
+from surefoot.mechanics.statics.region import Region, polygon_area
+
+COM, SUPPORT, ZMP = FOOT_COLOURS[0], FOOT_COLOURS[3], FOOT_COLOURS[4]
+
+
+def draw_check(question: StanceQuestion, verdict: Verdict, headline: str, path: Path) -> Path:
+    """Draw a stance in space and from above, with its forces or the motion that proves that none will do.
+
+    Parameters
+    ----------
+    question
+        Stance, mass and centre of mass.
+    verdict
+        Whose forces or separating wrench are drawn.
+    headline
+        Written above.
+    path
+        New file.
+    """
+    figure = blank_figure((11.0, 5.4))
+    with house_style():
+        space = figure.add_subplot(1, 2, 1, projection="3d")
+        above = figure.add_subplot(1, 2, 2)
+        stance = question.stance
+        region = com_region(stance, question.mass, external_wrench=question.external_wrench)
+        size = _size(stance, question.com)
+        _ground(space, stance, region, question.com)
+        for contact in stance:
+            _cone(space, contact, 0.28 * size)
+        if verdict.feasible:
+            _forces(space, stance, verdict, size)
+        else:
+            _falling(space, stance, question.com, verdict, size)
+        space.scatter(*question.com, s=55, color=INK, depthshade=False)
+        _frame(space, stance, question.com, size)
+        _above(above, question, region, verdict)
+        colour = "#2e933c" if headline.startswith("possible") else BAD
+        figure.suptitle(f"{question.name}\n{headline}", color=colour, fontsize=10.5)
+    return save(figure, path)
+
+
+def _size(stance: Stance, com: FloatArray) -> float:
+    """Return the extent of the scene [m]."""
+    points = np.vstack([stance.points().positions.reshape(-1, 3), com])
+    return max(0.1, float(np.ptp(points, axis=0).max()))
+
+
+def _ground(axis: Any, stance: Stance, region: Region, com: FloatArray) -> None:
+    """Draw the CoM region at the lowest contact's height, and the plumb line of the centre of mass."""
+    if not len(stance):
+        return
+    floor = float(stance.points().positions[:, 2].min())
+    if len(region.inner) >= 2:
+        axis.plot(*ring(region.inner).T, floor, color=COM, lw=1.2)
+    if len(region.inner) >= 3:
+        from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+        corners = np.column_stack([region.inner, np.full(len(region.inner), floor)])
+        axis.add_collection3d(Poly3DCollection([corners], facecolor=COM, alpha=0.15, edgecolor="none"))
+    axis.plot([com[0]] * 2, [com[1]] * 2, [floor, com[2]], color=MUTED, lw=1.0, ls=":")
+
+
+def _cone(axis: Any, contact: Contact, height: float) -> None:
+    """Draw a friction cone as a surface; a patch as its outline and one cone in the middle."""
+    p = contact.position
+    height = min(height, height / max(contact.mu, 1e-9) * 0.8)
+    rim = p + cone_rim(contact.mu, height, contact.rotation_world_contact, 40)
+    sheet = np.stack([np.broadcast_to(p, rim.shape), rim])
+    axis.plot_surface(*np.moveaxis(sheet, -1, 0), color=MUTED, alpha=0.22, linewidth=0)
+    axis.plot(*rim.T, color=MUTED, lw=0.7)
+    if contact.dim == 6:
+        axis.plot(*_patch(contact).T, color=INK, lw=1.4)
+    else:
+        axis.scatter(*p, s=14, color=INK, depthshade=False)
+
+
+def _patch(contact: Contact) -> FloatArray:
+    """Return the (5, 3) outline of a patch, closed."""
+    return ring(np.array([c.position for c in contact.corners()]))  # type: ignore[attr-defined]
+
+
+def _forces(axis: Any, stance: Stance, verdict: Verdict, size: float) -> None:
+    """Draw contact forces as arrows, from the centre of pressure of a patch."""
+    forces = verdict.by_contact()
+    longest = max((float(np.linalg.norm(f[:3])) for f in forces), default=0.0)
+    for contact, force in zip(stance, forces, strict=True):
+        R = contact.rotation_world_contact
+        foot = contact.position
+        if contact.dim == 6 and force[2] > 0.0:
+            foot = foot + R @ np.array([-force[4] / force[2], force[3] / force[2], 0.0])
+        arrow = R @ force[:3] * (0.5 * size / max(longest, 1e-300))
+        axis.quiver(*foot, *arrow, color=FORCE, lw=2.0, arrow_length_ratio=0.14)
+        label = f"{np.linalg.norm(force[:3]):.0f} N"
+        axis.text(*(foot + 1.12 * arrow), label, fontsize=7.5, color=FORCE, ha="center")
+
+
+def _falling(axis: Any, stance: Stance, com: FloatArray, verdict: Verdict, size: float) -> None:
+    """Draw the separating wrench as a motion: a proof's direction, not how the robot will fall."""
+    assert verdict.certificate is not None
+    linear, angular = verdict.certificate[:3], verdict.certificate[3:]
+    arms = stance.points().positions.reshape(-1, 3) - com
+    if len(verdict.multipliers):  # the legs give way, not the contacts: these do not move with the body
+        arms = arms[:0]
+    moves = linear + np.cross(angular, arms) if len(arms) else np.zeros((0, 3))
+    longest = float(np.linalg.norm(np.vstack([linear, moves]), axis=1).max(initial=1e-300))
+    scale = 0.45 * size / longest
+    axis.quiver(*com, *(scale * linear), color=BAD, lw=2.2, arrow_length_ratio=0.15)
+    axis.text(*(com + 1.1 * scale * linear), "proof", fontsize=8.5, color=BAD)
+    for arm, move in zip(arms, moves, strict=True):
+        if np.linalg.norm(scale * move) > 0.02 * size:
+            axis.quiver(*(com + arm), *(scale * move), color=BAD, lw=1.1, alpha=0.7, arrow_length_ratio=0.2)
+
+
+def _frame(axis: Any, stance: Stance, com: FloatArray, size: float) -> None:
+    """Set equal axes around contacts and centre of mass."""
+    points = np.vstack([stance.points().positions.reshape(-1, 3), com])
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    reach = 0.72 * size
+    for k, name in enumerate("xyz"):
+        getattr(axis, f"set_{name}lim")(middle[k] - reach, middle[k] + reach)
+        getattr(axis, f"set_{name}label")(f"{name} [m]", labelpad=-2)
+        axis.locator_params(axis=name, nbins=4)
+        axis.tick_params(axis=name, pad=-1, labelsize=7)
+    axis.set_box_aspect((1, 1, 1), zoom=1.0)
+    axis.view_init(elev=20, azim=-62)
+
+
+def _above(axis: Any, question: StanceQuestion, region: Region, verdict: Verdict) -> None:
+    """Draw the stance from above: support polygon, CoM region, centre of mass."""
+    stance, com = question.stance, question.com
+    shifted = region.inner if region.empty else region.at_height(float(com[2]))
+    _fill(axis, shifted, COM, "CoM region", filled=True)
+    _fill(axis, support_polygon(stance), SUPPORT, "support polygon", filled=False)
+    _feet(axis, stance)
+    if verdict.feasible:
+        for contact, force in zip(stance, verdict.by_contact(), strict=True):
+            world = contact.rotation_world_contact @ force[:3]
+            share = 0.25 * _size(stance, com) / max(float(np.linalg.norm(verdict.load)), 1e-300)
+            if np.linalg.norm(world[:2]) * share > 1e-4:
+                start, arrow = contact.position[:2], {"arrowstyle": "->", "color": FORCE}
+                axis.annotate("", start + 2.0 * share * world[:2], start, arrowprops=arrow)
+    axis.plot(*com[:2], "o", color=INK, ms=8, label="centre of mass", zorder=5)
+    _finish(axis, "from above" + (": the CoM region is empty" if region.empty else ""))
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=3, fontsize=8)
+
+
+def _fill(axis: Any, polygon: FloatArray, colour: str, label: str, filled: bool) -> None:
+    """Draw a polygon, a segment or a point."""
+    if not len(polygon):
+        return
+    if len(polygon) == 1:
+        axis.plot(*polygon[0], "s", color=colour, label=label, ms=5)
+        return
+    style = {"lw": 1.6} if filled else {"lw": 1.3, "ls": (0, (4, 3))}
+    axis.plot(*ring(polygon).T, color=colour, label=label, **style)
+    if filled and len(polygon) >= 3:
+        axis.fill(*polygon.T, color=colour, alpha=0.18, lw=0)
+
+
+def _feet(axis: Any, stance: Stance) -> None:
+    """Draw contacts from above, with their names."""
+    for contact in stance:
+        if contact.dim == 6:
+            axis.plot(*_patch(contact)[:, :2].T, color=MUTED, lw=0.9)
+        else:
+            axis.plot(*contact.position[:2], "o", color=MUTED, ms=4)
+        label = {"xytext": (4, 4), "textcoords": "offset points", "fontsize": 7, "color": INK}
+        axis.annotate(contact.name.removesuffix("_foot"), contact.position[:2], **label)
+
+
+def _finish(axis: Any, title: str) -> None:
+    axis.set_aspect("equal", adjustable="datalim")
+    axis.margins(0.12)
+    axis.set(xlabel="x [m]", ylabel="y [m]", title=title)
+
+
+def draw_regions(
+    question: StanceQuestion, com: Region, zmp: Region | None, support: FloatArray, path: Path
+) -> Path:
+    """Draw CoM region, support polygon and ZMP region side by side on the same axes.
+
+    Parameters
+    ----------
+    question
+        Stance and centre of mass.
+    com, zmp, support
+        Regions of the centre of mass and of the zero-moment point, None for none; corners (k, 2) of the
+        support polygon [m].
+    path
+        New file.
+    """
+    panels = [
+        ("CoM region", com.inner, COM),
+        ("support polygon", support, SUPPORT),
+        ("ZMP region", np.zeros((0, 2)) if zmp is None else zmp.inner, ZMP),
+    ]
+    figure = blank_figure((11.5, 4.3))
+    with house_style():
+        axes = figure.subplots(1, 3, sharex=True, sharey=True)
+        for axis, (name, polygon, colour) in zip(axes, panels, strict=True):
+            for other, shape, tint in panels:
+                if other != name:
+                    _fill(axis, shape, tint, other, filled=False)
+            for line in axis.lines:
+                line.set(alpha=0.5, linewidth=1.0)
+            _fill(axis, polygon, colour, name, filled=True)
+            _feet(axis, question.stance)
+            axis.plot(*question.com[:2], "+", color=INK, ms=9, mew=1.6, zorder=5)
+            area = 1e4 * polygon_area(polygon)
+            _finish(axis, f"{name}, {area:.0f} cm²" if area > 0.0 else f"{name}: {_flat(polygon)}")
+            axis.set_aspect("equal", adjustable="box")
+        for axis in axes[1:]:
+            axis.set_ylabel("")
+        figure.suptitle(question.name, color=INK, fontsize=10.5)
+    return save(figure, path)
+
+
+def _flat(polygon: FloatArray) -> str:
+    return ("empty", "a point", "a line")[min(len(polygon), 2)]

@@ -1,0 +1,1 @@
+"""Contact problems in files: FCLIB, Siconos text and .npz."""

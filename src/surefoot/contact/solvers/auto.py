@@ -1,0 +1,229 @@
+"""The default solver: a table of plans (`plans`), and a runner that keeps to its time.
+
+Exact cones, up to 45 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps with Newton
+steps (`compiled`). Larger problems: sweeps on 3x3 blocks, then Newton steps by sparse factorisation with
+sweeps between them (`on_blocks`). What these leave unsolved falls into its connected parts first, each solved
+by itself: one that has no solution must not keep the others from theirs. A single part goes through the
+stages of its plan, among them the search for a proof that there is no solution, made nowhere else for `auto`.
+The forces returned are the best that any stage found; the status is theirs.
+`max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
+clock and is given as many iterations as should fit.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.errors import MissingExtra, SolverNotFound
+from surefoot.base.kernels import working_time
+from surefoot.contact.problem.problem import ContactProblem
+from surefoot.contact.problem.proof import InfeasibilityProof, check_proof, connected_parts
+from surefoot.contact.problem.residuals import certificate
+from surefoot.contact.problem.solution import Status
+from surefoot.contact.sets import ContactSet
+from surefoot.contact.solvers import on_blocks
+from surefoot.contact.solvers import strategies as plans
+from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, attempt
+from surefoot.contact.solvers.infeasibility import find_proof
+from surefoot.contact.solvers.newton_sparse import NO_GUESS
+from surefoot.contact.solvers.newton_step import FEW
+from surefoot.contact.solvers.solver import (
+    Answer,
+    SolverFunction,
+    SolverSettings,
+    mismatch,
+    nearest_to_zero,
+    register,
+    registry,
+    solve,
+    start_forces,
+)
+from surefoot.contact.solvers.strategies import ON_BLOCKS, PARTS, PROOF, Plan, PlanStage
+
+NEARLY = 1e-2
+"""A velocity error of the compiled call's forces below which other methods come before a look for a proof."""
+POSSIBLE, EARLY_TIME = 1e-3, 0.1
+"""A velocity error of many contacts below which no proof of infeasibility is looked for before all else has
+failed, and seconds for an early look."""
+RUNAWAY = 100.0
+"""Forces beyond this many times s_k / ||G_kk||, what stops the fastest contact, run away: 8e3 to 1e5 where
+redundant contacts contradict each other, 12 in dense heaps of capsules."""
+
+
+@register("auto", laws=None, bilateral=True, polyhedral=True, general=True, attempt=attempt, proves=True)
+def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
+    """Solve either law from a (n, 3) warm start; an iteration is one of whatever method ran."""
+    start = working_time()
+    if problem.general:
+        return _run(problem, settings, warm_start, 0, plans.GENERAL, start)
+    if problem.facets is not None:
+        return _run(problem, settings, warm_start, 0, plans.PYRAMIDS[problem.law], start)
+    if problem.contacts <= COMPILED_CONTACTS:
+        return _run(problem, settings, warm_start, 0, _small_plan(problem, warm_start), start)
+    forces = start_forces(problem, warm_start)
+    looks: list[InfeasibilityProof | None] = []
+
+    def infeasible(error: float) -> bool:
+        """Look for a proof, for as long as the solve has taken: forces that run away look like progress."""
+        weight, speed = problem.scales[:2]
+        # w_k ||λ_k|| is the speed that a contact's own force gives it: far beyond
+        # any speed of the problem, it runs away
+        size = weight * np.linalg.norm(forces.reshape(-1, 3), axis=1)
+        if error > POSSIBLE and (size > RUNAWAY * speed).any():
+            looks.append(find_proof(problem, max(working_time() - start, EARLY_TIME)))
+        return looks[-1:] not in ([], [None])
+
+    done, error, far = on_blocks.alternate(problem, settings, forces, infeasible)
+    guess = None if far > NO_GUESS else forces.reshape(-1, 3)
+    if error <= settings.tol or (looks and looks[0] is not None):
+        return Answer(forces.reshape(-1, 3), done, proof=looks[0] if looks else None)
+    return _run(problem, settings, guess, done, plans.CONES_LARGE[problem.law], start)
+
+
+def _small_plan(problem: ContactProblem, forces: FloatArray | None) -> Plan:
+    """Return the plan of few contacts, in the order that the compiled call's forces suggest."""
+    plan = plans.CONES[problem.law]
+    if problem.contacts > FEW:  # a dense iteration of ADMM costs more than a sweep on blocks
+        plan = tuple(sorted(plan, key=lambda stage: stage.name not in (PARTS, PROOF, ON_BLOCKS)))
+    if forces is not None and worst_of(problem, forces) < NEARLY:  # it has a solution, probably
+        plan = tuple(sorted(plan, key=lambda stage: stage.name == PROOF))
+        plan = (*plan[:2], *(stage for stage in plan if stage.name == PROOF), *plan[2:-1])
+    return plan
+
+
+def _run(
+    problem: ContactProblem,
+    settings: SolverSettings,
+    forces: FloatArray | None,
+    done: int,
+    plan: Plan,
+    start: float,
+) -> Answer:
+    """Try the stages of a plan in turn, each with its own bound on iterations, and keep the best forces."""
+    best = nearest_to_zero(problem)
+    best_error = worst_of(problem, best)
+    if forces is not None and (error := worst_of(problem, forces)) <= best_error:
+        best, best_error = forces, error
+    most, spent, looked = settings.max_iterations, False, False
+    for stage in plan:
+        left = settings.max_time - (working_time() - start)
+        if left <= 0.0:
+            return Answer(best, done, Status.MAX_TIME)
+        spent = most is not None and done >= most
+        if stage.name == PROOF:  # takes no iterations
+            # nearly lawful forces mean that a solution probably exists: the proof,
+            # slow on many contacts, is kept for last
+            possible = problem.contacts > COMPILED_CONTACTS and best_error <= POSSIBLE
+            if looked or (possible and stage is not plan[-1]):
+                continue
+            looked = True
+        elif spent:
+            continue
+        bound = stage.most if most is None else min(stage.most or most, most - done)
+        answer = try_stage(stage, problem, SolverSettings(settings.tol, bound, left), best)
+        if answer is None:
+            continue
+        done += answer.iterations
+        if answer.proof is not None or stage.name == PARTS:
+            return answer._replace(iterations=done)
+        found = np.ascontiguousarray(answer.forces, dtype=np.float64)
+        if (error := worst_of(problem, found)) < best_error:
+            best, best_error = found, error
+        if best_error <= settings.tol:
+            break
+    return Answer(best, done, Status.MAX_ITERATIONS if spent else Status.STALLED)
+
+
+def try_stage(
+    stage: PlanStage, problem: ContactProblem, settings: SolverSettings, best: FloatArray
+) -> Answer | None:
+    """Return what a stage answers from the best forces (rows,) so far, in the problem's unit of force.
+
+    None where it is not one for the problem, or its package is missing.
+    """
+    part = LOOKS.get(stage.name)
+    if part is not None:
+        return part(problem, settings, best)
+    function = FUNCTIONS.get(stage.name)
+    if function is None:
+        entry = registry().get(stage.name)
+        if entry is None or mismatch(entry, problem) is not None:
+            return None
+        function = entry.function
+    try:
+        return function(problem, settings, best if stage.warm else None)
+    except (MissingExtra, SolverNotFound):  # an optional package that is not installed
+        return None
+
+
+def look_for_proof(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
+    """Return the best forces (rows,) so far, any unit, with a proof that there is no solution; else None."""
+    proof = find_proof(problem, settings.max_time)
+    return None if proof is None else Answer(best, 0, Status.INFEASIBLE, proof=proof)
+
+
+def solve_parts(problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
+    """Solve the connected parts one by one, the smallest first; None where there is only one.
+
+    Each has an equal share of the iterations and of the time that the ones before it have left. Parts that
+    the best forces (rows,), any unit, solve are left as they are.
+    """
+    label = connected_parts(problem)
+    count = int(label.max()) + 1
+    if count == 1:
+        return None
+    contacts = problem.contact_set
+    end, left = working_time() + settings.max_time, settings.max_iterations
+    forces, done, stops, proof = best.copy(), 0, [], None
+    flat = forces.reshape(-1)
+    for turn, name in enumerate(np.argsort(np.bincount(label), kind="stable")):
+        members = np.flatnonzero(label == name)
+        part, rows = part_of(problem, contacts, members)
+        own = flat[rows].reshape(part.shape)
+        if worst_of(part, own) <= settings.tol:
+            continue
+        # the smallest first: what they leave of time and iterations goes to the large ones
+        share = count - turn
+        found = solve(
+            part, "auto", settings.tol, max_time=max(end - working_time(), 0.0) / share,
+            max_iterations=None if left is None else max(left - done, 0) // share,
+        )  # fmt: skip
+        done += found.iterations
+        flat[rows] = found.forces.ravel()
+        if not found.solved:
+            stops.append(found.status)
+        if found.proof is not None and proof is None:
+            direction = np.zeros(problem.g.size)
+            direction[rows] = found.proof.direction.ravel()
+            proof = check_proof(problem, direction.reshape(problem.shape))
+    return Answer(forces, done, stops[0] if stops else Status.STALLED, proof=proof)
+
+
+def part_of(
+    problem: ContactProblem, contacts: ContactSet, members: IntArray
+) -> tuple[ContactProblem, IntArray]:
+    """Return the problem of some of its contacts (k,) alone, and its rows (m,) among all: dimensionless."""
+    rows = np.concatenate([np.arange(*contacts.offsets[k : k + 2]) for k in members])
+    chosen = [contacts[k] for k in members]
+    G = problem.operator[rows][:, rows]
+    part = ContactProblem(G, problem.g[rows], contacts=chosen, law=problem.law)
+    part.factor = None if problem.factor is None else problem.factor[rows]
+    return part, rows
+
+
+LOOKS = {PROOF: look_for_proof, PARTS: solve_parts}
+"""Stages that look at the problem with the best forces so far, and may end the plan."""
+FUNCTIONS: dict[str, SolverFunction] = {
+    ON_BLOCKS: on_blocks.on_blocks,
+    plans.ADMM_AND_NEWTON: on_blocks.admm_and_newton,
+}
+"""Stages that are no solvers of their own."""
+
+
+def worst_of(problem: ContactProblem, forces: FloatArray) -> float:
+    """Return what the certificate of (n, 3) forces compares with the tolerance; infinite if not finite."""
+    numbers = certificate(problem, forces)[1][:3]
+    return math.inf if math.isnan(numbers[0]) else max(numbers)

@@ -1,1 +1,0 @@
-"""Controllers: standing, walking, on four feet and two."""

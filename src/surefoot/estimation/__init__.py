@@ -1,1 +1,0 @@
-"""What motion and recordings tell: contact forces, and the ground's friction, restitution and place."""

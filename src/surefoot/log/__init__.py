@@ -1,7 +1,0 @@
-"""The typed log of a run or a robot: channels over time, and facts about them; `formats` reads files."""
-
-from surefoot.log.channels import CHANNELS, Channel
-from surefoot.log.facts import FACTS, Fact
-from surefoot.log.log import Ending, Log
-
-__all__ = ["CHANNELS", "FACTS", "Channel", "Ending", "Fact", "Log"]

@@ -1,0 +1,188 @@
+"""The knot of plans: a first-order step in which the momentum of the whole robot is what forces gave it.
+
+A velocity v belongs to the way that led to q, so that the momentum that the robot arrives with is that at
+q ⊖ dt v, where the way began. With A_G the centroidal momentum matrix, c the centre of mass, and the contact
+forces' impulses λ at points p_i, the base obeys, instead of its rows of ``M (v⁺ - v) = dt (τ - b) + Jᵀ λ``::
+
+    A_G(q) v⁺ = A_G(q ⊖ dt v) v + dt [m g; 0] + Σ [λ_i; (p_i - c) x λ_i]
+    c(q⁺)     = c(q) + dt p⁺ / m,        p⁺ the linear part of A_G(q) v⁺
+
+The joints' rows stay, and the way of the base's attitude and of the joints is q ⊕ dt v⁺. Momentum, linear and
+angular, changes by gravity and the impulses to rounding, and the centre of mass goes where momentum takes it:
+what a plan cannot do is push off from the error of its step. (In the plain step the bias Ȧ_G v of one knot
+answers the change of A_G over the next, whose v is another after an impact: it loses dt Ȧ_G (v⁺ - v).) These
+are the base's discrete Euler-Lagrange equations under the left rectangle rule [1]_, whose symmetries keep
+momentum.
+
+`MomentumKnot.settled` is the velocity of the same momentum at q⁺ itself, which logs show, and
+`velocity_of_way` its inverse.
+
+References
+----------
+.. [1] J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica 10, 2001
+   (symplectic Euler from the rectangle rule, section 2.6; discrete Noether theorem, section 1.3).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.spatial import GRAVITY, skew
+from surefoot.mechanics.dynamics.knot import Knot
+from surefoot.mechanics.dynamics.stepper import Stepper
+from surefoot.mechanics.robot.centroidal import carried_momentum
+
+ROUNDS = 30
+"""Most rounds that look for the velocity of a way that ends with a momentum; each is dt times nearer."""
+
+
+class MomentumKnot(Knot):
+    """Takes first-order steps that keep the momentum of the whole robot; else as `Knot`.
+
+    For robots that nothing carries: with a free flyer, or on slides along the world's axes. Others have no
+    momentum of their own, and take the plain step.
+    """
+
+    def __init__(self, stepper: Stepper) -> None:
+        import pinocchio
+
+        super().__init__(stepper)
+        self._pin: Any = pinocchio
+        model = self._model
+        self._rows = np.array(carried_momentum(model), dtype=np.int64)
+        self._ways = np.flatnonzero(self._rows < 3)
+        self._other, self._still = model.createData(), np.zeros(model.nv)
+        self._more = np.zeros(len(self._rows))
+
+    def _less_bias(self, effort: FloatArray) -> FloatArray:
+        out, n = super()._less_bias(effort), len(self._rows)
+        if n:
+            model, data = self._model, self._data
+            self._A = np.array(data.Ag)
+            self._X = _rigid_motion(data, n)
+            self._arrived = _arriving(model, self._other, self._q, self._v, self._dt)
+            gained = self._arrived - self._A @ self._v
+            # the base's rows: gravity alone, and the change of momentum in place of its rate
+            weight = self._pin.computeGeneralizedGravity(model, self._other, self._q)[:n]
+            self._more = data.nle[:n] - weight + self._X.T @ gained / self._dt
+            out[:n] += self._more
+        return out
+
+    def _solve_again(self) -> None:
+        n = len(self._rows)
+        own = self._effort[:n].copy()
+        self._effort[:n] += self._more
+        try:
+            super()._solve_again()
+        finally:
+            self._effort[:n] = own
+
+    def _gone(self) -> FloatArray:
+        q = super()._gone()
+        if self._ways.size:
+            start, data = np.array(self._data.com[0]), self._data
+            end = self._pin.centerOfMass(self._model, self._other, q)
+            ahead = start + self._dt / data.mass[0] * (self._A[:3] @ self.v)
+            q[self._ways] += (ahead - end)[self._rows[self._ways]]
+        return q
+
+    @property
+    def settled(self) -> FloatArray:
+        """(nv,) the last step's velocity, the base's such that the momentum at the new q is the step's."""
+        n, other = len(self._rows), self._other
+        out = self.v.copy()
+        if n and np.isfinite(out).all():
+            # The momentum in directions of the base's own motion, 6 equations for a free flyer: joints keep
+            # their rates.
+            A = np.array(self._pin.computeCentroidalMap(self._model, other, self.q))
+            X = _rigid_motion(other, n)
+            out[:n] = np.linalg.solve(X.T @ A[:, :n], X.T @ (self._A @ self.v - A[:, n:] @ out[n:]))
+        return out
+
+    def _correct_rates(self, after: FloatArray) -> None:
+        """Write the base's rows: those of momentum, divided by dt, in the base's axes."""
+        n, model, other, dt = len(self._rows), self._model, self._other, self._dt
+        if not n:
+            return
+        change = self._pin.computeCentroidalDynamicsDerivatives
+        self._by_place = np.array(change(model, other, self._q, after, self._still)[0])
+        by_q, by_way = self._d_integrate(model, self._q, -dt * self._v)
+        back = self._integrate(model, self._q, -dt * self._v)
+        by_back, _, _, map_back = change(model, other, back, self._v, self._still)
+        A, X = self._A, self._X
+        # world axes, about the centre of mass; what is left over is turned with the base's axes
+        left = A @ after - self._arrived
+        left[2] += dt * self._data.mass[0] * GRAVITY
+        mass, com = self._data.mass[0], self._data.com[0]
+        turned = _turned_wrench(self._twists, self._first, A[:3] / mass, com, left, n)
+        self._by_q[:n] = (turned + X.T @ (self._by_place - by_back @ by_q)) / dt
+        self._by_v[:n] = X.T @ (A - map_back + dt * by_back @ by_way) / dt
+
+    def _way_rates(self, after: FloatArray) -> tuple[FloatArray, FloatArray]:
+        by_q, by_way = super()._way_rates(after)
+        if self._ways.size:
+            model, other, dt, ways = self._model, self._other, self._dt, self._ways
+            end = self._integrate(model, self._q, dt * after)
+            B = np.array(self._pin.computeCentroidalMap(model, other, end))[:3]
+            rates = self._A[:3] + dt * self._by_place[:3] - B @ by_q, self._A[:3] - B @ by_way
+            axes = np.array(other.oMi[1].rotation).T if model.nq != model.nv else np.eye(3)[self._rows[ways]]
+            by_q, by_way = by_q.copy(), by_way.copy()
+            for out, rate in zip((by_q, by_way), rates, strict=True):
+                out[ways] += axes @ rate / self._data.mass[0]
+        return by_q, by_way
+
+
+def velocity_of_way(model: Any, q: FloatArray, v: FloatArray, dt: float) -> FloatArray:
+    """Return the velocity (nv,) of a way of dt [s] to q (nq,) on which the momentum is that of (nv,) v at q.
+
+    What `MomentumKnot` takes for a start whose velocity is that of an instant; see `MomentumKnot.settled`.
+    """
+    import pinocchio
+
+    n, out = len(carried_momentum(model)), v.copy()
+    if not n or not v.any():
+        return out
+    data = model.createData()
+    A = np.array(pinocchio.computeCentroidalMap(model, data, q))
+    X = _rigid_motion(data, n)
+    wanted, square = A @ v, X.T @ A[:, :n]
+    for _ in range(ROUNDS):
+        step = np.linalg.solve(square, X.T @ (wanted - _arriving(model, data, q, out, dt)))
+        out[:n] += step
+        if not np.abs(step).max() > 1e-15 * np.abs(out).max():
+            break
+    return out
+
+
+def _arriving(model: Any, data: Any, q: FloatArray, v: FloatArray, dt: float) -> FloatArray:
+    """Return the momentum (6,) at the start of a way of dt that ended at q with v."""
+    import pinocchio
+
+    back = pinocchio.integrate(model, q, -dt * v)
+    return np.array(pinocchio.computeCentroidalMomentum(model, data, back, v).vector)
+
+
+def _rigid_motion(data: Any, n: int) -> FloatArray:
+    """Return the velocity of the centre of mass and the rate of turning (6, n) by the base's n velocities."""
+    return np.vstack([np.array(data.Ag[:3, :n]) / data.mass[0], np.array(data.J[3:, :n])])
+
+
+def _turned_wrench(
+    twists: FloatArray, first: IntArray, J: FloatArray, com: FloatArray, wrench: FloatArray, n: int
+) -> FloatArray:
+    """Return the derivative (n, nv) by q of the base's rows of a wrench (f, m) about the centre of mass c.
+
+    Row j is f·(t_j + a_j x c) + m·a_j of the twist (t_j, a_j) at the world's origin; twists of the base's
+    joints move with those before them, by the cross product of twists, and c by J (3, nv).
+    """
+    F = skew(wrench[:3])
+    G = skew(wrench[3:] - F @ com)
+    t, a = twists[:n, :3], twists[:n, 3:]
+    turned = a @ F.T
+    out = turned @ J
+    moves = first[:n] <= first[:n, None]
+    out[:, :n] += moves * (t @ turned.T + a @ (t @ F.T + a @ G.T).T)
+    return np.asarray(out)

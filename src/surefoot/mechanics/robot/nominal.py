@@ -1,0 +1,94 @@
+"""A standing pose for a robot that brings none: feet under the hips, knees bent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray
+
+STRETCH = 0.8
+"""Height of the hips over the feet, as a share of the leg's length."""
+LEAN = 0.02
+"""Weight of staying near the middle of the joint range, against the foot's place in leg lengths."""
+
+
+def chain(model: Any, frame: int) -> list[int]:
+    """Return the joints between the base and a frame, base side first."""
+    joints, joint = [], int(model.frames[frame].parentJoint)
+    first = 1 if model.joints[1].nv == 6 else 0
+    while joint > first:
+        joints.append(joint)
+        joint = int(model.parents[joint])
+    return joints[::-1]
+
+
+def bend_legs(model: Any, q: FloatArray, feet: Sequence[str], flat: Sequence[bool]) -> FloatArray:
+    """Return a standing configuration for feet at the given frames.
+
+    Each foot is put below its hip (the second joint of a leg with three or more, so that hips keep
+    their width) at `STRETCH` of the leg's length; flat feet are also kept level. One bounded
+    least-squares problem per leg, started with the knee bent either way.
+
+    Parameters
+    ----------
+    model
+        Pinocchio's Model.
+    q
+        (nq,) starting pose [m, -, rad]; the base and all joints outside the legs stay as they are.
+    feet
+        Names of the foot frames.
+    flat
+        Whether each foot is flat.
+    """
+    out = q.copy()
+    for name, level in zip(feet, flat, strict=True):
+        frame = model.getFrameId(name)
+        if joints := chain(model, frame):
+            out = _bend(model, out, q, frame, joints, level)
+    return out
+
+
+def _bend(
+    model: Any, q: FloatArray, start: FloatArray, frame: int, joints: Sequence[int], level: bool
+) -> FloatArray:
+    """Return q with one leg's joints moved so that its foot reaches its place below the hip at the start."""
+    import pinocchio
+    from scipy.optimize import least_squares  # takes 0.2 s to load
+
+    data = model.createData()
+    pinocchio.framesForwardKinematics(model, data, start)
+    places = [data.oMi[j].translation.copy() for j in joints[1 if len(joints) >= 3 else 0 :]]
+    places.append(data.oMf[frame].translation.copy())
+    length = max(float(sum(np.linalg.norm(b - a) for a, b in pairwise(places))), 1e-9)
+    target = places[0] - [0.0, 0.0, STRETCH * length]
+    index = [model.joints[j].idx_q for j in joints]
+    low = np.maximum(model.lowerPositionLimit[index], -np.pi)
+    high = np.minimum(model.upperPositionLimit[index], np.pi)
+    high = np.maximum(high, low + 1e-6)  # a joint that its limits hold still is no unknown, but has bounds
+    middle = np.clip(0.0, low, high)
+
+    def miss(angles: FloatArray) -> FloatArray:
+        full = q.copy()
+        full[index] = angles
+        pinocchio.framesForwardKinematics(model, data, full)
+        pose = data.oMf[frame]
+        rest = LEAN * (angles - middle)
+        tilt = pose.rotation[:, 2] - [0.0, 0.0, 1.0] if level else np.zeros(0)
+        turn = pose.rotation[1, :1] if level else np.zeros(0)
+        return np.concatenate([(pose.translation - target) / length, tilt, turn, rest])
+
+    best: Any = None
+    for bend in (0.6, -0.6):
+        start = middle.copy()
+        start[len(joints) - (3 if level else 1)] += -2.0 * bend
+        start[max(len(joints) - (4 if level else 2), 0)] += bend
+        found = least_squares(miss, np.clip(start, low + 1e-7, high - 1e-7), bounds=(low, high))
+        if best is None or found.cost < 0.999 * best.cost:
+            best = found
+    out = q.copy()
+    out[index] = np.clip(best.x, model.lowerPositionLimit[index], model.upperPositionLimit[index])
+    return out

@@ -1,0 +1,391 @@
+"""A robot on Pinocchio: model, feet, limits, and the stance it takes on a terrain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.base.arrays import FloatArray, finite_array, of_kind, per_contact
+from surefoot.base.errors import ModelError, ProblemError, unknown_name
+from surefoot.mechanics.robot import catalog
+from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
+from surefoot.mechanics.robot.foot import Foot, frame_names, read_foot, shaped_foot
+from surefoot.mechanics.robot.libraries import import_pinocchio
+from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
+from surefoot.mechanics.robot.nominal import bend_legs
+from surefoot.mechanics.robot.parser_output import parser_output
+from surefoot.mechanics.stance import Contact, PatchContact, PointContact, Stance
+from surefoot.mechanics.terrain import FlatTerrain, Terrain
+
+NOMINAL_POSES = ("standing", "half_sitting")
+
+
+class Robot:
+    """A robot model with feet; built by `load_robot`.
+
+    Configurations follow Pinocchio: q = [base position (3); base quaternion (x, y, z, w); joints],
+    v = [base linear; base angular velocity, both in base axes; joints] for a floating base, and the
+    joints alone for a fixed one.
+
+    Attributes
+    ----------
+    name
+        What it was loaded as.
+    model, data
+        Pinocchio's Model and a Data of our own; write to neither.
+    collision, visual
+        Pinocchio's geometry models; the visual one is read from its files when first asked for.
+    feet
+        Where it can touch the ground, see `Foot`.
+    nominal
+        (nq,) the pose to stand in [m, -, rad], at the height where the feet touch z = 0.
+    floating
+        Whether the base is free.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        model: Any,
+        collision: Any,
+        visual: Callable[[], Any],
+        feet: Sequence[str],
+        nominal: FloatArray,
+        floating: bool,
+        shapes: Sequence[catalog.FootShape] = (),
+    ) -> None:
+        self.name, self.model, self.collision, self._load_visual = name, model, collision, visual
+        self.floating = floating
+        self.nominal = nominal
+        if feet:
+            self._forward(nominal)
+        if shapes:
+            self.feet = tuple(
+                shaped_foot(model, f, s.centres, s.radius) for f, s in zip(feet, shapes, strict=True)
+            )
+        else:
+            self.feet = tuple(
+                read_foot(model, collision, f, self.data.oMf[model.getFrameId(f)].rotation) for f in feet
+            )
+        if floating and self.feet:
+            self.nominal = nominal.copy()
+            self.nominal[2] -= min(self.sphere_bottoms(nominal))
+
+    def __repr__(self) -> str:
+        return f"Robot({self.name!r}, mass={self.mass:.3f}, joints={self.joints}, feet={self.foot_names})"
+
+    @cached_property
+    def data(self) -> Any:
+        """Pinocchio's Data of our own; of many joints it is large, so it is made when asked for."""
+        return self.model.createData()
+
+    @cached_property
+    def visual(self) -> Any:
+        """Pinocchio's geometry model of what the robot looks like."""
+        return self._load_visual()
+
+    @cached_property
+    def contact_points(self) -> ContactPoints:
+        """The contact spheres of all feet as one value: where they are, what carries and moves them."""
+        return contact_points(self.model, self.feet)
+
+    @cached_property
+    def mass(self) -> float:
+        """Total mass [kg]."""
+        import pinocchio
+
+        return float(pinocchio.computeTotalMass(self.model))
+
+    @property
+    def base_dof(self) -> int:
+        """Velocity components of the base: 6 floating, 0 fixed."""
+        return 6 if self.floating else 0
+
+    @property
+    def joints(self) -> int:
+        """Number of actuated velocity components."""
+        return int(self.model.nv) - self.base_dof
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the actuated joints, in the model's order."""
+        names = list(self.model.names)[1:]
+        return tuple(names[1:] if self.floating else names)
+
+    @property
+    def foot_names(self) -> tuple[str, ...]:
+        """Names of the feet, in order."""
+        return tuple(f.name for f in self.feet)
+
+    @cached_property
+    def effort_limits(self) -> FloatArray:
+        """(joints,) torque limits of the URDF [N m]; infinite where it gives none."""
+        return self._limits(self.model.upperEffortLimit)
+
+    @cached_property
+    def speed_limits(self) -> FloatArray:
+        """(joints,) speed limits of the URDF [rad/s, m/s]; infinite where it gives none."""
+        return self._limits(self.model.upperVelocityLimit)
+
+    def _limits(self, values: Any) -> FloatArray:
+        """Return the joints' part of the model's (nv,) limits, infinite where it gives none."""
+        limits = np.array(values, dtype=np.float64)[self.base_dof :]
+        return np.where((limits <= 0.0) | (limits > 1e100), np.inf, limits)
+
+    def foot(self, name: str) -> Foot:
+        """Return a foot by name.
+
+        Raises
+        ------
+        ModelError
+            If there is no such foot; the message lists them.
+        """
+        for foot in self.feet:
+            if foot.name == name or foot.name.lower().removesuffix("_foot") == name.lower():
+                return foot
+        raise ModelError(unknown_name(f"foot of {self.name}", name, self.foot_names))
+
+    def configuration(self, q: ArrayLike | None = None) -> FloatArray:
+        """Return q checked (nominal for None), its quaternion normalised: (nq,) [m, -, rad]."""
+        if q is None:
+            return self.nominal.copy()
+        out = finite_array("q", q, (self.model.nq,))
+        if self.floating:
+            length = float(np.linalg.norm(out[3:7]))
+            if abs(length - 1.0) > 1e-3:
+                raise ProblemError(f"q[3:7] must be a unit quaternion (x, y, z, w), its length is {length:g}")
+            out[3:7] /= length
+        return out
+
+    def com(self, q: ArrayLike | None = None) -> FloatArray:
+        """Return the centre of mass in world axes [m]: (3,)."""
+        import pinocchio
+
+        return np.array(pinocchio.centerOfMass(self.model, self.data, self.configuration(q)))
+
+    def foot_positions(self, q: ArrayLike | None = None) -> FloatArray:
+        """Return the feet's sphere centres (sole centres if flat) in world axes [m]: (n, 3)."""
+        self._forward(self.configuration(q))
+        places = [self.data.oMf[f.frame].act(f.centre) for f in self.feet]
+        return np.array(places).reshape(-1, 3)
+
+    def stance(
+        self,
+        q: ArrayLike | None = None,
+        mu: float | Sequence[float] = 0.6,
+        terrain: Terrain | None = None,
+        feet: str | Sequence[str] | None = None,
+        normal_min: float = 0.0,
+        normal_max: float = math.inf,
+    ) -> Stance:
+        """Return the stance of the feet at a configuration, on the terrain below them.
+
+        The contact of a foot is where its sphere (or sole) meets the terrain's tangent plane; its
+        frame follows the terrain, never the foot.
+
+        Parameters
+        ----------
+        q
+            (nq,) [m, -, rad]; None for the nominal pose.
+        mu
+            Friction coefficient [-], one or one per foot.
+        terrain
+            None for flat ground.
+        feet
+            Names of the feet that touch, in a list or between commas; None for all.
+        normal_min, normal_max
+            Bounds on each normal force [N].
+        """
+        ground = FlatTerrain() if terrain is None else terrain
+        names = frame_names(feet)
+        chosen = self.feet if names is None else tuple(self.foot(name) for name in names)
+        of_kind("terrain", ground, Terrain)
+        frictions = per_contact("mu", mu, len(chosen))
+        self._forward(self.configuration(q))
+        contacts: list[Contact] = []
+        for foot, friction in zip(chosen, frictions, strict=True):
+            pose = self.data.oMf[foot.frame]
+            place = pose.act(foot.centre)
+            normal = ground.normal(place[:2])
+            point = place - foot.radius * normal
+            shared = (normal, float(friction), foot.name, normal_min, normal_max)
+            if foot.flat:  # its toes say where the patch's x axis points
+                contacts.append(PatchContact(point, foot.size[0], foot.size[1], *shared, pose.rotation[:, 0]))
+            else:
+                contacts.append(PointContact(point, *shared))
+        return Stance(contacts)
+
+    def _forward(self, q: FloatArray) -> None:
+        import pinocchio
+
+        pinocchio.framesForwardKinematics(self.model, self.data, q)
+
+    def sphere_bottoms(self, q: FloatArray) -> list[float]:
+        """Return the lowest height of every contact sphere [m] at q (nq,) [m, -, rad]."""
+        self._forward(q)
+        return [float(self.data.oMf[f.frame].act(c)[2]) - f.radius for f in self.feet for c in f.centres]
+
+
+def load_robot(
+    robot: str | Path, feet: str | Sequence[str] | None = None, *, fixed_base: bool | None = None
+) -> Robot:
+    """Load a robot by name, or from a URDF or MJCF file.
+
+    Parameters
+    ----------
+    robot
+        A name from `robot_names`, or the path of a URDF or MJCF file.
+    feet
+        Frames that can touch the ground, in one text separated by commas or one by one; None for the
+        catalogue's choice (none for a file). Of an MJCF file bodies, sites and named shapes are frames.
+    fixed_base
+        Whether the base is bolted to the world; None for the catalogue's choice (free for a URDF file; as its
+        free joint says for an MJCF file).
+
+    Raises
+    ------
+    ModelError
+        For an unknown name, a missing or broken file, or feet that are not frames of the robot.
+    MissingExtra
+        If Pinocchio is not installed, or for an MJCF file MuJoCo.
+
+    Examples
+    --------
+    >>> robot = load_robot("go2")
+    >>> round(robot.mass, 3), robot.foot_names
+    (16.085, ('FL_foot', 'FR_foot', 'RL_foot', 'RR_foot'))
+    """
+    feet = frame_names(feet)
+    text = str(robot)
+    if text.lower().endswith((".urdf", ".xml")) or "/" in text:
+        path, entry, srdf = Path(text).expanduser(), catalog.CatalogEntry(text), None
+        folders = [path.parent, *path.resolve().parents]
+        if not path.is_file():
+            raise ModelError(f"no {'file' if text.lower().endswith('.xml') else 'URDF file'} at {text}")
+        if is_mjcf(path):
+            return _from_mjcf(path, tuple(feet or ()), fixed_base)
+    else:
+        entry, root = catalog.find(text), catalog.robots_folder()
+        path, srdf = root / entry.urdf, root / entry.srdf if entry.srdf else None
+        folders = [root, root.parent.parent]
+    chosen = entry.feet if feet is None else tuple(feet)
+    fixed = entry.fixed_base if fixed_base is None else fixed_base
+    model, collision, visual = _build(path, folders, fixed)
+    for joint, title in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
+        if entry.unlimited and title.startswith(entry.unlimited):
+            model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q] = -np.pi, np.pi
+    _check_feet(model, chosen, path)
+    name = path.stem if path.suffix and "/" in text else text
+    shaped = entry.shapes and set(chosen) <= set(entry.feet)
+    shapes = tuple(entry.shapes[entry.feet.index(f)] for f in chosen) if shaped else ()
+    nominal = _nominal(model, collision, srdf, chosen, fixed, entry, shapes)
+    return Robot(name, model, collision, visual, chosen, nominal, not fixed, shapes)
+
+
+def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robot:
+    """Return the robot of an MJCF file, in its first keyframe that is a nominal pose."""
+    read = read_mjcf(path, fixed_base)
+    _check_feet(read.model, feet, path)
+    nominal = nominal_of(read.poses)
+    if nominal is None:
+        entry = catalog.CatalogEntry(str(path))
+        nominal = _nominal(read.model, read.collision, None, feet, not read.floating, entry, ())
+    return Robot(path.stem, read.model, read.collision, lambda: read.collision, feet, nominal, read.floating)
+
+
+def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
+    """Refuse feet that are no frames, or twice the same."""
+    frames = [f.name for f in model.frames]
+    for name in feet:
+        if name not in frames:
+            bodies = [f.name for f in model.frames if f.type.name in ("BODY", "OP_FRAME")]
+            raise ModelError(unknown_name(f"foot frame of {path.name}", name, bodies))
+    if len(set(feet)) != len(feet):
+        raise ModelError(f"feet must differ, got {', '.join(feet)}")
+
+
+def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, Callable[[], Any]]:
+    """Return Pinocchio's model and collision geometry of a URDF file, and the loader of its looks."""
+    pinocchio = import_pinocchio()
+    root = [] if fixed else [pinocchio.JointModelFreeFlyer()]
+    model = _parsed(path, root)
+    packages = [str(f) for f in folders]
+
+    def shapes(kind: Any) -> Any:
+        try:
+            with parser_output():
+                return pinocchio.buildGeomFromUrdf(model, str(path), kind, package_dirs=packages)
+        except (ValueError, RuntimeError):  # meshes that cannot be found: the dynamics do without
+            return pinocchio.GeometryModel()
+
+    collision = shapes(pinocchio.GeometryType.COLLISION)
+    return model, collision, lambda: shapes(pinocchio.GeometryType.VISUAL)
+
+
+def _parsed(path: Path, root: Sequence[Any]) -> Any:
+    """Return the model of a URDF file; what its parser complains about is an error, never an output.
+
+    The parser goes on without an inertia that it cannot read, so complaints count even if there is a model.
+    """
+    import pinocchio
+
+    model, why = None, ""
+    with parser_output() as said:
+        try:
+            model = pinocchio.buildModelFromUrdf(str(path), *root)
+        except (ValueError, RuntimeError) as error:
+            why = str(error)
+    errors = [line.removeprefix("Error:").strip() for line in said if line.startswith("Error:")]
+    if model is None or errors:
+        reason = "; ".join(dict.fromkeys(errors)) or why
+        raise ModelError(f"{path} is not a URDF that Pinocchio can read: {reason}")
+    mass = float(pinocchio.computeTotalMass(model))
+    if root and not 0.0 < mass < math.inf:
+        raise ModelError(f"{path} describes no robot that can move: its total mass is {mass:g} kg")
+    for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
+        span = slice(joint.idx_q, joint.idx_q + joint.nq)
+        low, high = model.lowerPositionLimit[span], model.upperPositionLimit[span]
+        if (low > high).any():
+            raise ModelError(f"{path}: joint {name} has its lower limit above its upper one, {low} > {high}")
+    return model
+
+
+def _nominal(
+    model: Any,
+    collision: Any,
+    srdf: Path | None,
+    feet: Sequence[str],
+    fixed: bool,
+    entry: catalog.CatalogEntry,
+    shapes: Sequence[catalog.FootShape],
+) -> FloatArray:
+    """Return the SRDF's standing pose or, without one, a pose with feet under bent legs."""
+    import pinocchio
+
+    if srdf is not None:
+        pinocchio.loadReferenceConfigurations(model, str(srdf), False)
+        poses = {item.key(): np.array(item.data()) for item in model.referenceConfigurations}
+        for name in NOMINAL_POSES if entry.pose is None else (entry.pose,):
+            if name in poses:
+                for joint, title in zip(model.joints, model.names, strict=True):
+                    for end in (end for end in entry.bent if title.endswith(end)):
+                        poses[name][joint.idx_q] = entry.bent[end]
+                return poses[name]
+    q = np.array(pinocchio.neutral(model))
+    if fixed:
+        low, high = model.lowerPositionLimit, model.upperPositionLimit
+        usable = np.isfinite(low) & np.isfinite(high) & ((q < low) | (q > high))
+        with np.errstate(invalid="ignore"):  # joints without limits have no middle
+            return np.where(usable, 0.5 * (low + high), q)
+    q[3:7] = entry.upright
+    if shapes:
+        flat = [len(shape.centres) >= 3 for shape in shapes]
+    else:
+        flat = [read_foot(model, collision, name, np.eye(3)).flat for name in feet]
+    return bend_legs(model, q, feet, flat)

@@ -1,0 +1,122 @@
+"""What goes into whole-body control and comes out of it: tasks and their weights, kinematics, command."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.contact import Status
+
+
+@dataclass(frozen=True)
+class TaskWeights:
+    """Weights of the tasks; all act on squared accelerations.
+
+    Attributes
+    ----------
+    linear
+        Centre of mass [1/(m/s²)²].
+    angular
+        Base orientation, per squared unit of angular acceleration times the base's height.
+    swing
+        Feet in the air. They cost no more than a little of the body's motion: where a leg's motors cannot
+        lift it as fast as is wanted, with a weight of 1 those on the ground throw the body up to lift it.
+        Where legs have more joints than a foot's place takes, feet weigh 1, the legs' joints as much more.
+    joints
+        Joint accelerations times the base's height, of legs; joints outside the legs count `body` times
+        as much.
+    body
+        See `joints`.
+    force
+        Distance of the contact forces from the wanted ones, divided by the robot's mass.
+    """
+
+    linear: float = 1.0
+    angular: float = 1.0
+    swing: float = 0.02
+    joints: float = 2e-5
+    body: float = 5e3
+    force: float = 0.1
+
+
+class Kinematics(NamedTuple):
+    """Where a robot is and how it moves, world axes; see `WholeBodyController.update` for whose arrays.
+
+    Attributes
+    ----------
+    com, com_velocity
+        (3,) centre of mass [m, m/s].
+    rotation, angular_velocity
+        (3, 3), (3,) of the base.
+    centres, twists, drifts
+        (n, 3), (n, 6), (n, 6) of the feet: place, velocity [linear; angular], acceleration at zero
+        joint acceleration.
+    """
+
+    com: FloatArray
+    com_velocity: FloatArray
+    rotation: FloatArray
+    angular_velocity: FloatArray
+    centres: FloatArray
+    twists: FloatArray
+    drifts: FloatArray
+
+
+class Tasks(NamedTuple):
+    """What is wanted in one step; world axes.
+
+    Attributes
+    ----------
+    stance
+        (n,) which feet carry.
+    com_acceleration, turn_acceleration
+        (3,) of the centre of mass [m/s²] and of the base's orientation [rad/s²].
+    feet
+        (n, 6) wanted acceleration, linear and angular, of feet in the air [m/s², rad/s²].
+    joints
+        (joints,) wanted joint accelerations [rad/s²].
+    forces
+        (p, 3) wanted contact forces, contact frames [N].
+    frames
+        (n, 3, 3) rotation_world_contact of every foot's ground [-].
+    gaps
+        (n,) distance of the feet in stance to the ground [m], for the Baumgarte term.
+    """
+
+    stance: BoolArray
+    com_acceleration: FloatArray
+    turn_acceleration: FloatArray
+    feet: FloatArray
+    joints: FloatArray
+    forces: FloatArray
+    frames: FloatArray
+    gaps: FloatArray
+
+
+class WholeBodyCommand(NamedTuple):
+    """What whole-body control asks for.
+
+    Attributes
+    ----------
+    torques
+        (joints,) within the effort limits [N m].
+    accelerations
+        (nv,) that go with the forces, Pinocchio's order.
+    forces
+        (p, 3) contact forces inside every cone and bound, contact frames [N].
+    feasible
+        Whether dynamics, contacts, cones and torque limits can hold together (False: the torques are
+        clipped, or the input was not finite and the command only damps the joints).
+    violation
+        Largest torque beyond its limit before clipping [N m].
+    status
+        How the force distribution ended.
+    """
+
+    torques: FloatArray
+    accelerations: FloatArray
+    forces: FloatArray
+    feasible: bool
+    violation: float
+    status: Status

@@ -1,0 +1,124 @@
+"""The controller's end of the wire: a state comes, the loop makes a step, a command goes."""
+
+from __future__ import annotations
+
+import gc
+import time as clock
+from collections.abc import Callable
+
+from numpy.typing import ArrayLike
+
+from surefoot.base.errors import SurefootError
+from surefoot.motion.drive.robot_loop import RobotLoop
+from surefoot.motion.drive.wire.dialect import Dialect
+from surefoot.motion.drive.wire.link import WireEnd
+
+LATE = 1.5
+"""A reading is missing after so many steps since the last."""
+PATIENT = 1.0
+"""The same for a robot in slow motion, where nobody can tell [s]."""
+LONGEST, REST = 30.0, 0.5
+"""Longest time to reach a posture, and time in it before the next [s]."""
+
+
+class WiredLoop:
+    """A loop that answers each state on the wire, and makes a step without one that is missing.
+
+    Parameters
+    ----------
+    loop
+        With the motors of the dialect.
+    end
+        Of the wire.
+    dialect
+        What is spoken there.
+    slow
+        Whether the robot waits for each answer, so that no clock tells what is late.
+    watch
+        Called after each step; None for nobody.
+    """
+
+    def __init__(
+        self, loop: RobotLoop, end: WireEnd, dialect: Dialect, slow: bool = False,
+        watch: Callable[[RobotLoop], None] | None = None,
+    ) -> None:  # fmt: skip
+        self.loop, self.end, self.dialect, self.slow, self.watch = loop, end, dialect, slow, watch
+        self._machine = 0
+        self._due = clock.perf_counter()
+
+    def wait(self, seconds: float) -> None:
+        """Wait for a robot.
+
+        Raises
+        ------
+        SurefootError
+            If none speaks in that time [s].
+        """
+        message = self.end.receive(seconds)
+        if message is None:
+            raise SurefootError(f"no robot speaks on the wire: {seconds:g} s without a state")
+        self._due = clock.perf_counter() + PATIENT
+
+    def step(self) -> None:
+        """Wait for the next state, make a step and send what it asks for."""
+        message = self.end.receive(max(self._due - clock.perf_counter(), 1e-5))
+        now, dt = clock.perf_counter(), self.loop.dt
+        readings = None
+        if message is None:
+            self._due += dt
+        else:
+            readings = self.dialect.readings(message)
+            self._machine = 0 if self.dialect.headed else int(message["mode_machine"])
+            self._due = now + LATE * dt
+        targets = self.loop.step(readings, None if self.slow else now)
+        self.end.send(self.dialect.command_message(targets, self._machine))
+        if self.slow and message is not None:  # a step may take long where machines are busy
+            self._due = clock.perf_counter() + PATIENT
+        self.loop.plan_ahead()
+        if self.watch is not None:
+            self.watch(self.loop)
+        if not gc.isenabled():
+            gc.collect(1)  # what the step leaves, in the time that nobody waits for
+
+    def go(self, goal: str, seconds: float | None = None) -> bool:
+        """Go to a mode and stay for a time [s], None until it is reached; return whether no fault came.
+
+        Raises
+        ------
+        ProblemError
+            For what may not follow now.
+        SurefootError
+            If a posture is not reached in `LONGEST`.
+        """
+        loop = self.loop
+        for _ in range(round(REST / loop.dt)):  # a short silence is waited for
+            if not loop.watch.blind:
+                break
+            self.step()
+        loop.go(goal)
+        begin = rested = loop.time
+        while not loop.fault:
+            self.step()
+            if seconds is None:
+                rested = rested if loop.settled and loop.mode.value == goal else loop.time
+                if loop.time - rested >= REST:
+                    return True
+                if loop.time - begin > LONGEST:
+                    raise SurefootError(f"{goal} was not reached in {LONGEST:g} s")
+            elif loop.time - begin >= seconds:
+                return True
+        return False
+
+    def outing(self, velocity: ArrayLike, seconds: float, end: str) -> str:
+        """Stand up, walk at a (3,) velocity [m/s, m/s, rad/s] for a time [s], stop, end as is said, and damp.
+
+        Returns the fault that ended it early, empty for none.
+        """
+        self.loop.steer(velocity)
+        stages = (("damp", 0.2), ("stand", None), ("walk", seconds), ("stand", None), (end, None))
+        for goal, time in stages:
+            if not self.go(goal, time):
+                break
+        fault = self.loop.fault
+        self.go("damp", REST)
+        return fault

@@ -1,0 +1,1 @@
+"""State estimation: contact detection, the invariant filter, forces on feet, unknown loads."""

@@ -1,0 +1,1 @@
+"""Gaits and mode schedules: which feet are on the ground at which time."""

@@ -1,0 +1,1 @@
+"""The controller of a standing robot, and the plan of its base and feet over time."""

@@ -1,0 +1,89 @@
+"""Steps when they are needed: after a push the gait's clock is a wish, and feet go where they catch the body.
+
+A pushed body comes to rest over its capture point, sqrt(h / g) times its speed ahead [1]_. Where the feet of
+a trot do not reach so far within the gait's own time, the way is taken in several quick steps: the gait goes
+faster, so that feet lift before they are out of reach and those in the air come down at once; the wanted
+velocity gives way to the body's and comes back as fast as friction lets it, so that the plan ahead does not
+throw the body over feet that stand in the wrong place.
+
+A body that was thrown aside leaves the feet of the far side behind. With one of them in each pair of a trot,
+the pressure of a pair is behind the body, and a force from there that does not tip it drives it on. So all
+feet leave the ground and meet it together: both feet of the near side land ahead of the body, and brake it.
+
+References
+----------
+.. [1] J. Pratt, J. Carff, S. Drakunov, A. Goswami, "Capture point: a step toward humanoid push recovery",
+   Humanoids 2006.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.base.spatial import GRAVITY
+from surefoot.motion.walking.behaviours.behaviour import NOTHING, Recovery, Request, WalkFacts, WalkView
+
+BEGINS, ENDS = 0.4, 0.2
+"""A body that is off its wanted velocity by so much is caught, until it is off by no more and no faster than
+before by twice as much, as shares of sqrt(g h)."""
+GIVE = 0.5
+"""The wanted velocity is never farther from the body's, likewise."""
+STRIDE, QUICKEST = 0.75, 1.6
+"""Way of the body over a stance, in heights of the centre of mass, and most that the gait is hurried by."""
+LOW = 0.8
+"""Height of the body meanwhile, as a share of its own: feet far aside of a tall body are out of their legs'
+reach, and drag."""
+LEAPS, ASIDE = 0.7, 2.0
+"""A body leaps while it is off the commanded velocity by more than the first, a share of sqrt(g h), if at
+first it was to the side by so many times as much as ahead (begun at 1.12 it falls more often)."""
+BACK = 0.3
+"""Change of the wanted velocity on the way back, as a share of g: half of the friction that is counted on."""
+
+
+class PushRecovery:
+    """Catches a body that was pushed.
+
+    Parameters
+    ----------
+    walk
+        What it is for.
+    """
+
+    name = "push recovery"
+
+    def __init__(self, walk: WalkFacts) -> None:
+        self.schedule, self.height, self.terrain = walk.schedule, walk.height, walk.terrain
+        self._unit = math.sqrt(GRAVITY * walk.height)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last push."""
+        self._calm: float | None = None  # speed before the push
+        self._aside: bool | None = None  # whether it was thrown aside, once it was thrown far
+
+    def propose(self, view: WalkView) -> Request:
+        """Ask for quick steps that go with the body, while it is far off its wanted velocity."""
+        (x, y, _), (forward, left, turn) = view.now.com_velocity.tolist(), view.velocity.tolist()
+        c, s, _ = view.now.rotation[:, 0].tolist()
+        c, s = c / math.hypot(c, s), s / math.hypot(c, s)
+        ahead, aside = c * x + s * y - forward, c * y - s * x - left
+        off, speed = math.hypot(ahead, aside) / self._unit, math.hypot(x, y)
+        if self._calm is None and off < BEGINS:  # nearly always: the cheapest way here
+            return NOTHING
+        caught = off < ENDS and speed < (self._calm or 0.0) + 2.0 * ENDS * self._unit
+        if caught or view.clock < 0.0 or self.schedule.held or self.schedule.stance_time == 0.0:
+            self.reset()
+            return NOTHING
+        if self._calm is None:
+            self._calm = math.hypot(forward, left)
+        onward, across = ahead + forward - view.command[0], aside + left - view.command[1]
+        lost = self.terrain.planar and math.hypot(onward, across) > LEAPS * self._unit
+        if lost and self._aside is None:
+            self._aside = abs(across) > ASIDE * abs(onward)
+        rate = min(max(self.schedule.stance_time * speed / (STRIDE * self.height), 1.0), QUICKEST)
+        more = 1.0 - min(1.0, GIVE / off)
+        velocity = np.array([forward + more * ahead, left + more * aside, turn])
+        recovery = Recovery(rate, velocity, BACK * GRAVITY, lost and bool(self._aside))
+        return Request(recovery=recovery, height=LOW * self.height)

@@ -1,0 +1,117 @@
+"""Friction as stance feet find it: what to plan on where they slide, and how fast to walk there.
+
+Every stance foot shows something: it has used some friction and stood, or it slides and shows all there
+is (`estimation.FrictionTracker`). The least that any foot has shown lately is what is planned on;
+the speed that is asked for and the rate at which that changes are what such friction gives. What a slide has
+shown is forgotten after a while, and the robot goes on as before.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.spatial import GRAVITY
+from surefoot.motion.walking.behaviours.behaviour import Request, WalkFacts, WalkView
+from surefoot.records import FrictionTracker
+
+LOADED = 0.08
+"""Normal force from which a foot shows friction, as a share of m g."""
+SLIDING = 0.07
+"""Speed from which it slides, as a share of sqrt(g h): above what encoders' noise makes of a foot at rest."""
+FILTER = 0.004
+"""Time constant with which the feet's speeds are smoothed [s]."""
+MEMORY = 5.0
+"""How long a slide is remembered [s]."""
+MARGIN = 0.1
+"""Share of the friction that a slide showed which is left alone."""
+LEAST = 0.05
+"""Friction that is believed in at least: with none at all, no force could be planned."""
+SPEED = 1.7
+"""Largest speed on slippery ground, over mu sqrt(g h)."""
+ACCELERATION = 0.1
+"""Largest change of the wanted velocity there, over mu g."""
+SOON, HOLD = 0.003, 0.1
+"""Age of a slide from which what its foot uses counts at once, and for how long after its end [s]."""
+FALLING, RISING = 0.002, 1.0
+"""Time constants with which the believed friction falls and rises again [s]."""
+
+
+class Slip:
+    """Follows the friction under a robot's feet.
+
+    Parameters
+    ----------
+    walk
+        What it is for.
+
+    Attributes
+    ----------
+    mu
+        Friction that is believed in now [-].
+    sliding
+        (n,) which feet slide now.
+    """
+
+    name = "slip"
+
+    def __init__(self, walk: WalkFacts) -> None:
+        self.assumed, self.dt, self._radii, self._share = walk.mu, walk.dt, walk.radii, walk.friction_share
+        self._froude = math.sqrt(GRAVITY * walk.height)
+        self._tracker = FrictionTracker(
+            len(walk.radii), walk.dt, least=LOADED * walk.weight, memory=MEMORY,
+            sliding_speed=SLIDING * self._froude,
+        )  # fmt: skip
+        self.reset()
+
+    @classmethod
+    def of(cls, walk: WalkFacts) -> Slip | None:
+        """Return the behaviour where friction is watched."""
+        return cls(walk) if walk.watch_friction else None
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._tracker.reset()
+        self.mu = self.assumed
+        self.sliding: BoolArray = np.zeros(len(self._radii), dtype=bool)
+        self._speeds = np.zeros((len(self._radii), 3))
+        self._slid, self._quick, self._quick_age = np.zeros(len(self._radii)), math.inf, math.inf
+
+    def propose(self, view: WalkView) -> Request:
+        """Ask for the friction that the feet have found, and for speeds that suit it."""
+        mu = self._follow(view)
+        cap = SPEED * mu * self._froude if mu < self.assumed else math.inf
+        return Request(speed_cap=cap, mu=self._share * mu, acceleration=ACCELERATION * mu * GRAVITY)
+
+    def _follow(self, view: WalkView) -> float:
+        """Return the friction to plan with [-] after one more step; feet in the air show nothing."""
+        forces, now, frames, stance = view.state.forces, view.now, view.frames, view.stance
+        if forces is None:
+            return self.mu
+        normals = frames[:, :, 2]
+        arms = -self._radii[:, None] * normals
+        velocities = now.twists[:, :3] + np.cross(now.twists[:, 3:], arms)
+        self._speeds += min(self.dt / FILTER, 1.0) * (velocities - self._speeds)
+        own = np.where(stance[:, None], forces, 0.0)
+        local = np.einsum("nji,nj->ni", frames, own)
+        slow = np.einsum("nji,nj->ni", frames, self._speeds)
+        if not (np.isfinite(local).all() and np.isfinite(slow).all()):
+            return self.mu
+        self.sliding = self._tracker.update(local, slow).sliding & stance
+        wanted = max(float(self._tracker.believed(self.assumed, MARGIN).min()), LEAST)
+        wanted = min(wanted, self.assumed, self._at_once(local))
+        time = FALLING if wanted < self.mu else RISING
+        self.mu += min(self.dt / time, 1.0) * (wanted - self.mu)
+        return self.mu
+
+    def _at_once(self, forces: FloatArray) -> float:
+        """Return what feet use that begin to slide, forces (n, 3) [N]: the tracker is surer, but later."""
+        self._slid = np.where(self.sliding, self._slid + self.dt, 0.0)
+        begun = self._slid >= SOON
+        if begun.any():
+            use = np.hypot(forces[begun, 0], forces[begun, 1]) / np.maximum(forces[begun, 2], 1e-9)
+            self._quick, self._quick_age = max((1.0 - MARGIN) * float(use.min()), LEAST), 0.0
+        self._quick_age += self.dt
+        return self._quick if self._quick_age < HOLD else math.inf

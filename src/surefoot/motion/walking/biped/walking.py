@@ -1,0 +1,366 @@
+"""The walking controller of bipeds on flat feet: footsteps, pendulum preview, convex MPC, whole-body control.
+
+Each millisecond: which soles stand, where the other one should be, the motion that the last plan predicts for
+now, and the torques that give it. Each `plan_interval`, and whenever a foot lifts or lands, the MPC plans the
+forces at the corners of the soles again. Its reference is the pendulum over the footsteps ahead; where the
+coming foot lands follows the divergent motion that the MPC predicts for the touchdown, or, of a robot that
+was pushed, the one of now (`catching`).
+"""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray, real_number
+from surefoot.base.errors import ModelError, ProblemError
+from surefoot.base.spatial import GRAVITY, rotation_exp, rotation_log
+from surefoot.mechanics import FlatTerrain, Robot, Terrain, chain, composite_inertia
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.control.mpc import BodyReference, BodyState, MpcPlan
+from surefoot.motion.control.posture import Posture, stretching
+from surefoot.motion.control.whole_body import Kinematics, Tasks
+from surefoot.motion.gaits.contact_schedule import ContactSchedule
+from surefoot.motion.gaits.library import named_gait
+from surefoot.motion.walking.behaviours.behaviour import Request
+from surefoot.motion.walking.biped.catching import Catching
+from surefoot.motion.walking.biped.footstep_planner import (
+    Footstep,
+    StepGeometry,
+    StepPlanner,
+    foot_speeds,
+    pressure_path,
+)
+from surefoot.motion.walking.biped.leg_momentum import LegMomentum
+from surefoot.motion.walking.biped.pendulum import PendulumPreview
+from surefoot.motion.walking.biped.settings import BipedSettings
+from surefoot.motion.walking.biped.soles import Soles, sole_damping
+from surefoot.motion.walking.load_adaptation import LoadAdaptation
+from surefoot.motion.walking.walker import Walker
+from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, limit_command
+from surefoot.motion.walking.walking_feet import LEAST_CLEARANCE, Feet
+from surefoot.motion.walking.walking_kernels import follow, slope_frames
+
+DESCENT = 0.06
+"""Speed of a sole towards the ground at touchdown, as a share of sqrt(g h)."""
+REACH = 0.194
+"""How far either side of its middle a flat foot goes while it carries, in heights of the centre of mass: with
+more its heel would have to rise (of one seed each, G1 walks at 0.6 m/s and falls at 0.62)."""
+HEAVY = 0.6
+"""Largest share of the mass in the legs: steps are planned for a body on light ones. (Talos has 0.39 there,
+G1 0.43, iCub 0.45; Alexander's file, which holds no trunk, has 0.80, and falls within 4 s at 0.2 m/s.)"""
+PERIOD = 2.0 * math.pi / 1.96
+"""Length of a cycle of the gait, in units of sqrt(h / g)."""
+LATEST, SOONEST = 0.93, 0.06
+"""Up to this share of its swing a foot that catches the body is sent elsewhere, and it gets there in no less
+than this time [s]."""
+LADEN, NOTICED = 0.05, 0.1
+"""A robot carries a load from this share of its mass on (less is how far documents are off), and how long it
+takes to tell [s]."""
+
+
+class BipedController(Walker):
+    """Walks a robot on two flat feet; call `step` at a fixed rate.
+
+    Parameters
+    ----------
+    robot
+        With a floating base and two flat feet, which are level and point ahead in its nominal pose.
+    command
+        Wanted velocity over time; slowed to what is possible, see `notes`.
+    gait
+        A name, or a gait for two feet.
+    terrain
+        The ground that the controller believes in; None for flat.
+    settings
+        See `BipedSettings`.
+    dt
+        Time between steps [s].
+
+    Attributes
+    ----------
+    notes
+        What was changed in the command, one line each.
+
+    Raises
+    ------
+    ModelError
+        If the robot has no two flat feet, or a fixed base.
+    ProblemError
+        If the gait does not fit its feet.
+    """
+
+    settings: BipedSettings
+    soles: Soles
+    load: LoadAdaptation
+    catching: Catching
+
+    def __init__(
+        self,
+        robot: Robot,
+        command: VelocityCommand,
+        gait: str | ContactSchedule = "walk",
+        terrain: Terrain | None = None,
+        settings: BipedSettings | None = None,
+        dt: float = 1e-3,
+    ) -> None:
+        if not robot.floating or len(robot.feet) != 2 or not all(f.flat for f in robot.feet):
+            raise ModelError(f"{robot.name} cannot walk here: it needs a free base and two flat feet")
+        if (share := _leg_share(robot)) > HEAVY:
+            raise ModelError(
+                f"{robot.name} cannot walk here: its legs have {share:.0%} of its mass, and steps are "
+                f"planned for {HEAVY:.0%} at most; give it its trunk"
+            )
+        self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
+        self.settings = settings or BipedSettings()
+        self.terrain = FlatTerrain() if terrain is None else terrain
+        self._measure()
+        if isinstance(gait, str):
+            gait = named_gait(gait, 2, period=PERIOD * math.sqrt(self.height / GRAVITY))
+        if gait.feet != 2:
+            raise ProblemError(f"the gait is for {gait.feet} feet, {robot.name} has 2")
+        self.schedule = gait
+        sides = np.sign(robot.foot_positions(robot.nominal)[:, 1])
+        self.steps = StepPlanner(gait, self._geometry, sides, self.settings.capture)
+        self._mpc_dt = gait.period / self.settings.mpc_steps
+        self._interval = min(self.settings.plan_interval, self._mpc_dt)
+        self.command, self.notes = self._slowed(command)
+        self._limit = lambda wanted: self._slowed(wanted)[0]
+        self._set_parts()
+
+    def _slowed(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
+        """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
+        reach, radius = REACH * self.height, 0.5 * self._geometry.width
+        return limit_command(command, reach, self.steps.step_time, self.height, radius)
+
+    def _measure(self) -> None:
+        """Read mass, inertia, height and foot places off the robot's nominal pose."""
+        robot, q = self.robot, self.robot.nominal
+        inertia, _, self._upright = composite_inertia(robot, q)
+        self._inertia = self._upright @ inertia @ self._upright.T
+        com, centres = robot.com(q), robot.foot_positions(q)
+        radii = robot.contact_points.foot_radii
+        self._rise = stretching(robot, self.settings.stretch)
+        self.height = float(com[2] - (centres[:, 2] - radii).mean()) + self._rise
+        width = float(abs(centres[0, 1] - centres[1, 1]))
+        sole = max(foot.size[1] for foot in robot.feet)
+        self._geometry = StepGeometry(
+            width, min(1.5 * sole, 0.9 * width), width + 0.45 * self.height, 0.65 * self.height
+        )
+        self.start = self.settings.start / self._pendulum
+
+    def _set_parts(self) -> None:
+        """Make what gives the forces, and what looks ahead and keeps the posture."""
+        s, rates = self.settings, (self._pendulum**2, 2.0 * self._pendulum)
+        damping = sole_damping(s.sole_damping, self._pendulum, self.dt)
+        self._set_controllers(self._inertia, self._mpc_dt, rates, damping)
+        fine = self._mpc_dt / 2
+        self._preview = PendulumPreview(
+            self._pendulum, fine, max(2 * round(0.5 * s.preview / fine), 2 * s.horizon + 2)
+        )
+        self.catching = Catching(self._preview, self.steps, self.height)
+        most = s.arm_swing / self.height
+        share = LegMomentum(self.robot, Posture(self.robot, 1.0, most).swing).balancing()
+        self._posture = Posture(self.robot, s.joint_stiffness * self._pendulum, min(share, 1.0) * most)
+        self._legs = LegMomentum(self.robot, self._posture.swing)
+        self._point_foot = self.whole_body.point_foot
+        self._pressed = np.full(2, s.sole_press * self.height)
+        self._set_behaviours(self.robot.contact_points.foot_radii, 0.5 * self._geometry.width, False)
+        self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, self._upright)
+        # what is left of the wrench changes with every step of a biped: no plan beyond it may count on it
+        self.mpc.fading = math.inf
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past: the next step begins a walk from where the robot stands."""
+        for part in (self.mpc, self.whole_body, self.arbiter, self.load, self.catching):
+            part.reset()
+        self.feet = self._outstanding = None
+        self._planned_at, self._laden = -math.inf, False
+        self._plan_made: MpcPlan | None = None
+
+    def _adapt(self, state: RobotState) -> None:
+        """Learn of the load; one that is found before the first step goes into all models."""
+        load, due = self.load, self._due(state.time)
+        load.observe(state)
+        if due and NOTICED < state.time < self.start:
+            self._laden |= load.observer.load.mass > LADEN * self.robot.mass
+        if due and self._laden:
+            load.update_models(None if self.feet is None else self.body)
+
+    def _due(self, time: float) -> bool:
+        """Return whether it is time for another plan."""
+        return time - self._planned_at >= self._interval - 0.5 * self.dt
+
+    def _begin(self, now: Kinematics, state: RobotState) -> Feet:
+        """Start from where the robot stands."""
+        clearance = self.settings.clearance * self.height
+        descent = DESCENT * math.sqrt(GRAVITY * self.height)
+        turned = self.whole_body.foot_rotations.copy()
+        self.soles = Soles(
+            self.robot, self.schedule, self.terrain, clearance, descent, now.centres.copy(), turned
+        )
+        self.feet = self.soles.feet
+        ahead = now.rotation @ self._upright.T[:, 0]
+        self.body = BodyPlan(self.height - self._rise, now.com.copy(), math.atan2(ahead[1], ahead[0]))
+        self.body.swerve = self._swerve(now, state, self.body.yaw)
+        self.body.position[:2] = now.centres[:, :2].mean(axis=0)
+        self.body.fit_ground(self.soles.corners, math.inf)
+        return self.feet
+
+    def _move_feet(self, now: Kinematics, standing: BoolArray, clock: float) -> bool:
+        """Bring the soles up to the clock; return whether one has lifted or landed."""
+        return self.soles.update(clock, standing, now.centres, self.whole_body.foot_rotations)
+
+    def _move_body(self, request: Request, now: Kinematics, clock: float) -> None:
+        """Move the wanted body by one step, which rises before it walks."""
+        body = self.body
+        self.soles.feet.hurry(self.catching.pace, self.dt)
+        highest = self.height + float(self.load.shift[2])
+        body.height = min(body.height + self._rise * self.dt / self.start, highest)
+        body.ceiling = request.height
+        body.advance(self.arbiter.velocity, now.com, self.dt)
+
+    def _bound_forces(self, state: RobotState, now: Kinematics, clock: float, standing: BoolArray) -> None:
+        """Tell the torques of the load."""
+        if self._laden:
+            self.load.pull(now, state.q[:3])
+
+    def _plan(self, now: Kinematics, request: Request, clock: float, time: float, changed: bool) -> None:
+        """Choose the landings of feet in the air, and plan the forces of the steps ahead, if it is time."""
+        if changed or self._due(time):
+            self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
+            if not self.catching.active:
+                self._aim(clock, time)
+            self._replan(now, clock, time)
+
+    def _aim(self, clock: float, time: float) -> None:
+        """Choose where feet in the air land."""
+        feet, usual = self.soles.feet, self.settings.clearance * self.height
+        feet.clearance = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
+        for k in np.flatnonzero(~feet.stance & ~feet.planned):
+            left = max(self.schedule.phase(int(k), clock)[2] - clock, 0.0)
+            divergent = self._divergence(time + left - self._planned_at)
+            place, support = divergent - self._offsets[k], feet.ground[1 - k, :2]
+            self.soles.aim(int(k), *self.steps.foothold(int(k), self.body, left, place, support))
+
+    def _divergence(self, after: float) -> FloatArray:
+        """Return the divergent motion that the last plan predicts for a time after it was made: (2,) [m]."""
+        plan = self._plan_made
+        assert plan is not None
+        at = min(max(after / self._mpc_dt, 0.0), float(self.settings.horizon))
+        i = min(int(at), self.settings.horizon - 1)
+        share = at - i
+        place = (1.0 - share) * plan.position[i] + share * plan.position[i + 1]
+        speed = (1.0 - share) * plan.linear_velocity[i] + share * plan.linear_velocity[i + 1]
+        return np.asarray((place + speed / self._pendulum)[:2])
+
+    def _replan(self, now: Kinematics, clock: float, time: float) -> None:
+        """Run the MPC for the footsteps from now on."""
+        soles = self.soles
+        N, dt = self.settings.horizon, self._mpc_dt
+        toes = [soles.heading(r, k) for k, r in enumerate(self.whole_body.foot_rotations)]
+        ahead = partial(self.steps.ahead, soles, toes, self.body, clock, self.settings.preview)
+        steps = ahead(self.catching.pace)
+        reference = self._reference(now, steps, clock)
+        miss = (now.com_velocity - reference.linear_velocity[0])[:2] / self._pendulum
+        if clock > 0.0 and self.catching.notice(miss):
+            divergent = (now.com + now.com_velocity / self._pendulum)[:2]
+            steps = self.catching.steps(ahead, miss, divergent, clock)
+            self._send_feet(steps, clock)
+            reference = self._reference(now, steps, clock)
+        middles = clock + dt * (np.arange(N, dtype=np.float64) + 0.5)
+        contacts, places = self.steps.corners(soles, steps, middles)
+        spin = now.angular_velocity + self._leg_spin[0]
+        state = BodyState(now.rotation @ self._upright.T, now.com, now.com_velocity, spin)
+        self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
+        self._plan_made = plan = self.mpc.solve(
+            state, reference, places, contacts, soles.feet.frames[self._point_foot]
+        )
+        linear, angular, legs = (np.diff(v[:2], axis=0)[0] / dt for v in
+                                 (plan.linear_velocity, plan.angular_velocity, self._leg_spin))  # fmt: skip
+        self._motion = np.array([now.com, now.com_velocity, now.angular_velocity, linear, angular - legs])
+        self._planned_at, self._rotation = time, now.rotation.copy()
+
+    def _send_feet(self, steps: list[Footstep], clock: float) -> None:
+        """Send a foot in the air to the coming one of the steps, also late in its swing."""
+        coming = next((one for one in steps if one.begin > clock), None)
+        if coming is not None and not self.soles.feet.stance[coming.foot]:
+            self.soles.aim(coming.foot, coming.place, coming.yaw, LATEST)
+
+    def _reference(self, now: Kinematics, steps: list[Footstep], clock: float) -> BodyReference:
+        """Return the reference: the pendulum over the footsteps, upright along the heading.
+
+        The legs' angular momentum is put down to the body as if it turned by itself: the spin and the turn
+        that it would have with that momentum are added to its reference (and the spin to its state), and
+        the pressure that gives the momentum to the pendulum's.
+        """
+        N, dt, body = self.settings.horizon, self._mpc_dt, self.body
+        pressure = pressure_path(steps, clock + self._preview.middles)
+        flow = self._preview.motion(now.com[:2], pressure)[1][::2]
+        times = dt * np.arange(len(flow), dtype=np.float64)
+        yaw = body.yaw + body.velocity[2] * times
+        speeds = foot_speeds(self.soles, steps, clock + times, self.settings.clearance * self.height)
+        momentum = self._legs.momentum(speeds, np.column_stack([flow, flow @ body.slope]), yaw)
+        gained = np.repeat(np.diff(momentum, axis=0), 2, axis=0)[:, :2] / (dt * self.mpc.mass * GRAVITY)
+        pressure += np.column_stack([gained[:, 1], -gained[:, 0]])
+        xy, flow = self._preview.motion(now.com[:2], pressure)
+        self._note_offsets(steps, clock, pressure)
+        place, speed = np.empty((N + 1, 3)), np.zeros((N + 1, 3))
+        place[:, :2], speed[:, :2] = xy[: 2 * N + 1 : 2], flow[: 2 * N + 1 : 2]
+        place[:, 2] = body.position[2] + (place[:, :2] - body.position[:2]) @ body.slope
+        speed[:, 2] = speed[:, :2] @ body.slope
+        rotation = slope_frames(yaw[: N + 1], np.zeros(2))
+        mobility = np.linalg.inv(np.asarray(self.mpc.inertia, dtype=np.float64))
+        inverse = rotation @ mobility @ rotation.transpose(0, 2, 1)
+        self._leg_spin = np.einsum("tij,tj->ti", inverse, momentum[: N + 1])
+        turned = np.zeros((N + 1, 3))
+        turned[1:] = np.cumsum(0.5 * dt * (self._leg_spin[1:] + self._leg_spin[:-1]), axis=0)
+        spin = self._leg_spin + np.array([0.0, 0.0, body.velocity[2]])
+        return BodyReference(np.array([rotation_exp(t) for t in turned]) @ rotation, place, speed, spin)
+
+    def _note_offsets(self, steps: list[Footstep], clock: float, pressure: FloatArray) -> None:
+        """Note where the divergent motion is over the next landing of each foot, when it lands."""
+        ahead = self._preview.divergent(pressure)
+        self._offsets = np.zeros((2, 2))
+        for one in reversed(steps):
+            at = (one.begin - clock) / self._preview.dt
+            if 0.0 < at < self._preview.steps:
+                i = int(at)
+                xi = ahead[i] + (at - i) * (ahead[i + 1] - ahead[i])
+                self._offsets[one.foot] = xi - one.place
+
+    def _tasks(self, state: RobotState, now: Kinematics, clock: float) -> Tasks:
+        """Return the whole-body tasks: the plan's motion now, feedback on it, feet in the air, posture."""
+        soles, feet, plan = self.soles, self.soles.feet, self._plan_made
+        assert plan is not None
+        since, gain = state.time - self._planned_at, self._gain(self.settings.body_stiffness)
+        com, turn = follow(self._motion, self._rotation, since, *now[:4], *gain)
+        swing = self._gain(self.settings.swing_stiffness)
+        wanted = feet.accelerations(clock, now.centres, now.twists, swing)
+        ks, ds = swing
+        for k in np.flatnonzero(~feet.stance):
+            goal, spin, change = soles.turning(int(k))
+            off = rotation_log(goal @ self.whole_body.foot_rotations[k].T)
+            wanted[k, 3:] = change + ks * off + ds * (spin - now.twists[k, 3:])
+            if self.catching.active and not feet.late[k]:
+                # the least squared acceleration to be there at rest in time, from wherever the foot is
+                left = max((1.0 - feet.share[k]) * feet.duration[k], SOONEST)
+                way, speed = feet.target[k, :2] - now.centres[k, :2], now.twists[k, :2]
+                wanted[k, :2] = (6.0 * way / left - 4.0 * speed) / left
+        c, s = math.cos(self.body.yaw), math.sin(self.body.yaw)
+        apart = (now.centres[0] - now.centres[1], now.twists[0] - now.twists[1])
+        lead, rate_of_lead = (c * float(a[0]) + s * float(a[1]) for a in apart)
+        joints = self._posture.accelerations(state.q, state.v, lead, rate_of_lead)
+        return Tasks(
+            feet.stance, com, turn, wanted, joints, plan.first, feet.frames, self._pressed
+        )  # fmt: skip
+
+
+def _leg_share(robot: Robot) -> float:
+    """Return the share of a robot's mass that its legs have."""
+    frames = [robot.model.getFrameId(foot.name) for foot in robot.feet]
+    legs = {joint for frame in frames for joint in chain(robot.model, frame)}
+    return float(sum(robot.model.inertias[joint].mass for joint in legs)) / robot.mass

@@ -1,6 +1,0 @@
-"""Plans through contact: motions whose contacts an optimiser chose, or was given, and that obey the laws."""
-
-from surefoot.planning.plan import Phase, Plan, PlanSearch, plan_from
-from surefoot.planning.trajectory import Trajectory, rollout
-
-__all__ = ["Phase", "Plan", "PlanSearch", "Trajectory", "plan_from", "rollout"]

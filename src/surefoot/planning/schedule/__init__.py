@@ -1,6 +1,0 @@
-"""The first road: motions over a given mode schedule, whole body, with limits of torques and speeds."""
-
-from surefoot.planning.schedule.problem import ScheduleProblem, ScheduleWeights
-from surefoot.planning.schedule.search import ScheduledMotion, optimise
-
-__all__ = ["ScheduleProblem", "ScheduleWeights", "ScheduledMotion", "optimise"]

@@ -1,0 +1,236 @@
+"""The audit of a log: every law over time, what the signs point at, and one verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import ProblemError
+from surefoot.mechanics import Robot
+from surefoot.records.audit.checks import CHECKS, Check
+from surefoot.records.audit.command import judge_command, judge_task
+from surefoot.records.audit.cones import grip
+from surefoot.records.audit.diagnosis import diagnose
+from surefoot.records.audit.friction import FrictionCount
+from surefoot.records.audit.intervals import JOIN, Interval, Track
+from surefoot.records.audit.log_context import Setting, arranged, setting_of
+from surefoot.records.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
+from surefoot.records.audit.rows import Rows, lacking, pieces
+from surefoot.records.audit.slides import WORST, slide_on, start_slides
+from surefoot.records.log import Log
+from surefoot.records.log.formats import read_log
+
+FINITE, CLOCK = "finite", "clock"
+"""What is asked of the log itself before any law: numbers that are finite, and time that goes on."""
+_FAULTS = (FINITE, CLOCK)
+NEEDED = ("pull", "penetration", "distance", "friction")
+"""Laws without which no log is called lawful: unilateral contact and Coulomb's cone."""
+LEAST = 4
+"""Rows without which no log is called lawful: fewer hold no motion that forces could contradict."""
+
+
+def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
+    """Judge every law of contact over a log, in bounded memory.
+
+    Parameters
+    ----------
+    log
+        A log, or the path of one. What can be judged depends on its channels; ``forces`` alone tell of
+        pulls, with ``gaps``, ``contact_velocities`` and ``mu`` all laws of contact can be judged, with
+        ``q``, ``v`` and ``normals`` whether the forces explain the motion.
+    robot
+        Whose log it is; None for the robot that it names.
+
+    Returns
+    -------
+    AuditReport
+        `.verdict`, `.violations`, `.symptoms`, `.coverage`, `.friction`. Never "lawful" where numbers are
+        not finite, time stands still or runs back, the log contradicts itself, or the laws of `NEEDED` could
+        not be judged.
+
+    Raises
+    ------
+    ProblemError
+        For what is no log, has no rows, or tells facts that cannot be.
+    """
+    if not isinstance(log, (Log, str, Path)):
+        raise ProblemError(
+            f"audit_log takes an sf.Log or the path of one; arrays become one by sf.log_from_arrays, "
+            f"got {type(log).__name__}"
+        )
+    if not isinstance(log, Log):
+        log = read_log(log)
+    log = arranged(log, robot)
+    setting = setting_of(log, robot)
+    coverage = _coverage(log, setting)
+    used = [check for check in CHECKS if not coverage.get(check.name, "")]
+    used = [check for check in used if check.law or not (lacking(log, check.needs) or not setting.names)]
+    join = max(1, round(JOIN / setting.dt)) if setting.dt > 0.0 else 1
+    tracks = {name: Track(name, join) for name in (*_FAULTS, *(check.name for check in used))}
+    friction, slides = FrictionCount(setting), start_slides(len(setting.names))
+    last = -np.inf
+    for rows in pieces(log, setting):
+        last = _faults(rows, tracks, last)
+        if setting.names or used:
+            with np.errstate(over="ignore", invalid="ignore"):
+                _measure(rows, used, tracks)
+                if setting.names:
+                    friction.add(rows)
+                if "dissipation" in tracks:
+                    _slide(rows, slides)
+    if "dissipation" in tracks:
+        _slow_slides(slides, tracks["dissipation"], setting.slide_limit, len(log))
+    return _report(log, setting, coverage, tracks, friction)
+
+
+def assert_lawful(log: Log | Path | str, robot: Robot | None = None, symptoms: bool = False) -> AuditReport:
+    """Audit a log and raise unless it is lawful and its task did not fail; for tests.
+
+    Parameters
+    ----------
+    log, robot
+        See `audit_log`.
+    symptoms
+        Whether symptoms that break no law (chatter, blows of one step, ...) fail as well.
+
+    Raises
+    ------
+    LawBroken
+        An AssertionError whose text is the verdict, the symptoms with their causes, and the violations.
+    ProblemError
+        See `audit_log`.
+    """
+    report = audit_log(log, robot)
+    if not report.passed or (symptoms and report.symptoms):
+        raise LawBroken(report)
+    return report
+
+
+def _coverage(log: Log, setting: Setting) -> dict[str, str]:
+    """Return why each law cannot be judged; "" where it can."""
+    out = {}
+    for check in (c for c in CHECKS if c.law):
+        missing = lacking(log, check.needs)
+        why = f"the log has no {', '.join(missing)}" if missing else ""
+        if not setting.names:  # what never touches anything is judged by its momentum
+            free = "momentum_rate" in log and not missing
+            why = "" if check.name == "balance" and free else "the log has no contacts"
+        out[check.name] = why or check.doubt(log, setting)
+    return out
+
+
+def _faults(rows: Rows, tracks: dict[str, Track], before: float) -> float:
+    """Track what is wrong with the log itself, and return the last time stamp."""
+    first, core = rows.first + rows.core.start, rows.core
+    lost = rows.lost[core]
+    if lost.any():
+        tracks[FINITE].add(lost, lost.astype(np.float64), np.zeros(lost.shape), first)
+    time = rows.time[core]
+    step = np.diff(time, prepend=before if np.isfinite(before) else time[:1] - rows.setting.dt)
+    bad = ~(step > 0.0) | ~np.isfinite(time)
+    if rows.setting.dt > 0.0:
+        bad |= step > 5.5 * rows.setting.dt
+    if bad.any():
+        tracks[CLOCK].add(
+            bad[:, None], step[:, None], np.full((len(step), 1), rows.setting.dt), first, rows.points
+        )
+    return float(time[-1])
+
+
+def _measure(rows: Rows, used: list[Check], tracks: dict[str, Track]) -> None:
+    """Track every check in a piece."""
+    first, core = rows.first + rows.core.start, rows.core
+    for check in used:
+        value, limit, bad = check.measure(rows)
+        bad = bad[core] & ~(rows.lost[core, : bad.shape[1]] | rows.lost[core, -1:])
+        if bad.any():
+            tracks[check.name].add(bad, value[core], limit[core], first)
+
+
+def _slide(rows: Rows, state: FloatArray) -> None:
+    """Add up the ways without friction in a piece, however slow; what is lost is left out."""
+    core = rows.core
+    keep = ~rows.lost[core].any(axis=1)
+    mu = np.ascontiguousarray(np.broadcast_to(grip(rows), rows.normal.shape)[core][keep])
+    f, v = (np.ascontiguousarray(x[core][keep]) for x in (rows.forces, rows.slip))
+    v = np.where(rows.swinging[core][keep][..., None], 0.0, v)
+    slide_on(state, f, v, mu, rows.dt[core][keep], rows.setting.threshold, rows.setting.weight)
+
+
+def _slow_slides(state: FloatArray, track: Track, limit: float, rows: int) -> None:
+    """Track the contacts that slid too far without friction, too slowly for a window to show."""
+    seen = {i.column for i in track.kept}
+    for column, way in enumerate(state[:, WORST].tolist()):
+        if way > limit and column not in seen:
+            track.kept.append(Interval(track.check, column, 0, rows - 1, way, limit, rows))
+
+
+def _report(
+    log: Log, setting: Setting, coverage: dict[str, str], tracks: dict[str, Track], friction: FrictionCount
+) -> AuditReport:
+    time = log["time"]
+    titles = {check.name: check for check in CHECKS}
+    laws = {name for name, check in titles.items() if check.law} | set(_FAULTS)
+    found: list[Interval] = [i for track in tracks.values() for i in track.kept]
+    physical = [i for i in found if i.check not in _FAULTS]
+    violations = tuple(
+        Violation(
+            i.check, setting.columns[i.column], float(time[i.first]),
+            float(time[i.last]) + setting.dt, i.value, i.limit,
+            titles[i.check].unit if i.check in titles else ("places" if i.check == FINITE else "s"),
+        )
+        for i in sorted(found, key=lambda i: (i.first, i.column)) if i.check in laws
+    )  # fmt: skip
+    more = {t.check: t.dropped for t in tracks.values() if t.dropped and t.check in laws}
+    broken = any(v.law not in _FAULTS for v in violations)
+    verdict: Judgement = "lawful"
+    reason = "" if broken else _reason(log, setting, coverage, violations)
+    if broken:
+        verdict = "broken"
+    elif reason:
+        verdict = "cannot tell"
+    symptoms = tuple(diagnose(log, setting, physical)) if physical else ()
+    intervals = friction.intervals()
+    return AuditReport(
+        verdict, violations, more, symptoms, coverage, intervals,
+        (*setting.doubts, *setting.notes, *_changes(intervals)), len(log), float(time[0]), float(time[-1]),
+        setting.names, setting.weight, reason, *judge_task(log), tuple(judge_command(log, setting)),
+    )  # fmt: skip
+
+
+def _changes(intervals: tuple[FrictionInterval, ...]) -> Iterator[str]:
+    """Yield a line for each change of the ground's friction under a foot."""
+    for one, two in pairwise(intervals):
+        if one.contact == two.contact:
+            how = "rises" if two.low > one.high else "falls"
+            yield (
+                f"the ground's friction under {one.contact} {how} at {two.start:.2f} s: {one.words} before, "
+                f"{two.words} after"
+            )
+
+
+def _reason(log: Log, setting: Setting, coverage: dict[str, str], violations: tuple[Violation, ...]) -> str:
+    """Return why a log in which no law is broken cannot be called lawful; empty if it can."""
+    if violations:
+        return str(violations[0])
+    alone = not setting.names and not coverage["balance"]
+    lacking = {why for name, why in coverage.items() if why and name in NEEDED and not alone}
+    if lacking:
+        return ", ".join(sorted(lacking))
+    if setting.doubts:
+        return setting.doubts[0]
+    if len(log) < LEAST:
+        return f"{len(log)} rows are too few, {LEAST} are the least"
+    unknown = coverage["motion"] and coverage["balance"]
+    if unknown and not any(_loaded(piece, setting) for piece in log.chunks()):
+        return "no contact ever carries anything, and the motion is not known"
+    return ""
+
+
+def _loaded(log: Log, setting: Setting) -> bool:
+    """Return whether a contact is ever loaded."""
+    return bool(np.any(np.asarray(log["forces"])[..., 2] > setting.threshold))

@@ -1,0 +1,160 @@
+"""Whether positions, velocities and gaps of a log are those of one motion.
+
+Over any time a configuration changes by the integral of its velocity. Whichever rule a simulator takes,
+q' = q + dt v or q' = q + dt v', the trapezium (v + v') / 2 differs from it by half of dt times the change of
+velocity, and over any number of rows by no more than that of one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.records.audit.log_context import Setting
+from surefoot.records.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
+from surefoot.records.log import Log
+
+TIME = 0.05
+"""Steps of positions are added up over this time [s]."""
+SMOOTH = 0.01
+"""Velocities are compared as means over this time [s]."""
+STATE_LIMIT = 2e-3
+"""Way by which positions may differ from what velocities lead to [m] ..."""
+LEVER = 0.1
+"""... of an angle on this lever [m/rad] ..."""
+DRIFT = 0.05
+"""... or this share of the way gone."""
+GAP_TIME, GAP_LIMIT = 0.02, 5e-3
+"""The same for gaps, whose contact point wanders over a round foot [s], [m]."""
+VELOCITY_LIMIT, VELOCITY_SHARE = 0.05, 0.05
+"""Speed [m/s], and share of it, by which a contact's velocity may differ from that of the robot's joints."""
+BASE = 7
+"""Numbers of a free base in a configuration: place and quaternion (x, y, z, w)."""
+UNIT = 1e-3
+"""A quaternion's length differs from one by less."""
+
+
+def state(rows: Rows) -> Measured:
+    """Return the way by which positions are not those that velocities lead to: (T, p + 1) [m]."""
+    value, limit = np.zeros((2, rows.count, rows.points + 1))
+    q, v = rows.numbers("q"), rows.numbers("v")
+    slips = state_slips(q, v, rows.dt)
+    if slips is not None:
+        scale = levers(q, v)
+        w = rows.window(TIME)
+        off, step = np.abs(sliding_sum(slips, w)) * scale, np.abs(v) * scale * rows.dt[:, None]
+        # The trapezium may be half a change of velocity off, at most the highest step in the window; the rest
+        # is drift.
+        bound = STATE_LIMIT + _highest(step, w) + DRIFT * sliding_sum(step, w)
+        worst = np.argmax(off / bound, axis=1)[:, None]
+        value[:, -1:] = np.take_along_axis(off, worst, axis=1)
+        limit[:, -1:] = np.take_along_axis(bound, worst, axis=1)
+    return value, limit, value > limit
+
+
+def gap_rate(rows: Rows) -> Measured:
+    """Return the way by which gaps are not those that their contacts' velocities lead to: (T, p) [m]."""
+    up, w = rows.velocities[..., 2], rows.window(GAP_TIME)
+    value = np.abs(sliding_sum(gap_slips(rows.gaps, up, rows.dt, rows.setting.after), w))
+    step = np.abs(up) * rows.dt[:, None]
+    return over(value, GAP_LIMIT + _highest(step, w) + DRIFT * sliding_sum(step, w))
+
+
+def no_plane(log: Log, setting: Setting) -> str:
+    """Return why the change of gaps cannot be judged; empty on a plane."""
+    return "" if setting.plane else "the ground is not known to be a plane"
+
+
+def contact_velocity(rows: Rows) -> Measured:
+    """Return how far contact velocities are from those of the robot's joints: (T, p) [m/s]."""
+    rest, value, limit = rows.unexplained, np.zeros(rows.normal.shape), np.full(rows.normal.shape, np.inf)
+    if rest is not None:
+        own, after = np.einsum("tpji,tspj->stpi", rows.frames, rest.velocities)
+        w, off = rows.window(SMOOTH), rows.velocities - own
+        # a row may have the velocity before its force, after it, or a mean of both
+        change = after - own
+        size = np.maximum((change**2).sum(axis=-1), 1e-24)
+        share = np.clip((off * change).sum(axis=-1) / size, 0.0, 1.0)
+        off = off - share[..., None] * change
+        value = np.nan_to_num(np.linalg.norm(sliding_mean(off, w), axis=-1))
+        size = np.nan_to_num(np.linalg.norm(own, axis=-1))
+        limit = VELOCITY_LIMIT + VELOCITY_SHARE * _highest(size, w)
+    return over(value, limit)
+
+
+def state_slips(q: FloatArray, v: FloatArray, dt: FloatArray) -> FloatArray | None:
+    """Return how far each step of the configuration is from what the velocities say: (T, nv) [m, rad].
+
+    The turn of a free base is in its own axes, its way in the world's. None where the numbers of a
+    configuration are neither those of its velocity nor those with a free base. The last row is zero.
+
+    Parameters
+    ----------
+    q, v
+        (T, nq), (T, nv) Pinocchio's order.
+    dt
+        (T,) time to the next row [s].
+    """
+    floating = free_base(q, v)
+    if not floating and q.shape[1] != v.shape[1]:
+        return None
+    out = np.zeros(v.shape)
+    step, mean = dt[:-1, None], 0.5 * (v[:-1] + v[1:])
+    first = 6 if floating else 0
+    out[:-1, first:] = np.diff(q[:, BASE if floating else 0 :], axis=0) - step * mean[:, first:]
+    if floating:
+        R = rotation_from_quaternion(q[:, 3:BASE])
+        world = np.einsum("tij,tj->ti", R, v[:, :3])
+        out[:-1, :3] = np.diff(q[:, :3], axis=0) - 0.5 * step * (world[:-1] + world[1:])
+        out[:-1, 3:6] = _turns(R) - step * mean[:, 3:6]
+    return out
+
+
+def levers(q: FloatArray, v: FloatArray) -> FloatArray:
+    """Return what makes ways of all velocity components of rows q (T, nq), v (T, nv): (nv,) [m/rad, 1]."""
+    scale = np.full(v.shape[1], LEVER)
+    scale[: q.shape[1] - v.shape[1] and 3] = 1.0  # of a free base, the place
+    return scale
+
+
+def gap_slips(gaps: FloatArray, velocity: FloatArray, dt: FloatArray, after: bool | None) -> FloatArray:
+    """Return how far each step of the gaps is from what the contacts' velocities say: (T, p) [m].
+
+    On a plane, where the contact is the lowest point of a round foot, or a corner. The last row is zero.
+
+    Parameters
+    ----------
+    gaps, velocity
+        (T, p) [m] and their velocity along the normal [m/s].
+    dt
+        (T,) time to the next row [s].
+    after
+        Whether a row's velocity is that after its force has acted; None for a mean while it acts.
+    """
+    out = np.zeros(gaps.shape)
+    out[:-1] = np.diff(gaps, axis=0) - dt[:-1, None] * (velocity[1:] if after is False else velocity[:-1])
+    return out
+
+
+def free_base(q: FloatArray, v: FloatArray) -> bool:
+    """Return whether rows of configurations (T, nq) and velocities (T, nv) begin with a free base's."""
+    if q.shape[1] < BASE or q.shape[1] != v.shape[1] + 1:
+        return False
+    return bool(np.abs(np.linalg.norm(q[:, 3:BASE], axis=1) - 1.0).max(initial=0.0) < UNIT)
+
+
+def _turns(R: FloatArray) -> FloatArray:
+    """Return the turn from each rotation (T, 3, 3) to the next one, in its own axes: (T - 1, 3) [rad]."""
+    S = np.einsum("tji,tjk->tik", R[:-1], R[1:])
+    sine = 0.5 * np.stack([S[:, 2, 1] - S[:, 1, 2], S[:, 0, 2] - S[:, 2, 0], S[:, 1, 0] - S[:, 0, 1]], axis=1)
+    size = np.linalg.norm(sine, axis=1)
+    angle = np.arctan2(size, 0.5 * (np.trace(S, axis1=1, axis2=2) - 1.0))
+    return np.asarray(sine * np.where(size > 1e-12, angle / np.maximum(size, 1e-12), 1.0)[:, None])
+
+
+def _highest(values: FloatArray, rows: int) -> FloatArray:
+    """Return the highest of (T, c) values in a window of so many steps about each row, both ends of each."""
+    from scipy.ndimage import maximum_filter1d
+
+    return np.asarray(maximum_filter1d(values, 2 * (rows // 2) + 3, axis=0, mode="nearest"))

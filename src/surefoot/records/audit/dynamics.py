@@ -1,0 +1,196 @@
+"""What the logged forces leave unexplained of the motion: Newton-Euler, row by row.
+
+    r = M v̇ + h - S τ - Σ Jᵢᵀ fᵢ - Q - Jᵀ push
+
+with Q what other contacts than the feet's put on the robot, where the log has it.
+
+Its six base rows are the force and the moment that something not in the log puts on the whole robot; the rows
+of a leg's joints, as a force at its foot, say which foot's force is wrong.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.mechanics import Robot
+from surefoot.records.log import Log
+
+DAMPING = 1e-4
+"""Share of a leg's squared lever that keeps its force bounded where the leg is stretched."""
+MOTOR_FACTS = ("armature", "viscous_friction", "dry_friction")
+"""Facts of a log that say what rotors and friction take of the torques."""
+STICKING = 0.05
+"""A joint slower than this may stick: its dry friction is then any up to its size [rad/s]."""
+
+
+@dataclass(frozen=True)
+class UnexplainedForces:
+    """What is left over, in rows of a log.
+
+    Attributes
+    ----------
+    force, moment
+        (T, 3) on the whole robot, world axes, the moment about the base [N, N m].
+    feet
+        (T, n, 3) force on each foot that its leg's joint torques miss, world axes [N]; NaN without torques.
+    velocities
+        (T, 2, p, 3) of the feet's material at the contact points, by the robot's joints before and after the
+        step to the next row, in the configuration before it, world axes [m/s].
+    """
+
+    force: FloatArray
+    moment: FloatArray
+    feet: FloatArray
+    velocities: FloatArray
+
+
+def unexplained(
+    robot: Robot,
+    log: Log,
+    forces_world: FloatArray,
+    mass_scale: float = 1.0,
+    payload: float = 0.0,
+    payload_position: FloatArray | None = None,
+) -> UnexplainedForces:
+    """Return what T rows with their successors, T + 1 in all, leave unexplained in the first T.
+
+    Parameters
+    ----------
+    robot
+        Whose log it is.
+    log
+        T + 1 rows with q, v, time and contact_positions; torques, push, other_forces, and the fact gravity,
+        where it has them.
+    forces_world
+        (T + 1, p, 3) forces on the contact points, world axes [N].
+    mass_scale
+        The mass that the log tells over the robot's with its payload, for the base rows.
+    payload, payload_position
+        Point mass on the base [kg], and where: (3,) base axes [m]; None for its origin.
+    """
+    points, rows = robot.contact_points, len(log) - 1
+    q, v = np.asarray(log["q"]), np.asarray(log["v"])
+    dt = np.diff(np.asarray(log["time"]))[:, None]
+    acceleration = np.diff(v, axis=0) / dt
+    model = _loaded(robot.model, log, payload, payload_position)
+    # M Δv / dt + h in the configuration before the step, with Coriolis forces of the velocity before and
+    # after it.
+    (torque, later), jacobian = _newton_euler(model, q[:-1], acceleration, v[:-1], v[1:])
+    later -= torque
+    for part in (torque, later):
+        part[:, : robot.base_dof] *= mass_scale
+    force, place = forces_world[:-1], np.asarray(log["contact_positions"])[:-1]
+    wrench = np.concatenate([force, np.cross(place, force)], axis=2)
+    on_points = np.einsum("tpc,tcj->tpj", wrench, jacobian)
+    support = points.support.astype(np.float64)
+    rest = torque - np.einsum("tpj,pj->tj", on_points, support)
+    twists = np.einsum("tcj,tsj,pj->tspc", jacobian, np.stack([v[:-1], v[1:]], axis=1), support)
+    velocities = twists[..., :3] + np.cross(twists[..., 3:], place[:, None])
+    base = robot.base_dof
+    R = rotation_from_quaternion(q[:-1, 3:7])
+    if "push" in log:
+        com = np.asarray(robot.model.inertias[1].lever)
+        local = np.einsum("tji,tj->ti", R, np.asarray(log["push"])[:-1])
+        rest[:, :3] -= local
+        rest[:, 3:6] -= np.cross(com, local)
+    feet = np.full((rows, len(robot.feet), 3), np.nan)
+    if "other_forces" in log:
+        rest -= np.asarray(log["other_forces"])[:-1]
+    # a step may take the velocity before it, after it, or a mean of both for its Coriolis forces
+    share = -(rest * later)[:, :base].sum(axis=1) / np.maximum((later[:, :base] ** 2).sum(axis=1), 1e-24)
+    rest += np.clip(share, 0.0, 1.0)[:, None] * later
+    if "torques" in log:
+        rest[:, base:] -= np.asarray(log["torques"])[:-1]
+        known = np.asarray(robot.model.armature)[base:]  # is in M already
+        rest[:, base:] += _lost(log, v[:, base:], acceleration[:, base:], rest[:, base:], known)
+        feet = _at_feet(robot, rest, jacobian, place)
+    force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
+    return UnexplainedForces(force_left, moment_left, feet, velocities)
+
+
+def balanced_forces(robot: Robot, log: Log) -> FloatArray:
+    """Return the forces on the feet that the joint torques of each row balance at rest: (T, n, 3) world [N].
+
+    What a controller that gives J^T f to stance legs asks of the ground; inertia of the legs is left out.
+
+    Parameters
+    ----------
+    robot
+        Whose log it is.
+    log
+        Rows with q, v, torques and contact_positions; the fact gravity where it has one.
+    """
+    q, v = np.asarray(log["q"]), np.asarray(log["v"])
+    model = _loaded(robot.model, log)
+    (torque,), jacobian = _newton_euler(model, q, np.zeros(v.shape), v)
+    torque[:, robot.base_dof :] -= np.asarray(log["torques"])
+    return _at_feet(robot, torque, jacobian, np.asarray(log["contact_positions"]))
+
+
+def _lost(
+    log: Log, speeds: FloatArray, acceleration: FloatArray, rest: FloatArray, known: FloatArray
+) -> FloatArray:
+    """Return what rotors and friction take of the motors' torques (T, joints), where the log tells them.
+
+    Rotors that the robot's model has, (joints,) `known`, take it there.
+
+    The dry friction of a joint that sticks, or turns back, in the step of a row is what holds it, up to its
+    size: it takes what (T, joints) `rest` leaves over. `speeds` are (T + 1, joints).
+    """
+    rotor, viscous, dry = (log.fact(name) if name in log.facts else 0.0 for name in MOTOR_FACTS)
+    before, after = speeds[:-1], speeds[1:]
+    rotor = rotor - known if "armature" in log.facts else 0.0
+    lost = np.asarray(rotor * acceleration + viscous * before)
+    holding = np.clip(-(rest + lost), -np.asarray(dry), dry)
+    sticks = (np.minimum(np.abs(before), np.abs(after)) < STICKING) | (before * after < 0.0)
+    return np.asarray(lost + np.where(sticks, holding, dry * np.sign(before)))
+
+
+def _loaded(model: Any, log: Log, payload: float = 0.0, position: FloatArray | None = None) -> Any:
+    """Return a copy of a robot's model in the log's gravity, with a point mass [kg] on the base."""
+    import pinocchio
+
+    model = model.copy()
+    model.gravity.linear = np.asarray(log.facts.get("gravity", model.gravity.linear))
+    if payload > 0.0:
+        place = np.zeros(3) if position is None else np.asarray(position, dtype=np.float64)
+        model.inertias[1] = model.inertias[1] + pinocchio.Inertia(payload, place, np.zeros((3, 3)))
+    return model
+
+
+def _newton_euler(
+    model: Any, q: FloatArray, a: FloatArray, *velocities: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return inverse dynamics (S, T, nv) at S velocities, and the world Jacobian (T, 6, nv), of each row."""
+    import pinocchio
+
+    data = model.createData()
+    torque, jacobian = np.empty((len(velocities), *a.shape)), np.empty((len(a), 6, a.shape[1]))
+    rnea: Any = pinocchio.rnea
+    columns: Any = pinocchio.computeJointJacobians
+    for k in range(len(a)):
+        for out, v in zip(torque, velocities, strict=True):
+            out[k] = rnea(model, data, q[k], v[k], a[k])
+        jacobian[k] = columns(model, data, q[k])
+    return torque, jacobian
+
+
+def _at_feet(robot: Robot, rest: FloatArray, jacobian: FloatArray, place: FloatArray) -> FloatArray:
+    """Return the joints' rest of every leg as a force at its foot: (T, n, 3), world axes."""
+    points, base = robot.contact_points, robot.base_dof
+    out = np.empty((len(rest), len(robot.feet), 3))
+    for foot in range(len(robot.feet)):
+        leg = np.flatnonzero(points.foot_support[foot][base:]) + base
+        at = place[:, points.foot == foot].mean(axis=1)
+        J = jacobian[:, :3, leg] + np.cross(jacobian[:, 3:, leg], at[:, :, None], axis=1)
+        # Least squares f of Jᵀ f = r over the leg's joints, damped where the leg is stretched.
+        JJ = np.einsum("tij,tkj->tik", J, J)
+        JJ += DAMPING * np.trace(JJ, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        pulled = np.einsum("tij,tj->ti", J, rest[:, leg])
+        out[:, foot] = np.linalg.solve(JJ, pulled[..., None])[..., 0]
+    return out

@@ -1,0 +1,298 @@
+"""What an audit knows of a log once, and where the log contradicts itself."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray, IntArray, finite_array
+from surefoot.base.errors import ProblemError, SurefootError
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics import Robot, load_robot
+from surefoot.records.audit.dynamics import MOTOR_FACTS
+from surefoot.records.audit.laws import LOADED_SHARE, SLIDE_LIMIT, SOFTEST, stated
+from surefoot.records.log import Log
+from surefoot.records.log.snapshot import point_names
+
+BODY = "body"
+"""Stands in a report where the whole robot is meant and no single contact."""
+DEEP = 5e-3
+"""A world that lets feet sink deeper is soft and hides what the audit should find [m]."""
+REMEDIES = {
+    "sinking": "a stiffer contact (solref with a shorter time constant, solimp nearer to one)",
+    "creep": "an elliptic cone with impratio of 10 or more, or a stiffer solref",
+    "stopping": "solref with a shorter time constant, an elliptic cone with impratio of 10 or more",
+    "settling": "solref with a shorter time constant",
+}
+"""What makes such a world tell more, in MuJoCo's words."""
+PLANES = ("flat", "slope")
+"""Kinds of ground that are one plane."""
+SAME_MASS = 1e-3
+"""A recording's model whose mass differs by more from the robot of its name is another one."""
+FASTEST = 5.0
+"""Gaps that change faster are those of a foot that passes an edge [m/s]."""
+PER_POINT = ("forces", "gaps", "contact_velocities", "contact_positions", "normals", "contact_friction")
+"""Channels with a row for each contact point."""
+OF_POINTS = ("contact_with", "moment_friction", "contact_margin", "contact_damping", "critically_damped")
+"""Facts with a row for each contact point."""
+
+REAL = {*MOTOR_FACTS, *OF_POINTS[1:], "gravity", "free_wrenches"}
+"""Facts that the laws are worked out with: NaN in one of them would leave nothing over."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What an audit knows once.
+
+    Attributes
+    ----------
+    names, owner
+        (p,) names of the contact points and index of the foot of each.
+    feet
+        Names of the feet.
+    weight
+        m g [N].
+    dt
+        Usual time from row to row [s].
+    sinking, creep, stopping, settling
+        What the world declares of its own softness [m], [m/s], [m], [s].
+    payload, payload_position
+        Point mass on the base, part of the weight [kg], and where: (3,) base axes [m].
+    robot
+        For the equations of motion; None where they cannot be judged, for the reason `why_no_motion`.
+    after
+        Whether a row's contact velocities are those after its force has acted; else those before; None for
+        means while it acts.
+    plane
+        Whether the ground is known to be one plane, on which a gap changes as its contact moves.
+    notes
+        What was assumed, a line each.
+    doubts
+        Where the log contradicts itself, a line each: such a log is never lawful.
+    """
+
+    names: tuple[str, ...]
+    owner: IntArray
+    feet: tuple[str, ...]
+    weight: float
+    dt: float
+    sinking: float
+    creep: float
+    stopping: float
+    settling: float
+    payload: float
+    payload_position: FloatArray
+    robot: Robot | None
+    why_no_motion: str
+    after: bool | None = False
+    plane: bool = False
+    notes: tuple[str, ...] = field(default=())
+    doubts: tuple[str, ...] = field(default=())
+
+    @property
+    def threshold(self) -> float:
+        """Normal force from which a contact counts as loaded [N]."""
+        return LOADED_SHARE * self.weight
+
+    @property
+    def slide_limit(self) -> float:
+        """Longest way without friction that counts as sticking [m]."""
+        return SLIDE_LIMIT + self.stopping
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the contacts, and of the body at the end."""
+        return (*self.names, BODY)
+
+    def single(self, contact: int) -> bool:
+        """Return whether a contact is all that its foot has."""
+        return int((self.owner == self.owner[contact]).sum()) == 1
+
+
+def arranged(log: Log, robot: Robot | None) -> Log:
+    """Return a recording with its contact points in the order of a robot's feet, matched by name.
+
+    As it is where it is no recording, or not every contact point is a foot's of its own.
+    """
+    if robot is None or log.facts.get("kind") != "recording":
+        return log
+    names = [str(name) for name in log.facts.get("feet", ())]
+    owner = np.asarray(log.facts.get("contact_foot", ()))
+    try:
+        places = [robot.foot_names.index(robot.foot(name).name) for name in names]
+    except SurefootError:
+        return log
+    if sorted(places) != list(range(len(robot.foot_names))) or owner.shape != (len(robot.contact_points),):
+        return log
+    order = np.argsort(np.array(places)[owner], kind="stable")
+    arrays = {
+        name: array[:, order] if "p" in log.channels[name].shape else array
+        for name, array in log.arrays.items()
+    }
+    facts = {name: np.asarray(f)[order] if name in OF_POINTS else f for name, f in log.facts.items()}
+    facts |= {"feet": list(robot.foot_names), "contact_foot": np.array(places)[owner][order]}
+    return Log(arrays, facts, channels=log.channels)
+
+
+def setting_of(log: Log, robot: Robot | None) -> Setting:
+    """Return what a log tells once; `robot` None for the one that it names.
+
+    Raises
+    ------
+    ProblemError
+        If the log has no rows, or facts that are none.
+    """
+    if len(log) == 0:
+        raise ProblemError("the log has no rows")
+    notes = [f"doubt of the reader: {line}" for line in log.doubts]
+    doubts: list[str] = []
+    count = max((log[name].shape[1] for name in PER_POINT if name in log), default=0)
+    feet, owner = _feet(log, count)
+    names = tuple(point_names(feet, owner.tolist()))
+    steps = np.diff(np.asarray(log["time"][: 1 << 16]))
+    good = steps[np.isfinite(steps) & (steps > 0.0)]
+    stated_dt = float(log.fact("dt")) if "dt" in log.facts else 0.0
+    dt = float(np.median(good)) if good.size else stated_dt
+    if stated_dt and good.size and abs(stated_dt - dt) > 0.02 * dt:
+        doubts.append(f"the log says dt = {stated_dt:g} s, its time stamps {dt:g} s")
+    for name in REAL.intersection(log.facts):
+        finite_array(f"the fact {name}", log.fact(name))
+    soft = [stated(log, name) for name in SOFTEST]
+    if _by_row(log):  # friction is judged by its own law, row by row: what is left to allow is bounded
+        soft[1], soft[2] = _mean_creep(log), min(soft[2], SOFTEST["stopping"][0])
+    sinking, creep, stopping, settling = soft
+    payload = stated(log, "payload")
+    place = finite_array("the fact payload_position", log.facts.get("payload_position", np.zeros(3)), (3,))
+    for (name, (most, unit)), value in zip(SOFTEST.items(), soft, strict=True):
+        if value > most and (name != "sinking" or not _by_row(log) or _deepest(log) > most):
+            doubts.append(
+                f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything; "
+                f"what helps is {REMEDIES[name]}"
+            )
+    if any(soft):
+        deep = "; that is soft: a stiffer contact would show more" if sinking > DEEP else ""
+        held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"
+        if _by_row(log):
+            held = f"{held}, by its own law"
+        swing = ""
+        if settling > 0.0:
+            swing = f"; for {1e3 * settling:.2g} ms after a hard touchdown friction's work is not judged"
+        notes.append(
+            f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to "
+            f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
+        )
+    model, why = _robot(log, robot, doubts)
+    weight = _weight(log, model, payload, notes, doubts)
+    return Setting(
+        names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
+        _velocities_after(log, dt), str(log.facts.get("terrain", "")).split(":")[0] in PLANES,
+        tuple(notes), tuple(doubts)
+    )  # fmt: skip
+
+
+def _by_row(log: Log) -> bool:
+    """Return whether a log has row by row what its soft friction creeps, and how fast it brakes."""
+    return "contact_creep" in log and "contact_damping" in log.facts
+
+
+def _mean_creep(log: Log) -> float:
+    """Return the speed at which the loads of a log creep by the world's own law, on average [m/s]."""
+    load = way = 0.0
+    for piece in log.chunks():
+        normal = np.nan_to_num(np.maximum(np.asarray(piece["forces"])[..., 2], 0.0))
+        load += float(normal.sum())
+        way += float((normal * np.nan_to_num(np.asarray(piece["contact_creep"]))).sum())
+    return way / load if load > 0.0 else 0.0
+
+
+def _deepest(log: Log) -> float:
+    """Return how deep any contact of a log went [m]."""
+    return max((-float(np.nanmin(p["gaps"], initial=0.0)) for p in log.chunks()), default=0.0)
+
+
+def _velocities_after(log: Log, dt: float) -> bool | None:
+    """Return whether a row's contact velocities carry its gap to the next row's: those after its force.
+
+    MuJoCo reports the velocities before the forces act, a time-stepping scheme those after.
+    """
+    if log.facts.get("velocities") == "mean":
+        return None
+    if not {"gaps", "contact_velocities"} <= set(log.arrays) or dt <= 0.0:
+        return False
+    gaps, up = (np.asarray(log[name][: 1 << 16]) for name in ("gaps", "contact_velocities"))
+    change, way = np.diff(gaps, axis=0), dt * up[..., 2]
+    with np.errstate(invalid="ignore"):
+        near = np.abs(change) < FASTEST * dt
+    before, after = (float(np.nansum(np.abs(change - w)[near])) for w in (way[1:], way[:-1]))
+    return after < before
+
+
+def _feet(log: Log, count: int) -> tuple[tuple[str, ...], IntArray]:
+    if "contact_foot" not in log.facts or "feet" not in log.facts:
+        return tuple(f"contact {k}" for k in range(count)), np.arange(count)
+    feet = tuple(map(str, log.fact("feet")))
+    owner = np.asarray(log.fact("contact_foot"))
+    if count and (owner.shape != (count,) or not np.isin(owner, np.arange(len(feet))).all()):
+        raise ProblemError(f"the fact contact_foot must name one of {len(feet)} feet for {count} contacts")
+    return feet, owner.astype(np.int64)
+
+
+def _weight(log: Log, model: Robot | None, payload: float, notes: list[str], doubts: list[str]) -> float:
+    """Return m g: the log's, else the robot's, else from the forces, which is a doubt."""
+    if "mass" in log.facts:
+        return float(log.fact("mass")) * GRAVITY
+    if model is not None:
+        notes.append(f"the log does not tell the robot's mass: {model.mass + payload:.3g} kg from its model")
+        return (model.mass + payload) * GRAVITY
+    mean = 0.0
+    if "forces" in log:
+        total = np.asarray(log["forces"][: 1 << 16, :, 2]).sum(axis=1)
+        mean = float(np.mean(total[np.isfinite(total)])) if np.isfinite(total).any() else 0.0
+    known = math.isfinite(mean) and mean > 0.0
+    taken = f"{mean / GRAVITY:.3g} kg from its forces" if known else "1 kg is taken"
+    doubts.append(f"the log does not tell the robot's mass: {taken}")
+    return mean if known else GRAVITY
+
+
+def _same_feet(robot: Robot, feet: tuple[str, ...]) -> bool:
+    """Return whether a log's feet are the robot's, in its order; short names do."""
+    try:
+        return tuple(robot.foot(name).name for name in feet) == robot.foot_names
+    except SurefootError:
+        return False
+
+
+def _robot(log: Log, robot: Robot | None, doubts: list[str]) -> tuple[Robot | None, str]:
+    """Return the robot of a log, or why its equations of motion cannot be judged."""
+    if len(log) < 3:
+        return None, "the log has fewer than three rows"
+    needed = ("q", "v", "forces", "contact_positions", "normals")
+    lacking = [name for name in needed if name not in log]
+    if lacking:
+        return None, f"the log has no {', '.join(lacking)}"
+    recorded = log.facts.get("kind") == "recording"
+    if robot is None:
+        if "robot" not in log.facts:
+            return None, "the log does not name its robot: give one"
+        name = str(log.fact("robot"))
+        try:
+            robot = load_robot(name)
+        except SurefootError as error:
+            return None, str(error)
+        if recorded and abs(robot.mass - float(log.fact("mass"))) > SAME_MASS * robot.mass:
+            return None, f"the recording's {name} has another mass than ours: give the robot itself"
+    if recorded and not _same_feet(robot, tuple(map(str, log.facts.get("feet", ())))):
+        return None, f"the recording's feet are not {', '.join(robot.foot_names)}"
+    have = (log["q"].shape[1], log["v"].shape[1], log["forces"].shape[1])
+    want = (int(robot.model.nq), int(robot.model.nv), len(robot.contact_points))
+    if not robot.floating and have[:2] == want[:2]:
+        return None, "the robot is bolted to the world"
+    if have != want:
+        doubts.append(f"{robot.name} has (nq, nv, contact points) = {want}, the log {have}")
+        return None, doubts[-1]
+    if "torques" in log and log["torques"].shape[1] != robot.joints:
+        doubts.append(f"{robot.name} has {robot.joints} joints, the log {log['torques'].shape[1]}")
+        return None, doubts[-1]
+    return robot, ""

@@ -1,0 +1,140 @@
+"""What the ground gives back along its normal: a touch never returns more energy than it took.
+
+A force held over a row, f, moves what it acts on from one velocity to the next; the energy that it gives is
+
+    W = f_n dt (v_n + v_n') / 2,
+
+exactly so for an impulse (Stronge's work of the normal force: restitution e <= 1 is sum W <= 0). A contact
+that stores energy has taken it before: the sum since touchdown stays below zero at any time.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.records.audit.log_context import Setting
+from surefoot.records.audit.rows import Measured, Rows
+from surefoot.records.log import Log
+
+REBOUND = 5e-5
+"""Energy that a touch may return beyond what it took is m g on this way [m] (clean walks: a seventh), ..."""
+REBOUND_SHARE = 0.03
+"""... or this share of what it took: restitution of 1.015."""
+RETURN_TIME = 0.01
+"""A touch is at fault while it gives back over half of the limit within this time [s]."""
+LONGEST_ROW = 5e-3
+"""Not judged where rows are further apart [s]: a touch of a foot is over between two."""
+
+
+def rebound(rows: Rows) -> Measured:
+    """Return the energy that touches have given back beyond what they took: (T, p) [J].
+
+    A body on several contacts hands energy from one to another, and from friction to the normal: at fault is
+    what all contacts together have given, too, since none was loaded; where that is not among the rows, what
+    those have that are loaded now, too. And what the force has given along the gap, where it is known: the
+    contact point of a foot that rolls is known to a share of its way only. A foot still in soft ground that
+    pushes again has not been away: its touch goes on.
+    """
+    loaded, dt, after = rows.loaded, rows.dt, rows.setting.after
+    if rows.has("gaps"):
+        loaded = loaded | (rows.gaps < 0.0)
+    value, taken = returned_work(rows.normal, rows.velocities[..., 2], dt, loaded, after)
+    limit = np.maximum(REBOUND * rows.setting.weight, REBOUND_SHARE * taken) + _unloading(rows)
+    any_loaded = np.asarray(loaded.any(axis=1, keepdims=True))
+    chain = _since_touchdown(_work(rows).sum(axis=1, keepdims=True), any_loaded)
+    begun = np.logical_or.accumulate(~any_loaded, axis=0)
+    normals = value.sum(axis=1, keepdims=True)
+    together = np.where(begun, chain, np.minimum(chain, normals))
+    if rows.has("gaps"):
+        rise = np.diff(rows.gaps, axis=0, append=rows.gaps[-1:])
+        along = _since_touchdown(np.where(loaded, rows.normal * rise, 0.0), loaded)
+        together = np.minimum(together, along)
+    before = np.concatenate([value[:1].repeat(rows.window(RETURN_TIME), 0), value])[: len(value)]
+    returns = value - before > 0.5 * limit  # the rows that give it back, not the rest of the touch
+    return value, limit, (value > limit) & (together > limit) & returns
+
+
+def _unloading(rows: Rows) -> FloatArray:
+    """Return what soft contacts give back when their load changes: (T, p) [J].
+
+    A contact that is critically damped by its own law throws nothing; but MuJoCo's law sets how it comes out
+    of the ground, not the force meanwhile: sunk under little load and left under much it gives up to force
+    times depth, and a body on several contacts hands that from one to another.
+    """
+    damped = np.asarray(rows.log.facts.get("critically_damped", np.zeros(rows.points)), dtype=bool)
+    if not damped.any() or not rows.has("gaps"):
+        return np.zeros(rows.normal.shape)
+    margin = np.asarray(rows.log.facts.get("contact_margin", np.zeros(rows.points)))
+    depth = np.maximum(margin - rows.gaps, 0.0)
+    size = _peak_since_touchdown(rows.normal, rows.loaded) * _peak_since_touchdown(depth, rows.loaded)
+    return np.broadcast_to((size * damped).sum(axis=1, keepdims=True), size.shape)
+
+
+def _peak_since_touchdown(values: FloatArray, loaded: BoolArray) -> FloatArray:
+    """Return the highest of (T, p) values since each contact was last without load."""
+    out, peak = np.zeros_like(values), np.zeros(values.shape[1])
+    for t in range(len(values)):
+        peak = out[t] = np.where(loaded[t], np.maximum(peak, values[t]), 0.0)
+    return out
+
+
+def _work(rows: Rows) -> FloatArray:
+    """Return the work of the whole force of every contact in each row: (T, p) [J]."""
+    first, last = _both_ends(rows.velocities, rows.setting.after)
+    work = 0.5 * (rows.forces * (first + last)).sum(axis=-1) * rows.dt[:, None]
+    return np.where(rows.loaded, work, 0.0)
+
+
+def sparse(log: Log, setting: Setting) -> str:
+    """Return why touches cannot be judged; empty where rows are close enough."""
+    far = f"rows are {1e3 * setting.dt:.3g} ms apart: a touch is over between two"
+    return far if setting.dt > LONGEST_ROW else ""
+
+
+def returned_work(
+    normal: FloatArray, velocity: FloatArray, dt: FloatArray, loaded: BoolArray, after: bool | None
+) -> tuple[FloatArray, FloatArray]:
+    """Return the energy given less taken since touchdown, and the energy taken: (T, p) each [J].
+
+    Zero for contacts without load, and in touches whose beginning is not among the rows.
+
+    Parameters
+    ----------
+    normal, velocity
+        (T, p) normal force [N] and velocity along the normal [m/s].
+    dt
+        (T,) time to the next row [s].
+    loaded
+        (T, p) where a contact is loaded.
+    after
+        Whether a row's velocity is that after its force has acted; None for a mean while it acts.
+    """
+    first, last = _both_ends(velocity, after)
+    half = 0.5 * normal * dt[:, None]
+    given = np.where(loaded, half * (np.maximum(first, 0.0) + np.maximum(last, 0.0)), 0.0)
+    taken = np.where(loaded, -half * (np.minimum(first, 0.0) + np.minimum(last, 0.0)), 0.0)
+    if after is False:  # the velocity after the last row is not known
+        given[-1:] = taken[-1:] = 0.0
+    begun = np.logical_or.accumulate(~loaded, axis=0)
+    known = loaded & begun
+    return (
+        np.where(known, _since_touchdown(given - taken, loaded), 0.0),
+        np.where(known, _since_touchdown(taken, loaded), 0.0),
+    )
+
+
+def _both_ends(velocity: FloatArray, after: bool | None) -> tuple[FloatArray, FloatArray]:
+    """Return the velocities (T, ...) before and after the force of each row, see `returned_work` [m/s]."""
+    if after is None:
+        return velocity, velocity
+    ends = np.concatenate([velocity[:1], velocity, velocity[-1:]])
+    return (ends[:-2], ends[1:-1]) if after else (ends[1:-1], ends[2:])
+
+
+def _since_touchdown(values: FloatArray, loaded: BoolArray) -> FloatArray:
+    """Return the sums of (T, p) values since each contact was last without load."""
+    total = np.cumsum(values, axis=0)
+    before = np.maximum.accumulate(np.where(loaded, -1, np.arange(len(values))[:, None]), axis=0)
+    columns = np.arange(values.shape[1])[None]
+    return np.asarray(total - np.where(before >= 0, total[np.maximum(before, 0), columns], 0.0))

@@ -1,0 +1,277 @@
+"""Rows of a log as the audit reads them: arrays derived piece by piece."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics import frames_on
+from surefoot.records.audit.dynamics import UnexplainedForces, balanced_forces, unexplained
+from surefoot.records.audit.laws import swinging
+from surefoot.records.audit.log_context import PER_POINT, Setting
+from surefoot.records.log import Log
+
+Measured: TypeAlias = tuple[FloatArray, FloatArray, BoolArray]
+"""Measure, limit, and where it is exceeded: (T, c) each, c the contacts or contacts and body."""
+PAD = 0.15
+"""Time before and after a piece that its windows may look at [s]."""
+CREEP = 0.1
+"""Most that is allowed of a declared creep, whatever a row's own is [m/s]."""
+PIECE = 1 << 15
+"""Rows of a piece."""
+FINITE = (
+    *PER_POINT, "q", "v", "torques", "mu", "push", "other_forces", "momentum", "momentum_rate", "com",
+    "energy", "wrench_applied", "contact_moments", "contact_creep", "pyramid_turn",
+)  # fmt: skip
+
+
+def lacking(log: Log, names: Iterable[str]) -> list[str]:
+    """Return which of these channels a log lacks; friction may stand in either of two."""
+    known = {"mu"} if "contact_friction" in log else set()
+    return [name for name in names if name not in log and name not in known]
+
+
+class Rows:
+    """Rows `first` to `last` of a log with what surrounds them; `core` are those asked for.
+
+    Numbers that are not finite are zero here; `lost` says where.
+    """
+
+    def __init__(self, log: Log, setting: Setting, first: int, last: int) -> None:
+        pad = min(max(int(PAD / setting.dt), 2), PIECE) if setting.dt > 0.0 else 2
+        self.first = max(first - pad, 0)
+        self.log = log.rows(slice(self.first, min(last + pad, len(log))))
+        self.core = slice(first - self.first, last - self.first)
+        self.setting = setting
+        self.count = len(self.log)
+        self.points = len(setting.names)
+
+    def has(self, *names: str) -> bool:
+        """Return whether the log has all of these channels."""
+        return self.points > 0 and not lacking(self.log, names)
+
+    def numbers(self, name: str) -> FloatArray:
+        """Return a channel's rows (T, ...) in its unit, zero where they are not finite."""
+        values = np.asarray(self.log[name], dtype=np.float64)
+        finite = np.isfinite(values)
+        return values if finite.all() else np.where(finite, values, 0.0)
+
+    @cached_property
+    def lost(self) -> BoolArray:
+        """(T, p + 1) where a contact's measurement, or one of the body, is not finite."""
+        out = np.zeros((self.count, self.points + 1), dtype=bool)
+        for name in FINITE:
+            if name not in self.log:
+                continue
+            bad = ~np.isfinite(np.asarray(self.log[name]))
+            if not bad.any():
+                continue
+            if name in PER_POINT:
+                out[:, :-1] |= bad.reshape(self.count, self.points, -1).any(axis=2)
+            else:
+                out[:, -1] |= bad.reshape(self.count, -1).any(axis=1)
+        if "normals" in self.log:
+            length = (self.numbers("normals") ** 2).sum(axis=2)
+            out[:, :-1] |= np.abs(length - 1.0) > 0.02  # no direction
+        return out
+
+    @cached_property
+    def time(self) -> FloatArray:
+        """(T,) [s]."""
+        return np.asarray(self.log["time"], dtype=np.float64)
+
+    @cached_property
+    def dt(self) -> FloatArray:
+        """(T,) time to the next row, the usual one where the clock is wrong [s]."""
+        steps = np.diff(self.time, append=self.time[-1:] + self.setting.dt)
+        return np.where(np.isfinite(steps) & (steps > 0.0), steps, self.setting.dt)
+
+    @cached_property
+    def forces(self) -> FloatArray:
+        """(T, p, 3) contact frames [N]."""
+        return self.numbers("forces")
+
+    @cached_property
+    def normal(self) -> FloatArray:
+        """(T, p) normal forces [N]."""
+        return self.forces[..., 2]
+
+    @cached_property
+    def tangential(self) -> FloatArray:
+        """(T, p) size of the tangential forces [N]."""
+        return np.hypot(self.forces[..., 0], self.forces[..., 1])
+
+    @cached_property
+    def loaded(self) -> BoolArray:
+        """(T, p) where a contact is loaded."""
+        return self.normal > self.setting.threshold
+
+    @cached_property
+    def gaps(self) -> FloatArray:
+        """(T, p) [m]."""
+        return self.numbers("gaps")
+
+    @cached_property
+    def velocities(self) -> FloatArray:
+        """(T, p, 3) contact frames [m/s]."""
+        return self.numbers("contact_velocities")
+
+    @cached_property
+    def mu(self) -> FloatArray:
+        """Friction of the ground [-]: (T, p) where each contact has its own, else (T, 1)."""
+        own = "contact_friction" in self.log
+        return np.maximum(self.numbers("contact_friction") if own else self.numbers("mu")[:, None], 0.0)
+
+    @cached_property
+    def creep(self) -> FloatArray:
+        """Speed at which the world's soft friction lets contacts move: (T, p) or (1, 1) [m/s].
+
+        By its own law a_t + b v_t + R f_t = 0, where the log has R f_t / b and b: that and what the contact
+        is braked by, at least what holds the weight, since a_t is known to a step and a contact point's turn.
+        """
+        if "contact_creep" not in self.log:
+            return np.full((1, 1), self.setting.creep)
+        v = self.velocities[..., :2]
+        along = v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
+        change = np.diff(v, axis=0, append=v[-1:])
+        braked = np.maximum(-(change * along).sum(axis=-1), 0.0) / self.dt[:, None]
+        rate = np.asarray(self.log.facts.get("contact_damping", np.full(self.points, np.inf)))
+        creep = np.maximum(self.numbers("contact_creep"), 0.0) + braked / np.maximum(rate, 1e-300)
+        return np.asarray(np.maximum(creep, min(float(self.log.facts.get("creep", 0.0)), CREEP)))
+
+    @cached_property
+    def slip(self) -> FloatArray:
+        """(T, p, 3) velocities, the tangential ones less what the world creeps [m/s]."""
+        if not self.creep.any():
+            return self.velocities
+        speed = np.hypot(self.velocities[..., 0], self.velocities[..., 1])
+        left = np.maximum(1.0 - self.creep / np.maximum(speed, 1e-300), 0.0)
+        return np.asarray(self.velocities * left[..., None])
+
+    @cached_property
+    def frames(self) -> FloatArray:
+        """(T, p, 3, 3) contact frames (rotations) in world axes, from the ground's normals."""
+        normals = self.numbers("normals")
+        length = np.linalg.norm(normals, axis=-1, keepdims=True)
+        return frames_on(np.where(length > 0.5, normals / np.maximum(length, 0.5), [0.0, 0.0, 1.0]))
+
+    @cached_property
+    def unexplained(self) -> UnexplainedForces | None:
+        """What Newton-Euler leaves over in every row, NaN where it is not known; None without a robot."""
+        robot = self.setting.robot
+        if robot is None or self.count < 2:
+            return None
+        log, time = self.log, self.time
+        arrays = {name: self.numbers(name) for name in _MOTION if name in log}
+        clean = Log({**arrays, "time": time}, log.facts, channels=log.channels)
+        with np.errstate(all="ignore"):
+            world = np.einsum("tpij,tpj->tpi", self.frames, self.forces)
+            load = self.setting.payload
+            mass = self.setting.weight / (GRAVITY * (robot.mass + load))
+            out = unexplained(robot, clean, world, mass, load, self.setting.payload_position)
+        steps = np.diff(time)
+        wrong = ~(steps > 0.2 * self.setting.dt) | ~(steps < 5.0 * self.setting.dt)
+        wrong |= self.lost[:-1].any(axis=1) | self.lost[1:, -1]
+        parts = (out.force, out.moment, out.feet, out.velocities)
+        return UnexplainedForces(*(_with_last(part, wrong) for part in parts))
+
+    @cached_property
+    def missing(self) -> FloatArray | None:
+        """(T, p, 3) force that the joint torques ask for beyond the logged one, contact frames [N].
+
+        Of feet with one contact point; NaN for others, and where it is not known.
+        """
+        rest = self.unexplained
+        return None if rest is None else self._at_points(rest.feet)
+
+    @cached_property
+    def balanced(self) -> FloatArray | None:
+        """(T, p, 3) force that the joint torques balance at rest, contact frames [N], see `balanced_forces`.
+
+        Of feet with one contact point, NaN for others; None without a robot or its torques.
+        """
+        robot = self.setting.robot
+        if robot is None or "torques" not in self.log:
+            return None
+        return self._at_points(
+            balanced_forces(robot, Log({name: self.numbers(name) for name in _BALANCE}, self.log.facts))
+        )
+
+    def _at_points(self, feet: FloatArray) -> FloatArray:
+        """Return forces (T, n, 3) on feet, world axes, in the frames of their contacts: (T, p, 3) [N].
+
+        NaN for the contacts of feet with several.
+        """
+        out = np.full(self.forces.shape, np.nan)
+        for k in filter(self.setting.single, range(self.points)):
+            out[:, k] = np.einsum("tji,tj->ti", self.frames[:, k], feet[:, self.setting.owner[k]])
+        return out
+
+    @cached_property
+    def swinging(self) -> BoolArray:
+        """(T, 1) whether soft contacts may still swing from a hard touchdown of one of them."""
+        if self.setting.settling <= 0.0 or not self.has("gaps", "contact_velocities"):
+            return np.zeros((self.count, 1), dtype=bool)
+        return swinging(self.time, self.gaps, self.velocities, self.setting.settling)[0][:, None]
+
+    def window(self, seconds: float) -> int:
+        """Return how many rows a time [s] has, one at least."""
+        dt = self.setting.dt
+        return max(1, min(round(seconds / dt), self.count)) if dt > 0.0 else 1
+
+
+_BALANCE = ("time", "q", "v", "torques", "contact_positions")
+_MOTION = ("q", "v", "torques", "push", "other_forces", "contact_positions")
+
+
+def _with_last(part: FloatArray, wrong: BoolArray) -> FloatArray:
+    """Return rows with one of NaN more, NaN where the rows are wrong or too large."""
+    out = np.concatenate([part, np.full((1, *part.shape[1:]), np.nan)])
+    out[:-1][wrong] = np.nan
+    return np.where(np.abs(out) < 1e150, out, np.nan)
+
+
+def over(value: FloatArray, limit: FloatArray | float) -> Measured:
+    """Return a measure (T, c) with its limit and where it exceeds it."""
+    bound = np.broadcast_to(limit, value.shape)
+    return value, bound, value > bound
+
+
+def on_body(rows: Rows, value: FloatArray) -> FloatArray:
+    """Return (T,) values of the body in the last of p + 1 columns, the contacts' zero."""
+    out = np.zeros((rows.count, rows.points + 1))
+    out[:, -1] = value
+    return out
+
+
+def sliding_sum(values: FloatArray, rows: int) -> FloatArray:
+    """Return the sum over a window of so many rows about each row: shape and unit of (T, ...) values."""
+    total = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
+    index = np.arange(len(values))
+    low = np.maximum(index - (rows - 1) // 2, 0)
+    high = np.minimum(index + rows // 2 + 1, len(values))
+    return np.asarray(total[high] - total[low])
+
+
+def sliding_mean(values: FloatArray, rows: int) -> FloatArray:
+    """Return the mean of (T, ...) values over so many rows, of what is not NaN: in shape and unit of them.
+
+    NaN for less than half.
+    """
+    known = np.isfinite(values)
+    count = sliding_sum(known.astype(np.float64), rows)
+    total = sliding_sum(np.where(known, values, 0.0), rows)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(count >= 0.5 * min(rows, len(values)), total / count, np.nan)
+
+
+def pieces(log: Log, setting: Setting, rows: int = PIECE) -> Iterator[Rows]:
+    """Yield a log piece by piece; what is mapped is let go of again."""
+    for start in range(0, len(log), rows):
+        yield Rows(log, setting, start, min(start + rows, len(log)))
+        log.let_go()

@@ -1,0 +1,1 @@
+"""Estimates from recordings: contact forces, friction, restitution, ground, bodies, motors and delays."""

@@ -1,0 +1,397 @@
+"""`identify`: what recorded tosses say about a body, its contact and the ground, with intervals.
+
+In order: the ground from where the body came to rest; gravity, first states and centres of mass from free
+flight; the body, with a first law, from the frames just after the first touch; and then a contact law from
+all frames. Each step is the same search (`toss_search`) over simulated tosses. Every interval is a bootstrap
+over tosses, the same resamples for all of them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray, IntArray, whole_number
+from surefoot.base.errors import ProblemError
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics import Robot
+from surefoot.records.identification.ground_plane import CLEAR, GroundPlane, ground_points
+from surefoot.records.identification.relevel_tosses import Levelling, find_levelled
+from surefoot.records.identification.thrown_body import ThrownBody, TossParameter, cube_body, thrown_body
+from surefoot.records.identification.thrown_body_tree import sphere_places
+from surefoot.records.identification.toss_errors import TossErrors, deviations, resample, toss_errors
+from surefoot.records.identification.toss_impacts import ImpactFit, judged_impacts
+from surefoot.records.identification.toss_model import ThrownModel, TossModel, TossScene
+from surefoot.records.identification.toss_search import SearchResult, search
+from surefoot.records.identification.toss_start import TossFlight, flying_frames
+from surefoot.records.identification.tosses import Tosses, read_tosses
+
+LEAST = 8
+"""Tosses that a fit needs."""
+SCALE = 0.005
+"""Share by which free fall must miss the standard gravity before a note says so."""
+FEW = 128
+"""Tosses, evenly spread, that tell the body."""
+SOON, LATER = 8, 25
+"""Frames after the first touch that tell the body: few, while the law is still wrong, then more."""
+SURE = 0.2
+"""Standard error of gravity [m/s²] above which the standard value is taken."""
+SLOPES = ("slope_x", "slope_y")
+"""What the ground's slopes are called among what is held."""
+WIDE = 0.15
+"""Height above a ground that levelled tosses tell, to a few mm, that counts as flight, in widths."""
+UNKNOWN = 0.5
+"""An interval as wide as this share of a parameter's range says that the data cannot tell it."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted number and its 95 % interval, in `unit`."""
+
+    value: float
+    low: float
+    high: float
+    unit: str = ""
+
+
+class BodyFit(NamedTuple):
+    """What is known before a law is chosen: the body, the ground, gravity, and how their numbers spread.
+
+    Attributes
+    ----------
+    body
+        As identified.
+    plane, gravity
+        The ground, and [m/s²].
+    parameters
+        Those of the body and its surroundings, by name.
+    flight
+        The first states.
+    values
+        Of everything that was fitted on the way, the first law and the ground's slopes too, by name.
+    draws
+        (S,) what the bootstrap samples say of the same but the law, by name.
+    nominal
+        The body before it was fitted.
+    levelled
+        How the tosses stood before they were levelled one by one; None if they were not.
+    notes
+        A line each.
+    """
+
+    body: ThrownBody
+    plane: GroundPlane
+    gravity: float
+    parameters: dict[str, Estimate]
+    flight: TossFlight
+    values: dict[str, float]
+    draws: dict[str, FloatArray]
+    nominal: ThrownBody
+    levelled: Levelling | None
+    notes: tuple[str, ...]
+
+    def scene(self, tosses: Tosses) -> TossScene:
+        """Return the scene of tosses, these or others of the same body on the same ground."""
+        flight = TossFlight(tosses, self.before(tosses), self.body.tree, self.gravity)
+        return TossScene(flight.starts, tosses.frames, tosses.dt, self.plane, self.gravity, self.body)
+
+    def upright(self, tosses: Tosses) -> Tosses:
+        """Return tosses in the axes of the scene, which are their own unless they were levelled."""
+        return tosses if self.levelled is None else self.levelled.upright(tosses)
+
+    def before(self, tosses: Tosses) -> IntArray:
+        """Return (B,) the frames before the first touch."""
+        places = sphere_places(self.body.tree, tosses.poses)
+        return flying_frames(tosses, places, self.plane, self.body.width)
+
+
+@dataclass(frozen=True)
+class TossFit:
+    """What `identify` found.
+
+    Attributes
+    ----------
+    model
+        Name of the contact law or simulator.
+    parameters
+        By name: those of the law, then of the body, ground [m], tilt_x and tilt_y [deg], gravity [m/s²].
+    train, test
+        Errors on the tosses it was fitted to, and on the others (None without any).
+    train_poses, test_poses
+        (N, nq) the simulated poses behind them, in the axes of `found`.
+    found
+        The body and its surroundings.
+    impacts
+        Errors in first impacts, of the test where there is one; None where few are over at once.
+    position_noise, rotation_noise
+        Standard deviations of a recorded coordinate [m] and angle [rad], from free flight.
+    evaluations, seconds
+        How often all tosses were simulated [-], and how long the fit took [s].
+    notes
+        What to know about the result, a line each.
+    """
+
+    model: str
+    parameters: dict[str, Estimate]
+    train: TossErrors
+    test: TossErrors | None
+    train_poses: FloatArray
+    test_poses: FloatArray | None
+    found: BodyFit
+    impacts: ImpactFit | None
+    position_noise: float
+    rotation_noise: float
+    evaluations: float
+    seconds: float
+    notes: tuple[str, ...]
+
+    def __getitem__(self, name: str) -> Estimate:
+        return self.parameters[name]
+
+
+def identify(
+    tosses: Tosses | str | Path,
+    law: str | TossModel = "rigid",
+    *,
+    model: Robot | str | Path | None = None,
+    test: Tosses | str | Path | None = None,
+    found: BodyFit | None = None,
+    resamples: int = 1000,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> TossFit:
+    """Fit a body, its friction and restitution, and the ground, to recorded tosses.
+
+    Parameters
+    ----------
+    tosses
+        What to fit, or a file of it (`read_tosses`).
+    law
+        "rigid", "newton", "tangential" or "growing-friction"; or any `TossModel`.
+    model
+        What was thrown: a URDF or MJCF file, or a robot; None for the cube that the tosses name.
+    test
+        Other tosses of the same body on the same ground, which the fit does not see.
+    found
+        The body as another fit to the same tosses found it; None to identify it.
+    resamples
+        Bootstrap samples of tosses behind the 95 % intervals.
+    seed
+        Of the resampling; the same seed gives the same fit.
+    progress
+        Called with the number of tosses simulated so far, now and then.
+
+    Returns
+    -------
+    TossFit
+
+    Raises
+    ------
+    ProblemError
+        If a file is none of tosses, there are fewer than eight, the law's name is unknown, or the model has
+        not the tosses' joints.
+    """
+    begin = time.perf_counter()
+    simulator = ThrownModel(law) if isinstance(law, str) else law
+    tosses = tosses if isinstance(tosses, Tosses) else read_tosses(tosses)
+    others = read_tosses(test) if isinstance(test, (str, Path)) else test
+    if len(tosses) < LEAST:
+        raise ProblemError(f"a fit needs {LEAST} tosses or more, got {len(tosses)}")
+    draws = resample(len(tosses), whole_number("resamples", resamples, low=20), whole_number("seed", seed))
+    count = 0.0
+
+    def tick(simulated: float) -> None:
+        nonlocal count
+        count += simulated
+        if progress is not None:
+            progress(count)
+
+    if found is None:
+        body = _thrown(model, tosses, others)
+        first = ThrownModel(steps=simulator.steps if isinstance(simulator, ThrownModel) else None)
+        found = identify_body(tosses, body, first, draws, tick, find_levelled(tosses, body))
+    tosses = found.upright(tosses)
+    scene, before, own = found.scene(tosses), found.before(tosses), simulator.parameters
+    values, spread, settled = np.array([found.values.get(p.name, p.start) for p in own]), draws, True
+    known = all(p.name in found.values for p in own)
+    for horizon in (len(tosses.states),) if known else (LATER, len(tosses.states)):
+        best = _search_law(tosses, simulator, found, scene, before + horizon, values, draws, tick)
+        values, spread, settled = best.values, best.draws, best.settled
+    notes = list(found.notes)
+    if not settled:
+        notes.append(f"{simulator.name}: the search did not settle; take the intervals as too narrow")
+    fitted = {p.name: _estimate(values[k], spread[:, k], p.unit) for k, p in enumerate(own)}
+    wide = [p.name for p in own if fitted[p.name].high - fitted[p.name].low > UNKNOWN * (p.high - p.low)]
+    if wide:
+        notes.append(f"{simulator.name}: the tosses hardly tell {', '.join(wide)}")
+    width, poses = found.body.width, simulator.rollout(values, scene)
+    noise = found.flight.position_noise, found.flight.rotation_noise
+    judged, test_scene, test_poses, test_errors = tosses, scene, None, None
+    if others is not None:
+        judged = found.upright(others)
+        test_scene = found.scene(judged)
+        test_poses = simulator.rollout(values, test_scene)
+        test_errors = toss_errors(judged, test_poses, width, found.before(judged))
+    return TossFit(
+        simulator.name, fitted | found.parameters, toss_errors(tosses, poses, width, before), test_errors,
+        poses, test_poses, found,
+        judged_impacts((tosses, scene), (judged, test_scene), simulator, values, noise), *noise,
+        count / len(tosses), time.perf_counter() - begin, tuple(notes),
+    )  # fmt: skip
+
+
+def _thrown(model: Robot | str | Path | None, tosses: Tosses, others: Tosses | None) -> ThrownBody:
+    """Return the body of a model, or the cube that the tosses name; it has the joints of all of them."""
+    body = cube_body(tosses.cube) if model is None else thrown_body(model)
+    for one in (tosses, others):
+        if one is not None and one.joints != len(body.joints):
+            raise ProblemError(f"the model has {len(body.joints)} joints, the tosses have {one.joints}")
+    return body
+
+
+def _search_law(
+    tosses: Tosses, simulator: TossModel, found: BodyFit, scene: TossScene, ends: IntArray,
+    values: FloatArray, draws: FloatArray, tick: Callable[[float], None],
+) -> SearchResult:  # fmt: skip
+    """Fit a law to the frames before (B,) ends; how far the body's numbers are known has its share."""
+    part, names, count = tosses.until(ends), list(found.draws), len(values)
+    values = np.append(values, [found.values[name] for name in names])
+    fixed, whole = values[count:], bool((ends >= tosses.frames).all())
+
+    def simulate(values: FloatArray) -> FloatArray:
+        tick(len(part.states) / len(tosses.states) * len(tosses))
+        here = scene._replace(frames=part.frames)
+        if np.any(values[count:] != fixed):
+            now = found.values | dict(zip(names, values[count:].tolist(), strict=True))
+            here = _scene(part, found.nominal.at(now), found.flight, now)
+        return deviations(part, simulator.rollout(values[:count], here), here.body.width, here.body.arm)
+
+    held = np.stack([found.draws[name] for name in names], axis=1) if whole else None
+    return search(simulate, simulator.parameters, values, part.frames, draws, held)
+
+
+def _scene(tosses: Tosses, body: ThrownBody, flight: TossFlight, now: dict[str, float]) -> TossScene:
+    """Return the scene of a body and a ground whose numbers are these, by name."""
+    plane = GroundPlane(now["ground"], np.array([now[name] for name in SLOPES]))
+    starts = flight.corrected(body.tree, now["gravity"])
+    return TossScene(starts, tosses.frames, tosses.dt, plane, now["gravity"], body)
+
+
+def identify_body(
+    tosses: Tosses, body: ThrownBody, law: ThrownModel, draws: FloatArray, tick: Callable[[float], None],
+    levelled: Levelling | None = None,
+) -> BodyFit:  # fmt: skip
+    """Find body, ground, gravity, first states by a first law; `draws` (S, B) weigh bootstrap samples."""
+    clear, notes = (CLEAR if levelled is None else WIDE), []
+    if levelled is not None:
+        tosses = levelled.upright(tosses)
+        notes.append(levelled.note)
+    corners = sphere_places(body.tree, tosses.poses)
+    points = ground_points(tosses, corners, body.width) if levelled is None else levelled.touches
+    height, *slope = (float(x) for x in points.planes(np.ones((1, len(tosses))))[0])
+    plane = GroundPlane(height, np.array(slope), clear)
+    if not points.resting:
+        notes.append(
+            "few tosses come to rest: the ground is taken from the lowest places that corners reached"
+        )
+    planes = points.draws(draws)
+    chosen = np.unique(np.linspace(0, len(tosses) - 1, min(FEW, len(tosses))).round().astype(np.int64))
+    before = flying_frames(tosses, corners, plane, body.width)
+    fit = _BodySearch(tosses, body, law, plane, before, tick)
+    gravity = fit.falls(draws, notes)
+    part = _BodySearch(tosses.subset(chosen), body, law, plane, before[chosen], tick, dict(fit.values))
+    part.draws = {"gravity": fit.draws["gravity"], **dict(zip(SLOPES, planes[:, 1:].T, strict=True))}
+    for horizon in (SOON, LATER):
+        part.lands(horizon, draws[:, chosen])
+    values = part.values
+    known = body.at(values)
+    flight = TossFlight(tosses, before, known.tree, gravity)
+    grounded = int((flight.used == 0).sum())
+    if grounded:
+        notes.append(f"{grounded} tosses start too near the ground: their first recorded velocity is used")
+    estimates = part.estimates | {"gravity": fit.estimates["gravity"]}
+    for k, name in enumerate(("tilt_x", "tilt_y")):
+        estimates[name] = _estimate(
+            np.degrees(np.arctan(slope[k])), np.degrees(np.arctan(planes[:, 1 + k])), "deg"
+        )
+    ground = GroundPlane(values["ground"], plane.slope, clear)
+    return BodyFit(
+        known, ground, gravity, estimates, flight, values, part.draws, body, levelled, tuple(notes)
+    )
+
+
+class _BodySearch:
+    """The steps that find a body: each goes on from the values, by name, that the last one left."""
+
+    def __init__(
+        self, tosses: Tosses, body: ThrownBody, law: ThrownModel, plane: GroundPlane, before: IntArray,
+        tick: Callable[[float], None], values: dict[str, float] | None = None,
+    ) -> None:  # fmt: skip
+        self._tosses, self._body, self._plane, self._before = tosses, body, plane, before
+        self._tick, self._law = tick, law
+        start = {"gravity": GRAVITY, "ground": plane.height}
+        start |= dict(zip(SLOPES, plane.slope.tolist(), strict=True))
+        start |= {p.name: p.start for p in (*body.parameters, *self._law.parameters)}
+        self.values = start | (values or {})
+        self.estimates: dict[str, Estimate] = {}
+        self.draws: dict[str, FloatArray] = {}
+        self._flight = TossFlight(tosses, before, body.at(self.values).tree, self.values["gravity"])
+
+    def falls(self, draws: FloatArray, notes: list[str]) -> float:
+        """Find gravity and centres of mass in free flight; return gravity [m/s²]."""
+        gravity = TossParameter("gravity", GRAVITY, 0.05, 0.5 * GRAVITY, 2.0 * GRAVITY, "m/s²")
+        in_flight = ("com", "friction", "damping")
+        own = [p for p in self._body.parameters if p.name.startswith(in_flight)]
+        self._fit((gravity, *own), None, draws)
+        found = self.estimates["gravity"]
+        if not found.high - found.low < 4.0 * SURE:
+            notes.append("too little free flight to tell gravity: the standard one is taken")
+            self.values = {**self.values, **{p.name: p.start for p in (gravity, *own)}}
+            self.draws["gravity"] = np.full(len(draws), GRAVITY)
+            self.estimates["gravity"] = Estimate(GRAVITY, GRAVITY, GRAVITY, "m/s²")
+        elif abs(found.value / GRAVITY - 1.0) > SCALE:
+            notes.append(
+                f"free fall at {found.value:.3f} m/s² instead of {GRAVITY:g}: lengths, or times, are "
+                f"{100.0 * abs(found.value / GRAVITY - 1.0):.1f} % off"
+            )
+        return self.values["gravity"]
+
+    def lands(self, horizon: int, draws: FloatArray) -> None:
+        """Find everything else, in so many frames after the first touch."""
+        ground = TossParameter("ground", self._plane.height, 2e-4, -1e3, 1e3, "m")
+        self._fit((*self._law.parameters, ground, *self._body.parameters), horizon, draws)
+
+    def _fit(self, parameters: Sequence[TossParameter], horizon: int | None, draws: FloatArray) -> None:
+        law, given = [p.name for p in self._law.parameters], ["gravity", *SLOPES] if horizon else []
+        names = [p.name for p in parameters]
+        part = self._tosses.until(np.maximum(self._before + (horizon or 0), 2))
+        fixed, width, arm = self.values, self._body.width, self._body.arm
+
+        def simulate(values: FloatArray) -> FloatArray:
+            now = fixed | dict(zip([*names, *given], values.tolist(), strict=True))
+            now["ground"] = now["ground"] if horizon is not None else -1e3
+            scene = _scene(part, self._body.at(now), self._flight, now)
+            self._tick(len(part.states) / len(self._tosses.states) * len(self._tosses))
+            poses = self._law.rollout(np.array([now[name] for name in law]), scene)
+            return deviations(part, poses, width, arm)
+
+        held = np.stack([self.draws[name] for name in given], axis=1) if given else None
+        values = np.array([fixed[name] for name in (*names, *given)])
+        best = search(simulate, parameters, values, part.frames, draws, held)
+        self.values = fixed | dict(zip(names, best.values.tolist(), strict=True))
+        for k, p in enumerate(parameters):
+            if p.name not in law:
+                self.draws[p.name] = best.draws[:, k]
+                self.estimates[p.name] = _estimate(best.values[k], best.draws[:, k], p.unit)
+        now = self._body.at(self.values)
+        self._flight = TossFlight(self._tosses, self._before, now.tree, self.values["gravity"])
+
+
+def _estimate(value: float, draws: FloatArray, unit: str) -> Estimate:
+    low, high = np.percentile(draws, [2.5, 97.5])
+    return Estimate(float(value), min(float(low), float(value)), max(float(high), float(value)), unit)

@@ -1,0 +1,126 @@
+"""The facts of a log: what is said once about a run, and what each must look like."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.base.errors import ProblemError
+
+
+@dataclass(frozen=True)
+class Fact:
+    """What is said once about a run.
+
+    Attributes
+    ----------
+    meaning
+        One line for people, with the unit.
+    shape
+        Empty for one value; else numbers and named sizes, see `surefoot.records.log.Channel`.
+    text
+        Whether it is text and not numbers.
+    positive
+        Whether it must be positive and finite.
+    """
+
+    meaning: str
+    shape: tuple[int | str, ...] = ()
+    text: bool = False
+    positive: bool = False
+
+    def checked(self, name: str, value: Any, sizes: Mapping[str, int]) -> Any:
+        """Return a value as text, float, list of texts, or array, or raise `ProblemError`."""
+        try:
+            array = np.asarray(value, dtype=None if self.text else np.float64)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise ProblemError(f"the fact {name} must be numbers, got {value!r:.80}") from error
+        wanted = tuple(sizes.get(s) if isinstance(s, str) else s for s in self.shape)
+        fits = array.ndim == len(wanted) and all(
+            w in (None, have) and have > 0 for w, have in zip(wanted, array.shape, strict=True)
+        )
+        if self.text and (array.dtype.kind != "U" and array.size > 0):
+            raise ProblemError(f"the fact {name} must be text, got {value!r:.80}")
+        if not fits:
+            shape = f"({', '.join(map(str, self.shape))})"
+            raise ProblemError(f"the fact {name} must have shape {shape}, {sizes}, got {array.shape}")
+        if self.positive and not ((array > 0.0) & np.isfinite(array)).all():
+            raise ProblemError(f"the fact {name} must be positive and finite, got {value!r:.80}")
+        return array if self.shape and not self.text else array.tolist()
+
+
+FACTS: dict[str, Fact] = {
+    "robot": Fact("name", text=True),
+    "kind": Fact("what it did: stand, walk, ...", text=True),
+    "world": Fact("what simulated it", text=True),
+    "sinking": Fact("how deep the world's own contact lets a loaded foot sink [m]"),
+    "creep": Fact("how fast it lets a sticking foot creep [m/s]"),
+    "stopping": Fact("on which way its friction stops a foot that lands sliding [m]"),
+    "settling": Fact("how long after a hard touchdown its soft contacts swing [s]"),
+    "terrain": Fact("the ground, as read_terrain reads it", text=True),
+    "mass": Fact("of all that moves: the robot with what it carries [kg]", positive=True),
+    "payload": Fact("point mass on the base, part of `mass` [kg]"),
+    "payload_position": Fact("where it is in base axes, the origin by default [m]", (3,)),
+    "mass_controller": Fact("of the robot, as the controller believes [kg]", positive=True),
+    "joint_stiffness": Fact("of the joints' own position control, 0 for none [N m/rad]", ("joints",)),
+    "joint_damping": Fact("of the joints' own position control [N m s/rad]", ("joints",)),
+    "dt": Fact("length of a step [s]", positive=True),
+    "feet": Fact("names of the feet", ("n",), text=True),
+    "joints": Fact("names of the joints", ("joints",), text=True),
+    "contact_foot": Fact("index of the foot of every contact point", ("p",)),
+    "contact_centres": Fact("contact points in their feet's frames [m]", ("p", 3)),
+    "effort_limits": Fact("largest joint torques [N m]", ("joints",)),
+    "speed_limits": Fact("largest joint speeds, of motors those without load [rad/s]", ("joints",)),
+    "actuators": Fact("what gives the torques; a log without it has ideal ones", text=True),
+    "motor_knee": Fact("share of the largest speed up to which motors give their driving torque"),
+    "motor_driving": Fact("that torque over the largest"),
+    "armature": Fact("inertia of the rotors as the joints feel it [kg m²]", ("joints",)),
+    "viscous_friction": Fact("of the joints [N m s]", ("joints",)),
+    "dry_friction": Fact("of the joints [N m]", ("joints",)),
+    "link_touches": Fact(
+        "what touched beside feet on the ground, a line for each pair", ("touches",), text=True
+    ),
+    "duration": Fact("of the run as planned [s]"),
+    "outcome": Fact("how the run ended, see Ending", text=True),
+    "error": Fact("what ended the run or its recording", text=True),
+    "wall_time": Fact("real time of the run [s]"),
+    "cpu_time": Fact("of its thread, less than real time where the machine was busy [s]"),
+    "normal_min": Fact("least normal force that the controller asks of a foot [N]"),
+    "normal_max": Fact("largest one [N]"),
+    "mu_controller": Fact("friction that the controller believes in"),
+    "gait": Fact("name of the gait", text=True),
+    "ahead": Fact("where the robot walks ahead, from the x axis of its base, zero by default [rad]"),
+    "cone": Fact("of the world's friction: elliptic (round) or pyramidal", text=True),
+    "moment_friction": Fact("of contact moments: rolling, rolling, torsional [m]", ("p", 3)),
+    "contact_margin": Fact("gap from which the world's contacts push [m]", ("p",)),
+    "contact_damping": Fact("rate at which the world's soft friction brakes [1/s]", ("p",)),
+    "critically_damped": Fact("1 for contacts that by the world's law do not rebound", ("p",)),
+    "velocities": Fact("mean: those of contacts are means while the row's force acts", text=True),
+    "gravity": Fact("in world axes, 9.81 downwards by default [m/s²]", (3,)),
+    "free_wrenches": Fact("wrenches against which nothing holds the robot's root", ("k", 6)),
+    "outside": Fact("what else the model puts on the whole robot, a line each", ("lines",), text=True),
+    "contact_with": Fact("what each contact point touches", ("p",), text=True),
+    "source": Fact("file or program that it comes from", text=True),
+    "start": Fact("stamp of its first row in the clock of its source [s]"),
+    "mapping": Fact("how its channels were made from the source, YAML", text=True),
+    "doubts": Fact("what is not plausible in it, see Log.doubts", ("doubts",), text=True),
+    "computed": Fact("channels that its source did not have, and from what", ("lines",), text=True),
+    "task": Fact("what a plan does", text=True),
+    "method": Fact("which road found it", text=True),
+    "status": Fact("whether it is solved, see `surefoot.Status`", text=True),
+    "goal": Fact("what was asked for and what is reached", text=True),
+    "cost": Fact("of the method's own objective"),
+    "law_residual": Fact("largest velocity error of its contact problems"),
+    "iterations": Fact("of the optimiser"),
+    "search_time": Fact("wall time of the search [s]"),
+    "optimum_variables": Fact("of the program whose optimum a plan is", ("variables",)),
+    "optimum_bounds": Fact("multipliers of their bounds", ("variables",)),
+    "optimum_rows": Fact("multipliers of the program's rows", ("rows",)),
+    "end_q": Fact("configuration at the end of the last row", ("nq",)),
+    "end_v": Fact("velocity there", ("nv",)),
+    "notes": Fact("what the controller changed in its command", ("lines",), text=True),
+}
+"""Facts that Surefoot writes and reads by name; a log may hold others."""

@@ -1,0 +1,157 @@
+"""A log: arrays over time that say what they are, and facts about the run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot.base.arrays import of_kind
+from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.text_files import path_of
+from surefoot.records.log.channels import CHANNELS, Channel, check_shapes
+from surefoot.records.log.facts import FACTS
+
+MEMORY = 64 << 20
+"""Largest log that is held in memory; a longer one is mapped from files [bytes]."""
+
+
+class Ending(StrEnum):
+    """How a run ended."""
+
+    DONE = "done"
+    """All steps were made."""
+    FELL = "fell"
+    """The robot fell."""
+    LOST = "lost"
+    """The robot lost the estimate of its state, and stopped."""
+    INVALID = "invalid"
+    """The state or a torque stopped being finite, or the world could not go on."""
+    INTERRUPTED = "interrupted"
+    """Someone stopped it."""
+    STOPPED = "stopped"
+    """The log could not be written."""
+
+
+@dataclass
+class Log:
+    """Channels over time and facts about the run; also what an interrupted run leaves.
+
+    Attributes
+    ----------
+    arrays
+        Name to array of one row per step, cut to the steps that were made; of a long run mapped from files,
+        read-only.
+    facts
+        Scalars and lists, see `FACTS`.
+    parts
+        Folder that the rows were written to during the run, until `save` has them in one file.
+    channels
+        Name to definition of every array; those of `CHANNELS` need not be given.
+    sizes
+        The named sizes that the arrays have: ``nq``, ``p``, ...
+
+    Raises
+    ------
+    ProblemError
+        For arrays that are no channels, or do not fit theirs or each other.
+    """
+
+    arrays: dict[str, Any]
+    facts: dict[str, Any] = field(default_factory=dict)
+    parts: Path | None = None
+    channels: dict[str, Channel] = field(default_factory=dict)
+    sizes: dict[str, int] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        of_kind("arrays", self.arrays, Mapping)
+        try:
+            self.arrays = {name: np.asanyarray(array) for name, array in self.arrays.items()}
+        except ValueError as error:
+            raise ProblemError(f"a channel's rows must all have one shape: {error}") from error
+        given = {**CHANNELS, **self.channels}
+        self.sizes = check_shapes(self.arrays, given)
+        self.channels = {name: given[name] for name in self.arrays}
+
+    def __getitem__(self, name: str) -> Any:
+        check_name("channel", name, self.arrays)
+        return self.arrays[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.arrays
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.arrays)
+
+    def __len__(self) -> int:
+        return len(self.arrays["time"])
+
+    def fact(self, name: str) -> Any:
+        """Return a fact that cannot be done without, as `FACTS` defines it.
+
+        Raises
+        ------
+        ProblemError
+            If the log does not tell it, or tells something else.
+        """
+        known = FACTS.get(name)
+        if name not in self.facts:
+            meaning = "" if known is None else f" ({known.meaning})"
+            raise ProblemError(f"the log does not tell {name!r}{meaning}")
+        return self.facts[name] if known is None else known.checked(name, self.facts[name], self.sizes)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is not plausible in a log from outside, one line each; see `log.find_doubts`."""
+        found = self.facts.get("doubts", ())
+        return (found,) if isinstance(found, str) else tuple(map(str, found))
+
+    def rows(self, which: Any) -> Log:
+        """Return the log of some rows: a slice or a (T,) mask."""
+        arrays = {name: array[which] for name, array in self.arrays.items()}
+        return Log(arrays, self.facts, channels=self.channels)
+
+    def chunks(self, rows: int = 1 << 16) -> Iterator[Log]:
+        """Yield the log in pieces of consecutive rows; a log of at most `rows` rows as it is."""
+        if len(self) <= rows:
+            yield self
+            return
+        for start in range(0, len(self), rows):
+            yield self.rows(slice(start, start + rows))
+            self.let_go()
+
+    def let_go(self) -> None:
+        """Tell the system that what is mapped from files is not needed in memory for now."""
+        for array in self.arrays.values():
+            _let_go(array)
+
+    def save(self, path: Path | str) -> Path:
+        """Write to a new file in the format of its suffix and return its path; .npz where it has none.
+
+        The parts that the run left are removed when all is in the file, and kept if it cannot be written.
+
+        Raises
+        ------
+        ProblemError
+            If the file exists already (nothing is overwritten), or the suffix is of no format.
+        WriteError
+            If the disk has no room for it; no half file stays.
+        """
+        from surefoot.records.log.formats import write_log
+
+        return write_log(self, path_of(path))
+
+
+def _let_go(array: Any) -> None:
+    """Tell the system that the pages of a mapped array are not needed for now."""
+    mapped = array
+    while isinstance(mapped, np.ndarray):
+        mapped = mapped.base
+    if hasattr(mapped, "madvise"):
+        import mmap
+
+        mapped.madvise(mmap.MADV_DONTNEED)

@@ -1,0 +1,220 @@
+"""The mapping from somebody's fields and units to a log's channels, and its YAML file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from surefoot.base.errors import ProblemError, check_name, unknown_name
+from surefoot.base.text_files import parse_yaml, read_yaml, table_of
+from surefoot.records.log.channels import CHANNELS, Channel
+
+_DEGREE = 0.017453292519943295
+UNITS: dict[str, tuple[str, float]] = {
+    "s": ("s", 1.0),
+    "ms": ("s", 1e-3),
+    "us": ("s", 1e-6),
+    "ns": ("s", 1e-9),
+    "m": ("m", 1.0),
+    "cm": ("m", 1e-2),
+    "mm": ("m", 1e-3),
+    "rad": ("rad", 1.0),
+    "deg": ("rad", _DEGREE),
+    "m/s": ("m/s", 1.0),
+    "mm/s": ("m/s", 1e-3),
+    "rad/s": ("rad/s", 1.0),
+    "deg/s": ("rad/s", _DEGREE),
+    "m/s^2": ("m/s^2", 1.0),
+    "g": ("m/s^2", 9.80665),
+    "N": ("N", 1.0),
+    "kN": ("N", 1e3),
+    "kgf": ("N", 9.80665),
+    "N m": ("N m", 1.0),
+    "1": ("1", 1.0),
+    "raw": ("raw", 1.0),
+}
+"""Unit to the one that Surefoot keeps it in, and the factor to that."""
+
+
+def unit_factor(unit: str, channel: Channel) -> float:
+    """Return the factor from a unit to a channel's own; no unit is the channel's own.
+
+    Raises
+    ------
+    ProblemError
+        For a unit that is not known, or is one of something else.
+    """
+    if not unit:
+        return 1.0
+    check_name("unit", unit, UNITS)
+    own, by = UNITS[unit]
+    wanted = channel.unit.split(", ")
+    if own not in wanted:
+        raise ProblemError(
+            f"channel {channel.name} is in {channel.unit or 'no unit'}, {unit!r} is none of that"
+        )
+    if len(wanted) > 1 and by != 1.0 and channel.shape != ("joints",):
+        raise ProblemError(
+            f"channel {channel.name} mixes {channel.unit}: give its parts with units of their own"
+        )
+    return by
+
+
+QUATERNIONS = ("xyzw", "wxyz")
+"""Orders of a quaternion's numbers."""
+FRAMES = ("contact", "world", "base")
+"""Axes that vectors may be given in."""
+_TAKE_KEYS = ("from", "unit", "frame", "quaternion", "scale")
+_KEYS = ("time", "feet", "joints", "channels", "facts", "define")
+_PLACES = {"axis": "xyz", "AXIS": "XYZ"}
+
+
+@dataclass(frozen=True)
+class Take:
+    """Where a channel's numbers come from.
+
+    Attributes
+    ----------
+    fields
+        Names of the fields, their numbers one after the other. ``{foot}``, ``{joint}``, ``{axis}`` (x, y, z)
+        and ``{AXIS}`` (X, Y, Z) in a name stand for all of them.
+    unit
+        Theirs; empty for the channel's own.
+    frame
+        Axes that vectors are in; empty for the channel's own.
+    quaternion
+        "xyzw" or "wxyz": order of a quaternion in them; empty where there is none.
+    scale
+        Factor: -1 for the force on the ground, or what a sensor's unit is worth.
+    """
+
+    fields: tuple[str, ...]
+    unit: str = ""
+    frame: str = ""
+    quaternion: str = ""
+    scale: float = 1.0
+
+    def expanded(self, feet: tuple[str, ...], joints: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the names with their places filled: feet and joints first, axes inside."""
+        names = self.fields
+        for place, values in {"foot": feet, "joint": joints, **_PLACES}.items():
+            mark = "{" + place + "}"
+            if any(mark in name for name in names) and not values:
+                raise ProblemError(f"{names[0]!r} stands for every {place}, and the mapping names no {place}")
+            names = tuple(n.replace(mark, v) for n in names for v in (values if mark in n else ("",)))
+        return names
+
+
+@dataclass(frozen=True)
+class LogMapping:
+    """From fields to channels.
+
+    Attributes
+    ----------
+    channels
+        Name of a channel to where it comes from; the channel ``time`` for the stamps, which messages have
+        without a field of their own.
+    feet, joints
+        Names in the order of the numbers; joints may pick from the names that a message brings.
+    facts
+        Facts of the log, such as ``mass``.
+    define
+        Channels of one's own.
+    guessed
+        Whether nobody said so.
+    """
+
+    channels: Mapping[str, Take]
+    feet: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    define: Mapping[str, Channel] = field(default_factory=dict)
+    guessed: bool = False
+
+    def __post_init__(self) -> None:
+        known = {**CHANNELS, **self.define}
+        for name, take in self.channels.items():
+            check_name("channel", name, known)
+            if take.quaternion and take.quaternion not in QUATERNIONS:
+                raise ProblemError(unknown_name("order of a quaternion", take.quaternion, QUATERNIONS))
+            if take.frame and take.frame not in FRAMES:
+                raise ProblemError(unknown_name("frame", take.frame, FRAMES))
+
+    def as_yaml(self) -> str:
+        """Return the mapping as a YAML file holds it."""
+        import yaml
+
+        define = [{**asdict(c), "shape": list(c.shape)} for c in self.define.values()]
+        names = {"feet": list(self.feet), "joints": list(self.joints)}
+        parts = {**names, "facts": dict(self.facts), "define": define}
+        out: dict[str, Any] = {key: value for key, value in parts.items() if value}
+        out["channels"] = {name: _take_to(take) for name, take in self.channels.items()}
+        return yaml.safe_dump(out, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
+
+
+def _take_to(take: Take) -> Any:
+    fields = take.fields[0] if len(take.fields) == 1 else list(take.fields)
+    rest = {"unit": take.unit, "frame": take.frame, "quaternion": take.quaternion}
+    content = {key: value for key, value in rest.items() if value}
+    return {"from": fields, **content, **({} if take.scale == 1.0 else {"scale": take.scale})}
+
+
+def read_mapping(path: Path | str) -> LogMapping:
+    """Read a mapping from a YAML file.
+
+    Raises
+    ------
+    ProblemError
+        If the file cannot be read, or says what no mapping says.
+    """
+    return _mapping_from(read_yaml(Path(path), "the mapping"), str(path))
+
+
+def mapping_from_yaml(text: str, name: str = "the mapping") -> LogMapping:
+    """Return the mapping that a YAML text holds; `name` is what errors call it."""
+    return _mapping_from(parse_yaml(text, name), name)
+
+
+def _mapping_from(content: Any, name: str) -> LogMapping:
+    """Return the mapping that parsed YAML stands for."""
+    content = table_of(name, content, _KEYS)
+    takes = table_of(f"{name}: channels", content.get("channels", {}))
+    if "time" in content:
+        takes = {"time": content["time"], **takes}
+    return LogMapping(
+        {str(channel): _take_from(name, str(channel), take) for channel, take in takes.items()},
+        name_list(name, "feet", content.get("feet", ())),
+        name_list(name, "joints", content.get("joints", ())),
+        table_of(f"{name}: facts", content.get("facts") or {}),
+        _defined(name, content.get("define", [])),
+    )
+
+
+def _defined(name: str, content: Any) -> dict[str, Channel]:
+    from surefoot.records.log.npz import channels_from
+
+    try:
+        return channels_from(content)
+    except (TypeError, KeyError) as error:
+        raise ProblemError(f"{name}: define must list channels with name, shape, unit: {error}") from error
+
+
+def _take_from(name: str, channel: str, content: Any) -> Take:
+    """Return where a channel comes from: a field's name, a list of them, or a table with ``from``."""
+    table = content if isinstance(content, dict) else {"from": content}
+    table_of(f"{name}, {channel}", table, _TAKE_KEYS)
+    scale = table.get("scale", 1.0)
+    if isinstance(scale, bool) or not isinstance(scale, (int, float)):
+        raise ProblemError(f"{name}, {channel}: scale must be a number, got {scale!r:.40}")
+    texts = {key: str(table.get(key, "")) for key in ("unit", "frame", "quaternion")}
+    return Take(name_list(name, channel, table.get("from")), scale=float(scale), **texts)
+
+
+def name_list(name: str, key: str, value: Any) -> tuple[str, ...]:
+    """Return the names in a value, of which a text is one; errors call it the `key` of `name`."""
+    listed = [value] if isinstance(value, str) else value
+    if not isinstance(listed, (list, tuple)) or not all(isinstance(v, str) and v for v in listed):
+        raise ProblemError(f"{name}: {key} must be a name or a list of names, got {value!r:.80}")
+    return tuple(listed)

@@ -1,0 +1,192 @@
+"""Rivals of our own thrown body: other simulators with their own words of contact to fit."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import quaternion_wxyz, quaternion_xyzw
+from surefoot.mechanics import Solid
+from surefoot.records import FRICTION, ROUNDING, ThrownBody, TossParameter, TossScene, in_plane, in_world
+from surefoot.worlds.drake.drake_python import Worker
+from surefoot.worlds.drake.drake_world import STICTION, WORKER
+from surefoot.worlds.mujoco.spec import import_mujoco
+
+LONGEST_STEP = 1e-3
+"""Of a simulation [s]."""
+_MODEL = """
+<mujoco>
+  <compiler autolimits="false" angle="radian"/>
+  <option timestep="{dt}" gravity="0 0 {gravity}" cone="elliptic" tolerance="1e-10"/>
+  <default><geom contype="1" conaffinity="0" priority="1" condim="3" friction="{mu} 0 0"
+    solref="{time} {ratio}" solimp="{least} {most} 0.001 0.5 2"/></default>
+  <worldbody>
+    <geom name="ground" type="plane" size="10 10 1" pos="0 0 {height}" quat="{tilt}" contype="0"
+      conaffinity="1" priority="0"/>
+    {links}
+  </worldbody>
+</mujoco>"""
+
+
+class MujocoBody:
+    """MuJoCo's soft contact: elliptic cones, Newton's method, steps of a millisecond.
+
+    Raises
+    ------
+    MissingExtra
+        If MuJoCo is not installed.
+    """
+
+    name = "mujoco"
+    parameters = (
+        FRICTION,
+        TossParameter("solref_time", 0.01, 5e-4, 0.002, 0.1, "s"),
+        TossParameter("solref_ratio", 0.5, 0.03, 0.05, 5.0),
+        TossParameter("solimp_least", 0.8, 0.02, 0.05, 0.98),
+        TossParameter("solimp_most", 0.95, 0.01, 0.6, 0.999),
+    )
+
+    def __init__(self) -> None:
+        self._mujoco: Any = import_mujoco()
+
+    def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
+        """Return (sum of frames, nq) positions [m], quaternions and joints."""
+        steps = max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
+        model = self._mujoco.MjModel.from_xml_string(_MODEL.format(**_settings(values, scene, steps)))
+        data, nq = self._mujoco.MjData(model), int(model.nq)
+        poses, row = np.empty((int(scene.frames.sum()), nq)), 0
+        spins = scene.starts[:, nq + 3 : nq + 6]
+        to_body = Rotation.from_quat(scene.starts[:, 3:7]).inv().apply(spins)
+        for start, rate, frames in zip(scene.starts, to_body, scene.frames, strict=True):
+            self._mujoco.mj_resetData(model, data)
+            data.qpos[:], data.qvel[:] = start[:nq], start[nq:]
+            data.qpos[3:7], data.qvel[3:6] = quaternion_wxyz(start[3:7]), rate
+            poses[row] = data.qpos
+            for k in range(row + 1, row + frames):
+                self._mujoco.mj_step(model, data, steps)
+                poses[k] = data.qpos
+            row += frames
+        poses[:, 3:7] = quaternion_xyzw(poses[:, 3:7])
+        return poses
+
+
+def _settings(values: FloatArray, scene: TossScene, steps: int) -> dict[str, Any]:
+    """Return what the model's text leaves open."""
+    mu, time, ratio, least, most = (float(v) for v in values)
+    return {
+        "dt": scene.dt / steps, "gravity": -scene.gravity, "links": _link(scene.body, 0),
+        "tilt": _text(quaternion_wxyz(scene.plane.rotation.as_quat())), "height": scene.plane.height,
+        "mu": mu, "time": time, "ratio": ratio, "least": least, "most": max(most, least),
+    }  # fmt: skip
+
+
+def _text(values: FloatArray) -> str:
+    return " ".join(map(repr, np.asarray(values, dtype=np.float64).tolist()))
+
+
+def _turn(rotation: FloatArray) -> str:
+    return _text(quaternion_wxyz(Rotation.from_matrix(rotation).as_quat()))
+
+
+def _link(body: ThrownBody, i: int) -> str:
+    """Return a link, and those that hang on it, as MJCF."""
+    tree, about = body.tree, body.tree.inertias[i]
+    kind = "slide" if tree.sliding[i] else "hinge"
+    joint = "<freejoint/>" if i == 0 else (
+        f'<joint type="{kind}" axis="{_text(tree.axes[i])}" frictionloss="{tree.friction[i]}" '
+        f'damping="{tree.damping[i]}"/>'
+    )  # fmt: skip
+    inertia = _text(np.array([*np.diag(about), about[0, 1], about[0, 2], about[1, 2]]))
+    shapes = "".join(_geom(solid, body.scale) for solid in body.solids if solid.joint == i + 1)
+    others = "".join(_link(body, int(k)) for k in np.flatnonzero(tree.parents == i))
+    return (
+        f'<body pos="{_text(tree.places[i])}" quat="{_turn(tree.turns[i])}">{joint}'
+        f'<inertial pos="{_text(tree.centres[i])}" mass="{tree.masses[i]}" fullinertia="{inertia}"/>'
+        f"{shapes}{others}</body>"
+    )
+
+
+def _geom(solid: Solid, scale: float) -> str:
+    """Return a shape as MJCF."""
+    core, radius = scale * solid.shape.core, scale * solid.shape.radius
+    kind, size = "box", core
+    if radius > 0.0:
+        kind, size = (
+            ("capsule", np.array([radius, core[2]])) if core[2] > 0.0 else ("sphere", np.array([radius]))
+        )
+    place = _text(scale * solid.position)
+    return f'<geom type="{kind}" size="{_text(size)}" pos="{place}" quat="{_turn(solid.rotation)}"/>'
+
+
+class DrakeBody:
+    """Drake's point contact at rounded corners, with Hunt and Crossley's dissipation, steps of a millisecond.
+
+    Of a joint's losses it has the damping; it lives in an interpreter of its own, see `drake_python`.
+
+    Parameters
+    ----------
+    approximation
+        "similar", convex; "lagged", Drake's default, takes the last step's normal force, and corners chatter.
+
+    Raises
+    ------
+    MissingExtra
+        If Drake is not installed, and no other interpreter is named.
+    """
+
+    name = "drake"
+    parameters = (
+        FRICTION,
+        TossParameter("stiffness_log10", 4.5, 0.1, 3.0, 7.0, "log N/m"),
+        TossParameter("dissipation", 1.0, 0.1, 0.0, 50.0, "s/m"),
+        ROUNDING,
+    )
+
+    def __init__(self, approximation: str = "similar") -> None:
+        self._worker, self._approximation = Worker(WORKER), approximation
+
+    def rollout(self, values: FloatArray, scene: TossScene) -> FloatArray:
+        """Return (sum of frames, nq) positions [m], quaternions and joints."""
+        mu, stiffness, dissipation, rounding = (float(v) for v in values)
+        tree, steps = scene.body.rounded(rounding), max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
+        gravity, starts = in_plane(scene)
+        nq = 6 + tree.masses.size
+        # quaternions (w, x, y, z) before places, angular velocities before the others
+        order = [6, 3, 4, 5, 0, 1, 2, *range(7, nq)]
+        order += [*range(nq + 3, nq + 6), *range(nq, nq + 3), *range(nq + 6, 2 * nq - 1)]
+        spheres = zip((tree.links + 1).tolist(), tree.points.tolist(), tree.radii.tolist(), strict=True)
+        material = {"point_contact_stiffness": 10.0**stiffness, "hunt_crossley_dissipation": dissipation}
+        level = {"rotation": np.eye(3).tolist(), "place": [0.0] * 3}
+        words = {
+            "dt": scene.dt / steps, "mu": mu, "gravity": gravity.tolist(), "material": material,
+            "approximation": self._approximation, "near_rigid": None, "stiction": STICTION, "ground": [level],
+            "spheres": list(spheres), "joints": [_drake_joint(scene.body, i) for i in range(nq - 6)],
+        }  # fmt: skip
+        self._worker.ask(["scene", words])
+        thrown = self._worker.ask(["throw", starts[:, order].tolist(), scene.frames.tolist(), steps])
+        poses = np.empty((len(thrown["q"]), nq))
+        poses[:, order[:nq]] = thrown["q"]
+        return in_world(poses, scene)
+
+
+def _drake_joint(body: ThrownBody, i: int) -> dict[str, Any]:
+    """Return a link, and the joint that it hangs on, as Drake's worker takes it."""
+    tree = body.tree
+    kind = "free" if i == 0 else ("prismatic" if tree.sliding[i] else "revolute")
+    arrays = {
+        "rotation": tree.turns[i], "place": tree.places[i], "axis": tree.axes[i], "com": tree.centres[i],
+        "inertia": tree.inertias[i],
+    }  # fmt: skip
+    return {
+        "kind": kind, "parent": int(tree.parents[i]) + 1, "low": -math.inf, "high": math.inf,
+        "mass": float(tree.masses[i]), "damping": float(tree.damping[i]),
+        **{name: value.tolist() for name, value in arrays.items()},
+    }  # fmt: skip
+
+
+RIVALS: dict[str, Any] = {one.name: one for one in (MujocoBody, DrakeBody)}
+"""Rivals by name, which is that of the simulator's package as well: what `--rivals` chooses from."""

@@ -1,0 +1,347 @@
+"""A MuJoCo world made from the Pinocchio model itself, so that both engines hold the same robot.
+
+MuJoCo's own conventions stop in this file: quaternions (w, x, y, z), base velocity [linear in world
+axes; angular in base axes], contact frames with the normal first. By default joints are ideal torque sources
+without friction or rotor inertia, and only the feet's spheres touch the ground.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.base.arrays import FloatArray, IntArray, finite_array, real_number, whole_number
+from surefoot.base.errors import SimulationError
+from surefoot.base.kernels import VECTOR, entry_point
+from surefoot.base.numerics.vectors import largest
+from surefoot.base.spatial import base_velocity, quaternion_wxyz
+from surefoot.mechanics import Actuators, Geometry, Robot, Terrain, finite_vector, surface_frames
+from surefoot.records import Log
+from surefoot.worlds.interface.actuated import equipped
+from surefoot.worlds.interface.world import ContactReading, ground_of
+from surefoot.worlds.mujoco.actuators import fit_actuators
+from surefoot.worlds.mujoco.centripetal import step_with_centripetal
+from surefoot.worlds.mujoco.links import LinkContacts, add_links, generalised, owners
+from surefoot.worlds.mujoco.readings import (
+    FACE_TYPES,
+    OWN_TYPES,
+    face_principal,
+    read_contacts,
+    to_pinocchio,
+)
+from surefoot.worlds.mujoco.readings import pinocchio_state as pinocchio_state
+from surefoot.worlds.mujoco.record_softness import world_softness
+from surefoot.worlds.mujoco.spec import CONTACT_TIME, compiled, set_point_friction, surface_of
+from surefoot.worlds.mujoco.spec import add_ground as add_ground
+from surefoot.worlds.mujoco.spec import import_mujoco as import_mujoco
+from surefoot.worlds.mujoco.spec import robot_spec as robot_spec
+from surefoot.worlds.mujoco.substeps import MOST_SUBSTEPS, mean_reading
+from surefoot.worlds.rigid.rigid_world import chosen_geometry
+
+LARGEST = 1e10
+"""Speed from which MuJoCo itself calls a state bad [rad/s, m/s]."""
+HEAVIEST = 1e9
+"""Largest payload [kg]: MuJoCo's numbers end at 1e10."""
+
+
+class MujocoWorld:
+    """A robot on a terrain in MuJoCo; see `surefoot.worlds.interface.world.World` for the methods.
+
+    Parameters
+    ----------
+    robot
+        Who stands.
+    terrain
+        None for flat ground.
+    mu
+        Friction of the ground [-].
+    dt
+        Length of a step [s].
+    payload, payload_position
+        Point mass fixed to the base [kg], unknown to any controller, and where: (3,) base axes [m].
+    collision
+        What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
+    actuators
+        Its motors: "ideal", "real", or a value; see `surefoot.mechanics.robot.actuators`.
+    solref, solimp
+        MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
+        damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
+        A solimp of fewer than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
+
+    Attributes
+    ----------
+    model, data
+        MuJoCo's own.
+    applied
+        (joints,) torques that the motors gave in the last step [N m].
+    ground_geoms, base_body
+        Numbers of the ground's geoms and of the base's body there; 0 for a base that is fixed.
+    substeps
+        Steps of MuJoCo in one of these; see `divide`.
+
+    Raises
+    ------
+    ProblemError
+        For numbers that MuJoCo would not take, or would silently replace.
+    """
+
+    substeps = 1
+    _own_softness = False
+
+    def __init__(
+        self,
+        robot: Robot,
+        terrain: Terrain | None = None,
+        mu: float = 0.6,
+        dt: float = 1e-3,
+        payload: float = 0.0,
+        *,
+        collision: str | Geometry = "feet",
+        actuators: str | Actuators = "ideal",
+        solref: Sequence[float] | None = None,
+        solimp: Sequence[float] | None = None,
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> None:
+        mujoco = import_mujoco()
+        robot, self.actuators = equipped(robot, actuators)
+        self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
+        self.terrain, self._own_softness = ground_of(terrain), solref is None
+        self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
+        self.payload_position = finite_array("payload_position", payload_position, (3,))
+        spec = robot_spec(robot, self.payload, self.payload_position)
+        fit_actuators(spec, robot, self.actuators)
+        add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
+        geometry = chosen_geometry(robot, collision)
+        if geometry is not None:
+            add_links(mujoco, spec, robot, geometry, surface_of(mu, solref, solimp))
+        spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # 4.0.0: the sparse Hessian is wrong
+        spec.option.timestep = self.dt
+        self._mujoco = mujoco
+        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is an error
+        self.model = compiled(spec, robot.name)
+        if self.model.ntree == 1:  # looking for islands in one tree takes 1 us, and finds it
+            self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
+        points = robot.contact_points
+        feet = np.array([int(self.model.geom(f"foot:{n}").id) for n in points.names], dtype=np.int64)
+        self._take(feet, int(self.model.body("base:0").id) if robot.floating else 0, geometry is not None)
+
+    def _take(self, feet: IntArray, base: int, links: bool, floors: Sequence[int] = ()) -> None:
+        """Make data for the model, with (p,) geoms of the feet and the base's body; see `collision`."""
+        mujoco, robot = self._mujoco, self.robot
+        names = [self.model.geom(i).name for i in range(self.model.ngeom)]
+        self.ground_geoms = list(floors) or [i for i, name in enumerate(names) if name.startswith("ground")]
+        self.data = mujoco.MjData(self.model)
+        self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
+        self.applied = np.zeros(robot.joints)
+        points = robot.contact_points
+        self.contact_foot = points.foot
+        self._geoms = feet  # numbered along the tree
+        self._bodies = np.array(self.model.geom_bodyid)[feet]
+        self.base_body = base
+        self._owner = owners(self.model.ngeom, feet, self.ground_geoms)
+        self._links = LinkContacts(mujoco, self.model, self._owner) if links else None
+        self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(feet)).reshape(-1, 3, 3)
+        self._normals = np.ascontiguousarray(self._frames[:, :, 2])  # all that a plane needs, with its offset
+        offset = float(self._frames[0, 2, 2] * self.terrain.height([0.0, 0.0])) if len(feet) else 0.0
+        roots = np.array(self.model.body_rootid)[self._bodies]
+        self._spheres = np.stack([feet, self._bodies, roots], axis=1).astype(np.int64)
+        self._sizes = np.stack([points.radii, np.full(len(feet), offset)], axis=1)
+        self._look_at_data()
+        self.reset(robot.nominal)
+
+    def _look_at_data(self) -> None:
+        """Keep hold of arrays of MuJoCo's data that stay in their places, and of compiled functions."""
+        data, first = self.data, self.robot.base_dof
+        self._advance = partial(self._mujoco.mj_step, self.model, data)
+        self._qpos, self._qvel, self._effort = data.qpos, data.qvel, data.qfrc_applied[first:]
+        self._pushed = data.xfrc_applied[self.base_body, :3]
+        self._places, self._twists, self._centres = data.geom_xpos, data.cvel, data.subtree_com
+        self._planar, self._contact = bool(self.terrain.planar), data.contact
+        self._read = entry_point(read_contacts, *OWN_TYPES)
+        self._face = entry_point(face_principal, *FACE_TYPES)
+        self._turn = entry_point(to_pinocchio, VECTOR, VECTOR)
+        self._largest = entry_point(largest, VECTOR)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return float(self.data.time)
+
+    def count_centripetal(self) -> None:
+        """Have feet count the acceleration that MuJoCo leaves out, see `worlds.mujoco.centripetal`."""
+        self._advance = partial(step_with_centripetal, self._mujoco, self.model, self.data, self._owner)
+
+    def divide(self, substeps: int) -> None:
+        """Make each step in so many of MuJoCo's, 1 to 64, on ground as many times as fast as the default.
+
+        Torques and pushes stay, contacts are means. A foot that strikes a riser at 2 m/s is 2 mm
+        inside it after a step of 1 ms, a quarter of that after one of four. Softness that was chosen stays.
+
+        Raises
+        ------
+        ProblemError
+            For a number that is none of these.
+        """
+        real_number("substeps", substeps, low=1, high=MOST_SUBSTEPS)
+        self.substeps = whole_number("substeps", substeps, low=1)
+        self.model.opt.timestep = self.dt / self.substeps
+        if self._own_softness:
+            self.model.geom_solref[self.ground_geoms, 0] = CONTACT_TIME / self.substeps
+            self.model.pair_solref[:, 0] = CONTACT_TIME / self.substeps
+
+    def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
+        """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
+        q = self.robot.configuration(q)
+        v = None if v is None else finite_array("v", v, (self.robot.model.nv,))
+        self._mujoco.mj_resetData(self.model, self.data)
+        self._mean: ContactReading | None = None
+        self._touching: set[tuple[str, str]] = set()
+        self.data.qpos[:] = q
+        self.data.qvel[:] = 0.0 if v is None else v
+        if self.robot.floating:
+            self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
+            if v is not None:
+                self.data.qvel[:3] = base_velocity(q, v)
+        self._mujoco.mj_forward(self.model, self.data)
+
+    def state(self) -> tuple[FloatArray, FloatArray]:
+        """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
+        q, v = self._qpos.copy(), self._qvel.copy()
+        if self.robot.floating:
+            self._turn(q, v)
+        return q, v
+
+    def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
+        """Advance by `dt` under (joints,) torques [N m] and a (3,) force on the base [N], world axes.
+
+        Raises
+        ------
+        ProblemError
+            For torques or a push of the wrong shape, or not finite. Nothing has moved.
+        SimulationError
+            Where the state stops being finite, or exceeds MuJoCo's own largest number, 1e10. The world stays
+            in the state before the step.
+        """
+        self._drive(torques)
+        if push is None:
+            self._pushed.fill(0.0)
+        elif self.base_body:
+            self._pushed[:] = finite_vector("push", push, 3)
+        if self.substeps == 1:
+            self._advance()
+        else:
+            self._finely()
+        if not self._largest(self._qvel) < LARGEST:
+            raise self._lost()
+        self._driven()
+
+    def _finely(self) -> None:
+        """Advance in parts, and keep what the ground did and what touched in each."""
+        parts: list[ContactReading] = []
+        self._touching.clear()
+        for _ in range(self.substeps):
+            self._advance()
+            parts.append(self._last_contacts(parts[-1] if parts else None))
+            if self._beside:
+                self._touching.update(self._last_touching())
+        self._mean, rest = mean_reading(parts)
+        if rest.any() and self._mean.others is not None:
+            places = self._mean.positions
+            self._mean.others[:] += generalised(
+                self._mujoco, self.model, self.data, self._bodies, places, rest
+            )
+
+    def _drive(self, torques: FloatArray) -> None:
+        """Have the motors give (joints,) torques [N m] in the next step, if they can; keep the state."""
+        given = finite_vector("torques", torques, self.robot.joints).copy()
+        if self.actuators is not None:
+            given = self.actuators.given(given, self._qvel[self.robot.base_dof :])
+        self._effort[:], self._before[0][:], self._before[1][:] = given, self._qpos, self._qvel
+        self.applied = given
+
+    def _driven(self) -> None:
+        """Note what the motors gave in the last step, where only the step tells."""
+
+    def _lost(self) -> SimulationError:
+        """Go back to the state before the last step and return the error that says what was lost."""
+        data, (qpos, qvel) = self.data, self._before
+        time = data.time - self.dt
+        self._mujoco.mj_resetData(self.model, data)
+        data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
+        self._mujoco.mj_forward(self.model, data)
+        fastest = int(np.argmax(np.abs(qvel)))
+        joint = self.model.joint(int(self.model.dof_jntid[fastest])).name.split(":", 1)[-1]
+        return SimulationError("motion", time, self.dt, joint, float(abs(qvel[fastest])))
+
+    @property
+    def mu(self) -> float:
+        """Friction of the ground [-]."""
+        return float(self.model.geom_friction[self.ground_geoms[0], 0])
+
+    def set_friction(self, mu: float) -> None:
+        """Change the friction of the ground [-], from the next step on."""
+        self.model.geom_friction[self.ground_geoms, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
+
+    set_point_friction = set_point_friction
+
+    def softness(self, log: Log) -> dict[str, float]:
+        """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
+        load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
+        return world_softness(self._mujoco, self.model, self.ground_geoms[0], self._bodies, log, load)
+
+    def contacts(self) -> ContactReading:
+        """Return forces, gaps and velocities at the feet's spheres during the last step.
+
+        A foot that touches two surfaces, in a corner, tells of the one that bears more; what the other gives
+        comes with the forces on other links, in a world that has them.
+        """
+        return self._last_contacts() if self._mean is None else self._mean
+
+    def _last_contacts(self, before: ContactReading | None = None) -> ContactReading:
+        """Return what the ground did in MuJoCo's last step.
+
+        The ground that was near in the step `before`, a part of a millisecond ago, is near still.
+        """
+        data, contact, links, normals = self.data, self._contact, self._links, self._normals
+        points, gaps = np.zeros((3, len(self.contact_foot), 3)), np.zeros(len(self.contact_foot))
+        forces, velocities, positions = points
+        over = None
+        if before is not None and before.normals is not None and not self._planar:
+            over = before.gaps.copy(), before.normals.copy()
+        elif not self._planar:
+            distances, faces = self.terrain.nearest(self._places[self._geoms])
+            over = distances - self._sizes[:, 0], faces
+        if over is not None:
+            self._face(
+                *over,
+                contact.geom,
+                contact.efc_address,
+                contact.frame,
+                contact.dist,
+                data.efc_force,
+                self._owner,
+                before is not None,
+            )
+            surface_frames(over[1], self._frames)
+        self._beside = beside = self._read(
+            self._places, self._twists, self._centres, contact.geom, contact.efc_address, contact.frame,
+            data.efc_force, self._owner, self._spheres, self._sizes, self._frames, gaps, points,
+        )  # fmt: skip
+        if over is not None:
+            gaps, normals = over
+        if links is None:
+            return ContactReading(forces, gaps, velocities, positions, None, normals)
+        # joints at their stops count, too
+        others = links.force(data, self._frames) if beside or data.nl else np.zeros(self.model.nv)
+        return ContactReading(forces, gaps, velocities, positions, others, normals)
+
+    def touching(self) -> list[tuple[str, str]]:
+        """Return the names of links, feet or ground that touched in the last step, without feet on ground."""
+        return self._last_touching() if self._mean is None else list(self._touching)
+
+    def _last_touching(self) -> list[tuple[str, str]]:
+        """Return the same of MuJoCo's last step."""
+        return [] if self._links is None else self._links.names(self.data, self.model)

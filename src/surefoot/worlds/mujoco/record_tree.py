@@ -1,0 +1,163 @@
+"""Which of a MuJoCo model's bodies are the robot, and its state in Pinocchio's order."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from surefoot.base.arrays import FloatArray
+from surefoot.base.errors import ModelError, ProblemError, unknown_name
+from surefoot.base.spatial import quaternion_xyzw, rotation_from_quaternion
+
+_WIDTHS = {"free": 6, "ball": 3, "one": 1}
+"""Velocities of a joint."""
+UNNAMED = "MuJoCo Model"
+"""What MuJoCo calls a model without a name."""
+
+
+class BodyTree:
+    """A robot within a MuJoCo model: a body and all below it.
+
+    Attributes
+    ----------
+    name, title
+        Of its root body; of the model, where it names itself and nothing else moves in it, else the same.
+    bodies
+        Numbers of its bodies.
+    mass
+        Of all of them [kg].
+    joint_names, joints
+        Names and number of its hinges and slides.
+    others
+        Roots of the other bodies that move.
+    joint_dofs, dofs
+        Numbers of its hinges and slides, and of all its degrees of freedom in MuJoCo, in the log's order.
+    base, unpowered
+        Of those, its root's joints'; and which of them no hinge or slide of the log is: 1, else 0.
+    free
+        (k, 6) the wrenches, world axes about the centre of mass, against which nothing holds its root: all
+        six of a free joint's, those along slides and about a last hinge of a root that moves in a plane. None
+        for a root that is bolted to the world.
+    """
+
+    def __init__(self, mujoco: Any, model: Any, robot: str | None) -> None:
+        moving = [b for b in range(1, model.nbody) if model.body_weldid[b] == b]
+        roots = [b for b in moving if model.body_weldid[model.body_parentid[b]] == 0]
+        if not roots:
+            raise ModelError("nothing moves in this model")
+        names = {b: str(model.body(b).name) or f"body {b}" for b in range(model.nbody)}
+        if robot is None:
+            root = max(roots, key=lambda b: float(model.body_subtreemass[b]))
+        elif robot in names.values():
+            root = next(b for b, name in names.items() if name == robot)
+        else:
+            raise ProblemError(unknown_name("body", robot, names.values()))
+        self.name, self.root = names[root], root
+        below = {root}
+        for b in range(root + 1, model.nbody):  # parents come first
+            if int(model.body_parentid[b]) in below:
+                below.add(b)
+        self.bodies = np.array(sorted(below))
+        self.mass = float(model.body_subtreemass[root])
+        self.others = [
+            names[b]
+            for b in roots
+            if b not in below and int(model.body_rootid[b]) != int(model.body_rootid[root])
+        ]
+        model_name = bytes(model.names).split(b"\0", 1)[0].decode(errors="replace").removesuffix(" scene")
+        named = model_name not in ("", UNNAMED) and robot is None and not self.others
+        self.title = model_name if named else self.name
+        known = {int(mujoco.mjtJoint.mjJNT_FREE): "free", int(mujoco.mjtJoint.mjJNT_BALL): "ball"}
+        self._plan: list[tuple[str, int, int]] = []
+        self.joint_names: list[str] = []
+        self.joint_dofs: list[int] = []
+        for j in range(model.njnt):
+            if int(model.jnt_bodyid[j]) not in below:
+                continue
+            kind = known.get(int(model.jnt_type[j]), "one")
+            self._plan.append((kind, int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])))
+            if kind == "one":
+                self.joint_names.append(str(model.joint(j).name) or f"joint {j}")
+                self.joint_dofs.append(self._plan[-1][2])
+        self.joints = len(self.joint_dofs)
+        dofs = [dof + k for kind, _, dof in self._plan for k in range(_WIDTHS[kind])]
+        self.dofs = np.array(dofs, dtype=np.int64)
+        own = [j for j in range(model.njnt) if int(model.jnt_bodyid[j]) == root]
+        self._roots = [(int(model.jnt_type[j]), j, int(model.jnt_dofadr[j])) for j in own]
+        bodies = model.dof_bodyid[self.dofs]
+        self.base = self.dofs[bodies == root]
+        self.unpowered = np.array([0.0 if dof in self.joint_dofs else 1.0 for dof in self.base])
+        self.free = self._free_wrenches(mujoco, model)
+
+    def _free_wrenches(self, mujoco: Any, model: Any) -> FloatArray | None:
+        """Return `free`; None as well for slides that are not perpendicular, or that come after a hinge."""
+        kinds = mujoco.mjtJoint
+        free, slide, hinge = int(kinds.mjJNT_FREE), int(kinds.mjJNT_SLIDE), int(kinds.mjJNT_HINGE)
+        types = [kind for kind, _, _ in self._roots]
+        if int(model.body_weldid[model.body_parentid[self.root]]) != 0:
+            return None
+        if types == [free]:
+            return np.eye(6)
+        slides = [slide] * types.count(slide)
+        if not slides or (types != slides and types != [*slides, hinge]):
+            return None
+        data = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, data)
+        out = np.zeros((len(types), 6))
+        for row, (kind, j, _) in zip(out, self._roots, strict=True):
+            row[3 * (kind == hinge) :][:3] = data.xaxis[j]
+        return out if np.allclose(out @ out.T, np.eye(len(out)), atol=1e-9) else None
+
+    def wrench(self, data: Any, joints: FloatArray) -> FloatArray:
+        """Return what forces (nv,) on the root's joints are about the centre of mass: (6,) world axes."""
+        com, out = data.subtree_com[self.root], np.zeros(6)
+        if self.free is None:
+            return out
+        if len(self.free) == 6:
+            (_, _, dof), at = self._roots[0], data.xpos[self.root]
+            out[:3] = joints[dof : dof + 3]
+            turn = data.xmat[self.root].reshape(3, 3) @ joints[dof + 3 : dof + 6]
+            out[3:] = turn + np.cross(at - com, out[:3])
+            return out
+        for row, (_, j, dof) in zip(self.free, self._roots, strict=True):
+            if row[:3].any():
+                out[:3] += row[:3] * joints[dof]
+            else:
+                out[3:] = row[3:] * (joints[dof] + row[3:] @ np.cross(data.xanchor[j] - com, out[:3]))
+        return out
+
+    def turned(self, data: Any, joints: FloatArray) -> FloatArray:
+        """Return forces (nv,) on MuJoCo's joints in the log's order and axes."""
+        out = joints[self.dofs]
+        at = 0
+        for kind, _, _ in self._plan:
+            if kind == "free":
+                out[at : at + 3] = data.xmat[self.root].reshape(3, 3).T @ out[at : at + 3]
+            at += _WIDTHS[kind]
+        return out
+
+    def torques(self, data: Any) -> FloatArray:
+        """Return what actuators and the user put on the hinges and slides: (joints,) [N m, N]."""
+        return np.asarray(data.qfrc_actuator[self.joint_dofs] + data.qfrc_applied[self.joint_dofs])
+
+    def pinocchio(self, qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return (T, nq), (T, nv) [m, -, rad]: quaternions x, y, z, w, free bodies' velocity in own axes."""
+        q: list[FloatArray] = []
+        v: list[FloatArray] = []
+        for kind, at, dof in self._plan:
+            if kind == "one":
+                q.append(qpos[:, at : at + 1])
+                v.append(qvel[:, dof : dof + 1])
+                continue
+            first = at + (3 if kind == "free" else 0)
+            quaternion = quaternion_xyzw(qpos[:, first : first + 4])
+            quaternion = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)  # as MuJoCo reads it
+            if kind == "free":
+                R = rotation_from_quaternion(quaternion)
+                q.append(qpos[:, at : at + 3])
+                v.append(np.einsum("tji,tj->ti", R, qvel[:, dof : dof + 3]))
+                dof += 3
+            q.append(quaternion)
+            v.append(qvel[:, dof : dof + 3])
+        return np.hstack(q), np.hstack(v)

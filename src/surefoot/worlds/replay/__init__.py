@@ -1,0 +1,1 @@
+"""The motion of a log, run again in another world."""

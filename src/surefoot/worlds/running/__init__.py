@@ -1,0 +1,1 @@
+"""Runs of a controller in a world: the loop, its scenario, sensors, faults and observers."""

@@ -1,0 +1,153 @@
+"""The plans of `auto` name what exists; parts are solved apart, proofs come early, compiling is free."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from numba.core import event
+
+import surefoot as sf
+from benchmarks.problems.contacts import capsules
+from surefoot.base.kernels import working_time
+from surefoot.contact.laws import LAWS
+from surefoot.contact.solvers import auto, on_blocks
+from surefoot.contact.solvers import strategies as plans
+
+TABLES = (plans.CONES, plans.CONES_LARGE, plans.PYRAMIDS)
+PLANS = [*(plan for table in TABLES for plan in table.values()), plans.GENERAL]
+
+
+def test_every_stage_is_a_solver_or_a_part() -> None:
+    known = {*sf.solver_names(), *auto.LOOKS, *auto.FUNCTIONS}
+    stages = [stage for plan in PLANS for stage in plan]
+    assert {stage.name for stage in stages} <= known
+    assert all(stage.most is None or stage.most > 0 for stage in stages)
+
+
+def test_every_law_has_its_plans_and_each_parts_and_looks_for_a_proof() -> None:
+    assert all(set(table) == set(LAWS) for table in TABLES)
+    for plan in PLANS:
+        assert {plans.PARTS, plans.PROOF} <= {stage.name for stage in plan}
+
+
+LAWFUL = np.array([0.3, 0.0, -1.0])
+WANTED = np.array([-0.3, 0.0, 1.0])
+"""A contact on the unit matrix that sticks, and its force."""
+LOST = {"approaches": [0.0, 0.0, -1.0], "degenerate": [1.0, 0.0, 0.5 - 1e-5]}
+"""Free velocities of a contact that no force moves; the second is unlawful by 1e-5 under the convex law."""
+
+
+def joined(law: str, free: list[float], **options: Any) -> sf.ContactProblem:
+    G = np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    return sf.ContactProblem(G, np.concatenate([LAWFUL, free]), 0.5, law=law, **options)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("options", [{}, {"facets": 8}])
+def test_a_part_without_solution_leaves_the_others_theirs(law: str, options: dict[str, Any]) -> None:
+    for name, free in LOST.items():
+        problem = joined(law, free, **options)
+        found = sf.solve(problem)
+        np.testing.assert_allclose(found.forces[0], WANTED, atol=1e-7)
+        if name == "approaches":
+            assert found.status is sf.Status.INFEASIBLE
+            assert found.proof is not None
+            checked = sf.check_proof(problem, found.proof.direction)
+            assert checked is not None
+            assert checked.conclusive
+        path = sf.ContactSolver(2, 0.5, law, **options)
+        answer = path.solve(problem.G, problem.g)
+        np.testing.assert_allclose(answer.forces[0], WANTED, atol=1e-7)
+        assert answer.status is found.status
+
+
+def test_hardly_degenerate_parts_are_both_solved() -> None:
+    """The second contact is unlawful by 1e-12: within the tolerance, as alone."""
+    found = sf.solve(joined("convex", [1.0, 0.0, 0.5 - 1e-12])).raise_if_failed()
+    np.testing.assert_allclose(found.forces, [WANTED, np.zeros(3)], atol=1e-7)
+
+
+def test_parts_of_contacts_of_any_kind() -> None:
+    contacts = [sf.contact_sets.SoftFinger(0.5, 0.02), sf.contact_sets.SoftFinger(0.5, 0.02)]
+    G, g = np.diag([1.0] * 4 + [0.0] * 4), np.array([0.3, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0])
+    found = sf.solve(sf.ContactProblem(G, g, contacts=contacts))
+    assert found.status is sf.Status.INFEASIBLE
+    np.testing.assert_allclose(found.forces[:4].ravel()[:4], [-0.3, 0.0, 1.0, 0.0], atol=1e-6)
+
+
+def test_many_parts_one_of_them_lost() -> None:
+    """Sixty contacts of twenty bodies, one of them squeezed by walls: the other nineteen are solved."""
+    rng = np.random.default_rng(2)
+    G, g = np.zeros((180, 180)), rng.normal(size=180)
+    for k in range(20):
+        J = rng.normal(size=(9, 12))
+        G[9 * k : 9 * k + 9, 9 * k : 9 * k + 9] = J @ J.T
+    G[:9, :9] = 0.0
+    g[2] = -1.0
+    found = sf.solve(sf.ContactProblem(G, g, 0.4))
+    assert found.status is sf.Status.INFEASIBLE
+    rest = sf.ContactProblem(G[9:, 9:], g[9:], 0.4)
+    assert sf.residuals(rest, found.forces[3:]).worst <= 1e-8
+
+
+def squeezed(contacts: int) -> sf.ContactProblem:
+    """A body between floor and ceiling that close: no forces help, in hundreds of redundant contacts."""
+    rng = np.random.default_rng(0)
+    places = rng.normal(size=(contacts, 3)) * [0.2, 0.2, 0.0]
+    J = np.zeros((3 * contacts, 6))
+    for k, (x, y, _) in enumerate(places):
+        up = 1.0 if k % 2 == 0 else -1.0
+        R, z = np.diag([1.0, up, up]), -0.1 * up
+        J[3 * k : 3 * k + 3] = np.hstack([R, -R @ [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]])
+    g = J @ rng.normal(size=6)
+    g[2::3] -= 0.5
+    return sf.ContactProblem(J @ J.T, g, 0.5)
+
+
+@pytest.mark.parametrize("contacts", [30, 64, 200])
+def test_contradictions_are_proven_before_the_methods_wear_out(contacts: int) -> None:
+    found = sf.solve(squeezed(contacts))
+    assert found.status is sf.Status.INFEASIBLE
+    assert found.iterations < 3000  # sweeps and steps: 34,000 where the proof comes last
+
+
+def test_only_forces_that_run_away_are_doubted_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A look for a proof in the middle of a heap's solve took a seventh of it, and found nothing."""
+    looks: list[sf.ContactProblem] = []
+    monkeypatch.setattr(auto, "find_proof", lambda problem, _: looks.append(problem))
+    alternate = on_blocks.alternate
+
+    def alone(*given: Any) -> Any:
+        alternate(*given)
+        raise NotImplementedError("the rest of the plan")
+
+    monkeypatch.setattr(on_blocks, "alternate", alone)
+    heap = capsules(np.random.default_rng(1), 60, 276, 0.5, push=0.01)
+    for problem in (heap, squeezed(64)):
+        with pytest.raises(NotImplementedError):
+            sf.solve(problem, max_iterations=2000)
+    assert [problem.contacts for problem in looks] == [64]
+
+
+def test_the_clock_stands_still_while_kernels_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = working_time()
+    event.start_event("numba:compiler_lock")
+    time.sleep(0.05)
+    event.end_event("numba:compiler_lock")
+    assert working_time() - before < 0.04
+    problem = squeezed(64).replace(g=np.tile([0.1, 0.0, -1.0], 64) * np.repeat(np.arange(64) % 2 == 0, 3))
+    sf.solve(problem)  # what is not loaded yet
+    alternate = on_blocks.alternate
+
+    def compiles_first(*given: Any) -> Any:
+        event.start_event("numba:compiler_lock")
+        time.sleep(1.2)
+        event.end_event("numba:compiler_lock")
+        return alternate(*given)
+
+    monkeypatch.setattr(on_blocks, "alternate", compiles_first)
+    found = sf.solve(problem, max_time=1.0, max_iterations=5)
+    assert found.status is not sf.Status.MAX_TIME

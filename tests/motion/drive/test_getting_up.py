@@ -1,0 +1,102 @@
+"""After a fall: joints are damped, nothing thrashes unasked, and the robot gets up from wherever it lies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.motion.drive.getting_up import FALLEN
+from surefoot.motion.drive.modes import LoopMode
+from surefoot.motion.drive.robot_loop import RobotLoop
+from surefoot.worlds.running.motor_robot import MotorRobot
+from tests.motion.drive.loop_faults import DT, GO2
+from tests.motion.drive.test_robot_loop import drive
+
+LOW, HIGH = GO2.model.lowerPositionLimit[7:], GO2.model.upperPositionLimit[7:]
+looped = cache(lambda: RobotLoop(GO2, DT))
+
+
+def limp(seed: int) -> MotorRobot:
+    """Return a robot let go 60 cm above the ground, in a random attitude, joints anywhere in their ranges."""
+    rng, q, robot = np.random.default_rng(seed), GO2.nominal.copy(), MotorRobot(GO2, DT, seed=seed)
+    turn = rng.normal(size=4)
+    q[2], q[3:7], q[7:] = 0.6, turn / np.linalg.norm(turn), rng.uniform(LOW, HIGH)
+    robot.reset(q)
+    return robot
+
+
+def gets_up(seed: int) -> tuple[float, float, float]:
+    """Return how far a limp robot leans [rad], how long it takes to stand [s], and `drive`'s worst."""
+    loop, robot = looped(), limp(seed)
+    loop.reset()
+    drive(loop, robot, 2.5)
+    q, begin = robot.world.state()[0], loop.time
+    worst = drive(loop, robot, 40.0, "stand", until="stand")
+    took = loop.time - begin
+    worst = max(worst, drive(loop, robot, 0.5))
+    assert not loop.fault
+    assert robot.world.state()[0][2] == pytest.approx(GO2.nominal[2], abs=0.03)
+    assert worst <= 1.0 + 1e-9
+    return float(np.arccos(1.0 - 2.0 * (q[3:5] ** 2).sum())), took, worst
+
+
+@pytest.mark.parametrize("seeds", [[3], pytest.param(range(20), marks=pytest.mark.long)])
+def test_from_random_poses(seeds: Sequence[int]) -> None:
+    for seed in seeds:
+        lean, took, worst = gets_up(seed)
+        print(f"seed {seed}: leaned {np.degrees(lean):.0f} deg, up in {took:.1f} s, torque {worst:.2f}")
+        assert took < 20.0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("recover", [False, True])
+def test_a_push_fells_it_and_the_walk_goes_on(recover: bool) -> None:
+    """450 N for 0.3 s; by itself it gets up and walks on only where `recover` says so."""
+    loop, robot = RobotLoop(GO2, DT), MotorRobot(GO2, DT)
+    loop.recover = recover
+    robot.lie_down()
+    drive(loop, robot, 0.2)
+    drive(loop, robot, 5.0, "stand", until="stand")
+    loop.steer([0.5, 0.0, 0.0])
+    drive(loop, robot, 1.0)
+    drive(loop, robot, 2.0, "walk")
+    drive(loop, robot, 0.3, push=np.array([0.0, 450.0, 0.0]))
+    drive(loop, robot, 2.0, until="damp")
+    assert loop.fault == FALLEN
+    drive(loop, robot, 8.0, until="stand up")
+    assert loop.mode == ("stand up" if recover else "damp")
+    drive(loop, robot, 25.0, "" if recover else "stand", until="stand")
+    drive(loop, robot, 1.0)
+    place = robot.world.state()[0][:2]
+    drive(loop, robot, 3.0, "" if recover else "walk")
+    assert loop.mode is LoopMode.WALK
+    assert float(np.linalg.norm(robot.world.state()[0][:2] - place)) > 1.0
+
+
+def test_a_body_that_sinks_upright_has_fallen() -> None:
+    """Its drives do nothing any more: it never leans, and lies on the ground."""
+    loop, robot = looped(), MotorRobot(GO2, DT)
+    loop.reset()
+    drive(loop, robot, 0.05)
+    drive(loop, robot, 5.0, "stand", until="stand")
+    while loop.mode is LoopMode.STAND and loop.time < 12.0:
+        loop.step(robot.read())
+        robot.take(None)
+        robot.step()
+    assert loop.fault == FALLEN
+
+
+def test_who_does_not_know_how() -> None:
+    robot = sf.load_robot("a1")
+    loop, still = RobotLoop(robot, DT), np.zeros(12)
+    on_its_back = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.array([0.0, 0.0, -9.81])
+    loop.step(sf.RobotReadings(0.0, *on_its_back, robot.nominal[7:], still, still))
+    with pytest.raises(
+        sf.ProblemError, match="leans too much, and how a1 rolls over is not known; lay it on its belly"
+    ):
+        loop.go("stand")
+    assert loop.mode is LoopMode.DAMP

@@ -1,0 +1,160 @@
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import surefoot as sf
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics.statics.allocation import ExactAllocation, SolverAllocation
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.standing.standing_controller import StandingController, default_normal_bounds
+from surefoot.motion.standing.standing_plan import Lift, StandingPlan
+
+
+def standing(name: str = "go2", mu: float = 0.6, lifts: tuple[Lift, ...] = (), **options: object):
+    robot, terrain = sf.load_robot(name), sf.FlatTerrain()
+    q = sf.place(robot, terrain)
+    plan = StandingPlan(robot, terrain, q, lifts)
+    return robot, q, StandingController(robot, plan, terrain, q, mu, **options)  # type: ignore[arg-type]
+
+
+def random_state(robot: sf.Robot, q: np.ndarray, rng: np.random.Generator, size: float = 0.1):
+    return pin.integrate(robot.model, q, size * rng.normal(size=robot.model.nv)), size * rng.normal(
+        size=robot.model.nv
+    )
+
+
+FEET = [[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]]
+
+
+@pytest.mark.parametrize(("solver", "facets"), [("distribution", None), ("auto", 8)])
+def test_symmetric_stance_shares_the_weight(solver: str, facets: int | None) -> None:
+    """The textbook case: each leg m g / 4, tangential near zero, inside the cone."""
+    stance = sf.Stance([sf.PointContact(p, mu=0.6) for p in FEET])
+    mass = 15.0
+    A = stance.grasp_map(about=[0.0, 0.0, 0.3])
+    wrench = np.array([0.0, 0.0, mass * GRAVITY, 0.0, 0.0, 0.0])
+    weights = np.array([1.0, 1.0, 1.0, 10.0, 10.0, 10.0])
+    allocation = SolverAllocation(np.full(4, 0.6), weights, 1e-4, solver, facets)
+    forces = allocation.share(A, wrench, np.zeros(4), np.full(4, 250.0))
+    np.testing.assert_allclose(forces[:, 2], mass * GRAVITY / 4, rtol=1e-4)
+    np.testing.assert_allclose(forces[:, :2], 0.0, atol=1e-3)
+    assert np.all(sf.FrictionCone(0.6).contains(forces))
+
+
+def test_command_balances_the_robot_in_pinocchio() -> None:
+    """At rest the torques and forces of the command leave no acceleration: M a = 0 by ABA with them."""
+    for name in ("go2", "anymal_c", "solo12"):
+        robot, q, controller = standing(name)
+        command = controller.step(RobotState(q, np.zeros(robot.model.nv), 0.0))
+        forces = [pin.Force.Zero() for _ in range(robot.model.njoints)]
+        pin.forwardKinematics(robot.model, robot.data, q)
+        stance = robot.stance(q)
+        for foot, contact, f in zip(robot.feet, stance, command.forces, strict=True):
+            joint = robot.model.frames[foot.frame].parentJoint
+            world = contact.rotation_world_contact @ f
+            wrench = pin.Force(world, np.cross(contact.position, world))
+            forces[joint] += robot.data.oMi[joint].actInv(wrench)
+        torque = np.concatenate([np.zeros(6), command.torques])
+        a = pin.aba(robot.model, robot.data, q, np.zeros(robot.model.nv), torque, forces)
+        # what is left is the force weight's bias, a share of g
+        assert np.abs(a[:6]).max() < 5e-3 * GRAVITY
+        assert command.attained
+        assert (np.abs(command.torques) < robot.effort_limits).all()
+
+
+def test_forces_stay_inside_every_cone_and_bound_whatever_the_state() -> None:
+    robot, q, controller = standing(mu=0.3)
+    rng = np.random.default_rng(1)
+    low, high = controller.normal_min, controller.normal_max
+    impossible = 0
+    for _ in range(200):
+        command = controller.step(RobotState(*random_state(robot, q, rng, 0.5), 0.0))
+        assert np.all(sf.FrictionCone(0.3).margin(command.forces) > -1e-9)
+        assert np.all(command.forces[:, 2] >= low - 1e-9)
+        assert np.all(command.forces[:, 2] <= high + 1e-9)
+        assert np.all(np.abs(command.torques) <= robot.effort_limits)
+        assert np.isfinite(command.torques).all()
+        impossible += not command.attained
+    assert impossible > 20  # such states ask for what the ground cannot give, and are flagged
+
+
+def test_lifted_foot_gets_exactly_zero_force() -> None:
+    robot, q, controller = standing(lifts=(Lift("FL", 1.0, 2.0),))
+    command = controller.step(RobotState(q, np.zeros(robot.model.nv), 1.5))
+    assert np.all(command.forces[0] == 0.0)
+    np.testing.assert_array_equal(command.active, [False, True, True, True])
+    assert np.all(command.forces[1:, 2] > 1.0)
+
+
+def test_light_robots_get_a_smaller_least_force() -> None:
+    low, high = default_normal_bounds(sf.load_robot("go2"))
+    assert low == 10.0
+    assert high == pytest.approx(1.5 * 16.085 * GRAVITY, rel=1e-3)
+    low, _ = default_normal_bounds(sf.load_robot("solo12"))
+    assert 4 * low < 0.5 * sf.load_robot("solo12").mass * GRAVITY
+
+
+def test_integral_takes_up_an_unknown_load_and_is_bounded() -> None:
+    robot, q, controller = standing()
+    low = q.copy()
+    low[2] -= 0.01
+    v = np.zeros(robot.model.nv)
+    first = controller.step(RobotState(low, v, 0.0)).wrench_desired[2]
+    for _ in range(20_000):
+        last = controller.step(RobotState(low, v, 0.0)).wrench_desired[2]
+    assert last > first + 10.0
+    assert last - first <= 0.6 * robot.mass * GRAVITY + 1e-6
+    controller.reset()
+    assert controller.step(RobotState(low, v, 0.0)).wrench_desired[2] == pytest.approx(first)
+
+
+# kernels against plain NumPy and Pinocchio
+
+
+def test_the_grasp_map_of_a_command_is_that_of_its_stance() -> None:
+    robot, q, controller = standing()
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        state, v = random_state(robot, q, rng)
+        command = controller.step(RobotState(state, v, 0.0))
+        np.testing.assert_allclose(
+            command.grasp_map, robot.stance(state).grasp_map(robot.com(state)), atol=1e-12
+        )
+
+
+# margin to the cones, and states that no command can be computed for
+
+
+def test_forces_use_the_same_share_of_every_foots_friction() -> None:
+    """A slope of 20 degrees takes 61 % of friction 0.6; a foot with little weight on it takes no more."""
+    robot, terrain = sf.load_robot("go2"), sf.SlopeTerrain(20.0)
+    q = sf.place(robot, terrain)
+    plan = StandingPlan(robot, terrain, q, [Lift("FL", 1.0, 2.0)])
+    controller = StandingController(robot, plan, terrain, q, 0.6)
+    v = np.zeros(robot.model.nv)
+    late = q.copy()
+    late[:3] = plan.at(0.97).position  # the weight has moved, FL is about to leave
+    for _ in range(3):
+        command = controller.step(RobotState(late, v, 0.99))
+    use = np.hypot(command.forces[:, 0], command.forces[:, 1]) / (0.6 * command.forces[:, 2])
+    assert command.attained
+    assert command.forces[0, 2] < 0.15 * command.forces[:, 2].sum()
+    np.testing.assert_allclose(use, np.tan(np.radians(20.0)) / 0.6, rtol=0.03)
+
+
+def test_a_tenth_of_the_friction_is_kept_as_long_as_the_rest_gives_the_wrench() -> None:
+    weights = np.array([1.0, 1.0, 1.0, 10.0, 10.0, 10.0])
+    mu = np.full(4, 0.6)
+    allocation = ExactAllocation(mu, weights, 1e-3)
+    A = sf.Stance([sf.PointContact(p) for p in FEET]).grasp_map(about=[0.0, 0.0, 0.3])
+    low, high = np.full(4, 5.0), np.full(4, 250.0)
+    for friction, most in ((0.3, 0.51), (0.5, 0.85), (0.53, 0.9), (0.58, 1.0), (0.9, 1.0)):
+        wrench = np.array([friction * 160.0, 0.0, 160.0, 0.0, 0.0, 0.0])
+        for _ in range(3):
+            forces = allocation.share(A, wrench, low, high)
+        use = np.hypot(forces[:, 0], forces[:, 1]) / (0.6 * forces[:, 2])
+        assert use.max() <= most + 1e-6, friction
+        left = np.linalg.norm(np.sqrt(weights) * (A @ forces.ravel() - wrench))
+        assert (left <= 5e-3 * np.linalg.norm(np.sqrt(weights) * wrench)) == (friction < 0.6)

@@ -1,0 +1,52 @@
+"""Landings that are none are doubted: forces above the ground, and feet that feel nothing right after."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from surefoot.motion.walking.touchdown_detection import (
+    FAR,
+    LASTING,
+    LASTING_FAR,
+    SILENT,
+    YOUNG,
+    LandingWatch,
+)
+
+DT = 1e-3
+AIR = np.zeros(1, dtype=bool)
+GROUND = ~AIR
+
+
+@pytest.mark.parametrize(("above", "after"), [(0.0, DT), (0.9, DT), (2.0, LASTING), (2.0 * FAR, LASTING_FAR)])
+def test_the_higher_a_force_is_felt_the_longer_it_must_last(above: float, after: float) -> None:
+    watch = LandingWatch(1, DT)
+    heights, times = np.array([above]), []
+    for k in range(200):
+        if watch.believe(GROUND, AIR, heights)[0]:
+            times.append((k + 1) * DT)
+    assert times[0] == pytest.approx(after, abs=1.5 * DT)
+    watch.believe(AIR, AIR, heights)  # a pause begins it anew
+    assert watch.believe(GROUND, AIR, heights)[0] == (above < 1.0)
+    assert watch.believe(GROUND, GROUND, heights)[0]  # what stands is not doubted
+    assert not watch.believe(AIR, AIR, heights)[0]
+
+
+def test_only_a_young_landing_is_taken_back_and_only_when_it_is_silent() -> None:
+    cases = (0.01, SILENT + DT, True), (0.01, 0.5 * SILENT, False), (YOUNG, 0.05, False)
+    for stood, silent, wanted in cases:
+        watch = LandingWatch(1, DT)
+        watch.taken_back(AIR)  # it has been in the air
+        backs = []
+        for k in range(round((stood + silent) / DT)):
+            watch.believe(GROUND if k * DT < stood else AIR, GROUND, np.zeros(1))
+            backs.append(watch.taken_back(GROUND)[0])
+        assert any(backs) == wanted
+
+
+def test_feet_that_stood_from_the_start_are_not_doubted() -> None:
+    watch = LandingWatch(1, DT)
+    for _ in range(30):
+        watch.believe(AIR, GROUND, np.zeros(1))
+        assert not watch.taken_back(GROUND)[0]

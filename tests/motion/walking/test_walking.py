@@ -1,0 +1,119 @@
+"""The walking controller away from any world: plans, cones, safety and refusals."""
+
+import numpy as np
+import pytest
+
+from surefoot.base.errors import ModelError
+from surefoot.mechanics.robot import place
+from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain, rough_ground
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.gaits.gait import ModeSchedule
+from surefoot.motion.walking.walking_body import VelocityCommand
+from surefoot.motion.walking.walking_controller import WalkingController, WalkSettings
+from tests.robots import robot_of
+
+FORWARD = VelocityCommand.constant(0.5)
+ALL = np.ones(4, dtype=bool)
+
+
+def test_a_standing_robot_gets_forces_that_carry_it() -> None:
+    robot = robot_of("go2")
+    state = RobotState(place(robot), np.zeros(robot.model.nv), 0.0, ALL)
+    command = WalkingController(robot, FORWARD).step(state)
+    assert command.attained
+    assert command.active.all()
+    assert command.forces[:, 2].sum() == pytest.approx(robot.mass * 9.81, rel=0.1)
+
+
+def test_forces_follow_the_terrain_not_the_world() -> None:
+    robot, slope = robot_of("go2"), SlopeTerrain(20.0)
+    controller = WalkingController(robot, VelocityCommand.constant(0.0), terrain=slope)
+    command = controller.step(RobotState(place(robot, slope), np.zeros(robot.model.nv), 0.0, ALL))
+    world = np.einsum("nij,nj->i", command.frames, command.forces)
+    assert world == pytest.approx([0.0, 0.0, robot.mass * 9.81], abs=0.1 * robot.mass * 9.81)
+    assert command.frames[0][:, 2] == pytest.approx(slope.normal([0.0, 0.0]))
+
+
+def test_the_gait_lifts_feet_after_the_start() -> None:
+    robot = robot_of("go2")
+    controller = WalkingController(robot, FORWARD, settings=WalkSettings(start=0.1))
+    q, v = place(robot), np.zeros(robot.model.nv)
+    lifted = [controller.step(RobotState(q, v, t, ALL)).active.tolist() for t in (0.0, 0.05, 0.15, 0.16)]
+    assert lifted[0] == lifted[1] == [True] * 4
+    assert False in lifted[2] or False in lifted[3]
+
+
+def test_swing_feet_get_exactly_no_force() -> None:
+    robot = robot_of("go2")
+    controller = WalkingController(robot, FORWARD, settings=WalkSettings(start=0.0))
+    q, v = place(robot), np.zeros(robot.model.nv)
+    for t in np.arange(0.0, 0.2, 0.005):
+        command = controller.step(RobotState(q, v, float(t), ALL))
+        assert (command.forces[~command.active] == 0.0).all()
+
+
+def test_a_robot_twice_as_fast_as_possible_is_slowed_and_said_so() -> None:
+    controller = WalkingController(robot_of("go2"), VelocityCommand.constant(9.0))
+    slowed, hurries = controller.notes
+    assert "slowed to" in slowed
+    assert "the trot hurries" in hurries
+    assert 0.5 < controller.command.values[0, 0] < 3.0
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_state_that_is_not_finite_gives_a_safe_command(bad: float) -> None:
+    robot = robot_of("go2")
+    controller = WalkingController(robot, FORWARD)
+    q, v = place(robot), np.zeros(robot.model.nv)
+    controller.step(RobotState(q, v, 0.0, ALL))
+    v[4], v[10] = bad, 2.0
+    command = controller.step(RobotState(q, v, 0.021, ALL))
+    assert command.torques[4] < 0.0  # slows the joint that moves
+    assert not command.attained
+    assert np.isfinite(command.torques).all()
+    assert (np.abs(command.torques) <= robot.effort_limits).all()
+
+
+def test_a_mode_schedule_serves_as_a_gait() -> None:
+    robot = robot_of("go2")
+    schedule = ModeSchedule([0.2, 0.4, 0.6], [15, 9, 6, 15], feet=4)
+    controller = WalkingController(robot, FORWARD, schedule, settings=WalkSettings(start=0.0))
+    q, v = place(robot), np.zeros(robot.model.nv)
+    assert controller.step(RobotState(q, v, 0.0, ALL)).active.all()
+    assert not controller.step(RobotState(q, v, 0.3, ALL)).active.all()
+
+
+def test_what_cannot_walk_is_refused() -> None:
+    with pytest.raises(ModelError, match="panda cannot walk"):
+        WalkingController(robot_of("panda"), FORWARD)
+
+
+def test_feet_are_lifted_less_at_ease_on_known_flat_ground_and_in_full_off_course() -> None:
+    robot = robot_of("go2")
+    apexes = []
+    for terrain, push in ((FlatTerrain(), 0.0), (FlatTerrain(), 0.4), (rough_ground(1, 0.02), 0.0)):
+        controller = WalkingController(robot, VelocityCommand.constant(0.0), "trot", terrain)
+        q, v = place(robot), np.zeros(robot.model.nv)
+        for k in range(900):
+            v[1] = push if k > 400 else 0.0
+            controller.step(RobotState(q, v, 1e-3 * k, ALL))
+        apexes.append(controller.feet.clearance / controller.height)
+    settings = WalkSettings()
+    assert apexes[0] == pytest.approx(settings.ease * settings.clearance, rel=0.3)
+    assert apexes[1:] == pytest.approx([settings.clearance] * 2, rel=1e-6)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("speed", "most"), [(0.5, 0.31), (1.0, 0.37)])
+def test_cost_of_transport(speed: float, most: float) -> None:
+    """No more than the better of two learned policies needs, in the same hard world by the same function."""
+    from dataclasses import replace
+
+    from benchmarks.stacks.stack import Surefoot
+    from benchmarks.stacks.tasks import TASKS
+    from benchmarks.stacks.trial import carry_out
+
+    done = carry_out(Surefoot(), replace(TASKS["speed-0.5"], asked=(speed, 0.0, 0.0)), 31)
+    assert done.lawful
+    assert done.measures.velocity_error < 0.02
+    assert done.measures.cost_of_transport < most

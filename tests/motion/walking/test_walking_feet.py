@@ -1,0 +1,184 @@
+"""The feet's state machine: lift-off and touchdown by plan, early, late, and lost."""
+
+import copy
+
+import numpy as np
+import pytest
+
+from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain, StairsTerrain
+from surefoot.motion.gaits.gait import Gait
+from surefoot.motion.walking.foothold import SHIN
+from surefoot.motion.walking.walking_feet import EARLY, LOST_TIME, Feet
+
+TROT = Gait.from_phases("trot", 0.4, 0.5, [0.0, 0.5, 0.5, 0.0])
+CENTRES = np.array([[0.2, 0.15, 0.02], [0.2, -0.15, 0.02], [-0.2, 0.15, 0.02], [-0.2, -0.15, 0.02]])
+DOWN, UP = np.ones(4, dtype=bool), np.array([True, False, False, True])
+
+
+@pytest.fixture
+def feet() -> Feet:
+    return Feet(TROT, FlatTerrain(), np.full(4, 0.02), 0.06, 0.1, CENTRES.copy())
+
+
+def test_feet_lift_and_land_by_plan(feet: Feet) -> None:
+    assert feet.update(0.0, DOWN, CENTRES)
+    assert feet.stance.tolist() == UP.tolist()
+    assert not feet.update(0.05, UP, CENTRES)
+    assert feet.share[1] == pytest.approx(0.25)
+    assert feet.update(0.2, DOWN, CENTRES)  # the others lift as these land
+    assert feet.stance.tolist() == (~UP).tolist()
+
+
+def test_a_copy_swings_to_its_own_targets(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2])
+    other = copy.deepcopy(feet)
+    other.aim(1, CENTRES[1, :2] + [0.1, 0.0])
+    for one in (feet, other):
+        one.update(0.1, UP, CENTRES)
+    assert feet.motions(0.1)[1, 0, 0] == pytest.approx(CENTRES[1, 0])
+    assert other.motions(0.1)[1, 0, 0] > CENTRES[1, 0] + 0.03
+
+
+def test_a_foot_that_touches_early_carries_until_its_next_swing(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    assert not feet.update(0.2 * EARLY - 0.01, DOWN, CENTRES)  # still brushing the ground: ignored
+    assert feet.update(0.2 * EARLY + 0.01, DOWN, CENTRES)
+    assert feet.stance.all()
+    assert not feet.planned[1]
+    feet.update(0.19, DOWN, CENTRES)
+    assert feet.stance[1]
+    feet.update(0.41, DOWN, CENTRES)
+    assert not feet.stance[1]
+
+
+def test_a_late_foot_goes_on_down_until_it_feels_the_ground(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2])
+    feet.update(0.21, UP, CENTRES)
+    assert feet.late[1]
+    assert not feet.stance[1]
+    heights = []
+    for time in (0.22, 0.26, 0.30):
+        feet.update(time, UP, CENTRES)
+        heights.append(feet.motions(time)[1, 0, 2])
+    assert heights[0] < CENTRES[1, 2]
+    assert np.diff(heights).max() < -1e-3
+    low = CENTRES.copy()
+    low[1, 2] -= 0.03
+    assert feet.update(0.31, DOWN, low)
+    assert feet.stance[1]
+    assert feet.ground[1] == pytest.approx([0.2, -0.15, -0.03])
+
+
+def test_a_foot_that_loses_the_ground_looks_for_it_below(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    feet.update(0.05, UP, CENTRES)
+    gone = np.array([False, False, False, True])
+    assert not feet.update(0.05 + 0.9 * LOST_TIME, gone, CENTRES)
+    assert feet.update(0.051 + LOST_TIME, gone, CENTRES)
+    assert feet.late[0]
+    assert not feet.stance[0]
+    feet.update(0.12, gone, CENTRES)
+    assert feet.motions(0.12)[0][0] == pytest.approx(CENTRES[0], abs=0.02)
+    assert feet.motions(0.12)[0][1, 2] < 0.0
+
+
+def test_an_aimed_foot_flies_to_its_target_over_its_apex(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, np.array([0.3, -0.1]))
+    assert feet.target[1] == pytest.approx([0.3, -0.1, 0.02])
+    heights = []
+    for time in np.linspace(0.0, 0.199, 40):
+        feet.update(float(time), UP, CENTRES)
+        heights.append(feet.motions(float(time))[1, 0, 2])
+    gain = 0.08 * feet.descent * 0.2  # which the descent takes
+    assert max(heights) == pytest.approx(0.02 + 0.06 + gain, abs=3e-4)
+    feet.aim(1, np.array([9.0, 9.0]))  # too late to change
+    assert feet.target[1, 0] == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 20.0, -20.0])
+def test_a_swing_over_a_plane_is_as_high_above_it_whatever_its_slope(degrees: float) -> None:
+    """The path's highest point over the ground, along the vertical, is the clearance."""
+    ground, radius, clearance = SlopeTerrain(degrees), 0.02, 0.06
+    gait = Gait.from_phases("trot", 0.4, 0.5, (0.0, 0.5, 0.5, 0.0))
+    places = np.array([[0.2, 0.1], [0.2, -0.1], [-0.2, 0.1], [-0.2, -0.1]])
+    centres = np.column_stack([places, ground.height(places) + radius / np.cos(np.radians(degrees))])
+    feet = Feet(gait, ground, np.full(4, radius), clearance, 0.0, centres)
+    feet.update(0.201, np.ones(4, dtype=bool), centres)
+    k = int(np.flatnonzero(~feet.stance)[0])
+    feet.aim(k, centres[k, :2] + [0.2, 0.0])
+    path = []
+    for time in np.linspace(0.201, 0.399, 100):
+        feet.share[k] = (time - 0.2) / 0.2
+        path.append(feet.motions(float(time))[k, 0])
+    above = np.array(path)[:, 2] - ground.height(np.array(path)[:, :2])
+    assert above.max() - above[0] == pytest.approx(clearance, abs=2e-3)
+
+
+def test_a_landing_that_is_taken_back_goes_on_or_down(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2] + [0.1, 0.0])
+    goal = feet.target[1].copy()
+    high = CENTRES.copy()
+    high[1] += [0.05, 0.0, 0.04]
+    assert feet.update(0.2 * EARLY + 0.01, DOWN, high)
+    assert feet.target[1] == pytest.approx(high[1])
+    feet.take_back(1, high[1])  # in its swing: goes on to where it was to stand
+    assert not feet.stance[1]
+    assert feet.target[1] == pytest.approx(goal)
+    feet.update(0.17, UP, high)
+    assert feet.motions(0.17)[1, 0, 0] == pytest.approx(goal[0], abs=0.03)
+    assert feet.update(0.21, DOWN, high)
+    assert feet.stance[1]
+    feet.take_back(1, high[1])  # in its stance: looked for below
+    feet.update(0.211, ~np.array([False, True, False, False]), high)
+    assert feet.late[1]
+    assert feet.motions(0.25)[1, 0, 2] < high[1, 2]
+
+
+def test_with_a_heading_feet_move_off_edges_along_it() -> None:
+    stairs = StairsTerrain(-0.12, 0.3)
+    feet = Feet(TROT, stairs, np.full(4, 0.02), 0.06, 0.1, CENTRES.copy())
+    feet.update(0.0, DOWN, CENTRES)
+    feet.start[1, :2] = [0.4, -0.15]
+    feet.heading = np.array([1.0, 0.0])
+    feet.aim(1, np.array([0.38, -0.2]))  # back and aside, 8 cm beyond the edge that it came down over
+    assert feet.target[1, 0] - 0.3 == pytest.approx(SHIN, abs=0.01)
+    assert feet.target[1, 1] == pytest.approx(-0.2)
+
+
+def test_a_late_foot_slows_down_on_its_way_to_the_ground_without_a_jump(feet: Feet) -> None:
+    feet.fastest = 0.7
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2])
+    places, speeds, fastest = [], [], 0.7
+    for t in np.arange(0.201, 0.399, 1e-3).tolist():
+        if t > 0.3:
+            fastest = max(fastest - 0.01, 0.05)
+            feet.slow_search(t, fastest, np.array([5e-4, 0.0]))
+        feet.update(t, UP, CENTRES)
+        path = feet.motions(t)[1]
+        places.append(path[0])
+        speeds.append(path[1, 2])
+    moved = 1e3 * np.diff(places, axis=0)
+    assert moved[:, 2] == pytest.approx(0.5 * (np.array(speeds[1:]) + speeds[:-1]), abs=0.02)
+    assert moved[-20:, 0] == pytest.approx(0.5, abs=1e-6)
+    assert min(speeds) == pytest.approx(-0.8, abs=1e-6)
+    assert speeds[-1] == pytest.approx(-0.15, abs=1e-6)
+    assert (np.diff(speeds)[100:] >= -1e-9).all()
+
+
+def test_a_foot_that_is_late_still_when_it_should_lift_swings_from_where_it_is(feet: Feet) -> None:
+    feet.careful = True
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2])
+    for t in np.arange(0.01, 0.4, 0.01).tolist():
+        feet.update(t, UP, CENTRES)
+    assert feet.late[1]
+    low = CENTRES - [0.0, 0.0, 0.05]
+    feet.update(0.41, UP, low)
+    assert not feet.late[1]
+    assert feet.start[1].tolist() == low[1].tolist()
+    assert feet.duration[1] == pytest.approx(0.2)

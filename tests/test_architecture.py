@@ -1,0 +1,190 @@
+"""The structure of the package: wings, faces, circles of files; what import-linter cannot see is held here.
+
+A face (`__init__.pyi`) is loaded lazily, so that import-linter sees an import of the wing and not of the
+module behind the name. Here every name is followed to the module that defines it.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import surefoot
+
+SOURCE = Path(surefoot.__file__).parent
+WINGS = ("base", "contact", "mechanics", "records", "motion", "worlds", "app")
+FACES = ("contact", "mechanics", "records", "motion")
+MOST_NAMES = 80
+
+Import = tuple[str, str]
+"""(module that imports, module whose name or which itself is imported)"""
+
+
+@cache
+def modules() -> dict[str, ast.Module]:
+    """Return the trees of all modules, by dotted name."""
+    found = {}
+    for path in SOURCE.rglob("*.py"):
+        name = ".".join(("surefoot", *path.relative_to(SOURCE).with_suffix("").parts)).removesuffix(
+            ".__init__"
+        )
+        found[name] = ast.parse(path.read_text(encoding="utf-8"))
+    return found
+
+
+@cache
+def shown(package: str) -> dict[str, str]:
+    """Return name to module of a stub: of a wing, or of the package as a whole."""
+    stub = SOURCE.joinpath(*package.split(".")[1:], "__init__.pyi")
+    if not stub.is_file():
+        return {}
+    lines = re.findall(
+        r"^from \.([\w.]+) import (\w+) as \2$", stub.read_text(encoding="utf-8"), re.MULTILINE
+    )
+    return {name: f"{package}.{module}" for module, name in lines}
+
+
+def is_module_level(tree: ast.Module, node: ast.AST) -> bool:
+    """Tell whether an import runs when its module is loaded: not one in a function or for type checkers."""
+    return any(node is inside for part in tree.body if not isinstance(part, ast.FunctionDef | ast.ClassDef)
+               for inside in ast.walk(part) if not _for_checkers(part))  # fmt: skip
+
+
+def _for_checkers(part: ast.stmt) -> bool:
+    return isinstance(part, ast.If) and ast.unparse(part.test) == "TYPE_CHECKING"
+
+
+def target(module: str, name: str) -> str:
+    """Return the module that `from module import name` needs: through faces, and packages that hand on."""
+    if f"{module}.{name}" in modules():
+        return f"{module}.{name}"
+    if name in shown(module):
+        return target(shown(module)[name], name)
+    for node in ast.walk(modules()[module]):
+        if isinstance(node, ast.ImportFrom) and node.module in modules() and node.module != module:
+            for alias in node.names:
+                if (alias.asname or alias.name) == name and _is_package(module):
+                    return target(node.module or "", alias.name)
+    return module
+
+
+def _is_package(module: str) -> bool:
+    return SOURCE.joinpath(*module.split(".")[1:], "__init__.py").is_file()
+
+
+@cache
+def imports(at_load: bool = False) -> frozenset[Import]:
+    """Return every import within the package, each name followed to its home."""
+    out = set[Import]()
+    for name, tree in modules().items():
+        for node in ast.walk(tree):
+            if not isinstance(node, ast.ImportFrom) or node.module not in modules():
+                continue
+            if at_load and not is_module_level(tree, node):
+                continue
+            out |= {(name, target(node.module, alias.name)) for alias in node.names}
+    return frozenset(one for one in out if one[0] != one[1])
+
+
+def wing_of(module: str) -> str:
+    parts = module.split(".")
+    return parts[1] if len(parts) > 1 else ""
+
+
+def test_every_module_stands_in_a_wing() -> None:
+    places = {wing_of(name) for name in modules()}
+    assert places == {*WINGS, "", "laws", "__main__"}
+    assert {p.parent.name for p in SOURCE.glob("*/__init__.pyi")} == set(FACES)
+
+
+def test_wings_import_downwards_only() -> None:
+    """With faces followed to what is behind them."""
+    up = {
+        one
+        for one in imports()
+        if {wing_of(one[0]), wing_of(one[1])} <= set(WINGS)
+        and WINGS.index(wing_of(one[0])) < WINGS.index(wing_of(one[1]))
+    }
+    assert not up, sorted(up)
+
+
+def test_names_cross_wings_through_faces_only() -> None:
+    """`from surefoot.contact import ...` outside contact, never `from surefoot.contact.cones import ...`."""
+    private = []
+    for name, tree in modules().items():
+        own = wing_of(name)
+        for node in ast.walk(tree):
+            if own in ("app", "laws", "__main__", "") or not isinstance(node, ast.ImportFrom):
+                continue
+            other = wing_of(node.module or "")
+            if (node.module or "").startswith("surefoot.") and other in WINGS[1:] and other != own:
+                private += [
+                    f"{name}: {node.module}.{a.name}"
+                    for a in node.names
+                    if a.name not in shown(node.module or "")
+                ]
+    assert not private, private
+
+
+@pytest.mark.parametrize("wing", FACES)
+def test_a_face_is_short_needed_and_true(wing: str) -> None:
+    """At most 80 names, each used by another wing, each what its home calls by that name."""
+    names = shown(f"surefoot.{wing}")
+    used = set()
+    for name, tree in modules().items():
+        if wing_of(name) not in (wing, "app"):
+            for node in ast.walk(tree):
+                if isinstance(node, ast.ImportFrom) and node.module == f"surefoot.{wing}":
+                    used |= {alias.name for alias in node.names}
+    assert len(names) <= MOST_NAMES
+    assert set(names) == used, sorted(set(names) ^ used)
+    package = importlib.import_module(f"surefoot.{wing}")
+    assert sorted(package.__all__) == sorted(names)
+    for name, home in names.items():
+        value = getattr(package, name)
+        if f"{home}.{name}" not in modules():
+            assert value is getattr(importlib.import_module(home), name)
+    with pytest.raises(AttributeError, match="no attribute 'frictioncone'"):
+        _ = package.frictioncone
+
+
+def reached(start: str) -> dict[str, str]:
+    """Return what a package's modules import directly or not, each with the module that imports it."""
+    out: dict[str, str] = {}
+    ahead = [name for name in modules() if name == start or name.startswith(f"{start}.")]
+    while ahead:
+        one = ahead.pop()
+        for importer, imported in imports():
+            if importer == one and imported not in out:
+                out[imported] = one
+                ahead.append(imported)
+    return out
+
+
+@pytest.mark.parametrize("judge", ["surefoot.records.audit", "surefoot.records.log"])
+def test_what_judges_imports_nothing_that_it_judges(judge: str) -> None:
+    """No solver, estimate, controller or world, directly or not: no arithmetic is shared with them."""
+    players = ("contact.solvers", "contact.batch", "records.identification", "motion", "worlds")
+    wrong = {
+        name: by
+        for name, by in reached(judge).items()
+        if name.startswith(tuple(f"surefoot.{p}" for p in players))
+    }
+    assert not wrong
+
+
+@pytest.mark.parametrize(
+    "player", ["contact", "mechanics", "motion", "records.identification", "records.log"]
+)
+def test_what_is_judged_does_not_import_the_audit(player: str) -> None:
+    ruler = {
+        name: by
+        for name, by in reached(f"surefoot.{player}").items()
+        if name.startswith("surefoot.records.audit")
+    }
+    assert not ruler

@@ -1,0 +1,73 @@
+"""Robots in the rigid world with the standing controller."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.base.spatial import GRAVITY
+from surefoot.mechanics.terrain import rough_ground
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.standing.standing_controller import StandingController
+from surefoot.motion.standing.standing_plan import StandingPlan
+from surefoot.worlds.rigid.rigid_world import RigidWorld
+
+
+def dropped(name, height, seconds, terrain=None, **settings):
+    """Run the drop; return the world and per-step readings."""
+    ground = sf.FlatTerrain() if terrain is None else terrain
+    robot = sf.load_robot(name)
+    q = sf.place(robot, ground)
+    controller = StandingController(robot, StandingPlan(robot, ground, q), ground, q)
+    world = RigidWorld(robot, ground, **settings)
+    start = q.copy()
+    start[2] += height
+    world.reset(start)
+    rows = {"normal": [], "gap": [], "excess": [], "work": [], "speed": []}
+    given, begin = 0.0, world.energy()
+    for k in range(round(seconds / world.dt)):
+        q, v = world.state()
+        torques = controller.step(RobotState(q, v, k * world.dt)).torques
+        world.step(torques)
+        reading, (moved, after) = world.contacts(), world.state()
+        given += torques @ (moved - q)[7:]
+        rows["normal"].append(reading.forces[:, 2].sum())
+        rows["gap"].append(reading.gaps.min())
+        rows["excess"].append(world.energy() - begin - given)
+        rows["work"].append(world.contact_work())
+        rows["speed"].append(np.abs(after).max())
+    return world, {key: np.array(values) for key, values in rows.items()}
+
+
+@pytest.mark.parametrize(
+    ("name", "height", "seconds", "last", "tolerance", "excess", "work", "speed"),
+    [
+        # energy beyond what the motors gave: never
+        pytest.param("go2", 0.3, 4.0, 500, 5e-3, 0.0, 1e-10, 0.02, id="go2 from 30 cm"),
+        pytest.param("g1", 0.02, 1.0, 100, 0.05, 1e-6, 1e-9, np.inf, id="g1 on eight corners"),
+    ],
+)
+def test_a_dropped_robot_comes_to_rest(name, height, seconds, last, tolerance, excess, work, speed):
+    world, rows = dropped(name, height, seconds)
+    weight = world.robot.mass * GRAVITY
+    assert np.abs(rows["normal"][-last:] / weight - 1.0).max() < tolerance
+    assert rows["gap"].min() > -5e-4
+    assert rows["excess"].max() <= excess
+    assert rows["work"].max() < work
+    assert rows["speed"][-1] < speed
+    assert world.unsolved == 0
+
+
+@pytest.mark.parametrize(
+    "terrain", [rough_ground(1, 0.1), sf.StairsTerrain(0.05, 0.2, 5)], ids=["rough", "stairs"]
+)
+def test_go2_stands_on_uneven_ground(terrain):
+    world, rows = dropped("go2", 0.0, 0.5, terrain)
+    reading = world.contacts()
+    frames = np.array([terrain.frame(p[:2]) for p in reading.positions])
+    total = np.einsum("nij,nj->i", frames, reading.forces)
+    assert total == pytest.approx([0, 0, world.robot.mass * GRAVITY], abs=3.0)
+    assert rows["gap"].min() > -5e-5
+    assert rows["speed"][-1] < 0.05
+    assert world.unsolved == 0
