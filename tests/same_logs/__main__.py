@@ -14,6 +14,7 @@ from tests.same_logs.comparing import differences
 from tests.same_logs.recording import ROOT, RecordError, record
 from tests.same_logs.revisions import commit, export
 from tests.same_logs.scenarios import chosen
+from tests.same_logs.step_times import race
 
 
 def record_revision(number: str, cache: Path, names: Sequence[str], *, tell: bool = True) -> Path:
@@ -42,17 +43,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )  # fmt: skip
     actions = parser.add_subparsers(dest="action", required=True)
     for action, words in {
-        "record": ["folder"], "compare": ["first", "second"], "check": ["folder"], "against": ["revision"]
+        "record": ["folder"], "compare": ["first", "second"], "check": ["folder"], "against": ["revision"],
+        "time": ["first", "second"],
     }.items():  # fmt: skip
         own = actions.add_parser(action)
         for word in words:
             own.add_argument(word, type=str if word == "revision" else Path)
+        if action == "time":
+            own.add_argument("--pairs", type=int, default=5, help="pairs of runs")
+            continue
         own.add_argument("--only", default="", help="scenarios or groups, with commas between")
         if action != "compare":
             own.add_argument("--tree", type=Path, default=ROOT, help="checkout that is run, by default this")
         if action == "against":
             own.add_argument("--cache", type=Path, help="folder that keeps the revision's compiled kernels")
     given = parser.parse_args(arguments)
+    if given.action == "time":
+        race(given.first, given.second, given.pairs)
+        return 0
     try:
         return _carried_out(given, chosen([name for name in given.only.split(",") if name]))
     except (RecordError, ValueError) as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,6 +17,8 @@ DEFINITIONS = "channels"
 """Array of a log that defines its channels, as JSON; `meaning` is prose and may be worded anew."""
 RENAMED: Mapping[str, str] = {}
 """Words in texts of older logs, as behaviours' names, to those of newer ones."""
+ADDED: frozenset[str] = frozenset()
+"""Channels and facts (`fact_NAME`, `definition of NAME`) that only newer logs have, on purpose."""
 
 
 class Difference(NamedTuple):
@@ -47,12 +49,12 @@ class Difference(NamedTuple):
 
 
 def first_difference(scenario: str, first: Path, second: Path) -> Difference | None:
-    """Return where two logs differ first in time, by row, then in the first log's order; None if nowhere."""
+    """Return where two logs differ first in time; facts come after all channels. None if nowhere."""
     with np.load(first, allow_pickle=False) as a, np.load(second, allow_pickle=False) as b:
         one, other = _contents(a), _contents(b)
-    names = [*one, *(name for name in other if name not in one)]
+    names = [*one, *(name for name in other if name not in one and name not in ADDED)]
     found = [d for name in names if (d := _compared(scenario, name, one.get(name), other.get(name)))]
-    return min(found, key=lambda difference: difference.row, default=None)
+    return min(found, key=lambda difference: (difference.row < 0, difference.row), default=None)
 
 
 def differences(first: Path, second: Path, names: Iterable[str]) -> list[Difference]:
@@ -86,21 +88,31 @@ def _compared(
     """Return the first difference of two arrays, None where they are the same to the last bit."""
     if a is None or b is None:
         return Difference(scenario, name, -1, -1, *("nothing" if x is None else "something" for x in (a, b)))
-    if a.dtype.kind == "U":  # text has the width of its longest entry
-        a = np.array([RENAMED.get(text, text) for text in a.ravel().tolist()], dtype=object).reshape(a.shape)
-    b = b.astype(object) if b.dtype.kind == "U" else b
-    if (a.dtype, a.shape) != (b.dtype, b.shape):
+    a, b = _plain(a, RENAMED), _plain(b, {})
+    if a.dtype != b.dtype or a.shape[1:] != b.shape[1:] or a.ndim != b.ndim:
         return Difference(scenario, name, -1, -1, f"{a.dtype} {a.shape}", f"{b.dtype} {b.shape}")
-    rows = max(len(a), 1) if a.ndim else 1
-    one, other = a.reshape(rows, -1), b.reshape(rows, -1)
-    unlike = one != other if a.dtype == object else _bits(one) != _bits(other)
-    where = np.argwhere(unlike)
-    if not len(where):
-        return None
-    row, column = (int(k) for k in where[0])
-    fact = name.startswith("fact_") or not a.ndim
-    values = _written([one[row, column], other[row, column]])
-    return Difference(scenario, name, -1 if fact else row, column if a.size > rows or fact else -1, *values)
+    in_rows = a.ndim > 0 and not name.startswith("fact_")
+    rows = min(len(a), len(b)) if a.ndim else 1
+    width = a[:1].size if a.ndim else 1
+    one, other = (x[:rows].reshape(rows, width) if x.ndim else x.reshape(1, 1) for x in (a, b))
+    where = np.argwhere(one != other if a.dtype == object else _bits(one) != _bits(other))
+    if len(where):
+        row, column = (int(k) for k in where[0])
+        values = _written(one[row, column]), _written(other[row, column])
+        place = (row, column if width > 1 else -1) if in_rows else (-1, row * width + column)
+        return Difference(scenario, name, *place, *values)
+    if a.shape != b.shape:
+        return Difference(scenario, name, rows if in_rows else -1, -1, f"{len(a)} rows", f"{len(b)} rows")
+    return None
+
+
+def _plain(array: np.ndarray[Any, Any], words: Mapping[str, str]) -> np.ndarray[Any, Any]:
+    """Return text as objects, for its width is that of the longest entry, with some words replaced."""
+    if array.dtype.kind != "U":
+        return array
+    plain = np.empty(array.shape, dtype=object)
+    plain.ravel()[:] = [words.get(text, text) for text in array.ravel().tolist()]
+    return plain
 
 
 def _bits(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
@@ -108,6 +120,6 @@ def _bits(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     return np.ascontiguousarray(array).view(f"u{array.dtype.itemsize}")
 
 
-def _written(values: Sequence[Any]) -> list[str]:
-    """Return values with all their digits."""
-    return [float(v).hex() + f" ({v!r})" if isinstance(v, np.floating) else repr(v) for v in values]
+def _written(value: Any) -> str:
+    """Return a value with all its digits."""
+    return f"{float(value).hex()} ({float(value)!r})" if isinstance(value, np.floating) else repr(value)

@@ -20,6 +20,8 @@ PATIENCE = 1800.0
 """How long a scenario may take, compilation of all kernels included [s]."""
 RAN = (0, 1)
 """Exit codes of a run that left a log: nothing broken, something broken."""
+_FROM = "import pathlib, surefoot; assert pathlib.Path(surefoot.__file__).resolve().is_relative_to({!r})"
+"""Fails where another package than the tree's is found, which would be compared with itself."""
 
 
 class RecordError(Exception):
@@ -66,9 +68,15 @@ def record(
     started = environment(tree, kernels)
     _call("the package", ["-c", _FROM.format(str(tree / "src"))], folder, started)
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        for name, _ in zip(names, pool.map(lambda name: _record(name, folder, started), names), strict=True):
-            if tell:
-                print(f"{tree.name}: {name}", flush=True)
+        made = [pool.submit(_record, name, folder, started) for name in names]
+        try:
+            for name, one in zip(names, made, strict=True):
+                one.result()
+                if tell:
+                    print(f"{tree.name}: {name}", flush=True)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
 
 
 def _record(name: str, folder: Path, started: dict[str, str]) -> None:
@@ -86,16 +94,15 @@ def _record(name: str, folder: Path, started: dict[str, str]) -> None:
         shutil.move(logs[0], folder / f"{name}.npz")
 
 
-_FROM = "import pathlib, surefoot; assert pathlib.Path(surefoot.__file__).resolve().is_relative_to({!r})"
-"""Fails where another package than the tree's is found, which would be compared with itself."""
-
-
 def _call(name: str, words: Sequence[str], place: Path, started: dict[str, str]) -> None:
     """Run Python in a folder, or raise `RecordError` with the last lines of what it said."""
-    done = subprocess.run(
-        [sys.executable, *words], cwd=place, env=started, capture_output=True, text=True,
-        timeout=PATIENCE, check=False,
-    )  # fmt: skip
+    try:
+        done = subprocess.run(
+            [sys.executable, *words], cwd=place, env=started, capture_output=True, text=True,
+            timeout=PATIENCE, check=False,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired as error:
+        raise RecordError(f"{name} took more than {PATIENCE:.0f} s") from error
     if done.returncode not in RAN or "Traceback" in done.stderr:
         said = "\n".join(done.stderr.splitlines()[-12:])
         raise RecordError(f"{name} ended with exit code {done.returncode}:\n{said}")
