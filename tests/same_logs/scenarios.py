@@ -54,6 +54,8 @@ SCENARIOS: dict[str, Scenario] = {
     "trot-pushed": Scenario(
         "quadrupeds", "walk go2 --push 0.8:60,50,0:0.2 --push 1.6:-40,-60,20:0.1 --seed 1 --duration 2.5"
     ),
+    "trot-caught": Scenario("quadrupeds", "walk go2 --push 0.8:150,120,0:0.1 --seed 5 --duration 2.5"),
+    "trot-leaps": Scenario("quadrupeds", "walk go2 --push 0.8:0,240,0:0.1 --duration 2.5"),
     "walk-slope-payload": Scenario(
         "quadrupeds",
         "walk go2 --gait walk --velocity 0.3,0.1,0.2 --slope 8 --payload 2@0.05,0,0.1 --duration 3",
@@ -84,9 +86,9 @@ SCENARIOS: dict[str, Scenario] = {
         "quadrupeds",
         "walk a1 --terrain rough:3,0.04 --terrain-knowledge blind --velocity 0.4,0,0 --duration 3",
     ),
-    "pit-by-touch": Scenario(
+    "drop-by-touch": Scenario(
         "quadrupeds",
-        "walk go2 --terrain pit:0.5,0.4,0.06 --terrain-knowledge blind --velocity 0.4,0,0 --duration 2.5",
+        "walk go2 --terrain pit:0.6,2,0.1 --terrain-knowledge blind --velocity 0.4,0,0 --duration 3",
     ),
     "ice-found": Scenario(
         "quadrupeds",

@@ -171,6 +171,12 @@ def test_the_logs_are_those_of_the_base(group: str, tmp_path: Path, pytestconfig
     base = record_revision(number, cache, names, tell=False)
     record(ROOT, tmp_path, names, tell=False)
     assert "\n".join(map(str, differences(base, tmp_path, names))) == ""
+    known, asking = set[str](), set[str]()
     for name in names:  # a robot that has fallen proves little
         with np.load(tmp_path / f"{name}.npz") as log:
             assert log["fact_reached"] if name == "loop" else str(log["fact_outcome"]) == "done", name
+            if group == "quadrupeds":
+                behaviours = log["fact_behaviours"].tolist()
+                known |= set(behaviours)
+                asking |= {behaviours[int(rank)] for rank in np.unique(log["asked_by"]) if rank >= 0}
+    assert asking == known  # nor does a behaviour that never asks for anything
