@@ -1,4 +1,4 @@
-"""What a command costs to start, and the first call of a kernel, three ways to compile it.
+"""What a command costs to start, and the first call of a kernel, both ways to compile it.
 
 Run: python -m benchmarks.start_up. Each figure is of a process of its own: the least CPU time of a command
 that has run before, and of the libraries below it; the CPU time of a kernel's first call, once with an empty
@@ -15,12 +15,11 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numba
-
 if TYPE_CHECKING:
     import surefoot as sf
 
-WAYS = {"tree": "whole trees (ours)", "kernel": "kernel by kernel", "numba": "Numba's own cache"}
+WAYS = {"0": "whole trees", "1": "plain numba.njit"}
+"""Values of SUREFOOT_PLAIN_NUMBA."""
 ONE_THREAD = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 QUESTIONS = ("can_stand", "solve")
 
@@ -66,18 +65,6 @@ def four_contacts() -> sf.ContactProblem:
     return sf.ContactProblem(jacobian @ jacobian.T, g, 0.6)
 
 
-def use(way: str) -> None:
-    """Have kernels that are imported from now on compiled in one of `WAYS`."""
-    from surefoot.base import kernels
-    from surefoot.base.compilation import dispatcher, parts, tree
-
-    if way != "tree":
-        for module in (parts, dispatcher, tree):
-            module.__dict__["WHOLE_TREES"] = False
-    if way == "numba":
-        kernels.__dict__["_compiled"] = lambda function, options: numba.jit(function, cache=True, **options)
-
-
 def ask(question: str) -> float:
     """Return the CPU time of the first answer [s]."""
     import surefoot as sf
@@ -95,18 +82,17 @@ def ask(question: str) -> float:
 
 
 def main() -> None:
-    """Print the tables; with two words, one measurement."""
-    if len(sys.argv) == 3:
-        use(sys.argv[1])
-        print(ask(sys.argv[2]))
+    """Print the tables; with a word, one measurement."""
+    if len(sys.argv) == 2:
+        print(ask(sys.argv[1]))
         return
     print_commands()
     print(f"{'first call of':14}{'compiled':22}{'cold [s]':>10}{'warm [s]':>10}{'files':>8}{'MB':>6}")
     for question in QUESTIONS:
         for way, title in WAYS.items():
             with tempfile.TemporaryDirectory() as folder:
-                words = [sys.executable, "-W", "ignore", "-m", "benchmarks.start_up", way, question]
-                environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
+                words = [sys.executable, "-W", "ignore", "-m", "benchmarks.start_up", question]
+                environment = {**os.environ, "NUMBA_CACHE_DIR": folder, "SUREFOOT_PLAIN_NUMBA": way}
                 cold, warm = (
                     float(subprocess.run(words, env=environment, capture_output=True, check=True).stdout)
                     for _ in range(2)

@@ -12,7 +12,7 @@ import pytest
 
 from surefoot.app.cli import commands, warmup
 from surefoot.app.cli.main import main
-from surefoot.base.compilation.cache import _KernelFiles
+from surefoot.base.compilation.numba_internals import KernelFiles
 
 
 def test_its_commands_are_commands_and_leave_nothing(
@@ -50,7 +50,7 @@ def test_what_lacks_a_package_is_left_out_and_said(
 LOADED = """
 import sys
 from surefoot.app.cli.main import main
-from surefoot.base.compilation import cache
+from surefoot.base.compilation import numba_internals as cache
 main(["warmup", "--json"])
 loaded = len(cache._caches)
 for words in sys.argv[1:]:
@@ -74,7 +74,7 @@ def test_after_it_walks_and_plans_compile_nothing(tmp_path: Path) -> None:
 
 
 def test_an_index_that_names_a_type_which_has_gone_is_that_of_older_code(tmp_path: Path) -> None:
-    files = _KernelFiles(str(tmp_path), "kernel", "now")
+    files = KernelFiles(str(tmp_path), "kernel", "now")
     (tmp_path / "kernel.nbi").write_bytes(pickle.dumps(files._version) + b"csurefoot.arrays\nGone\n.")
     assert files.load("types") is None
     files.save("types", 1)

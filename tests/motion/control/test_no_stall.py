@@ -18,7 +18,7 @@ PROGRAM = """
 import sys, time
 import numpy as np
 import surefoot as sf
-from surefoot.base.compilation.dispatcher import Kernel
+from surefoot.base.compilation.numba_internals import Kernel
 from surefoot.motion.control.controller import Wrapper
 from surefoot.motion.walking.leg_demand import table_of
 from surefoot.motion.walking.walkers import walking_controller

@@ -93,17 +93,15 @@ def _package(needed: Requirement) -> dict[str, Any]:
 
 
 def _kernels() -> dict[str, Any]:
-    """Return whether kernels compile, for which processor, and how many are on the disk."""
+    """Return whether kernels compile, in which way, for which processor, and how many are on the disk."""
     import llvmlite.binding
     import numba
 
     import surefoot
-    from surefoot.base.compilation import cache_folders
+    from surefoot.base.compilation import PLAIN_BECAUSE, kept_files
     from surefoot.base.numerics import vectors  # noqa: F401 - any kernel, so that the folders are known
 
-    beside = Path(surefoot.__file__).parent.rglob("__pycache__")  # the sources; or where Numba keeps it
-    folders = {*map(Path, cache_folders()), *beside}
-    kept = [file for folder in folders for file in folder.glob("surefoot.*.nbc")]
+    kept = kept_files(Path(surefoot.__file__).parent)
     try:
         works = bool(numba.njit(lambda x: x + 1)(1) == 2)
     except Exception:  # whatever a broken installation raises
@@ -114,6 +112,8 @@ def _kernels() -> dict[str, Any]:
         "threads": numba.config.NUMBA_NUM_THREADS,
         "switched_off": bool(numba.config.DISABLE_JIT),
         "works": works,
+        "way": "plain" if PLAIN_BECAUSE else "whole trees",
+        "plain_because": PLAIN_BECAUSE,
         "compiled": len(kept),
         "size": sum(f.stat().st_size for f in kept),
     }
@@ -149,6 +149,9 @@ def _print(console: Console, facts: dict[str, Any]) -> None:
     cold = "none compiled yet: surefoot warmup does it once"
     say(console, f"Numba {numba['version']} {state} for {numba['processor']}{off}; "
         + (warm if numba["compiled"] else cold))  # fmt: skip
+    if not numba["switched_off"]:
+        plain = f"plain numba.njit, slower the first time: {numba['plain_because']}"
+        say(console, f"kernels are compiled by {plain if numba['plain_because'] else 'whole trees of calls'}")
     drawing = facts["drawing"]
     works = {True: "works", False: "does not work", None: "unknown"}[drawing["works"]]
     through = f" through {drawing['through']}" if drawing["through"] else ""

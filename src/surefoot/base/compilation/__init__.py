@@ -1,19 +1,56 @@
-"""How kernels are compiled: every tree of calls once, and kept on disk under the code that it was made from.
+"""How kernels are compiled, in one of two ways with the same answers.
+
+`numba_internals` compiles every tree of calls once, and keeps it on disk under the code it was made from. It
+relies on private parts of Numba, and is the only file that does. `plain` needs none of them: every kernel is
+an ordinary `numba.njit(cache=True)`, slower to compile. `choice` takes the first way where the version of
+Numba is one that it is known to work with, else the second; SUREFOOT_PLAIN_NUMBA=1 asks for the second.
 
 Numba compiles every function on its own: optimises it, makes machine code of it, wraps it for Python, and
-does so again for each caller that it is linked into. Here a kernel that is called by a kernel is only
-translated (`Part`); optimisation and machine code come once, for the kernel that Python calls, with
-the whole tree in one module. That halves the time of a first call and changes no result.
-
-Numba keeps compiled code as long as the kernel's own file is the same. Here the key is the code itself:
-that of the kernel, of all kernels that it calls and of the constants that they read, wherever they are
-written.
+does so again for each caller that it is linked into. In the first way a kernel that is called by a kernel is
+only translated; optimisation and machine code come once, for the kernel that Python calls, with the whole
+`tree` in one module. `turns` lets one process compile and others wait, `progress` says what is going on,
+`clock` stands still meanwhile.
 """
 
 from __future__ import annotations
 
-from surefoot.base.compilation.cache import cache_folders
-from surefoot.base.compilation.dispatcher import Kernel
-from surefoot.base.compilation.progress import LOG, compiled_so_far
+from surefoot.base.compilation.choice import PLAIN_BECAUSE
+from surefoot.base.compilation.clock import working_time
+from surefoot.base.compilation.progress import LOG
 
-__all__ = ["LOG", "Kernel", "cache_folders", "compiled_so_far"]
+if PLAIN_BECAUSE:
+    from surefoot.base.compilation.plain import (
+        borrowed,
+        cache_folders,
+        compiled,
+        compiled_so_far,
+        entry_point,
+        keep,
+        kept_files,
+        window,
+    )
+else:
+    from surefoot.base.compilation.numba_internals import (
+        borrowed,
+        cache_folders,
+        compiled,
+        compiled_so_far,
+        entry_point,
+        keep,
+        kept_files,
+        window,
+    )
+
+__all__ = [
+    "LOG",
+    "PLAIN_BECAUSE",
+    "borrowed",
+    "cache_folders",
+    "compiled",
+    "compiled_so_far",
+    "entry_point",
+    "keep",
+    "kept_files",
+    "window",
+    "working_time",
+]

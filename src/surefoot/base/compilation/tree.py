@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -11,14 +11,12 @@ from typing import Any
 import llvmlite
 import numba
 import numpy as np
-from numba.core.registry import CPUDispatcher
-from numba.extending import _Intrinsic
-
-from surefoot.base.compilation.parts import WHOLE_TREES
 
 PACKAGE = __name__.partition(".")[0]
 FORMAT = 1
-"""Part of every key: to be raised when this room compiles otherwise than before."""
+"""Part of every key: to be raised when kernels are compiled otherwise than before."""
+Insides = Callable[[Any], "tuple[FunctionType | CodeType, str] | None"]
+"""Returns what a compiled object is made from, and what else changes its code; None for another object."""
 
 
 @dataclass
@@ -27,20 +25,23 @@ class KernelTree:
 
     Attributes
     ----------
+    insides
+        What looks into compiled functions and intrinsics.
     functions
         The Python functions.
     key
         Hash of their code and of the constants that they read, of the versions that compile them.
     """
 
+    insides: Insides
     functions: list[FunctionType] = field(default_factory=list)
     key: str = ""
 
     @classmethod
-    def below(cls, kernel: CPUDispatcher) -> KernelTree:
+    def below(cls, kernel: Any, insides: Insides) -> KernelTree:
         """Return the tree of a kernel."""
-        tree, feed = cls(), hashlib.sha256()
-        versions = numba.__version__, llvmlite.__version__, np.__version__, FORMAT, WHOLE_TREES
+        tree, feed = cls(insides), hashlib.sha256()
+        versions = numba.__version__, llvmlite.__version__, np.__version__, FORMAT
         feed.update(repr(versions).encode())
         for text in tree._of_value(kernel, ()):
             feed.update(text)
@@ -60,18 +61,19 @@ class KernelTree:
 
     def _of_value(self, value: Any, names: Iterable[str]) -> Iterable[bytes]:
         """Return what there is to say of a value that a function reads; `names` are those in its code."""
-        if isinstance(value, CPUDispatcher):
-            yield repr(sorted(value.targetoptions.items())).encode()
+        if (inside := self.insides(value)) is not None:
             # options change what is compiled from the same code
-            value = value.py_func
+            value, options = inside
+            yield options.encode()
         if isinstance(value, FunctionType):
             yield f"{value.__module__}.{value.__qualname__}".encode()
             # once each: kernels of a tree share functions
             if value not in self.functions:
                 self.functions.append(value)
                 yield from self._of_function(value)
-        elif isinstance(value, _Intrinsic):  # its own code; what Numba has below it goes with Numba's version
-            for code in _codes(value._defn.__code__):
+        elif isinstance(value, CodeType):
+            # of an intrinsic: its own code; what Numba has below it goes with Numba's version
+            for code in _codes(value):
                 yield code.co_code
                 yield repr(
                     (code.co_names, [c for c in code.co_consts if not isinstance(c, CodeType)])

@@ -8,8 +8,8 @@ from dataclasses import astuple, dataclass
 from functools import cached_property, partial
 from typing import Any
 
+import numba
 import numpy as np
-from numba.core.config import NUMBA_NUM_THREADS
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import (
@@ -122,7 +122,7 @@ def solve_batch(
     check_name("law", law, LAWS)
     named = LAWS[law]
     tol = real_number("tol", tol, low=0.0, high=1e300)
-    workers = NUMBA_NUM_THREADS if threads is None else whole_number("threads", threads, low=1)
+    workers = numba.config.NUMBA_NUM_THREADS if threads is None else whole_number("threads", threads, low=1)
     matrices, free, single = _read(G, g)
     B, m = free.shape
     n = m // 3
