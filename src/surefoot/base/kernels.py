@@ -22,6 +22,7 @@ __all__ = [
     "keep",
     "kernel",
     "releasing_kernel",
+    "takes_kernels",
     "window",
     "working_time",
 ]
@@ -63,6 +64,16 @@ def inline_kernel(function: Callable[P, R]) -> Callable[P, R]:
     call that is not folded in counts references to every array it is given, about 10 ns each.
     """
     return cast("Callable[P, R]", compilation.compiled(function, folded=True))
+
+
+def takes_kernels(function: Callable[P, R]) -> Callable[P, R]:
+    """Mark a function, below its decorator, that is given kernels as arguments.
+
+    Plain Numba would write their addresses into the code, which could then not be kept: where kernels are
+    compiled that way, the function is written into its callers before it is compiled.
+    """
+    function.takes_kernels = True  # type: ignore[attr-defined]
+    return function
 
 
 borrowed: Any = compilation.borrowed

@@ -3,7 +3,7 @@
 What is relied upon is said where it is used, and `check` looks whether it is there; `RELIES_ON` is the list.
 All of it is the same in Numba 0.61.0, 0.64.0 and 0.68.1, the versions that it was tried with (2026-11-25).
 With a version outside `choice.KNOWN`, or where `check` fails, kernels are compiled by `plain`: that costs
-time at the first call and nothing else. `tests/compilation/test_numba_internals.py` says what to do then.
+time at the first call and nothing else. `compilation/test_numba_internals.py` says what to do then.
 """
 
 from __future__ import annotations
@@ -326,17 +326,16 @@ def compiled(function: Any, releasing: bool = False, folded: bool = False) -> An
     Relied upon: options that Numba's manual does not have, `no_cfunc_wrapper` (no second way in, from C) and
     `forceinline` (LLVM's alwaysinline).
     """
-    options: dict[str, Any] = {"nopython": True, "boundscheck": None, "error_model": "numpy"}
-    options["no_cfunc_wrapper"] = True
+    options: dict[str, Any] = {"nopython": True, "error_model": "numpy", "no_cfunc_wrapper": True}
     if releasing:
         options["nogil"] = True
     if folded:
-        options |= {"inline": "never", "forceinline": True}
+        options["forceinline"] = True
     return Kernel(function, {}, options)
 
 
 def entry_point(kernel: Any, types: tuple[Any, ...]) -> Callable[..., Any]:
-    """Return the function of a kernel for one choice of types. Relied upon: `compile` returns that."""
+    """Return a kernel's function for one choice of types. Relied upon: `compile` returns it."""
     return kernel.compile(types)  # type: ignore[no-any-return]
 
 

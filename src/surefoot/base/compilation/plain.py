@@ -64,6 +64,8 @@ def _writable(value: Any) -> Any:
 def _njit(function: Any, *signature: Any) -> Any:
     """Return Numba's own compiled function: for all types, or for those given alone."""
     options: dict[str, Any] = {"error_model": "numpy", "nogil": function in _releasing}
+    if getattr(function, "takes_kernels", False):
+        options["inline"] = "always"
     with _kept_in(_folder(str(Path(function.__code__.co_filename).parent))) as kept:
         try:
             made = numba.njit(*signature, cache=kept, **options)(function)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-from surefoot.base.kernels import kernel
+from surefoot.base.kernels import kernel, takes_kernels
 
 Memory = TypeVar("Memory")
 EVALUATIONS = 60
@@ -13,6 +13,7 @@ EVALUATIONS = 60
 
 
 @kernel
+@takes_kernels
 def search(
     derivative: Callable[[Memory, float], float], memory: Memory, at_0: float, at_1: float, share: float
 ) -> float:

@@ -32,7 +32,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from surefoot.base.kernels import inline_kernel
+from surefoot.base.kernels import inline_kernel, takes_kernels
 from surefoot.base.numerics.line_search import search
 
 
@@ -94,6 +94,7 @@ class Steps(NamedTuple):
 
 
 @inline_kernel
+@takes_kernels
 def descend(
     form: Form, steps: Steps, memory: Any, y: Any, F: Any, error: float, kappa: float, tol: float,
     limit: float, patience: float,
@@ -152,6 +153,7 @@ class Path(NamedTuple):
 
 
 @inline_kernel
+@takes_kernels
 def follow_path(
     form: Form, newton: Callable[..., Any], memory: Any, y: Any, path: Path, tol: float
 ) -> tuple[Any, Any, float, int]:
