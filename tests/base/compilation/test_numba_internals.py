@@ -127,7 +127,7 @@ def test_arrays_are_lent_uncounted(top: Any) -> None:
     top["top"](given)
     assert sys.getrefcount(given) == before, TO_DO
     (code,) = top["top"].inspect_llvm().values()
-    body = re.search(r"^define i32 @_ZN\w+top.*?^}", code, re.MULTILINE | re.DOTALL)
+    body = re.search(r"^define [^@]*@_ZN9all_of_it3top.*?^}", code, re.MULTILINE | re.DOTALL)
     assert body is not None
     assert "NRT_incref" not in body[0], TO_DO
 
@@ -158,8 +158,9 @@ def test_no_other_file_imports_private_parts() -> None:
     """The clock's events are no exception to the rule: Numba's manual has them for programs to use."""
     package = Path(surefoot.__file__).parent
     found = set[tuple[str, str]]()
-    for path in package.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    texts = {path: path.read_text(encoding="utf-8") for path in package.rglob("*.py")}
+    for path in (path for path, text in texts.items() if "numba." in text):
+        for node in ast.walk(ast.parse(texts[path])):
             if isinstance(node, ast.ImportFrom):
                 names = [f"{node.module}.{alias.name}" for alias in node.names]
             elif isinstance(node, ast.Import):
@@ -179,8 +180,9 @@ def test_no_other_file_imports_private_parts() -> None:
 
 def test_where_a_part_cannot_be_imported_kernels_are_plain_with_one_line_in_the_log() -> None:
     code = (
-        "import numba.core.datamodel as d, sys\ndel d.register_default\n"
+        "import numba.core.datamodel as d, sys\nkept = d.register_default\ndel d.register_default\n"
         "import surefoot.base.kernels as k\nfrom surefoot import compilation as c\n"
+        "d.register_default = kept\n"  # Numba needs it itself
         "f = k.kernel(lambda x: 2.0 * x)\nprint(f(3.0), bool(c.PLAIN_BECAUSE))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
