@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from surefoot.app.cli import doctor
+from surefoot.base import compilation
 
 
 @pytest.fixture(autouse=True)
@@ -30,6 +31,23 @@ def test_it_tells_versions_blas_and_kernels(answer: Any) -> None:
     assert {"robot", "sim", "viz", "qp", "files"} <= set(facts["extras"])
     assert "all" not in facts["extras"]
     assert {p["name"] for p in facts["extras"]["robot"] if p["fits"]} == {"pin", "example-robot-data"}
+
+
+@pytest.mark.parametrize(
+    ("reason", "way", "said"),
+    [
+        ("", "whole trees", "compiled by whole trees"),
+        ("Numba 0.70 is new", "plain", "plain numba.njit, slower"),
+    ],
+)
+def test_it_tells_which_way_kernels_are_compiled(
+    reason: str, way: str, said: str, printed: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compilation, "PLAIN_BECAUSE", reason)
+    assert doctor.examine()["numba"]["way"] == way
+    text = " ".join(printed("doctor").split())
+    assert said in text
+    assert reason in text
 
 
 def test_what_is_missing_is_said(printed: Any, monkeypatch: pytest.MonkeyPatch) -> None:
