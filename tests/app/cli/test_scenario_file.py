@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import fields, replace
 from pathlib import Path
@@ -11,13 +12,18 @@ import pytest
 import yaml
 
 from surefoot.app.cli.physics import contact_law
-from surefoot.app.cli.scenario_file import STAND_KEYS, WALK_KEYS, ScenarioFile, schema
+from surefoot.app.cli.scenario_file import SCHEMA, STAND_KEYS, WALK_KEYS, ScenarioFile
 from surefoot.laws import Hertz, HuntCrossley, MujocoLaw, SpringDamper
 from surefoot.records.log.formats import read_log
 
 ROOT = Path(__file__).resolve().parents[3]
 SCENARIOS = sorted((ROOT / "examples" / "scenarios").glob("*.yaml"))
 FILES = ["--no-video", "--no-report"]
+
+
+def schema() -> Any:
+    """Return the JSON schema as it is shipped."""
+    return json.loads(SCHEMA.read_text(encoding="utf-8"))
 
 
 def written(folder: Path, text: str) -> Path:

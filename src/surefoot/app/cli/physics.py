@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
-from surefoot.app.cli.scenario_file import schema
 from surefoot.base.errors import ProblemError, check_name, unknown_name
 from surefoot.worlds.interface.table import WORLDS
 
@@ -37,6 +36,7 @@ def contact_law(said: Mapping[str, Any], mu: float) -> SoftLaw:
     20000.0
     """
     from surefoot import laws
+    from surefoot.app.cli.scenario_keys import Law
 
     makers: dict[str, Any] = {
         "spring-damper": laws.SpringDamper, "hunt-crossley": laws.HuntCrossley, "hertz": laws.Hertz,
@@ -47,7 +47,7 @@ def contact_law(said: Mapping[str, Any], mu: float) -> SoftLaw:
     takes = inspect.signature(maker).parameters
     for key in values:
         if key not in takes:
-            known = takes.keys() & schema()["properties"]["law"]["properties"].keys()
+            known = takes.keys() & Law.__annotations__.keys()
             raise ProblemError(unknown_name(f"parameter of the law {name}", key, known))
     missing = [key for key, one in takes.items() if one.default is one.empty and key not in values]
     if missing:

@@ -1,20 +1,17 @@
 """`--scenario FILE`: what happens to a simulated robot that no option says, as YAML.
 
-The keys, their units and their bounds stand in `scenario.schema.json` beside this file, and nowhere else: it
-is what a file is checked against, and what an editor may be given.
+The keys, their units and their bounds stand in `scenario_keys.py`, and nowhere else: a file is checked against
+it, and `scenario.schema.json`, which an editor may be given, is made of it.
 """
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-from surefoot.base.errors import ProblemError, check_name, located
+from surefoot.base.errors import check_name, located
 from surefoot.base.text_files import read_yaml
 
 SCHEMA = Path(__file__).with_name("scenario.schema.json")
@@ -30,7 +27,7 @@ WALK_KEYS = GROUND | FAULTS | {
 
 @dataclass(frozen=True)
 class ScenarioFile:
-    """What a scenario file says; see `scenario.schema.json` for each key's unit and bounds."""
+    """What a scenario file says; see `surefoot.app.cli.scenario_keys` for each key's unit and bounds."""
 
     ice: tuple[dict[str, Any], ...] = ()
     law: Mapping[str, Any] | None = None
@@ -60,9 +57,12 @@ class ScenarioFile:
         """
         if path is None:
             return ScenarioFile()
-        content = read_yaml(path, "the scenario") or {}
+        from surefoot.app.cli.scenario_keys import Scenario
+        from surefoot.base.file_models import read_as
+
+        content = read_yaml(path, "the scenario")
         with located(path):
-            said = checked("", content, schema())
+            said: dict[str, Any] = {**read_as(Scenario, {} if content is None else content, spoken=True)}
             for key in said:
                 check_name("key for this command", key, keys)
         if "velocity_file" in said:
@@ -73,82 +73,3 @@ class ScenarioFile:
     def given(self) -> list[str]:
         """The keys that say something else than the default."""
         return [f.name for f in fields(self) if getattr(self, f.name) != f.default]
-
-
-@cache
-def schema() -> dict[str, Any]:
-    """Return the JSON schema of scenario files."""
-    found: dict[str, Any] = json.loads(SCHEMA.read_text(encoding="utf-8"))
-    return found
-
-
-def checked(where: str, value: Any, form: Mapping[str, Any]) -> Any:
-    """Return a value if it is of a JSON schema's form, numbers as numbers and lists as tuples.
-
-    Parameters
-    ----------
-    where
-        What the value is called in messages; empty for the whole file.
-    value
-        As YAML has it, which reads 2e5 as text.
-    form
-        Of the keywords of JSON Schema those that `scenario.schema.json` uses.
-
-    Raises
-    ------
-    ProblemError
-        For a value of another form.
-    """
-    if "anyOf" in form:
-        words, number = form["anyOf"]
-        return checked(where, value, words if value in words["enum"] else number)
-    if "enum" in form:
-        check_name(where, value, form["enum"])
-        return value
-    return _FORMS[form["type"]](where, value, form)
-
-
-def _mapping(where: str, value: Any, form: Mapping[str, Any]) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise ProblemError(f"{where or 'the file'} must be a mapping of keys, got {value!r:.60}")
-    known = form["properties"]
-    for key in value:
-        check_name(f"key of {where}" if where else "key", key, known)
-    for key in form.get("required", ()):
-        if key not in value:
-            raise ProblemError(f"{where} needs the key {key!r}")
-    return {key: checked(f"{where} {key}".strip(), each, known[key]) for key, each in value.items()}
-
-
-def _sequence(where: str, value: Any, form: Mapping[str, Any]) -> tuple[Any, ...]:
-    least, most = form.get("minItems", 0), form.get("maxItems", math.inf)
-    if not isinstance(value, list) or not least <= len(value) <= most:
-        size = (
-            "" if most == math.inf else f" of {least} entries" if least == most else f" of {least} to {most}"
-        )
-        raise ProblemError(f"{where} must be a list{size}, got {value!r:.60}")
-    return tuple(checked(f"{where}[{k}]", each, form["items"]) for k, each in enumerate(value))
-
-
-def _number(where: str, value: Any, form: Mapping[str, Any]) -> float:
-    low, high = form.get("minimum", -math.inf), form.get("maximum", math.inf)
-    try:
-        number = math.nan if isinstance(value, bool) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
-    whole = form["type"] == "integer"
-    if not (math.isfinite(number) and low <= number <= high and (not whole or number == int(number))):
-        bounds = (
-            f" from {low:g} to {high:g}" if high < math.inf else f" >= {low:g}" if low > -math.inf else ""
-        )
-        raise ProblemError(f"{where} must be a {'whole ' if whole else ''}number{bounds}, got {value!r:.60}")
-    return int(number) if whole else number
-
-
-def _text(where: str, value: Any, form: Mapping[str, Any]) -> str:
-    if not isinstance(value, str):
-        raise ProblemError(f"{where} must be a text, got {value!r:.60}")
-    return value
-
-
-_FORMS = {"object": _mapping, "array": _sequence, "number": _number, "integer": _number, "string": _text}
