@@ -10,9 +10,11 @@ import pytest
 
 from surefoot.app.cli.scenario_file import SCHEMA as SCENARIO
 from surefoot.app.cli.scenario_keys import Scenario
+from surefoot.app.export.sequence_file import SCHEMA as SEQUENCE
+from surefoot.app.export.sequence_keys import Sequence
 from surefoot.base.file_models import schema_text
 
-SCHEMAS: list[tuple[Path, type[Any]]] = [(SCENARIO, Scenario)]
+SCHEMAS: list[tuple[Path, type[Any]]] = [(SCENARIO, Scenario), (SEQUENCE, Sequence)]
 
 
 @pytest.mark.parametrize(("path", "form"), SCHEMAS, ids=lambda value: getattr(value, "name", ""))

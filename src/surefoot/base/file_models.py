@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from typing import Annotated, Any, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, TypeAdapter, ValidationError
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
 
 from surefoot.base.errors import ProblemError, shown, unknown_name
@@ -47,6 +47,11 @@ def _whole(value: object) -> object:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
+def _text(value: object) -> object:
+    """Return a number as the text that it is where a name is wanted; anything else as it is."""
+    return str(value) if type(value) in (int, float) else value
+
+
 YAML = BeforeValidator(_number)
 """Stands last in the annotation of a YAML file's number, after its bounds."""
 WHOLE = BeforeValidator(_whole)
@@ -55,6 +60,10 @@ TUPLE = AfterValidator(tuple)
 """Stands last in the annotation of a list that becomes a tuple."""
 Number = Annotated[float, YAML]
 """A finite number of a YAML file."""
+AnyNumber = Annotated[float, Field(allow_inf_nan=True), YAML]
+"""A number of a YAML file that may be infinite; whether it makes sense its user says."""
+Name = Annotated[str, BeforeValidator(_text)]
+"""A name, which may look like a number."""
 
 
 def read_as(form: type[T], content: Any, spoken: bool = False) -> T:
@@ -149,7 +158,7 @@ class _Refusal:
         where = _dotted(path)
         if self.spoken:
             return unknown_name(f"key of {where}" if where else "key", key, valid) + meant
-        return f"{where}: {unknown_name('key', key, valid)}{meant}"
+        return f"{where or 'the file'}: {unknown_name('key', key, valid)}{meant}"
 
     def _value(self, kind: str, path: Loc, node: Schema, error: Any) -> str:
         """Return the line for a value."""

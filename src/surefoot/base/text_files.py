@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from collections import Counter
@@ -9,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from surefoot.base.errors import ProblemError, check_name, shown
+from surefoot.base.errors import ProblemError, check_name, one_line, shown
 
 MOST = 64_000_000
 """Bytes of a text that are read at most: a device never ends."""
@@ -106,6 +107,32 @@ def _check_keys(root: Any, name: object) -> None:
             if count > 1:
                 line = node.start_mark.line + 1
                 raise ProblemError(f"{name}: the key {key} stands twice in the mapping at line {line}")
+
+
+def read_json(path: Path | str, what: str = "") -> Any:
+    """Return what a JSON file holds; `what` it is of, for the message.
+
+    Raises
+    ------
+    ProblemError
+        If it cannot be read, is not JSON, or says a key twice.
+    """
+    text = read_text(path, what)
+    try:
+        return json.loads(text, object_pairs_hook=_once)
+    except ProblemError as error:
+        raise ProblemError(f"{path}: {error}") from error
+    except (ValueError, RecursionError) as error:  # a whole number may have too many digits
+        raise ProblemError(f"{path} is not JSON: {one_line(error)}") from error
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a mapping, or refuse a key that stands twice in it: JSON's reader keeps the last in silence."""
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        key = next(key for key, count in Counter(key for key, _ in pairs).items() if count > 1)
+        raise ProblemError(f"the key {shown(key)} stands twice in a mapping")
+    return table
 
 
 def table_of(

@@ -5,24 +5,25 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from surefoot.app.export.sequence import ContactSequence, SequencePhase
 from surefoot.base.arrays import FloatArray, finite_array, of_kind
-from surefoot.base.errors import ProblemError, located, one_line, writing
-from surefoot.base.text_files import list_of, path_of, read_text, table_of
+from surefoot.base.errors import ProblemError, located, shown, writing
+from surefoot.base.text_files import path_of, read_json
 from surefoot.mechanics.stance import Contact, PatchContact, PointContact, Stance
+
+if TYPE_CHECKING:
+    from surefoot.app.export.sequence_keys import Contact as ContactKeys
+    from surefoot.app.export.sequence_keys import Friction, HalfSpaces, Phase
 
 FORMAT, VERSION = "surefoot.contact-sequence", 1
 SCHEMA = Path(__file__).with_name("contact_sequence.schema.json")
 """The JSON schema of the file."""
 ORTHONORMAL = 1e-6
 """How far a rotation may be from one."""
-_TOP, _FRICTION = ("format", "version", "frames", "friction", "phases"), ("facets", "fit")
-_PHASE, _CONTACT = ("duration", "contacts"), ("frame", "position", "rotation", "mu")
-_PATCH, _ROWS = ("length", "width"), ("A", "b")
 SAME = 1e-9
 """How far half-spaces in a file may be from those of their contact, relative to the largest entry."""
 
@@ -48,15 +49,19 @@ def sequence_from_dict(content: Any) -> ContactSequence:
     ProblemError
         Naming the entry at fault.
     """
-    top = table_of("the file", content, (*_TOP, "robot", "mass"), required=_TOP)
-    if top["format"] != FORMAT or top["version"] != VERSION:
-        found = f"{top['format']!r} version {top['version']!r}"
-        raise ProblemError(f"a contact sequence has the format {FORMAT!r} version {VERSION}, got {found}")
-    friction = table_of("friction", top["friction"], _FRICTION, required=_FRICTION)
-    phases = [_phase(f"phases[{k}]", p, friction) for k, p in enumerate(list_of("phases", top["phases"]))]
-    names = [str(name) for name in list_of("frames", top["frames"])]
-    who = str(top.get("robot", "")), top.get("mass", 0.0)
-    return ContactSequence(phases, names, *who, friction["facets"], friction["fit"])
+    from surefoot.app.export.sequence_keys import Sequence
+    from surefoot.base.file_models import read_as
+
+    if isinstance(content, dict) and {"format", "version"} <= content.keys():
+        found = content["format"], content["version"]
+        if found != (FORMAT, VERSION):
+            told = f"{shown(found[0])} version {shown(found[1])}"
+            raise ProblemError(f"a contact sequence has the format {FORMAT!r} version {VERSION}, got {told}")
+    top = read_as(Sequence, content)
+    friction = top["friction"]
+    phases = [_phase(f"phases[{k}]", given, friction) for k, given in enumerate(top["phases"])]
+    who = top.get("robot", ""), top.get("mass", 0.0)
+    return ContactSequence(phases, top["frames"], *who, friction["facets"], friction["fit"])
 
 
 def write_sequence(sequence: ContactSequence, path: Path | str) -> Path:
@@ -88,10 +93,7 @@ def read_sequence(path: Path | str) -> ContactSequence:
         If the file cannot be read, is no JSON, or says something that no sequence can be; naming the entry.
     """
     source = path_of(path)
-    try:
-        content = json.loads(read_text(source))
-    except (json.JSONDecodeError, RecursionError) as error:
-        raise ProblemError(f"{source} is not JSON: {one_line(error)}") from error
+    content = read_json(source)
     with located(source):
         return sequence_from_dict(content)
 
@@ -123,11 +125,9 @@ def _phase_entry(sequence: ContactSequence, number: int) -> dict[str, Any]:
     return {"duration": phase.duration, "contacts": contacts}
 
 
-def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
+def _phase(where: str, given: Phase, friction: Friction) -> SequencePhase:
     """Return a phase; errors name the entry."""
-    given = table_of(where, entry, _PHASE, required=_PHASE)
-    entries = enumerate(list_of(f"{where}.contacts", given["contacts"]))
-    found = [_contact(f"{where}.contacts[{k}]", one, friction) for k, one in entries]
+    found = [_contact(f"{where}.contacts[{k}]", one, friction) for k, one in enumerate(given["contacts"])]
     stated = [force for _, force in found if force is not None]
     if stated and len(stated) < len(found):
         raise ProblemError(f"{where}: either all contacts have a force or none has one")
@@ -136,40 +136,31 @@ def _phase(where: str, entry: Any, friction: dict[str, Any]) -> SequencePhase:
         return SequencePhase(given["duration"], stance, np.concatenate(stated) if stated else None)
 
 
-def _contact(where: str, entry: Any, friction: dict[str, Any]) -> tuple[Contact, FloatArray | None]:
+def _contact(where: str, given: ContactKeys, friction: Friction) -> tuple[Contact, FloatArray | None]:
     """Return a contact and the force that it is meant to carry."""
-    more = ("normal_min", "normal_max", "patch", "halfspaces", "force")
-    given = table_of(where, entry, (*_CONTACT, *more), required=_CONTACT)
     with located(where):
         turn = finite_array("rotation", given["rotation"], (3, 3))
-        if np.abs(turn.T @ turn - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(turn) < 0.0:
+        large = np.abs(turn).max() > 1.0 + ORTHONORMAL  # whose products might overflow
+        if large or np.abs(turn.T @ turn - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(turn) < 0.0:
             raise ProblemError("rotation must be a rotation: orthonormal, right-handed")
         high = given.get("normal_max")
         options: dict[str, Any] = {
             "position": given["position"], "normal": (0.0, 0.0, 1.0), "mu": given["mu"],
-            "name": str(given["frame"]), "normal_min": given.get("normal_min", 0.0),
+            "name": given["frame"], "normal_min": given.get("normal_min", 0.0),
             "normal_max": math.inf if high is None else high,
         }  # fmt: skip
-        contact = _shape(given.get("patch"), options)
+        patch = given.get("patch")
+        contact = PointContact(**options) if patch is None else PatchContact(**patch, **options)
         contact.rotation_world_contact = turn  # as written, to the last bit
         _check_rows(contact, given.get("halfspaces"), friction)
         force = given.get("force")
         return contact, None if force is None else finite_array("force", force, (contact.dim,))
 
 
-def _shape(patch: Any, options: dict[str, Any]) -> Contact:
-    """Return a point or a patch."""
-    if patch is None:
-        return PointContact(**options)
-    sizes = table_of("patch", patch, _PATCH, required=_PATCH)
-    return PatchContact(length=sizes["length"], width=sizes["width"], **options)
-
-
-def _check_rows(contact: Contact, entry: Any, friction: dict[str, Any]) -> None:
+def _check_rows(contact: Contact, given: HalfSpaces | None, friction: Friction) -> None:
     """Refuse half-spaces that are not those of the contact: a file that says two things says nothing."""
-    if entry is None:
+    if given is None:
         return
-    given = table_of("halfspaces", entry, _ROWS, required=_ROWS)
     rows = Stance([contact]).halfspaces(friction["facets"], friction["fit"])
     kept = np.isfinite(rows.b)
     A = finite_array("halfspaces.A", given["A"], (None, contact.dim))

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, finite_array, real_number
 from surefoot.base.errors import ProblemError, located
-from surefoot.base.text_files import list_of, path_of, read_yaml, table_of
+from surefoot.base.text_files import path_of, read_yaml
 from surefoot.mechanics.stance.contact import Contact, PatchContact, PointContact
 from surefoot.mechanics.stance.stance import Stance
 
-_TOP = ("name", "mass", "com", "external_wrench", "mu", "contacts")
-_CONTACT = ("name", "position", "normal", "mu", "heading", "normal_min", "normal_max", "length", "width")
+if TYPE_CHECKING:
+    from surefoot.mechanics.stance.file_keys import ContactKeys
 
 
 @dataclass(frozen=True)
@@ -57,29 +56,28 @@ def read_stance(path: str | Path) -> StanceQuestion:
 
 def stance_from_dict(content: Any, name: str = "stance") -> StanceQuestion:
     """Return the question that the parsed YAML stands for; see `read_stance`."""
-    top = table_of("the file", content, _TOP, required=("mass", "com"))
-    mu = real_number("mu", top.get("mu", 0.6), low=0.0)
-    entries = list_of("contacts", top.get("contacts", []))
-    contacts = [_contact(f"contacts[{k}]", entry, mu) for k, entry in enumerate(entries)]
-    mass = real_number("mass", top["mass"])
-    if not 0.0 < mass < math.inf:
+    from surefoot.base.file_models import read_as
+    from surefoot.mechanics.stance.file_keys import StanceKeys
+
+    said = read_as(StanceKeys, content)
+    mu, mass = real_number("mu", said.get("mu", 0.6), low=0.0), said["mass"]
+    contacts = [_contact(k, given, mu) for k, given in enumerate(said.get("contacts", []))]
+    if mass <= 0.0:
         raise ProblemError(f"mass must be positive and finite [kg], got {mass:g}")
     return StanceQuestion(
-        str(top.get("name", name)),
+        said.get("name", name),
         Stance(contacts),
         mass,
-        finite_array("com", top["com"], (3,)),
-        finite_array("external_wrench", top.get("external_wrench", [0.0] * 6), (6,)),
+        finite_array("com", said["com"], (3,)),
+        finite_array("external_wrench", said.get("external_wrench", [0.0] * 6), (6,)),
     )
 
 
-def _contact(where: str, entry: Any, mu: float) -> Contact:
+def _contact(number: int, given: ContactKeys, mu: float) -> Contact:
     """Return one contact; errors name the entry."""
-    given = table_of(where, entry, _CONTACT, required=("position",))
-    name = str(given.get("name", where.removeprefix("contacts")))
-    options: dict[str, Any] = {"mu": mu, **given, "name": name}
+    options: dict[str, Any] = {"mu": mu, "name": f"[{number}]", **given}
     sizes = [key for key in ("length", "width") if key in given]
-    with located(where):
+    with located(f"contacts[{number}]"):
         if not sizes:
             return PointContact(**options)
         if len(sizes) == 1:

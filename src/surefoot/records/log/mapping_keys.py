@@ -1,0 +1,62 @@
+"""The keys of a mapping's file: docs/logs.md describes them; which channels, units and frames there are its user says."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NotRequired, Required
+
+from pydantic import BeforeValidator, with_config
+from typing_extensions import TypedDict
+
+from surefoot.base.file_models import FILE, TUPLE, WHOLE, Number
+
+
+def _names(value: object) -> object:
+    """Return a list of names for one name; anything that is neither is refused."""
+    listed = [value] if isinstance(value, str) else value
+    if not isinstance(listed, (list, tuple)) or not all(isinstance(v, str) and v for v in listed):
+        raise ValueError("must be a name or a list of names")
+    return list(listed)
+
+
+def _take(value: object) -> object:
+    """Return the table of a channel's source: a field's name, or a list of them, is its ``from``."""
+    return value if isinstance(value, dict) else {"from": value}
+
+
+Names = Annotated[list[str], TUPLE, BeforeValidator(_names)]
+
+TakeKeys = TypedDict(
+    "TakeKeys",
+    {  # a class cannot have the key "from"
+        "from": Required[Names], "unit": str, "frame": str, "quaternion": str, "scale": Number,
+    },
+    total=False,
+)  # fmt: skip
+with_config(FILE)(TakeKeys)
+
+Take = Annotated[TakeKeys, BeforeValidator(_take)]
+
+
+@with_config(FILE)
+class ChannelKeys(TypedDict, total=False):
+    """A channel of one's own, see `surefoot.records.log.Channel`."""
+
+    name: Required[str]
+    shape: Required[Annotated[list[str | Annotated[int, WHOLE]], TUPLE]]
+    unit: str
+    frame: str
+    optional: bool
+    flag: bool
+    meaning: str
+
+
+@with_config(FILE)
+class MappingKeys(TypedDict):
+    """Where a log's channels come from."""
+
+    time: NotRequired[Take]
+    feet: NotRequired[Names]
+    joints: NotRequired[Names]
+    channels: NotRequired[dict[str, Take]]
+    facts: NotRequired[dict[str, Any] | None]
+    define: NotRequired[list[ChannelKeys]]
