@@ -8,17 +8,17 @@ pydantic takes a quarter of a second to load.
 
 from __future__ import annotations
 
-import difflib
 import json
 import re
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, cast
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
 
 from surefoot.base.errors import ProblemError, shown, unknown_name
+from surefoot.base.text_files import unknown_key
 
 T = TypeVar("T")
 Schema = dict[str, Any]
@@ -52,12 +52,17 @@ def _text(value: object) -> object:
     return str(value) if type(value) in (int, float) else value
 
 
+def _tuple(value: object) -> object:
+    """Return a list as a tuple, anything else as it is."""
+    return tuple(value) if isinstance(value, list) else value
+
+
 YAML = BeforeValidator(_number)
 """Stands last in the annotation of a YAML file's number, after its bounds."""
 WHOLE = BeforeValidator(_whole)
 """Stands last in the annotation of a whole number."""
-TUPLE = AfterValidator(tuple)
-"""Stands last in the annotation of a list that becomes a tuple."""
+TUPLE = BeforeValidator(_tuple)
+"""Stands last in the annotation of a tuple, which is a list in a file."""
 Number = Annotated[float, YAML]
 """A finite number of a YAML file."""
 AnyNumber = Annotated[float, Field(allow_inf_nan=True), YAML]
@@ -84,7 +89,7 @@ def read_as(form: type[T], content: Any, spoken: bool = False) -> T:
         For the first thing that does not fit: its place, what is wanted there, and what is.
     """
     try:
-        return _adapter(form).validate_python(content)
+        return cast("T", _adapter(form).validate_python(content))
     except ValidationError as error:
         told = error.errors(include_url=False, include_context=True)
         raise ProblemError(_Refusal(schema_of(form), content, spoken).of(told)) from error
@@ -103,9 +108,12 @@ def schema_text(form: type) -> str:
     return json.dumps(schema_of(form), indent=2, ensure_ascii=False).replace("\\n", " ") + "\n"
 
 
-@cache
-def _adapter(form: type[T]) -> TypeAdapter[T]:
-    return TypeAdapter(form)
+def _adapter(form: Any) -> TypeAdapter[Any]:
+    """Return what checks a model, built once."""
+    return _built(form)
+
+
+_built: Callable[[Any], TypeAdapter[Any]] = cache(TypeAdapter)
 
 
 class _FileSchema(GenerateJsonSchema):
@@ -152,13 +160,11 @@ class _Refusal:
         return self._value(kind, path, node, error)
 
     def _unknown(self, path: Loc, key: object, valid: Iterable[str]) -> str:
-        """Return the line for a key that no table of its place has, with the one that may be meant."""
-        near = difflib.get_close_matches(str(key), list(valid), 1)
-        meant = f"; did you mean {near[0]}?" if near else ""
+        """Return the line for a key that no table of its place has."""
         where = _dotted(path)
         if self.spoken:
-            return unknown_name(f"key of {where}" if where else "key", key, valid) + meant
-        return f"{where or 'the file'}: {unknown_name('key', key, valid)}{meant}"
+            return unknown_key(f"key of {where}" if where else "key", key, valid)
+        return f"{where or 'the file'}: {unknown_key('key', key, valid)}"
 
     def _value(self, kind: str, path: Loc, node: Schema, error: Any) -> str:
         """Return the line for a value."""
@@ -209,9 +215,12 @@ class _Refusal:
         """Return what the file has at a path; what was `read` there where a model reads several forms as one."""
         found = self.content
         for part in path:
-            if not isinstance(found, dict if isinstance(part, str) else list):
+            if (isinstance(found, dict) and part in found) or (
+                isinstance(found, list) and isinstance(part, int)
+            ):
+                found = found[part]
+            else:
                 return read
-            found = found.get(part, read) if isinstance(found, dict) else found[part]
         return found
 
     def _walk(self, loc: Loc, node: Schema | None = None) -> tuple[Loc, Schema]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import math
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from surefoot.base.errors import ProblemError, check_name, one_line, shown
+from surefoot.base.errors import ProblemError, one_line, shown, unknown_name
 
 MOST = 64_000_000
 """Bytes of a text that are read at most: a device never ends."""
@@ -149,11 +150,23 @@ def table_of(
         named = "names" if keys is None else f"the keys {', '.join(keys)}"
         raise ProblemError(f"{where} must be a mapping of {named}, got {value!r:.60}")
     for key in value if keys is not None else ():
-        check_name("key", key, keys or (), where)
+        if key not in (keys or ()):
+            raise ProblemError(f"{where}: {unknown_key('key', key, keys or ())}")
     for key in required:
         if key not in value:
             raise ProblemError(f"{where}: {key} is missing")
     return value
+
+
+def unknown_key(kind: str, key: object, valid: Iterable[str]) -> str:
+    """Return the line for a key that a table does not have, with the one that may be meant.
+
+    >>> unknown_key("key", "friktion", ["friction", "mass"])
+    "unknown key 'friktion'; valid names: friction, mass; did you mean friction?"
+    """
+    known = list(valid)
+    near = difflib.get_close_matches(str(key)[:80], known, 1)
+    return unknown_name(kind, key, known) + (f"; did you mean {near[0]}?" if near else "")
 
 
 def list_of(where: str, value: Any) -> list[Any]:

@@ -22,7 +22,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import quaternion_from_rotation, rotation_exp, rotation_from_quaternion
 from surefoot.mechanics.robot import Robot
 from surefoot.motion.control.controller import RobotState
-from surefoot.motion.policy.spec import KEYS
+from surefoot.motion.policy.spec_keys import PolicyKeys
 from tests.motion.policy.onnx_file import write_onnx
 from tests.pages import run_page
 
@@ -189,6 +189,19 @@ def test_gains_and_names_recognise_a_convention(tmp_path: Path, answer: Any) -> 
         ({"action_scale": None}, "nothing says its action_scale"),
         ({"convention": "mine"}, "unknown convention 'mine'"),
         ({"command_range": [1, 2]}, "command_range must have shape"),
+        ({"joints": 3}, "the policy: joints must be a list, got 3"),
+        ({"stiffness": True}, "stiffness must be a number, a list or a mapping of names, got True"),
+        ({"stiffness": {".*": "stiff"}}, r"stiffness: \.\* must be a number, got 'stiff'"),
+        ({"damping": {"*": 1}}, r"damping: '\*' is no pattern of names: nothing to repeat"),
+        ({"action_clip": [-1, None]}, r"action_clip\[1\] must be a number, a list or a mapping of names, got None"),
+        ({"observations": 3}, "observations must be a list, got 3"),
+        ({"observations": [["gravity"]]}, r"observations\[0\] must be a name, or a name with its settings"),
+        ({"observations": [{"gravity": {"clip": 1}}]}, "gravity: clip must be a list of 2 entries, got 1"),
+        ({"observations": [{"phase": {"waves": ["saw"]}}]}, r"unknown waves\[0\] 'saw'; valid names: cos, sin"),
+        ({"observations": [{"gravity": {"scal": 1}}]}, "observation gravity: unknown key 'scal'; .* mean scale"),
+        ({"history": [3]}, "history must be a mapping of the keys length, order, by, start"),
+        ({"history": {"length": "long"}}, "history: length must be a whole number >= 1, got 'long'"),
+        ({"others": {"stifness": 1}}, "others: unknown key 'stifness'; .* did you mean stiffness"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_named(
@@ -242,7 +255,7 @@ def test_scan_contacts_and_terms_of_the_users(go2: Robot, tmp_path: Path) -> Non
 
 def test_the_page_lists_every_key() -> None:
     page = (Path(__file__).parents[3] / "docs" / "policies.md").read_text(encoding="utf-8")
-    assert [key for key in KEYS if f"`{key}`" not in page] == []
+    assert [key for key in PolicyKeys.__annotations__ if f"`{key}`" not in page] == []
 
 
 def test_the_page_runs_with_its_own_description(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,8 +15,8 @@ from surefoot.base.file_models import FILE, TUPLE, WHOLE, YAML, Number
 
 Positive = Annotated[float, Field(ge=0), YAML]
 Friction = Annotated[float, Field(ge=0, le=1000), YAML]
-Pair = Annotated[list[Number], Field(min_length=2, max_length=2), TUPLE]
-Impedance = Annotated[list[Number], Field(min_length=1, max_length=5), TUPLE]
+Pair = Annotated[tuple[Number, ...], Field(min_length=2, max_length=2), TUPLE]
+Impedance = Annotated[tuple[Number, ...], Field(min_length=1, max_length=5), TUPLE]
 TITLE = "A scenario file of surefoot walk and surefoot stand: what their options do not say"
 
 Ice = TypedDict(
@@ -64,7 +64,7 @@ class Law(TypedDict, total=False):
 class Scenario(TypedDict, total=False):
     """What happens to a simulated robot; no key is needed."""
 
-    ice: Annotated[list[Ice], TUPLE]
+    ice: Annotated[tuple[Ice, ...], TUPLE]
     """Changes of the ground's friction: from a time on, or in a rectangle of the ground (mujoco)."""
     law: Law
     """Soft ground of the world rigid, a law in its own words; mujoco's mass is a contact's effective one [kg]."""

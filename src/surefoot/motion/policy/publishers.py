@@ -44,7 +44,7 @@ class Description:
     Attributes
     ----------
     table
-        In the keys of `surefoot.motion.policy.spec.KEYS`.
+        In the keys of `surefoot.motion.policy.spec_keys.PolicyKeys`.
     sources
         Of each key: where it was read.
     """

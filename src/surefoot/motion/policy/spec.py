@@ -1,7 +1,7 @@
 """What a policy's numbers mean: joints, gains, actions and observations, and the YAML that says so.
 
-The keys of a description, ours or read from a publisher's (`policy.publishers`), are `KEYS`. What
-stands for joints is a number, a list in the policy's order, or a table of patterns of joint names, the last
+The keys of a description, ours or read from a publisher's (`surefoot.motion.policy.publishers`), stand in
+`policy.spec_keys`. What stands for joints is a number, a list in the policy's order, or a table of patterns of joint names, the last
 that fits counts.
 """
 
@@ -14,24 +14,21 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, finite_array, real_array, real_number, whole_number
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.arrays import FloatArray, finite_array
+from surefoot.base.errors import ProblemError, check_name, located, shown
 from surefoot.base.text_files import table_of
 from surefoot.mechanics import Robot
 from surefoot.motion.policy.terms import ALIASES, KINDS
 
 REQUIRED = ("joints", "default", "stiffness", "damping", "action_scale", "observations")
 """Without these a network cannot be used."""
-OPTIONAL: dict[str, Any] = {
-    "rate": 50.0, "action_clip": None, "action_offset": None, "target_clip": None, "observation_clip": None,
-    "history": None, "command_range": None, "others": None,
-}  # fmt: skip
-KEYS = ("convention", *REQUIRED, *OPTIONAL)
 SLACK = 0.05
 """A default pose may be this far outside a joint's range [rad]."""
+RATE = 50.0
+"""Steps of a policy in a second where nothing says it [1/s]."""
 OTHERS = {"stiffness": 300.0, "damping": 5.0}
 """Gains that hold joints which the policy does not move [N m/rad, N m s/rad]."""
-HISTORY = {"length": 1, "order": "oldest", "by": "term", "start": "repeat"}
+HISTORY: dict[str, Any] = {"length": 1, "order": "oldest", "by": "term", "start": "repeat"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,12 +104,12 @@ class PolicySpec:
 
     @staticmethod
     def of(table: Mapping[str, Any], robot: Robot, functions: Sequence[str] = ()) -> PolicySpec:
-        """Return what a table with the keys `KEYS` says for a robot.
+        """Return what a table with the keys of `PolicyKeys` says for a robot.
 
         Parameters
         ----------
         table
-            See the module.
+            See the module; None is as good as no entry.
         robot
             Whose joints are meant.
         functions
@@ -124,44 +121,47 @@ class PolicySpec:
             Naming what is missing, unknown, of the wrong size, or a joint that the robot does not have or
             that cannot be where its default is.
         """
-        table_of("the policy", dict(table), KEYS)
+        from surefoot.base.file_models import read_as
+        from surefoot.motion.policy.spec_keys import PolicyKeys
+
         absent = missing(table)
         if absent:
             raise ProblemError(f"the policy's description lacks {', '.join(absent)}")
-        says = {**OPTIONAL, **table}
-        joints = tuple(says["joints"])
+        with located("the policy"):
+            given = {key: _plain(value) for key, value in table.items() if value is not None}
+            said = read_as(PolicyKeys, given)
+        joints = said["joints"]
         for name in joints:
             check_name("joint", name, robot.joint_names, f"of the policy for {robot.name}")
         if len(set(joints)) < len(joints):
             twice = next(name for name in joints if joints.count(name) > 1)
             raise ProblemError(f"the policy's joints name {twice} twice")
-        default, stiffness, damping, scale = (
-            per_joint(key, says[key], joints) for key in ("default", "stiffness", "damping", "action_scale")
-        )
+        default = per_joint("default", said["default"], joints)
         _check_range(robot, joints, default)
-        offset, history = says["action_offset"], {**HISTORY, **(says["history"] or {})}
-        for key, valid in (
-            ("order", ("newest", "oldest")),
-            ("by", ("term", "time")),
-            ("start", ("repeat", "zeros")),
-        ):
-            check_name(key, history[key], valid, "history")
-        table_of("history", history, tuple(HISTORY))
-        terms = tuple(_term(one, int(history["length"]), functions, robot) for one in says["observations"])
+        history = {**HISTORY, **said.get("history", {})}
+        terms = tuple(_term(one, history["length"], functions, robot) for one in said["observations"])
         if history["by"] == "time" and len({term.history for term in terms}) > 1:
             raise ProblemError("history by time: every term needs the same length")
-        clip = says["observation_clip"]
         return PolicySpec(
-            joints, default, stiffness, damping, scale,
-            default if offset is None else per_joint("action_offset", offset, joints),
-            _bounds("action_clip", says["action_clip"], joints),
-            _bounds("target_clip", says["target_clip"], joints), terms,
-            np.inf if clip is None else real_number("observation_clip", clip, low=0.0),
-            history["order"], history["by"], history["start"],
-            real_number("rate", says["rate"], low=1.0, high=2000.0),
-            _command_range(says["command_range"]),
-            {**OTHERS, **table_of("others", says["others"] or {}, tuple(OTHERS))},
+            joints, default,
+            per_joint("stiffness", said["stiffness"], joints), per_joint("damping", said["damping"], joints),
+            per_joint("action_scale", said["action_scale"], joints),
+            per_joint("action_offset", said["action_offset"], joints) if "action_offset" in said else default,
+            _bounds("action_clip", said.get("action_clip"), joints),
+            _bounds("target_clip", said.get("target_clip"), joints),
+            terms, said.get("observation_clip", np.inf),
+            history["order"], history["by"], history["start"], said.get("rate", RATE),
+            _command_range(said.get("command_range")), {**OTHERS, **said.get("others", {})},
         )  # fmt: skip
+
+
+def _plain(value: Any) -> Any:
+    """Return a value of somebody's Python as YAML would have it: arrays and tuples as lists."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {key: _plain(each) for key, each in value.items()}
+    return [_plain(each) for each in value] if isinstance(value, (list, tuple)) else value
 
 
 def missing(table: Mapping[str, Any]) -> list[str]:
@@ -178,7 +178,7 @@ def per_joint(key: str, value: Any, joints: Sequence[str]) -> FloatArray:
     if isinstance(value, Mapping):
         found = []
         for name in joints:
-            fits = [v for pattern, v in value.items() if re.fullmatch(str(pattern), name)]
+            fits = [v for pattern, v in value.items() if _matches(key, pattern, name)]
             if not fits:
                 raise ProblemError(f"{key} has no entry for the joint {name}")
             found.append(fits[-1])
@@ -191,11 +191,18 @@ def per_joint(key: str, value: Any, joints: Sequence[str]) -> FloatArray:
     return array
 
 
+def _matches(key: str, pattern: str, name: str) -> bool:
+    try:
+        return re.fullmatch(pattern, name) is not None
+    except re.error as error:
+        raise ProblemError(f"{key}: {shown(pattern)} is no pattern of names: {error}") from error
+
+
 def _bounds(key: str, value: Any, joints: Sequence[str]) -> FloatArray:
-    """Return (2, k) bounds: of None, a number, or a list of low and high."""
+    """Return (2, k) bounds: of None, a number, or low and high."""
     if value is None:
         return np.outer([-np.inf, np.inf], np.ones(len(joints)))
-    low, high = value if isinstance(value, (list, tuple)) and len(value) == 2 else (-abs(value), value)
+    low, high = value if isinstance(value, tuple) else (-abs(value), value)
     return np.array([per_joint(key, low, joints), per_joint(key, high, joints)])
 
 
@@ -213,24 +220,17 @@ def _check_range(robot: Robot, joints: Sequence[str], default: FloatArray) -> No
         )
 
 
-def _term(entry: Any, length: int, functions: Sequence[str], robot: Robot) -> Term:
-    """Return a term of its entry: a name, or a name with scale, clip, history and settings."""
-    if isinstance(entry, str):
-        entry = {entry: None}
-    if not isinstance(entry, Mapping) or len(entry) != 1:
-        raise ProblemError(f"an observation is a name, or a name with its settings, got {entry!r:.60}")
-    said, own = str(next(iter(entry))), next(iter(entry.values()))
+def _term(entry: Mapping[str, Any], length: int, functions: Sequence[str], robot: Robot) -> Term:
+    """Return a term of its entry: its name with scale, clip, history and settings."""
+    ((said, own),) = entry.items()
     name = ALIASES.get(said, said)
     check_name("observation", name, (*KINDS, *functions))
     settings = dict(KINDS[name].settings) if name in KINDS else {}
     if name == "foot_contact":
         settings["feet"] = len(robot.feet)
     own = table_of(f"observation {said}", own or {}, ("scale", "clip", "history", *settings))
-    scale = real_array(f"scale of {said}", own.get("scale", 1.0))
-    clip = own.get("clip")
     return Term(
-        name, scale, None if clip is None else (float(clip[0]), float(clip[1])),
-        whole_number(f"history of {said}", own.get("history", length), low=1),
+        name, np.asarray(own.get("scale", 1.0)), own.get("clip"), own.get("history", length),
         settings | {key: own[key] for key in settings if key in own},
     )  # fmt: skip
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from surefoot.base.errors import ProblemError, check_name, unknown_name
-from surefoot.base.text_files import parse_yaml, read_yaml, table_of
+from surefoot.base.errors import ProblemError, check_name, located, unknown_name
+from surefoot.base.text_files import parse_yaml, read_yaml
 from surefoot.records.log.channels import CHANNELS, Channel
+
+if TYPE_CHECKING:
+    from surefoot.records.log.mapping_keys import TakeKeys
 
 _DEGREE = 0.017453292519943295
 UNITS: dict[str, tuple[str, float]] = {
@@ -66,8 +69,6 @@ QUATERNIONS = ("xyzw", "wxyz")
 """Orders of a quaternion's numbers."""
 FRAMES = ("contact", "world", "base")
 """Axes that vectors may be given in."""
-_TAKE_KEYS = ("from", "unit", "frame", "quaternion", "scale")
-_KEYS = ("time", "feet", "joints", "channels", "facts", "define")
 _PLACES = {"axis": "xyz", "AXIS": "XYZ"}
 
 
@@ -179,37 +180,26 @@ def mapping_from_yaml(text: str, name: str = "the mapping") -> LogMapping:
 
 def _mapping_from(content: Any, name: str) -> LogMapping:
     """Return the mapping that parsed YAML stands for."""
-    content = table_of(name, content, _KEYS)
-    takes = table_of(f"{name}: channels", content.get("channels", {}))
-    if "time" in content:
-        takes = {"time": content["time"], **takes}
-    return LogMapping(
-        {str(channel): _take_from(name, str(channel), take) for channel, take in takes.items()},
-        name_list(name, "feet", content.get("feet", ())),
-        name_list(name, "joints", content.get("joints", ())),
-        table_of(f"{name}: facts", content.get("facts") or {}),
-        _defined(name, content.get("define", [])),
-    )
+    from surefoot.base.file_models import read_as
+    from surefoot.records.log.mapping_keys import MappingKeys
+
+    with located(name):
+        said = read_as(MappingKeys, content)
+        takes = said.get("channels", {})
+        if "time" in said:
+            takes = {"time": said["time"], **takes}
+        return LogMapping(
+            {channel: _take_from(take) for channel, take in takes.items()},
+            said.get("feet", ()),
+            said.get("joints", ()),
+            said.get("facts") or {},
+            {row["name"]: Channel(**row) for row in said.get("define", ())},
+        )
 
 
-def _defined(name: str, content: Any) -> dict[str, Channel]:
-    from surefoot.records.log.npz import channels_from
-
-    try:
-        return channels_from(content)
-    except (TypeError, KeyError) as error:
-        raise ProblemError(f"{name}: define must list channels with name, shape, unit: {error}") from error
-
-
-def _take_from(name: str, channel: str, content: Any) -> Take:
-    """Return where a channel comes from: a field's name, a list of them, or a table with ``from``."""
-    table = content if isinstance(content, dict) else {"from": content}
-    table_of(f"{name}, {channel}", table, _TAKE_KEYS)
-    scale = table.get("scale", 1.0)
-    if isinstance(scale, bool) or not isinstance(scale, (int, float)):
-        raise ProblemError(f"{name}, {channel}: scale must be a number, got {scale!r:.40}")
-    texts = {key: str(table.get(key, "")) for key in ("unit", "frame", "quaternion")}
-    return Take(name_list(name, channel, table.get("from")), scale=float(scale), **texts)
+def _take_from(said: TakeKeys) -> Take:
+    texts = said.get("unit", ""), said.get("frame", ""), said.get("quaternion", "")
+    return Take(said["from"], *texts, said.get("scale", 1.0))
 
 
 def name_list(name: str, key: str, value: Any) -> tuple[str, ...]:

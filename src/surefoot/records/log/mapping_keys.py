@@ -7,15 +7,15 @@ from typing import Annotated, Any, NotRequired, Required
 from pydantic import BeforeValidator, with_config
 from typing_extensions import TypedDict
 
-from surefoot.base.file_models import FILE, TUPLE, WHOLE, Number
+from surefoot.base.file_models import FILE, TUPLE, WHOLE, Name, Number
 
 
 def _names(value: object) -> object:
-    """Return a list of names for one name; anything that is neither is refused."""
+    """Return a tuple of names for one name; anything that is neither is refused."""
     listed = [value] if isinstance(value, str) else value
     if not isinstance(listed, (list, tuple)) or not all(isinstance(v, str) and v for v in listed):
         raise ValueError("must be a name or a list of names")
-    return list(listed)
+    return tuple(listed)
 
 
 def _take(value: object) -> object:
@@ -23,12 +23,19 @@ def _take(value: object) -> object:
     return value if isinstance(value, dict) else {"from": value}
 
 
-Names = Annotated[list[str], TUPLE, BeforeValidator(_names)]
+def _channels(value: object) -> object:
+    """Return what may be a list of channels; anything else is refused."""
+    if not isinstance(value, list) or not all(isinstance(row, dict) for row in value):
+        raise ValueError("must list channels with name, shape, unit")
+    return value
+
+
+Names = Annotated[tuple[str, ...], BeforeValidator(_names)]
 
 TakeKeys = TypedDict(
     "TakeKeys",
     {  # a class cannot have the key "from"
-        "from": Required[Names], "unit": str, "frame": str, "quaternion": str, "scale": Number,
+        "from": Required[Names], "unit": Name, "frame": str, "quaternion": str, "scale": Number,
     },
     total=False,
 )  # fmt: skip
@@ -42,7 +49,7 @@ class ChannelKeys(TypedDict, total=False):
     """A channel of one's own, see `surefoot.records.log.Channel`."""
 
     name: Required[str]
-    shape: Required[Annotated[list[str | Annotated[int, WHOLE]], TUPLE]]
+    shape: Required[Annotated[tuple[str | Annotated[int, WHOLE], ...], TUPLE]]
     unit: str
     frame: str
     optional: bool
@@ -59,4 +66,4 @@ class MappingKeys(TypedDict):
     joints: NotRequired[Names]
     channels: NotRequired[dict[str, Take]]
     facts: NotRequired[dict[str, Any] | None]
-    define: NotRequired[list[ChannelKeys]]
+    define: NotRequired[Annotated[list[ChannelKeys], BeforeValidator(_channels)]]
