@@ -1,4 +1,7 @@
-"""The JSON schemas that editors are given say what the readers' models say; run as a module, this file writes them."""
+"""The JSON schemas that editors are given say what the readers' models say.
+
+`python -m tests.test_file_schemas` writes them.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +22,7 @@ SCHEMAS: list[tuple[Path, type[Any]]] = [(SCENARIO, Scenario), (SEQUENCE, Sequen
 
 @pytest.mark.parametrize(("path", "form"), SCHEMAS, ids=lambda value: getattr(value, "name", ""))
 def test_a_schema_is_current(path: Path, form: type[Any]) -> None:
-    assert path.read_text(encoding="utf-8") == schema_text(form), (
-        "python -m tests.test_file_schemas writes it"
-    )
+    assert path.read_text(encoding="utf-8") == schema_text(form)
 
 
 @pytest.mark.parametrize(("path", "form"), SCHEMAS, ids=lambda value: getattr(value, "name", ""))

@@ -1,4 +1,4 @@
-"""Files against their models: pydantic decides what fits, and what does not is one line in the package's words.
+"""Files against their models: pydantic decides what fits, and what does not is one line in our words.
 
 A model is a `TypedDict` of what may stand in a file, with `FILE` as its configuration: no other keys, and no
 value that only looks like what is wanted. What a file leaves out stays out of the result, so each default
@@ -108,12 +108,8 @@ def schema_text(form: type) -> str:
     return json.dumps(schema_of(form), indent=2, ensure_ascii=False).replace("\\n", " ") + "\n"
 
 
-def _adapter(form: Any) -> TypeAdapter[Any]:
-    """Return what checks a model, built once."""
-    return _built(form)
-
-
-_built: Callable[[Any], TypeAdapter[Any]] = cache(TypeAdapter)
+_adapter: Callable[[Any], TypeAdapter[Any]] = cache(TypeAdapter)
+"""What checks a model, built once."""
 
 
 class _FileSchema(GenerateJsonSchema):
@@ -170,12 +166,7 @@ class _Refusal:
         """Return the line for a value."""
         place, value = self._place(path), self._written(path, error["input"])
         if kind == "value_error":
-            reason = error["ctx"]["error"]
-            return (
-                f"{place}: {reason}"
-                if isinstance(reason, ProblemError)
-                else f"{place} {reason}, got {shown(value)}"
-            )
+            return f"{place} {error['ctx']['error']}, got {shown(value)}"
         if kind == "finite_number" and not _bounds(node):
             return f"{place} is {'NaN' if value != value else 'infinite'}"
         if _names(node):
@@ -199,9 +190,8 @@ class _Refusal:
             return f"{_NAMES.get(kind, 'something else')}{_bounds(node)}"
         if "properties" not in node:
             return "a mapping of names"
-        return (
-            "a mapping of keys" if self.spoken else f"a mapping of the keys {', '.join(node['properties'])}"
-        )
+        keys = ", ".join(node["properties"])
+        return "a mapping of keys" if self.spoken else f"a mapping of the keys {keys}"
 
     def _place(self, path: Loc) -> str:
         """Return what the entry at a path is called: the table that holds it, then its key."""
@@ -212,14 +202,14 @@ class _Refusal:
         return f"{above}{' ' if self.spoken else ': '}{entry}" if above else entry
 
     def _written(self, path: Loc, read: Any) -> Any:
-        """Return what the file has at a path; what was `read` there where a model reads several forms as one."""
+        """Return what the file has at a path; what was `read` where a model takes several forms for one."""
         found = self.content
         for part in path:
-            if (isinstance(found, dict) and part in found) or (
-                isinstance(found, list) and isinstance(part, int)
-            ):
+            if not isinstance(found, dict if isinstance(part, str) else list):
+                return read
+            try:
                 found = found[part]
-            else:
+            except LookupError:
                 return read
         return found
 

@@ -1,7 +1,7 @@
 """`--scenario FILE`: what happens to a simulated robot that no option says, as YAML.
 
-The keys, their units and their bounds stand in `scenario_keys.py`, and nowhere else: a file is checked against
-it, and `scenario.schema.json`, which an editor may be given, is made of it.
+The keys, their units and their bounds stand in `scenario_keys.py`, and nowhere else: files are checked
+against it, and `scenario.schema.json`, which an editor may be given, is made of it.
 """
 
 from __future__ import annotations

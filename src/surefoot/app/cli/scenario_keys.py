@@ -67,14 +67,16 @@ class Scenario(TypedDict, total=False):
     ice: Annotated[tuple[Ice, ...], TUPLE]
     """Changes of the ground's friction: from a time on, or in a rectangle of the ground (mujoco)."""
     law: Law
-    """Soft ground of the world rigid, a law in its own words; mujoco's mass is a contact's effective one [kg]."""
+    """Soft ground of the world rigid: a law of surefoot.laws, in its own words."""
     solref: Pair
     """Softness of the ground in the world mujoco: time constant [s], damping ratio, or both negative:
     -stiffness, -damping [1/s^2, 1/s]."""
     solimp: Impedance
-    """Impedance of the ground in the world mujoco: dmin, dmax, width [m], midpoint, power, or the first of them."""
+    """Impedance of the ground in the world mujoco: dmin, dmax, width [m], midpoint, power, or the first of
+    them."""
     substeps: Annotated[int, Field(ge=1, le=64), WHOLE]
-    """Steps of the world mujoco in a millisecond; by default 16 where a blind robot may strike edges, else 1."""
+    """Steps of the world mujoco in a millisecond; by default 16 where a blind robot may strike edges,
+    else 1."""
     delay: Annotated[float, Field(ge=0, le=1), YAML]
     """Delay of the commands [s]."""
     weak_joint: str
@@ -82,7 +84,8 @@ class Scenario(TypedDict, total=False):
     torque_loss: Annotated[float, Field(ge=0, le=1), YAML]
     """Share of its torque that the weak joint loses [-]."""
     estimator: Literal["inekf", "truth"]
-    """Where the controller has its state from: inekf, an estimate from IMU, encoders and torques, or truth."""
+    """Where the controller has its state from: inekf, an estimate from IMU, encoders and torques, or
+    truth."""
     noise: Annotated[float, Field(ge=0, le=100), YAML]
     """Noise of the sensors, 1 for that of ordinary ones; by default 1 with inekf, 0 with truth [-]."""
     believed_mu: Literal["auto"] | Friction

@@ -75,9 +75,11 @@ class Friction(TypedDict):
 
 @with_config({**FILE, "title": "Contact sequence"})
 class Sequence(TypedDict):
-    """Who touches the ground where, for how long, with which cone, and which forces are meant. SI units, world
-    axes z up; forces act on the robot, in contact frames (x, y tangential, z out of the ground).
-    """  # noqa: D205
+    """Who touches the ground where, for how long, with which cone, and which forces are meant.
+
+    SI units, world axes z up; forces act on the robot, in contact frames: x, y tangential, z out of the
+    ground.
+    """
 
     format: Literal["surefoot.contact-sequence"]
     version: Literal[1]

@@ -67,7 +67,7 @@ def describe(network: Network, spec: Path | Mapping[str, Any] | None, robot: Rob
     elif spec is not None:
         stated.append((spec.name, read_description(spec, robot)))
     stated.append(("the network's metadata", from_metadata(network.metadata)))
-    names = [(where, [*t["joints"]]) for where, t in stated if t.get("joints") is not None]
+    names = [(where, [*t["joints"]]) for where, t in stated if isinstance(t.get("joints"), (list, tuple))]
     if len(names) == 2 and names[0][1] != names[1][1]:
         pairs = [*zip(names[0][1], names[1][1], strict=False), (len(names[0][1]), len(names[1][1]))]
         k = next(k for k, (a, b) in enumerate(pairs) if a != b)

@@ -1,8 +1,8 @@
 """What a policy's numbers mean: joints, gains, actions and observations, and the YAML that says so.
 
 The keys of a description, ours or read from a publisher's (`surefoot.motion.policy.publishers`), stand in
-`policy.spec_keys`. What stands for joints is a number, a list in the policy's order, or a table of patterns of joint names, the last
-that fits counts.
+`policy.spec_keys`. What stands for joints is a number, a list in the policy's order, or a table of
+patterns of joint names, the last that fits counts.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -142,6 +142,7 @@ class PolicySpec:
         terms = tuple(_term(one, history["length"], functions, robot) for one in said["observations"])
         if history["by"] == "time" and len({term.history for term in terms}) > 1:
             raise ProblemError("history by time: every term needs the same length")
+        others = cast("dict[str, float]", said.get("others", {}))
         return PolicySpec(
             joints, default,
             per_joint("stiffness", said["stiffness"], joints), per_joint("damping", said["damping"], joints),
@@ -151,7 +152,7 @@ class PolicySpec:
             _bounds("target_clip", said.get("target_clip"), joints),
             terms, said.get("observation_clip", np.inf),
             history["order"], history["by"], history["start"], said.get("rate", RATE),
-            _command_range(said.get("command_range")), {**OTHERS, **said.get("others", {})},
+            _command_range(said.get("command_range")), {**OTHERS, **others},
         )  # fmt: skip
 
 

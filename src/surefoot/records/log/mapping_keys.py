@@ -1,4 +1,7 @@
-"""The keys of a mapping's file: docs/logs.md describes them; which channels, units and frames there are its user says."""
+"""The keys of a mapping's file, as docs/logs.md describes them.
+
+Which channels, units and frames there are `surefoot.records.log.mapping` says.
+"""
 
 from __future__ import annotations
 
