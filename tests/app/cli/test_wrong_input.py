@@ -54,6 +54,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "heavy.yaml").write_text(text.format("1.0e+300", 0.5))
     (place / "nan.yaml").write_text(text.format(".nan", 0.5))
     (place / "sticky.yaml").write_text(text.format(10, 5000))
+    (place / "true.yaml").write_text(text.format("true", 0.5))
+    (place / "quoted.yaml").write_text(text.format("'10'", 0.5))
+    (place / "typo.yaml").write_text(text.replace("mass", "mas").format(10, 0.5))
+    (place / "twice.json").write_text('{"format": 1, "format": 2}')
     states = np.zeros((80, 13))
     states[:, 6] = 1.0
     for name, count, side in (("tosses", 8, 0.05), ("other", 8, 0.06), ("few", 2, 0.05)):
@@ -106,6 +110,13 @@ CASES = [
         for f in ("folder", "''", "list.yaml", "nan.yaml", "none.yaml", "noise.dat")
     ),
     *((f"{c} heavy.yaml", "mass must be a number between 0 and 1e+09") for c in ("check", "region")),
+    ("check true.yaml", "true.yaml: mass must be a number, got True"),
+    ("check quoted.yaml", "quoted.yaml: mass must be a number, got '10'"),
+    (
+        "check typo.yaml",
+        "unknown key 'mas'; valid names: com, contacts, external_wrench, mass, mu, name; did you mean mass",
+    ),
+    ("export twice.json", "twice.json: the key 'format' stands twice in a mapping"),
     *((f"{c} sticky.yaml", "mu must be a number between 0 and 1000") for c in ("check", "region")),
     *((f"{c} stance.yaml --mu {n}", "--mu must be") for c in ("check", "region") for n in NOT_FINITE),
     *((f"{c} stance.yaml --lift {n}", "") for c in ("check", "region") for n in ("toe", "''")),
