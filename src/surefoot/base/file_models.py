@@ -205,11 +205,9 @@ class _Refusal:
         """Return what the file has at a path; what was `read` where a model takes several forms for one."""
         found = self.content
         for part in path:
-            if not isinstance(found, dict if isinstance(part, str) else list):
-                return read
             try:
                 found = found[part]
-            except LookupError:
+            except (LookupError, TypeError):
                 return read
         return found
 
