@@ -169,13 +169,6 @@ def unknown_key(kind: str, key: object, valid: Iterable[str]) -> str:
     return unknown_name(kind, key, known) + (f"; did you mean {near[0]}?" if near else "")
 
 
-def list_of(where: str, value: Any) -> list[Any]:
-    """Return a list, or raise a ProblemError that says `where` none is."""
-    if not isinstance(value, list):
-        raise ProblemError(f"{where} must be a list, got {value!r:.60}")
-    return value
-
-
 def finite_in_text(name: str, text: str) -> float:
     """Return the finite number that a text holds, or raise a ProblemError that names it."""
     try:
