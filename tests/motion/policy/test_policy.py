@@ -22,6 +22,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import quaternion_from_rotation, rotation_exp, rotation_from_quaternion
 from surefoot.mechanics.robot import Robot
 from surefoot.motion.control.controller import RobotState
+from surefoot.motion.policy.publishers import read_description
 from surefoot.motion.policy.spec_keys import PolicyKeys
 from tests.motion.policy.onnx_file import write_onnx
 from tests.pages import run_page
@@ -209,6 +210,27 @@ def test_what_does_not_fit_is_named(
 ) -> None:
     with pytest.raises(ProblemError, match=message):
         sf.Policy(net(tmp_path), PLAIN | changed, go2)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (
+            {"default_angles": [0], "kps": [1], "num_actions": "many", "num_obs": 3},
+            "not as its publisher writes",
+        ),
+        ({"joint_ids_map": [0] * 12, "actions": {"a": {}, "b": {}}}, "not as its publisher writes"),
+        ({"one": {"rl_kp": [1]}}, "not as its publisher writes .*: KeyError"),
+        ({"joint_ids_map": [0]}, "joint_ids_map has 1 joints, go2 12 motors"),
+    ],
+)
+def test_a_publishers_file_of_another_form_is_one_line(
+    go2: Robot, tmp_path: Path, content: dict[str, Any], message: str
+) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text(yaml.safe_dump(content))
+    with pytest.raises(ProblemError, match=message):
+        read_description(path, go2)
 
 
 def test_another_order_than_the_metadatas_is_named(go2: Robot, tmp_path: Path) -> None:

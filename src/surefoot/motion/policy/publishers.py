@@ -120,7 +120,9 @@ def read_description(path: Path, robot: Robot) -> dict[str, Any]:
             return _from_deploy(said, robot)
         if "default_angles" in said and "kps" in said:
             return _from_legged_gym(said, robot)
-    except (KeyError, TypeError, IndexError, AttributeError) as error:
+    except ProblemError:
+        raise
+    except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError) as error:
         raise ProblemError(f"{path} is not as its publisher writes such files: {error!r:.80}") from error
     return said
 

@@ -53,7 +53,7 @@ class ChannelKeys(TypedDict, total=False):
 
     name: Required[str]
     shape: Required[Annotated[tuple[str | Annotated[int, WHOLE], ...], TUPLE]]
-    unit: str
+    unit: Name
     frame: str
     optional: bool
     flag: bool
