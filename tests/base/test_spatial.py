@@ -45,6 +45,37 @@ def test_rotation_about_an_axis(seed, angle):
     np.testing.assert_allclose(R, Rotation.from_rotvec(axis * angle).as_matrix(), atol=1e-12)
 
 
+@given(seed=seeds, angle=st.floats(-7.0, 7.0))
+def test_quaternion_about_is_the_half_angle_s(seed, angle):
+    axis = np.random.default_rng(seed).normal(size=3)
+    axis /= np.linalg.norm(axis)
+    q = spatial.quaternion_about(axis, angle)
+    np.testing.assert_allclose(
+        spatial.rotation_from_quaternion(q), spatial.rotation_about(axis, angle), atol=1e-14
+    )
+    several = spatial.quaternion_about(axis, np.array([[0.0, angle], [angle, angle + 2.0 * np.pi]]))
+    assert several.shape == (2, 2, 4)
+    np.testing.assert_array_equal(several[0], [[0.0, 0.0, 0.0, 1.0], q])
+    # a turn further is the same rotation by the other quaternion
+    np.testing.assert_allclose(several[1], [q, -q], atol=1e-14)
+
+
+@given(seed=seeds, size=st.floats(0.1, 10.0))
+def test_tilt_and_heading_are_those_of_the_rotated_axes(seed, size):
+    rng = np.random.default_rng(seed)
+    R = random_rotation(rng)
+    q = spatial.quaternion_from_rotation(R)
+    assert spatial.tilt_of(size * q) == pytest.approx(np.arccos(np.clip(R[2, 2], -1.0, 1.0)), abs=1e-7)
+    ahead = R[:2, 0] / np.linalg.norm(R[:2, 0])
+    np.testing.assert_allclose(spatial.heading_of(q), ahead, atol=1e-9 / np.linalg.norm(R[:2, 0]))
+
+
+@pytest.mark.parametrize("angle", [1e-9, 0.3, np.pi - 1e-9])
+def test_tilt_keeps_its_digits_at_both_ends(angle):
+    q = spatial.quaternion_about([0.6, 0.8, 0.0], angle)
+    assert spatial.tilt_of(q) == pytest.approx(angle, rel=1e-14)
+
+
 @given(
     seed=seeds, angle=st.one_of(st.floats(0.0, np.pi), st.floats(np.pi - 1e-7, np.pi), st.floats(0.0, 1e-7))
 )

@@ -121,6 +121,22 @@ def rotation_log(rotation: ArrayLike) -> FloatArray:
     return np.asarray(v * (2.0 * np.arctan2(sine, w) / sine))
 
 
+def quaternion_about(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
+    """Return the quaternions (..., 4), x, y, z, w, of turns by angles (...) [rad] about a unit axis (3,).
+
+    Sine and cosine of the half angle: it goes on beyond a full turn, which changes the sign.
+
+    Examples
+    --------
+    >>> quaternion_about([0.0, 0.0, 1.0], [0.0, np.pi]).round(3)
+    array([[0., 0., 0., 1.],
+           [0., 0., 1., 0.]])
+    """
+    half = 0.5 * np.asarray(angle, dtype=np.float64)[..., None]
+    along = np.sin(half) * np.asarray(axis, dtype=np.float64) + 0.0  # + 0.0 turns -0.0 into 0.0
+    return np.concatenate([along, np.cos(half)], axis=-1)
+
+
 def quaternion_from_rotation(rotation: ArrayLike) -> FloatArray:
     """Return the quaternion (x, y, z, w), w >= 0, of a (3, 3) rotation (Shepperd's method)."""
     R = finite_array("rotation", rotation, (3, 3))
@@ -167,6 +183,19 @@ def heading_of(quaternion: FloatArray) -> FloatArray:
     x, y, z, w = quaternion
     c, s = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w)
     return np.array([c, s]) / math.hypot(c, s)
+
+
+def tilt_of(quaternion: FloatArray) -> float:
+    """Return the angle [rad] between a body's z axis and the vertical, for a quaternion of any length.
+
+    Examples
+    --------
+    >>> tilt_of(quaternion_about([1.0, 0.0, 0.0], 0.5))
+    0.5
+    """
+    x, y, z, w = quaternion
+    # Not the arc cosine of R_zz: that loses half of its digits near upright.
+    return 2.0 * math.atan2(math.hypot(x, y), math.hypot(z, w))
 
 
 def quaternion_xyzw(wxyz: ArrayLike) -> FloatArray:

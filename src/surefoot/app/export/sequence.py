@@ -11,7 +11,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.base.errors import ProblemError, check_name
-from surefoot.contact.cones.cone import Fit
+from surefoot.contact import Fit
 from surefoot.mechanics.stance import HalfSpaces, Stance
 
 

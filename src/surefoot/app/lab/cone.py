@@ -15,8 +15,7 @@ from surefoot.app.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon
 from surefoot.app.lab.page import Grip, Page
 from surefoot.app.lab.words import heading, paragraph, table, text
 from surefoot.base.arrays import FloatArray
-from surefoot.contact import FrictionCone, FrictionPyramid
-from surefoot.contact.cones.cone import Fit
+from surefoot.contact import Fit, FrictionCone, FrictionPyramid
 
 SCALE = 0.01
 """Metres that stand for a newton."""

@@ -18,7 +18,7 @@ from surefoot.app.lab.words import heading, paragraph, text
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY, rotation_from_normal
-from surefoot.contact.cones.cone import Fit
+from surefoot.contact import Fit
 from surefoot.mechanics import Robot, Verdict, can_stand, friction_needed
 from surefoot.mechanics.stance import PointContact, Stance
 from surefoot.mechanics.statics.com_region import com_region

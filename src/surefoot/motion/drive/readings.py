@@ -11,6 +11,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray, real_number
 from surefoot.base.errors import ProblemError, unknown_name
+from surefoot.base.spatial import tilt_of
 from surefoot.mechanics import Robot
 from surefoot.motion.drive.reading_checks import (
     ENDLESS,
@@ -184,8 +185,7 @@ class ReadingWatch:
         """How far the base leans by the last usable reading [rad]; infinite before the first."""
         if self.last is None:
             return math.inf
-        x, y, z, w = self.last.quaternion.tolist()
-        return math.acos(max(1.0 - 2.0 * (x * x + y * y) / (x * x + y * y + z * z + w * w), -1.0))
+        return tilt_of(self.last.quaternion)
 
     def look(self, readings: RobotReadings | None, now: float) -> bool:
         """Return whether a reading that came at a time [s] can be used; None for one that did not come."""

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.spatial import heading_of
 from surefoot.mechanics import Terrain
 from surefoot.motion.control.controller import RobotState
 
@@ -61,8 +62,8 @@ def _height_scan(s: Senses, o: Mapping[str, Any]) -> FloatArray:
     """Return the height of the base over points of a grid that turns with it, less an offset: (k,) [m]."""
     q = s.state.q
     along, across = np.meshgrid(o["x"], o["y"], indexing="ij" if o["fastest"] == "y" else "xy")
-    yaw = math.atan2(2.0 * (q[6] * q[5] + q[3] * q[4]), 1.0 - 2.0 * (q[4] ** 2 + q[5] ** 2))
-    turn = np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
+    cosine, sine = heading_of(q[3:7])
+    turn = np.array([[cosine, sine], [-sine, cosine]])
     points = np.stack([along.ravel(), across.ravel()], axis=1) @ turn + q[:2]
     return np.asarray(q[2] - s.terrain.height(points) - o["offset"])
 

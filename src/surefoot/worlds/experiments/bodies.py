@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.base.spatial import GRAVITY, quaternion_about, rotation_from_quaternion
 from surefoot.contact import SpringDamper, behaviour
 from surefoot.mechanics import SlopeTerrain, Terrain
 from surefoot.worlds.experiments.experiment import Measured, MeasuredQuantity, WorldExperiment
@@ -86,9 +86,8 @@ def _on_slope(world: str, dt: float, mu: float) -> BodyTrack:
     terrain: Terrain = SlopeTerrain(DEGREES)
     body = box(MASS, FLAT_BOX, CORNER)
     start = body.nominal.copy()
-    half = 0.5 * math.radians(DEGREES)
     start[:3] = body.nominal[2] * terrain.normal(np.zeros(2))
-    start[3:7] = (0.0, -math.sin(half), 0.0, math.cos(half))
+    start[3:7] = quaternion_about([0.0, -1.0, 0.0], math.radians(DEGREES))
     return BodyRun(body, ON_SLOPE, mu, terrain, start=start).run(world, dt)
 
 
@@ -129,7 +128,7 @@ def _tip(world: str, dt: float) -> Measured:
     turn = edge + math.radians(LEAN)
     start = body.nominal.copy()
     start[2] = CORNER + arm * math.cos(math.radians(LEAN))
-    start[3:7] = (0.0, math.sin(0.5 * turn), 0.0, math.cos(0.5 * turn))
+    start[3:7] = quaternion_about([0.0, 1.0, 0.0], turn)
     track = BodyRun(body, TIP, 1.0, start=start, settle=False).run(world, dt)
     axis = np.array([rotation_from_quaternion(q[3:7])[:, 2] for q in track.q])
     angle, rate = np.arctan2(axis[:, 0], axis[:, 2]) - edge, track.v[:, 4]

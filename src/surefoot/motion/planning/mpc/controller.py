@@ -21,7 +21,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, real_number, whole_number
 from surefoot.base.errors import SurefootError
-from surefoot.base.spatial import heading_of
+from surefoot.base.spatial import heading_of, quaternion_about
 from surefoot.contact import Status
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, place
 from surefoot.motion.control.controller import Command, Controller, RobotState
@@ -298,7 +298,7 @@ class ContactImplicitMpc(Controller):
         _, q, v = self.iteration.tables.state
         q[:, :2] = state.q[:2]
         q[:, 2] = self._pose[2] + float(self._terrain.height(state.q[:2]))
-        q[:, 3:5], q[:, 5], q[:, 6] = 0.0, np.sin(0.5 * yaw), np.cos(0.5 * yaw)
+        q[:, 3:7] = quaternion_about([0.0, 0.0, 1.0], yaw)
         v[:, 0] = c * self._velocity[0] - s * self._velocity[1]
         v[:, 1] = s * self._velocity[0] + c * self._velocity[1]
         v[:, 5] = self._velocity[2]

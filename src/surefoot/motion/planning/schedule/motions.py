@@ -14,6 +14,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import (
     GRAVITY,
+    quaternion_about,
     quaternion_from_rotation,
     rotation_about,
     rotation_from_quaternion,
@@ -275,6 +276,7 @@ def _spread(robot: Robot, q: FloatArray) -> StateWindow:
 
 def _turned(quaternion: FloatArray, axis: FloatArray, angle: FloatArray) -> FloatArray:
     """Return a quaternion after turns about its own (3,) axis (T, 4); a full turn changes its sign."""
-    half, v, w = 0.5 * angle[:, None], quaternion[:3], quaternion[3]
-    s, c = np.sin(half) * axis, np.cos(half)
+    turn, v, w = quaternion_about(axis, angle), quaternion[:3], quaternion[3]
+    s, c = turn[:, :3], turn[:, 3:]
+    # Hamilton product: turns about the body's own axis stand on the right
     return np.hstack([w * s + c * v + np.cross(v, s), w * c - (s @ v)[:, None]])

@@ -17,7 +17,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.errors import ProblemError, SimulationError
-from surefoot.base.spatial import GRAVITY
+from surefoot.base.spatial import GRAVITY, quaternion_about
 from surefoot.mechanics import Robot, load_robot
 from surefoot.motion.planning.plan import Plan, PlanSearch
 from surefoot.motion.planning.stand_up.cross_entropy import cross_entropy
@@ -142,7 +142,7 @@ class _Rollouts:
         model, folded = self.model, self.folded
         q = self.robot.nominal.copy()
         q[7:] = folded
-        q[3:7] = (math.sin(0.5 * roll), 0.0, 0.0, math.cos(0.5 * roll))
+        q[3:7] = quaternion_about([1.0, 0.0, 0.0], roll)
         model.reset(q)
         law = Postures.of(self.robot, np.ones(1), folded[None], *self._gains)
         for _ in range(round(1.5 / model.dt)):

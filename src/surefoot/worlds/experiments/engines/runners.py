@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.errors import MissingExtra, ModelError
+from surefoot.base.spatial import quaternion_about
 from surefoot.mechanics import Box, SlopeTerrain, Sphere
 from surefoot.worlds.drake import drake_python
 from surefoot.worlds.experiments.engines.scripts import timed
@@ -34,12 +35,11 @@ def rigid(scene: dict[str, Any]) -> tuple[list[Any], float]:
     """Run ours, on a slope where the others turn gravity."""
     slope = SlopeTerrain(-scene["tilt"])
     R, bodies = slope.frame([0.0, 0.0]), []
-    half = 0.5 * math.atan2(R[0, 2], R[2, 2])
-    turn = (0.0, math.sin(half), 0.0, math.cos(half))
+    x, y, z, w = quaternion_about([0.0, 1.0, 0.0], math.atan2(R[0, 2], R[2, 2])).tolist()
     for k, given in enumerate(scene["bodies"]):
         shape = Box(tuple(given["size"])) if len(given["size"]) == 3 else Sphere(given["size"][0])
         place, speed = (tuple((R @ np.array(given[name])).tolist()) for name in ("place", "velocity"))
-        bodies.append(Body(f"body{k}", shape, given["mass"], place, turn, speed))
+        bodies.append(Body(f"body{k}", shape, given["mass"], place, (x, y, z, w), speed))
     world = SceneWorld(Scene(bodies), slope, scene["mu"], scene["dt"], restitution=scene["restitution"])
     names = [body.name for body in bodies]
     return timed(scene, lambda _: world.step(), lambda: [R.T @ world.pose(name).position for name in names])
