@@ -18,7 +18,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from surefoot.app.cli.commands import NAMES, UsageError, load
+from surefoot.app.cli.commands import COMMANDS, UsageError, load
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
@@ -103,7 +103,7 @@ def wrong_commands(page: Path) -> list[str]:
 
 def parse(words: list[str]) -> str | None:
     """Return why a command line does not parse, or None."""
-    command: Any = SimpleNamespace(commands={name: load(name) for name in NAMES if name in words[:1]})
+    command: Any = SimpleNamespace(commands={name: load(name) for name in COMMANDS if name in words[:1]})
     while hasattr(command, "commands"):
         if not words or words[0] not in command.commands:
             return None if words == ["--help"] else f"no such command {' '.join(words[:1])}"

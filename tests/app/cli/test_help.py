@@ -11,13 +11,15 @@ from typing import Any
 import pytest
 
 import surefoot as sf
-from surefoot.app.cli.commands import NAMES, load, summary
+from surefoot.app.cli.commands import COMMANDS, load, summary
 from surefoot.app.cli.typer_command import PANELS
 
 
 def commands(group: Any = None, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
     """Yield every command with its path, those of groups included."""
-    for name, command in ({name: load(name) for name in NAMES} if group is None else group.commands).items():
+    for name, command in (
+        {name: load(name) for name in COMMANDS} if group is None else group.commands
+    ).items():
         if hasattr(command, "commands"):
             yield from commands(command, (*path, name))
         else:
@@ -67,7 +69,7 @@ def test_options_of_a_walk_stand_in_panels(printed: Any) -> None:
     assert said.split("Options")[1].split("╭")[0].count("--") == 1, "--help alone stands in no panel"
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", COMMANDS)
 def test_the_list_says_of_a_command_what_its_help_does(name: str) -> None:
     assert summary(name) == " ".join(load(name).help.split("\n\n")[0].split())
 

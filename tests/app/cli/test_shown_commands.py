@@ -30,7 +30,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solvers import solver as solvers
 from surefoot.mechanics.robot.catalog import find, robots_folder
 from surefoot.motion.planning import planner
-from surefoot.worlds.interface.table import WORLDS
+from surefoot.worlds.interface.table import WORLDS, packages_of
 from tests.records.identification.hopper import write_hopper
 from tests.records.log.test_completed import write as write_table
 
@@ -211,7 +211,7 @@ def test_shown_command_ends_as_the_page_says(
 ) -> None:
     monkeypatch.chdir(folder)
     asked = {b for a, b in pairwise(words) if a in ("--world", "--replay")} & set(WORLDS)
-    absent = sorted(name for name in asked if missing(WORLDS[name][1]))
+    absent = sorted(name for name in asked if missing(packages_of(name)))
     if absent and code == 0:
         pytest.skip(f"{', '.join(absent)} is not here")
     if words[0] == "sweep" and "--seed" in words and code == 2:  # another sweep must have begun there

@@ -79,7 +79,7 @@ def test_what_holds_only_in_its_own_world_is_lost(monkeypatch: pytest.MonkeyPatc
             weight = np.array([0.0, 0.0, -30.0 * self.robot.mass])
             super().step(torques, weight if push is None else push + weight)
 
-    monkeypatch.setitem(worlds.WORLDS, "heavy", (Heavy, ()))
+    monkeypatch.setitem(worlds.WORLDS, "heavy", Heavy)
     report = replay_log(log_of(SHORT_TROT), "heavy")
     assert report.verdict == "lost", report.sentence
     assert "in the log's own world (rigid) the same replay holds" in report.reason

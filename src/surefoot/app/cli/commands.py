@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import importlib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -14,24 +13,47 @@ from typer.core import TyperGroup
 
 from surefoot import __version__
 from surefoot.app.cli.typer_command import LiteralHelpCommand, ungrouped
+from surefoot.base.lazy_table import LazyTable
 
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 """Click's class for wrong usage, whether Typer brings Click along or depends on it."""
-NAMES = (
-    "stand", "walk", "cone", "check", "region", "model", "solve", "translate", "identify", "sweep", "audit",
-    "worlds", "plan", "policy", "export", "warmup", "doctor", "lab", "drive", "robot", "bench",
-)  # fmt: skip
+COMMANDS: LazyTable[Callable[..., object]] = LazyTable(
+    "command",
+    {
+        "stand": "surefoot.app.cli.stand:stand",
+        "walk": "surefoot.app.cli.walk:walk",
+        "cone": "surefoot.app.cli.cone:cone",
+        "check": "surefoot.app.cli.check:check",
+        "region": "surefoot.app.cli.region:region",
+        "model": "surefoot.app.cli.model:model",
+        "solve": "surefoot.app.cli.solve:solve",
+        "translate": "surefoot.app.cli.translate:translate",
+        "identify": "surefoot.app.cli.identify:identify",
+        "sweep": "surefoot.app.cli.sweep:sweep",
+        "audit": "surefoot.app.cli.audit:audit",
+        "worlds": "surefoot.app.cli.worlds:worlds",
+        "plan": "surefoot.app.cli.plan:plan",
+        "policy": "surefoot.app.cli.policy:policy",
+        "export": "surefoot.app.cli.export:export",
+        "warmup": "surefoot.app.cli.warmup:warmup",
+        "doctor": "surefoot.app.cli.doctor:doctor",
+        "lab": "surefoot.app.cli.lab:lab",
+        "drive": "surefoot.app.cli.drive:drive",
+        "robot": "surefoot.app.cli.robot:robot",
+        "bench": "surefoot.app.cli.bench:app",
+    },
+)
 """The commands in the order of the list; each has a file of its name."""
 HELP = {"help_option_names": ["--help", "-h"]}
 
 
 def load(name: str) -> Any:
     """Import a command and return it, as Typer makes it."""
-    module = importlib.import_module(f"surefoot.app.cli.{name}")
-    if name == "bench":
-        return typer.main.get_command(module.app)
+    command = COMMANDS.load(name)
+    if isinstance(command, typer.Typer):  # a group of commands
+        return typer.main.get_command(command)
     one = typer.Typer(add_completion=False)
-    one.command(name, cls=LiteralHelpCommand, context_settings=HELP)(ungrouped(getattr(module, name)))
+    one.command(name, cls=LiteralHelpCommand, context_settings=HELP)(ungrouped(command))
     return typer.main.get_command(one)
 
 
@@ -47,15 +69,15 @@ class LazyGroup(TyperGroup):
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands."""
-        return [*NAMES]
+        return [*COMMANDS]
 
     def get_command(self, ctx: Any, name: str) -> Any:
         """Return a command of which nothing but its summary is known."""
-        return LiteralHelpCommand(name, help=summary(name)) if name in NAMES else None
+        return LiteralHelpCommand(name, help=summary(name)) if name in COMMANDS else None
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that is called, and its arguments."""
-        if args[0] in NAMES:
+        if args[0] in COMMANDS:
             return args[0], load(args[0]), args[1:]
         return super().resolve_command(ctx, args)
 

@@ -15,7 +15,7 @@ from surefoot.app.cli.output import new_run_folder, to_json
 from surefoot.app.cli.robots import load
 from surefoot.app.cli.scenario_file import FAULTS, STAND_KEYS, ScenarioFile
 from surefoot.base.errors import ProblemError
-from surefoot.worlds.interface.table import WORLDS
+from surefoot.worlds.interface.table import packages_of
 
 SHORTEST = 0.1
 """Length of a stand that says something [s]: a limp robot has dropped five centimetres by then."""
@@ -61,7 +61,7 @@ def stand(*, asked: StandOptions) -> int:
     happens = asked.happening(said, depth=START_DEPTH, fall=STANDING_FALL, faults=faults)
     lifts = [parsing.lift(text) for text in asked.lift or ()]
     parsing.within_run("--lift", asked.lift or (), (one.start for one in lifts), asked.duration)
-    options.require(asked.robot, WORLDS[asked.world][1], asked)
+    options.require(asked.robot, packages_of(asked.world), asked)
     plan, q = _set_up(asked, lifts)
     shows: Sequence[str] = ()
     with plain_console(stderr=True, quiet=asked.as_json).status(

@@ -14,7 +14,7 @@ from surefoot.app.cli.robots import load
 from surefoot.app.cli.scenario_file import WALK_KEYS, ScenarioFile
 from surefoot.app.cli.walk_options import Beliefs, WalkOptions, Wiring
 from surefoot.base.errors import ProblemError, check_name
-from surefoot.worlds.interface.table import WORLDS
+from surefoot.worlds.interface.table import packages_of
 
 SHORTEST = 0.5
 """Length of a walk that says something [s]: about a cycle of a trot."""
@@ -44,7 +44,7 @@ def walk(*, asked: WalkOptions, learned: PolicyOptions) -> int:
     level = said.noise or 0.0 if said.estimator == "truth" else 0.0
     faults = Faults(level, said.delay, said.weak_joint, said.torque_loss, dropouts=wired.dropouts)
     happens = asked.happening(said, faults=faults, **belief.senses(said))
-    options.require(asked.robot, WORLDS[asked.world][1], asked)
+    options.require(asked.robot, packages_of(asked.world), asked)
     model = load(asked.robot, asked.feet, feet_needed=True)
     motors = file_actuators(model) if of_file else asked.actuators
     task = _WalkTask(model, belief.ground(ground), asked.gait, said, command, belief, motors, wired)

@@ -43,7 +43,7 @@ def worlds(
     if defaults:
         return _defaults(names or [], world, out if pictures else None, as_json)
     from surefoot.worlds.experiments import EXPERIMENTS, carry_out
-    from surefoot.worlds.interface.table import WORLDS
+    from surefoot.worlds.interface.table import WORLDS, packages_of
 
     if not 1e-5 <= dt <= 0.02:
         raise ProblemError(f"--dt must be between 1e-05 and 0.02 s, got {dt:g}")
@@ -54,7 +54,7 @@ def worlds(
     chosen = [EXPERIMENTS[name] for name in dict.fromkeys(names or EXPERIMENTS)]
     console = plain_console(quiet=as_json, highlight=False, soft_wrap=True)
     wanted = list(dict.fromkeys(world or WORLDS))
-    absent = {name: error for name in wanted if (error := extras.missing(WORLDS[name][1])) is not None}
+    absent = {name: error for name in wanted if (error := extras.missing(packages_of(name))) is not None}
     here = [name for name in wanted if name not in absent]
     if not here:
         raise MissingExtra.of(absent.values())
@@ -81,9 +81,9 @@ def _defaults(names: list[str], world: list[str] | None, out: Path | None, as_js
     """Print what engines at their defaults make of a few scenes, beside tuned ones."""
     from surefoot.worlds.experiments.engines.defaults import CASES, ENGINES, measured
     from surefoot.worlds.experiments.engines.runners import NEWTON_PYTHON
-    from surefoot.worlds.interface.table import WORLDS
+    from surefoot.worlds.interface.table import WORLDS, packages_of
 
-    needed = {name: packages for name, (_, packages) in WORLDS.items()}
+    needed = {name: packages_of(name) for name in WORLDS}
     needed |= {"mjx": ("mujoco", "jax", "mujoco-mjx"), "newton": ()}
     for name in names:
         check_name("scene of --defaults", name, CASES)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import time
 from collections.abc import Callable, Iterable
@@ -14,6 +13,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, finite_array, of_kind, real_number, whole_number
 from surefoot.base.errors import ProblemError, SolverNotFound, unknown_name
 from surefoot.base.kernels import working_time
+from surefoot.base.lazy_table import LazyTable
 from surefoot.contact.laws import LAWS
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.proof import InfeasibilityProof
@@ -88,16 +88,19 @@ class SolverEntry:
 
 
 _REGISTRY: dict[str, SolverEntry] = {}
-_MODULES = (
-    "distribution",
-    "auto",
-    "newton",
-    "nsgs",
-    "admm",
-    "lemke",
-    "daqp",
+SOLVERS: LazyTable[SolverFunction] = LazyTable(
+    "solver",
+    {
+        "distribution": "surefoot.contact.solvers.distribution:solve_distribution",
+        "auto": "surefoot.contact.solvers.auto:solve_auto",
+        "newton": "surefoot.contact.solvers.newton:solve_newton",
+        "nsgs": "surefoot.contact.solvers.nsgs:solve_nsgs",
+        "admm": "surefoot.contact.solvers.admm:solve_admm",
+        "lemke": "surefoot.contact.solvers.lemke:solve_friction",
+        "daqp": "surefoot.contact.solvers.daqp:solve_daqp",
+    },
 )
-"""Where the solvers are: in files of their names."""
+"""The package's own solvers; to import one registers it."""
 GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)
 """What may have its cause in a problem without solution."""
 
@@ -149,8 +152,8 @@ def register(
 
 def registry() -> dict[str, SolverEntry]:
     """Return all solvers by name; imports their files on first use."""
-    for module in _MODULES:
-        importlib.import_module(f"surefoot.contact.solvers.{module}")
+    for name in SOLVERS:
+        SOLVERS.load(name)
     return _REGISTRY
 
 
@@ -295,8 +298,8 @@ def nearest_to_zero(problem: ContactProblem) -> FloatArray:
 
 def find_solver(name: str, problem: ContactProblem) -> SolverEntry:
     """Return the entry of a solver that takes the problem; see `solve` for the errors."""
-    if isinstance(name, str) and name in _MODULES:  # the others are not needed
-        importlib.import_module(f"surefoot.contact.solvers.{name}")
+    if isinstance(name, str) and name in SOLVERS:  # the others are not needed
+        SOLVERS.load(name)
     if not isinstance(name, str) or (name not in _REGISTRY and name not in registry()):
         raise SolverNotFound(unknown_name("solver", name, registry()))
     entry = _REGISTRY[name]

@@ -3,22 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
-from surefoot.base.errors import check_name
+from surefoot.base.lazy_table import LazyTable
 
 if TYPE_CHECKING:  # the command line reads the names without loading a robot
     from surefoot.mechanics import Robot, Terrain
     from surefoot.worlds.interface.world import World
 
-WORLDS: dict[str, tuple[str | Callable[..., World], tuple[str, ...]]] = {
-    "mujoco": ("surefoot.worlds.mujoco.mujoco_world:MujocoWorld", ("mujoco",)),
-    "rigid": ("surefoot.worlds.rigid.rigid_world:RigidWorld", ()),
-    "drake": ("surefoot.worlds.drake.drake_world:DrakeWorld", ("drake",)),
-    "bullet": ("surefoot.worlds.bullet.bullet_world:BulletWorld", ("pybullet",)),
-}
-"""Name to the class (or "module:class", imported when asked for), and the packages that it needs."""
+WORLDS: LazyTable[Callable[..., World]] = LazyTable(
+    "world",
+    {
+        "mujoco": "surefoot.worlds.mujoco.mujoco_world:MujocoWorld",
+        "rigid": "surefoot.worlds.rigid.rigid_world:RigidWorld",
+        "drake": "surefoot.worlds.drake.drake_world:DrakeWorld",
+        "bullet": "surefoot.worlds.bullet.bullet_world:BulletWorld",
+    },
+)
+"""Name to class."""
+PACKAGES = {"mujoco": ("mujoco",), "drake": ("drake",), "bullet": ("pybullet",)}
+"""Optional packages of the worlds that need any."""
+
+
+def packages_of(name: str) -> tuple[str, ...]:
+    """Return the optional packages that a world of `WORLDS` needs."""
+    return PACKAGES.get(name, ())
 
 
 def make_world(
@@ -42,8 +51,4 @@ def make_world(
     MissingExtra
         If the world's engine is not installed.
     """
-    check_name("world", name, WORLDS)
-    made = WORLDS[name][0]
-    if isinstance(made, str):
-        made = resolve_name(made)
-    return made(robot, terrain, mu, **options)
+    return WORLDS.load(name)(robot, terrain, mu, **options)

@@ -195,11 +195,7 @@ def _at_home(
 def _own_world(log: Log) -> str:
     """Return the name of the world that a log comes from; empty where that is not one of ours."""
     origin = str(log.facts.get("world", ""))
-    for name, (made, _) in WORLDS.items():
-        title = made.rpartition(":")[2] if isinstance(made, str) else getattr(made, "__name__", "")
-        if origin and origin == title:
-            return name
-    return ""
+    return next((name for name in WORLDS if origin and origin == WORLDS.object_name(name)), "")
 
 
 def _fall_of_the_log(task: ReplayTask) -> str:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from pkgutil import resolve_name
 from typing import Any, ClassVar
 
 from surefoot.base.arrays import real_number
 from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.lazy_table import LazyTable
 
 KINDS = ("float", "bool", "text")
 """Types of a result's columns."""
@@ -95,11 +95,14 @@ class SweepExperiment(ABC):
         return str(cls.__dataclass_fields__[name].metadata.get("unit", ""))
 
 
-EXPERIMENTS: dict[str, str | type[SweepExperiment]] = {
-    "drop": "surefoot.worlds.sweep.drop:DropExperiment",
-    "walk": "surefoot.worlds.sweep.robots:WalkTrial",
-}
-"""Name to the class, or "module:class", imported when asked for."""
+EXPERIMENTS: LazyTable[type[SweepExperiment]] = LazyTable(
+    "experiment",
+    {
+        "drop": "surefoot.worlds.sweep.drop:DropExperiment",
+        "walk": "surefoot.worlds.sweep.robots:WalkTrial",
+    },
+)
+"""Name to class."""
 
 
 def make_experiment(name: str, settings: Mapping[str, Any] | None = None) -> SweepExperiment:
@@ -110,10 +113,7 @@ def make_experiment(name: str, settings: Mapping[str, Any] | None = None) -> Swe
     ProblemError
         For an unknown name, and a setting that the experiment does not have or cannot take.
     """
-    check_name("experiment", name, EXPERIMENTS)
-    kind = EXPERIMENTS[name]
-    if isinstance(kind, str):
-        kind = resolve_name(kind)
+    kind = EXPERIMENTS.load(name)
     known = [f.name for f in fields(kind)]
     for key in settings or {}:
         check_name(f"setting of {name}", key, known)

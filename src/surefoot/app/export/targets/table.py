@@ -4,19 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from pkgutil import resolve_name
 
 from surefoot.app.export.sequence import ContactSequence
-from surefoot.base.errors import ProblemError, check_name, writing
+from surefoot.base.errors import ProblemError, writing
+from surefoot.base.lazy_table import LazyTable
 from surefoot.base.text_files import path_of
 
 Target = Callable[[ContactSequence], dict[str, str]]
 """Takes a sequence, returns names of files and their texts; a ProblemError where it cannot express it."""
-TARGETS: dict[str, str] = {
-    name: f"surefoot.app.export.targets.{name}:files"
-    for name in ("ocs2", "crocoddyl", "tsid", "casadi", "drake", "isaaclab")
-}
-"""Name to "module:function"."""
+TARGETS: LazyTable[Target] = LazyTable(
+    "target",
+    {
+        "ocs2": "surefoot.app.export.targets.ocs2:files",
+        "crocoddyl": "surefoot.app.export.targets.crocoddyl:files",
+        "tsid": "surefoot.app.export.targets.tsid:files",
+        "casadi": "surefoot.app.export.targets.casadi:files",
+        "drake": "surefoot.app.export.targets.drake:files",
+        "isaaclab": "surefoot.app.export.targets.isaaclab:files",
+    },
+)
+"""Name to the function that writes a target's files."""
 
 
 def find_target(name: str) -> Target:
@@ -27,9 +34,7 @@ def find_target(name: str) -> Target:
     ProblemError
         For an unknown name.
     """
-    check_name("target", name, TARGETS)
-    target: Target = resolve_name(TARGETS[name])
-    return target
+    return TARGETS.load(name)
 
 
 def export_sequence(sequence: ContactSequence, target: str, folder: Path | str) -> list[Path]:

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from pkgutil import resolve_name
-
-from surefoot.base.errors import check_name
+from surefoot.base.lazy_table import LazyTable
 from surefoot.motion.planning.tasks.task import Task
 
-TASKS: dict[str, str] = {
-    "ball": "surefoot.motion.planning.tasks.small:BALL",
-    "hopper": "surefoot.motion.planning.tasks.small:HOPPER",
-    "push": "surefoot.motion.planning.tasks.small:PUSH",
-    "jump": "surefoot.motion.planning.tasks.jump:JUMP",
-    "jump-up": "surefoot.motion.planning.tasks.jump:JUMP_UP",
-    "backflip": "surefoot.motion.planning.tasks.backflip:BACKFLIP",
-    "stand-up": "surefoot.motion.planning.stand_up.task:STAND_UP",
-}
-"""Name to "module:object"."""
+TASKS: LazyTable[Task] = LazyTable(
+    "task",
+    {
+        "ball": "surefoot.motion.planning.tasks.small:BALL",
+        "hopper": "surefoot.motion.planning.tasks.small:HOPPER",
+        "push": "surefoot.motion.planning.tasks.small:PUSH",
+        "jump": "surefoot.motion.planning.tasks.jump:JUMP",
+        "jump-up": "surefoot.motion.planning.tasks.jump:JUMP_UP",
+        "backflip": "surefoot.motion.planning.tasks.backflip:BACKFLIP",
+        "stand-up": "surefoot.motion.planning.stand_up.task:STAND_UP",
+    },
+)
+"""Name to task."""
 
 
 def find_task(name: str) -> Task:
@@ -27,6 +28,4 @@ def find_task(name: str) -> Task:
     ProblemError
         For an unknown name.
     """
-    check_name("task", name, TASKS)
-    task: Task = resolve_name(TASKS[name])
-    return task
+    return TASKS.load(name)
