@@ -9,6 +9,8 @@ from .collision.shapes import Sphere as Sphere
 from .collision.shapes import coal as coal
 from .collision.solids import Geometry as Geometry
 from .collision.solids import Solid as Solid
+from .dynamics.arithmetic import apply_impulses as apply_impulses
+from .dynamics.arithmetic import assemble as assemble
 from .dynamics.bodies import finite_vector as finite_vector
 from .dynamics.bodies import loaded_model as loaded_model
 from .dynamics.bodies import loaded_robot as loaded_robot

@@ -53,7 +53,7 @@ def test_restitution_enters_only_where_the_gap_closes_fast():
         (-2.0, 0.001, -1.0),
     ):
         v = np.array([0.0, 0.0, speed])
-        _, _, g = arithmetic.assemble(J, L, v, v, np.array([gap]), near, 1e-3, 0.5, 0.02, 0.0)
+        _, _, g = arithmetic.assemble(J, L, v, v, np.array([gap]), near, 1e-3, np.array([0.5]), 0.02, 0.0)
         assert g[2] - speed == pytest.approx(expected)
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.base.numerics.cholesky import cholesky, solve_lower, solve_upper
 from surefoot.base.numerics.vectors import advance, dot
@@ -134,18 +134,60 @@ def with_missed(velocities: FloatArray, gaps: FloatArray, dt: float, near: IntAr
     return np.flatnonzero(taken)
 
 
+@inline_kernel
+def bounces(
+    gap: float, before: float, free: float, dt: float, e: float, rest_speed: float, pull: float
+) -> bool:
+    """Return whether a contact obeys Newton's restitution in this step, with a coefficient e [-].
+
+    It does where it arrives faster than `rest_speed`, would close without impulses (`before` and `free` are
+    its normal velocities), and would leave more slowly by its gap alone; see `normal_shift`.
+    """
+    # u + shift >= 0 bounds u_n from below by -shift: an open contact (shift > 0) may still come down by its
+    # gap, a closed one that bounces (e u⁻ < 0) has to leave. The lesser shift asks for the faster departure.
+    if not (e > 0.0 and before < -rest_speed and gap + dt * free <= 0.0):
+        return False
+    return e * before < (1.0 if gap > 0.0 else pull) * gap / dt
+
+
+@inline_kernel
+def normal_shift(
+    gap: float, before: float, free: float, dt: float, e: float, rest_speed: float, pull: float
+) -> float:
+    """Return the shift [m/s] in the law u_n + shift >= 0 of a contact's normal.
+
+    - gap / dt where the gap is open: the contact may close within the step, and stops there;
+    - e u⁻ where it `bounces`: Newton's restitution;
+    - pull gap / dt in penetration: Baumgarte's (0 to leave the position alone).
+    """
+    if bounces(gap, before, free, dt, e, rest_speed, pull):
+        return e * before
+    return (1.0 if gap > 0.0 else pull) * gap / dt
+
+
+@kernel
+def normal_shifts(
+    gaps: FloatArray, before: FloatArray, free: FloatArray, dt: float, restitution: FloatArray,
+    rest_speed: float, pull: float,
+) -> tuple[FloatArray, BoolArray]:  # fmt: skip
+    """Return `normal_shift` and `bounces` of contacts (k,), for callers whose rows are not dense."""
+    shifts, bouncing = np.empty(gaps.size), np.empty(gaps.size, dtype=np.bool_)
+    for i in range(gaps.size):
+        e = restitution[i]
+        bouncing[i] = bounces(gaps[i], before[i], free[i], dt, e, rest_speed, pull)
+        shifts[i] = normal_shift(gaps[i], before[i], free[i], dt, e, rest_speed, pull)
+    return shifts, bouncing
+
+
 @kernel
 def assemble(
     J: FloatArray, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray,
-    dt: float, restitution: float, rest_speed: float, pull: float,
+    dt: float, restitution: FloatArray, rest_speed: float, pull: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
     """Return Y = L⁻¹ Jᵀ as rows (3k, nv), G = Y Yᵀ [1/kg] and g [m/s] of the near contacts.
 
-    The law asks for u + shift, with the shift of the normal:
-
-    - gap / dt where the gap is open: the contact may close within the step, and stops there;
-    - e u⁻ where it would close faster than `rest_speed`: Newton's restitution;
-    - pull gap / dt in penetration: Baumgarte's (0 to leave the position alone).
+    Gaps and coefficients of restitution are (p,), of all contacts. g is J v_free and, along the normal,
+    `normal_shift`.
     """
     k, n = near.size, v.size
     Y, g = np.empty((3 * k, n)), np.empty(3 * k)
@@ -159,13 +201,7 @@ def assemble(
             g[3 * i + a] = dot(J[row], free)
             # G = J M⁻¹ Jᵀ = Y Yᵀ with Y = J L⁻ᵀ, M = L Lᵀ: half the work of M⁻¹, and symmetric
             solve_lower(L, Y[3 * i + a])
-        # u + shift >= 0 bounds u_n from below by -shift: an open contact (shift > 0) may still come down by
-        # its gap, a closed one that bounces (e u⁻ < 0) has to leave. The lesser shift asks for the faster
-        # departure.
-        shift = (1.0 if gaps[c] > 0.0 else pull) * gaps[c] / dt
-        if restitution > 0.0 and before < -rest_speed and gaps[c] + dt * g[3 * i + 2] <= 0.0:
-            shift = min(shift, restitution * before)
-        g[3 * i + 2] += shift
+        g[3 * i + 2] += normal_shift(gaps[c], before, g[3 * i + 2], dt, restitution[c], rest_speed, pull)
     # Both triangles from one product: half the work, and symmetric to the last bit.
     G = np.empty((3 * k, 3 * k))
     for i in range(3 * k):

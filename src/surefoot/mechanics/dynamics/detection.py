@@ -58,10 +58,14 @@ class Contacts(NamedTuple):
 
     def assemble(
         self, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray, dt: float,
-        pull: float,
+        pull: float, restitution: FloatArray | None = None, rest_speed: float = np.inf,
     ) -> tuple[Any, Any, FloatArray]:  # fmt: skip
-        """Return rows (3k, nv), G [1/kg] and g [m/s] of the near contacts, see `arithmetic.assemble`."""
-        return arithmetic.assemble(self.J, L, v, free, gaps, near, dt, 0.0, np.inf, pull)
+        """Return rows (3k, nv), G [1/kg] and g [m/s] of the near contacts, see `arithmetic.assemble`.
+
+        Without coefficients of restitution (p,) nothing bounces.
+        """
+        e = np.zeros(gaps.size) if restitution is None else restitution
+        return arithmetic.assemble(self.J, L, v, free, gaps, near, dt, e, rest_speed, pull)
 
     def apply(self, L: FloatArray, rows: Any, impulses: FloatArray, free: FloatArray) -> FloatArray:
         """Return v⁺ (nv,) [m/s, rad/s] after (k, 3) impulses, see `arithmetic.apply_impulses`."""

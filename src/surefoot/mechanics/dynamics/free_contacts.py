@@ -75,15 +75,17 @@ class FreeContacts(NamedTuple):
 
     def assemble(
         self, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray, dt: float,
-        pull: float,
+        pull: float, restitution: FloatArray | None = None, rest_speed: float = np.inf,
     ) -> tuple[Any, Any, FloatArray]:  # fmt: skip
-        """Return rows (3k, nv), G [1/kg] and g [m/s] of the near contacts, see `arithmetic.assemble`.
+        """Return rows (3k, nv), G [1/kg] and g [m/s] of the near contacts, see `Contacts.assemble`.
 
         `L` (bodies, 6, 6) are the factors of the bodies' own inertias. The rows are sparse, and of many
         contacts G is.
         """
         g = self.velocities(free)[near]
-        g[:, 2] += np.where(gaps[near] > 0.0, 1.0, pull) * gaps[near] / dt
+        e = np.zeros(near.size) if restitution is None else restitution[near]
+        before = self.velocities(v)[near, 2] if restitution is not None else np.zeros(near.size)
+        g[:, 2] += arithmetic.normal_shifts(gaps[near], before, g[:, 2], dt, e, rest_speed, pull)[0]
         inverse = np.linalg.inv(L).swapaxes(1, 2)
         rows = self._sparse(near, self.blocks[near] @ inverse[self.bodies[near]])
         G = rows @ rows.T

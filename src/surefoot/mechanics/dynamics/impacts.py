@@ -135,19 +135,13 @@ class Meeting(NamedTuple):
 
     def matrices(self, near: IntArray) -> tuple[Any, Any, FloatArray]:
         """Return rows, G [1/kg] and g [m/s] of the near contacts (k,), see `arithmetic.assemble`."""
-        pull, gaps, dt = self.options.pull, self.contacts.gaps, self.horizon
-        rows, G, g = self.contacts.assemble(self.L, self.before, self.free, gaps, near, dt, pull)
-        own = None if self.surfaces is None else self.surfaces.restitution[near]
-        if self.options.restitution > 0.0 if own is None else own.any():
-            e = self.options.restitution if own is None else own
-            before, gaps = self.contacts.velocities(self.before)[near, 2], gaps[near]
-            # Restitution as in `arithmetic.assemble`, with a coefficient for each contact. Slower than
-            # gravity makes in two steps is no impact, so that bounces come to an end.
-            shift = np.where(gaps > 0.0, gaps, pull * gaps) / dt
-            slow = 2.0 * self.options.dt * GRAVITY
-            closing = (before < -slow) & (gaps + dt * (g[2::3] - shift) <= 0.0) & (e > 0.0)
-            g[2::3] += np.where(closing, np.minimum(shift, e * before) - shift, 0.0)
-        return rows, G, g
+        options, gaps = self.options, self.contacts.gaps
+        if self.surfaces is not None:
+            e = self.surfaces.restitution
+        else:
+            e = np.full(gaps.size, options.restitution)
+        given = self.L, self.before, self.free, gaps, near, self.horizon, options.pull
+        return self.contacts.assemble(*given, e, options.rest_speed)
 
     def _solution(self, G: Any, g: FloatArray, near: IntArray, warm: FloatArray) -> ContactSolution:
         """Return the counted solution of a contact problem of the near contacts."""

@@ -10,7 +10,6 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, real_number
 from surefoot.base.errors import NoSolution, ProblemError
-from surefoot.base.spatial import GRAVITY
 from surefoot.contact import COMPILED_CONTACTS, ContactProblem
 from surefoot.mechanics.dynamics import arithmetic
 from surefoot.mechanics.dynamics import knot_kernels as kernels
@@ -106,7 +105,7 @@ class Knot:
             [
                 options.dt,
                 options.restitution,
-                2.0 * options.dt * GRAVITY,
+                options.rest_speed,
                 options.pull,
                 options.solver_tol,
                 REACH,
@@ -291,9 +290,9 @@ class Knot:
         found, Y, by_g = kernels.smooth_step(*given, kappa, impulses, after)
         every = np.arange(len(self.gaps))
         if not found:  # the slower way, which says so where it fails
-            _, G, g = arithmetic.assemble(
-                self._J, self._L, self._v, self._free, self.gaps, every, *self._settings[: kernels.TOL]
-            )
+            dt, e, slow, pull = self._settings[: kernels.TOL]
+            law = dt, np.full(len(every), e), slow, pull
+            _, G, g = arithmetic.assemble(self._J, self._L, self._v, self._free, self.gaps, every, *law)
             contacts = ContactProblem(G, g, self._mu, law=self.stepper.options.problem_law)
             response = Response(self.stepper.solve(contacts, self.impulses), kappa)
             impulses, d = response.forces, response.derivative

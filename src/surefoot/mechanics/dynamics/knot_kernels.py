@@ -31,6 +31,7 @@ from surefoot.contact import (
 from surefoot.mechanics.dynamics.arithmetic import (
     apply_impulses,
     assemble,
+    bounces,
     contact_speeds,
     factorise,
     free_velocity,
@@ -73,9 +74,8 @@ def _solve(
 ) -> tuple[bool, FloatArray, FloatArray, FloatArray, FloatArray]:  # fmt: skip
     """Solve the problem of the near contacts; return whether it is solved, and `Problem`."""
     k = near.size
-    Y, G, g = assemble(
-        J, L, v, free, gaps, near, settings[DT], settings[RESTITUTION], settings[REST_SPEED], settings[PULL]
-    )
+    e = np.full(gaps.size, settings[RESTITUTION])
+    Y, G, g = assemble(J, L, v, free, gaps, near, settings[DT], e, settings[REST_SPEED], settings[PULL])
     record = np.zeros((2 * k + 3, 3))
     vectors = np.empty((2, 3 * k))
     for i in range(k):
@@ -199,10 +199,10 @@ def smooth_step(
     # On the central path every contact has a force, however far from the ground: no set of near ones to
     # choose, and the derivative knows of contacts that are not there yet.
     p = gaps.size
+    e = np.full(p, settings[RESTITUTION])
     Y, G, g = assemble(
-        J, L, v, free, gaps, np.arange(p), settings[DT], settings[RESTITUTION], settings[REST_SPEED],
-        settings[PULL],
-    )  # fmt: skip
+        J, L, v, free, gaps, np.arange(p), settings[DT], e, settings[REST_SPEED], settings[PULL]
+    )
     mu, by_g = np.full(p, settings[MU]), np.empty((3 * p, 4 * p))
     found = p == 0 or follow_path(G, g, mu, convex, kappa, impulses)
     if p and found:
@@ -247,20 +247,16 @@ def _shift_rates(
 def _shifts(
     J: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray, settings: FloatArray
 ) -> FloatArray:
-    """Return (k, 2) how the shift of `arithmetic.assemble` depends on gap and arriving velocity."""
+    """Return (k, 2) how `arithmetic.normal_shift` depends on gap and arriving velocity: on one of them."""
     out = np.zeros((near.size, 2))
-    dt, restitution = settings[DT], settings[RESTITUTION]
+    dt, e, slow, pull = settings[DT], settings[RESTITUTION], settings[REST_SPEED], settings[PULL]
     for i in range(near.size):
         c = near[i]
-        # The branches of `arithmetic.assemble`, each with what it is linear in: the gap, or the arriving
-        # velocity.
-        share = (1.0 if gaps[c] > 0.0 else settings[PULL]) / dt
         before, ahead = dot(J[3 * c + 2], v), dot(J[3 * c + 2], free)
-        hits = before < -settings[REST_SPEED] and gaps[c] + dt * ahead <= 0.0
-        if restitution > 0.0 and hits and restitution * before < share * gaps[c]:
-            out[i, 1] = restitution
+        if bounces(gaps[c], before, ahead, dt, e, slow, pull):
+            out[i, 1] = e
         else:
-            out[i, 0] = share
+            out[i, 0] = (1.0 if gaps[c] > 0.0 else pull) / dt
     return out
 
 

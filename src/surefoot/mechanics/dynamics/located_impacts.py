@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics.dynamics.free_motion import Ahead, moved
 from surefoot.mechanics.dynamics.impacts import Tally
 from surefoot.mechanics.dynamics.state import Impact, Piece, State, Step, StepRemainder, grown
@@ -85,7 +84,7 @@ def first_touch(
     None of them where it ends in the air. Nothing is returned if a contact presses already, or would touch
     too slowly to bounce.
     """
-    (q, v), slow = state[:2], 2.0 * stepper.options.dt * GRAVITY
+    (q, v), slow = state[:2], stepper.options.rest_speed
     start = stepper.detect(q)
     speeds = start.velocities(v)[:, 2]
     pressed = (start.gaps <= TOUCH) & (speeds <= 0.0)

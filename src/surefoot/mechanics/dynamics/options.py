@@ -7,6 +7,7 @@ from typing import Literal, TypedDict, get_args
 
 from surefoot.base.arrays import real_number
 from surefoot.base.errors import ProblemError, check_name, unknown_name
+from surefoot.base.spatial import GRAVITY
 from surefoot.contact import LAWS, SoftLaw
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
@@ -111,6 +112,12 @@ class StepOptions:
         if self.stabilisation == "projection":
             return 1.0 if self.order == 1 else 0.0
         return PULL if self.stabilisation == "baumgarte" else 0.0
+
+    @property
+    def rest_speed(self) -> float:
+        """Speed of arrival [m/s] up to which a contact does not bounce: what gravity makes in two steps."""
+        # Slower arrivals are those of a contact that rests: without this bound bounces would never end.
+        return 2.0 * self.dt * GRAVITY
 
     @property
     def problem_law(self) -> str:

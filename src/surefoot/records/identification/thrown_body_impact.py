@@ -18,9 +18,9 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
-from surefoot.base.numerics.cholesky import solve_lower, solve_upper
-from surefoot.base.numerics.vectors import advance, dot
+from surefoot.base.numerics.vectors import dot
 from surefoot.contact import UNSOLVED, solve_compiled
+from surefoot.mechanics import apply_impulses, assemble
 
 MU, RESTITUTION, POISSON, TANGENTIAL, GROWTH = range(5)
 """Where a law keeps what: friction, restitution, that of Poisson and of the slip [-], growth [s/m]."""
@@ -48,7 +48,7 @@ def exchange(
     law
         (5,) see `MU`.
     J
-        (3n, nv) maps from v to the contacts' velocities; becomes J L⁻ᵀ.
+        (3n, nv) maps from v to the contacts' velocities.
     L
         (nv, nv) factor of the mass matrix, in its lower half.
     gaps, near
@@ -60,62 +60,48 @@ def exchange(
     before, v
         (nv,) velocity before the step, and the free one, to which the impulses are added.
     """
-    n, nv = near.size, v.size
+    n = near.size
     m = 3 * n
-    packed, buffer, poisson = np.zeros((m + 2, m)), np.zeros((2 * n + 3, 3)), False
+    vectors, buffer, poisson = np.zeros((2, m)), np.zeros((2 * n + 3, 3)), False
+    depths, slips = np.zeros(n), np.zeros((n, 2))
     for i in range(n):
-        # The problem as `solve_compiled` reads it: rows of G, then g = J v_free + shift, then mu and the
-        # bounds on the normal impulses.
-        u = np.zeros(3)  # of arrival
+        x, y, z = dot(J[3 * i], before), dot(J[3 * i + 1], before), dot(J[3 * i + 2], before)
+        vectors[1, i] = max(law[MU] + law[GROWTH] * min(math.hypot(x, y), FASTEST), 0.0)
+        vectors[1, n + i], vectors[1, 2 * n + i] = 0.0, np.inf
+        if z < -calm:
+            # A contact that arrives has no depth to take back: it leaves by its restitution alone.
+            slips[i, 0], slips[i, 1] = law[TANGENTIAL] * x, law[TANGENTIAL] * y
+            poisson |= law[POISSON] > 0.0
+        else:
+            # What comes out of the ground does so gently: all of a depth in one step would be a throw.
+            depths[i] = max(gaps[near[i]], -RISE_SPEED * t / RISE)
+    e = np.full(n, law[RESTITUTION])
+    Y, G, g = assemble(J, L, before, v, depths, np.arange(n), t, e, calm, RISE)
+    for i in range(n):
         for a in range(3):
-            u[a] = dot(J[3 * i + a], before)
-            packed[m, 3 * i + a] = dot(J[3 * i + a], v)
-        slip = min(math.hypot(u[0], u[1]), FASTEST)
-        packed[m + 1, i] = max(law[MU] + law[GROWTH] * slip, 0.0)
-        packed[m + 1, n + i], packed[m + 1, 2 * n + i] = 0.0, np.inf
-        arrives = u[2] < -calm
-        if arrives:
-            # Tangential restitution as a shift of the slip that friction opposes: a contact that sticks
-            # leaves with -e u_t.
-            packed[m, 3 * i] += law[TANGENTIAL] * u[0]
-            packed[m, 3 * i + 1] += law[TANGENTIAL] * u[1]
-        packed[m, 3 * i + 2] += _shift(law, gaps[near[i]], u[2], arrives, t)
-        poisson |= arrives and law[POISSON] > 0.0
-    for i in range(m):  # the rows of J L⁻ᵀ
-        solve_lower(L, J[i])
-    for i in range(m):
-        for j in range(i + 1):
-            packed[i, j] = packed[j, i] = dot(J[i], J[j])
-    done = solve_compiled(packed[:m], packed[m:], TOLERANCE, ITERATIONS, 0, buffer)
+            vectors[0, 3 * i + a] = g[3 * i + a]
+        # Tangential restitution as a shift of the slip that friction opposes: a contact that sticks leaves
+        # with -e u_t.
+        vectors[0, 3 * i] += slips[i, 0]
+        vectors[0, 3 * i + 1] += slips[i, 1]
+    done = solve_compiled(G, vectors, TOLERANCE, ITERATIONS, 0, buffer)
     impulses = buffer[:n].copy()
     if poisson:
-        _expand(law, packed, buffer, impulses)
-        done = max(done, solve_compiled(packed[:m], packed[m:], TOLERANCE, ITERATIONS, 0, buffer))
+        _expand(law, vectors, buffer, impulses)
+        done = max(done, solve_compiled(G, vectors, TOLERANCE, ITERATIONS, 0, buffer))
         # Both phases happen at one instant: their impulses add up, and so do their changes of velocity.
         impulses += buffer[:n]
-    change = np.zeros(nv)  # v += L⁻ᵀ Yᵀ λ
-    for i in range(m):
-        advance(change, impulses[i // 3, i % 3], J[i])
-    solve_upper(L, change)
-    advance(v, 1.0, change)
+    after = apply_impulses(L, Y, impulses.reshape(-1), v)
+    for i in range(v.size):
+        v[i] = after[i]
     return done < UNSOLVED
 
 
 @inline_kernel
-def _shift(law: FloatArray, gap: float, arrival: float, arrives: bool, t: float) -> float:
-    """Return the bias of a normal velocity: leave with -e times that of arrival, or keep the gap."""
-    if arrives:
-        return float(law[RESTITUTION] * arrival)
-    # What comes out of the ground does so gently: all of a depth in one step would be a throw.
-    return float(gap / t if gap > 0.0 else -min(-RISE * gap / t, RISE_SPEED))
-
-
-@inline_kernel
-def _expand(law: FloatArray, packed: FloatArray, buffer: FloatArray, impulses: FloatArray) -> None:
+def _expand(law: FloatArray, vectors: FloatArray, buffer: FloatArray, impulses: FloatArray) -> None:
     """Set up Poisson's second phase: from the velocities of the first, a share of its impulses at least."""
     n = impulses.shape[0]
-    m = 3 * n
     for i in range(n):
-        packed[m + 1, n + i] = law[POISSON] * impulses[i, 2]
+        vectors[1, n + i] = law[POISSON] * impulses[i, 2]
         for a in range(3):
-            packed[m, 3 * i + a] = buffer[n + i, a]
+            vectors[0, 3 * i + a] = buffer[n + i, a]

@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.base.spatial import GRAVITY
 from surefoot.contact import SoftLaw
+from surefoot.mechanics.dynamics import arithmetic
 from surefoot.mechanics.dynamics.derivative.contact_problem import Response
 from surefoot.mechanics.dynamics.derivative.flow import Dynamics
 from surefoot.mechanics.dynamics.derivative.points import GroundRates
@@ -200,8 +200,8 @@ class Exchange:
         if e.any():
             normal = self.contacts.J[3 * near + 2]
             before, free = normal @ impact.before, normal @ impact.free
-            hit = (before < -2.0 * options.dt * GRAVITY) & (gaps + horizon * free <= 0.0)
-            hit &= (e > 0.0) & (e * before < share * gaps)
+            slow = options.rest_speed
+            hit = arithmetic.normal_shifts(gaps, before, free, horizon, e, slow, pull)[1]
             out[hit] = e[hit, None] * self._arriving(rates)[3 * near[hit] + 2]
             if rates.restitution is not None:
                 out[hit] += before[hit, None] * rates.restitution[near[hit]]
