@@ -139,6 +139,22 @@ def test_the_search_follows_a_bent_valley_stays_in_its_range_and_doubts_what_is_
         assert found.values[2] <= 0.7
 
 
+@pytest.mark.parametrize("width", [0.03, 0.05, 0.08])
+def test_the_search_gets_out_of_small_valleys(width: float) -> None:
+    """Two parameters and ripples of 3 to 8 steps: from its start alone a descent ends beside the least loss."""
+    own = [TossParameter(name, 0.0, 0.01, -1.0, 1.0) for name in "ab"]
+    for seed in range(6):
+        least = np.random.default_rng(seed).uniform(-0.08, 0.08, 2)
+
+        def rows(x: FloatArray, least: FloatArray = least) -> FloatArray:
+            away = x[:2] - least
+            ripple = 0.02 * (1.0 - np.cos(2.0 * np.pi * away / width)).sum()
+            return np.tile([*away, ripple], (12, 1))
+
+        found = search(rows, own, np.zeros(2), np.full(6, 2), resample(6, 50, 0))
+        np.testing.assert_allclose(found.values, least, atol=1e-4)
+
+
 @pytest.mark.skipif(not drake_python.present(), reason="Drake is not installed")
 def test_drake_throws_the_same_body_onto_the_same_ground(tosses: Tosses) -> None:
     plane, body = GroundPlane(GROUND[0], np.array(GROUND[1:])), cube_body(Cube()).at({"com_z": COM})

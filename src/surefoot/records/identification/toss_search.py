@@ -1,17 +1,24 @@
-"""The search for the parameters of a simulator of tosses: Levenberg and Marquardt's on means over tosses.
+"""The search for parameters of a simulator of tosses: a trust region on means over tosses, several starts.
 
 The loss of a toss is the root mean square e of its corners' deviations over its frames, made robust as
 sqrt(c² + e²) - c with the median error for c: a square for tosses that fit, the distance itself for those
-that end on another face. A single toss jumps where a corner lands first, the mean over many hardly does, so
-that differences over steps that show have slopes to go by [1]_. They are taken along the principal axes of
-the curvature: parameters that make up for each other leave a valley across them, and single steps see its
-bend rather than its fall. Intervals are bootstraps of the linearised fit, of what leaving out each toss moves
-(the jackknife, since few tosses can bend a fit to themselves), with a share for what is held but not exactly
-known. The model is a black box: all get this search.
+that end on another face. It is soft-L1 of a whole toss, which `least_squares` [1]_ knows for single numbers
+only: so the deviations of a toss are scaled until their squares add up to it.
+
+A single toss jumps where a corner lands first, the mean over many hardly does, so that differences over
+steps that show have slopes to go by. They are taken along the principal axes of the curvature: parameters
+that make up for each other leave a valley across them, and single steps see its bend rather than its fall.
+What is left of the jumps are small valleys beside each other. A search therefore looks at points around
+where it ended, single parameters moved and all of them at random, and starts again from the best of them.
+
+Intervals are bootstraps of the linearised fit, of what leaving out each toss moves (the jackknife, since few
+tosses can bend a fit to themselves), with a share for what is held but not exactly known. The model is a
+black box: all get this search.
 
 References
 ----------
-.. [1] J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and theory", Numerical Analysis, 1978.
+.. [1] M. A. Branch, T. F. Coleman, Y. Li, "A subspace, interior, and conjugate gradient method for
+   large-scale bound-constrained minimization problems", SIAM J. Sci. Comput. 21(1), 1999.
 """
 
 from __future__ import annotations
@@ -20,6 +27,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.records.identification.thrown_body import TossParameter
@@ -27,18 +35,22 @@ from surefoot.records.identification.toss_errors import LOST
 
 FLOOR = 1e-3
 """Least median error [widths] that the robust loss takes."""
-ROUNDS, TRIALS = 10, 5
-"""Linearisations, and steps tried in each."""
+TRIALS = 40
+"""Points that one descent may try; each that is better also takes two simulations a parameter for slopes."""
 SAME = 3e-4
-"""Relative decrease of the loss that ends a search."""
+"""Relative decrease of the loss that ends a descent, and the least that another start has to bring."""
+DRAWN, AROUND = 24, 3.0
+"""Points looked at around the end of a descent, and how far each parameter is moved at most [steps]."""
+STARTS = 4
+"""Most descents of a search."""
+FEW = 6
+"""Parameters up to which another start need not itself be better than the best point: descents are cheap."""
 PART, NEAR, WIDEST = 0.5, 2e-3, 10.0
 """Differences move tosses by this share of the median error or of so many widths, within so many steps."""
 NARROW = 1e-4
 """Least share of a mean curvature along an axis that counts as measured."""
 HIDDEN = 1e-6
 """A combination of parameters that differences move by less than this share is not shown by them."""
-DAMP, LESS, MORE = 1e-3, 0.1, 10.0
-"""First damping, and its change after a step that helped and one that did not."""
 
 
 class SearchResult(NamedTuple):
@@ -112,29 +124,18 @@ def search(
         found = simulate(np.concatenate([values, others]))
         return np.clip(np.nan_to_num(found, nan=LOST), -LOST, LOST)
 
-    damp, settled, axes = DAMP, False, np.eye(count)
-    here = _residuals(rows(values), first, frames, None)
-    for _ in range(ROUNDS):
-        slopes = _slopes(rows, values, steps, axes, (low, high), here, frames)
-        square, slope, better = slopes.squares.mean(axis=0), slopes.moments.mean(axis=0), None
-        axes = _axes(square, here.scale)
-        for _ in range(TRIALS):
-            # Marquardt's scaling by the diagonal: damping has no unit, and leaves the parameters' sizes
-            # alone.
-            lifted = square + damp * np.diag(np.diag(square) + 1e-12)
-            ahead = np.clip(values - steps * _within(lifted, slope, values, low, high), low, high)
-            there = _residuals(rows(ahead), first, frames, here.scale)
-            if there.loss < here.loss:
-                better = there
-                break
-            damp *= MORE
-        if better is None:
-            settled = True
+    valley = _Valley(rows, first, frames, (low, high), steps, values)
+    settled = valley.descend(values)
+    for number in range(1, STARTS):
+        before = valley.best.loss
+        start = valley.around(number, better=count > FEW)
+        if start is None:
             break
-        settled = here.loss - better.loss < SAME * here.loss
-        values, here, damp = ahead, better, LESS * damp
-        if settled:
-            break
+        done = valley.descend(start)
+        if valley.best.loss < (1.0 - SAME) * before:
+            settled = done
+    values, here = valley.values, valley.best
+    slopes = valley.slopes(values, here)
     moments = slopes.moments  # flat beyond c, the loss bends by less than its squares do
     bent = np.einsum("bk,bl,b->bkl", moments, moments, 1.0 / np.sqrt(here.scale**2 + here.errors**2))
     squares = slopes.squares - bent
@@ -147,14 +148,83 @@ def search(
     return SearchResult(values, np.clip(values - steps * moved, low, high), settled)
 
 
-def _within(
-    square: FloatArray, slope: FloatArray, values: FloatArray, low: FloatArray, high: FloatArray
-) -> FloatArray:
-    """Return the step (d,), in steps, of the parameters that are not held at the end of their range."""
-    free = ~(((values <= low) & (slope > 0.0)) | ((values >= high) & (slope < 0.0)))
-    out = np.zeros(len(values))
-    out[free] = np.linalg.solve(square[np.ix_(free, free)], slope[free])
-    return out
+class _Valley:
+    """The loss around the best values found so far, and descents in it."""
+
+    def __init__(
+        self, rows: Callable[[FloatArray], FloatArray], first: IntArray, frames: IntArray,
+        ends: tuple[FloatArray, FloatArray], steps: FloatArray, values: FloatArray,
+    ) -> None:  # fmt: skip
+        self._rows, self._first, self._frames, self._ends, self._steps = rows, first, frames, ends, steps
+        self._axes = np.eye(len(values))
+        self.values, self.best = values, _residuals(rows(values), first, frames, None)
+        self._last, self._there = values, self.best
+
+    def at(self, values: FloatArray) -> TossResiduals:
+        """Return the deviations at values (d,), and remember them if they are the best."""
+        if np.array_equal(values, self._last):
+            return self._there
+        there = _residuals(self._rows(values), self._first, self._frames, self.best.scale)
+        self._last, self._there = values.copy(), there
+        if there.loss < self.best.loss:
+            self.values, self.best = self._last, there
+        return there
+
+    def slopes(self, values: FloatArray, here: TossResiduals) -> Slopes:
+        """Return the derivatives at values (d,); the next ones go along the axes of this curvature."""
+        out = _slopes(self._rows, values, self._steps, self._axes, self._ends, here, self._frames)
+        self._axes = _axes(out.squares.mean(axis=0), here.scale)
+        return out
+
+    def descend(self, values: FloatArray) -> bool:
+        """Go down from values (d,) by a trust region; return whether the loss stopped falling."""
+        steps = self._steps
+
+        def residuals(x: FloatArray) -> FloatArray:
+            return _scaled(self.at(x * steps), self._frames)
+
+        def jacobian(x: FloatArray) -> FloatArray:
+            here = self.at(x * steps)
+            return _scaled_slopes(here, self.slopes(x * steps, here), self._frames)
+
+        found = least_squares(
+            residuals, values / steps, jacobian, (self._ends[0] / steps, self._ends[1] / steps),
+            method="trf", ftol=SAME, xtol=1e-4, gtol=1e-12, x_scale="jac", max_nfev=TRIALS,
+        )  # fmt: skip
+        return bool(found.status > 0)
+
+    def around(self, seed: int, better: bool) -> FloatArray | None:
+        """Return the best point (d,) of those around the best one; with `better`, None if it is no better."""
+        middle, least, count = self.values, self.best.loss, len(self._steps)
+        drawn = np.random.default_rng(seed).uniform(-AROUND, AROUND, (DRAWN, count))
+        moves = np.concatenate([np.eye(count), -np.eye(count), drawn])
+        points = np.clip(middle + moves * self._steps, *self._ends)
+        losses = [self.at(point).loss for point in points]
+        best = int(np.argmin(losses))
+        return None if better and not losses[best] < (1.0 - SAME) * least else points[best]
+
+
+def _scaled(here: TossResiduals, frames: IntArray) -> FloatArray:
+    """Return the deviations (N m,), scaled: half the sum of their squares is Σ c (sqrt(c² + e²) - c)."""
+    return np.asarray((here.rows * _weights(here, frames)[0][:, None]).ravel())
+
+
+def _scaled_slopes(here: TossResiduals, slopes: Slopes, frames: IntArray) -> FloatArray:
+    """Return the derivatives (N m, d) of `_scaled`, per step of the parameters."""
+    weight, lean = _weights(here, frames)
+    # The weight s of a toss falls with its error: ds = -s e de / (2 q (q + c)), e de the toss's mean of r dr.
+    mean = slopes.moments * np.sqrt(here.scale**2 + here.errors**2)[:, None]
+    fall = np.repeat(lean[:, None] * mean, frames, axis=0)
+    J = weight[:, None, None] * (slopes.rows - here.rows[:, :, None] * fall[:, None, :])
+    return np.asarray(J.reshape(-1, J.shape[2]))
+
+
+def _weights(here: TossResiduals, frames: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return the weights s (N,) of rows, and 1 / (2 q (q + c)) of tosses (B,), with q = sqrt(c² + e²)."""
+    c = here.scale
+    q = np.sqrt(c * c + here.errors**2)
+    # 2 c (q - c) = 2 c e² / (q + c): no difference of like numbers, no division by e
+    return np.repeat(np.sqrt(2.0 * c / ((q + c) * frames)), frames), 0.5 / (q * (q + c))
 
 
 def _residuals(rows: FloatArray, first: IntArray, frames: IntArray, scale: float | None) -> TossResiduals:
