@@ -141,7 +141,7 @@ def test_the_search_follows_a_bent_valley_stays_in_its_range_and_doubts_what_is_
 
 @pytest.mark.parametrize("width", [0.03, 0.05, 0.08])
 def test_the_search_gets_out_of_small_valleys(width: float) -> None:
-    """Two parameters and ripples of 3 to 8 steps: from its start alone a descent ends beside the least loss."""
+    """Ripples of 3 to 8 steps: from its start alone, a descent of two parameters ends beside the least."""
     own = [TossParameter(name, 0.0, 0.01, -1.0, 1.0) for name in "ab"]
     for seed in range(6):
         least = np.random.default_rng(seed).uniform(-0.08, 0.08, 2)
