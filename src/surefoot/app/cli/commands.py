@@ -17,7 +17,7 @@ from surefoot.base.lazy_table import LazyTable
 
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 """Click's class for wrong usage, whether Typer brings Click along or depends on it."""
-COMMANDS: LazyTable[Callable[..., object]] = LazyTable(
+COMMANDS: LazyTable[Callable[..., int]] = LazyTable(
     "command",
     {
         "stand": "surefoot.app.cli.stand:stand",
