@@ -13,13 +13,13 @@ from .contact.cones import WrenchCone as WrenchCone
 from .contact.files.formats import read_problem as read_problem
 from .contact.files.formats import write_problem as write_problem
 from .contact.problem import ContactProblem as ContactProblem
-from .contact.problem import Status as Status
 from .contact.problem import check_proof as check_proof
 from .contact.problem import contact_sets as contact_sets
 from .contact.problem import residuals as residuals
 from .contact.problem.lcp import LCP as LCP
 from .contact.problem.redundancy import redundancy as redundancy
 from .contact.problem.warm_start import carry_over as carry_over
+from .contact.solution import Status as Status
 from .contact.solvers.contact_solver import ContactSolver as ContactSolver
 from .contact.solvers.lcp import solve_lcp as solve_lcp
 from .contact.solvers.solver import Answer as Answer

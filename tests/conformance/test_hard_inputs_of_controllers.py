@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import Robot, place
 from surefoot.mechanics.robot.actuators import real_actuators
 from surefoot.mechanics.terrain import FlatTerrain

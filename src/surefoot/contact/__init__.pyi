@@ -25,9 +25,9 @@ from .laws.soft.mujoco import MujocoLaw as MujocoLaw
 from .laws.soft.spring_damper import SpringDamper as SpringDamper
 from .problem.problem import ContactProblem as ContactProblem
 from .problem.problem import Fit as Fit
-from .problem.solution import ContactSolution as ContactSolution
-from .problem.solution import Status as Status
 from .sets.kinds import Planar as Planar
+from .solution import ContactSolution as ContactSolution
+from .solution import Status as Status
 from .solvers.compiled import COMPILED_CONTACTS as COMPILED_CONTACTS
 from .solvers.compiled import CONVEX_CALL as CONVEX_CALL
 from .solvers.compiled import UNBOUNDED as UNBOUNDED

@@ -10,7 +10,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.base.errors import ProblemError
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.motion.control.controller import Command, Controller, JointTargets, RobotState
 from surefoot.motion.drive.joint_targets import MEMORY, STANCE_GAIN, JointTargetController
 from surefoot.motion.drive.latency import LONGEST, DelayMeter, LatencyCompensation

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import place
 from surefoot.mechanics.terrain import FlatTerrain, PitTerrain
 from surefoot.motion.planning import PlanSearch, plan_from, rollout

@@ -7,7 +7,7 @@ import pytest
 
 from surefoot import audit_log
 from surefoot.base.errors import NoSolution, ProblemError
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import place
 from surefoot.motion.planning import Plan, PlanSearch, plan_from, rollout
 from surefoot.motion.planning import planner as planners

@@ -11,7 +11,7 @@ import pytest
 
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import load_robot
 from surefoot.motion.control.controller import Command
 from surefoot.worlds.rigid.rigid_world import RigidWorld

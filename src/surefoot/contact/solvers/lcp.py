@@ -13,7 +13,7 @@ from surefoot.base.arrays import FloatArray, of_kind, real_number
 from surefoot.base.errors import NoSolution, SolverNotFound, unknown_name
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.lcp import LCP
-from surefoot.contact.problem.solution import Status
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers.lcp_interior_point import solve_interior_point
 from surefoot.contact.solvers.lcp_proof import farkas
 from surefoot.contact.solvers.lemke import solve_lemke

@@ -14,8 +14,8 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.contact.laws import Law
-from surefoot.contact.problem.scales import APPROACH
 from surefoot.contact.sets import ContactSet
+from surefoot.contact.sets.contact import APPROACH
 from surefoot.contact.solvers.pyramid import project_any, sector, shift_any
 
 DISCS, CONE, FREE = 0, 1, 2

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.base.errors import ModelError, ProblemError
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import load_robot, place
 from surefoot.mechanics.terrain import SlopeTerrain
 from surefoot.motion.control.controller import RobotState

@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 from surefoot.base.errors import ModelError, ProblemError
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.robot.motor_limits import motor_limits
 from surefoot.mechanics.robot.quadruped import mirrored_joints, quadruped_order

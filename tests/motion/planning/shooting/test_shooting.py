@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg
 
 from surefoot.base.errors import ProblemError
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import Robot, load_robot, place
 from surefoot.motion.planning import rollout
 from surefoot.motion.planning.shooting import (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.motion.planning import Plan
 from surefoot.motion.planning.stand_up.lying import upright
 from surefoot.motion.planning.stand_up.task import STAND_UP, StandUp
