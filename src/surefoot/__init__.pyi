@@ -83,7 +83,7 @@ from .records.identification.identify import identify as identify
 from .records.identification.tosses import read_tosses as read_tosses
 from .records.log import Log as Log
 from .records.log.arrays_in import log_from_arrays as log_from_arrays
-from .records.log.formats import read_log as read_log
+from .records.log.reading import read_log as read_log
 from .worlds.mujoco.contacts_from_mujoco import contacts_from_mujoco as contacts_from_mujoco
 from .worlds.mujoco.mujoco_world import MujocoWorld as MujocoWorld
 from .worlds.mujoco.recording import record as record

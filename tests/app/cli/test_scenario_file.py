@@ -13,7 +13,7 @@ import yaml
 from surefoot.app.cli.physics import contact_law
 from surefoot.app.cli.scenario_file import STAND_KEYS, WALK_KEYS, ScenarioFile, schema
 from surefoot.laws import Hertz, HuntCrossley, MujocoLaw, SpringDamper
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 
 ROOT = Path(__file__).resolve().parents[3]
 SCENARIOS = sorted((ROOT / "examples" / "scenarios").glob("*.yaml"))

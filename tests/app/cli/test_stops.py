@@ -15,7 +15,7 @@ import pytest
 from surefoot.app.cli.main import main
 from surefoot.base.errors import SimulationError
 from surefoot.records.log import parts, recorder
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 
 STAND = ["stand", "--duration", "1", "--no-video", "--out"]

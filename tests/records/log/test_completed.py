@@ -16,7 +16,7 @@ from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.terrain import SlopeTerrain
 from surefoot.records.log import Log
 from surefoot.records.log.completed import complete
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 from tests.records.audit.logs import SLOPE, TROT, log_of
 
 JOINTS = tuple(np.random.default_rng(1).permutation(12).tolist())

@@ -15,7 +15,7 @@ from surefoot.base.errors import ProblemError, WriteError
 from surefoot.records.log import CHANNELS, Log, npz, parts
 from surefoot.records.log import recorder as recorder_module
 from surefoot.records.log.channels import Channel
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 from surefoot.records.log.recorder import CHUNK_BYTES, Recorder
 
 ROWS = [CHANNELS[name].sized(nq=19, p=4) for name in ("time", "q", "forces", "active", "grasp_map")]

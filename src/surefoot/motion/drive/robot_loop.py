@@ -133,8 +133,7 @@ class RobotLoop:
         self.recover, self._recovery = False, FallRecovery()
         self._damp = damping_targets(robot, self.dt)
         self._passive = JointTargets(*np.zeros((5, robot.joints)))
-        on_four = len(robot.feet) == 4
-        chosen = gait or ("auto" if on_four else default_gait(robot))
+        chosen = gait or ("auto" if len(robot.feet) == 4 else default_gait(robot))
         names = {LoopMode.WALK: chosen, LoopMode.STAND: chosen if chosen == "auto" else "stand"}
         made = {name: self._balance(name, mu, latency) for name in dict.fromkeys(names.values())}
         self._balances = {mode: made[name] for mode, name in names.items()}
@@ -273,10 +272,9 @@ class RobotLoop:
         usable = self.watch.look(came, self.time if now is None else now)
         if self.mode not in POWERLESS:
             self._judge()
-        self._recovery.look(self)
+        self._recover()
         targets = self._targets(usable)
-        last = self.watch.last
-        if last is not None:
+        if (last := self.watch.last) is not None:
             targets = self.target_limits.hold(targets, last.positions, last.speeds)
         return JointTargets(*(values[self._back] for values in targets))
 
@@ -299,10 +297,18 @@ class RobotLoop:
         if watch.silent >= self.limits.outage or (watch.blind and watch.silent < self.limits.patience):
             self._stop(watch.reason)
         elif self._down() and not (self.mode is LoopMode.STAND_UP and self._player.lying):
-            self._recovery.fell(self)
+            self._recovery.fell(self.mode, self.time)
             self._stop(FALLEN)
         elif self.mode in CONTROLLED and self.tracker.lost:
             self._stop(f"the state estimate was lost: {self.tracker.lost}")
+
+    def _recover(self) -> None:
+        """Get up after a fall, and walk on if the robot walked."""
+        if self.recover and self._recovery.walks_on(self.mode, self.settled):
+            self.change("walk")
+        usable = None if self.watch.blind else self.watch.last
+        if self.recover and self._recovery.rises(self.mode, self.fault, self.time, usable) and self.can_rise:
+            self.change("stand")
 
     def _stop(self, fault: str) -> None:
         """Damp, because of a fault."""
@@ -382,10 +388,9 @@ class RobotLoop:
     def _still(self) -> bool:
         """Whether a robot that balances stands on all feet and hardly moves."""
         feet, state = self.walker.feet, self.state
-        if feet is None or state is None:
+        if feet is None or state is None or not feet.stance.all():
             return False
-        slow = float(np.linalg.norm(state.v[:2])) < SLOW * math.sqrt(GRAVITY * self.walker.height)
-        return bool(feet.stance.all()) and slow
+        return float(np.linalg.norm(state.v[:2])) < SLOW * math.sqrt(GRAVITY * self.walker.height)
 
     def _down(self) -> bool:
         """Whether the base leans as one that has fallen, or is as low by the estimate."""

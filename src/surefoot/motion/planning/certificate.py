@@ -242,7 +242,7 @@ def replayed(
     t, fine = trajectory, trajectory.dt / FINER
     torques, steps = feedback(t, robot), FINER * len(t) + FINER // 2
     if problem is not None and problem.touches:
-        from surefoot.motion.planning.transcription.contact_pairs import touching_rollout
+        from surefoot.motion.planning.transcription.pair_rollout import touching_rollout
 
         finer = replace(problem, dt=fine, knots=steps, reference=None, windows={})
         motion = touching_rollout(finer, torques)

@@ -22,7 +22,7 @@ from surefoot.records.audit.report import AuditReport, FrictionInterval, Judgeme
 from surefoot.records.audit.rows import Rows, lacking, pieces
 from surefoot.records.audit.slides import WORST, slide_on, start_slides
 from surefoot.records.log import Log
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 
 FINITE, CLOCK = "finite", "clock"
 """What is asked of the log itself before any law: numbers that are finite, and time that goes on."""

@@ -9,7 +9,7 @@ from typing import Any
 
 from surefoot.base.errors import ProblemError, check_name, unknown_name
 from surefoot.base.text_files import parse_yaml, read_yaml, table_of
-from surefoot.records.log.channels import CHANNELS, Channel
+from surefoot.records.log.channels import CHANNELS, Channel, channels_from
 
 _DEGREE = 0.017453292519943295
 UNITS: dict[str, tuple[str, float]] = {
@@ -193,8 +193,6 @@ def _mapping_from(content: Any, name: str) -> LogMapping:
 
 
 def _defined(name: str, content: Any) -> dict[str, Channel]:
-    from surefoot.records.log.npz import channels_from
-
     try:
         return channels_from(content)
     except (TypeError, KeyError) as error:

@@ -17,17 +17,17 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.errors import ProblemError, WriteError, writing
-from surefoot.records.log.channels import SCHEMA, Channel
-from surefoot.records.log.log import Log
-from surefoot.records.log.npz import channels_from, check_schema
+from surefoot.records.log.channels import SCHEMA, Channel, channels_from
+from surefoot.records.log.contents import StoredLog
+from surefoot.records.log.npz import check_schema
 
 HEADER_BYTES = 256
 """Length of a .npy header with room for any number of rows; a multiple of 64 as the format asks."""
 FACTS_FILE = "facts.json"
 
 
-def read(folder: Path) -> Log:
-    """Return the log of a folder of parts, mapped; only rows that are in every file count.
+def read(folder: Path) -> StoredLog:
+    """Return the contents of a folder of parts, mapped; only rows that are in every file count.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def read(folder: Path) -> Log:
     channels, facts = channels_from(whole["channels"]), whole["facts"]
     arrays = {name: np.load(files[name], mmap_mode="r") for name in channels if name in files}
     rows = min(map(len, arrays.values()), default=0)
-    return Log({name: array[:rows] for name, array in arrays.items()}, facts, channels=channels)
+    return StoredLog({name: array[:rows] for name, array in arrays.items()}, facts, channels)
 
 
 class PartFiles:

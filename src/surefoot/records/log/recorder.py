@@ -14,7 +14,8 @@ import numpy as np
 from surefoot.base.errors import WriteError, writing
 from surefoot.records.log import parts
 from surefoot.records.log.channels import Channel
-from surefoot.records.log.log import MEMORY, Log
+from surefoot.records.log.contents import MEMORY
+from surefoot.records.log.log import Log
 
 CHUNK_BYTES = 1 << 20
 """Size of the rows that are held back before they are written to a folder that was asked for."""

@@ -25,8 +25,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import InputRates, PairDetection, State, StepArguments, Stepper, law_fields, stages_of
-from surefoot.worlds.rigid.rigid_world import RigidWorld
-from surefoot.worlds.rigid.rollout_record import RolloutRecorder
+from surefoot.worlds.rigid.rollout_record import RecordedWorld, RolloutRecorder
 
 WIDTH = 1e-6
 """Half of a difference, in units of what is moved where that is above one."""
@@ -65,7 +64,7 @@ class Backward:
     ) -> None:  # fmt: skip
         assert taken.world is not None
         self.run, self.parameters, self.values, self.taken = run, parameters, values, taken
-        self.world: RigidWorld = taken.world
+        self.world: RecordedWorld = taken.world
         self.model = self.world.model
         self.world.check_differentiable()
         self.foot = self.world.stepper.bodies.contacts.group
@@ -90,7 +89,7 @@ class Backward:
             np.array([getattr(law, n) for n in law_fields(law)] if law is not None else []), each,
         )  # fmt: skip
 
-    def _surfaces(self, world: RigidWorld, mu: float) -> FloatArray:
+    def _surfaces(self, world: RecordedWorld, mu: float) -> FloatArray:
         """Return friction and restitution (2, groups) of a world's contacts, on ground of friction `mu`."""
         found, stepper = self.world.stepper.bodies.contacts, world.stepper
         if stepper.geometry is None or not isinstance(found, PairDetection):

@@ -15,8 +15,8 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import NoSolution
 from surefoot.mechanics import MomentumKnot, StepOptions, Stepper
 from surefoot.motion.planning.trajectory import TOLERANCE, Trajectory, rollout
-from surefoot.motion.planning.transcription.contact_pairs import touching_rollout
 from surefoot.motion.planning.transcription.judge import Motion
+from surefoot.motion.planning.transcription.pair_rollout import touching_rollout
 
 if TYPE_CHECKING:
     from surefoot.motion.planning.direct.problem import DirectProblem
