@@ -17,7 +17,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import kernel
 from surefoot.contact.solution import Status
 from surefoot.contact.solvers.dual_newton.distribution_memory import WARM
-from surefoot.contact.solvers.dual_newton.wrench import distribute_wrench
+from surefoot.contact.solvers.dual_newton.wrench_distribution import distribute_wrench
 
 FACETS = 8
 LOOPS, TRIES = 100, 5

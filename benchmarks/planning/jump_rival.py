@@ -18,7 +18,7 @@ from surefoot.motion.planning.schedule import ScheduleProblem, optimise
 from surefoot.motion.planning.schedule.motions import jump
 from surefoot.motion.planning.tasks.scheduled import FEEDBACK
 from surefoot.motion.planning.trajectory import Trajectory
-from surefoot.motion.planning.transcription.follow import follow
+from surefoot.motion.planning.transcription.exact_rollout import follow
 
 VARIABLE = "SUREFOOT_CROCODDYL_PYTHON"
 """Names an interpreter that has the package crocoddyl."""

@@ -15,7 +15,7 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics.robot import Robot
 from surefoot.mechanics.terrain import Terrain
 from surefoot.motion.control.controller import Controller
-from surefoot.motion.drive.latency import LatencyCompensation
+from surefoot.motion.drive.latency_compensation import LatencyCompensation
 from surefoot.motion.ground.terrain_knowledge import believed_ground
 from surefoot.motion.walking.walkers import walking_controller
 from surefoot.motion.walking.walking_body import ACCELERATION, VelocityCommand

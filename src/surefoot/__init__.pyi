@@ -21,7 +21,7 @@ from .contact.problem.redundancy import redundancy as redundancy
 from .contact.problem.warm_start import carry_over as carry_over
 from .contact.solution import Status as Status
 from .contact.solvers.contact_solver import ContactSolver as ContactSolver
-from .contact.solvers.lcp import solve_lcp as solve_lcp
+from .contact.solvers.lcp_solver import solve_lcp as solve_lcp
 from .contact.solvers.solver import Answer as Answer
 from .contact.solvers.solver import SolverSettings as SolverSettings
 from .contact.solvers.solver import register as register
@@ -38,13 +38,13 @@ from .mechanics.stance import PointContact as PointContact
 from .mechanics.stance import Stance as Stance
 from .mechanics.stance import StanceBatch as StanceBatch
 from .mechanics.stance import read_stance as read_stance
-from .mechanics.statics.batch import can_stand_batch as can_stand_batch
-from .mechanics.statics.batch import com_region_batch as com_region_batch
 from .mechanics.statics.com_region import com_region as com_region
 from .mechanics.statics.force_distribution import ForceDistributor as ForceDistributor
 from .mechanics.statics.stance_forces import distribute as distribute
 from .mechanics.statics.statics import can_stand as can_stand
 from .mechanics.statics.statics import friction_needed as friction_needed
+from .mechanics.statics.statics_batch import can_stand_batch as can_stand_batch
+from .mechanics.statics.statics_batch import com_region_batch as com_region_batch
 from .mechanics.statics.wrench_cone import wrench_cone as wrench_cone
 from .mechanics.terrain import FlatTerrain as FlatTerrain
 from .mechanics.terrain import SlopeTerrain as SlopeTerrain
@@ -82,7 +82,7 @@ from .records.identification.friction_tracker import FrictionTracker as Friction
 from .records.identification.identify import identify as identify
 from .records.identification.tosses import read_tosses as read_tosses
 from .records.log import Log as Log
-from .records.log.arrays_in import log_from_arrays as log_from_arrays
+from .records.log.from_arrays import log_from_arrays as log_from_arrays
 from .records.log.reading import read_log as read_log
 from .worlds.mujoco.contacts_from_mujoco import contacts_from_mujoco as contacts_from_mujoco
 from .worlds.mujoco.mujoco_world import MujocoWorld as MujocoWorld

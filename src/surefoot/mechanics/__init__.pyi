@@ -2,11 +2,11 @@
 
 from .collision.fitting import fitted as fitted
 from .collision.fitting import robot_geometry as robot_geometry
-from .collision.shapes import Box as Box
-from .collision.shapes import Capsule as Capsule
-from .collision.shapes import Shape as Shape
-from .collision.shapes import Sphere as Sphere
-from .collision.shapes import coal as coal
+from .collision.rounded_shapes import Box as Box
+from .collision.rounded_shapes import Capsule as Capsule
+from .collision.rounded_shapes import Shape as Shape
+from .collision.rounded_shapes import Sphere as Sphere
+from .collision.rounded_shapes import coal as coal
 from .collision.solids import Geometry as Geometry
 from .collision.solids import Solid as Solid
 from .dynamics.bodies import finite_vector as finite_vector
@@ -72,11 +72,11 @@ from .terrain.frames import surface_frames as surface_frames
 from .terrain.levels import LevelsTerrain as LevelsTerrain
 from .terrain.pit import PitTerrain as PitTerrain
 from .terrain.rough import rough_ground as rough_ground
-from .terrain.shapes import DEPTH as DEPTH
-from .terrain.shapes import EXTENT as EXTENT
-from .terrain.shapes import Grid as Grid
-from .terrain.shapes import GroundBox as GroundBox
-from .terrain.shapes import Plane as Plane
 from .terrain.slope import SlopeTerrain as SlopeTerrain
-from .terrain.table import read_terrain as read_terrain
+from .terrain.surface_shapes import DEPTH as DEPTH
+from .terrain.surface_shapes import EXTENT as EXTENT
+from .terrain.surface_shapes import Grid as Grid
+from .terrain.surface_shapes import GroundBox as GroundBox
+from .terrain.surface_shapes import Plane as Plane
 from .terrain.terrain import Terrain as Terrain
+from .terrain.terrain_names import read_terrain as read_terrain

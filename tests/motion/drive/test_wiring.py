@@ -13,7 +13,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.contact.solution import Status
 from surefoot.motion.control.controller import Command, Controller, JointTargets, RobotState
 from surefoot.motion.drive.joint_targets import MEMORY, STANCE_GAIN, JointTargetController
-from surefoot.motion.drive.latency import LONGEST, DelayMeter, LatencyCompensation
+from surefoot.motion.drive.latency_compensation import LONGEST, DelayMeter, LatencyCompensation
 from surefoot.motion.drive.watchdog import Watchdog
 
 GO2 = sf.load_robot("go2")

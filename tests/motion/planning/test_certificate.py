@@ -13,8 +13,8 @@ from surefoot.mechanics.robot import place
 from surefoot.mechanics.terrain import FlatTerrain, PitTerrain
 from surefoot.motion.planning import PlanSearch, plan_from, rollout
 from surefoot.motion.planning.certificate import certify, foot_hits, link_hits, momentum_error
-from surefoot.motion.planning.levels import passed
 from surefoot.motion.planning.planner import plan
+from surefoot.motion.planning.stepped_ground import passed
 
 casadi = pytest.importorskip("casadi")
 FOUND = PlanSearch("stand", "by hand", cost=0.0, reached=True, iterations=1, seconds=0.0, goal="stands")

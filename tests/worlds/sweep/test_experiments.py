@@ -18,7 +18,7 @@ from surefoot.worlds.rigid.rigid_world import RigidWorld
 from surefoot.worlds.running.faults import Faults
 from surefoot.worlds.sweep import EXPERIMENTS, sweep_from_dict
 from surefoot.worlds.sweep.drop import DropExperiment
-from surefoot.worlds.sweep.experiment import KINDS, make_experiment
+from surefoot.worlds.sweep.sample_experiment import KINDS, make_experiment
 
 SEED = 1
 

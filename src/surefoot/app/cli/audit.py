@@ -15,7 +15,7 @@ from surefoot.app.cli.console import Cell, Table, plain_console, print_tables, s
 from surefoot.app.cli.log_options import LogOptions
 from surefoot.app.cli.output import check_out, new_run_folder, to_json
 from surefoot.base.errors import MissingExtra, ProblemError
-from surefoot.worlds.interface.table import WORLDS
+from surefoot.worlds.interface.world_names import WORLDS
 
 if TYPE_CHECKING:
     from surefoot.mechanics import Robot

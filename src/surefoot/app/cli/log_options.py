@@ -65,7 +65,7 @@ class LogOptions:
 
     def completed(self, log: Log, robot: Robot | None, *, replayed: bool) -> Log:
         """Return a log with what follows from it and the options; a replay's contradict nothing."""
-        from surefoot.records.log.completed import complete
+        from surefoot.records.log.log_completion import complete
 
         ground, mu = self.ground(), self.mu
         if replayed:

@@ -8,9 +8,9 @@ from pathlib import Path
 from surefoot.base.errors import ProblemError
 from surefoot.records import CHANNELS
 from surefoot.records.audit.checks import CHECKS
-from surefoot.records.log.guesses import guess_mapping
-from surefoot.records.log.mapped import log_from_source
+from surefoot.records.log.from_source import log_from_source
 from surefoot.records.log.mapping import LogMapping
+from surefoot.records.log.mapping_guess import guess_mapping
 from surefoot.records.log.reading import read_source
 
 INSTEAD = {

@@ -13,7 +13,7 @@ from surefoot.app.cli import parsing
 from surefoot.app.cli.robots import is_file
 from surefoot.base.arrays import real_number
 from surefoot.base.errors import ProblemError
-from surefoot.worlds.interface.table import WORLDS
+from surefoot.worlds.interface.world_names import WORLDS
 
 if TYPE_CHECKING:
     from surefoot.app.cli.scenario_file import ScenarioFile

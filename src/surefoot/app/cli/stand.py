@@ -15,7 +15,7 @@ from surefoot.app.cli.output import new_run_folder, to_json
 from surefoot.app.cli.robots import load
 from surefoot.app.cli.scenario_file import FAULTS, STAND_KEYS, ScenarioFile
 from surefoot.base.errors import ProblemError
-from surefoot.worlds.interface.table import WORLDS
+from surefoot.worlds.interface.world_names import WORLDS
 
 SHORTEST = 0.1
 """Length of a stand that says something [s]: a limp robot has dropped five centimetres by then."""

@@ -14,7 +14,7 @@ from surefoot.app.cli.robots import load
 from surefoot.app.cli.scenario_file import WALK_KEYS, ScenarioFile
 from surefoot.app.cli.walk_options import Beliefs, WalkOptions, Wiring
 from surefoot.base.errors import ProblemError, check_name
-from surefoot.worlds.interface.table import WORLDS
+from surefoot.worlds.interface.world_names import WORLDS
 
 SHORTEST = 0.5
 """Length of a walk that says something [s]: about a cycle of a trot."""
@@ -99,7 +99,7 @@ def _convex(task: _WalkTask) -> Any:
 
 def _contact_implicit(task: _WalkTask) -> Any:
     """Return the controller that takes no gait."""
-    from surefoot.motion.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+    from surefoot.motion.planning.mpc.contact_implicit_controller import ContactImplicitMpc, MpcSettings
     from surefoot.worlds.interface.actuated import equipped
 
     if task.gait not in (None, "trot") or task.said.period is not None:

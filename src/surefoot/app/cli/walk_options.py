@@ -96,7 +96,7 @@ class Wiring:
     def around(self, controller: Controller, robot: Any) -> Controller:
         """Return what commands the motors, for a controller with steps of `dt`."""
         from surefoot.motion.drive.joint_targets import CommandHold, JointTargetController
-        from surefoot.motion.drive.latency import LatencyCompensation
+        from surefoot.motion.drive.latency_compensation import LatencyCompensation
         from surefoot.motion.drive.watchdog import Watchdog
 
         step = 1.0 / WORLD_RATE

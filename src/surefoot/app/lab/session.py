@@ -19,8 +19,8 @@ import numpy as np
 
 from surefoot.app.lab.canvas import Canvas
 from surefoot.app.lab.controls import Button, Checkbox, Choice, Control, Slider
+from surefoot.app.lab.html_text import paragraph, refusal, text
 from surefoot.app.lab.page import Grip, Page
-from surefoot.app.lab.words import paragraph, refusal, text
 from surefoot.base.errors import SurefootError, one_line
 
 RATE = 60.0

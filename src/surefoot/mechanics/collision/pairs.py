@@ -11,7 +11,7 @@ from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.kernels import kernel
 from surefoot.mechanics.collision.contact_rates import contact_rates
 from surefoot.mechanics.collision.manifold import manifolds
-from surefoot.mechanics.collision.shapes import Shape, coal
+from surefoot.mechanics.collision.rounded_shapes import Shape, coal
 from surefoot.mechanics.collision.solids import Geometry
 
 FAR = 1e3

@@ -4,7 +4,7 @@ At the middle of a step an impact comes up to dt / 2 early or late, by as much a
 height of the fall: the motion is right to first order, its derivative with respect to what moves the touch in
 time can be wrong by any amount. Here the step is flown to the root of the gap; impulses and restitution act
 there, and what is left of the step goes on behind them. Its derivative has the saltation term
-(`derivative_located`).
+(`derivative.saltation`).
 
 A contact that touches more slowly than gravity makes in two steps is not an impact: what is left of the step
 is then an ordinary one, so that bounces end, and a contact at rest makes no events. Several touches in a step

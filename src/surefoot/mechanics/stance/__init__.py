@@ -1,6 +1,5 @@
 """Who touches what, where, and with which friction."""
 
-from surefoot.mechanics.stance.batch import StanceBatch as StanceBatch
 from surefoot.mechanics.stance.contact import Contact as Contact
 from surefoot.mechanics.stance.contact import PatchContact as PatchContact
 from surefoot.mechanics.stance.contact import PointContact as PointContact
@@ -8,3 +7,4 @@ from surefoot.mechanics.stance.files import StanceQuestion as StanceQuestion
 from surefoot.mechanics.stance.files import read_stance as read_stance
 from surefoot.mechanics.stance.halfspaces import HalfSpaces as HalfSpaces
 from surefoot.mechanics.stance.stance import Stance as Stance
+from surefoot.mechanics.stance.stance_batch import StanceBatch as StanceBatch

@@ -15,7 +15,7 @@ from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, actuators
 from surefoot.motion.control.controller import Command, JointTargets, RobotState
 from surefoot.motion.drive.getting_up import FALLEN, TRIES, FallRecovery
 from surefoot.motion.drive.joint_targets import JointTargetController
-from surefoot.motion.drive.latency import LatencyCompensation
+from surefoot.motion.drive.latency_compensation import LatencyCompensation
 from surefoot.motion.drive.modes import CONTROLLED, FOLLOWS, POWERLESS, LoopMode
 from surefoot.motion.drive.posture_player import PosturePlayer
 from surefoot.motion.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, motor_order

@@ -37,7 +37,7 @@ from surefoot.motion.estimation.estimator_kernels import (
 )
 from surefoot.motion.estimation.foot_force_observer import FootForceObserver
 from surefoot.motion.estimation.inekf_robot import InvariantEkf
-from surefoot.motion.estimation.latency import Latency
+from surefoot.motion.estimation.sensor_delays import Latency
 
 SENSED = 0.2
 """Share of m g over the number of feet from which a force alone says that a foot touches."""

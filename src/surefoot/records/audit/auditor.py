@@ -12,7 +12,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import Robot
 from surefoot.records.audit.checks import CHECKS, Check
-from surefoot.records.audit.command import judge_command, judge_task
+from surefoot.records.audit.command_tracking import judge_command, judge_task
 from surefoot.records.audit.cones import grip
 from surefoot.records.audit.diagnosis import diagnose
 from surefoot.records.audit.friction import FrictionCount

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.base.errors import ProblemError, WriteError
-from surefoot.records.log import csv_file, mcap_file, npz, parts, rosbag
+from surefoot.records.log import csv_file, mcap_file, npz, part_files, rosbag
 from surefoot.records.log.contents import LogContents
 from surefoot.records.log.source import Source
 
@@ -46,7 +46,7 @@ class Format:
 
 FORMATS: dict[str, Format] = {
     "npz": Format("npz", (".npz",), npz.read, npz.write),
-    "parts": Format("parts", (".parts",), parts.read, marker=parts.FACTS_FILE),
+    "parts": Format("parts", (".parts",), part_files.read, marker=part_files.FACTS_FILE),
     "csv": Format("csv", (".csv", ".tsv"), source=csv_file.source),
     "mcap": Format("mcap", (".mcap",), write=mcap_file.write, source=mcap_file.source),
     "rosbag": Format("rosbag", (".bag", ".db3"), source=rosbag.source, marker=rosbag.MARKER),
@@ -107,5 +107,5 @@ def write_log(log: LogContents, path: Path, folder: Path | None = None) -> Path:
         kept = "" if folder is None else f"; its rows are in {folder}"
         raise WriteError(path, error, kept) from error
     if folder is not None:
-        parts.remove(folder, log.arrays)
+        part_files.remove(folder, log.arrays)
     return path

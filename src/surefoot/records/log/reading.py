@@ -10,8 +10,8 @@ from surefoot.base.errors import ProblemError, SurefootError, one_line
 from surefoot.base.text_files import path_of
 from surefoot.records.log.corrupt_file import SPOILT
 from surefoot.records.log.formats import Format, format_of
+from surefoot.records.log.from_source import log_from_source
 from surefoot.records.log.log import Log
-from surefoot.records.log.mapped import log_from_source
 from surefoot.records.log.mapping import LogMapping
 from surefoot.records.log.source import Source
 

@@ -22,7 +22,7 @@ from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics import Robot, Terrain
 from surefoot.motion import Command, Controller, RobotState
 from surefoot.records import Ending, Log, audit_log, read_log
-from surefoot.worlds.interface.table import WORLDS, make_world
+from surefoot.worlds.interface.world_names import WORLDS, make_world
 from surefoot.worlds.replay.replay_task import ReplayTask, replay_task
 from surefoot.worlds.running.run import run
 from surefoot.worlds.running.scenario import Fall, Ice, Push, Scenario
@@ -150,7 +150,7 @@ def replay_log(
         A log or its path. Needs `q`, `v` and `torques`, evenly spaced. The facts ``joint_stiffness`` and
         ``joint_damping`` give the gains, else they are made from the robot's mass and height.
     world
-        Name of a world, see `surefoot.worlds.interface.table`.
+        Name of a world, see `surefoot.worlds.interface.world_names`.
     robot, terrain, mu
         None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu`` [-]. Others ask
         whether the success survives there.

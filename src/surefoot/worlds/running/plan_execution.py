@@ -19,8 +19,8 @@ from surefoot.base.spatial import (
 from surefoot.mechanics import Legs, MotorLimits, Robot, limited_robot, load_robot, loaded_robot, motor_limits
 from surefoot.motion import Command, Controller, Reference, RobotState, Wrapper, controller_of, planned_ground
 from surefoot.records import Ending, Log, audit_log
-from surefoot.worlds.interface.table import make_world
 from surefoot.worlds.interface.world import World
+from surefoot.worlds.interface.world_names import make_world
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 from surefoot.worlds.running.faults import scaled_robot
 from surefoot.worlds.running.observers import LinkTouches

@@ -15,7 +15,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.worlds.sweep.config import SweepConfig
 from surefoot.worlds.sweep.pools import Chunk, Pool, check_backend
 from surefoot.worlds.sweep.store import Store
-from surefoot.worlds.sweep.worker import CRASHED, Row, SweepTask, row_of
+from surefoot.worlds.sweep.sweep_worker import CRASHED, Row, SweepTask, row_of
 
 MOST_CRASHES = 3
 """A sample that was alone at work this often when its worker died is recorded as crashed."""

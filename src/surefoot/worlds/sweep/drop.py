@@ -12,8 +12,8 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.spatial import GRAVITY, quaternion_from_rotation, rotation_about
-from surefoot.worlds.sweep.experiment import number
-from surefoot.worlds.sweep.grounded import GroundExperiment
+from surefoot.worlds.sweep.ground_settings import GroundExperiment
+from surefoot.worlds.sweep.sample_experiment import number
 
 BODIES = ("ball", "box")
 REST_SPEED = 0.02

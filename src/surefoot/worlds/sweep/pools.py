@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from surefoot.base.arrays import whole_number
 from surefoot.base.errors import ProblemError, check_name, needs
-from surefoot.worlds.sweep.worker import Row, SweepTask, run_chunk, start_local_worker
+from surefoot.worlds.sweep.sweep_worker import Row, SweepTask, run_chunk, start_local_worker
 
 Chunk = tuple[int, ...]
 """Indices of samples that a worker is given together."""

@@ -13,7 +13,7 @@ from scipy.stats import binomtest
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.worlds.sweep.config import SweepConfig
 from surefoot.worlds.sweep.space import TextRange
-from surefoot.worlds.sweep.worker import CRASHED, DONE, ERROR
+from surefoot.worlds.sweep.sweep_worker import CRASHED, DONE, ERROR
 
 BINS = 8
 """Bins of a parameter's range."""

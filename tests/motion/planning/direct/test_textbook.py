@@ -9,12 +9,12 @@ import pytest
 
 from surefoot.motion.planning import rollout
 from surefoot.motion.planning.direct import DirectProblem, Facets, plan_direct
+from surefoot.motion.planning.direct.direct_transcription import DirectNlp
 from surefoot.motion.planning.direct.textbook import pushed_block, sliding_point
-from surefoot.motion.planning.direct.transcribe import DirectNlp
 from surefoot.motion.planning.planner import plan
-from surefoot.motion.planning.transcription.follow import follow
-from surefoot.motion.planning.transcription.guess import Guess
-from surefoot.motion.planning.transcription.judge import complementarity, window_miss
+from surefoot.motion.planning.transcription.exact_rollout import follow
+from surefoot.motion.planning.transcription.initial_guess import Guess
+from surefoot.motion.planning.transcription.motion_errors import complementarity, window_miss
 from surefoot.motion.planning.transcription.pair_rollout import touching_rollout
 
 pytest.importorskip("casadi")

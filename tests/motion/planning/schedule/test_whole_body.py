@@ -20,8 +20,8 @@ from surefoot.motion.planning.planner import plan
 from surefoot.motion.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
 from surefoot.motion.planning.schedule.mirror import found_in_half, robot_reflections
 from surefoot.motion.planning.schedule.motions import backflip, jump
+from surefoot.motion.planning.schedule.schedule_transcription import transcribe, variable_bounds
 from surefoot.motion.planning.schedule.search import OPTIONS, guess_from, pack_guess
-from surefoot.motion.planning.schedule.transcribe import transcribe, variable_bounds
 from surefoot.motion.planning.tasks.backflip import turned
 
 pytest.importorskip("casadi")

@@ -11,11 +11,11 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
-from surefoot.motion.planning.direct.problem import DirectProblem, Weights
+from surefoot.motion.planning.direct.direct_problem import DirectProblem, Weights
 from surefoot.motion.planning.transcription import planar
 from surefoot.motion.planning.transcription.contact_pairs import PlanarTouch
-from surefoot.motion.planning.transcription.guess import Guess
-from surefoot.motion.planning.transcription.window import StateWindow
+from surefoot.motion.planning.transcription.initial_guess import Guess
+from surefoot.motion.planning.transcription.state_window import StateWindow
 
 FREE = Weights(torque=0.0, velocity=0.0, posture=0.0, change=0.0)
 """Of a motion that nothing drives: the laws alone decide."""

@@ -18,7 +18,7 @@ from scipy.linalg import block_diag
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.errors import ModelError, ProblemError
 from surefoot.mechanics import Robot, import_casadi, mirrored_joints, quadruped_order
-from surefoot.motion.planning.schedule.problem import ScheduleProblem
+from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem
 from surefoot.motion.planning.transcription.nlp import Block, Iterate, Nlp, OnIteration, Sides, pack, unpack
 
 PLACES = 3

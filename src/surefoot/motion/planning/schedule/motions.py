@@ -20,10 +20,10 @@ from surefoot.base.spatial import (
 )
 from surefoot.mechanics import FlatTerrain, Legs, Robot, Terrain, motor_limits, place, quadruped_order
 from surefoot.motion.gaits.gait import ModeSchedule
-from surefoot.motion.planning.levels import AHEAD, climbed
 from surefoot.motion.planning.schedule.mirror import own_image
-from surefoot.motion.planning.schedule.problem import ScheduleProblem, ScheduleWeights
-from surefoot.motion.planning.transcription.window import StateWindow
+from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem, ScheduleWeights
+from surefoot.motion.planning.stepped_ground import AHEAD, climbed
+from surefoot.motion.planning.transcription.state_window import StateWindow
 
 LEG = 0.33
 """Height of the base that the times below are for [m]."""

@@ -12,9 +12,9 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.motion.planning.schedule.mirror import found_in_half
-from surefoot.motion.planning.schedule.problem import ScheduleProblem
-from surefoot.motion.planning.schedule.transcribe import transcribe, variable_bounds
-from surefoot.motion.planning.transcription.guess import Guess
+from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem
+from surefoot.motion.planning.schedule.schedule_transcription import transcribe, variable_bounds
+from surefoot.motion.planning.transcription.initial_guess import Guess
 from surefoot.motion.planning.transcription.nlp import Iterate, Nlp, OnIteration, pack, unpack
 from surefoot.records import Log
 

@@ -34,8 +34,8 @@ class Jump:
 
     def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan of a jump, see `Task.plan`."""
-        from surefoot.motion.planning.levels import climbed, gap_before, least_way
         from surefoot.motion.planning.schedule.motions import begun, jump, landed, time_scale
+        from surefoot.motion.planning.stepped_ground import climbed, gap_before, least_way
 
         robot, ground = mover(request), request.terrain or FlatTerrain()
         reach = 3.0 * float(robot.nominal[2])

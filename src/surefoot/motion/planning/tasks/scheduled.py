@@ -83,8 +83,8 @@ def scheduled_plan(
         CPU time after which the search gives up [s].
     """
     from surefoot.motion.planning.schedule.search import HELD, optimise
-    from surefoot.motion.planning.transcription.follow import follow
-    from surefoot.motion.planning.transcription.judge import departure
+    from surefoot.motion.planning.transcription.exact_rollout import follow
+    from surefoot.motion.planning.transcription.motion_errors import departure
 
     begun = time.perf_counter()
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.mechanics import import_casadi
-from surefoot.motion.planning.transcription.forms import SoftForm, form_named
+from surefoot.motion.planning.transcription.smoothed_complementarity import SoftForm, form_named
 
 Expression = Any
 OPEN, STICK, SLIDE = 0, 1, 2
@@ -96,7 +96,7 @@ class Facets:
     Attributes
     ----------
     form
-        Name of the softened form, see `surefoot.motion.planning.transcription.forms.FORMS`.
+        Name of the softened form, see `FORMS` of `transcription.smoothed_complementarity`.
     time
         What φ is multiplied by before it is paired [s]: with a knot's length gaps stand against impulses,
         and eps is no energy but a length times an impulse.

@@ -13,7 +13,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.contact import ContactProblem, Planar, Status, solve
 from surefoot.mechanics import StepOptions, Stepper, import_casadi
-from surefoot.motion.planning.direct.problem import DirectProblem
+from surefoot.motion.planning.direct.direct_problem import DirectProblem
 from surefoot.motion.planning.trajectory import TOLERANCE, TorquePolicy, Trajectory
 
 PLANAR = np.array([0, 2])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.base.errors import ProblemError
-from surefoot.motion.planning.stand_up.postures import Postures
+from surefoot.motion.planning.stand_up.posture_sequence import Postures
 
 LAW = Postures(
     np.array([1.0, 3.0]),

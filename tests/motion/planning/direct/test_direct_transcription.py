@@ -10,7 +10,7 @@ import pytest
 from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain
 from surefoot.motion.planning import rollout
 from surefoot.motion.planning.direct import DirectProblem, Facets, GivenModes, Guess, planar_hopper
-from surefoot.motion.planning.direct.transcribe import DirectNlp
+from surefoot.motion.planning.direct.direct_transcription import DirectNlp
 from surefoot.motion.planning.transcription.contact_rows import OPEN, SLIDE, STICK, read_modes
 from surefoot.motion.planning.transcription.planar import block_and_foot
 

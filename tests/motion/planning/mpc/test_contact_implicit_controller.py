@@ -10,7 +10,7 @@ from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import load_robot, place
 from surefoot.mechanics.terrain import SlopeTerrain
 from surefoot.motion.control.controller import RobotState
-from surefoot.motion.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+from surefoot.motion.planning.mpc.contact_implicit_controller import ContactImplicitMpc, MpcSettings
 from surefoot.motion.planning.mpc.cost import WalkWeights, walking_costs
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.worlds.rigid.rigid_world import RigidWorld

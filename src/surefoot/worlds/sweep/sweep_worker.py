@@ -14,7 +14,7 @@ from typing import Any
 
 from surefoot import __version__
 from surefoot.base.errors import ProblemError, SurefootError
-from surefoot.worlds.sweep.experiment import SweepExperiment
+from surefoot.worlds.sweep.sample_experiment import SweepExperiment
 from surefoot.worlds.sweep.space import Space, SweepSample
 
 DONE, ERROR, CRASHED = "done", "error", "crashed"

@@ -7,7 +7,7 @@ solution is a motion of the exact step. The road:
 
 1. Ipopt on the softened laws, a b <= eps, for eps falling from 1 J to 1e-8 J, each from the last;
 2. the modes of all contacts are read off, and Ipopt solves the equations of these modes: nothing is soft;
-3. exact steps follow the result (`follow`). That is the plan, whatever the optimiser said.
+3. exact steps follow the result (`exact_rollout.follow`). That is the plan, whatever the optimiser said.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, IntArray, whole_number
 from surefoot.base.errors import ProblemError
 from surefoot.contact import Status
-from surefoot.motion.planning.direct.problem import DirectProblem
-from surefoot.motion.planning.direct.transcribe import DirectNlp
+from surefoot.motion.planning.direct.direct_problem import DirectProblem
+from surefoot.motion.planning.direct.direct_transcription import DirectNlp
 from surefoot.motion.planning.plan import Plan, PlanSearch, plan_from
 from surefoot.motion.planning.tasks.task import Iteration, Tell
 from surefoot.motion.planning.trajectory import Trajectory
@@ -35,11 +35,11 @@ from surefoot.motion.planning.transcription.contact_rows import (
     GivenModes,
     read_modes,
 )
-from surefoot.motion.planning.transcription.follow import follow
-from surefoot.motion.planning.transcription.forms import schedule
-from surefoot.motion.planning.transcription.guess import Guess
-from surefoot.motion.planning.transcription.judge import REACH, departure, exact_cost, window_miss
+from surefoot.motion.planning.transcription.exact_rollout import follow
+from surefoot.motion.planning.transcription.initial_guess import Guess
+from surefoot.motion.planning.transcription.motion_errors import REACH, departure, exact_cost, window_miss
 from surefoot.motion.planning.transcription.nlp import Iterate
+from surefoot.motion.planning.transcription.smoothed_complementarity import schedule
 
 SMOOTHINGS = schedule(1.0, 1e-8)
 """Of the continuation [J]."""

@@ -22,7 +22,7 @@ from surefoot.motion.planning.direct import (
     plan_with_modes,
     planar_hopper,
 )
-from surefoot.motion.planning.direct.transcribe import DirectNlp
+from surefoot.motion.planning.direct.direct_transcription import DirectNlp
 from surefoot.motion.planning.transcription.contact_rows import STICK, read_modes
 from surefoot.worlds.rigid.rigid_world import RigidWorld
 

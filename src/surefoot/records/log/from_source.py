@@ -12,9 +12,9 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.records.log.channels import CHANNELS, size_of
-from surefoot.records.log.guesses import guess_mapping
 from surefoot.records.log.log import Log
 from surefoot.records.log.mapping import LogMapping, Take, mapping_from_yaml, read_mapping, unit_factor
+from surefoot.records.log.mapping_guess import guess_mapping
 from surefoot.records.log.plausibility import find_doubts
 from surefoot.records.log.source import Source
 

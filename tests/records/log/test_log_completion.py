@@ -15,7 +15,7 @@ from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.terrain import SlopeTerrain
 from surefoot.records.log import Log
-from surefoot.records.log.completed import complete
+from surefoot.records.log.log_completion import complete
 from surefoot.records.log.reading import read_log
 from tests.records.audit.logs import SLOPE, TROT, log_of
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.motion.planning.trajectory import Trajectory
-from surefoot.motion.planning.transcription.guess import Guess
+from surefoot.motion.planning.transcription.initial_guess import Guess
 
 if TYPE_CHECKING:
     from surefoot.mechanics import Robot
-    from surefoot.motion.planning.direct.problem import DirectProblem
+    from surefoot.motion.planning.direct.direct_problem import DirectProblem
 
 Motion: TypeAlias = Trajectory | Guess
 """States q and v of knots, and their torques."""

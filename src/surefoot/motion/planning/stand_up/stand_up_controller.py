@@ -16,7 +16,7 @@ from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import Controller, RobotState
 from surefoot.motion.control.damping import computable
 from surefoot.motion.planning.stand_up.lying import upright
-from surefoot.motion.planning.stand_up.postures import Postures
+from surefoot.motion.planning.stand_up.posture_sequence import Postures
 from surefoot.motion.planning.tracking.landing import Landing
 from surefoot.motion.planning.tracking.reference import Reference
 from surefoot.motion.planning.tracking.tracker import FRICTION, TrackCommand, TrackingController, whole_body

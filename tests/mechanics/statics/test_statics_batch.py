@@ -7,8 +7,8 @@ import pytest
 
 import surefoot as sf
 from benchmarks.problems.stances import KINDS, random_case
-from surefoot.mechanics.statics.batch import Verdicts
 from surefoot.mechanics.statics.region import Region
+from surefoot.mechanics.statics.statics_batch import Verdicts
 from surefoot.mechanics.statics.verdict import Verdict
 
 FEET = np.array([[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])

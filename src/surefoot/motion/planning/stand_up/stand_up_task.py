@@ -23,7 +23,7 @@ from surefoot.motion.planning.plan import Plan, PlanSearch
 from surefoot.motion.planning.stand_up.cross_entropy import cross_entropy
 from surefoot.motion.planning.stand_up.forward import ForwardModel, RigidModel
 from surefoot.motion.planning.stand_up.lying import beyond, lying_plan, upright
-from surefoot.motion.planning.stand_up.postures import Postures
+from surefoot.motion.planning.stand_up.posture_sequence import Postures
 from surefoot.motion.planning.tasks.task import Iteration, PlanRequest, Tell
 
 STEP, FINER = 1e-3, 0.5

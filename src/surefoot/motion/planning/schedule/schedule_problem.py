@@ -12,9 +12,9 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import FlatTerrain, MotorLimits, Robot, Terrain
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
-from surefoot.motion.planning.levels import PassedGround, passed
+from surefoot.motion.planning.stepped_ground import PassedGround, passed
 from surefoot.motion.planning.transcription.contact_pairs import PlanarTouch
-from surefoot.motion.planning.transcription.window import StateWindow
+from surefoot.motion.planning.transcription.state_window import StateWindow
 
 
 @dataclass(frozen=True)

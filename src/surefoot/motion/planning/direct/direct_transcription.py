@@ -12,9 +12,9 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.mechanics import import_casadi
-from surefoot.motion.planning.direct.problem import DirectProblem
+from surefoot.motion.planning.direct.direct_problem import DirectProblem
 from surefoot.motion.planning.transcription.contact_rows import ContactLaw
-from surefoot.motion.planning.transcription.guess import Guess
+from surefoot.motion.planning.transcription.initial_guess import Guess
 from surefoot.motion.planning.transcription.nlp import Block, Iterate, Nlp, Sides, pack, unpack
 from surefoot.motion.planning.transcription.symbolic_knot import SymbolicKnot, stacked
 

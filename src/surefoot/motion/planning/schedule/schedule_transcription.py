@@ -23,11 +23,11 @@ from surefoot.mechanics import (
     velocity_of_way,
 )
 from surefoot.motion.planning.schedule.mirror import robot_reflections
-from surefoot.motion.planning.schedule.problem import ScheduleProblem
+from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem
 from surefoot.motion.planning.symbolic.rigid_body import SymbolicBody
 from surefoot.motion.planning.transcription.nlp import Block, Sides, pack
+from surefoot.motion.planning.transcription.state_window import limit_joints
 from surefoot.motion.planning.transcription.symbolic_knot import Row, SymbolicKnot, stacked
-from surefoot.motion.planning.transcription.window import limit_joints
 
 ROUND = 1e-3
 """Rounds the cone's tip, as a share of m g: sqrt(f_t² + ROUND²) has a slope there."""

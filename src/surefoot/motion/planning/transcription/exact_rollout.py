@@ -15,12 +15,12 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import NoSolution
 from surefoot.mechanics import MomentumKnot, StepOptions, Stepper
 from surefoot.motion.planning.trajectory import TOLERANCE, Trajectory, rollout
-from surefoot.motion.planning.transcription.judge import Motion
+from surefoot.motion.planning.transcription.motion_errors import Motion
 from surefoot.motion.planning.transcription.pair_rollout import touching_rollout
 
 if TYPE_CHECKING:
-    from surefoot.motion.planning.direct.problem import DirectProblem
-    from surefoot.motion.planning.schedule.problem import ScheduleProblem
+    from surefoot.motion.planning.direct.direct_problem import DirectProblem
+    from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem
 
 EFFORT = 1e-4
 """Weight of a torque's square against that of a distance [m, rad] and of a velocity [m/s, rad/s]."""

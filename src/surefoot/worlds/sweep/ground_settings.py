@@ -10,7 +10,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.contact import ExactFriction, SpringDamper
 from surefoot.mechanics import FlatTerrain, Robot, SlopeTerrain, Terrain, read_terrain, rough_ground
 from surefoot.worlds.running.faults import scaled_robot
-from surefoot.worlds.sweep.experiment import SweepExperiment, number
+from surefoot.worlds.sweep.sample_experiment import SweepExperiment, number
 
 ONLY_IN: Mapping[str, tuple[str, ...]] = {
     "rigid": ("restitution", "stiffness", "damping"),

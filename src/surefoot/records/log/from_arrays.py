@@ -10,8 +10,8 @@ import numpy as np
 from surefoot.base.arrays import of_kind, positive_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.records.log.channels import CHANNELS
+from surefoot.records.log.from_source import log_from_source
 from surefoot.records.log.log import Log
-from surefoot.records.log.mapped import log_from_source
 from surefoot.records.log.mapping import QUATERNIONS, LogMapping, Take, name_list
 from surefoot.records.log.source import Source, Topic
 

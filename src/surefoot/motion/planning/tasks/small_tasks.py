@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surefoot.base.errors import ProblemError
-from surefoot.motion.planning.direct.planner import plan_direct
+from surefoot.motion.planning.direct.direct_planner import plan_direct
 from surefoot.motion.planning.direct.textbook import SmallProblem, falling_ball, hopper, pushed_block
 from surefoot.motion.planning.plan import Plan
 from surefoot.motion.planning.tasks.task import PlanRequest, Tell

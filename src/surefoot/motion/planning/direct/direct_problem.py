@@ -12,7 +12,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, velocity_of_way
 from surefoot.motion.planning.transcription.contact_pairs import PlanarTouch
 from surefoot.motion.planning.transcription.planar import is_planar, passive_joints
-from surefoot.motion.planning.transcription.window import StateWindow, limit_joints
+from surefoot.motion.planning.transcription.state_window import StateWindow, limit_joints
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from surefoot.motion.planning.mpc.cost import WalkWeights, walking_costs
 from surefoot.motion.planning.mpc.receding import move_on, torques_between
 from surefoot.motion.planning.shooting.horizon import FeedbackPolicy
 from surefoot.motion.planning.shooting.iteration import ShootingIteration
-from surefoot.motion.planning.shooting.problem import ShootingProblem
+from surefoot.motion.planning.shooting.shooting_problem import ShootingProblem
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.records import CHANNELS
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surefoot.base.errors import ProblemError
-from surefoot.motion.planning.transcription.forms import (
+from surefoot.motion.planning.transcription.smoothed_complementarity import (
     FORMS,
     barrier,
     fischer_burmeister,

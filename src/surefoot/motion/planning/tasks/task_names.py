@@ -8,13 +8,13 @@ from surefoot.base.errors import check_name
 from surefoot.motion.planning.tasks.task import Task
 
 TASKS: dict[str, str] = {
-    "ball": "surefoot.motion.planning.tasks.small:BALL",
-    "hopper": "surefoot.motion.planning.tasks.small:HOPPER",
-    "push": "surefoot.motion.planning.tasks.small:PUSH",
+    "ball": "surefoot.motion.planning.tasks.small_tasks:BALL",
+    "hopper": "surefoot.motion.planning.tasks.small_tasks:HOPPER",
+    "push": "surefoot.motion.planning.tasks.small_tasks:PUSH",
     "jump": "surefoot.motion.planning.tasks.jump:JUMP",
     "jump-up": "surefoot.motion.planning.tasks.jump:JUMP_UP",
     "backflip": "surefoot.motion.planning.tasks.backflip:BACKFLIP",
-    "stand-up": "surefoot.motion.planning.stand_up.task:STAND_UP",
+    "stand-up": "surefoot.motion.planning.stand_up.stand_up_task:STAND_UP",
 }
 """Name to "module:object"."""
 
