@@ -37,8 +37,8 @@ from .robot.actuators import unknown_limits as unknown_limits
 from .robot.catalog import FootShape as FootShape
 from .robot.catalog import robot_names as robot_names
 from .robot.centroidal import SLIDES as SLIDES
-from .robot.centroidal import carried_momentum as carried_momentum
 from .robot.centroidal import composite_inertia as composite_inertia
+from .robot.centroidal import free_momentum_rows as free_momentum_rows
 from .robot.contact_points import ContactPoints as ContactPoints
 from .robot.dynamics import generalised_torque as generalised_torque
 from .robot.dynamics import joint_inertias as joint_inertias

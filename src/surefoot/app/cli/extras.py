@@ -59,7 +59,9 @@ def robot_packages(name: str | None) -> tuple[str, ...]:
     return ("pin",) if is_file(name) or "/" in (name or "") else ("pin", "example-robot-data")
 
 
-def drawn(wanted: bool, parent: Path, name: str, draw: Callable[[Path], object]) -> tuple[str | None, str]:
+def draw_into(
+    wanted: bool, parent: Path, name: str, draw: Callable[[Path], object]
+) -> tuple[str | None, str]:
     """Draw into a new folder below `parent`; return what `draw` returns as text, and why there is no picture.
 
     The first is None where nothing was drawn, the second empty unless Matplotlib is missing or the disk full.

@@ -76,7 +76,7 @@ def build_world(asked: RunOptions, robot: Robot, terrain: Terrain, settings: dic
     """Return the world; `settings` are those of `world_settings`."""
     from surefoot.worlds.interface.world_names import make_world
 
-    (mass, place), file, mu = asked.carried, asked.world_file, asked.mu
+    (mass, place), file, mu = asked.payload_mass, asked.world_file, asked.mu
     parts = settings.pop("substeps", 1)
     at = {"payload_position": place} if any(place) else {}
     if file is None:

@@ -40,9 +40,9 @@ class Beliefs:
 
     def ground(self, terrain: Terrain) -> Terrain:
         """Return the ground that the controller plans on."""
-        from surefoot.motion.ground.terrain_knowledge import believed_ground
+        from surefoot.motion.ground.terrain_knowledge import controller_ground
 
-        return believed_ground(self.terrain, terrain)
+        return controller_ground(self.terrain, terrain)
 
     def senses(self, said: ScenarioFile) -> dict[str, Any]:
         """Return what the scenario says of the senses; only with exact knowledge the filter has a map."""

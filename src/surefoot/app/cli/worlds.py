@@ -123,7 +123,7 @@ def _defaults(names: list[str], world: list[str] | None, out: Path | None, as_js
 
         return draw_defaults(found, folder / "defaults.png")
 
-    path, note = extras.drawn(out is not None and bool(found), out or Path(), "worlds", draw)
+    path, note = extras.draw_into(out is not None and bool(found), out or Path(), "worlds", draw)
     if path or note:
         console.print(note or f"picture: {path}")
     return 0

@@ -166,7 +166,7 @@ def contact_jacobian(
     rows = [np.zeros((0, robot.model.nv))]
     for point in points:
         J = pinocchio.getFrameJacobian(
-            robot.model, robot.data, *_carried(robot, point), _kind(pinocchio, reference)
+            robot.model, robot.data, *_carrier(robot, point), _kind(pinocchio, reference)
         )
         rows.append(_in_axes(np.array(J), point, reference)[: point.dim])
     return np.vstack(rows)
@@ -220,7 +220,7 @@ def contact_drift(
     rate_of = pinocchio.getFrameAcceleration if turning else pinocchio.getFrameClassicalAcceleration
     out = [np.zeros(0)]
     for point in points:
-        carried = _carried(robot, point)
+        carried = _carrier(robot, point)
         rate = np.array(rate_of(robot.model, robot.data, *carried, kind).vector)
         if rolling and point.radius > 0.0:
             w = pinocchio.getFrameVelocity(robot.model, robot.data, *carried, kind).angular
@@ -292,7 +292,7 @@ def attached(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attach
     return attach(robot, q, contacts) if isinstance(contacts, Stance) else contacts
 
 
-def _carried(robot: Robot, point: Attachment) -> tuple[int, Any]:
+def _carrier(robot: Robot, point: Attachment) -> tuple[int, Any]:
     """Return the joint that carries a point, and the point's place in it with the axes of its frame."""
     import pinocchio
 

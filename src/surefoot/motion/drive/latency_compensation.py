@@ -60,13 +60,13 @@ class DelayMeter:
         self._misfit = np.zeros(self._count)
         self._seen = 0
 
-    def commanded(self, torques: FloatArray) -> None:
-        """Note (joints,) torques that were commanded in this step [N m]."""
+    def note_command(self, torques: FloatArray) -> None:
+        """Record the (joints,) torques commanded in this step [N m]."""
         self._seen += 1
         note(self._asked, self._seen, torques)
 
-    def reported(self, torques: FloatArray) -> int:
-        """Return the delay in steps, after (joints,) torques that the motors say they gave last [N m]."""
+    def compare_report(self, torques: FloatArray) -> int:
+        """Return the estimated delay in steps, given the (joints,) torques that the motors reported [N m]."""
         if self._seen:
             self.steps = fitting(self._asked, self._seen, torques, self._keep, self._misfit, self.steps)
         return self.steps
@@ -158,11 +158,11 @@ class LatencyCompensation(Wrapper):
         """Return the command for the state when it will act."""
         self._now = state.time if self._now is None else self._now + self.dt
         if self._given is None and state.torques is not None:
-            self.meter.reported(state.torques)
+            self.meter.compare_report(state.torques)
         command = self.controller.step(self.ahead(state))
         aimed = command.accelerations
         self._past.append(np.zeros(self.robot.model.nv) if aimed is None else aimed)
-        self.meter.commanded(command.torques)
+        self.meter.note_command(command.torques)
         return command
 
     def ahead(self, state: RobotState) -> RobotState:

@@ -23,7 +23,7 @@ from surefoot.motion.drive.state_tracker import StateTracker
 from surefoot.motion.drive.target_limits import TargetLimits
 from surefoot.motion.drive.watchdog import damping_targets
 from surefoot.motion.estimation.state_estimator import Reading
-from surefoot.motion.ground.terrain_knowledge import believed_ground
+from surefoot.motion.ground.terrain_knowledge import controller_ground
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walkers import default_gait, walking_controller
 from surefoot.motion.walking.walking_body import VelocityCommand
@@ -124,7 +124,7 @@ class RobotLoop:
         self.limits = limits or ReadingLimits()
         self.watch = ReadingWatch(robot, self.dt, self.limits)
         ground = terrain or "exact"
-        self.terrain = believed_ground(ground, FlatTerrain()) if isinstance(ground, str) else ground
+        self.terrain = controller_ground(ground, FlatTerrain()) if isinstance(ground, str) else ground
         known = None if self.terrain.learns else self.terrain
         self._motors = actuators_of(robot, actuators)
         geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
@@ -299,8 +299,8 @@ class RobotLoop:
         elif self._down() and not (self.mode is LoopMode.STAND_UP and self._player.lying):
             self._recovery.fell(self.mode, self.time)
             self._stop(FALLEN)
-        elif self.mode in CONTROLLED and self.tracker.lost:
-            self._stop(f"the state estimate was lost: {self.tracker.lost}")
+        elif self.mode in CONTROLLED and self.tracker.failure:
+            self._stop(f"the state estimate was lost: {self.tracker.failure}")
 
     def _recover(self) -> None:
         """Get up after a fall, and walk on if the robot walked."""

@@ -74,8 +74,8 @@ class StateTracker:
         self.begin(self.robot.nominal)
 
     @property
-    def lost(self) -> str:
-        """Why the state is not known any longer; empty while it is."""
+    def failure(self) -> str:
+        """Reason why the state is no longer estimated; empty while it is."""
         health = self.estimator.health
         return "" if health is Health.GOOD else str(health)
 

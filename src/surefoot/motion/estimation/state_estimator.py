@@ -33,7 +33,7 @@ from surefoot.motion.estimation.estimator_kernels import (
     TOUCHED,
     advance,
     settle,
-    tell,
+    write_state,
 )
 from surefoot.motion.estimation.foot_force_observer import FootForceObserver
 from surefoot.motion.estimation.inekf_robot import InvariantEkf
@@ -212,7 +212,7 @@ class StateEstimator:
         )  # fmt: skip
         if found & LANDED and ekf.ground is not None:
             ekf.land()
-            sound = tell(body.memory, ekf.memory, late.memory, late.counts, self._limits, body.n, q, v)
+            sound = write_state(body.memory, ekf.memory, late.memory, late.counts, self._limits, body.n, q, v)
             found = found & ~CREDIBLE | (CREDIBLE if sound else 0)
         if not lost:
             self._look(found)

@@ -149,9 +149,9 @@ class MappedGround(BeliefTerrain):
         heights, own = flight_heights(seen.ravel(), self.map.known(flat), flat, flight)
         return heights.reshape(seen.shape), own.reshape(seen.shape)
 
-    def _touched(self, point: FloatArray) -> None:
+    def _learn_touchdown(self, point: FloatArray) -> None:
         self.map.touch(point)
         self.watch.touch(point)
 
-    def _fitted(self) -> None:
+    def _use_plane(self) -> None:
         self.map.guess(self._about, self._level, self._slope)

@@ -124,7 +124,7 @@ class StepWatch:
 
     def look(self, terrain: Terrain, place: FloatArray, yaw: float, time: float) -> None:
         """Look along the way of a robot at a (2,) place [m] with a heading [rad], at a time [s]."""
-        if self._fit is not None and (self._fit.lost or self._fit.passed(place) > BEHIND):
+        if self._fit is not None and (self._fit.lost or self._fit.distance_outside(place) > BEHIND):
             self.reset()
         if self.flight is not None:
             return
@@ -142,7 +142,7 @@ class StepWatch:
         self._looks.append(found.steps)
         if len(self._looks) == LOOKS:
             rise, tread = (float(np.median(a)) for a in zip(*self._looks, strict=True))
-            self._believe(StairSteps(rise, tread), OTHER)
+            self._adopt(StairSteps(rise, tread), OTHER)
 
     def _begin(
         self, found: StairFlight, heights: FloatArray, along: FloatArray, place: FloatArray, time: float
@@ -171,12 +171,12 @@ class StepWatch:
             self._use(self._fit)
 
     def _use(self, fit: FlightFit) -> None:
-        """Believe in a fit."""
+        """Take a fit as the estimated flight of stairs."""
         self.flight = fit.parameters()
-        self._believe(StairSteps(fit.rise, fit.tread), FITTED)
+        self._adopt(StairSteps(fit.rise, fit.tread), FITTED)
 
-    def _believe(self, steps: StairSteps, other: float) -> None:
-        """Take steps in place of those believed, if their treads differ by a share of at least `other`."""
+    def _adopt(self, steps: StairSteps, other: float) -> None:
+        """Replace the estimated steps, if the treads differ by a share of at least `other`."""
         known = self.steps
         if (
             known is None

@@ -60,13 +60,13 @@ class PassedGround(LevelsTerrain):
         return out
 
 
-def passed(terrain: Terrain, robot: Robot, q: FloatArray, end: FloatArray) -> PassedGround | None:
-    """Return what lies between the feet of two configurations (nq,) on ground in steps; None on a plane."""
+def find_passed_ground(terrain: Terrain, robot: Robot, q: FloatArray, end: FloatArray) -> PassedGround | None:
+    """Return the stepped ground between the feet of two configurations (nq,); None on a plane."""
     levels = terrain.levels()
     return None if levels is None else PassedGround(*levels, robot, q, end)
 
 
-def climbed(terrain: Terrain, robot: Robot, q: FloatArray, end: FloatArray) -> float:
+def climb_of(terrain: Terrain, robot: Robot, q: FloatArray, end: FloatArray) -> float:
     """Return by how much higher than at (nq,) q the ground is under the feet of (nq,) end [m]; 0 on a plane.
 
     Raises
@@ -74,7 +74,7 @@ def climbed(terrain: Terrain, robot: Robot, q: FloatArray, end: FloatArray) -> f
     ProblemError
         For feet that stand or land too near an edge or a step, or whose ground does not rise alike.
     """
-    between = passed(terrain, robot, q, end)
+    between = find_passed_ground(terrain, robot, q, end)
     if between is None:
         return 0.0
     places = np.array([robot.foot_positions(q), robot.foot_positions(end)])

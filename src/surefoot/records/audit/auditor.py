@@ -126,7 +126,7 @@ def _coverage(log: Log, setting: Setting) -> dict[str, str]:
 def _faults(rows: Rows, tracks: dict[str, Track], before: float) -> float:
     """Track what is wrong with the log itself, and return the last time stamp."""
     first, core = rows.first + rows.core.start, rows.core
-    lost = rows.lost[core]
+    lost = rows.not_finite[core]
     if lost.any():
         tracks[FINITE].add(lost, lost.astype(np.float64), np.zeros(lost.shape), first)
     time = rows.time[core]
@@ -146,7 +146,7 @@ def _measure(rows: Rows, used: list[Check], tracks: dict[str, Track]) -> None:
     first, core = rows.first + rows.core.start, rows.core
     for check in used:
         value, limit, bad = check.measure(rows)
-        bad = bad[core] & ~(rows.lost[core, : bad.shape[1]] | rows.lost[core, -1:])
+        bad = bad[core] & ~(rows.not_finite[core, : bad.shape[1]] | rows.not_finite[core, -1:])
         if bad.any():
             tracks[check.name].add(bad, value[core], limit[core], first)
 
@@ -154,7 +154,7 @@ def _measure(rows: Rows, used: list[Check], tracks: dict[str, Track]) -> None:
 def _slide(rows: Rows, state: FloatArray) -> None:
     """Add up the ways without friction in a piece, however slow; what is lost is left out."""
     core = rows.core
-    keep = ~rows.lost[core].any(axis=1)
+    keep = ~rows.not_finite[core].any(axis=1)
     mu = np.ascontiguousarray(np.broadcast_to(grip(rows), rows.normal.shape)[core][keep])
     f, v = (np.ascontiguousarray(x[core][keep]) for x in (rows.forces, rows.slip))
     v = np.where(rows.swinging[core][keep][..., None], 0.0, v)

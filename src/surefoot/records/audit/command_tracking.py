@@ -24,7 +24,7 @@ from surefoot.records.audit.report import Finding, Task
 from surefoot.records.audit.rows import Rows, on_body, pieces, sliding_mean
 from surefoot.records.audit.summary.stand_summary import displaced
 from surefoot.records.audit.summary.walk_summary import SETTLED, follows
-from surefoot.records.audit.symptoms.fits import fitted_pyramid, rotation_between, turned_by
+from surefoot.records.audit.symptoms.fits import fitted_pyramid, rotation_angle, rotation_between
 from surefoot.records.log import Ending, Log
 
 WINDOW = 0.05
@@ -169,7 +169,7 @@ def _named(found: Finding, rows: Rows, column: int) -> Finding:
         words = "the forces are those commanded with the other sign"
         return replace(found, name="reversed", evidence=words, cause="action and reaction are exchanged")
     turn = rotation_between(asked, given)
-    angle = turned_by(turn)
+    angle = rotation_angle(turn)
     if angle > 3.0 and explained(asked @ turn.T) > EXPLAINED:
         words = f"the forces are those commanded, turned by {angle:.0f} deg"
         cause = "J^T f with force and Jacobian in different frames (LOCAL with world forces, another normal)"

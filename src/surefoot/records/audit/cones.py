@@ -28,7 +28,7 @@ def used(rows: Rows) -> FloatArray:
     normal, turn = np.maximum(rows.normal, rows.setting.threshold), _turn(rows)
     if turn is None:
         return needed(rows)
-    along = np.abs(_turned(rows.forces[..., 0], rows.forces[..., 1], turn)).sum(axis=0)
+    along = np.abs(_edge_components(rows.forces[..., 0], rows.forces[..., 1], turn)).sum(axis=0)
     return np.asarray(along / normal + rows.mu * _taken(rows, turn))
 
 
@@ -40,7 +40,7 @@ def grip(rows: Rows) -> FloatArray:
     v = rows.velocities[..., :2]
     speed = np.hypot(v[..., 0], v[..., 1])
     # At a corner, on the edge nearest to the slip: mu f_n times the slip's cosine to that edge.
-    along = np.abs(_turned(v[..., 0], v[..., 1], turn)).max(axis=0) / np.maximum(speed, 1e-300)
+    along = np.abs(_edge_components(v[..., 0], v[..., 1], turn)).max(axis=0) / np.maximum(speed, 1e-300)
     return np.asarray(rows.mu * (1.0 - left) * np.where(speed > 0.0, along, 1.0))
 
 
@@ -49,7 +49,7 @@ def _turn(rows: Rows) -> FloatArray | None:
     return rows.numbers("pyramid_turn") if "pyramid_turn" in rows.log else None
 
 
-def _turned(x: FloatArray, y: FloatArray, turn: FloatArray) -> FloatArray:
+def _edge_components(x: FloatArray, y: FloatArray, turn: FloatArray) -> FloatArray:
     """Return the (2, T, p) components of a vector along the edges of the pyramids."""
     c, s = np.cos(turn), np.sin(turn)
     return np.stack([c * x + s * y, c * y - s * x])
@@ -62,7 +62,9 @@ def _taken(rows: Rows, turn: FloatArray | None) -> FloatArray:
     friction = np.asarray(rows.log.facts["moment_friction"], dtype=np.float64)
     moments = rows.numbers("contact_moments")
     if turn is not None:
-        moments = np.stack([*_turned(moments[..., 0], moments[..., 1], turn), moments[..., 2]], axis=-1)
+        moments = np.stack(
+            [*_edge_components(moments[..., 0], moments[..., 1], turn), moments[..., 2]], axis=-1
+        )
     used = np.where(friction > 0.0, np.abs(moments) / np.where(friction > 0.0, friction, 1.0), 0.0)
     size = np.linalg.norm(used, axis=-1) if turn is None else used.sum(axis=-1)
     return np.asarray(size / np.maximum(rows.normal, rows.setting.threshold))

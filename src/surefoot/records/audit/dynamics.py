@@ -107,7 +107,7 @@ def unexplained(
     if "torques" in log:
         rest[:, base:] -= np.asarray(log["torques"])[:-1]
         known = np.asarray(robot.model.armature)[base:]  # is in M already
-        rest[:, base:] += _lost(log, v[:, base:], acceleration[:, base:], rest[:, base:], known)
+        rest[:, base:] += _joint_losses(log, v[:, base:], acceleration[:, base:], rest[:, base:], known)
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
     return UnexplainedForces(force_left, moment_left, feet, velocities)
@@ -132,10 +132,10 @@ def balanced_forces(robot: Robot, log: Log) -> FloatArray:
     return _at_feet(robot, torque, jacobian, np.asarray(log["contact_positions"]))
 
 
-def _lost(
+def _joint_losses(
     log: Log, speeds: FloatArray, acceleration: FloatArray, rest: FloatArray, known: FloatArray
 ) -> FloatArray:
-    """Return what rotors and friction take of the motors' torques (T, joints), where the log tells them.
+    """Return the torques (T, joints) that rotors and joint friction take [N m], where the log states them.
 
     Rotors that the robot's model has, (joints,) `known`, take it there.
 

@@ -75,7 +75,7 @@ class _Build:
         out: dict[str, Any] = {"time": self.time}
         for name, taken in self.taken.items():
             if name != "time":
-                out[name] = self._shaped(
+                out[name] = self._shape_rows(
                     name, np.hstack([numbers[self._rows[topic]] for topic, numbers in taken])
                 )
         for name, take in self.mapping.channels.items():
@@ -84,7 +84,7 @@ class _Build:
         for name, take in self.mapping.channels.items():
             own = self.known[name].frame
             if take.frame and take.frame != own:
-                out[name] = self._turned(name, out[name], take.frame, out)
+                out[name] = self._in_channel_axes(name, out[name], take.frame, out)
         if not self.source.mapping:
             _compose(out)
         return out
@@ -116,11 +116,11 @@ class _Build:
         topics = {topic for topic, _ in found}
         if self.known[name].shape == ("joints",) and len(topics) == 1:
             topic, values = found[0][0], np.hstack([numbers for _, numbers in found])
-            found = [(topic, self._picked(topic, values))]
+            found = [(topic, self._pick_joints(topic, values))]
         factor = take.scale * unit_factor(take.unit, self.known[name])
         return [(topic, numbers * factor) for topic, numbers in found]
 
-    def _picked(self, topic: str, values: FloatArray) -> FloatArray:
+    def _pick_joints(self, topic: str, values: FloatArray) -> FloatArray:
         """Return the numbers of the joints in the log's order, by the names that the messages bring."""
         names = next((t for t in self.source.topics[topic].texts.values() if len(t) == values.shape[1]), ())
         if len(names) < 2:
@@ -161,13 +161,13 @@ class _Build:
         good = np.ones(len(time), dtype=bool)
         for topic in topics:
             if topic != clock:
-                rows[topic], bad = self._held(topic, clock)
+                rows[topic], bad = self._latest_messages(topic, clock)
                 good &= ~bad
         if not good.any():
             raise ProblemError(f"the topics {', '.join(rows)} have no time in common")
         return time[good], {topic: at[good] for topic, at in rows.items()}
 
-    def _held(self, topic: str, clock: str) -> tuple[Any, BoolArray]:
+    def _latest_messages(self, topic: str, clock: str) -> tuple[Any, BoolArray]:
         """Return the message of a topic that is in force at each row, and the rows where none is."""
         times, at = self._times(topic), self._times(clock)
         if len(times) == len(at) and np.array_equal(times, at):
@@ -182,7 +182,7 @@ class _Build:
             )
         return order[np.maximum(place, 0)], (place < 0) | (at > times.max() + 2.0 * period)
 
-    def _shaped(self, name: str, values: FloatArray) -> Any:
+    def _shape_rows(self, name: str, values: FloatArray) -> Any:
         """Return a channel's rows in its shape."""
         channel = self.known[name]
         sizes = {"n": len(self.mapping.feet), "joints": len(self.joints)}
@@ -202,7 +202,9 @@ class _Build:
             return shaped.astype(bool)
         return shaped
 
-    def _turned(self, name: str, values: FloatArray, frame: str, arrays: dict[str, Any]) -> FloatArray:
+    def _in_channel_axes(
+        self, name: str, values: FloatArray, frame: str, arrays: dict[str, Any]
+    ) -> FloatArray:
         """Return vectors in the axes of their channel."""
         own = self.known[name].frame
         if name == "v":

@@ -63,7 +63,7 @@ def complete(
     if "gaps" not in arrays and terrain is not None:
         _place(arrays, robot, terrain, computed)
         if "normals" in arrays and "forces" in arrays and _in_world_axes(facts):
-            arrays["forces"] = _turned(arrays["forces"], arrays["normals"])
+            arrays["forces"] = _in_contact_axes(arrays["forces"], arrays["normals"])
             facts["doubts"] = [line for line in log.doubts if not line.endswith(LEVEL)]
     if computed:
         ground = f" on {terrain.text}" if terrain is not None else ""
@@ -124,7 +124,7 @@ def _place(arrays: dict[str, Any], robot: Robot | None, terrain: Terrain, comput
         found = {"contact_positions": centres - below, "gaps": gaps - radii, "normals": normals}
         if v is not None:
             velocity = twists[..., :3] - np.cross(twists[..., 3:], below)
-            found["contact_velocities"] = _turned(velocity, normals)
+            found["contact_velocities"] = _in_contact_axes(velocity, normals)
         arrays |= found
         computed += found
 
@@ -156,7 +156,7 @@ def _in_world_axes(facts: dict[str, Any]) -> bool:
     return take is not None and take.frame in ("world", "base")
 
 
-def _turned(vectors: FloatArray, normals: FloatArray) -> FloatArray:
+def _in_contact_axes(vectors: FloatArray, normals: FloatArray) -> FloatArray:
     """Return vectors (T, p, 3) in world axes, in those of contacts with normals (T, p, 3)."""
     frames = frames_on(np.reshape(normals, (-1, 3)))
     turned = np.einsum("kji,kj->ki", frames, np.asarray(vectors).reshape(-1, 3))

@@ -235,7 +235,7 @@ class MujocoWorld:
         else:
             self._finely()
         if not self._largest(self._qvel) < LARGEST:
-            raise self._lost()
+            raise self._undo_step()
         self._driven()
 
     def _finely(self) -> None:
@@ -265,8 +265,8 @@ class MujocoWorld:
     def _driven(self) -> None:
         """Note what the motors gave in the last step, where only the step tells."""
 
-    def _lost(self) -> SimulationError:
-        """Go back to the state before the last step and return the error that says what was lost."""
+    def _undo_step(self) -> SimulationError:
+        """Return to the state before the last step; return the error that names the joint at fault."""
         data, (qpos, qvel) = self.data, self._before
         time = data.time - self.dt
         self._mujoco.mj_resetData(self.model, data)

@@ -135,7 +135,7 @@ class TreeForces:
         base = tree.base
         thrust, unlogged = data.qfrc_actuator[base], (contact - logged)[base]
         joints[base] = data.qfrc_fluid[base] + tree.unpowered * thrust + unlogged + pushed[base]
-        row["other_forces"] += weight * tree.turned(data, joints)
+        row["other_forces"] += weight * tree.joint_forces(data, joints)
         if tree.free is None:
             return
         shift = data.subtree_com[tree.root] - row["com"]  # an instant's wrench is about its own centre

@@ -263,15 +263,15 @@ def _replay(task: ReplayTask, name: str, first: int, last: int) -> tuple[WindowR
     report = audit_log(log, task.robot)
     first_of = {v.law: str(v) for v in reversed(report.violations)}
     broken = tuple(first_of[law] for law in report.laws_broken)
-    lost = _why_lost(outcome, end, tilt, broken)
+    lost = _failure_reason(outcome, end, tilt, broken)
     height = float(task.q[first, 2] - task.terrain.height(task.q[first, :2]))
     if not lost and drift > DRIFT * (abs(height) + length):
         lost = f"it is {drift:.2f} m from the log at {end:.3f} s"
     return WindowReplay(start, end, outcome, way, length, tilt, drift, broken, lost), log
 
 
-def _why_lost(outcome: str, end: float, tilt: float, broken: tuple[str, ...]) -> str:
-    """Return why a window does not hold, empty where it does."""
+def _failure_reason(outcome: str, end: float, tilt: float, broken: tuple[str, ...]) -> str:
+    """Return the reason why a window's replay fails; empty where it does not."""
     if outcome != Ending.DONE:
         return f"it {'falls' if outcome == Ending.FELL else 'cannot go on'} at {end:.3f} s"
     if tilt > TILT:

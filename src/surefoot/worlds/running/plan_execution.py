@@ -184,7 +184,11 @@ def execute(
         cast(MujocoWorld, there).count_centripetal()
     scenario = Scenario(
         reference.duration + settle, mu * surprise.friction, seed=seed, fall=NEVER,
-        start=displaced(robot, reference.start, surprise) if standing else laid(reference.start, surprise),
+        start=(
+            displaced(robot, reference.start, surprise)
+            if standing
+            else lying_configuration(reference.start, surprise)
+        ),
     )  # fmt: skip
     return judged(there, MotorLimiter(controller_of(plan, robot, dt), motors), scenario, reference, surprise)
 
@@ -201,7 +205,7 @@ def displaced(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
     return out
 
 
-def laid(q: FloatArray, surprise: Surprise) -> FloatArray:
+def lying_configuration(q: FloatArray, surprise: Surprise) -> FloatArray:
     """Return a lying configuration (nq,) with the whole robot displaced, as high as its errors can need."""
     out = q.copy()
     out[:3] += surprise.place
@@ -226,7 +230,7 @@ def judged(
     return Execution(
         not why, sorted({v.law for v in report.violations}),
         float(np.abs(np.asarray(log["torques"]) / robot.effort_limits).max()), fastest, log, report.verdict,
-        links, _moved(robot, q), _turned(np.asarray(log["time"]), v), why, surprise,
+        links, _moved(robot, q), _pitch_of_motion(np.asarray(log["time"]), v), why, surprise,
     )  # fmt: skip
 
 
@@ -235,8 +239,8 @@ def _missed(robot: Robot, log: Log, reference: Reference) -> str:
     moved, planned = _moved(robot, np.asarray(log["q"])), _moved(robot, reference.q)
     if float(np.linalg.norm(moved - planned)) > OFF:
         return f"its feet went {moved[0]:.2f} m ahead, the plan's {planned[0]:.2f} m"
-    turned = _turned(np.asarray(log["time"]), np.asarray(log["v"]))
-    wanted = _turned(reference.time, reference.v)
+    turned = _pitch_of_motion(np.asarray(log["time"]), np.asarray(log["v"]))
+    wanted = _pitch_of_motion(reference.time, reference.v)
     if abs(turned - wanted) > OFF_TURN:
         return f"it turned by {math.degrees(turned):.0f} deg, the plan by {math.degrees(wanted):.0f} deg"
     return ""
@@ -250,7 +254,7 @@ def _moved(robot: Robot, q: FloatArray) -> FloatArray:
     return np.asarray(rotation_about([0.0, 0.0, 1.0], -yaw) @ way)
 
 
-def _turned(time: FloatArray, v: FloatArray) -> float:
+def _pitch_of_motion(time: FloatArray, v: FloatArray) -> float:
     """Return the angle that the base turned by about its own lateral axis [rad]."""
     return float((0.5 * (v[1:, 4] + v[:-1, 4]) * np.diff(time)).sum())
 

@@ -12,7 +12,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import FlatTerrain, MotorLimits, Robot, Terrain
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
-from surefoot.motion.planning.stepped_ground import PassedGround, passed
+from surefoot.motion.planning.stepped_ground import PassedGround, find_passed_ground
 from surefoot.motion.planning.transcription.contact_pairs import PlanarTouch
 from surefoot.motion.planning.transcription.state_window import StateWindow
 
@@ -185,8 +185,8 @@ class ScheduleProblem:
 
     @property
     def passed(self) -> PassedGround | None:
-        """Ground in steps that feet and links pass over; None for a plane."""
-        return passed(self.terrain, self.robot, self.q, self.reference[-1])
+        """Stepped ground between start and end, which feet and links pass over; None for a plane."""
+        return find_passed_ground(self.terrain, self.robot, self.q, self.reference[-1])
 
     @property
     def heights(self) -> FloatArray:

@@ -116,17 +116,17 @@ def optimise(
     if half is not None:
         if half.violation <= ACCEPTED:
             multipliers, options = (half.multipliers[0], half.multipliers[1][kept]), CLOSE | options
-        if multipliers is not None or half.said.startswith(("Maximum_", "interrupted")):
+        if multipliers is not None or half.ending.startswith(("Maximum_", "interrupted")):
             begin = half.variables
-        options["max_iter"] = 0 if half.said == "interrupted" else max(max_iterations - half.iterations, 0)
+        options["max_iter"] = 0 if half.ending == "interrupted" else max(max_iterations - half.iterations, 0)
         if "max_cpu_time" in options:
             options["max_cpu_time"] = max(options["max_cpu_time"] + before - time.process_time(), LEFT)
     found = Nlp(block, problem.knots, kept).solve(
         begin, problem.reference[1:], bounds, rows, multipliers=multipliers, tell=tell, **options
     )
     if half is not None:
-        said = half.said if half.said == "interrupted" else found.said
-        found = replace(found, iterations=half.iterations + found.iterations, said=said)
+        ending = half.ending if half.ending == "interrupted" else found.ending
+        found = replace(found, iterations=half.iterations + found.iterations, ending=ending)
     robot, model = problem.robot, problem.robot.model
     states, inputs = unpack(found.variables, int(model.nq + model.nv), problem.knots)
     q, v = np.split(states, [int(model.nq)], axis=1)

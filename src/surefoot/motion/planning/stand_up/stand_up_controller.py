@@ -66,7 +66,7 @@ class StandUpController(Controller):
         """Return the command for a state; never raises on one that is not finite."""
         off = np.zeros(len(self.robot.feet), dtype=bool)
         if not computable(state.q, state.v):
-            return self._told(self.whole_body.damping(state.v).torques, off)
+            return self._make_command(self.whole_body.damping(state.v).torques, off)
         if self._since is None:
             self._begin(ROLLING, state)
         sensed = off if state.contact is None else np.asarray(state.contact, dtype=bool)
@@ -80,7 +80,7 @@ class StandUpController(Controller):
                 body.torques, body.forces, active, body.feasible, body.status, phase=self.phase
             )
         target = self._target(state.time - self._since)
-        return self._told(self.law.torques(target, state.q[7:], state.v[6:]), off)
+        return self._make_command(self.law.torques(target, state.q[7:], state.v[6:]), off)
 
     def _begin(self, phase: float, state: RobotState) -> None:
         self.phase, self._since, self._from = phase, state.time, state.q[7:].copy()
@@ -115,7 +115,7 @@ class StandUpController(Controller):
             return np.asarray((1.0 - share) * self._from + share * self._lying)
         return law.at(self._rolled + clock, self._from)
 
-    def _told(self, torques: FloatArray, stance: BoolArray) -> TrackCommand:
+    def _make_command(self, torques: FloatArray, stance: BoolArray) -> TrackCommand:
         point_foot = self.whole_body.point_foot
         forces = np.zeros((len(point_foot), 3))
         return TrackCommand(torques, forces, stance[point_foot], phase=self.phase)

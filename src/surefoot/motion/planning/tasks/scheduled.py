@@ -96,7 +96,7 @@ def scheduled_plan(
         limit = patience if near is None else BRIEF * patience
         motion = optimise(problem, most, heard, near, max_cpu_time=limit)
         iterations += motion.iterate.iterations
-        most = 0 if motion.iterate.said == "interrupted" else most
+        most = 0 if motion.iterate.ending == "interrupted" else most
         if motion.found or most == 0:
             break
     lost = not motion.iterate.finite
@@ -108,7 +108,7 @@ def scheduled_plan(
     done, said = judged(trajectory, problem.robot, goal)
     unknown = " and ".join(unknown_limits(request.robot or problem.robot))
     said += f"; {unknown} limits are unknown: likely ones are kept" if unknown else ""
-    ended, off = motion.iterate.said, departure(problem.robot, motion, trajectory)
+    ended, off = motion.iterate.ending, departure(problem.robot, motion, trajectory)
     if not motion.found:
         said += f"; the optimiser ended with {ended}, {motion.iterate.violation:.1e} off its constraints"
     elif off > DRIFT:

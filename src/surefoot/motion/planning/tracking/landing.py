@@ -76,7 +76,7 @@ class Landing:
         turn = self._turn**2 * upright - 2.0 * self._turn * now.angular_velocity
         feet = np.zeros((len(stance), 6))
         if not stance.all():
-            feet[:, :3] = lowered(now)
+            feet[:, :3] = lowering_accelerations(now)
         gaps = pressed(now, self.stand)
         return Tasks(
             stance, com, turn, feet, self._still, np.zeros((len(self._owner), 3)), self._frames, gaps
@@ -88,7 +88,7 @@ def _heading(rotation: FloatArray) -> FloatArray:
     return rotation_about([0.0, 0.0, 1.0], math.atan2(rotation[1, 0], rotation[0, 0]))
 
 
-def lowered(now: Kinematics) -> FloatArray:
+def lowering_accelerations(now: Kinematics) -> FloatArray:
     """Return the accelerations (n, 3) that send feet down to the ground, moving on with the body [m/s²]."""
     speed = now.com_velocity * np.array([1.0, 1.0, 0.0]) - [0.0, 0.0, DESCENT]
     return np.asarray(SWING * (speed - now.twists[:, :3]))

@@ -149,8 +149,8 @@ class Reference:
         step = self.feet[k + 1] - self.feet[k]
         return self.feet[k] + share * step, step / (self.time[k + 1] - self.time[k])
 
-    def laid(self, feet: FloatArray, time: float = 0.0, which: BoolArray | None = None) -> Reference:
-        """Return the motion moved along the ground and turned about the vertical, to be on feet at a time.
+    def place_on(self, feet: FloatArray, time: float = 0.0, which: BoolArray | None = None) -> Reference:
+        """Return the motion moved along the ground and turned about the vertical, to match feet at a time.
 
         The move is the best in the mean square (Procrustes in the plane).
 

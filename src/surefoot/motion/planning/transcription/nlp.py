@@ -90,7 +90,7 @@ class Iterate:
         Objective, and the largest violation of a row or bound, in its own scale.
     iterations
         Ipopt's.
-    said
+    ending
         Ipopt's return status, or "interrupted".
     steps, regularised
         Of its iterations, how far each went along its direction, 1 a full step; and how many needed a
@@ -102,7 +102,7 @@ class Iterate:
     cost: float
     violation: float
     iterations: int
-    said: str
+    ending: str
     steps: tuple[float, ...] = ()
     regularised: int = 0
 

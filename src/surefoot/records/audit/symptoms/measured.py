@@ -8,7 +8,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.records.audit.episode import Episode
-from surefoot.records.audit.symptoms.fits import best_shift, rotation_between, turned_by
+from surefoot.records.audit.symptoms.fits import best_shift, rotation_angle, rotation_between
 from surefoot.records.audit.symptoms.symptom import Evidence, Judge, symptom
 
 _SIGNS = np.array([[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
@@ -34,7 +34,7 @@ def compared(judge: Callable[[Episode, FloatArray], Evidence | None]) -> Judge:
 def wrong_frame(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is the true one, (m, 3) [N], turned."""
     turn = rotation_between(true, e.force)
-    angle = turned_by(turn)
+    angle = rotation_angle(turn)
     share = e.explained(true @ turn.T)
     if angle < 3.0 or share < 0.8:
         return None
