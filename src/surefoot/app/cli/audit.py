@@ -67,7 +67,7 @@ def audit(
         return _write_template(log, given.names(), template)
     read, whose = given.read(log)
     again = None if replay is None else _replay(read, replay, whose, given)
-    read = given.completed(read, whose, replayed=again is not None)
+    read = given.complete_log(read, whose, replayed=again is not None)
     report = audit_log(read, whose)
     verdicts, facts = [(report.sentence, report.passed)], report.as_dict()
     if again is not None:

@@ -13,7 +13,7 @@ import typer
 from typer.core import TyperGroup
 
 from surefoot import __version__
-from surefoot.app.cli.typer_command import LiteralHelpCommand, ungrouped
+from surefoot.app.cli.typer_command import LiteralHelpCommand, flatten_parameters
 
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 """Click's class for wrong usage, whether Typer brings Click along or depends on it."""
@@ -31,7 +31,9 @@ def load(name: str) -> Any:
     if name == "bench":
         return typer.main.get_command(module.app)
     one = typer.Typer(add_completion=False)
-    one.command(name, cls=LiteralHelpCommand, context_settings=HELP)(ungrouped(getattr(module, name)))
+    one.command(name, cls=LiteralHelpCommand, context_settings=HELP)(
+        flatten_parameters(getattr(module, name))
+    )
     return typer.main.get_command(one)
 
 

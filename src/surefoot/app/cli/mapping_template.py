@@ -50,7 +50,7 @@ def template(path: Path, columns: Sequence[str] | None) -> str:
         )
     unused = [name for name in source.names() if name not in used]
     more = [f"#   {name}" for name in unused]
-    missing = [_line(name) for name in _needed() if name not in there]
+    missing = [_line(name) for name in _list_needed() if name not in there]
     if missing:
         more = [*more, "# Missing, and what each would allow to judge:", *missing]
     if unused:
@@ -58,7 +58,7 @@ def template(path: Path, columns: Sequence[str] | None) -> str:
     return "\n".join([*lines, failed + text + "\n".join(more), ""])
 
 
-def _needed() -> list[str]:
+def _list_needed() -> list[str]:
     """Return the channels that laws need."""
     return [*dict.fromkeys(name for check in CHECKS if check.law for name in check.needs)]
 

@@ -48,7 +48,7 @@ def walk(*, asked: WalkOptions, learned: PolicyOptions) -> int:
     model = load(asked.robot, asked.feet, feet_needed=True)
     motors = file_actuators(model) if of_file else asked.actuators
     task = _WalkTask(model, belief.ground(ground), asked.gait, said, command, belief, motors, wired)
-    made = _controller if learned.policy is None else partial(_learned, learned)
+    made = _controller if learned.policy is None else partial(_learned_policy, learned)
     controller = made(asked.planner, task)
     q = start_pose(model, ground, getattr(controller, "posture", None))
     check_ground(model, ground, q, asked.mu)
@@ -112,7 +112,7 @@ def _contact_implicit(task: _WalkTask) -> Any:
     return ContactImplicitMpc(robot, task.command, task.ground, settings)
 
 
-def _learned(learned: PolicyOptions, planner: str, task: _WalkTask) -> Any:
+def _learned_policy(learned: PolicyOptions, planner: str, task: _WalkTask) -> Any:
     """Return a policy; it has a gait of its own."""
     from surefoot.worlds.interface.actuated import equipped
 

@@ -26,12 +26,15 @@ def beyond_a_tree(mujoco: Any, compiled: Any) -> list[str]:
     """
     c = compiled
     closed = [_equality(mujoco, c, k) for k in range(c.neq) if c.eq_active0[k]]
-    sprung = [_named(c.joint(k), k) for k in np.flatnonzero(c.jnt_stiffness > 0.0).tolist()]
+    sprung = [_list_unsupported(c.joint(k), k) for k in np.flatnonzero(c.jnt_stiffness > 0.0).tolist()]
     pulling = np.flatnonzero((c.tendon_stiffness > 0.0) | (c.tendon_limited > 0)).tolist()
-    tendons = [_named(c.tendon(k), k) for k in pulling]
+    tendons = [_list_unsupported(c.tendon(k), k) for k in pulling]
     kinds = mujoco.mjtTrn
     joints = (int(kinds.mjTRN_JOINT), int(kinds.mjTRN_JOINTINPARENT))
-    away = [_named(c.actuator(k), k) for k in np.flatnonzero(~np.isin(c.actuator_trntype, joints)).tolist()]
+    away = [
+        _list_unsupported(c.actuator(k), k)
+        for k in np.flatnonzero(~np.isin(c.actuator_trntype, joints)).tolist()
+    ]
     found = {
         "equality constraint": closed, "joint with a spring": sprung,
         "tendon that pulls": tendons, "actuator that is not on a joint": away,
@@ -49,7 +52,7 @@ def _equality(mujoco: Any, compiled: Any, k: int) -> str:
     return f"{kind} of {' and '.join(names)}"
 
 
-def _named(item: Any, k: int) -> str:
+def _list_unsupported(item: Any, k: int) -> str:
     return item.name or f"number {k}"
 
 

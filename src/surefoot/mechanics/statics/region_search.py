@@ -95,16 +95,16 @@ def trace_outline(question: Question, rows: Rows, tol: float) -> RegionOutline:
         endless = outcome == ENDLESS or float(np.abs(whole.start).max()) > RUNAWAY
         return RegionOutline.nothing(math.inf, unbounded=endless)
     if margin > ROOM:
-        return certified(whole, None, tol)
+        return search_certified(whole, None, tol)
     most = _MOST_BACK / (question.facets or 1)  # a pyramid's cone moves along each of its rays
     # Without room inside the cones the interior-point method has no start. Two programs with room: one
     # widened by what a verdict forgives, whose points count as inside, one by more, whose half-planes hold
     # all the same.
-    inside = _widened(_program(question, rows, BAND), max(BAND, _HAIR - margin), most)
+    inside = _widen(_program(question, rows, BAND), max(BAND, _HAIR - margin), most)
     if inside is None:
         return RegionOutline.nothing(math.inf)
-    around = _widened(_program(question, rows, ROOM), ROOM - min(0.0, margin), most)
-    return certified(inside, around, tol)
+    around = _widen(_program(question, rows, ROOM), ROOM - min(0.0, margin), most)
+    return search_certified(inside, around, tol)
 
 
 def _program(question: Question, rows: Rows, more: float = 0.0) -> OutlineProgram:
@@ -127,7 +127,7 @@ def _program(question: Question, rows: Rows, more: float = 0.0) -> OutlineProgra
     return OutlineProgram(np.ascontiguousarray(A), w, eq.e, eq.lorentz, G, np.array(offset, dtype=float), w)
 
 
-def certified(inside: OutlineProgram, around: OutlineProgram | None, tol: float) -> RegionOutline:
+def search_certified(inside: OutlineProgram, around: OutlineProgram | None, tol: float) -> RegionOutline:
     """Search, and measure the gap; with a finer estimate where it is not what the search took it for."""
     best = RegionOutline.nothing(math.inf)
     for share in _AIMS:
@@ -163,7 +163,7 @@ def _outline(program: OutlineProgram, tol: float) -> tuple[int, FloatArray, Floa
     return outcome, points[:count].copy(), directions[:count].copy(), heights[:count].copy()
 
 
-def _widened(program: OutlineProgram, s: float, most: float) -> OutlineProgram | None:
+def _widen(program: OutlineProgram, s: float, most: float) -> OutlineProgram | None:
     """Move the cones' apices back by s, in loads: x + s e in K, in coordinates x + s e; None without room.
 
     Cones of little friction are moved by no more than `most` s: their width is in their friction.

@@ -28,7 +28,7 @@ from surefoot.mechanics.statics.com_region import com_region
 from surefoot.mechanics.statics.margin import ENDLESS, FEASIBLE, LEAST_MU, UNDECIDED, most_margin
 from surefoot.mechanics.statics.point_contacts import stand
 from surefoot.mechanics.statics.region import Region
-from surefoot.mechanics.statics.region_search import ROOM, OutlineProgram, certified
+from surefoot.mechanics.statics.region_search import ROOM, OutlineProgram, search_certified
 from surefoot.mechanics.statics.row_blocks import IN_ONE
 from surefoot.mechanics.statics.statics import can_stand, needed_wrench
 from surefoot.mechanics.statics.verdict import Verdict
@@ -276,7 +276,7 @@ def _regions(
         if outcome != FEASIBLE or not margin > ROOM:
             continue
         G = np.stack([-lengths[i] * A[i, 4], lengths[i] * A[i, 3]])
-        traced = certified(
+        traced = search_certified(
             OutlineProgram(rows, w, axes[i], count, G, anchors[i, :2].copy(), start), None, tol
         )
         if not traced.unbounded:

@@ -268,7 +268,7 @@ class RobotLoop:
             By the clock of this side [s]; None where every step is exactly `dt` after the last.
         """
         self.time += self.dt
-        came = None if readings is None else self._ordered(readings)
+        came = None if readings is None else self._order_readings(readings)
         usable = self.watch.look(came, self.time if now is None else now)
         if self.mode not in POWERLESS:
             self._judge()
@@ -283,7 +283,7 @@ class RobotLoop:
         self.walker.answers_first = True
         self.walker.plan_ahead()
 
-    def _ordered(self, readings: RobotReadings) -> RobotReadings | None:
+    def _order_readings(self, readings: RobotReadings) -> RobotReadings | None:
         """Return readings in the order of the robot's joints; None for wrong shapes."""
         joints = (self.robot.joints,)
         rows = [np.asarray(row, dtype=np.float64) for row in readings[1:7]]

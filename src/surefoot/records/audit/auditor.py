@@ -17,7 +17,7 @@ from surefoot.records.audit.cones import grip
 from surefoot.records.audit.diagnosis import diagnose
 from surefoot.records.audit.friction import FrictionCount
 from surefoot.records.audit.intervals import JOIN, Interval, Track
-from surefoot.records.audit.log_context import Setting, arranged, setting_of
+from surefoot.records.audit.log_context import Setting, arrange_contacts, setting_of
 from surefoot.records.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
 from surefoot.records.audit.rows import Rows, lacking, pieces
 from surefoot.records.audit.slides import WORST, slide_on, start_slides
@@ -64,7 +64,7 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
         )
     if not isinstance(log, Log):
         log = read_log(log)
-    log = arranged(log, robot)
+    log = arrange_contacts(log, robot)
     setting = setting_of(log, robot)
     coverage = _coverage(log, setting)
     used = [check for check in CHECKS if not coverage.get(check.name, "")]

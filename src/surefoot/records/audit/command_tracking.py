@@ -156,7 +156,7 @@ def _facets(found: Finding, rows: Rows, column: int) -> Finding:
     return replace(found, name="coarse facets", evidence=words, cause="an outer pyramid of too few facets")
 
 
-def _named(found: Finding, rows: Rows, column: int) -> Finding:
+def _name_finding(found: Finding, rows: Rows, column: int) -> Finding:
     """Return the finding of forces that are not the commanded ones, under the name of what explains them."""
     first = slice(rows.core.start, min(rows.core.stop, rows.core.start + rows.window(AT_ONCE)))
     asked, given = rows.numbers("forces_commanded")[first, column], _answer(rows)[first, column]
@@ -189,7 +189,7 @@ _QUESTIONS = (
         "torques or forces are beside the commanded forces by {value:.2f} m g",
         "torques that do not belong to the commanded forces: frame, sign, model or saturation",
         "compare -J^T f with the torques while it stands", "state the frame in the name; rotate once",
-        _named,
+        _name_finding,
     ),
     _Question(
         "infeasible", ("attained",), _impossible, "the wanted wrench is impossible in {value:.0%} of rows",

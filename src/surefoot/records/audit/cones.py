@@ -14,10 +14,10 @@ from surefoot.base.arrays import FloatArray
 from surefoot.records.audit.rows import Rows
 
 
-def needed(rows: Rows) -> FloatArray:
+def friction_needed(rows: Rows) -> FloatArray:
     """Return the friction that forces and moments need in a round cone, or its ellipsoid: (T, p)."""
     normal = np.maximum(rows.normal, rows.setting.threshold)
-    moments = _taken(rows, None)
+    moments = _moment_share(rows, None)
     if _turn(rows) is not None or not moments.any():  # pyramids lie inside the round cone
         return np.asarray(rows.tangential / normal)
     return np.hypot(rows.tangential / normal, rows.mu * moments)
@@ -27,14 +27,14 @@ def used(rows: Rows) -> FloatArray:
     """Return the friction that forces and moments use in the world's own cone: (T, p)."""
     normal, turn = np.maximum(rows.normal, rows.setting.threshold), _turn(rows)
     if turn is None:
-        return needed(rows)
+        return friction_needed(rows)
     along = np.abs(_edge_components(rows.forces[..., 0], rows.forces[..., 1], turn)).sum(axis=0)
-    return np.asarray(along / normal + rows.mu * _taken(rows, turn))
+    return np.asarray(along / normal + rows.mu * _moment_share(rows, turn))
 
 
 def grip(rows: Rows) -> FloatArray:
     """Return what friction gives against the present slip, over the normal force: (T, p)."""
-    turn, left = _turn(rows), np.minimum(_taken(rows, _turn(rows)), 1.0)
+    turn, left = _turn(rows), np.minimum(_moment_share(rows, _turn(rows)), 1.0)
     if turn is None:
         return np.asarray(rows.mu * np.sqrt(1.0 - left**2))
     v = rows.velocities[..., :2]
@@ -55,7 +55,7 @@ def _edge_components(x: FloatArray, y: FloatArray, turn: FloatArray) -> FloatArr
     return np.stack([c * x + s * y, c * y - s * x])
 
 
-def _taken(rows: Rows, turn: FloatArray | None) -> FloatArray:
+def _moment_share(rows: Rows, turn: FloatArray | None) -> FloatArray:
     """Return the share of the normal force that moments use of the cone: (T, p)."""
     if not {"contact_moments"} <= set(rows.log) or "moment_friction" not in rows.log.facts:
         return np.zeros(rows.normal.shape)

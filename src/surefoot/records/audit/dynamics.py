@@ -77,7 +77,7 @@ def unexplained(
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
     dt = np.diff(np.asarray(log["time"]))[:, None]
     acceleration = np.diff(v, axis=0) / dt
-    model = _loaded(robot.model, log, payload, payload_position)
+    model = _load_model(robot.model, log, payload, payload_position)
     # M Δv / dt + h in the configuration before the step, with Coriolis forces of the velocity before and
     # after it.
     (torque, later), jacobian = _newton_euler(model, q[:-1], acceleration, v[:-1], v[1:])
@@ -126,7 +126,7 @@ def balanced_forces(robot: Robot, log: Log) -> FloatArray:
         Rows with q, v, torques and contact_positions; the fact gravity where it has one.
     """
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
-    model = _loaded(robot.model, log)
+    model = _load_model(robot.model, log)
     (torque,), jacobian = _newton_euler(model, q, np.zeros(v.shape), v)
     torque[:, robot.base_dof :] -= np.asarray(log["torques"])
     return _at_feet(robot, torque, jacobian, np.asarray(log["contact_positions"]))
@@ -151,7 +151,7 @@ def _joint_losses(
     return np.asarray(lost + np.where(sticks, holding, dry * np.sign(before)))
 
 
-def _loaded(model: Any, log: Log, payload: float = 0.0, position: FloatArray | None = None) -> Any:
+def _load_model(model: Any, log: Log, payload: float = 0.0, position: FloatArray | None = None) -> Any:
     """Return a copy of a robot's model in the log's gravity, with a point mass [kg] on the base."""
     import pinocchio
 

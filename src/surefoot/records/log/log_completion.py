@@ -57,7 +57,7 @@ def complete(
             raise ProblemError("the log tells its friction: mu is for a log without")
         arrays["mu"] = np.full(len(log), mu)
     if robot is not None and "mapping" in facts:
-        arrays, facts = _ordered(log, arrays, facts, robot)
+        arrays, facts = _order_as_robot(log, arrays, facts, robot)
     if terrain is not None:
         facts.setdefault("terrain", terrain.text)
     if "gaps" not in arrays and terrain is not None:
@@ -75,7 +75,7 @@ def _from(log: Log, robot: Robot | None) -> str:
     return "contact_positions" if "contact_positions" in log or robot is None else f"q and {robot.name}"
 
 
-def _ordered(
+def _order_as_robot(
     log: Log, arrays: dict[str, Any], facts: dict[str, Any], robot: Robot
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return arrays and facts with joints and feet in the robot's order, where the log names them."""

@@ -47,7 +47,7 @@ def read_log(
     """
     path = path_of(path)
     entry = format_of(path)
-    with _reported(path, "is not a Surefoot log", entry):
+    with _report_errors(path, "is not a Surefoot log", entry):
         if entry.source is not None:
             return log_from_source(_source(entry, path, columns), mapping, str(path))
         if entry.read is None or mapping is not None or columns is not None:
@@ -80,12 +80,12 @@ def read_source(path: Path | str, columns: Sequence[str] | None = None) -> Sourc
     entry = format_of(path)
     if entry.source is None:
         raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping")
-    with _reported(path, "cannot be read", entry):
+    with _report_errors(path, "cannot be read", entry):
         return _source(entry, path, columns)
 
 
 @contextmanager
-def _reported(path: Path, what: str, entry: Format) -> Iterator[None]:
+def _report_errors(path: Path, what: str, entry: Format) -> Iterator[None]:
     """Raise errors as Surefoot's: readers from outside raise what they like."""
     try:
         yield

@@ -130,7 +130,7 @@ class MjcfWorld(MujocoWorld):
         self._drives.ask(self.data, finite_vector("torques", torques, self.robot.joints))
         self._before[0][:], self._before[1][:] = self._qpos, self._qvel
 
-    def _driven(self) -> None:
+    def _note_torques(self) -> None:
         """See `MujocoWorld`."""
         self.applied = self._drives.given(self.data)
 

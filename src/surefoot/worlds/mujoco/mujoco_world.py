@@ -236,7 +236,7 @@ class MujocoWorld:
             self._finely()
         if not self._largest(self._qvel) < LARGEST:
             raise self._undo_step()
-        self._driven()
+        self._note_torques()
 
     def _finely(self) -> None:
         """Advance in parts, and keep what the ground did and what touched in each."""
@@ -262,7 +262,7 @@ class MujocoWorld:
         self._effort[:], self._before[0][:], self._before[1][:] = given, self._qpos, self._qvel
         self.applied = given
 
-    def _driven(self) -> None:
+    def _note_torques(self) -> None:
         """Note what the motors gave in the last step, where only the step tells."""
 
     def _undo_step(self) -> SimulationError:

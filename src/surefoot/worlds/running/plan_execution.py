@@ -185,7 +185,7 @@ def execute(
     scenario = Scenario(
         reference.duration + settle, mu * surprise.friction, seed=seed, fall=NEVER,
         start=(
-            displaced(robot, reference.start, surprise)
+            displace(robot, reference.start, surprise)
             if standing
             else lying_configuration(reference.start, surprise)
         ),
@@ -193,7 +193,7 @@ def execute(
     return judged(there, MotorLimiter(controller_of(plan, robot, dt), motors), scenario, reference, surprise)
 
 
-def displaced(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
+def displace(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
     """Return a standing configuration (nq,) with the body displaced, and the feet where they were."""
     feet, out = robot.foot_positions(q), q.copy()
     out[:3] += surprise.place
@@ -230,13 +230,13 @@ def judged(
     return Execution(
         not why, sorted({v.law for v in report.violations}),
         float(np.abs(np.asarray(log["torques"]) / robot.effort_limits).max()), fastest, log, report.verdict,
-        links, _moved(robot, q), _pitch_of_motion(np.asarray(log["time"]), v), why, surprise,
+        links, _displacement(robot, q), _pitch_of_motion(np.asarray(log["time"]), v), why, surprise,
     )  # fmt: skip
 
 
-def _missed(robot: Robot, log: Log, reference: Reference) -> str:
+def _miss_of_end(robot: Robot, log: Log, reference: Reference) -> str:
     """Return by how much a motion that begins on the feet has missed its end, or nothing."""
-    moved, planned = _moved(robot, np.asarray(log["q"])), _moved(robot, reference.q)
+    moved, planned = _displacement(robot, np.asarray(log["q"])), _displacement(robot, reference.q)
     if float(np.linalg.norm(moved - planned)) > OFF:
         return f"its feet went {moved[0]:.2f} m ahead, the plan's {planned[0]:.2f} m"
     turned = _pitch_of_motion(np.asarray(log["time"]), np.asarray(log["v"]))
@@ -246,7 +246,7 @@ def _missed(robot: Robot, log: Log, reference: Reference) -> str:
     return ""
 
 
-def _moved(robot: Robot, q: FloatArray) -> FloatArray:
+def _displacement(robot: Robot, q: FloatArray) -> FloatArray:
     """Return by how much the feet's middle went (3,), in the heading of the start [m]."""
     rotation = rotation_from_quaternion(q[0, 3:7])
     yaw = math.atan2(rotation[1, 0], rotation[0, 0])
@@ -280,7 +280,7 @@ def _shortfall(robot: Robot, log: Log, reference: Reference, links: tuple[tuple[
     if not reference.begins_standing:
         return ""
     touched = "touched: " + ", ".join(" on ".join(pair) for pair in links) if links else ""
-    return _missed(robot, log, reference) or touched
+    return _miss_of_end(robot, log, reference) or touched
 
 
 class MotorLimiter(Wrapper):

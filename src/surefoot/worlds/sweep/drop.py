@@ -79,7 +79,7 @@ class DropExperiment(GroundExperiment):
 
         edges = (self.size, self.size, self.size)
         nominal = ball(self.body_mass, 0.5 * self.size) if self.body == "ball" else box(self.body_mass, edges)
-        body, terrain = self.altered(nominal), self.ground(seed)
+        body, terrain = self.alter_masses(nominal), self.ground(seed)
         world = RigidWorld(body, terrain, self.mu, self.dt, **self.ground_options())
         world.reset(*self._start(seed, float(terrain.height([0.0, 0.0])), body.model.nv))
         return self._results(world, body.mass * GRAVITY)

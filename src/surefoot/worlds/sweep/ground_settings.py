@@ -75,7 +75,7 @@ class GroundExperiment(SweepExperiment):
         if self.terrain:
             read_terrain(self.terrain)
 
-    def altered(self, robot: Robot) -> Robot:
+    def alter_masses(self, robot: Robot) -> Robot:
         """Return the robot with the masses of the settings; geometry and limits stay."""
         return scaled_robot(robot, self.mass, self.inertia, (self.com_x, self.com_y, self.com_z))
 

@@ -118,7 +118,7 @@ class WalkTrial(GroundExperiment):
         robot, terrain = known_robot(self.robot), self.ground(seed)
         controller, start = self._begin(robot, terrain)
         world = make_world(
-            self.world, self.altered(robot), terrain, self.mu, payload=self.payload,
+            self.world, self.alter_masses(robot), terrain, self.mu, payload=self.payload,
             **self._motors(robot), **self.ground_options(),
         )  # fmt: skip
         faults = Faults(noise=self.noise, delay=self.delay, strength=self.motor_strength)

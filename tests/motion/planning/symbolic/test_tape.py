@@ -8,7 +8,7 @@ import pytest
 casadi = pytest.importorskip("casadi")
 
 from surefoot.motion.planning.symbolic import tape as symbolic_tape  # noqa: E402
-from surefoot.motion.planning.symbolic.tape import Tape, recorded, tapes_of  # noqa: E402
+from surefoot.motion.planning.symbolic.tape import Tape, record_tape, tapes_of  # noqa: E402
 
 
 def example(extra=lambda x: x):
@@ -24,7 +24,7 @@ def example(extra=lambda x: x):
 def test_every_point_gets_its_own_numbers(count):
     function, rng = example(), np.random.default_rng(count)
     given = rng.normal(size=(4, count)), rng.normal(size=(2, count))
-    ours, theirs = recorded(function).mapped(count), function.map(count)
+    ours, theirs = record_tape(function).mapped(count), function.map(count)
     for found, wanted in zip(ours(*given), theirs(*given), strict=True):
         assert found.sparsity() == wanted.sparsity()
         assert np.array(found.nonzeros()) == pytest.approx(np.array(wanted.nonzeros()), rel=1e-15, abs=0.0)

@@ -16,7 +16,7 @@ from surefoot.motion.planning.direct.direct_problem import DirectProblem
 from surefoot.motion.planning.transcription.contact_rows import ContactLaw
 from surefoot.motion.planning.transcription.initial_guess import Guess
 from surefoot.motion.planning.transcription.nlp import Block, Iterate, Nlp, Sides, pack, unpack
-from surefoot.motion.planning.transcription.symbolic_knot import SymbolicKnot, stacked
+from surefoot.motion.planning.transcription.symbolic_knot import SymbolicKnot, stack_rows
 
 
 class DirectNlp:
@@ -56,7 +56,7 @@ class DirectNlp:
         for k, (_, J) in enumerate(touches):
             moved -= ca.mtimes(J.T, contacts.impulses[[0, 2], body.points + k])
         equal = ca.vertcat(moved, knot.missed_way())
-        rows, self.rows = stacked([(equal, 0.0, 0.0), *contacts.rows], problem.knots)
+        rows, self.rows = stack_rows([(equal, 0.0, 0.0), *contacts.rows], problem.knots)
         off, moving = knot.q_after - reference[: body.nq], ca.sumsqr(v_after)
         cost = dt * (w.torque * ca.sumsqr(torques) + w.velocity * moving + w.posture * ca.sumsqr(off))
         cost += w.change / dt * ca.sumsqr(v_after - knot.v)

@@ -88,7 +88,7 @@ def hopper(distance: float = 0.3, mu: float = 0.6, knots: int = 30, dt: float = 
     """Return a planar hopper, an upright body on one leg, that is to stand `distance` [m] further on."""
     robot = planar.sliding_hopper()
     end = robot.nominal + np.array([distance, 0.0, 0.0, 0.0])
-    return _driven(robot, end, end, [0.1, 0.1, 0.3, 0.05], 1e-3, (mu, knots, dt))
+    return _driven_motion(robot, end, end, [0.1, 0.1, 0.3, 0.05], 1e-3, (mu, knots, dt))
 
 
 def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: float = 0.04) -> SmallProblem:
@@ -100,11 +100,11 @@ def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: fl
 
     towards = robot.nominal + np.array([distance, 0.0, distance + 0.1, 0.0])
     end, spread = np.array([distance, np.nan, np.nan, np.nan]), [0.1, 0.02, 0.1, 0.02]
-    made = _driven(robot, end, towards, spread, 1e-2, (mu, knots, dt))
+    made = _driven_motion(robot, end, towards, spread, 1e-2, (mu, knots, dt))
     return replace(made, problem=replace(made.problem, touches=(PlanarTouch("foot on block", face, 0.3),)))
 
 
-def _driven(
+def _driven_motion(
     robot: Robot,
     end: FloatArray,
     towards: FloatArray,

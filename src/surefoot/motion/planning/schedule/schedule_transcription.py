@@ -27,7 +27,7 @@ from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem
 from surefoot.motion.planning.symbolic.rigid_body import SymbolicBody
 from surefoot.motion.planning.transcription.nlp import Block, Sides, pack
 from surefoot.motion.planning.transcription.state_window import limit_joints
-from surefoot.motion.planning.transcription.symbolic_knot import Row, SymbolicKnot, stacked
+from surefoot.motion.planning.transcription.symbolic_knot import Row, SymbolicKnot, stack_rows
 
 ROUND = 1e-3
 """Rounds the cone's tip, as a share of m g: sqrt(f_t² + ROUND²) has a slope there."""
@@ -99,7 +99,7 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Sides]:
     cost = _cost(problem, (q_after - reference, v_after, v_after - knot.v), u)
     if problem.weights.symmetry:
         cost += problem.dt * problem.weights.symmetry * _difference(problem, q_after)
-    expression, bounds = stacked(rows, problem.knots)
+    expression, bounds = stack_rows(rows, problem.knots)
     return Block(knot.x, u, knot.after, ca.SX.sym("nothing", 0), expression, cost, reference), bounds
 
 

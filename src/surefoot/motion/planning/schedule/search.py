@@ -109,7 +109,7 @@ def optimise(
     kept = np.flatnonzero((np.isfinite(rows[0]) | np.isfinite(rows[1])).ravel())  # the others bound nothing
     options, bounds, half = {**OPTIONS, "max_iter": max_iterations, **options}, variable_bounds(problem), None
     if near is not None:
-        begin, of_bounds, of_rows = _held(near, (len(begin), len(begin), len(kept)))
+        begin, of_bounds, of_rows = _check_names(near, (len(begin), len(begin), len(kept)))
         multipliers, options = (of_bounds, of_rows), WARM | options
     else:
         half = found_in_half(problem, block, rows, bounds, begin, tell, **options)
@@ -135,7 +135,7 @@ def optimise(
     return ScheduledMotion(q.copy(), v.copy(), torques, forces * problem.dt, found)
 
 
-def _held(near: Log, sizes: tuple[int, ...]) -> list[FloatArray]:
+def _check_names(near: Log, sizes: tuple[int, ...]) -> list[FloatArray]:
     """Return what `HELD` names, if it fits a program of so many variables, bounds and rows."""
     found = [near.fact(name) for name in HELD]
     if tuple(map(len, found)) != sizes:

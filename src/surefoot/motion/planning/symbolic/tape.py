@@ -106,7 +106,7 @@ class Tape:
         return import_casadi().Sparsity.deserialize(self.outputs[i])
 
 
-def recorded(function: Any) -> Tape | None:
+def record_tape(function: Any) -> Tape | None:
     """Return the instructions of a function of SX; None where it does what `play` cannot."""
     ca, size, slots = import_casadi(), int(function.n_instructions()), int(function.sz_w())
     codes = {int(getattr(ca, f"OP_{name}")): code for name, code in OPERATIONS.items()}
@@ -150,7 +150,7 @@ def tapes_of(source: Any, names: Sequence[str], write: Callable[[], Mapping[str,
     file = Path(folder or "", f"tapes-{hashlib.sha256(said.encode()).hexdigest()[:32]}.npz")
     with contextlib.suppress(OSError, KeyError, ValueError, zipfile.BadZipFile), np.load(file) as held:
         return {name: _read(held, name) for name in names}
-    found = {name: recorded(function) or function for name, function in write().items()}
+    found = {name: record_tape(function) or function for name, function in write().items()}
     tapes = {name: tape for name, tape in found.items() if isinstance(tape, Tape)}
     if folder and len(tapes) == len(found):
         _keep(tapes, file)

@@ -60,7 +60,7 @@ class Jump:
         def goal(motion: Trajectory) -> tuple[bool, str]:
             got, off, words = float(motion.q[:, 2].max() - q[2]), 0.0, "rises by"
             if not self.up:
-                got, off = _moved(robot, q, there, motion, climb)
+                got, off = _progress_of(robot, q, there, motion, climb)
                 got, words = math.copysign(1.0, asked) * got, "the feet get"
             still, said = at_rest(motion, there)
             flown = bool((motion.impulses[..., 2] <= 0.0).all(axis=1).any())
@@ -79,7 +79,7 @@ class JumpUp(Jump):
     up = True
 
 
-def _moved(
+def _progress_of(
     robot: Robot, q: FloatArray, there: FloatArray, motion: Trajectory, climb: float
 ) -> tuple[float, float]:
     """Return how far the feet's middle got on the way from (nq,) q to (nq,) there, and how far off it [m].

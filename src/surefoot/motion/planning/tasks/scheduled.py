@@ -56,7 +56,7 @@ def beyond_limits(robot: Robot, motion: Trajectory) -> str:
     return "joints beyond their limits: " + ", ".join(over) if over else ""
 
 
-def judged(motion: Trajectory, robot: Robot, goal: Goal) -> tuple[bool, str]:
+def judge_goal(motion: Trajectory, robot: Robot, goal: Goal) -> tuple[bool, str]:
     """Return whether an exact motion reaches a goal within the robot's limits, and what it does, in words."""
     if not np.isfinite(motion.q).all():
         return False, "the motion is lost"
@@ -105,7 +105,7 @@ def scheduled_plan(
         if lost
         else follow(replace(problem, mu=request.mu, torque_share=FEEDBACK), motion)
     )
-    done, said = judged(trajectory, problem.robot, goal)
+    done, said = judge_goal(trajectory, problem.robot, goal)
     unknown = " and ".join(unknown_limits(request.robot or problem.robot))
     said += f"; {unknown} limits are unknown: likely ones are kept" if unknown else ""
     ended, off = motion.iterate.ending, departure(problem.robot, motion, trajectory)

@@ -123,7 +123,7 @@ class SymbolicKnot:
         return ca.mtimes(ca.DM(self.frame.T), self.body.point_velocities(q, v, self.frame[:, 2]))
 
 
-def stacked(rows: Sequence[Row], knots: int) -> tuple[Expression, Sides]:
+def stack_rows(rows: Sequence[Row], knots: int) -> tuple[Expression, Sides]:
     """Return rows one below the other (m, 1), and their bounds (knots, m)."""
     sizes = [(knots, int(row.shape[0])) for row, _, _ in rows]
     low = [np.broadcast_to(least, size) for (_, least, _), size in zip(rows, sizes, strict=True)]
