@@ -5,6 +5,7 @@ from .batch.central_path import path_blocks as path_blocks
 from .batch.kernel import contact_blocks as contact_blocks
 from .batch.loops import measure_range as measure_range
 from .cones.cone import Cone as Cone
+from .cones.cone import Fit as Fit
 from .cones.friction import FrictionCone as FrictionCone
 from .cones.polyhedral import FrictionPyramid as FrictionPyramid
 from .cones.polyhedral import PolyhedralCone as PolyhedralCone
@@ -24,7 +25,6 @@ from .laws.soft.soft_law import ExactFriction as ExactFriction
 from .laws.soft.soft_law import SoftLaw as SoftLaw
 from .laws.soft.spring_damper import SpringDamper as SpringDamper
 from .problem.problem import ContactProblem as ContactProblem
-from .problem.problem import Fit as Fit
 from .sets.kinds import Planar as Planar
 from .solution import ContactSolution as ContactSolution
 from .solution import Status as Status
