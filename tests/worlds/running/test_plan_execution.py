@@ -34,7 +34,7 @@ def jump() -> Reference:
 
 
 def test_seeds_cover_what_they_may_and_no_more() -> None:
-    drawn = [Surprise.drawn(seed) for seed in range(300)]
+    drawn = [Surprise.draw(seed) for seed in range(300)]
     for values, most in (
         ([s.place for s in drawn], START_PLACE),
         ([s.turn for s in drawn], START_TURN),
@@ -45,7 +45,7 @@ def test_seeds_cover_what_they_may_and_no_more() -> None:
         assert np.abs(array).max() <= most
         assert (array.max(axis=0) > 0.9 * most).all()
         assert (array.min(axis=0) < -0.9 * most).all()
-    np.testing.assert_array_equal(Surprise.drawn(7).place, drawn[7].place)
+    np.testing.assert_array_equal(Surprise.draw(7).place, drawn[7].place)
 
 
 def test_a_displaced_body_keeps_its_feet(jump: Reference) -> None:

@@ -161,7 +161,7 @@ def contact_jacobian(
 
     check_name("reference", reference, REFERENCES)
     configuration = robot.configuration(q)
-    points = attached(robot, configuration, contacts)
+    points = attach_contacts(robot, configuration, contacts)
     pinocchio.computeJointJacobians(robot.model, robot.data, configuration)
     rows = [np.zeros((0, robot.model.nv))]
     for point in points:
@@ -214,7 +214,7 @@ def contact_drift(
         raise ProblemError(f"rolling needs reference 'contact' or 'local_world_aligned', got {reference!r}")
     configuration = robot.configuration(q)
     velocity = finite_array("v", v, (robot.model.nv,))
-    points = attached(robot, configuration, contacts)
+    points = attach_contacts(robot, configuration, contacts)
     pinocchio.forwardKinematics(robot.model, robot.data, configuration, velocity, np.zeros(robot.model.nv))
     turning, kind = reference in ("local", "world"), _kind(pinocchio, reference)
     rate_of = pinocchio.getFrameAcceleration if turning else pinocchio.getFrameClassicalAcceleration
@@ -287,7 +287,7 @@ class Baumgarte:
         return -kd * velocity - kp * error
 
 
-def attached(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attachment]:
+def attach_contacts(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attachment]:
     """Return a stance's contacts attached at a configuration (nq,) [m, -, rad], attached ones as they are."""
     return attach(robot, q, contacts) if isinstance(contacts, Stance) else contacts
 

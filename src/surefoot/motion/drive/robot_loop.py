@@ -378,7 +378,7 @@ class RobotLoop:
         else:
             before = self._reading
             self._reading = before._replace(positions=before.positions + self.dt * before.speeds)
-        self.tracker.acted(last.torques)
+        self.tracker.note_torques(last.torques)
         loaded = last.loaded_feet(LOADED * self.robot.mass * GRAVITY)
         state = self.tracker.state(
             self._reading, self.time - self._began, None if loaded is None else lambda _: loaded

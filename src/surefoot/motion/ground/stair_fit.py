@@ -66,7 +66,7 @@ class StairSteps(NamedTuple):
     tread: float
 
 
-class FlightFit:
+class StairFit:
     """Follows a flight of stairs from scan to scan.
 
     Parameters
@@ -143,7 +143,7 @@ class FlightFit:
         return self.last > first and max(self.deviation(first), self.deviation(first + 1)) < SURE
 
     def parameters(self) -> FloatArray:
-        """Return what `flight_heights` takes: (10,)."""
+        """Return what `stair_heights` takes: (10,)."""
         (edge, tread, turn), (level, rise) = self._x, self._z[:2]
         return np.array(
             [*self.along, self.aside, edge, tread, turn, level, rise, float(self.first), float(self.last)]

@@ -242,10 +242,10 @@ def replay_plan(
     t, fine = trajectory, trajectory.dt / FINER
     torques, steps = feedback(t, robot), FINER * len(t) + FINER // 2
     if problem is not None and problem.touches:
-        from surefoot.motion.planning.transcription.pair_rollout import touching_rollout
+        from surefoot.motion.planning.transcription.pair_rollout import rollout_with_pairs
 
         finer = replace(problem, dt=fine, knots=steps, reference=None, windows={})
-        motion = touching_rollout(finer, torques)
+        motion = rollout_with_pairs(finer, torques)
         went = motion.q
     else:
         stepper = Stepper(robot, terrain, StepOptions(dt=fine))

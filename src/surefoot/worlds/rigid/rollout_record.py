@@ -83,7 +83,7 @@ class RolloutRecorder:
         self.steps: deque[Step] = deque(maxlen=KEPT)
         self.torques, self.pushes, self.mu = list[FloatArray](), list[FloatArray](), list[float]()
 
-    def known(self, *parts: Any) -> Stepper | None:
+    def find_stepper(self, *parts: Any) -> Stepper | None:
         """Return the stepper of the first run where a world is made of the same `parts`, a robot first."""
         self._parts, self._model, first = parts, parts[0].model.copy(), self._first
         if first is None or first.world is None:
@@ -93,7 +93,7 @@ class RolloutRecorder:
         same = same and self._model == first._model  # the robot itself may have been changed
         return first.world.stepper if same or self._unchanged else None
 
-    def placed(self, state: State) -> State:
+    def place_start(self, state: State) -> State:
         """Return the state that a world is to start in, for the one that it was put in."""
         if self.world is not None:
             raise ProblemError("a rollout is one run of one world, which is put in its place before it")

@@ -23,7 +23,7 @@ from surefoot.worlds.interface.world import World
 from surefoot.worlds.interface.world_names import make_world
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 from surefoot.worlds.running.faults import scaled_robot
-from surefoot.worlds.running.observers import LinkTouches
+from surefoot.worlds.running.observers import LinkContactObserver
 from surefoot.worlds.running.run import Scenario, run
 from surefoot.worlds.running.scenario import Fall
 
@@ -66,7 +66,7 @@ class Surprise:
     mass: float = 1.0
 
     @classmethod
-    def drawn(cls, seed: int) -> Surprise:
+    def draw(cls, seed: int) -> Surprise:
         """Return the surprise of a seed: every number uniform within its largest error."""
         r = np.random.default_rng([whole_number("seed", seed), 16])
         place, turn = START_PLACE * r.uniform(-1.0, 1.0, 3), START_TURN * r.uniform(-1.0, 1.0, 3)
@@ -141,7 +141,7 @@ def execute(
     limits
         Of the motors, or the name of their model, see `motor_limits`.
     seed
-        Of what the plan does not know, see `Surprise.drawn`; None for nothing.
+        Of what the plan does not know, see `Surprise.draw`; None for nothing.
     surprise
         In place of a seed.
     dt
@@ -165,7 +165,7 @@ def execute(
         robot = planned or limited_robot(loaded_robot(load_robot(str(plan.fact("robot"))), payload))
         terrain, reference = planned_ground(plan), Reference.of(plan, robot)
     mu = float(plan["mu"][0]) if isinstance(plan, Log) and "mu" in plan else 0.6
-    surprise = surprise or (Surprise() if seed is None else Surprise.drawn(seed))
+    surprise = surprise or (Surprise() if seed is None else Surprise.draw(seed))
     standing = reference.begins_standing
     dt = STEP if dt is None else dt
     settle = (SETTLE if standing else AGAIN) if settle is None else settle
@@ -190,7 +190,9 @@ def execute(
             else lying_configuration(reference.start, surprise)
         ),
     )  # fmt: skip
-    return judged(there, MotorLimiter(controller_of(plan, robot, dt), motors), scenario, reference, surprise)
+    return judge_run(
+        there, MotorLimiter(controller_of(plan, robot, dt), motors), scenario, reference, surprise
+    )
 
 
 def displace(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
@@ -215,12 +217,12 @@ def lying_configuration(q: FloatArray, surprise: Surprise) -> FloatArray:
     return out
 
 
-def judged(
+def judge_run(
     world: World, controller: Controller, scenario: Scenario, reference: Reference, surprise: Surprise
 ) -> Execution:
     """Run a scenario and return what became of the plan behind it."""
     robot = world.robot
-    watch = LinkTouches(world)
+    watch = LinkContactObserver(world)
     log = run(world, controller, scenario, [watch])
     links = tuple(sorted(watch.found))
     report = audit_log(log, robot)

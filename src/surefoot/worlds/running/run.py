@@ -20,7 +20,7 @@ from surefoot.worlds.interface.world import World
 from surefoot.worlds.interface.world_facts import facts_before
 from surefoot.worlds.running.faults import Faults
 from surefoot.worlds.running.ground_friction import GroundFriction
-from surefoot.worlds.running.observers import LinkTouches, Moment, Observer
+from surefoot.worlds.running.observers import LinkContactObserver, Moment, Observer
 from surefoot.worlds.running.scenario import Ice as Ice
 from surefoot.worlds.running.scenario import IcePatch as IcePatch
 from surefoot.worlds.running.scenario import Push as Push
@@ -156,7 +156,7 @@ class _Run:
         self.recorder = _recorder(world, controller, more, scenario, folder)
         self.limits = AT_LIMIT * world.robot.effort_limits
         self.stop = Standstill(world.robot, world.dt)
-        self.touches = LinkTouches(world)
+        self.touches = LinkContactObserver(world)
         self.exteroception = ExteroceptiveSensing(world, scenario.scanner, scenario.seed)
         rows = self.recorder.arrays
         self._others = np.zeros(rows["other_forces"].shape[1:]) if "other_forces" in rows else None
@@ -216,7 +216,7 @@ class _Run:
             self._asked = faults.act(command, q, v)
             world.step(self._asked, push)
             torques = np.asarray(getattr(world, "applied", self._asked))  # what motors gave
-            sensing.acted(command, torques)
+            sensing.note_step(command, torques)
             reading = world.contacts()
             # its row
             moment = Moment(now, q, v, torques, push, self.ground.mu, spent, command, reading)

@@ -45,8 +45,8 @@ class Sensing(Protocol):
         """Return what the controller is given at a true state, with (n,) the feet that truly touch."""
         ...
 
-    def acted(self, command: Command, torques: FloatArray) -> None:
-        """Learn what followed: the command, and the (joints,) torques that the motors gave [N m]."""
+    def note_step(self, command: Command, torques: FloatArray) -> None:
+        """Record the command of a step and the (joints,) torques that the motors gave [N m]."""
         self.heard = torques
 
     def rows(self) -> Mapping[str, Any]:
@@ -111,12 +111,12 @@ class EstimatedState(Sensing):
             self.failure = f"the state estimate was lost at {time:.3f} s: {tracker.failure}"
         return self._reported
 
-    def acted(self, command: Command, torques: FloatArray) -> None:
-        """See `Sensing.acted`."""
+    def note_step(self, command: Command, torques: FloatArray) -> None:
+        """See `Sensing.note_step`."""
         start = clock.perf_counter()
         self.tracker.plan(command)
         self.heard = self.sensors.torques(torques)
-        self.tracker.acted(self.heard)
+        self.tracker.note_torques(self.heard)
         self._spent += clock.perf_counter() - start
 
     def rows(self) -> Mapping[str, Any]:

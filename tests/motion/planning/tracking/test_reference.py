@@ -26,7 +26,7 @@ def test_knots_are_met_and_the_way_between_is_smooth(jump: Reference) -> None:
 
 def test_forces_give_the_acceleration(jump: Reference) -> None:
     """In flight nothing but gravity acts; on the ground the centre of mass obeys Newton."""
-    (start, end), *_ = jump.flights()
+    (start, end), *_ = jump.airborne_phases()
     np.testing.assert_allclose(jump.at(0.5 * (start + end)).com_acceleration, [0.0, 0.0, -9.81])
     assert not jump.at(0.5 * (start + end)).stance.any()
     sample = jump.at(0.5 * start)

@@ -6,7 +6,7 @@ from surefoot.motion.planning.direct.direct_planner import plan_with_modes as pl
 from surefoot.motion.planning.direct.direct_problem import DirectProblem as DirectProblem
 from surefoot.motion.planning.direct.direct_problem import Weights as Weights
 from surefoot.motion.planning.symbolic.rigid_body import SymbolicBody as SymbolicBody
-from surefoot.motion.planning.transcription.contact_pairs import PlanarTouch as PlanarTouch
+from surefoot.motion.planning.transcription.contact_pairs import PlanarContactPair as PlanarContactPair
 from surefoot.motion.planning.transcription.contact_rows import Facets as Facets
 from surefoot.motion.planning.transcription.contact_rows import GivenModes as GivenModes
 from surefoot.motion.planning.transcription.initial_guess import Guess as Guess

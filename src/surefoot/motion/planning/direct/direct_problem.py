@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, finite_array, real_array, real_number, whole_number
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, velocity_of_way
-from surefoot.motion.planning.transcription.contact_pairs import PlanarTouch
+from surefoot.motion.planning.transcription.contact_pairs import PlanarContactPair
 from surefoot.motion.planning.transcription.planar import is_planar, passive_joints
 from surefoot.motion.planning.transcription.state_window import StateWindow, limit_joints
 
@@ -92,7 +92,7 @@ class DirectProblem:
     terrain: Terrain = field(default_factory=FlatTerrain)
     torque_limits: FloatArray | None = None
     joint_limits: bool = True
-    touches: tuple[PlanarTouch, ...] = ()
+    touches: tuple[PlanarContactPair, ...] = ()
 
     def __post_init__(self) -> None:
         robot, model = self.robot, self.robot.model

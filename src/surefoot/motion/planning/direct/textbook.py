@@ -13,7 +13,7 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
 from surefoot.motion.planning.direct.direct_problem import DirectProblem, Weights
 from surefoot.motion.planning.transcription import planar
-from surefoot.motion.planning.transcription.contact_pairs import PlanarTouch
+from surefoot.motion.planning.transcription.contact_pairs import PlanarContactPair
 from surefoot.motion.planning.transcription.initial_guess import Guess
 from surefoot.motion.planning.transcription.state_window import StateWindow
 
@@ -101,7 +101,9 @@ def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: fl
     towards = robot.nominal + np.array([distance, 0.0, distance + 0.1, 0.0])
     end, spread = np.array([distance, np.nan, np.nan, np.nan]), [0.1, 0.02, 0.1, 0.02]
     made = _driven_motion(robot, end, towards, spread, 1e-2, (mu, knots, dt))
-    return replace(made, problem=replace(made.problem, touches=(PlanarTouch("foot on block", face, 0.3),)))
+    return replace(
+        made, problem=replace(made.problem, touches=(PlanarContactPair("foot on block", face, 0.3),))
+    )
 
 
 def _driven_motion(

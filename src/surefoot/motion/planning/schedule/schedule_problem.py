@@ -13,7 +13,7 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import FlatTerrain, MotorLimits, Robot, Terrain
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.planning.stepped_ground import PassedGround, find_passed_ground
-from surefoot.motion.planning.transcription.contact_pairs import PlanarTouch
+from surefoot.motion.planning.transcription.contact_pairs import PlanarContactPair
 from surefoot.motion.planning.transcription.state_window import StateWindow
 
 
@@ -173,7 +173,7 @@ class ScheduleProblem:
         return float(self.robot.mass * GRAVITY)
 
     @property
-    def touches(self) -> tuple[PlanarTouch, ...]:
+    def touches(self) -> tuple[PlanarContactPair, ...]:
         """None: feet on the ground are all."""
         return ()
 

@@ -54,7 +54,7 @@ class Tape:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
 
-    def mapped(self, count: int) -> Any:
+    def map_over(self, count: int) -> Any:
         """Return the function at `count` knots side by side, as its own `map` would be."""
         ca, tape = import_casadi(), self
         work = np.zeros((tape.slots + 2, LANES))

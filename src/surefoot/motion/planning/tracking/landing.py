@@ -77,7 +77,7 @@ class Landing:
         feet = np.zeros((len(stance), 6))
         if not stance.all():
             feet[:, :3] = lowering_accelerations(now)
-        gaps = pressed(now, self.stand)
+        gaps = gaps_to_close(now, self.stand)
         return Tasks(
             stance, com, turn, feet, self._still, np.zeros((len(self._owner), 3)), self._frames, gaps
         )
@@ -100,8 +100,8 @@ def gently(now: Kinematics, stand: FloatArray) -> FloatArray:
     return np.where(near, BRAKE * (-SLOW - now.twists[:, 2]), -np.inf)
 
 
-def pressed(now: Kinematics, stand: FloatArray) -> FloatArray:
-    """Return the gaps (n,) that feet which stand with their centres at (n,) heights are to close [m].
+def gaps_to_close(now: Kinematics, stand: FloatArray) -> FloatArray:
+    """Return the gaps (n,) to close under feet whose centres stand at (n,) heights [m].
 
     Down to a little inside the ground.
 

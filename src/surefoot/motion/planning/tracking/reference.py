@@ -192,8 +192,8 @@ class Reference:
         """Whether a foot stands at the start."""
         return bool(self.stance[0].any())
 
-    def flights(self) -> list[tuple[float, float]]:
-        """Return when no foot stands, from start to end [s]."""
+    def airborne_phases(self) -> list[tuple[float, float]]:
+        """Return start and end of every phase in which no foot is in stance [s]."""
         off = np.asarray(~self.stance.any(axis=1))
         return [(float(self.time[a]), float(self.time[b])) for a, b in runs_of(off)]
 

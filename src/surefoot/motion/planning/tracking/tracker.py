@@ -21,8 +21,8 @@ from surefoot.motion.control.controller import Command, Controller, RobotState
 from surefoot.motion.control.damping import computable
 from surefoot.motion.control.whole_body import Kinematics, Tasks, TaskWeights, WholeBodyController
 from surefoot.motion.planning.schedule.motions import time_scale
-from surefoot.motion.planning.tracking.landing import Landing, gently, lowering_accelerations, pressed
-from surefoot.motion.planning.tracking.legs_in_air import FlightControl, Targets, touchdowns
+from surefoot.motion.planning.tracking.landing import Landing, gaps_to_close, gently, lowering_accelerations
+from surefoot.motion.planning.tracking.legs_in_air import AirborneControl, Targets, touchdowns
 from surefoot.motion.planning.tracking.reference import Reference
 from surefoot.records import Channel
 
@@ -97,7 +97,7 @@ class TrackingController(Controller):
         least = LEAST * robot.mass * GRAVITY
         self.whole_body = whole_body(robot, least)
         self.motors = motor_limits(robot, "curve")
-        self.flight = FlightControl(robot, quick * JOINTS, CAPTURE)
+        self.flight = AirborneControl(robot, quick * JOINTS, CAPTURE)
         self.landing = Landing(robot, reference, quick)
         self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": FRICTION}
         self._radii = robot.contact_points.foot_radii
@@ -159,18 +159,20 @@ class TrackingController(Controller):
     def _advance(self, now: Kinematics, state: RobotState, sensed: BoolArray) -> None:
         """Go from one phase to the next: by the plan into flight, by touch out of it."""
         assert self._reference is not None
-        flights, clock = self._flights, self._clock
+        airborne_phases, clock = self._flights, self._clock
         if self.phase == GROUND:
-            if self._next < len(flights) and self._leaves(state, flights[self._next].start):
+            if self._next < len(airborne_phases) and self._leaves(state, airborne_phases[self._next].start):
                 self.phase = FLYING
                 self.flight.begin(state.q[7:], state.v[6:])
-            elif clock >= self._reference.duration or (0 < self._next == len(flights) and sensed.all()):
+            elif clock >= self._reference.duration or (
+                0 < self._next == len(airborne_phases) and sensed.all()
+            ):
                 self._land(now)
         elif self.phase == FLYING:
-            goal = flights[self._next]
+            goal = airborne_phases[self._next]
             if sensed.any() and now.com_velocity[2] < 0.0:  # while it rises, feet scrape as they leave
                 self._next += 1
-                if self._next == len(flights) and goal.landing.all():
+                if self._next == len(airborne_phases) and goal.landing.all():
                     self._land(now)
                 else:
                     self.phase, self._clock = GROUND, self._time_of_attitude(now, goal.end)
@@ -223,7 +225,7 @@ class TrackingController(Controller):
                 feet[:, 2] = np.maximum(feet[:, 2], gently(now, self.landing.stand))
             lost = self._planned_stance() & ~stance
             feet[lost, :3] = lowering_accelerations(now)[lost]
-        gaps = pressed(now, self.landing.stand if self._next > 0 else self._radii)
+        gaps = gaps_to_close(now, self.landing.stand if self._next > 0 else self._radii)
         return Tasks(stance, com, turn, feet, self._still, want.forces, self._frames, gaps)
 
     def _fly(self, now: Kinematics, state: RobotState) -> TrackCommand:

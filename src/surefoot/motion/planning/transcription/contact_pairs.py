@@ -10,7 +10,7 @@ from surefoot.mechanics import import_casadi
 
 
 @dataclass(frozen=True)
-class PlanarTouch:
+class PlanarContactPair:
     """A place where two bodies of a planar robot can touch, whose coordinates are a vector space.
 
     Attributes

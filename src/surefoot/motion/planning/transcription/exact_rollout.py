@@ -16,7 +16,7 @@ from surefoot.base.errors import NoSolution
 from surefoot.mechanics import MomentumKnot, StepOptions, Stepper
 from surefoot.motion.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.motion.planning.transcription.motion_errors import Motion
-from surefoot.motion.planning.transcription.pair_rollout import touching_rollout
+from surefoot.motion.planning.transcription.pair_rollout import rollout_with_pairs
 
 if TYPE_CHECKING:
     from surefoot.motion.planning.direct.direct_problem import DirectProblem
@@ -59,7 +59,7 @@ def follow(problem: Followed, motion: Motion, feedback: bool = True) -> Trajecto
         return np.asarray(np.clip(torques, -limits, limits))
 
     if problem.touches:
-        return touching_rollout(cast("DirectProblem", problem), policy)
+        return rollout_with_pairs(cast("DirectProblem", problem), policy)
     return rollout(
         problem.robot, problem.q, problem.v, policy, dt=problem.dt, mu=problem.mu, terrain=problem.terrain,
         steps=problem.knots,

@@ -217,7 +217,7 @@ def build_nlp(
     seen = ca.reshape(x[places.T.ravel().tolist()], block.size, count)
     given = ca.repmat(p[:shared], 1, count), ca.reshape(p[shared:], own, count)
     functions = tapes_of(*_functions(block))
-    maps = {name: f.mapped(count) if isinstance(f, Tape) else f.map(count) for name, f in functions.items()}
+    maps = {name: f.map_over(count) if isinstance(f, Tape) else f.map(count) for name, f in functions.items()}
     g = ca.reshape(maps["rows"](seen, *given), m * count, 1)[asked]
     # gradient: the blocks' own, added where they share variables
     cost, slope = maps["slope"](seen, *given)

@@ -20,7 +20,7 @@ PLANAR = np.array([0, 2])
 """Tangent and normal among a contact's axes."""
 
 
-class TouchingStep:
+class PairStep:
     """Takes exact steps of a problem whose bodies touch each other."""
 
     def __init__(self, problem: DirectProblem) -> None:
@@ -63,9 +63,9 @@ class TouchingStep:
         return free + Y @ impulses, impulses.reshape(-1, 2), error, solved
 
 
-def touching_rollout(problem: DirectProblem, policy: TorquePolicy) -> Trajectory:
+def rollout_with_pairs(problem: DirectProblem, policy: TorquePolicy) -> Trajectory:
     """Return where a policy leads from a problem's start, by exact steps in which bodies touch each other."""
-    step, dt = TouchingStep(problem), problem.dt
+    step, dt = PairStep(problem), problem.dt
     out = Trajectory.blank(problem.robot, problem.knots, dt, problem.mu)
     touched = np.zeros((problem.knots, len(problem.touches), 3))
     out.q[0], out.v[0], feet = problem.q, problem.v, len(problem.robot.contact_points)
