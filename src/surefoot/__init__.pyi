@@ -36,8 +36,8 @@ from .mechanics.robot import robot_names as robot_names
 from .mechanics.stance import PatchContact as PatchContact
 from .mechanics.stance import PointContact as PointContact
 from .mechanics.stance import Stance as Stance
-from .mechanics.stance import StanceBatch as StanceBatch
 from .mechanics.stance import read_stance as read_stance
+from .mechanics.stance.stance_batch import StanceBatch as StanceBatch
 from .mechanics.statics.com_region import com_region as com_region
 from .mechanics.statics.force_distribution import ForceDistributor as ForceDistributor
 from .mechanics.statics.stance_forces import distribute as distribute

@@ -10,7 +10,6 @@ from pathlib import Path
 from surefoot.app.cli.output import new_run_folder
 from surefoot.app.cli.robots import is_file
 from surefoot.base.errors import MissingExtra, WriteError
-from surefoot.worlds.drake import drake_python
 
 _EXTRA_OF = {
     "pin": "robot", "example-robot-data": "robot", "mujoco": "sim", "imageio": "sim",
@@ -80,7 +79,9 @@ def draw_into(
 
 def _installed(package: str) -> bool:
     """Tell whether a package is there; some have no module of their name, Drake may live elsewhere."""
-    if package == drake_python.PACKAGE:
+    if package == "drake":  # in an interpreter of its own
+        from surefoot.worlds.drake import drake_python
+
         return drake_python.present()
     if package in ("example-robot-data", "mujoco-mjx"):
         try:

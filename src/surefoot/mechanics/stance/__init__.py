@@ -7,4 +7,3 @@ from surefoot.mechanics.stance.files import StanceQuestion as StanceQuestion
 from surefoot.mechanics.stance.files import read_stance as read_stance
 from surefoot.mechanics.stance.halfspaces import HalfSpaces as HalfSpaces
 from surefoot.mechanics.stance.stance import Stance as Stance
-from surefoot.mechanics.stance.stance_batch import StanceBatch as StanceBatch

@@ -23,7 +23,8 @@ from surefoot.base.arrays import (
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import kernel
 from surefoot.base.spatial import GRAVITY
-from surefoot.mechanics.stance import Stance, StanceBatch
+from surefoot.mechanics.stance import Stance
+from surefoot.mechanics.stance.stance_batch import StanceBatch
 from surefoot.mechanics.statics.com_region import com_region
 from surefoot.mechanics.statics.margin import ENDLESS, FEASIBLE, LEAST_MU, UNDECIDED, most_margin
 from surefoot.mechanics.statics.point_contacts import stand
