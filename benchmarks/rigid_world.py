@@ -17,7 +17,7 @@ from surefoot.mechanics.terrain import FlatTerrain
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.standing.standing_controller import StandingController
 from surefoot.motion.standing.standing_plan import StandingPlan
-from surefoot.worlds.interface.table import make_world
+from surefoot.worlds.interface.world_names import make_world
 
 SETTLED = 500
 """Last steps of a run, over which the resting force is judged."""

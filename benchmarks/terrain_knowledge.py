@@ -21,7 +21,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.mechanics.robot import Robot
 from surefoot.mechanics.terrain import Terrain
 from surefoot.motion.control.controller import Controller
-from surefoot.motion.ground.terrain_knowledge import KNOWLEDGE, believed_ground
+from surefoot.motion.ground.terrain_knowledge import KNOWLEDGE, controller_ground
 from surefoot.motion.walking.walkers import walking_controller
 from surefoot.records.audit import summarise_walk
 from surefoot.worlds.running.height_scan import RangeSensor
@@ -52,7 +52,7 @@ class Walk(walks.Walk):
     def controller(self, robot: Robot, terrain: Terrain) -> Controller:
         """Return the walking controller with its belief."""
         return walking_controller(
-            robot, self.command, self.gait, believed_ground(self.knowledge, terrain), self.counted_on,
+            robot, self.command, self.gait, controller_ground(self.knowledge, terrain), self.counted_on,
             self.motors(robot), watch_friction=self.watch,
         )  # fmt: skip
 

@@ -15,7 +15,7 @@ from surefoot.motion.walking.walkers import walking_controller
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.records.audit import WalkSummary, summarise_walk
 from surefoot.records.log import Log
-from surefoot.worlds.interface.table import make_world
+from surefoot.worlds.interface.world_names import make_world
 from surefoot.worlds.running.faults import Faults, scaled_robot
 from surefoot.worlds.running.height_scan import RangeSensor
 from surefoot.worlds.running.run import run

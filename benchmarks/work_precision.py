@@ -22,7 +22,7 @@ from benchmarks.printing import options, show, table
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.laws import SpringDamper
-from surefoot.worlds.experiments.bodies import CORNER, FLAT_BOX, LEAN, MASS, TALL, _arm, _slowing
+from surefoot.worlds.experiments.body_experiments import CORNER, FLAT_BOX, LEAN, MASS, TALL, _arm, _slowing
 from surefoot.worlds.rigid.bodies import ball, box
 
 RADIUS, PERIOD = 0.1, 0.01

@@ -18,7 +18,7 @@ from surefoot.motion.control.controller import RobotState
 from surefoot.motion.gaits import library as gait_library
 from surefoot.records.audit import log_laws
 from surefoot.records.log import CHANNELS, formats
-from surefoot.worlds.interface.table import WORLDS, make_world
+from surefoot.worlds.interface.world_names import WORLDS, make_world
 from tests.pages import run_page as run_blocks
 
 

@@ -9,10 +9,13 @@ from __future__ import annotations
 import ast
 import importlib
 import re
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
+import scipy.sparse as sp
 
 import surefoot
 
@@ -91,6 +94,18 @@ def imports(at_load: bool = False) -> frozenset[Import]:
     return frozenset(one for one in out if one[0] != one[1])
 
 
+def circles(arrows: Iterable[Import]) -> list[list[str]]:
+    """Return the strongly connected sets of more than one: each of them reaches all others of its set."""
+    table = sorted(set(arrows))
+    names = sorted({name for arrow in table for name in arrow})
+    index = {name: k for k, name in enumerate(names)}
+    rows, columns = ([index[arrow[side]] for arrow in table] for side in (0, 1))
+    graph = sp.csr_matrix((np.ones(len(table)), (rows, columns)), shape=(len(names), len(names)))
+    count, label = sp.csgraph.connected_components(graph, directed=True, connection="strong")
+    sets = [[name for name, own in zip(names, label, strict=True) if own == k] for k in range(count)]
+    return [one for one in sets if len(one) > 1]
+
+
 def wing_of(module: str) -> str:
     parts = module.split(".")
     return parts[1] if len(parts) > 1 else ""
@@ -151,6 +166,26 @@ def test_a_face_is_short_needed_and_true(wing: str) -> None:
             assert value is getattr(importlib.import_module(home), name)
     with pytest.raises(AttributeError, match="no attribute 'frictioncone'"):
         _ = package.frictioncone
+
+
+def test_a_circle_is_found() -> None:
+    assert circles([("a", "b"), ("b", "c"), ("c", "a"), ("c", "d"), ("e", "a")]) == [["a", "b", "c"]]
+    assert circles([("a", "b"), ("b", "c"), ("a", "c")]) == []
+
+
+def test_no_circle_of_files() -> None:
+    """Imports in functions and for type checkers count, and names are followed through faces."""
+    assert circles(imports()) == []
+
+
+def test_no_circle_of_rooms_within_a_wing() -> None:
+    """A room is a folder of a wing, or a file that stands beside them."""
+    rooms = {
+        (".".join(one.split(".")[1:3]), ".".join(other.split(".")[1:3]))
+        for one, other in imports()
+        if wing_of(one) == wing_of(other) and one.count(".") > 1 and other.count(".") > 1
+    }
+    assert circles((a, b) for a, b in rooms if a != b) == []
 
 
 def reached(start: str) -> dict[str, str]:

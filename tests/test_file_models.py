@@ -124,7 +124,8 @@ def test_pydantic_is_loaded_where_a_file_is_read_and_not_before(tmp_path: Any) -
 import sys, numpy as np, surefoot as sf
 from surefoot.app.cli.main import main
 main(["--help"])
-import surefoot.app.cli.stand, surefoot.app.cli.walk, surefoot.app.export, surefoot.mechanics.stance, surefoot.motion.policy.spec
+import surefoot.app.cli.stand, surefoot.app.cli.walk, surefoot.app.export
+import surefoot.mechanics.stance, surefoot.motion.policy.spec
 from surefoot.records.log.mapping import LogMapping
 from surefoot.worlds.sweep import config
 path = sf.Log({{"time": np.arange(3.0)}}, {{"mass": 1.0}}).save({str(tmp_path / "a.npz")!r})

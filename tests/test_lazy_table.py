@@ -10,8 +10,8 @@ from surefoot.app.export import TARGETS
 from surefoot.base.errors import ProblemError
 from surefoot.base.lazy_table import LazyTable
 from surefoot.contact.solvers.solver import SOLVERS
-from surefoot.motion.planning.tasks.table import TASKS
-from surefoot.worlds.interface.table import PACKAGES, WORLDS
+from surefoot.motion.planning.tasks.task_names import TASKS
+from surefoot.worlds.interface.world_names import PACKAGES, WORLDS
 from surefoot.worlds.sweep import EXPERIMENTS
 
 

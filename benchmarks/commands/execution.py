@@ -102,7 +102,7 @@ def planned(task: str, quick: bool = False) -> Plan:
     """Return the plan of a task for Go2; a quick stand-up is looked for in MuJoCo, which is faster."""
     from surefoot.mechanics.robot import load_robot
     from surefoot.motion.planning.planner import plan as make_plan
-    from surefoot.motion.planning.stand_up.task import StandUp
+    from surefoot.motion.planning.stand_up.stand_up_task import StandUp
     from surefoot.motion.planning.tasks.task import PlanRequest
     from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 

@@ -18,7 +18,7 @@ from benchmarks.printing import table
 from surefoot.app.cli import extras
 from surefoot.app.cli.console import plain_console, say, show
 from surefoot.base.errors import SurefootError
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 
 SHARES = (50.0, 99.0, 99.9, 100.0)
 DOMAIN = 93

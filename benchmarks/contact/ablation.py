@@ -25,7 +25,8 @@ import numpy as np
 
 from benchmarks.contact.comparison import problems_in
 from benchmarks.problems.contacts import NamedProblem, problem_set
-from surefoot.contact.problem import ContactProblem, Status
+from surefoot.contact.problem import ContactProblem
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers import auto
 from surefoot.contact.solvers import strategies as plans
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS

@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from benchmarks.problems.judge import coarsest, judge
 from surefoot.base.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
-from surefoot.mechanics.robot.libraries import import_pinocchio
+from surefoot.base.libraries import import_pinocchio
 
 BUDGET = 8.0
 """Seconds after which a rival that has not reached the residual gets no tighter tolerance."""

@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.forces.digits import exact_forces
 from benchmarks.problems.allocation_program import cone_violation
 from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.statics.force_distribution import ForceDistributor
 
 

@@ -33,7 +33,7 @@ from benchmarks.timing import Timing, one_core
 from surefoot.base.arrays import FloatArray
 from surefoot.contact.cones import FrictionCone
 from surefoot.contact.cones.cone import Fit
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.statics.force_distribution import ForceDistributor
 
 FITS: tuple[Fit, Fit] = ("inner", "outer")

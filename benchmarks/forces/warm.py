@@ -15,9 +15,9 @@ from benchmarks.problems.allocations import Instance
 from benchmarks.timing import Timing, one_core
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import kernel
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers.dual_newton.distribution_memory import WARM
-from surefoot.contact.solvers.dual_newton.wrench import distribute_wrench
+from surefoot.contact.solvers.dual_newton.wrench_distribution import distribute_wrench
 
 FACETS = 8
 LOOPS, TRIES = 100, 5

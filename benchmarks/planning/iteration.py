@@ -15,9 +15,9 @@ from surefoot.base.arrays import FloatArray
 from surefoot.mechanics.dynamics import Knot, StepOptions, Stepper
 from surefoot.mechanics.robot import Robot, place
 from surefoot.motion.planning.shooting.costs import Costs, FootCost, StateCost, TorqueCost
-from surefoot.motion.planning.shooting.guess import holding_torques
+from surefoot.motion.planning.shooting.initial_torques import holding_torques
 from surefoot.motion.planning.shooting.iteration import ShootingIteration
-from surefoot.motion.planning.shooting.problem import ShootingProblem
+from surefoot.motion.planning.shooting.shooting_problem import ShootingProblem
 
 KNOTS, DT, MU = 20, 0.025, 0.6
 RIVAL_DT = 0.005

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from surefoot.mechanics.robot import Robot
-from surefoot.motion.planning.certificate import link_hits, replayed
+from surefoot.motion.planning.certificate import link_hits, replay_plan
 from surefoot.motion.planning.schedule import ScheduleProblem, optimise
 from surefoot.motion.planning.schedule.motions import jump
 from surefoot.motion.planning.tasks.scheduled import FEEDBACK
 from surefoot.motion.planning.trajectory import Trajectory
-from surefoot.motion.planning.transcription.follow import follow
+from surefoot.motion.planning.transcription.exact_rollout import follow
 
 VARIABLE = "SUREFOOT_CROCODDYL_PYTHON"
 """Names an interpreter that has the package crocoddyl."""
@@ -49,7 +49,7 @@ def judged(
     robot = problem.robot
     forces = motion.impulses / problem.dt
     beyond = np.linalg.norm(forces[..., :2], axis=2) - MU * forces[..., 2]
-    apart, _, went = replayed(motion, robot, problem.terrain)
+    apart, _, went = replay_plan(motion, robot, problem.terrain)
     goal = robot.foot_positions(problem.q)[:, :2] + np.array([DISTANCE, 0.0])
     ends = motion.q[-1], went[-1] if np.isfinite(apart) else np.full_like(problem.q, np.nan)
     planned, ended = (np.linalg.norm((robot.foot_positions(q)[:, :2] - goal).mean(axis=0)) for q in ends)

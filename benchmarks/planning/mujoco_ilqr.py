@@ -16,7 +16,7 @@ from surefoot.mechanics.robot import Robot
 from surefoot.mechanics.terrain import FlatTerrain
 from surefoot.motion.planning.shooting.horizon import FeedbackPolicy, Horizon
 from surefoot.motion.planning.shooting.iteration import ShootingIteration
-from surefoot.motion.planning.shooting.problem import ShootingProblem
+from surefoot.motion.planning.shooting.shooting_problem import ShootingProblem
 from surefoot.motion.planning.shooting.state_space import feedback
 from surefoot.worlds.mujoco.mujoco_world import add_ground, robot_spec
 

@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.timing import Stopwatch
 from surefoot.base.arrays import FloatArray
 from surefoot.mechanics.robot import Robot
-from surefoot.motion.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+from surefoot.motion.planning.mpc.contact_implicit_controller import ContactImplicitMpc, MpcSettings
 from surefoot.motion.planning.mpc.cost import WalkWeights
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.records.log import Ending, Log

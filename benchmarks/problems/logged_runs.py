@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 
 from surefoot.mechanics.robot import Robot, load_robot, place
-from surefoot.mechanics.terrain.table import read_terrain
+from surefoot.mechanics.terrain.terrain_names import read_terrain
 from surefoot.motion.control.controller import Controller
 from surefoot.motion.standing.standing_controller import StandingController
 from surefoot.motion.standing.standing_plan import StandingPlan
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController, WalkSettings
 from surefoot.records.log import Log
-from surefoot.worlds.interface.table import make_world
+from surefoot.worlds.interface.world_names import make_world
 from surefoot.worlds.running.run import Push, Scenario, run
 from surefoot.worlds.running.scenario import STANDING_FALL, START_DEPTH
 
@@ -33,7 +33,7 @@ class CleanRun:
     Attributes
     ----------
     robot, world, terrain
-        Names, see `load_robot`, `make_world` and `surefoot.mechanics.terrain.table`.
+        Names, see `load_robot`, `make_world` and `surefoot.mechanics.terrain.terrain_names`.
     gait
         Of a walk; empty to stand.
     velocity

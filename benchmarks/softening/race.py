@@ -10,14 +10,18 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.motion.planning.direct.planner import SMOOTHINGS, plan_direct
+from surefoot.motion.planning.direct.direct_planner import SMOOTHINGS, plan_direct
+from surefoot.motion.planning.direct.direct_transcription import DirectNlp
 from surefoot.motion.planning.direct.textbook import PROBLEMS, SmallProblem
-from surefoot.motion.planning.direct.transcribe import DirectNlp
 from surefoot.motion.planning.transcription.contact_rows import Facets, GivenModes, read_modes
-from surefoot.motion.planning.transcription.forms import FORMS, fischer_burmeister_eps, schedule
-from surefoot.motion.planning.transcription.guess import Guess
-from surefoot.motion.planning.transcription.judge import complementarity, window_miss
+from surefoot.motion.planning.transcription.initial_guess import Guess
+from surefoot.motion.planning.transcription.motion_errors import complementarity, window_miss
 from surefoot.motion.planning.transcription.nlp import Iterate
+from surefoot.motion.planning.transcription.smoothed_complementarity import (
+    FORMS,
+    fischer_burmeister_eps,
+    schedule,
+)
 
 MOST, EACH = 1200, 200
 """Iterations of Ipopt that a start is given, over all stages and in each."""

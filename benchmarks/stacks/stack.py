@@ -15,8 +15,8 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics.robot import Robot
 from surefoot.mechanics.terrain import Terrain
 from surefoot.motion.control.controller import Controller
-from surefoot.motion.drive.latency import LatencyCompensation
-from surefoot.motion.ground.terrain_knowledge import believed_ground
+from surefoot.motion.drive.latency_compensation import LatencyCompensation
+from surefoot.motion.ground.terrain_knowledge import controller_ground
 from surefoot.motion.walking.walkers import walking_controller
 from surefoot.motion.walking.walking_body import ACCELERATION, VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkSettings
@@ -155,7 +155,7 @@ class Surefoot:
     def controller(self, job: Job) -> TimedController:
         """See `Stack.controller`."""
         command = VelocityCommand.constant(*job.asked)
-        ground = believed_ground(job.knowledge, job.terrain)
+        ground = controller_ground(job.knowledge, job.terrain)
         walker = walking_controller(job.robot, command, None, ground, job.mu, job.motors, job.dt)
         return Timed(walker, LatencyCompensation(walker, job.robot, job.dt))
 

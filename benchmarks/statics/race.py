@@ -15,10 +15,11 @@ from benchmarks.statics import rivals
 from benchmarks.timing import Timing, one_core, time_calls
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact.cones.representation import convert
-from surefoot.mechanics.stance import PatchContact, PointContact, Stance, StanceBatch
-from surefoot.mechanics.statics.batch import can_stand_batch, com_region_batch
+from surefoot.mechanics.stance import PatchContact, PointContact, Stance
+from surefoot.mechanics.stance.stance_batch import StanceBatch
 from surefoot.mechanics.statics.com_region import com_region
 from surefoot.mechanics.statics.statics import can_stand
+from surefoot.mechanics.statics.statics_batch import can_stand_batch, com_region_batch
 from surefoot.mechanics.statics.wrench_cone import wrench_cone
 
 MANY_FEET = (4, 16, 64, 256)

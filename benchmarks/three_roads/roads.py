@@ -22,7 +22,7 @@ from surefoot.motion.planning.shooting import (
     TorqueCost,
 )
 from surefoot.motion.planning.trajectory import Trajectory, rollout
-from surefoot.motion.planning.transcription.judge import exact_cost, window_miss
+from surefoot.motion.planning.transcription.motion_errors import exact_cost, window_miss
 
 PRICES = (1e3, 1e4, 1e5)
 """Of missing the end and the height, where a road can only price them: per m² and rad²; speeds a tenth."""

@@ -12,7 +12,7 @@ from surefoot.mechanics.terrain import SlopeTerrain
 from surefoot.motion.planning.direct import DirectProblem, StateWindow, Weights, planar_hopper
 from surefoot.motion.planning.trajectory import TOLERANCE, Trajectory
 from surefoot.motion.planning.transcription.contact_rows import OPEN, STICK
-from surefoot.motion.planning.transcription.judge import window_miss
+from surefoot.motion.planning.transcription.motion_errors import window_miss
 from surefoot.motion.planning.transcription.planar import RADIUS
 
 NEAR = 0.02

@@ -7,7 +7,7 @@ import pytest
 from stance_families import FAMILIES, question
 
 import surefoot as sf
-from tests.mechanics.statics.test_batch import assert_same_region
+from tests.mechanics.statics.test_statics_batch import assert_same_region
 
 
 @pytest.mark.parametrize("family", FAMILIES)

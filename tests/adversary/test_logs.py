@@ -11,7 +11,7 @@ import pytest
 from surefoot.base.errors import ProblemError
 from surefoot.records.audit import RunSummary, summarise_stand, summarise_walk
 from surefoot.records.log import FACTS, Log
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 
 DATA = Path(__file__).resolve().parents[1] / "records" / "log" / "data"
 LOGS = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 
 
 def coupled(rng: np.random.Generator) -> sf.ContactProblem:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import Robot, place
 from surefoot.mechanics.robot.actuators import real_actuators
 from surefoot.mechanics.terrain import FlatTerrain
@@ -18,9 +18,9 @@ from surefoot.motion.control.controller import RobotState
 from surefoot.motion.control.mpc import ConvexMpc
 from surefoot.motion.control.whole_body import Tasks, WholeBodyController
 from surefoot.motion.drive.joint_targets import JointTargetController
-from surefoot.motion.drive.latency import LatencyCompensation
+from surefoot.motion.drive.latency_compensation import LatencyCompensation
 from surefoot.motion.drive.watchdog import Watchdog
-from surefoot.motion.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+from surefoot.motion.planning.mpc.contact_implicit_controller import ContactImplicitMpc, MpcSettings
 from surefoot.motion.standing.standing_controller import StandingController
 from surefoot.motion.standing.standing_plan import Lift, StandingPlan
 from surefoot.motion.walking.walking_body import VelocityCommand

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.statics.allocation import ExactAllocation, SolverAllocation
 from surefoot.mechanics.statics.force_distribution import ForceDistributor
 from tests.conformance.hard_inputs import (

@@ -11,7 +11,7 @@ from .cones.polyhedral import FrictionPyramid as FrictionPyramid
 from .cones.polyhedral import PolyhedralCone as PolyhedralCone
 from .cones.product import ProductCone as ProductCone
 from .cones.representation import Method as Method
-from .cones.wrench import WrenchCone as WrenchCone
+from .cones.wrench_cone import WrenchCone as WrenchCone
 from .derivative.solution_derivative import KINK as KINK
 from .derivative.solution_derivative import ContactDerivative as ContactDerivative
 from .derivative.solution_derivative import Kink as Kink
@@ -20,14 +20,14 @@ from .laws.soft.behaviour import MassOnContact as MassOnContact
 from .laws.soft.behaviour import behaviour as behaviour
 from .laws.soft.behaviour import settling_time as settling_time
 from .laws.soft.behaviour import stopping_depth as stopping_depth
-from .laws.soft.law import ExactFriction as ExactFriction
-from .laws.soft.law import SoftLaw as SoftLaw
 from .laws.soft.mujoco import MujocoLaw as MujocoLaw
+from .laws.soft.soft_law import ExactFriction as ExactFriction
+from .laws.soft.soft_law import SoftLaw as SoftLaw
 from .laws.soft.spring_damper import SpringDamper as SpringDamper
 from .problem.problem import ContactProblem as ContactProblem
-from .problem.solution import ContactSolution as ContactSolution
-from .problem.solution import Status as Status
 from .sets.kinds import Planar as Planar
+from .solution import ContactSolution as ContactSolution
+from .solution import Status as Status
 from .solvers.compiled import COMPILED_CONTACTS as COMPILED_CONTACTS
 from .solvers.compiled import CONVEX_CALL as CONVEX_CALL
 from .solvers.compiled import UNBOUNDED as UNBOUNDED
@@ -40,7 +40,7 @@ from .solvers.dual_newton.riccati import tracking as tracking
 from .solvers.dual_newton.rows import RowsWork as RowsWork
 from .solvers.dual_newton.rows import distribute_with_rows as distribute_with_rows
 from .solvers.dual_newton.rows import rows_work as rows_work
-from .solvers.dual_newton.wrench import distribute_wrench as distribute_wrench
+from .solvers.dual_newton.wrench_distribution import distribute_wrench as distribute_wrench
 from .solvers.solver import find_solver as find_solver
 from .solvers.solver import solve as solve
 from .translation.combination import combination_rules as combination_rules

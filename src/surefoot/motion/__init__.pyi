@@ -17,7 +17,7 @@ from .estimation.inekf import FilterNoise as FilterNoise
 from .estimation.state_estimator import Reading as Reading
 from .gaits.library import gait_names as gait_names
 from .planning.plan import planned_ground as planned_ground
-from .planning.stand_up.controller import controller_of as controller_of
+from .planning.stand_up.stand_up_controller import controller_of as controller_of
 from .planning.tracking.reference import Reference as Reference
 from .state import HeightScan as HeightScan
 from .state import RobotState as RobotState

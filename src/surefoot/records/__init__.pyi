@@ -10,11 +10,11 @@ from .identification.toss_model import ROUNDING as ROUNDING
 from .identification.toss_model import TossScene as TossScene
 from .identification.toss_model import in_plane as in_plane
 from .identification.toss_model import in_world as in_world
-from .log.arrays_in import log_from_arrays as log_from_arrays
 from .log.channels import CHANNELS as CHANNELS
 from .log.channels import Channel as Channel
-from .log.formats import read_log as read_log
+from .log.from_arrays import log_from_arrays as log_from_arrays
 from .log.log import Ending as Ending
 from .log.log import Log as Log
 from .log.plausibility import find_doubts as find_doubts
+from .log.reading import read_log as read_log
 from .log.recorder import Recorder as Recorder

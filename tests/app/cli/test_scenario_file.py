@@ -14,7 +14,7 @@ import yaml
 from surefoot.app.cli.physics import contact_law
 from surefoot.app.cli.scenario_file import SCHEMA, STAND_KEYS, WALK_KEYS, ScenarioFile
 from surefoot.laws import Hertz, HuntCrossley, MujocoLaw, SpringDamper
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 
 ROOT = Path(__file__).resolve().parents[3]
 SCENARIOS = sorted((ROOT / "examples" / "scenarios").glob("*.yaml"))

@@ -30,9 +30,9 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solvers import solver as solvers
 from surefoot.mechanics.robot.catalog import find, robots_folder
 from surefoot.motion.planning import planner
-from surefoot.worlds.interface.table import WORLDS, packages_of
+from surefoot.worlds.interface.world_names import WORLDS, packages_of
 from tests.records.identification.hopper import write_hopper
-from tests.records.log.test_completed import write as write_table
+from tests.records.log.test_log_completion import write as write_table
 
 ROOT = Path(__file__).resolve().parents[3]
 CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from surefoot.app.cli.main import main
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 
 QUIET = ["--no-video", "--no-report"]
 

@@ -14,8 +14,8 @@ import pytest
 
 from surefoot.app.cli.main import main
 from surefoot.base.errors import SimulationError
-from surefoot.records.log import parts, recorder
-from surefoot.records.log.formats import read_log
+from surefoot.records.log import part_files, recorder
+from surefoot.records.log.reading import read_log
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 
 STAND = ["stand", "--duration", "1", "--no-video", "--out"]
@@ -64,10 +64,10 @@ def test_a_signal_before_the_first_step_leaves_no_log(
 def test_a_disk_that_fills_up_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    original = parts._write_at
+    original = part_files._write_at
 
     def write(file: Any, offset: int, data: Any) -> None:
-        if offset > parts.HEADER_BYTES:
+        if offset > part_files.HEADER_BYTES:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         original(file, offset, data)
 
@@ -75,7 +75,7 @@ def test_a_disk_that_fills_up_is_told(
         file.write(b"PK")
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(parts, "_write_at", write)
+    monkeypatch.setattr(part_files, "_write_at", write)
     monkeypatch.setattr(recorder, "CHUNK_BYTES", 300_000)
     monkeypatch.setattr(recorder, "HELD_BACK", 0.5)
     monkeypatch.setattr(np, "savez_compressed", savez)

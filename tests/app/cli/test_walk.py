@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from surefoot.app.cli.main import main
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 
 QUICK = ("--duration", "1.2", "--no-video")
 ALIKE = ("a1", "anymal_c", "b1", "go1", "hyq", "laikago")

@@ -15,7 +15,7 @@ from surefoot.app.cli.main import main
 from surefoot.contact.problem import ContactProblem
 from surefoot.motion.planning.planner import task_names
 from surefoot.records.identification.tosses import Cube, Tosses
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 
 STANCE = Path(__file__).parents[3] / "examples" / "stances" / "slope.yaml"
 LINK = "<link name='b'><inertial><mass value='{}'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/>"

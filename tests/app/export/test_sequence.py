@@ -136,7 +136,7 @@ def landing(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_plan_becomes_a_sequence(landing: Path) -> None:
-    from surefoot.records.log.formats import read_log
+    from surefoot.records.log.reading import read_log
 
     log = read_log(landing)
     sequence = sequence_from_log(log)

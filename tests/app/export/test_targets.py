@@ -15,7 +15,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.app.export import TARGETS, ContactSequence, SequencePhase, export_sequence
-from surefoot.app.export.targets.table import find_target
+from surefoot.app.export.targets.target_names import find_target
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics.stance import PointContact
 from surefoot.worlds.drake import drake_python

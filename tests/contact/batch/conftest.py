@@ -9,7 +9,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.base.arrays import FloatArray
-from surefoot.contact.problem.solution import ContactSolution
+from surefoot.contact.solution import ContactSolution
 
 
 class Problems(NamedTuple):

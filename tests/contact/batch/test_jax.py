@@ -12,7 +12,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.contact.batch.answers import STATUSES
 from surefoot.contact.batch.certificate import scales
 from surefoot.contact.batch.modes import certified
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 
 jax = pytest.importorskip("jax", reason="JAX is not installed (extra jax)")
 jnp = jax.numpy

@@ -8,7 +8,7 @@ import pytest
 
 from surefoot.base.errors import ProblemError
 from surefoot.contact.batch.answers import STATUSES
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 
 torch = pytest.importorskip("torch", reason="PyTorch is not installed (extra torch; make test-extras)")
 sft = pytest.importorskip("surefoot.contact.batch.torch")

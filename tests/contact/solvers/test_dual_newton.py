@@ -6,7 +6,7 @@ import pytest
 from surefoot.base.kernels import kernel
 from surefoot.base.numerics import six
 from surefoot.base.numerics.projection import project_truncated
-from surefoot.contact.solvers.dual_newton import dense, wrench
+from surefoot.contact.solvers.dual_newton import dense, wrench_distribution
 from surefoot.contact.solvers.dual_newton import distribution_memory as layout
 
 
@@ -32,12 +32,12 @@ def forces_twin(B, c, cones, y, rho=1.0):
 
 @kernel
 def run_enter(work, contacts, y, b, kappa):
-    return wrench._enter((work, contacts, b, 0.0), y, kappa)
+    return wrench_distribution._enter((work, contacts, b, 0.0), y, kappa)
 
 
 @kernel
 def run_assemble(work, contacts, kappa):
-    return wrench._assemble(work, contacts, kappa)
+    return wrench_distribution._assemble(work, contacts, kappa)
 
 
 @kernel
@@ -46,10 +46,10 @@ def run_derivative(work, contacts, b, kappa, y, d, t):
     for k in range(contacts):
         for a in range(3):
             work[k, layout.OLD + a] = work[k, layout.POINT + a]
-        layout.store_vector(work, k, layout.STEP, wrench._pulled(work, k, d, 1.0 / kappa))
-    ahead, curve = wrench._line(memory, six.mix(y, 1.0, d), d)
-    found = wrench._derivative((memory, kappa, ahead, curve), t)
-    return found, wrench._take(memory, y, d, kappa, t, 0.0)
+        layout.store_vector(work, k, layout.STEP, wrench_distribution._pulled(work, k, d, 1.0 / kappa))
+    ahead, curve = wrench_distribution._line(memory, six.mix(y, 1.0, d), d)
+    found = wrench_distribution._derivative((memory, kappa, ahead, curve), t)
+    return found, wrench_distribution._take(memory, y, d, kappa, t, 0.0)
 
 
 def full(lower):
@@ -125,7 +125,7 @@ def test_newton_against_the_same_in_numpy(seed):
     work[:5, layout.FLOOR], work[:5, layout.CEILING] = cones[:, 1], cones[:, 2]
     work[6, layout.TOLERANCE], work[6, layout.LIMIT] = 1e-11, 100
     forces = np.zeros((5, 3))
-    assert wrench.distribute_wrench(B, b, work, forces) == layout.SOLVED
+    assert wrench_distribution.distribute_wrench(B, b, work, forces) == layout.SOLVED
 
     def gradient(y):
         return y + B @ forces_twin(B, c, cones, y) - b

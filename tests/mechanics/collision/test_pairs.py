@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from surefoot.mechanics.collision.pairs import place_solids, swept
+from surefoot.mechanics.collision.pairs import place_solids, sweep_boxes
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -39,5 +39,5 @@ def test_the_sweep_finds_the_pairs_that_are_close_along_every_axis(seed: int) ->
     centre, extent, reach = rng.uniform(0.0, 1.0, (60, 3)), rng.uniform(0.0, 0.1, (60, 3)), 0.05
     apart = np.abs(centre[:, None] - centre) - extent[:, None] - extent
     expected = np.argwhere(np.triu((apart < reach).all(axis=2), 1))
-    assert swept(centre, extent, reach).tolist() == expected.tolist()
+    assert sweep_boxes(centre, extent, reach).tolist() == expected.tolist()
     assert len(expected) > 20

@@ -10,7 +10,7 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics.dynamics import Knot, MomentumKnot, StepOptions, Stepper
 from surefoot.mechanics.dynamics.momentum_knot import velocity_of_way
 from surefoot.mechanics.robot import load_robot, place
-from surefoot.mechanics.robot.centroidal import carried_momentum
+from surefoot.mechanics.robot.centroidal import free_momentum_rows
 from surefoot.mechanics.terrain import SlopeTerrain
 from surefoot.motion.planning.transcription import planar
 
@@ -70,7 +70,7 @@ def flown(knot, thrown_robot, rows, steps=30):
 def test_momentum_changes_by_gravity_and_impulses_alone(name, height) -> None:
     """Linear and angular, in the air and over landings; the centre of mass goes where momentum takes it."""
     given = thrown(name, height)
-    rows = carried_momentum(given[0].model)
+    rows = free_momentum_rows(given[0].model)
     assert rows == ROBOTS[name][1]
     worst, off, pressed = flown(knot_of(given[0]), given, rows)
     assert worst < 1e-13

@@ -20,7 +20,7 @@ from benchmarks.problems.allocations import (
     random_instances,
 )
 from benchmarks.problems.allocations import grasp_map as grasp_map_of
-from surefoot.contact.solvers.dual_newton import wrench as distribution_wrench
+from surefoot.contact.solvers.dual_newton import wrench_distribution as distribution_wrench
 from tests.mechanics.statics.distributors import SOLVED, convex_error, distributor_of, some_map
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from surefoot.base.arrays import FloatArray
 from surefoot.mechanics.terrain import PitTerrain, StairsTerrain, Terrain
 from surefoot.mechanics.terrain.levels import LevelsTerrain
-from surefoot.mechanics.terrain.shapes import GroundBox
+from surefoot.mechanics.terrain.surface_shapes import GroundBox
 
 GROUNDS = (StairsTerrain(0.12, 0.3, 4), StairsTerrain(-0.12, 0.3, 4), PitTerrain(0.2, 0.4, 0.1))
 

@@ -9,7 +9,7 @@ from benchmarks.problems.walking import TICK, choose_scenes, controller, record
 from benchmarks.walk.horizon import horizon_program
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import rotation_about, rotation_from_normal
-from surefoot.contact.problem.solution import Status
+from surefoot.contact.solution import Status
 from surefoot.motion.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
 
 FEET = np.array([[0.2, 0.14, 0.0], [0.2, -0.14, 0.0], [-0.2, 0.14, 0.0], [-0.2, -0.14, 0.0]])

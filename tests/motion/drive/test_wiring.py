@@ -10,10 +10,10 @@ import pytest
 
 import surefoot as sf
 from surefoot.base.errors import ProblemError
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.motion.control.controller import Command, Controller, JointTargets, RobotState
 from surefoot.motion.drive.joint_targets import MEMORY, STANCE_GAIN, JointTargetController
-from surefoot.motion.drive.latency import LONGEST, DelayMeter, LatencyCompensation
+from surefoot.motion.drive.latency_compensation import LONGEST, DelayMeter, LatencyCompensation
 from surefoot.motion.drive.watchdog import Watchdog
 
 GO2 = sf.load_robot("go2")
@@ -47,9 +47,9 @@ def test_a_delay_is_measured_from_what_motors_report(steps: int) -> None:
     meter, asked = DelayMeter(12, DT), [np.zeros(12)]
     for _ in range(300):
         asked.append(0.9 * asked[-1] + rng.normal(size=12))
-        meter.commanded(asked[-1])
+        meter.note_command(asked[-1])
         given = asked[max(len(asked) - 1 - steps, 0)]
-        meter.reported(1.03 * given + 0.1 * rng.normal(size=12))
+        meter.compare_report(1.03 * given + 0.1 * rng.normal(size=12))
     assert meter.steps == steps
     meter.reset()
     assert meter.steps == 0
@@ -59,8 +59,8 @@ def test_noise_alone_is_no_delay() -> None:
     rng = np.random.default_rng(3)
     meter, still = DelayMeter(12, DT), np.full(12, 5.0)
     for _ in range(500):
-        meter.commanded(still)
-        assert meter.reported(still + 0.2 * rng.normal(size=12)) == 0
+        meter.note_command(still)
+        assert meter.compare_report(still + 0.2 * rng.normal(size=12)) == 0
 
 
 def test_the_state_to_come_is_that_of_the_accelerations_on_their_way() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.mechanics.terrain import FlatTerrain, StairsTerrain, Terrain, read_terrain
-from surefoot.motion.ground.stair_detection import FINE, LOOKS, PATIENCE, StepWatch, find_edges, find_flight
+from surefoot.motion.ground.stair_detection import FINE, LOOKS, PATIENCE, StairWatch, find_edges, find_stairs
 from surefoot.motion.ground.stair_fit import StairSteps
 
 WAYS = np.arange(-1.0, 1.1, FINE)
@@ -26,7 +26,7 @@ def _blurred(heights: np.ndarray, cells: int, noise: float, seed: int = 0) -> np
 def test_stairs_are_found_in_a_blurred_and_noisy_map(rise: float, tread: float, seed: int) -> None:
     stairs = StairsTerrain(rise, tread)
     heights = stairs.height(np.column_stack([0.2 * tread * seed + WAYS, 0.0 * WAYS]))
-    flight = find_flight(_blurred(heights, 3, 0.002, seed))
+    flight = find_stairs(_blurred(heights, 3, 0.002, seed))
     assert flight is not None
     found = flight.steps
     assert found.rise == pytest.approx(rise, abs=0.01)
@@ -39,22 +39,22 @@ def test_stairs_are_found_in_a_blurred_and_noisy_map(rise: float, tread: float, 
 def test_other_ground_has_none(text: str) -> None:
     ground = read_terrain(text, "terrain")
     heights = ground.height(np.column_stack([WAYS, 0.0 * WAYS]))
-    assert find_flight(_blurred(heights, 3, 0.002)) is None
+    assert find_stairs(_blurred(heights, 3, 0.002)) is None
 
 
 def test_one_step_and_uneven_ones_are_no_stairs() -> None:
     kerb = np.where(WAYS > 0.2, 0.12, 0.0)
-    assert find_flight(kerb) is None
+    assert find_stairs(kerb) is None
     places, jumps = find_edges(kerb)
     assert len(places) == 1
     assert jumps == pytest.approx([0.12])
     assert WAYS[0] + FINE * places[0] == pytest.approx(0.2, abs=0.01)
-    assert find_flight(kerb + np.where(WAYS > 0.5, 0.3, 0.0)) is None  # another height: what is not seen yet
-    assert find_flight(np.where(np.abs(WAYS) < 0.15, 0.12, 0.0)) is None  # up and down again
-    assert find_flight(np.where(WAYS > 0.2, 0.12, 0.0) + np.where(WAYS > 1.0, 0.12, 0.0)) is None  # a landing
+    assert find_stairs(kerb + np.where(WAYS > 0.5, 0.3, 0.0)) is None  # another height: what is not seen yet
+    assert find_stairs(np.where(np.abs(WAYS) < 0.15, 0.12, 0.0)) is None  # up and down again
+    assert find_stairs(np.where(WAYS > 0.2, 0.12, 0.0) + np.where(WAYS > 1.0, 0.12, 0.0)) is None  # a landing
 
 
-def _watch(terrain: Terrain, watch: StepWatch, places: np.ndarray, start: float = 0.0) -> float:
+def _watch(terrain: Terrain, watch: StairWatch, places: np.ndarray, start: float = 0.0) -> float:
     time = start
     for x in places:
         watch.look(terrain, np.array([x, 0.0]), 0.0, time)
@@ -63,7 +63,7 @@ def _watch(terrain: Terrain, watch: StepWatch, places: np.ndarray, start: float 
 
 
 def test_what_is_remembered_is_even_and_ends_after_the_last_edge() -> None:
-    stairs, watch = StairsTerrain(0.12, 0.3), StepWatch()
+    stairs, watch = StairsTerrain(0.12, 0.3), StairWatch()
     assert watch.steps is None
     time = _watch(stairs, watch, np.full(LOOKS - 1, -0.3))
     assert watch.steps is None
@@ -78,7 +78,7 @@ def test_what_is_remembered_is_even_and_ends_after_the_last_edge() -> None:
 
 
 def test_the_way_counts_and_not_the_world() -> None:
-    stairs, watch = StairsTerrain(0.12, 0.3), StepWatch()
+    stairs, watch = StairsTerrain(0.12, 0.3), StairWatch()
     for k in range(LOOKS):
         watch.look(stairs, np.array([1.5, 0.0]), np.pi, 0.1 * k)  # backwards they go down
     assert watch.steps is not None

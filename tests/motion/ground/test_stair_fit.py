@@ -10,7 +10,7 @@ import pytest
 from surefoot.base.spatial import rotation_about
 from surefoot.mechanics.terrain import StairsTerrain
 from surefoot.motion.ground import elevation_kernels as kernels
-from surefoot.motion.ground.stair_fit import FlightFit, StairSteps
+from surefoot.motion.ground.stair_fit import StairFit, StairSteps
 
 Z = np.array([0.0, 0.0, 1.0])
 
@@ -49,11 +49,11 @@ def _scan(
 
 def _walk(
     stairs: StairsTerrain, steps: StairSteps, heading: float, seed: int, tilt: float = 0.0
-) -> tuple[FlightFit, float]:
+) -> tuple[StairFit, float]:
     """Return a fit that begins with rough steps after a walk onto the stairs, and where it ended along x."""
     rng = np.random.default_rng(seed)
     along = np.array([math.cos(heading), math.sin(heading)])
-    fit = FlightFit(along, 0.02, 0.01, steps, np.zeros(2))
+    fit = StairFit(along, 0.02, 0.01, steps, np.zeros(2))
     x = 0.0
     for k in range(25):
         x = -0.5 + 0.03 * k
@@ -93,7 +93,7 @@ def test_an_error_of_the_mounting_moves_edges_by_its_lever_alone() -> None:
 def _edge(flight: np.ndarray, number: int) -> float:
     """Return where an edge crosses the line y = 0, by bisection on the heights."""
     x = np.linspace(-0.5, 3.0, 35001)
-    heights = kernels.flight_heights(
+    heights = kernels.stair_heights(
         np.full(len(x), np.nan), x > np.inf, np.column_stack([x, 0.0 * x]), flight
     )[0]
     jumps = np.flatnonzero(np.abs(np.diff(heights)) > 0.5 * abs(flight[7]))
@@ -101,7 +101,7 @@ def _edge(flight: np.ndarray, number: int) -> float:
 
 
 def _height(flight: np.ndarray, x: float) -> tuple[float, bool]:
-    out, own = kernels.flight_heights(np.zeros(1), np.zeros(1, dtype=bool), np.array([[x, 0.0]]), flight)
+    out, own = kernels.stair_heights(np.zeros(1), np.zeros(1, dtype=bool), np.array([[x, 0.0]]), flight)
     return float(out[0]), bool(own[0])
 
 
@@ -135,7 +135,7 @@ def test_heights_on_a_flight_are_those_of_its_steps(seed: int) -> None:
     flight = np.array([math.cos(angle), math.sin(angle), 0.2, 0.7, 0.3, turn, 0.05, -0.12, 1.0, 4.0])
     xy, seen = rng.uniform(-3.0, 3.0, (500, 2)), rng.uniform(-1.0, 0.2, 500)
     known = rng.random(500) < 0.7
-    out, own = kernels.flight_heights(seen, known, xy, flight)
+    out, own = kernels.stair_heights(seen, known, xy, flight)
     s, w = xy @ flight[:2], xy @ [-flight[1], flight[0]] - 0.2
     share = (s - turn * w - 0.7) / 0.3
     on = (share > 1.0 - kernels.FLIGHT_ENDS) & (share < 4.0 + kernels.FLIGHT_ENDS)

@@ -16,7 +16,7 @@ from surefoot.motion.gaits.library import named_gait
 from surefoot.motion.ground.ground_belief import BeliefTerrain
 from surefoot.motion.ground.mapped_ground import MappedGround
 from surefoot.motion.ground.plane_ahead import plane_ahead
-from surefoot.motion.ground.terrain_knowledge import believed_ground
+from surefoot.motion.ground.terrain_knowledge import controller_ground
 from surefoot.motion.ground.touched_ground import TouchedGround
 from surefoot.motion.walking.touchdown_detection import sort_touches
 from surefoot.motion.walking.walking_feet import Feet
@@ -140,11 +140,11 @@ def test_a_foot_strikes_nothing_where_the_ground_before_it_is_low() -> None:
 
 def test_the_names_of_knowledge() -> None:
     ground = FlatTerrain()
-    assert believed_ground("exact", ground) is ground
-    assert believed_ground("map", ground).learns
-    assert believed_ground("blind", ground).learns
+    assert controller_ground("exact", ground) is ground
+    assert controller_ground("map", ground).learns
+    assert controller_ground("blind", ground).learns
     with pytest.raises(ProblemError, match="valid names: blind, exact, map"):
-        believed_ground("deaf", ground)
+        controller_ground("deaf", ground)
 
 
 def test_an_edge_is_told_from_the_ground_by_the_force() -> None:

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import place
 from surefoot.mechanics.terrain import FlatTerrain, PitTerrain
 from surefoot.motion.planning import PlanSearch, plan_from, rollout
 from surefoot.motion.planning.certificate import certify, foot_hits, link_hits, momentum_error
-from surefoot.motion.planning.levels import passed
 from surefoot.motion.planning.planner import plan
+from surefoot.motion.planning.stepped_ground import find_passed_ground
 
 casadi = pytest.importorskip("casadi")
 FOUND = PlanSearch("stand", "by hand", cost=0.0, reached=True, iterations=1, seconds=0.0, goal="stands")
@@ -82,7 +82,7 @@ def test_feet_that_dip_into_a_ditch_on_their_way_are_noticed(go2, standing, rise
     way[50, :3] += [0.3, 0.0, rise]
     way[51:, 0] += 0.8
     ground = PitTerrain(0.25, 0.3, 0.3)
-    between = passed(ground, go2, way[0], way[-1])
+    between = find_passed_ground(ground, go2, way[0], way[-1])
     assert bool(foot_hits(way, go2, between)) == bool(told)
     made = plan_from(replace(standing, q=way), go2, FOUND, ground)
     assert made.status is Status.ALMOST  # the replay stays where it is

@@ -7,11 +7,11 @@ import pytest
 
 from surefoot import audit_log
 from surefoot.base.errors import NoSolution, ProblemError
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import place
 from surefoot.motion.planning import Plan, PlanSearch, plan_from, rollout
 from surefoot.motion.planning import planner as planners
-from surefoot.motion.planning.tasks import table
+from surefoot.motion.planning.tasks import task_names
 
 FOUND = PlanSearch("stand", "by hand", cost=1.5, reached=True, iterations=3, seconds=0.25, goal="stands")
 
@@ -114,7 +114,7 @@ class Wait:
 
 @pytest.fixture
 def wait(monkeypatch):
-    monkeypatch.setitem(table.TASKS, "wait", "tasks_of_tests:WAIT")
+    monkeypatch.setitem(task_names.TASKS, "wait", "tasks_of_tests:WAIT")
     monkeypatch.setitem(__import__("sys").modules, "tasks_of_tests", type("M", (), {"WAIT": Wait()}))
 
 

@@ -11,7 +11,13 @@ import surefoot as sf
 from surefoot.mechanics.robot.actuators import unknown_limits
 from surefoot.mechanics.robot.legs import Legs
 from surefoot.mechanics.terrain import PitTerrain, StairsTerrain, rough_ground
-from surefoot.motion.planning.schedule.motions import QUICK, jump, landed, lift_speed, time_scale
+from surefoot.motion.planning.schedule.motions import (
+    QUICK,
+    jump,
+    landing_configuration,
+    lift_speed,
+    time_scale,
+)
 from surefoot.motion.planning.tasks import scheduled
 from surefoot.motion.planning.tasks.scheduled import mover
 from surefoot.motion.planning.tasks.task import PlanRequest
@@ -46,7 +52,7 @@ def test_a_jump_that_turns_is_solved_and_lands(go2):
 
 def test_where_a_jump_ends_is_turned_about_the_middle_of_the_feet(go2):
     q = sf.place(go2)
-    there = landed(go2, q, 0.3, (0.25 * math.pi, 0.5 * math.pi), sf.FlatTerrain())
+    there = landing_configuration(go2, q, 0.3, (0.25 * math.pi, 0.5 * math.pi), sf.FlatTerrain())
     before, after = go2.foot_positions(q), go2.foot_positions(there)
     assert after.mean(axis=0) - before.mean(axis=0) == pytest.approx([0.3 / 2**0.5, 0.3 / 2**0.5, 0.0])
     arms, turned = before - before.mean(axis=0), after - after.mean(axis=0)

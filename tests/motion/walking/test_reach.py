@@ -11,7 +11,7 @@ import pytest
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.terrain import FlatTerrain
 from surefoot.motion.control.controller import RobotState
-from surefoot.motion.ground.terrain_knowledge import believed_ground
+from surefoot.motion.ground.terrain_knowledge import controller_ground
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController
 
@@ -54,7 +54,7 @@ def reached(root: Any) -> dict[str, set[str]]:
 def test_how_much_is_reached_from_a_walking_controller(capsys: pytest.CaptureFixture[str]) -> None:
     robot = load_robot("go2")
     for knowledge, classes, attributes in (("exact", 25, 200), ("blind", 34, 245), ("map", 37, 265)):
-        terrain = believed_ground(knowledge, FlatTerrain())
+        terrain = controller_ground(knowledge, FlatTerrain())
         walker = WalkingController(robot, VelocityCommand.constant(0.5), terrain=terrain)
         walker.step(RobotState(robot.nominal, np.zeros(robot.model.nv)))
         found = reached(walker)

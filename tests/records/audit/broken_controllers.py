@@ -15,7 +15,7 @@ import numpy as np
 import surefoot as sf
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion, skew
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import Robot
 from surefoot.mechanics.terrain import FlatTerrain
 from surefoot.motion.control.controller import Command, Controller, RobotState

@@ -16,7 +16,7 @@ from surefoot.records.audit.laws import LAWS, LEAST_FRICTION
 from surefoot.records.audit.slides import LAG
 from surefoot.records.log import CHANNELS, Log
 from surefoot.records.log.channels import SCHEMA
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 from tests.records.audit.logs import check_laws
 
 WEIGHT = 100.0

@@ -13,10 +13,10 @@ import pytest
 import surefoot as sf
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import rotation_from_quaternion
-from surefoot.records.log.formats import read_log
 from surefoot.records.log.log import Log
 from surefoot.records.log.mapping import LogMapping, Take
 from surefoot.records.log.plausibility import find_doubts
+from surefoot.records.log.reading import read_log
 
 GO1 = Path(__file__).resolve().parents[4] / "shared" / "data" / "go1_log" / "go1.csv"
 T = 60

@@ -15,7 +15,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.records.audit import RunSummary, summarise_stand, summarise_walk
 from surefoot.records.log import CHANNELS, Channel, Log
 from surefoot.records.log.channels import SCHEMA, check_shapes
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 
 DATA = Path(__file__).parent / "data"
 """Short runs of a Go2 in MuJoCo, logged and summarised by an early version."""

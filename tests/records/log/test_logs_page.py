@@ -29,7 +29,7 @@ def test_the_page_runs(
 
 
 def test_the_page_names_every_unit_and_alias_rightly() -> None:
-    from surefoot.records.log.arrays_in import ALIASES
+    from surefoot.records.log.from_arrays import ALIASES
     from surefoot.records.log.mapping import UNITS
 
     page = PAGE.read_text()

@@ -12,8 +12,8 @@ import pytest
 
 import surefoot as sf
 from surefoot.base.errors import ProblemError, SurefootError
-from surefoot.records.log.formats import read_log, read_source
 from surefoot.records.log.mapping import LogMapping, Take
+from surefoot.records.log.reading import read_log, read_source
 
 mcap_writer = pytest.importorskip("mcap.writer")
 pytest.importorskip("rosbags")

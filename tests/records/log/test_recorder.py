@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from surefoot.base.errors import ProblemError, WriteError
-from surefoot.records.log import CHANNELS, Log, npz, parts
+from surefoot.records.log import CHANNELS, Log, npz, part_files
 from surefoot.records.log import recorder as recorder_module
 from surefoot.records.log.channels import Channel
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 from surefoot.records.log.recorder import CHUNK_BYTES, Recorder
 
 ROWS = [CHANNELS[name].sized(nq=19, p=4) for name in ("time", "q", "forces", "active", "grasp_map")]
@@ -170,7 +170,7 @@ def test_nothing_that_exists_is_touched(tmp_path: Path) -> None:
 def test_an_interrupted_write_is_made_again(
     call: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    original, calls = parts._write_at, 0
+    original, calls = part_files._write_at, 0
 
     def write(file: Any, offset: int, data: Any) -> None:
         nonlocal calls
@@ -182,7 +182,7 @@ def test_an_interrupted_write_is_made_again(
 
     recorder = Recorder(10**6, ROWS, tmp_path / "parts")
     fill(recorder, CHUNK)
-    monkeypatch.setattr(parts, "_write_at", write)
+    monkeypatch.setattr(part_files, "_write_at", write)
     calls = 10
     with pytest.raises(KeyboardInterrupt):
         fill(recorder, 1)
@@ -190,14 +190,14 @@ def test_an_interrupted_write_is_made_again(
 
 
 def test_a_full_disk_keeps_what_fits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    original, room = parts._write_at, 3 * CHUNK * 8 * 72
+    original, room = part_files._write_at, 3 * CHUNK * 8 * 72
 
     def write(file: Any, offset: int, data: Any) -> None:
         if offset + len(data) > room:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         original(file, offset, data)
 
-    monkeypatch.setattr(parts, "_write_at", write)
+    monkeypatch.setattr(part_files, "_write_at", write)
     recorder = Recorder(10**6, ROWS, tmp_path / "parts", {"outcome": "interrupted"})
     with pytest.raises(WriteError, match=r"cannot write .*parts: No space left on device"):
         fill(recorder, 9 * CHUNK)

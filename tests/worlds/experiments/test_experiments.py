@@ -11,7 +11,7 @@ import pytest
 from surefoot.base.errors import ProblemError, SurefootError
 from surefoot.base.spatial import GRAVITY
 from surefoot.worlds.drake import drake_python
-from surefoot.worlds.experiments import EXPERIMENTS, bodies, carry_out
+from surefoot.worlds.experiments import EXPERIMENTS, body_experiments, carry_out
 from surefoot.worlds.experiments.experiment import Measured, MeasuredQuantity, WorldExperiment, compare
 
 HERE = {
@@ -83,5 +83,5 @@ def test_a_step_that_is_no_step(dt: float) -> None:
 def test_step_errors_are_those_of_the_scheme() -> None:
     """Semi-implicit Euler falls g t dt / 2 too far: the measured step error is just that."""
     row = compare(EXPERIMENTS["drop"], "mujoco", 1e-3)[0]
-    assert row.error == pytest.approx(0.5 * GRAVITY * bodies.FALL * 1e-3, rel=1e-9)
+    assert row.error == pytest.approx(0.5 * GRAVITY * body_experiments.FALL * 1e-3, rel=1e-9)
     assert row.step_error == pytest.approx(row.error, rel=1e-6)

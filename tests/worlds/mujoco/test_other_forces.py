@@ -13,7 +13,7 @@ from surefoot.mechanics.collision import robot_geometry
 from surefoot.mechanics.terrain.terrain import Terrain
 from surefoot.records.audit.log_context import setting_of
 from surefoot.records.audit.rows import Rows
-from surefoot.worlds.interface.table import make_world
+from surefoot.worlds.interface.world_names import make_world
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 from surefoot.worlds.running.scenario import Fall
 from tests.records.audit.logs import changed

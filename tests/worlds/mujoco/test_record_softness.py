@@ -11,7 +11,7 @@ from surefoot.mechanics.terrain import FlatTerrain
 from surefoot.motion.standing.standing_controller import StandingController
 from surefoot.motion.standing.standing_plan import StandingPlan
 from surefoot.records.audit.log_context import SOFTEST, setting_of
-from surefoot.worlds.interface.table import make_world
+from surefoot.worlds.interface.world_names import make_world
 from surefoot.worlds.mujoco.record_softness import soft_contact
 from surefoot.worlds.running.run import Scenario, run
 from surefoot.worlds.running.scenario import STANDING_FALL, START_DEPTH

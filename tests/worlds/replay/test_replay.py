@@ -71,7 +71,7 @@ def test_a_trot_that_needs_its_friction_is_lost_on_ice() -> None:
 
 def test_what_holds_only_in_its_own_world_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     """A world that is told apart from the log's own by its gravity: the robot cannot carry itself there."""
-    from surefoot.worlds.interface import table as worlds
+    from surefoot.worlds.interface import world_names as worlds
     from surefoot.worlds.rigid.rigid_world import RigidWorld
 
     class Heavy(RigidWorld):

@@ -12,7 +12,7 @@ import surefoot as sf
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics.robot.actuators import Actuators
 from surefoot.mechanics.robot.motor_limits import MotorLimits
-from surefoot.worlds.interface.table import make_world
+from surefoot.worlds.interface.world_names import make_world
 from tests.moving import advance, lifted
 
 LINK = """<link name="{0}"><inertial><mass value="1"/>

@@ -5,7 +5,7 @@ import pinocchio
 import pytest
 
 from surefoot.base.errors import ProblemError
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import load_robot, place
 from surefoot.motion.control.controller import Command, JointTargets, RobotState
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld

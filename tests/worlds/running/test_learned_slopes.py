@@ -12,7 +12,7 @@ from surefoot.mechanics.robot.actuators import actuators_of
 from surefoot.mechanics.terrain import SlopeTerrain, StairsTerrain, Terrain
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.gaits.library import named_gait
-from surefoot.motion.ground.terrain_knowledge import believed_ground
+from surefoot.motion.ground.terrain_knowledge import controller_ground
 from surefoot.motion.walking.walkers import walking_controller
 from surefoot.motion.walking.walking_body import VelocityCommand, first_stance
 from surefoot.motion.walking.walking_feet import Feet
@@ -33,7 +33,7 @@ def test_a_fast_trot_on_a_slope_that_is_learned_does_not_fall(
 ) -> None:
     robot, terrain = load_robot("go2"), SlopeTerrain(degrees)
     motors, command = actuators_of(robot, "real"), VelocityCommand.constant(speed)
-    ground = believed_ground(knowledge, terrain)
+    ground = controller_ground(knowledge, terrain)
     controller = walking_controller(robot, command, "trot", ground, MU, motors)
     scenario = Scenario(
         2.5, MU, seed=1, start=start_pose(robot, terrain), sensors=replace(SensorModel(), heights=False),

@@ -20,7 +20,7 @@ from surefoot.worlds.running.plan_execution import (
     START_TURN,
     MotorLimiter,
     Surprise,
-    displaced,
+    displace,
     execute,
 )
 from tests.motion.planning.tracking.hops import hop
@@ -34,7 +34,7 @@ def jump() -> Reference:
 
 
 def test_seeds_cover_what_they_may_and_no_more() -> None:
-    drawn = [Surprise.drawn(seed) for seed in range(300)]
+    drawn = [Surprise.draw(seed) for seed in range(300)]
     for values, most in (
         ([s.place for s in drawn], START_PLACE),
         ([s.turn for s in drawn], START_TURN),
@@ -45,12 +45,12 @@ def test_seeds_cover_what_they_may_and_no_more() -> None:
         assert np.abs(array).max() <= most
         assert (array.max(axis=0) > 0.9 * most).all()
         assert (array.min(axis=0) < -0.9 * most).all()
-    np.testing.assert_array_equal(Surprise.drawn(7).place, drawn[7].place)
+    np.testing.assert_array_equal(Surprise.draw(7).place, drawn[7].place)
 
 
 def test_a_displaced_body_keeps_its_feet(jump: Reference) -> None:
     surprise = Surprise(np.array([0.02, -0.01, 0.0]), np.array([0.02, 0.03, -0.02]))
-    q = displaced(ROBOT, jump.start, surprise)
+    q = displace(ROBOT, jump.start, surprise)
     np.testing.assert_allclose(ROBOT.foot_positions(q), ROBOT.foot_positions(jump.start), atol=1e-4)
     np.testing.assert_allclose(q[:2] - jump.start[:2], surprise.place[:2])
     turned = rotation_from_quaternion(q[3:7]) @ rotation_from_quaternion(jump.start[3:7]).T

@@ -13,7 +13,7 @@ from surefoot.mechanics.terrain.terrain import Terrain
 from surefoot.motion.control.controller import Command, JointTargets, RobotState
 from surefoot.motion.standing.standing_plan import Lift
 from surefoot.records.log import Ending
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 from surefoot.worlds.running.faults import Faults
 from surefoot.worlds.running.observers import Moment, Observer, RunProgress
 from surefoot.worlds.running.run import run

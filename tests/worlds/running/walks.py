@@ -13,7 +13,7 @@ from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController, WalkSettings
 from surefoot.records.audit import WalkSummary, summarise_walk
 from surefoot.records.log import Log
-from surefoot.worlds.interface.table import make_world
+from surefoot.worlds.interface.world_names import make_world
 from surefoot.worlds.running.run import Scenario, run
 from surefoot.worlds.running.walk_terrain import start_pose
 

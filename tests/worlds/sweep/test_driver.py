@@ -9,7 +9,7 @@ import pytest
 from surefoot.base.errors import ProblemError
 from surefoot.worlds.sweep import run_sweep
 from surefoot.worlds.sweep.pools import Pool
-from surefoot.worlds.sweep.worker import SweepTask
+from surefoot.worlds.sweep.sweep_worker import SweepTask
 from tests.worlds.sweep.deadly import deadly
 
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")

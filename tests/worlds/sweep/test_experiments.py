@@ -11,14 +11,14 @@ import pytest
 
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import load_robot
 from surefoot.motion.control.controller import Command
 from surefoot.worlds.rigid.rigid_world import RigidWorld
 from surefoot.worlds.running.faults import Faults
 from surefoot.worlds.sweep import EXPERIMENTS, sweep_from_dict
 from surefoot.worlds.sweep.drop import DropExperiment
-from surefoot.worlds.sweep.experiment import KINDS, make_experiment
+from surefoot.worlds.sweep.sample_experiment import KINDS, make_experiment
 
 SEED = 1
 
@@ -67,7 +67,7 @@ def test_a_ball_sinks_into_a_spring_as_its_energy_says() -> None:
 
 def test_mass_inertia_and_centre_of_mass() -> None:
     robot = load_robot("go2")
-    own = DropExperiment(mass=1.3, inertia=1.5, com_x=0.02, com_z=-0.01).altered(robot)
+    own = DropExperiment(mass=1.3, inertia=1.5, com_x=0.02, com_z=-0.01).alter_masses(robot)
     assert own.mass == pytest.approx(1.3 * robot.mass, rel=1e-12)
     share = robot.model.inertias[1].mass / robot.mass
     turn = pinocchio.Quaternion(robot.nominal[3:7]).toRotationMatrix()
@@ -78,7 +78,7 @@ def test_mass_inertia_and_centre_of_mass() -> None:
         )
     np.testing.assert_array_equal(own.contact_points.places, robot.contact_points.places)
     assert robot.model.inertias[1].mass * 1.3 == own.model.inertias[1].mass  # the robot itself is as it was
-    assert DropExperiment().altered(robot) is robot
+    assert DropExperiment().alter_masses(robot) is robot
 
 
 def test_motors_give_their_share() -> None:

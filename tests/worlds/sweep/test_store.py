@@ -16,7 +16,7 @@ from tests.worlds.sweep.deadly import deadly
 
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install -e '.[sweep]'")
 from surefoot.worlds.sweep.store import Store
-from surefoot.worlds.sweep.worker import SweepTask, run_chunk
+from surefoot.worlds.sweep.sweep_worker import SweepTask, run_chunk
 
 
 def partly_done(folder: Path, config: Any, *parts: range) -> None:
@@ -92,7 +92,7 @@ def test_samples_drawn_otherwise_are_refused(tmp_path: Path, monkeypatch: pytest
 def test_a_worker_of_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     config = deadly(6)
     task = SweepTask(config.experiment, config.space)
-    monkeypatch.setattr("surefoot.worlds.sweep.worker.__version__", "99.1")
+    monkeypatch.setattr("surefoot.worlds.sweep.sweep_worker.__version__", "99.1")
     with pytest.raises(ProblemError, match=r"has Surefoot 99.1, the driver .*: install the same"):
         run_chunk(task, range(2))
 

@@ -15,7 +15,7 @@ from surefoot.app.cli.console import Cell, Table, plain_console, print_tables, s
 from surefoot.app.cli.log_options import LogOptions
 from surefoot.app.cli.output import check_out, new_run_folder, to_json
 from surefoot.base.errors import MissingExtra, ProblemError
-from surefoot.worlds.interface.table import WORLDS
+from surefoot.worlds.interface.world_names import WORLDS
 
 if TYPE_CHECKING:
     from surefoot.mechanics import Robot
@@ -67,7 +67,7 @@ def audit(
         return _write_template(log, given.names(), template)
     read, whose = given.read(log)
     again = None if replay is None else _replay(read, replay, whose, given)
-    read = given.completed(read, whose, replayed=again is not None)
+    read = given.complete_log(read, whose, replayed=again is not None)
     report = audit_log(read, whose)
     verdicts, facts = [(report.sentence, report.passed)], report.as_dict()
     if again is not None:

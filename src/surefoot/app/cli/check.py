@@ -10,7 +10,7 @@ from rich.console import Console
 
 from surefoot.app.cli import options
 from surefoot.app.cli.console import say, say_verdict, show, table
-from surefoot.app.cli.extras import drawn
+from surefoot.app.cli.extras import draw_into
 from surefoot.app.cli.stance_input import StanceOptions
 from surefoot.base.spatial import GRAVITY
 
@@ -43,7 +43,7 @@ def check(
 
     if as_json and len(case.question.stance):
         facts["com_region"] = _region(case.question)
-    facts["picture"], facts["note"] = drawn(picture, out, "check", draw)
+    facts["picture"], facts["note"] = draw_into(picture, out, "check", draw)
     show(facts, as_json, _print)
     return 0 if facts["possible"] else 1
 

@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperGroup
 
 from surefoot import __version__
-from surefoot.app.cli.typer_command import LiteralHelpCommand, ungrouped
+from surefoot.app.cli.typer_command import LiteralHelpCommand, flatten_parameters
 from surefoot.base.lazy_table import LazyTable
 
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
@@ -53,7 +53,7 @@ def load(name: str) -> Any:
     if isinstance(command, typer.Typer):  # a group of commands
         return typer.main.get_command(command)
     one = typer.Typer(add_completion=False)
-    one.command(name, cls=LiteralHelpCommand, context_settings=HELP)(ungrouped(command))
+    one.command(name, cls=LiteralHelpCommand, context_settings=HELP)(flatten_parameters(command))
     return typer.main.get_command(one)
 
 

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from surefoot.app.cli import options, parsing
 from surefoot.app.cli.console import say, show, table
-from surefoot.app.cli.extras import drawn
+from surefoot.app.cli.extras import draw_into
 
 PICTURE_FACETS = (3, 4, 8, 16)
 MOST_ROWS = 32
@@ -39,7 +39,7 @@ def cone(
         chosen = sorted({*PICTURE_FACETS, facets} if facets <= 64 else set(PICTURE_FACETS))
         return draw_pyramids(mu, chosen, folder / "pyramids.png")
 
-    path, note = drawn(picture and mu > 0.0, out, "cone", draw)
+    path, note = draw_into(picture and mu > 0.0, out, "cone", draw)
     facts: dict[str, Any] = {
         "mu": mu,
         "facets": facets,

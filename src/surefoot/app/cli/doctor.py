@@ -72,13 +72,13 @@ def _extras() -> dict[str, list[dict[str, Any]]]:
     for line in requires("surefoot") or []:
         needed = Requirement(line)
         for extra in ("", *(metadata("surefoot").get_all("Provides-Extra") or ())):
-            if _wanted(needed, extra):
+            if _is_required(needed, extra):
                 found.setdefault(extra, []).append(_package(needed))
     return {name: packages for name, packages in found.items() if name not in ("all", "dev")}
 
 
-def _wanted(needed: Requirement, extra: str) -> bool:
-    """Return whether an extra ("" for the base) asks for a package on this Python, and the base does not."""
+def _is_required(needed: Requirement, extra: str) -> bool:
+    """Return whether an extra ("" for the base) requires a package on this Python beyond the base."""
     asked = [needed.marker is None or needed.marker.evaluate({"extra": e}) for e in ("", extra)]
     return asked[1] and (not extra or not asked[0])
 

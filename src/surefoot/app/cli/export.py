@@ -33,7 +33,7 @@ def export(
     Exit code 0 if every file is written, 2 for wrong input.
     """
     from surefoot.app.export import TARGETS, export_sequence, write_sequence
-    from surefoot.app.export.targets.table import find_target
+    from surefoot.app.export.targets.target_names import find_target
 
     targets = dict.fromkeys(to or [SEQUENCE])
     for name in targets:

@@ -10,7 +10,6 @@ from pathlib import Path
 from surefoot.app.cli.output import new_run_folder
 from surefoot.app.cli.robots import is_file
 from surefoot.base.errors import MissingExtra, WriteError
-from surefoot.worlds.drake import drake_python
 
 _EXTRA_OF = {
     "pin": "robot", "example-robot-data": "robot", "mujoco": "sim", "imageio": "sim",
@@ -59,7 +58,9 @@ def robot_packages(name: str | None) -> tuple[str, ...]:
     return ("pin",) if is_file(name) or "/" in (name or "") else ("pin", "example-robot-data")
 
 
-def drawn(wanted: bool, parent: Path, name: str, draw: Callable[[Path], object]) -> tuple[str | None, str]:
+def draw_into(
+    wanted: bool, parent: Path, name: str, draw: Callable[[Path], object]
+) -> tuple[str | None, str]:
     """Draw into a new folder below `parent`; return what `draw` returns as text, and why there is no picture.
 
     The first is None where nothing was drawn, the second empty unless Matplotlib is missing or the disk full.
@@ -78,7 +79,9 @@ def drawn(wanted: bool, parent: Path, name: str, draw: Callable[[Path], object])
 
 def _installed(package: str) -> bool:
     """Tell whether a package is there; some have no module of their name, Drake may live elsewhere."""
-    if package == drake_python.PACKAGE:
+    if package == "drake":  # in an interpreter of its own
+        from surefoot.worlds.drake import drake_python
+
         return drake_python.present()
     if package in ("example-robot-data", "mujoco-mjx"):
         try:

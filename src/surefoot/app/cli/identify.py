@@ -14,7 +14,7 @@ import typer
 
 from surefoot.app.cli import options
 from surefoot.app.cli.console import fit_table, progress_bar, say, show, table
-from surefoot.app.cli.extras import drawn
+from surefoot.app.cli.extras import draw_into
 from surefoot.app.cli.output import check_out
 from surefoot.base.arrays import whole_number
 from surefoot.base.errors import ProblemError, check_name
@@ -87,7 +87,7 @@ def identify(
     settings = {"model": model, "test": others, "resamples": resamples, "seed": seed}
     fits = _fits(recorded, models, settings, not as_json)
     facts = _facts(fits, laws, recorded, others)
-    facts["picture"], note = drawn(picture, out, "identify", partial(_draw, recorded, others, fits))
+    facts["picture"], note = draw_into(picture, out, "identify", partial(_draw, recorded, others, fits))
     facts["notes"] += [note] if note else []
     show(facts, as_json, _print)
     return 0

@@ -47,13 +47,13 @@ def identify_forces(
         "hysteresis": found.length, "unseen_error_rms": found.rms, "notes": found.notes,
     }  # fmt: skip
     if other is not None and forces is not None:
-        written = str(_written(new_run_folder(out, "identify") / "forces.csv", forces))
-        facts["test"] = {"forces": written, **_judged(found, other, forces)}
+        written = str(_write_forces(new_run_folder(out, "identify") / "forces.csv", forces))
+        facts["test"] = {"forces": written, **_summarise_forces(found, other, forces)}
     show(facts, as_json, _print)
     return 0
 
 
-def _written(path: Path, forces: FootForces) -> Path:
+def _write_forces(path: Path, forces: FootForces) -> Path:
     """Write forces as CSV; return the file."""
     heads = [f"{kind}_{axis}" for kind in ("force", "low", "high") for axis in "xyz"]
     names = ["time", *heads, "vertical", "contact", "friction_used"]
@@ -64,7 +64,7 @@ def _written(path: Path, forces: FootForces) -> Path:
     return path
 
 
-def _judged(found: ForceModel, log: LegLog, forces: FootForces) -> dict[str, Any]:
+def _summarise_forces(found: ForceModel, log: LegLog, forces: FootForces) -> dict[str, Any]:
     """Return what the forces say, and how far they are from a sensor if the log has one."""
     used = forces.friction_used[forces.contact]
     facts: dict[str, Any] = {

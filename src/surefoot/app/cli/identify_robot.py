@@ -42,7 +42,7 @@ def identify_robot(path: Path, model: Path | None, out: Path, as_json: bool, giv
     name = str(log.fact("robot")) if model is None else str(model)
     require(robot_packages(name))
     found = fit(load(name, feet_needed=True), log)
-    written = _written(new_run_folder(out, "identify") / "sweep.yaml", path, name, found)
+    written = _write_sweep(new_run_folder(out, "identify") / "sweep.yaml", path, name, found)
     facts = {
         "robot": name, "fit": {n: vars(e) for n, e in found.parameters.items()}, "notes": found.notes,
         "sweep": str(written),
@@ -51,7 +51,7 @@ def identify_robot(path: Path, model: Path | None, out: Path, as_json: bool, giv
     return 0
 
 
-def _written(file: Path, log: Path, robot: str, found: RobotFit) -> Path:
+def _write_sweep(file: Path, log: Path, robot: str, found: RobotFit) -> Path:
     """Write what was found as the ranges of a sweep; return the file."""
     ranges = []
     for name, e in found.parameters.items():

@@ -169,7 +169,7 @@ def _plan_of(source: str, amount: float | None, robot: Any) -> Any:
     """Return a plan from a file, or from a search for a task's."""
     from surefoot.motion.planning import Plan
     from surefoot.motion.planning.planner import plan as search
-    from surefoot.motion.planning.tasks.table import find_task
+    from surefoot.motion.planning.tasks.task_names import find_task
 
     if source.endswith(".npz") or Path(source).exists():
         if amount is not None:

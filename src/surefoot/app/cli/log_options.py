@@ -63,9 +63,9 @@ class LogOptions:
         feet = [*map(str, log.facts.get("feet", ()))] if is_file(self.robot) else []
         return log, None if self.robot is None else load_robot(self.robot, feet or None)
 
-    def completed(self, log: Log, robot: Robot | None, *, replayed: bool) -> Log:
+    def complete_log(self, log: Log, robot: Robot | None, *, replayed: bool) -> Log:
         """Return a log with what follows from it and the options; a replay's contradict nothing."""
-        from surefoot.records.log.completed import complete
+        from surefoot.records.log.log_completion import complete
 
         ground, mu = self.ground(), self.mu
         if replayed:

@@ -8,10 +8,10 @@ from pathlib import Path
 from surefoot.base.errors import ProblemError
 from surefoot.records import CHANNELS
 from surefoot.records.audit.checks import CHECKS
-from surefoot.records.log.formats import read_source
-from surefoot.records.log.guesses import guess_mapping
-from surefoot.records.log.mapped import log_from_source
+from surefoot.records.log.from_source import log_from_source
 from surefoot.records.log.mapping import LogMapping
+from surefoot.records.log.mapping_guess import guess_mapping
+from surefoot.records.log.reading import read_source
 
 INSTEAD = {
     "mu": "or --mu",
@@ -50,7 +50,7 @@ def template(path: Path, columns: Sequence[str] | None) -> str:
         )
     unused = [name for name in source.names() if name not in used]
     more = [f"#   {name}" for name in unused]
-    missing = [_line(name) for name in _needed() if name not in there]
+    missing = [_line(name) for name in _list_needed() if name not in there]
     if missing:
         more = [*more, "# Missing, and what each would allow to judge:", *missing]
     if unused:
@@ -58,7 +58,7 @@ def template(path: Path, columns: Sequence[str] | None) -> str:
     return "\n".join([*lines, failed + text + "\n".join(more), ""])
 
 
-def _needed() -> list[str]:
+def _list_needed() -> list[str]:
     """Return the channels that laws need."""
     return [*dict.fromkeys(name for check in CHECKS if check.law for name in check.needs)]
 

@@ -13,7 +13,7 @@ from surefoot.app.cli import parsing
 from surefoot.app.cli.robots import is_file
 from surefoot.base.arrays import real_number
 from surefoot.base.errors import ProblemError
-from surefoot.worlds.interface.table import WORLDS
+from surefoot.worlds.interface.world_names import WORLDS
 
 if TYPE_CHECKING:
     from surefoot.app.cli.scenario_file import ScenarioFile
@@ -70,12 +70,12 @@ class Ground:
     ] = None
 
     @property
-    def unsaid(self) -> bool:
-        """Whether nothing was said of it."""
+    def is_default(self) -> bool:
+        """Whether no option changes the ground."""
         return self.terrain is None and self.slope is None
 
     def read(self) -> Terrain:
-        """Return the terrain, flat where nothing was said."""
+        """Return the terrain, flat by default."""
         from surefoot.mechanics import read_terrain
 
         if self.slope is None or self.terrain is not None:
@@ -124,7 +124,7 @@ class RunOptions(Ground, Physics, Leaving):
     ] = False
 
     @property
-    def carried(self) -> tuple[float, tuple[float, float, float]]:
+    def payload_mass(self) -> tuple[float, tuple[float, float, float]]:
         """Mass of the payload [kg] and its place in base axes [m]."""
         return parsing.payload(self.payload)
 
@@ -153,7 +153,7 @@ class RunOptions(Ground, Physics, Leaving):
         parsing.friction("--mu", self.mu)
         real_number("--duration", self.duration, low=shortest, high=parsing.LONGEST_RUN)
         parsing.seed(self.seed)
-        _ = self.carried
+        _ = self.payload_mass
 
     def happening(self, said: ScenarioFile, **more: Any) -> Scenario:
         """Return what happens to the robot, or raise for what lies past the end."""

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 from surefoot.base.errors import ProblemError, check_name, unknown_name
-from surefoot.worlds.interface.table import WORLDS
+from surefoot.worlds.interface.world_names import WORLDS
 
 if TYPE_CHECKING:
     from surefoot.app.cli.options import RunOptions
@@ -74,9 +74,9 @@ def world_settings(asked: RunOptions, said: ScenarioFile) -> dict[str, Any]:
 
 def build_world(asked: RunOptions, robot: Robot, terrain: Terrain, settings: dict[str, Any]) -> World:
     """Return the world; `settings` are those of `world_settings`."""
-    from surefoot.worlds.interface.table import make_world
+    from surefoot.worlds.interface.world_names import make_world
 
-    (mass, place), file, mu = asked.carried, asked.world_file, asked.mu
+    (mass, place), file, mu = asked.payload_mass, asked.world_file, asked.mu
     parts = settings.pop("substeps", 1)
     at = {"payload_position": place} if any(place) else {}
     if file is None:

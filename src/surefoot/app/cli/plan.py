@@ -84,7 +84,7 @@ def plan(
     """
     from surefoot.app.cli import parsing
     from surefoot.app.cli.signals import ends_softly
-    from surefoot.motion.planning.tasks.table import find_task
+    from surefoot.motion.planning.tasks.task_names import find_task
 
     console = plain_console(quiet=leaving.as_json)
     parsing.friction("--mu", mu)
@@ -118,7 +118,7 @@ def plan(
 def _words(words: list[str]) -> tuple[str | None, str, float | None]:
     """Return robot (None for the default), task and number (None for the task's own)."""
     from surefoot.base.text_files import finite_in_text
-    from surefoot.motion.planning.tasks.table import TASKS
+    from surefoot.motion.planning.tasks.task_names import TASKS
 
     first = bool(words[1:]) and words[0] not in TASKS and words[1][:1].isalpha()  # numbers follow a task
     robot, rest = words[0] if first else None, words[first:]

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from surefoot.app.cli import options
 from surefoot.app.cli.console import say, say_verdict, show, table
-from surefoot.app.cli.extras import drawn
+from surefoot.app.cli.extras import draw_into
 from surefoot.app.cli.stance_input import StanceOptions
 from surefoot.base.errors import ProblemError
 
@@ -50,7 +50,7 @@ def region(
 
         return draw_regions(question, standing, zmp, support, folder / "regions.png")
 
-    facts["picture"], facts["note"] = drawn(picture, out, "region", draw)
+    facts["picture"], facts["note"] = draw_into(picture, out, "region", draw)
     show(facts, as_json, _print)
     return 0
 

@@ -55,7 +55,7 @@ def solve(
         if not isinstance(problem, LCP):
             find_solver(solver, problem)
         else:
-            from surefoot.contact.solvers.lcp import METHODS
+            from surefoot.contact.solvers.lcp_solver import METHODS
 
             if pivoting not in METHODS:
                 raise SolverNotFound(unknown_name("LCP solver", solver, ("auto", *METHODS)))
@@ -98,7 +98,7 @@ def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_t
 
 def _complementarity(path: Path, problem: LCP, solver: str, tol: float, max_time: float) -> dict[str, Any]:
     """Solve one LCP; return its record."""
-    from surefoot.contact.solvers.lcp import solve_lcp
+    from surefoot.contact.solvers.lcp_solver import solve_lcp
 
     found = solve_lcp(problem, solver, tol, max_time=max_time)
     names = ("solver", "residual", "iterations", "message", "ray", "proof", "z", "w")

@@ -54,7 +54,7 @@ class StanceOptions(options.Ground):
     def _of_file(self, file: Path) -> StanceQuestion:
         from surefoot.mechanics.stance import StanceQuestion, read_stance
 
-        if self.feet is not None or not self.unsaid:
+        if self.feet is not None or not self.is_default:
             raise ProblemError("--feet, --slope and --terrain go with a robot, not with a stance file")
         said = read_stance(file)
         _check_sizes(said, file)

@@ -15,7 +15,7 @@ from surefoot.app.cli.output import new_run_folder, to_json
 from surefoot.app.cli.robots import load
 from surefoot.app.cli.scenario_file import FAULTS, STAND_KEYS, ScenarioFile
 from surefoot.base.errors import ProblemError
-from surefoot.worlds.interface.table import packages_of
+from surefoot.worlds.interface.world_names import packages_of
 
 SHORTEST = 0.1
 """Length of a stand that says something [s]: a limp robot has dropped five centimetres by then."""
@@ -38,9 +38,9 @@ class StandOptions(options.RunOptions):
     @property
     def shown(self) -> bool:
         """Whether nothing is asked, and there is room to show something."""
-        said = (self.push, self.lift, self.scenario, self.carried[0])
+        said = (self.push, self.lift, self.scenario, self.payload_mass[0])
         least = self.duration >= SHOWN_LEAST[0] and self.mu >= SHOWN_LEAST[1]
-        return self.unsaid and said == (None, None, None, 0.0) and least
+        return self.is_default and said == (None, None, None, 0.0) and least
 
 
 def stand(*, asked: StandOptions) -> int:
@@ -69,7 +69,7 @@ def stand(*, asked: StandOptions) -> int:
     ):
         if asked.shown:
             plan, happens, shows = _with_events(plan, q, happens)
-        statics = _statics(plan, q, asked.mu, *asked.carried)
+        statics = _statics(plan, q, asked.mu, *asked.payload_mass)
     model, terrain = plan.robot, plan.terrain
     say(console, *shows, *(phase["text"] for phase in statics))
     if not all(phase["possible"] for phase in statics) and not asked.anyway:

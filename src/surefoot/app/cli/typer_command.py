@@ -45,7 +45,7 @@ class LiteralHelpCommand(TyperCommand):
         super().__init__(name, **settings)
 
 
-def ungrouped(command: Callable[..., int]) -> Callable[..., int]:
+def flatten_parameters(command: Callable[..., int]) -> Callable[..., int]:
     """Return a command for Typer: in the place of each parameter that is a dataclass stand its fields."""
     options: list[inspect.Parameter] = []
     groups: dict[str, tuple[Any, list[str]]] = {}

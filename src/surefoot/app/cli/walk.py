@@ -14,7 +14,7 @@ from surefoot.app.cli.robots import load
 from surefoot.app.cli.scenario_file import WALK_KEYS, ScenarioFile
 from surefoot.app.cli.walk_options import Beliefs, WalkOptions, Wiring
 from surefoot.base.errors import ProblemError, check_name
-from surefoot.worlds.interface.table import packages_of
+from surefoot.worlds.interface.world_names import packages_of
 
 SHORTEST = 0.5
 """Length of a walk that says something [s]: about a cycle of a trot."""
@@ -48,7 +48,7 @@ def walk(*, asked: WalkOptions, learned: PolicyOptions) -> int:
     model = load(asked.robot, asked.feet, feet_needed=True)
     motors = file_actuators(model) if of_file else asked.actuators
     task = _WalkTask(model, belief.ground(ground), asked.gait, said, command, belief, motors, wired)
-    made = _controller if learned.policy is None else partial(_learned, learned)
+    made = _controller if learned.policy is None else partial(_learned_policy, learned)
     controller = made(asked.planner, task)
     q = start_pose(model, ground, getattr(controller, "posture", None))
     check_ground(model, ground, q, asked.mu)
@@ -99,7 +99,7 @@ def _convex(task: _WalkTask) -> Any:
 
 def _contact_implicit(task: _WalkTask) -> Any:
     """Return the controller that takes no gait."""
-    from surefoot.motion.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+    from surefoot.motion.planning.mpc.contact_implicit_controller import ContactImplicitMpc, MpcSettings
     from surefoot.worlds.interface.actuated import equipped
 
     if task.gait not in (None, "trot") or task.said.period is not None:
@@ -112,7 +112,7 @@ def _contact_implicit(task: _WalkTask) -> Any:
     return ContactImplicitMpc(robot, task.command, task.ground, settings)
 
 
-def _learned(learned: PolicyOptions, planner: str, task: _WalkTask) -> Any:
+def _learned_policy(learned: PolicyOptions, planner: str, task: _WalkTask) -> Any:
     """Return a policy; it has a gait of its own."""
     from surefoot.worlds.interface.actuated import equipped
 

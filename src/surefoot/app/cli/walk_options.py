@@ -40,9 +40,9 @@ class Beliefs:
 
     def ground(self, terrain: Terrain) -> Terrain:
         """Return the ground that the controller plans on."""
-        from surefoot.motion.ground.terrain_knowledge import believed_ground
+        from surefoot.motion.ground.terrain_knowledge import controller_ground
 
-        return believed_ground(self.terrain, terrain)
+        return controller_ground(self.terrain, terrain)
 
     def senses(self, said: ScenarioFile) -> dict[str, Any]:
         """Return what the scenario says of the senses; only with exact knowledge the filter has a map."""
@@ -96,7 +96,7 @@ class Wiring:
     def around(self, controller: Controller, robot: Any) -> Controller:
         """Return what commands the motors, for a controller with steps of `dt`."""
         from surefoot.motion.drive.joint_targets import CommandHold, JointTargetController
-        from surefoot.motion.drive.latency import LatencyCompensation
+        from surefoot.motion.drive.latency_compensation import LatencyCompensation
         from surefoot.motion.drive.watchdog import Watchdog
 
         step = 1.0 / WORLD_RATE

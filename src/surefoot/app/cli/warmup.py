@@ -58,7 +58,7 @@ def warmup(as_json: options.AsJson = False) -> int:
     rows: list[dict[str, Any]] = []
     with silent(), _inputs() as files, progress_bar(terminal, "compiling", len(COMMANDS)) as moved:
         for words in COMMANDS:
-            rows.append(_timed(words.format(**files).split()))
+            rows.append(_time_command(words.format(**files).split()))
             if moved is not None:
                 moved(len(rows))
             elif not as_json:
@@ -75,7 +75,7 @@ def warmup(as_json: options.AsJson = False) -> int:
     return 0
 
 
-def _timed(words: list[str]) -> dict[str, Any]:
+def _time_command(words: list[str]) -> dict[str, Any]:
     """Run a command; return what it compiled, how long it took, and which package it lacks."""
     from surefoot.app.cli.commands import tree
     from surefoot.base.compilation import compiled_so_far

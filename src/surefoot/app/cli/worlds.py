@@ -43,7 +43,7 @@ def worlds(
     if defaults:
         return _defaults(names or [], world, out if pictures else None, as_json)
     from surefoot.worlds.experiments import EXPERIMENTS, carry_out
-    from surefoot.worlds.interface.table import WORLDS, packages_of
+    from surefoot.worlds.interface.world_names import WORLDS, packages_of
 
     if not 1e-5 <= dt <= 0.02:
         raise ProblemError(f"--dt must be between 1e-05 and 0.02 s, got {dt:g}")
@@ -81,7 +81,7 @@ def _defaults(names: list[str], world: list[str] | None, out: Path | None, as_js
     """Print what engines at their defaults make of a few scenes, beside tuned ones."""
     from surefoot.worlds.experiments.engines.defaults import CASES, ENGINES, measured
     from surefoot.worlds.experiments.engines.runners import NEWTON_PYTHON
-    from surefoot.worlds.interface.table import WORLDS, packages_of
+    from surefoot.worlds.interface.world_names import WORLDS, packages_of
 
     needed = {name: packages_of(name) for name in WORLDS}
     needed |= {"mjx": ("mujoco", "jax", "mujoco-mjx"), "newton": ()}
@@ -123,7 +123,7 @@ def _defaults(names: list[str], world: list[str] | None, out: Path | None, as_js
 
         return draw_defaults(found, folder / "defaults.png")
 
-    path, note = extras.drawn(out is not None and bool(found), out or Path(), "worlds", draw)
+    path, note = extras.draw_into(out is not None and bool(found), out or Path(), "worlds", draw)
     if path or note:
         console.print(note or f"picture: {path}")
     return 0

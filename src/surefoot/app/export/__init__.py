@@ -6,5 +6,5 @@ from surefoot.app.export.sequence_file import read_sequence as read_sequence
 from surefoot.app.export.sequence_file import write_sequence as write_sequence
 from surefoot.app.export.sequence_log import sequence_from_log as sequence_from_log
 from surefoot.app.export.sequence_log import sequence_from_schedule as sequence_from_schedule
-from surefoot.app.export.targets.table import TARGETS as TARGETS
-from surefoot.app.export.targets.table import export_sequence as export_sequence
+from surefoot.app.export.targets.target_names import TARGETS as TARGETS
+from surefoot.app.export.targets.target_names import export_sequence as export_sequence

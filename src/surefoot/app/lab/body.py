@@ -11,7 +11,7 @@ import numpy as np
 
 from surefoot.app.lab import drawing as draw
 from surefoot.app.lab.drawing import Shape
-from surefoot.app.lab.geometry import joined, pose_of
+from surefoot.app.lab.geometry import join_surfaces, pose_of
 from surefoot.app.viz.meshes import triangles
 from surefoot.app.viz.shapes import bones
 from surefoot.base.arrays import FloatArray, IntArray
@@ -83,7 +83,7 @@ def links_of(robot: Robot) -> tuple[Link, ...]:
         if made is not None:
             local = made[0] @ np.array(item.placement.rotation).T + np.array(item.placement.translation)
             parts.setdefault(int(item.parentJoint), []).append((local, made[1]))
-    return tuple(Link(joint, *joined(pieces)) for joint, pieces in sorted(parts.items()))
+    return tuple(Link(joint, *join_surfaces(pieces)) for joint, pieces in sorted(parts.items()))
 
 
 def coarse(vertices: FloatArray, faces: IntArray, cell: float) -> tuple[FloatArray, IntArray]:

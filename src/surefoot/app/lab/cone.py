@@ -12,8 +12,8 @@ from surefoot.app.lab.controls import Choice, Slider, Values
 from surefoot.app.lab.drawing import Drawing, Shape
 from surefoot.app.lab.figure import Figure
 from surefoot.app.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
+from surefoot.app.lab.html_text import heading, paragraph, table, text
 from surefoot.app.lab.page import Grip, Page
-from surefoot.app.lab.words import heading, paragraph, table, text
 from surefoot.base.arrays import FloatArray
 from surefoot.contact import Fit, FrictionCone, FrictionPyramid
 

@@ -11,7 +11,7 @@ import numpy as np
 from surefoot.app.lab import drawing as draw
 from surefoot.app.lab.drawing import Shape
 from surefoot.app.lab.geometry import SIDES, cone_surface, fan
-from surefoot.app.lab.words import table
+from surefoot.app.lab.html_text import table
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.contact import FrictionCone
 

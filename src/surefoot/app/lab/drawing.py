@@ -107,7 +107,7 @@ class Drawing:
     shapes
         By name.
     text
-        HTML beside the picture: the verdict and its figures, see `surefoot.app.lab.words`.
+        HTML beside the picture: the verdict and its figures, see `surefoot.app.lab.html_text`.
     figure
         A plane picture as SVG; empty for none.
     """

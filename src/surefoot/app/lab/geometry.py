@@ -65,7 +65,7 @@ def pose_of(rotation: FloatArray) -> tuple[float, float, float, float]:
     return w, x, y, z
 
 
-def joined(parts: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
+def join_surfaces(parts: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
     """Return several surfaces, (n, 3) vertices [m] and (m, 3) triangles each, as one."""
     offsets = np.cumsum([0, *(len(vertices) for vertices, _ in parts[:-1])])
     faces = [faces + offset for (_, faces), offset in zip(parts, offsets, strict=True)]

@@ -14,9 +14,9 @@ from surefoot.app.lab.controls import Button, Choice, Slider, Values
 from surefoot.app.lab.drawing import Drawing, Shape
 from surefoot.app.lab.figure import strip
 from surefoot.app.lab.geometry import MovingGround
+from surefoot.app.lab.html_text import heading, paragraph, text
 from surefoot.app.lab.page import Grip, Page
 from surefoot.app.lab.push_run import HARDEST, KICK, WalkRun
-from surefoot.app.lab.words import heading, paragraph, text
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import FlatTerrain

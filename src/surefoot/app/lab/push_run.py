@@ -75,7 +75,7 @@ class WalkRun:
     def __init__(self, robot: Robot, choices: Choices | None = None) -> None:
         self.robot, self.terrain = robot, FlatTerrain()
         self.choices = choices or Choices()
-        self.believed = self.choices.mu
+        self.assumed_mu = self.choices.mu
         self.names = gait_names(len(robot.feet))
         self._least = TOUCH * robot.mass * GRAVITY
         self._feet = len(robot.feet)
@@ -105,7 +105,7 @@ class WalkRun:
     def _controller(self, choices: Choices) -> WalkingController:
         """Return the controller for some choices; a robot that stands has no velocity."""
         velocity = (0.0, 0.0, 0.0) if choices.gait == "stand" else choices.velocity
-        command, settings = VelocityCommand.constant(*velocity), WalkSettings(mu=self.believed)
+        command, settings = VelocityCommand.constant(*velocity), WalkSettings(mu=self.assumed_mu)
         return WalkingController(self.robot, command, choices.gait, self.terrain, settings)
 
     def choose(self, choices: Choices) -> None:

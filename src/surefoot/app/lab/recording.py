@@ -15,8 +15,8 @@ from surefoot.app.lab.controls import Button, Checkbox, Choice, Control, Slider,
 from surefoot.app.lab.drawing import Drawing, Shape
 from surefoot.app.lab.figure import strip
 from surefoot.app.lab.geometry import MovingGround
+from surefoot.app.lab.html_text import heading, paragraph, text
 from surefoot.app.lab.page import Page
-from surefoot.app.lab.words import heading, paragraph, text
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError, SurefootError
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, load_robot, read_terrain

@@ -19,8 +19,8 @@ import numpy as np
 
 from surefoot.app.lab.canvas import Canvas
 from surefoot.app.lab.controls import Button, Checkbox, Choice, Control, Slider
+from surefoot.app.lab.html_text import paragraph, refusal, text
 from surefoot.app.lab.page import Grip, Page
-from surefoot.app.lab.words import paragraph, refusal, text
 from surefoot.base.errors import SurefootError, one_line
 
 RATE = 60.0
@@ -163,8 +163,8 @@ class Session:
         while not self._ended.is_set():
             begin = time.perf_counter()
             self._wake.clear()
-            self._guarded(self._take_all)
-            self._guarded(self._draw)
+            self._guard(self._take_all)
+            self._guard(self._draw)
             live = self.page.live
             self._ended.wait(max(0.0, begin + 1.0 / (LIVE_RATE if live else RATE) - time.perf_counter()))
             if not live:
@@ -177,7 +177,7 @@ class Session:
                 if not self._queue:
                     return
                 kind, name, value = self._queue.popleft()
-            self._guarded(lambda: self._take(kind, name, value))  # noqa: B023 - called at once
+            self._guard(lambda: self._take(kind, name, value))  # noqa: B023 - called at once
 
     def _take(self, kind: str, name: str, value: Any) -> None:
         """Hand the page one thing."""
@@ -209,7 +209,7 @@ class Session:
             if name not in waiting and handle.value != self.page.values[name]:
                 handle.value = self.page.values[name]
 
-    def _guarded(self, action: Callable[[], None]) -> None:
+    def _guard(self, action: Callable[[], None]) -> None:
         """Carry out an action; what goes wrong is one line on the page."""
         try:
             action()

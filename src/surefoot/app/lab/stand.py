@@ -13,8 +13,8 @@ from surefoot.app.lab.contacts import force_rows
 from surefoot.app.lab.controls import Button, Checkbox, Choice, Slider, Values
 from surefoot.app.lab.drawing import Drawing, Shape
 from surefoot.app.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
+from surefoot.app.lab.html_text import heading, paragraph, text
 from surefoot.app.lab.page import Grip, Page
-from surefoot.app.lab.words import heading, paragraph, text
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY, rotation_from_normal

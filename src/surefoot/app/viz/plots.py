@@ -33,7 +33,7 @@ LEAST_MOVE, LEAST_TURN = 1.0, 0.1
 """Least range of the base's motion in a plot [mm], [deg]: less is still standing."""
 
 
-def thinned(count: int) -> slice:
+def stride_of(count: int) -> slice:
     """Return every how many of `count` rows are drawn."""
     return slice(None, None, max(1, count // MOST_POINTS))
 
@@ -42,7 +42,7 @@ def draw_normal_forces(log: Log, path: Path) -> Path:
     """Draw every foot's normal force over time, against an equal share of the weight."""
     title = "Normal forces of the ground"
     figure, axis = new_axis((8.0, 3.6), title, xlabel="time [s]", ylabel="normal force [N]")
-    thin, forces = thinned(len(log)), foot_forces(log)
+    thin, forces = stride_of(len(log)), foot_forces(log)
     draw_columns(axis, log["time"][thin], forces[thin, :, 2], log.facts["feet"])
     share = log.facts["mass"] * GRAVITY / len(log.facts["feet"])
     axis.axhline(share, color=INK, lw=0.9, ls="--", label=f"m g / {len(log.facts['feet'])} = {share:.1f} N")
@@ -67,7 +67,7 @@ def draw_cone_use(log: Log, path: Path) -> Path:
         scaled = f[loaded, :2] / np.maximum(log["mu"][loaded] * f[loaded, 2], 1e-12)[:, None]
         axis.fill(np.cos(angle), np.sin(angle), color=FOOT_COLOURS[k % 8], alpha=0.10, lw=0)
         axis.plot(np.cos(angle), np.sin(angle), color=INK, lw=0.9)
-        axis.scatter(*scaled[thinned(len(scaled))].T, s=3, color=FOOT_COLOURS[k % 8], alpha=0.5, lw=0)
+        axis.scatter(*scaled[stride_of(len(scaled))].T, s=3, color=FOOT_COLOURS[k % 8], alpha=0.5, lw=0)
         use = float(np.linalg.norm(scaled, axis=1).max(initial=0.0))
         title = f"{names[k]}: at most {100 * use:.0f} %"
         axis.set_title(title, color=BAD if use > 1.001 else INK, fontsize=9)
@@ -82,7 +82,7 @@ def draw_base(log: Log, path: Path) -> Path:
     """Draw how far the base moved and turned from where it started."""
     labels = ("base moved [mm]", "base turned [deg]")
     figure, (place, turn) = new_panels(labels, (8.0, 4.6), "Base, from where it started")
-    thin = thinned(len(log))
+    thin = stride_of(len(log))
     time = log["time"][thin]
     moved = 1e3 * (log["q"][thin, :3] - log["q"][0, :3])
     draw_columns(place, time, moved, "xyz")
@@ -110,7 +110,7 @@ def draw_torques(log: Log, path: Path) -> Path:
     title = "Joint torques against the effort limits" if known else "Joint torques, no limits known"
     unit = "% of limit" if known else "N m"
     figure, axis = new_axis((8.0, 3.4), title, xlabel="time [s]", ylabel=f"torque [{unit}]")
-    thin = thinned(len(log))
+    thin = stride_of(len(log))
     share = 100.0 * log["torques"][thin] / limits
     worst = int(np.abs(log["torques"] / limits).max(axis=0).argmax())
     most = 100.0 * float(np.abs(log["torques"][:, worst] / limits[worst]).max())

@@ -13,7 +13,7 @@ from surefoot.app.viz.plots import (
     draw_torques,
     mark_events,
     spans,
-    thinned,
+    stride_of,
 )
 from surefoot.app.viz.style import FOOT_COLOURS, GROUND, INK, MUTED, most_of, new_axis, new_panels, save
 from surefoot.mechanics import read_terrain
@@ -28,7 +28,7 @@ def draw_velocity(log: Log, path: Path) -> Path:
     """Draw the base's velocity in its heading frame against the commanded one."""
     labels = ("forward [m/s]", "left [m/s]", "yaw rate [rad/s]")
     figure, axes = new_panels(labels, (8.0, 5.6), "Velocity of the base in its heading frame")
-    thin, measured = thinned(len(log)), heading_velocity(log)
+    thin, measured = stride_of(len(log)), heading_velocity(log)
     for k, axis in enumerate(axes):
         axis.plot(log["time"][thin], measured[thin, k], color=FOOT_COLOURS[k], lw=0.9, label="measured")
         axis.plot(log["time"][thin], log["command"][thin, k], color=INK, lw=1.1, ls="--", label="commanded")
@@ -65,7 +65,7 @@ def draw_path(log: Log, path: Path) -> Path:
     """Draw the base's path from above and from the side, with every footfall."""
     title = "Path of the base and footfalls, from above and from the side"
     figure, axes = new_panels(("y [m]", "z [m]"), (8.0, 4.6), title, "x [m]", sharex=False)
-    thin, down = thinned(len(log)), touching(log)
+    thin, down = stride_of(len(log)), touching(log)
     owner = np.asarray(log.facts["contact_foot"])
     for row, axis in enumerate(axes, start=1):
         axis.plot(log["q"][thin, 0], log["q"][thin, row], color=INK, lw=1.0)
@@ -82,11 +82,11 @@ def _draw_ground(axis: Any, log: Log) -> None:
     """Draw the ground below the base's path, where the log says which it is."""
     if not log.facts.get("terrain"):
         return
-    path = log["q"][thinned(len(log)), :2]
+    path = log["q"][stride_of(len(log)), :2]
     turns = np.flatnonzero(np.diff(np.sign(np.diff(path[:, 0]))) != 0)
     if len(turns) > len(path) // 4:  # it marks time: there is no side view of a way
         return
-    way, feet = path[np.argsort(path[:, 0])], log["contact_positions"][thinned(len(log)), :, 0]
+    way, feet = path[np.argsort(path[:, 0])], log["contact_positions"][stride_of(len(log)), :, 0]
     x = np.linspace(min(feet.min(), way[0, 0]), max(feet.max(), way[-1, 0]), 600)
     beside = np.interp(x, *way.T)
     z = read_terrain(str(log.facts["terrain"])).height(np.column_stack([x, beside]))

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.contact.laws import LAWS
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 
 STATUSES = tuple(Status)
 """Status codes are places in this tuple: 0 is SOLVED."""

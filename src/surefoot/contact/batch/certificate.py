@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from surefoot.contact.batch.answers import ALMOST, INVALID, SOLVED, STALLED
-from surefoot.contact.problem.scales import APPROACH, LENT, REST
+from surefoot.contact.problem.scales import LENT, REST
+from surefoot.contact.sets.contact import APPROACH
 from surefoot.contact.solvers.solver import ALMOST_FACTOR
 
 NOISE = 68.0

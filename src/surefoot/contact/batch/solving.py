@@ -28,10 +28,10 @@ from surefoot.contact.batch.derivative import BatchDerivative
 from surefoot.contact.batch.loops import solve_range
 from surefoot.contact.derivative.rates import fitting
 from surefoot.contact.laws import LAWS, Law
-from surefoot.contact.problem.blocks import MOST_FRICTION
 from surefoot.contact.problem.matrix import ASYMMETRY, SINGLE_ASYMMETRY
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.solution import Status, record_of
+from surefoot.contact.sets.contact import MOST_FRICTION
+from surefoot.contact.solution import Status, record_of
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, NOT_NUMBERS
 from surefoot.contact.solvers.solver import solve
 

@@ -1,4 +1,4 @@
-"""Contact problems, their solutions and the laws as numbers; free of any solver."""
+"""Contact problems, proofs of infeasibility, and the contact laws as numbers; free of any solver."""
 
 from surefoot.contact import sets
 from surefoot.contact.problem.problem import ContactProblem as ContactProblem
@@ -6,8 +6,6 @@ from surefoot.contact.problem.proof import InfeasibilityProof as InfeasibilityPr
 from surefoot.contact.problem.proof import check_proof as check_proof
 from surefoot.contact.problem.residuals import Residuals as Residuals
 from surefoot.contact.problem.residuals import residuals as residuals
-from surefoot.contact.problem.solution import ContactSolution as ContactSolution
-from surefoot.contact.problem.solution import Status as Status
 from surefoot.contact.sets import ContactSet as ContactSet
 
 contact_sets = sets

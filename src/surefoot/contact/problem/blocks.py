@@ -8,9 +8,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
-
-MOST_FRICTION = 1e150
-"""Largest friction coefficient: beyond it squares overflow, and what a cone refuses would pass."""
+from surefoot.contact.sets.contact import MOST_FRICTION
 
 
 @dataclass(frozen=True)

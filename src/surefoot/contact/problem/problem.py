@@ -22,11 +22,11 @@ from surefoot.base.arrays import (
 from surefoot.base.errors import ProblemError
 from surefoot.contact.cones import FrictionPyramid
 from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
-from surefoot.contact.problem.blocks import MOST_FRICTION, Blocks, dense_blocks, vectors_fit
+from surefoot.contact.problem.blocks import Blocks, dense_blocks, vectors_fit
 from surefoot.contact.problem.matrix import checked_sparse, read_compliance, read_dense, spectral_norm
 from surefoot.contact.problem.scales import scales_blocks, scales_dense
-from surefoot.contact.problem.set_residuals import set_scales
-from surefoot.contact.sets.contact import ContactKind
+from surefoot.contact.problem.set_scales import set_scales
+from surefoot.contact.sets.contact import MOST_FRICTION, ContactKind
 from surefoot.contact.sets.contact_set import ContactSet, set_of
 
 Fit = Literal["inner", "outer"]

@@ -21,7 +21,7 @@ from surefoot.base.arrays import BoolArray, FloatArray, IntArray, numbers, of_ki
 from surefoot.base.errors import ProblemError
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.scales import ROUNDING
-from surefoot.contact.problem.set_residuals import block_sizes, parts_of
+from surefoot.contact.problem.set_scales import block_sizes, parts_of
 
 MEANT = 1e6
 """Forces beyond this many times s / ||G_kk||, the force that stops the fastest contact, are never meant."""

@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, IntArray, numbers, of_kind
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import inline_kernel, kernel
-from surefoot.contact.problem.admissible import dissipation_limit, nearest
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.scales import APPROACH
 from surefoot.contact.problem.set_residuals import DOUBT, WEIGHTLESS, Numbers, set_certificate
+from surefoot.contact.sets.cone_projection import dissipation_limit, nearest
+from surefoot.contact.sets.contact import APPROACH
 
 SMALL = 45
 """Number of contacts up to which velocities and residuals are computed in one compiled call."""

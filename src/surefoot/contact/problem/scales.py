@@ -27,9 +27,6 @@ ROUNDING = 2.3e-16
 """Of one operation in double precision."""
 REST = 1e-290
 """Speeds up to this are none: their quotients would not be numbers."""
-APPROACH = math.sqrt(0.5)
-"""Share of its speed of approach that a contact's velocity error is at least. The distance to K* shows
-1 / sqrt(1 + mu²) of it: no less than this share where mu is at most one, nothing where mu is huge."""
 LENT = 1e-6
 """Share of its speed that a part lends to one it is joined to by rounding alone."""
 

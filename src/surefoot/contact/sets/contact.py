@@ -20,8 +20,12 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.errors import ProblemError
-from surefoot.contact.problem.blocks import MOST_FRICTION
-from surefoot.contact.problem.scales import APPROACH
+
+MOST_FRICTION = 1e150
+"""Largest friction coefficient [-]: beyond it squares overflow, and forces outside the cone would pass."""
+APPROACH = math.sqrt(0.5)
+"""Least velocity error of a contact, as a share of its speed of approach [-]. The distance to K* shows
+1 / sqrt(1 + mu²) of it: no less than this share where mu is at most one, nothing where mu is huge."""
 
 
 @dataclass(frozen=True)

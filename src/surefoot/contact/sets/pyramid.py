@@ -9,7 +9,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.contact.cones import FrictionPyramid
-from surefoot.contact.problem.admissible import nearest
+from surefoot.contact.sets.cone_projection import nearest
 from surefoot.contact.sets.contact import ContactKind, Factor
 
 

@@ -30,7 +30,7 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel, working_time
 from surefoot.base.numerics.elimination import invert_shifted
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.solution import Status
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers.nsgs import refresh_dense
 from surefoot.contact.solvers.scaled import ScaledContacts
 from surefoot.contact.solvers.set_kernels import Packing, add_shift, natural_sets, project_sets

@@ -22,8 +22,8 @@ from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.proof import InfeasibilityProof, check_proof, connected_parts
 from surefoot.contact.problem.residuals import certificate
-from surefoot.contact.problem.solution import Status
 from surefoot.contact.sets import ContactSet
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers import on_blocks
 from surefoot.contact.solvers import strategies as plans
 from surefoot.contact.solvers.compiled import COMPILED_CONTACTS, attempt

@@ -31,7 +31,7 @@ from surefoot.base.kernels import (
 from surefoot.contact.problem.matrix import ASYMMETRY
 from surefoot.contact.problem.problem import ContactOptions, ContactProblem
 from surefoot.contact.problem.proof import InfeasibilityProof
-from surefoot.contact.problem.solution import Certified, Status, record_of
+from surefoot.contact.solution import Certified, Status, record_of
 from surefoot.contact.solvers.compiled import (
     COMPILED_CONTACTS,
     CONVEX_CALL,

@@ -16,7 +16,7 @@ import scipy.sparse as sp
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.contact.cones import FrictionPyramid
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.solution import Status
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers.backends import ConeProgram, Options, backend
 from surefoot.contact.solvers.backends.program import Rows
 from surefoot.contact.solvers.solver import Answer, SolverSettings, register

@@ -18,7 +18,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.residuals import residuals
-from surefoot.contact.problem.solution import Status
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers.dual_newton.dense import CENTRE, DUAL, VALUE, minimise
 from surefoot.contact.solvers.solver import Answer, SolverSettings, register
 

@@ -13,7 +13,7 @@ import scipy.linalg
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.lcp import LCP
-from surefoot.contact.problem.solution import Status
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers.solver import Answer, SolverSettings
 
 MOST, PATIENCE = 200, 40

@@ -22,7 +22,7 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import kernel, working_time
 from surefoot.contact.problem.lcp import LCP, equilibrated, stewart_trinkle
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.solution import Status
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers.solver import Answer, SolverSettings, register
 
 PIVOTS = (1e-8, 1e-12)

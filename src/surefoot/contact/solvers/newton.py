@@ -22,7 +22,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.solution import Status
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers.compiled import SOON, UNBOUNDED, attempt
 from surefoot.contact.solvers.newton_sparse import BlockNewton
 from surefoot.contact.solvers.newton_step import SHARES_MANY

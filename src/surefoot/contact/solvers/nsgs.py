@@ -17,7 +17,7 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel, working_time
 from surefoot.contact.problem.blocks import block_product
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.solution import Status
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers.one_contact import WIDTH, block_of, prepare, solve_one
 from surefoot.contact.solvers.solver import Answer, SolverSettings, register, start_forces
 from surefoot.contact.solvers.stopping import fill_measure, velocity_error

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import working_time
 from surefoot.contact.problem.problem import ContactProblem
-from surefoot.contact.problem.solution import Status
+from surefoot.contact.solution import Status
 from surefoot.contact.solvers.admm import run_admm
 from surefoot.contact.solvers.compiled import UNBOUNDED
 from surefoot.contact.solvers.newton import NATURAL_STEPS, on_natural_map

@@ -18,7 +18,7 @@ from surefoot.contact.laws import LAWS
 from surefoot.contact.problem.problem import ContactProblem
 from surefoot.contact.problem.proof import InfeasibilityProof
 from surefoot.contact.problem.residuals import certificate
-from surefoot.contact.problem.solution import ContactSolution, Status, record_of
+from surefoot.contact.solution import ContactSolution, Status, record_of
 from surefoot.contact.solvers.infeasibility import find_proof
 
 ALMOST_FACTOR = 1e3

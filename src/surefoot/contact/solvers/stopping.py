@@ -8,7 +8,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import inline_kernel, kernel
-from surefoot.contact.solvers.pyramid import project_any
+from surefoot.contact.solvers.pyramid_projection import project_any
 
 
 @inline_kernel

@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.contact.laws.soft.hunt_crossley import HuntCrossley
-from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.contact.laws.soft.mujoco import IMPEDANCE_RANGE, MujocoLaw
+from surefoot.contact.laws.soft.soft_law import SoftLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper
 from surefoot.contact.translation.fitting import Situation, hunt_crossley, implicit_linear, linear
 

@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact.laws.soft.behaviour import rebound
 from surefoot.contact.laws.soft.hunt_crossley import HuntCrossley
-from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.soft_law import SoftLaw
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact.laws.soft.behaviour import MassOnContact, behaviour
 from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
-from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.soft_law import SoftLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper
 from surefoot.contact.translation.engine import ENGINES, EngineContact
 from surefoot.contact.translation.fitting import Situation

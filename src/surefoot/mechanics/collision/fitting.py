@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.mechanics.collision.shapes import Box, Capsule, Shape, Sphere, coal
+from surefoot.mechanics.collision.rounded_shapes import Box, Capsule, Shape, Sphere, coal
 from surefoot.mechanics.collision.solids import Geometry, Solid
 from surefoot.mechanics.robot import Robot
 

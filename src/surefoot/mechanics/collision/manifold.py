@@ -63,7 +63,7 @@ def manifolds(
             count = _facing(
                 half[inc], rotation[inc], centre[inc], rotation[ref], centre[ref], face, out, table
             )
-            count = _clipped(table, sheet, count, half[ref], face)
+            count = _clip_polygon(table, sheet, count, half[ref], face)
             lift, least = half[ref, face] + radius[ref], np.inf
             for k in range(count):
                 least = min(least, table[k, 2] - lift - radius[inc])
@@ -132,7 +132,7 @@ def _facing(
 
 
 @kernel
-def _clipped(table: FloatArray, sheet: FloatArray, count: int, half: FloatArray, face: int) -> int:
+def _clip_polygon(table: FloatArray, sheet: FloatArray, count: int, half: FloatArray, face: int) -> int:
     """Cut a polygon, line or point in `table` to a rectangle (Sutherland and Hodgman); return its vertices.
 
     Vertices that the cut makes have the index -1.

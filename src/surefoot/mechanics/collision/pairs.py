@@ -11,7 +11,7 @@ from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.kernels import kernel
 from surefoot.mechanics.collision.contact_rates import contact_rates
 from surefoot.mechanics.collision.manifold import manifolds
-from surefoot.mechanics.collision.shapes import Shape, coal
+from surefoot.mechanics.collision.rounded_shapes import Shape, coal
 from surefoot.mechanics.collision.solids import Geometry
 
 FAR = 1e3
@@ -126,8 +126,8 @@ class PairSearch:
         )  # fmt: skip
         # of many solids only near pairs are ever listed: all of them grow with the square of the solids
         if not self._all:
-            close = swept(centre, extent, self._reach)
-            near = self._found(self._geometry.pairs(close)) if len(close) else near
+            close = sweep_boxes(centre, extent, self._reach)
+            near = self._find_slots(self._geometry.pairs(close)) if len(close) else near
         if not near.size:
             return
         pairs = self.pairs[near]
@@ -143,7 +143,7 @@ class PairSearch:
         )  # fmt: skip
         np.less(self.gaps, FAR, out=self.on)
 
-    def _found(self, pairs: IntArray) -> IntArray:
+    def _find_slots(self, pairs: IntArray) -> IntArray:
         """Return where pairs (k, 2) are among all, with slots for those that had none."""
         keys = pairs[:, 0] * len(self._solids) + pairs[:, 1]
         # a pair near for the first time gets slots behind all others, and keeps
@@ -215,7 +215,7 @@ def place_solids(
 
 
 @kernel
-def swept(centre: FloatArray, extent: FloatArray, reach: float) -> IntArray:
+def sweep_boxes(centre: FloatArray, extent: FloatArray, reach: float) -> IntArray:
     """Return the pairs (k, 2), smaller index first, of boxes closer than `reach` [m], in order.
 
     Sweep and prune along x: of boxes (s, 3) `centre`, `extent` sorted by their lower ends each is compared

@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray, real_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.contact import combination_rules, combine_friction
-from surefoot.mechanics.collision.shapes import Box, Shape
+from surefoot.mechanics.collision.rounded_shapes import Box, Shape
 from surefoot.mechanics.terrain import GroundBox, Terrain
 
 

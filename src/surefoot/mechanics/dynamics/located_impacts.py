@@ -4,7 +4,7 @@ At the middle of a step an impact comes up to dt / 2 early or late, by as much a
 height of the fall: the motion is right to first order, its derivative with respect to what moves the touch in
 time can be wrong by any amount. Here the step is flown to the root of the gap; impulses and restitution act
 there, and what is left of the step goes on behind them. Its derivative has the saltation term
-(`derivative_located`).
+(`derivative.saltation`).
 
 A contact that touches more slowly than gravity makes in two steps is not an impact: what is left of the step
 is then an ordinary one, so that bounces end, and a contact at rest makes no events. Several touches in a step
@@ -14,17 +14,17 @@ are met in the middle of the step; a corner that dips into the ground and out of
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.mechanics.dynamics.bodies import Bodies
+from surefoot.mechanics.dynamics.detection import Contacts
 from surefoot.mechanics.dynamics.free_motion import Ahead, moved
-from surefoot.mechanics.dynamics.impacts import Tally
+from surefoot.mechanics.dynamics.impacts import Meeting, Tally
+from surefoot.mechanics.dynamics.options import StepOptions
 from surefoot.mechanics.dynamics.state import Impact, Piece, State, Step, StepRemainder, grown
-
-if TYPE_CHECKING:
-    from surefoot.mechanics.dynamics.stepper import Stepper
 
 EVENTS = 16
 """Most touches of one step; after them what is left is an ordinary step."""
@@ -34,7 +34,40 @@ SEARCH = 60
 """Most Newton steps to a touch; a few do."""
 
 
-def touching_step(stepper: Stepper, state: State, effort: FloatArray, mu: float) -> Step | None:
+class ImpactModel(Protocol):
+    """What a step with located impacts needs: contacts, impulses and an ordinary step; a `Stepper` is one.
+
+    Attributes
+    ----------
+    options
+        Of a step; its dt is the whole step's.
+    bodies
+        What moves.
+    """
+
+    options: StepOptions
+    bodies: Bodies
+
+    def contacts(self, state: State) -> Contacts:
+        """Return the contact points at a state."""
+
+    def detect(self, q: FloatArray) -> Contacts:
+        """Return the contacts at (nq,) q [m, -, rad], in work arrays."""
+
+    def meeting(
+        self, q: FloatArray, before: FloatArray, free: FloatArray, contacts: Contacts, horizon: float,
+        mu: float, tally: Tally,
+    ) -> Meeting:  # fmt: skip
+        """Return the contacts about to exchange impulses at (nq,) q with (nv,) before and free."""
+
+    def meet_ground(
+        self, state: State, effort: FloatArray, push: FloatArray | None, mu: float,
+        seconds: float | None = None,
+    ) -> Step:  # fmt: skip
+        """Return an ordinary step of `seconds` [s] under (nv,) effort and a (3,) push on the base [N]."""
+
+
+def touching_step(stepper: ImpactModel, state: State, effort: FloatArray, mu: float) -> Step | None:
     """Return the step from a state in the air under (nv,) forces [N, N m], with its touches where they are.
 
     None where a contact presses or touches slowly from the start: the step is then an ordinary one.
@@ -77,7 +110,7 @@ def touching_step(stepper: Stepper, state: State, effort: FloatArray, mu: float)
 
 
 def first_touch(
-    stepper: Stepper, state: State, effort: FloatArray, seconds: float
+    stepper: ImpactModel, state: State, effort: FloatArray, seconds: float
 ) -> tuple[float, Ahead, BoolArray] | None:
     """Return when a flight of `seconds` [s] from a state first touches, where, and which (p,) contacts do.
 
@@ -111,7 +144,7 @@ def first_touch(
 
 
 def struck(
-    stepper: Stepper, q: FloatArray, v: FloatArray, touching: BoolArray, mu: float, tally: Tally
+    stepper: ImpactModel, q: FloatArray, v: FloatArray, touching: BoolArray, mu: float, tally: Tally
 ) -> Impact:
     """Return the impulses on those of the (p,) contacts at (nq,) q, (nv,) v that touch; no time goes by."""
     seen = stepper.detect(q)

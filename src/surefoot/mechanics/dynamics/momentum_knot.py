@@ -33,7 +33,7 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.spatial import GRAVITY, skew
 from surefoot.mechanics.dynamics.knot import Knot
 from surefoot.mechanics.dynamics.stepper import Stepper
-from surefoot.mechanics.robot.centroidal import carried_momentum
+from surefoot.mechanics.robot.centroidal import free_momentum_rows
 
 ROUNDS = 30
 """Most rounds that look for the velocity of a way that ends with a momentum; each is dt times nearer."""
@@ -52,7 +52,7 @@ class MomentumKnot(Knot):
         super().__init__(stepper)
         self._pin: Any = pinocchio
         model = self._model
-        self._rows = np.array(carried_momentum(model), dtype=np.int64)
+        self._rows = np.array(free_momentum_rows(model), dtype=np.int64)
         self._ways = np.flatnonzero(self._rows < 3)
         self._other, self._still = model.createData(), np.zeros(model.nv)
         self._more = np.zeros(len(self._rows))
@@ -142,7 +142,7 @@ def velocity_of_way(model: Any, q: FloatArray, v: FloatArray, dt: float) -> Floa
     """
     import pinocchio
 
-    n, out = len(carried_momentum(model)), v.copy()
+    n, out = len(free_momentum_rows(model)), v.copy()
     if not n or not v.any():
         return out
     data = model.createData()

@@ -197,8 +197,8 @@ def base_velocity_to_world_axes(robot: Robot, q: ArrayLike) -> FloatArray:
     return T
 
 
-def carried_momentum(model: Any) -> tuple[int, ...]:
-    """Return which entries of [linear; angular] momentum the first joints of a robot move freely, one each.
+def free_momentum_rows(model: Any) -> tuple[int, ...]:
+    """Return the entries of [linear; angular] momentum that the first joints move freely, one each.
 
     Those of a free flyer: all six. Of slides along the world's axes that carry the whole robot: the linear
     ones, and where two slides without mass carry a hinge across them the angular one. None for a robot that

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, real_number
 from surefoot.base.errors import ProblemError
-from surefoot.mechanics.robot.jacobians import Contacts, attached, contact_drift, contact_jacobian
+from surefoot.mechanics.robot.jacobians import Contacts, attach_contacts, contact_drift, contact_jacobian
 from surefoot.mechanics.robot.robot import Robot
 
 RANK_TOLERANCE = 1e-10
@@ -120,7 +120,7 @@ def constrained_dynamics(
         For wrong shapes or a negative damping.
     """
     configuration = robot.configuration(q)
-    points = attached(robot, configuration, contacts)
+    points = attach_contacts(robot, configuration, contacts)
     epsilon = real_number("damping", damping, low=0.0)
     J = contact_jacobian(robot, configuration, points)
     wanted = -contact_drift(robot, configuration, v, points)

@@ -161,12 +161,12 @@ def contact_jacobian(
 
     check_name("reference", reference, REFERENCES)
     configuration = robot.configuration(q)
-    points = attached(robot, configuration, contacts)
+    points = attach_contacts(robot, configuration, contacts)
     pinocchio.computeJointJacobians(robot.model, robot.data, configuration)
     rows = [np.zeros((0, robot.model.nv))]
     for point in points:
         J = pinocchio.getFrameJacobian(
-            robot.model, robot.data, *_carried(robot, point), _kind(pinocchio, reference)
+            robot.model, robot.data, *_carrier(robot, point), _kind(pinocchio, reference)
         )
         rows.append(_in_axes(np.array(J), point, reference)[: point.dim])
     return np.vstack(rows)
@@ -214,13 +214,13 @@ def contact_drift(
         raise ProblemError(f"rolling needs reference 'contact' or 'local_world_aligned', got {reference!r}")
     configuration = robot.configuration(q)
     velocity = finite_array("v", v, (robot.model.nv,))
-    points = attached(robot, configuration, contacts)
+    points = attach_contacts(robot, configuration, contacts)
     pinocchio.forwardKinematics(robot.model, robot.data, configuration, velocity, np.zeros(robot.model.nv))
     turning, kind = reference in ("local", "world"), _kind(pinocchio, reference)
     rate_of = pinocchio.getFrameAcceleration if turning else pinocchio.getFrameClassicalAcceleration
     out = [np.zeros(0)]
     for point in points:
-        carried = _carried(robot, point)
+        carried = _carrier(robot, point)
         rate = np.array(rate_of(robot.model, robot.data, *carried, kind).vector)
         if rolling and point.radius > 0.0:
             w = pinocchio.getFrameVelocity(robot.model, robot.data, *carried, kind).angular
@@ -287,12 +287,12 @@ class Baumgarte:
         return -kd * velocity - kp * error
 
 
-def attached(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attachment]:
+def attach_contacts(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attachment]:
     """Return a stance's contacts attached at a configuration (nq,) [m, -, rad], attached ones as they are."""
     return attach(robot, q, contacts) if isinstance(contacts, Stance) else contacts
 
 
-def _carried(robot: Robot, point: Attachment) -> tuple[int, Any]:
+def _carrier(robot: Robot, point: Attachment) -> tuple[int, Any]:
     """Return the joint that carries a point, and the point's place in it with the axes of its frame."""
     import pinocchio
 

@@ -18,9 +18,9 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ModelError, needs, one_line
+from surefoot.base.libraries import import_pinocchio
 from surefoot.base.spatial import quaternion_xyzw, rotation_from_quaternion
-from surefoot.mechanics.robot.libraries import import_pinocchio
-from surefoot.mechanics.robot.mjcf_beyond import beyond_a_tree
+from surefoot.mechanics.robot.mjcf_unsupported import beyond_a_tree
 from surefoot.mechanics.robot.parser_output import parser_output
 
 POSES = ("home", "standing", "stand", "half_sitting")

@@ -23,7 +23,7 @@ LEANS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Shares of the way to the feet's middle that the weight is moved; the first that the legs allow."""
 
 
-class _SeenFrom(Terrain):
+class _ShiftedTerrain(Terrain):
     """A terrain with its origin moved to the (2,) place `at`."""
 
     def __init__(self, terrain: Terrain, at: FloatArray) -> None:
@@ -106,7 +106,7 @@ def place(
     ground = FlatTerrain() if terrain is None else terrain
     of_kind("terrain", ground, Terrain)
     there = finite_array("at", at, (2,))
-    seen = _SeenFrom(ground, there) if there.any() else ground
+    seen = _ShiftedTerrain(ground, there) if there.any() else ground
     for share in LEANS:
         found = _place(robot, seen, robot.configuration(q), share)
         if found is not None:

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, of_kind, per_contact
 from surefoot.base.errors import ModelError, ProblemError, unknown_name
+from surefoot.base.libraries import import_pinocchio
 from surefoot.mechanics.robot import catalog
 from surefoot.mechanics.robot.contact_points import ContactPoints, contact_points
 from surefoot.mechanics.robot.foot import Foot, frame_names, read_foot, shaped_foot
-from surefoot.mechanics.robot.libraries import import_pinocchio
 from surefoot.mechanics.robot.mjcf import is_mjcf, nominal_of, read_mjcf
 from surefoot.mechanics.robot.nominal import bend_legs
 from surefoot.mechanics.robot.parser_output import parser_output
@@ -314,7 +314,7 @@ def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, 
     """Return Pinocchio's model and collision geometry of a URDF file, and the loader of its looks."""
     pinocchio = import_pinocchio()
     root = [] if fixed else [pinocchio.JointModelFreeFlyer()]
-    model = _parsed(path, root)
+    model = _parse_urdf(path, root)
     packages = [str(f) for f in folders]
 
     def shapes(kind: Any) -> Any:
@@ -328,7 +328,7 @@ def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, 
     return model, collision, lambda: shapes(pinocchio.GeometryType.VISUAL)
 
 
-def _parsed(path: Path, root: Sequence[Any]) -> Any:
+def _parse_urdf(path: Path, root: Sequence[Any]) -> Any:
     """Return the model of a URDF file; what its parser complains about is an error, never an output.
 
     The parser goes on without an inertia that it cannot read, so complaints count even if there is a model.

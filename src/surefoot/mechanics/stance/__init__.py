@@ -1,6 +1,5 @@
 """Who touches what, where, and with which friction."""
 
-from surefoot.mechanics.stance.batch import StanceBatch as StanceBatch
 from surefoot.mechanics.stance.contact import Contact as Contact
 from surefoot.mechanics.stance.contact import PatchContact as PatchContact
 from surefoot.mechanics.stance.contact import PointContact as PointContact

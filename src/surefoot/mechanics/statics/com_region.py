@@ -20,7 +20,7 @@ from surefoot.mechanics.statics.limits import (
     squeeze_limit,
 )
 from surefoot.mechanics.statics.region import Region, convex_hull
-from surefoot.mechanics.statics.region_search import Rows, Traced, traced
+from surefoot.mechanics.statics.region_search import RegionOutline, Rows, trace_outline
 from surefoot.mechanics.statics.statics import MOST_MU, needed_wrench
 
 SQUEEZE = 10.0
@@ -192,7 +192,7 @@ def _region(question: Question, tol: float, rows: Rows, height: float, axis: Flo
     """Trace the region of a point that depends linearly on the contact wrench about `question.com`."""
     tol, stance = positive_number("tol", tol, "m"), question.stance
     if not stance.contacts:
-        return Traced.nothing(0.0).region(height, axis, tol)
+        return RegionOutline.nothing(0.0).region(height, axis, tol)
     question = replace(question, limits=all_limits(normal_limits(stance), question.limits))
     force_limit = math.inf
     found = _within_reason(question, rows, tol)
@@ -205,16 +205,18 @@ def _region(question: Question, tol: float, rows: Rows, height: float, axis: Flo
     return found.region(height, axis, tol, force_limit)
 
 
-def _within_reason(question: Question, rows: Rows, tol: float) -> Traced:
+def _within_reason(question: Question, rows: Rows, tol: float) -> RegionOutline:
     """Trace the region; where rounding says nothing of very much friction, the part that less of it gives.
 
     What less friction holds, more holds as well: the polygon stands, the half-planes around it do not.
     """
-    found, mu = traced(question, rows, tol), question.stance.mu
+    found, mu = trace_outline(question, rows, tol), question.stance.mu
     if found.unbounded or math.isfinite(found.gap) or not mu.max() > MOST_MU:
         return found
-    part = traced(replace(question, stance=question.stance.with_friction(np.minimum(mu, MOST_MU))), rows, tol)
-    return Traced(part.inner, np.zeros((0, 2)), np.zeros(0), math.inf, part.unbounded)
+    part = trace_outline(
+        replace(question, stance=question.stance.with_friction(np.minimum(mu, MOST_MU))), rows, tol
+    )
+    return RegionOutline(part.inner, np.zeros((0, 2)), np.zeros(0), math.inf, part.unbounded)
 
 
 def support_polygon(stance: Stance) -> FloatArray:

@@ -45,7 +45,8 @@ class ForceDistributor:
 
     Minimises ``||A f - w||²_W + r ||f - f_ref||² + s ||f - f_last||²`` over the truncated friction
     cones ``||f_t|| <= mu f_z``, ``normal_min <= f_z <= normal_max``, exactly: no facets. The method is
-    Newton's in the six dimensions of the wrench, see `surefoot.contact.solvers.dual_newton.wrench`.
+    Newton's in the six dimensions of the wrench, see
+    `surefoot.contact.solvers.dual_newton.wrench_distribution`.
 
     `solve` starts from the last solution, allocates nothing but the array that it returns, and always
     returns forces inside every cone and bound; `status` tells whether they are also optimal.

@@ -166,7 +166,7 @@ def most_margin(
     for i in range(x.size):
         x[i] *= scales[i]
     if outcome in (FEASIBLE, ENDLESS):
-        return _settled(A, e, w, lorentz, x, outcome), t, x, y, reach
+        return _accept(A, e, w, lorentz, x, outcome), t, x, y, reach
     reach = proof_reach(A, w, y, lorentz)
     if reach < REACH:
         outcome = UNDECIDED
@@ -224,7 +224,7 @@ def _most_margin(
     if alpha <= 1e-9 * math.sqrt(dot(e, e)):
         advance(x, max(0.0, squeeze - t0), e)
         _restore(Q, b, rank, x, spans)
-        return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
+        return _accept(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
     # a start strictly inside the cones, as the interior-point method needs it: depth t0 + start > 0
     start = 1.0 / (steepest * max(1, lorentz)) - 1.5 * min(t0, 0.0)
     if t0 > 0.0:
@@ -235,7 +235,7 @@ def _most_margin(
     dual, axis, c, zero, first = np.empty(rows), np.empty(0), Q[0], b[0], rank - rows
     if apart:  # t stays an unknown of its own, along the direction of a; else row 0 alone has to do with it
         axis = a[:rank] / alpha
-        c, zero = _combined(Q, axis, spans, m), dot(axis, b[:rank])
+        c, zero = _combine(Q, axis, spans, m), dot(axis, b[:rank])
     status, _ = minimise(
         Q[first:rank], b[first:rank], c, lorentz, x, dual, z, tol, zero - _ENDLESS_MARGIN * unit, zero,
         spans, axis,
@@ -247,8 +247,8 @@ def _most_margin(
         share = min(1.0, (squeeze - t0) / (t - t0)) if t > t0 else 1.0
         for i in range(m):
             x[i] = least_norm[i] + share * (x[i] - least_norm[i])
-        return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
-    if _settled(A, e, w, lorentz, x, FEASIBLE) == FEASIBLE:
+        return _accept(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
+    if _accept(A, e, w, lorentz, x, FEASIBLE) == FEASIBLE:
         return FEASIBLE, t, x, y, 0.0
     _in_rows_of_q(axis, dual, alpha, h, full)
     pull_back(T, pivots, rank, full, y)
@@ -257,7 +257,7 @@ def _most_margin(
 
 
 @inline_kernel
-def _combined(Q: FloatArray, weights: FloatArray, spans: IntArray | None, m: int) -> FloatArray:
+def _combine(Q: FloatArray, weights: FloatArray, spans: IntArray | None, m: int) -> FloatArray:
     """Return Q' weights (m,)."""
     out = np.zeros(m)
     for j in range(weights.size):
@@ -288,7 +288,7 @@ def _raise_apices(c: FloatArray, zero: float, alpha: float, e: FloatArray, x: Fl
 
 
 @inline_kernel
-def _settled(A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, x: FloatArray, outcome: int) -> int:
+def _accept(A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, x: FloatArray, outcome: int) -> int:
     """Return the outcome where x is in its cones and gives the load within `BAND`, else UNDECIDED."""
     good = _outside(x, e, lorentz) <= BAND and _left_over(A, w, x) <= BAND
     return outcome if good else UNDECIDED

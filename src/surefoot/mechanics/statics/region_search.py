@@ -51,8 +51,8 @@ _AIMS = (_AIM, 0.25, 0.05)
 
 
 @dataclass
-class Traced:
-    """What a search found: an inner polygon, half-planes around the region, and the gap between them."""
+class RegionOutline:
+    """Bounds of a region from a search: an inner polygon, half-planes around it, and the gap between them."""
 
     inner: FloatArray
     directions: FloatArray
@@ -61,7 +61,7 @@ class Traced:
     unbounded: bool = False
 
     @classmethod
-    def nothing(cls, gap: float, unbounded: bool = False) -> Traced:
+    def nothing(cls, gap: float, unbounded: bool = False) -> RegionOutline:
         """Return an outcome without a polygon: a gap of zero proves that there is none."""
         return cls(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), gap, unbounded)
 
@@ -85,26 +85,26 @@ class OutlineProgram:
     start: FloatArray
 
 
-def traced(question: Question, rows: Rows, tol: float) -> Traced:
+def trace_outline(question: Question, rows: Rows, tol: float) -> RegionOutline:
     """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it."""
     whole = _program(question, rows)
     outcome, margin, whole.start, _, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz, IN_ONE)
     if outcome in (INFEASIBLE, UNREACHABLE):
-        return Traced.nothing(0.0)
+        return RegionOutline.nothing(0.0)
     if outcome != FEASIBLE:  # forces that run away are what rounding cannot judge
         endless = outcome == ENDLESS or float(np.abs(whole.start).max()) > RUNAWAY
-        return Traced.nothing(math.inf, unbounded=endless)
+        return RegionOutline.nothing(math.inf, unbounded=endless)
     if margin > ROOM:
-        return certified(whole, None, tol)
+        return search_certified(whole, None, tol)
     most = _MOST_BACK / (question.facets or 1)  # a pyramid's cone moves along each of its rays
     # Without room inside the cones the interior-point method has no start. Two programs with room: one
     # widened by what a verdict forgives, whose points count as inside, one by more, whose half-planes hold
     # all the same.
-    inside = _widened(_program(question, rows, BAND), max(BAND, _HAIR - margin), most)
+    inside = _widen(_program(question, rows, BAND), max(BAND, _HAIR - margin), most)
     if inside is None:
-        return Traced.nothing(math.inf)
-    around = _widened(_program(question, rows, ROOM), ROOM - min(0.0, margin), most)
-    return certified(inside, around, tol)
+        return RegionOutline.nothing(math.inf)
+    around = _widen(_program(question, rows, ROOM), ROOM - min(0.0, margin), most)
+    return search_certified(inside, around, tol)
 
 
 def _program(question: Question, rows: Rows, more: float = 0.0) -> OutlineProgram:
@@ -127,13 +127,13 @@ def _program(question: Question, rows: Rows, more: float = 0.0) -> OutlineProgra
     return OutlineProgram(np.ascontiguousarray(A), w, eq.e, eq.lorentz, G, np.array(offset, dtype=float), w)
 
 
-def certified(inside: OutlineProgram, around: OutlineProgram | None, tol: float) -> Traced:
+def search_certified(inside: OutlineProgram, around: OutlineProgram | None, tol: float) -> RegionOutline:
     """Search, and measure the gap; with a finer estimate where it is not what the search took it for."""
-    best = Traced.nothing(math.inf)
+    best = RegionOutline.nothing(math.inf)
     for share in _AIMS:
         outcome, points, directions, heights = _outline(inside, share * tol)
         if outcome == WITHOUT_BOUND:
-            return Traced.nothing(math.inf, unbounded=True)
+            return RegionOutline.nothing(math.inf, unbounded=True)
         inner, gap = enclose(points, directions, heights, (1.0 - _AIM) * tol, tol)
         if gap > tol and around is not None:
             other, _, further, higher = _outline(around, share * tol)
@@ -141,7 +141,7 @@ def certified(inside: OutlineProgram, around: OutlineProgram | None, tol: float)
                 directions, heights = np.vstack([directions, further]), np.concatenate([heights, higher])
                 inner, gap = enclose(points, directions, heights, (1.0 - _AIM) * tol, tol)
         if gap < best.gap or not len(best.inner):
-            best = Traced(inner, directions, heights, gap)
+            best = RegionOutline(inner, directions, heights, gap)
         if best.gap <= tol or outcome != TRACED:
             break
     return best
@@ -163,7 +163,7 @@ def _outline(program: OutlineProgram, tol: float) -> tuple[int, FloatArray, Floa
     return outcome, points[:count].copy(), directions[:count].copy(), heights[:count].copy()
 
 
-def _widened(program: OutlineProgram, s: float, most: float) -> OutlineProgram | None:
+def _widen(program: OutlineProgram, s: float, most: float) -> OutlineProgram | None:
     """Move the cones' apices back by s, in loads: x + s e in K, in coordinates x + s e; None without room.
 
     Cones of little friction are moved by no more than `most` s: their width is in their friction.

@@ -208,7 +208,7 @@ def local_rows(spans: IntArray | None) -> int:
 
 
 @inline_kernel
-def _reduced(A: FloatArray, i: int, j: int, spans: IntArray | None) -> float:
+def _reduce_entry(A: FloatArray, i: int, j: int, spans: IntArray | None) -> float:
     """Return A[i, j] less the product of what rows i and j of the factor have before column j."""
     total: float = A[i, j]
     for k in range(max(first_row(spans, i), first_row(spans, j)), j):
@@ -225,7 +225,7 @@ def guarded_cholesky(A: FloatArray, spans: IntArray | None, low: int, high: int)
     """
     least = 1.0
     for j in range(low, high):
-        top, square = A[j, j], _reduced(A, j, j, spans)
+        top, square = A[j, j], _reduce_entry(A, j, j, spans)
         if not math.isfinite(square):
             return math.nan
         # The share of its diagonal that a pivot keeps tells how many digits cancellation has left it.
@@ -236,7 +236,7 @@ def guarded_cholesky(A: FloatArray, spans: IntArray | None, low: int, high: int)
         A[j, j] = math.sqrt(square) if square > VANISHED * top else HUGE
         for i in range(j + 1, A.shape[0]):
             if first_row(spans, i) <= j:
-                A[i, j] = _reduced(A, i, j, spans) / A[j, j]
+                A[i, j] = _reduce_entry(A, i, j, spans) / A[j, j]
     return least
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, finite_array, positive_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import kernel
-from surefoot.mechanics.terrain.shapes import Grid
+from surefoot.mechanics.terrain.surface_shapes import Grid
 from surefoot.mechanics.terrain.terrain import Terrain
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray
-from surefoot.mechanics.terrain.shapes import DEPTH, EXTENT, GroundBox
+from surefoot.mechanics.terrain.surface_shapes import DEPTH, EXTENT, GroundBox
 from surefoot.mechanics.terrain.terrain import Terrain
 
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, finite_array
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics.terrain.levels import LevelsTerrain
-from surefoot.mechanics.terrain.shapes import EXTENT
+from surefoot.mechanics.terrain.surface_shapes import EXTENT
 
 
 class PitTerrain(LevelsTerrain):

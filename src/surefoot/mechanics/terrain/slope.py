@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, real_number
-from surefoot.mechanics.terrain.shapes import Plane
+from surefoot.mechanics.terrain.surface_shapes import Plane
 from surefoot.mechanics.terrain.terrain import Terrain
 
 

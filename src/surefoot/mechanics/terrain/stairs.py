@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, positive_number, real_number, whole_number
 from surefoot.mechanics.terrain.levels import LevelsTerrain
-from surefoot.mechanics.terrain.shapes import EXTENT
+from surefoot.mechanics.terrain.surface_shapes import EXTENT
 
 
 class StairsTerrain(LevelsTerrain):

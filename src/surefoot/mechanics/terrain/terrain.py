@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import rotation_from_normal
-from surefoot.mechanics.terrain.shapes import Shape
+from surefoot.mechanics.terrain.surface_shapes import Shape
 
 STEP = 1e-5
 """Step of the central differences of a terrain that does not write its own gradient [m]."""

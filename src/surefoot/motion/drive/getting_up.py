@@ -8,7 +8,6 @@ legs do the same, so that it turns about its long axis; left and right change pl
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +15,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.mechanics import Robot
 from surefoot.motion.drive.modes import LoopMode
 from surefoot.motion.drive.postures import BodyPostures, PostureMotion
-
-if TYPE_CHECKING:
-    from surefoot.motion.drive.robot_loop import RobotLoop
+from surefoot.motion.drive.readings import RobotReadings
 
 FALLEN = "the robot has fallen"
 """The fault of one that leans too much, or whose body is down."""
@@ -82,22 +79,30 @@ class FallRecovery:
         """Begin anew: somebody has asked for something."""
         self._falls, self._since, self._walked = 0, 0.0, False
 
-    def fell(self, loop: RobotLoop) -> None:
-        """Learn of a fall."""
-        self._walked |= loop.mode is LoopMode.WALK
-        self._falls, self._since = self._falls + 1, loop.time
+    def fell(self, mode: LoopMode, time: float) -> None:
+        """Count a fall that happened in a mode at a time [s]."""
+        self._walked |= mode is LoopMode.WALK
+        self._falls, self._since = self._falls + 1, time
 
-    def look(self, loop: RobotLoop) -> None:
-        """See a step of the loop, and do what is to be done."""
-        last = loop.watch.last
-        if not loop.recover:
-            return
-        if loop.mode is LoopMode.STAND and self._walked and loop.settled:
-            self._walked = False
-            loop.change("walk")
-        if loop.mode is not LoopMode.DAMP or loop.fault != FALLEN or last is None or self._falls > TRIES:
-            return
-        if loop.watch.blind or max(np.abs(last.gyro).max(), np.abs(last.speeds).max()) > STILL:
-            self._since = loop.time
-        elif loop.time - self._since >= REST and loop.can_rise:
-            loop.change("stand")
+    def walks_on(self, mode: LoopMode, settled: bool) -> bool:
+        """Whether a robot that has got up, and stands still (`settled`), is to walk again; true once."""
+        on = mode is LoopMode.STAND and self._walked and settled
+        self._walked &= not on
+        return on
+
+    def rises(self, mode: LoopMode, fault: str, time: float, readings: RobotReadings | None) -> bool:
+        """Whether a robot that lies damped after a fall has lain still for long enough to get up.
+
+        Parameters
+        ----------
+        mode, fault, time
+            Of the loop; the time [s].
+        readings
+            Of now; None where none can be used.
+        """
+        if mode is not LoopMode.DAMP or fault != FALLEN or self._falls > TRIES:
+            return False
+        if readings is None or max(np.abs(readings.gyro).max(), np.abs(readings.speeds).max()) > STILL:
+            self._since = time
+            return False
+        return time - self._since >= REST

@@ -140,12 +140,14 @@ class JointTargetController(CommandHold):
         active = np.ascontiguousarray(command.for_points(len(self._support)).active, dtype=bool)
         rate = np.ascontiguousarray(command.accelerations[len(command.accelerations) - joints :], np.float64)
         out = np.empty((4, joints))
-        led(q, v, rate, self.dt, self.stiffness, self.damping, self._support, active, self._kept, out)
+        fill_joint_targets(
+            q, v, rate, self.dt, self.stiffness, self.damping, self._support, active, self._kept, out
+        )
         return JointTargets(out[0], out[1], out[2], out[3], command.torques)
 
 
 @kernel
-def led(
+def fill_joint_targets(
     q: FloatArray, v: FloatArray, rate: FloatArray, dt: float, stiffness: FloatArray, damping: FloatArray,
     support: BoolArray, active: BoolArray, kept: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip

@@ -119,7 +119,7 @@ def contradicts(
     if apart:
         return DRIFTS
     far, change = 0.0, 0.0
-    turn = _unexplained(said, last, elapsed)
+    turn = _unexplained_turn(said, last, elapsed)
     for r in range(3):
         change = max(change, abs(said[4 + r] - last[4 + r]))
         after[2 * joints + r] = keep * kept[2 * joints + r] + turn[r]
@@ -132,7 +132,7 @@ def contradicts(
 
 
 @inline_kernel
-def _unexplained(said: FloatArray, last: FloatArray, elapsed: float) -> FloatArray:
+def _unexplained_turn(said: FloatArray, last: FloatArray, elapsed: float) -> FloatArray:
     """Return the turn between two readings that their gyros do not tell, as a rotation vector (3,) [rad]."""
     way = np.empty(4)
     rate = math.sqrt((said[4] + last[4]) ** 2 + (said[5] + last[5]) ** 2 + (said[6] + last[6]) ** 2)

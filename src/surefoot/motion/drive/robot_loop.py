@@ -15,7 +15,7 @@ from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, actuators
 from surefoot.motion.control.controller import Command, JointTargets, RobotState
 from surefoot.motion.drive.getting_up import FALLEN, TRIES, FallRecovery
 from surefoot.motion.drive.joint_targets import JointTargetController
-from surefoot.motion.drive.latency import LatencyCompensation
+from surefoot.motion.drive.latency_compensation import LatencyCompensation
 from surefoot.motion.drive.modes import CONTROLLED, FOLLOWS, POWERLESS, LoopMode
 from surefoot.motion.drive.posture_player import PosturePlayer
 from surefoot.motion.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, motor_order
@@ -23,7 +23,7 @@ from surefoot.motion.drive.state_tracker import StateTracker
 from surefoot.motion.drive.target_limits import TargetLimits
 from surefoot.motion.drive.watchdog import damping_targets
 from surefoot.motion.estimation.state_estimator import Reading
-from surefoot.motion.ground.terrain_knowledge import believed_ground
+from surefoot.motion.ground.terrain_knowledge import controller_ground
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walkers import default_gait, walking_controller
 from surefoot.motion.walking.walking_body import VelocityCommand
@@ -124,7 +124,7 @@ class RobotLoop:
         self.limits = limits or ReadingLimits()
         self.watch = ReadingWatch(robot, self.dt, self.limits)
         ground = terrain or "exact"
-        self.terrain = believed_ground(ground, FlatTerrain()) if isinstance(ground, str) else ground
+        self.terrain = controller_ground(ground, FlatTerrain()) if isinstance(ground, str) else ground
         known = None if self.terrain.learns else self.terrain
         self._motors = actuators_of(robot, actuators)
         geared = robot if self._motors is None else with_rotors(robot, self._motors.armature)
@@ -133,8 +133,7 @@ class RobotLoop:
         self.recover, self._recovery = False, FallRecovery()
         self._damp = damping_targets(robot, self.dt)
         self._passive = JointTargets(*np.zeros((5, robot.joints)))
-        on_four = len(robot.feet) == 4
-        chosen = gait or ("auto" if on_four else default_gait(robot))
+        chosen = gait or ("auto" if len(robot.feet) == 4 else default_gait(robot))
         names = {LoopMode.WALK: chosen, LoopMode.STAND: chosen if chosen == "auto" else "stand"}
         made = {name: self._balance(name, mu, latency) for name in dict.fromkeys(names.values())}
         self._balances = {mode: made[name] for mode, name in names.items()}
@@ -269,14 +268,13 @@ class RobotLoop:
             By the clock of this side [s]; None where every step is exactly `dt` after the last.
         """
         self.time += self.dt
-        came = None if readings is None else self._ordered(readings)
+        came = None if readings is None else self._order_readings(readings)
         usable = self.watch.look(came, self.time if now is None else now)
         if self.mode not in POWERLESS:
             self._judge()
-        self._recovery.look(self)
+        self._recover()
         targets = self._targets(usable)
-        last = self.watch.last
-        if last is not None:
+        if (last := self.watch.last) is not None:
             targets = self.target_limits.hold(targets, last.positions, last.speeds)
         return JointTargets(*(values[self._back] for values in targets))
 
@@ -285,7 +283,7 @@ class RobotLoop:
         self.walker.answers_first = True
         self.walker.plan_ahead()
 
-    def _ordered(self, readings: RobotReadings) -> RobotReadings | None:
+    def _order_readings(self, readings: RobotReadings) -> RobotReadings | None:
         """Return readings in the order of the robot's joints; None for wrong shapes."""
         joints = (self.robot.joints,)
         rows = [np.asarray(row, dtype=np.float64) for row in readings[1:7]]
@@ -299,10 +297,18 @@ class RobotLoop:
         if watch.silent >= self.limits.outage or (watch.blind and watch.silent < self.limits.patience):
             self._stop(watch.reason)
         elif self._down() and not (self.mode is LoopMode.STAND_UP and self._player.lying):
-            self._recovery.fell(self)
+            self._recovery.fell(self.mode, self.time)
             self._stop(FALLEN)
-        elif self.mode in CONTROLLED and self.tracker.lost:
-            self._stop(f"the state estimate was lost: {self.tracker.lost}")
+        elif self.mode in CONTROLLED and self.tracker.failure:
+            self._stop(f"the state estimate was lost: {self.tracker.failure}")
+
+    def _recover(self) -> None:
+        """Get up after a fall, and walk on if the robot walked."""
+        if self.recover and self._recovery.walks_on(self.mode, self.settled):
+            self.change("walk")
+        usable = None if self.watch.blind else self.watch.last
+        if self.recover and self._recovery.rises(self.mode, self.fault, self.time, usable) and self.can_rise:
+            self.change("stand")
 
     def _stop(self, fault: str) -> None:
         """Damp, because of a fault."""
@@ -372,7 +378,7 @@ class RobotLoop:
         else:
             before = self._reading
             self._reading = before._replace(positions=before.positions + self.dt * before.speeds)
-        self.tracker.acted(last.torques)
+        self.tracker.note_torques(last.torques)
         loaded = last.loaded_feet(LOADED * self.robot.mass * GRAVITY)
         state = self.tracker.state(
             self._reading, self.time - self._began, None if loaded is None else lambda _: loaded
@@ -382,10 +388,9 @@ class RobotLoop:
     def _still(self) -> bool:
         """Whether a robot that balances stands on all feet and hardly moves."""
         feet, state = self.walker.feet, self.state
-        if feet is None or state is None:
+        if feet is None or state is None or not feet.stance.all():
             return False
-        slow = float(np.linalg.norm(state.v[:2])) < SLOW * math.sqrt(GRAVITY * self.walker.height)
-        return bool(feet.stance.all()) and slow
+        return float(np.linalg.norm(state.v[:2])) < SLOW * math.sqrt(GRAVITY * self.walker.height)
 
     def _down(self) -> bool:
         """Whether the base leans as one that has fallen, or is as low by the estimate."""

@@ -74,8 +74,8 @@ class StateTracker:
         self.begin(self.robot.nominal)
 
     @property
-    def lost(self) -> str:
-        """Why the state is not known any longer; empty while it is."""
+    def failure(self) -> str:
+        """Reason why the state is no longer estimated; empty while it is."""
         health = self.estimator.health
         return "" if health is Health.GOOD else str(health)
 
@@ -117,7 +117,7 @@ class StateTracker:
         self._standing = pushing
         self.estimator.expect(pushing, np.asarray(command.rows().get("planned", pushing), dtype=bool))
 
-    def acted(self, torques: FloatArray) -> None:
-        """Tell the (joints,) torques of the motors between the last reading and the next [N m]."""
+    def note_torques(self, torques: FloatArray) -> None:
+        """Record the motors' (joints,) torques between the last reading and the next [N m]."""
         losses = 0.0 if self._actuators is None else self._actuators.losses(self._speeds)
         self.estimator.applied(torques - losses)  # currents tell what motors give, friction included

@@ -40,12 +40,12 @@ class TargetLimits:
         brought back by lower gains, after the feed-forward torque has been clipped.
         """
         rows = np.array(targets, dtype=np.float64)
-        held(rows, positions, speeds, self.low, self.high, self.speed, self.effort, *self._gains)
+        limit_targets(rows, positions, speeds, self.low, self.high, self.speed, self.effort, *self._gains)
         return JointTargets(*rows)
 
 
 @kernel
-def held(
+def limit_targets(
     rows: FloatArray, positions: FloatArray, speeds: FloatArray, low: FloatArray, high: FloatArray,
     fastest: FloatArray, effort: FloatArray, stiffest: float, hardest: float,
 ) -> None:  # fmt: skip

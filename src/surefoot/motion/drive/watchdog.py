@@ -97,9 +97,9 @@ class Watchdog(Wrapper):
         stale = self._last is not None and not age <= self.patience + 0.5 * self.dt
         if not stale or self._last is None:
             self._last = self.controller.step(state)
-        return self._watched(self._last, stale)
+        return self._watch_command(self._last, stale)
 
-    def _watched(self, command: Command, stale: bool) -> WatchedCommand:
+    def _watch_command(self, command: Command, stale: bool) -> WatchedCommand:
         """Return a command with what the watchdog says."""
         own = WatchedCommand(
             command.torques, command.forces, command.active, command.attained, command.status,

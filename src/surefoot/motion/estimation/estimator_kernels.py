@@ -17,8 +17,8 @@ from surefoot.motion.estimation.foot_kinematics import (
     base_state,
     follow_stances,
     foot_arrays,
+    measure_places,
     over_ground,
-    places_seen,
     roll,
     state_ahead,
 )
@@ -26,8 +26,8 @@ from surefoot.motion.estimation.inekf_kernels import observe_feet, propagate
 
 
 @kernel
-def known(q: FloatArray, v: FloatArray) -> bool:
-    """Tell whether all numbers of a state (nq,) [m, -, rad] and (nv,) [m/s, rad/s] are finite."""
+def all_finite(q: FloatArray, v: FloatArray) -> bool:
+    """Return whether all numbers of a state (nq,) [m, -, rad] and (nv,) [m/s, rad/s] are finite."""
     total = 0.0
     for x in q:
         total += 0.0 * x
@@ -186,7 +186,7 @@ def advance(
     base_state(X, numbers[2], numbers[1], q, v)
     for j in range(joints):
         q[7 + j], v[6 + j] = legs[0, j], legs[0, joints + j]
-    return known(q, v)
+    return all_finite(q, v)
 
 
 @kernel
@@ -211,7 +211,7 @@ def stand(
     over_ground(X, numbers[2], numbers[1], centres, velocities, pace)
     new = follow_stances(contact, pace, sliding, settling, dt, age, touching, landed)
     roll(X, rotations, normals, radii, touching, turned, rolled)
-    places_seen(X, centres, numbers[1], rolled, places)
+    measure_places(X, centres, numbers[1], rolled, places)
     observe_feet(
         X, bias, P, borrowed(on)[0], places, spreads, touching, landed, walks, densities, gate[0], distances,
         used,
@@ -229,11 +229,11 @@ def _some(flags: BoolArray) -> bool:
 
 
 @kernel
-def tell(
+def write_state(
     body: FloatArray, robot: FloatArray, waiting: FloatArray, counts: IntArray, limits: FloatArray, feet: int,
     q: FloatArray, v: FloatArray,
 ) -> bool:  # fmt: skip
-    """Fill q (nq,) and v (nv,) of now [m, rad], [m/s, rad/s]; tell whether the filter's state is credible.
+    """Fill q (nq,) [m, rad] and v (nv,) [m/s, rad/s] of now; return whether the filter's state is credible.
 
     `limits` (4,) are how far joints go on with their acceleration [s], and what `credible` takes: largest
     speed [m/s] and biases [rad/s], [m/s²]. `feet` is their number, the rest is as in `advance`.
@@ -264,8 +264,8 @@ def settle(
 ) -> int:  # fmt: skip
     """Correct, unless `lost`, by feet in contact that are meant to stand, (n,) each; fill q and v of now.
 
-    Returns what `stand` does, with CREDIBLE if `tell` says so and TOUCHED if a foot is in contact. The rest
-    is as in these two.
+    Returns what `stand` does, with CREDIBLE if `write_state` says so and TOUCHED if a foot is in contact.
+    The rest is as in these two.
     """
     found = TOUCHED if _some(contact) else 0
     if not lost:
@@ -275,4 +275,6 @@ def settle(
         for k in range(contact.shape[0]):
             both[k] = contact[k] and meant[k]
         found += stand(body, on, robot, feet, standing, both, v.shape[0] - 6)
-    return found + (CREDIBLE if tell(body, robot, waiting, counts, limits, contact.shape[0], q, v) else 0)
+    return found + (
+        CREDIBLE if write_state(body, robot, waiting, counts, limits, contact.shape[0], q, v) else 0
+    )

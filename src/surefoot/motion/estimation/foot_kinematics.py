@@ -101,7 +101,7 @@ def follow_stances(
 
 
 @kernel
-def places_seen(
+def measure_places(
     X: FloatArray, centres: FloatArray, arm: FloatArray, rolled: FloatArray, out: FloatArray
 ) -> None:
     """Fill (n, 3) places of the feet from the IMU [m], body axes, less their (n, 3) rolls, world axes."""

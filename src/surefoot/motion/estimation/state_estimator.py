@@ -33,11 +33,11 @@ from surefoot.motion.estimation.estimator_kernels import (
     TOUCHED,
     advance,
     settle,
-    tell,
+    write_state,
 )
 from surefoot.motion.estimation.foot_force_observer import FootForceObserver
 from surefoot.motion.estimation.inekf_robot import InvariantEkf
-from surefoot.motion.estimation.latency import Latency
+from surefoot.motion.estimation.sensor_delays import Latency
 
 SENSED = 0.2
 """Share of m g over the number of feet from which a force alone says that a foot touches."""
@@ -212,7 +212,7 @@ class StateEstimator:
         )  # fmt: skip
         if found & LANDED and ekf.ground is not None:
             ekf.land()
-            sound = tell(body.memory, ekf.memory, late.memory, late.counts, self._limits, body.n, q, v)
+            sound = write_state(body.memory, ekf.memory, late.memory, late.counts, self._limits, body.n, q, v)
             found = found & ~CREDIBLE | (CREDIBLE if sound else 0)
         if not lost:
             self._look(found)

@@ -158,7 +158,7 @@ def bilinear(filled: FloatArray, corner: FloatArray, spacing: float, xy: FloatAr
 
 
 @kernel
-def flight_heights(
+def stair_heights(
     seen: FloatArray, known: BoolArray, xy: FloatArray, flight: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
     """Return heights (k,) at (k, 2) places on a flight of stairs or beside it, and where they are its own.

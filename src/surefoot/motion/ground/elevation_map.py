@@ -136,9 +136,9 @@ class ElevationMap(Terrain):
         shift = np.round((corner - self._corner) / self.settings.spacing).astype(int)
         if not shift.any():
             return
-        self._heights[:] = _shifted(self._heights, shift, 0.0)
-        self._variances[:] = _shifted(self._variances, shift, np.inf)
-        self._alone[:] = _shifted(self._alone.astype(np.float64), shift, 0.0) > 0.0
+        self._heights[:] = _shift_cells(self._heights, shift, 0.0)
+        self._variances[:] = _shift_cells(self._variances, shift, np.inf)
+        self._alone[:] = _shift_cells(self._alone.astype(np.float64), shift, 0.0) > 0.0
         self._corner = corner
         self.refresh()
 
@@ -233,7 +233,7 @@ class ElevationMap(Terrain):
         )
 
 
-def _shifted(array: FloatArray, shift: FloatArray, empty: float) -> FloatArray:
+def _shift_cells(array: FloatArray, shift: FloatArray, empty: float) -> FloatArray:
     """Return a square array whose first cell is what was the cell `shift` before; new cells are `empty`."""
     out = np.full_like(array, empty)
     count = len(array)

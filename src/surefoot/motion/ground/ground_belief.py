@@ -94,7 +94,7 @@ class BeliefTerrain(Terrain):
         self._stood = stance.copy()
         for k in np.flatnonzero(landed).tolist():
             self._landings[k].append(ground[k].copy())
-            self._touched(ground[k])
+            self._learn_touchdown(ground[k])
         # where a foot looks for the ground, it is no higher than the foot
         self._sought = {k: soles[k] for k in np.flatnonzero(sought).tolist()}
         if landed.any() or sought.any():
@@ -155,14 +155,14 @@ class BeliefTerrain(Terrain):
         # The weighted deviation, less three numbers fitted.
         self._spread = math.sqrt(float(shares @ off**2) / max(float(shares.sum()) - 3.0, 1.0))
         self._about, self._level, self._slope = about, float(plane[0]), plane[1:]
-        self._fitted()
+        self._use_plane()
 
-    def _touched(self, point: FloatArray) -> None:
-        """Learn that a foot has landed at a (3,) point [m]."""
+    def _learn_touchdown(self, point: FloatArray) -> None:
+        """Update the ground by a touchdown at a (3,) point [m]."""
 
     @abstractmethod
-    def _fitted(self) -> None:
-        """Use a new plane: `_level` [m] at `_about`, `_slope`."""
+    def _use_plane(self) -> None:
+        """Take a newly fitted plane: `_level` [m] at `_about`, `_slope`."""
 
 
 def believed(terrain: Terrain) -> BeliefTerrain | None:

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import rotation_from_quaternion
-from surefoot.motion.ground.elevation_kernels import flight_heights
+from surefoot.motion.ground.elevation_kernels import stair_heights
 from surefoot.motion.ground.elevation_map import ElevationMap
 from surefoot.motion.ground.ground_belief import BeliefTerrain
-from surefoot.motion.ground.stair_detection import StepWatch
+from surefoot.motion.ground.stair_detection import StairWatch
 from surefoot.motion.state import RobotState
 
 REMEMBERED = 0.3
@@ -43,7 +43,7 @@ class MappedGround(BeliefTerrain):
         self.map = ElevationMap()
         self.noise = self.map.noise
         self._poses: deque[tuple[float, FloatArray]] = deque()
-        self.watch = StepWatch()
+        self.watch = StairWatch()
         self.map.see(np.zeros((1, 3)), np.ones(1))  # compiled now, not in the first step with a scan
 
     def __repr__(self) -> str:
@@ -146,12 +146,12 @@ class MappedGround(BeliefTerrain):
         if flight is None:
             return seen, np.zeros(seen.shape, dtype=bool)
         flat = np.ascontiguousarray(places).reshape(-1, 2)
-        heights, own = flight_heights(seen.ravel(), self.map.known(flat), flat, flight)
+        heights, own = stair_heights(seen.ravel(), self.map.known(flat), flat, flight)
         return heights.reshape(seen.shape), own.reshape(seen.shape)
 
-    def _touched(self, point: FloatArray) -> None:
+    def _learn_touchdown(self, point: FloatArray) -> None:
         self.map.touch(point)
         self.watch.touch(point)
 
-    def _fitted(self) -> None:
+    def _use_plane(self) -> None:
         self.map.guess(self._about, self._level, self._slope)

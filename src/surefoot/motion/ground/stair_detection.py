@@ -14,7 +14,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.mechanics import Terrain
-from surefoot.motion.ground.stair_fit import FlightFit, StairSteps
+from surefoot.motion.ground.stair_fit import StairFit, StairSteps
 
 FINE, ACROSS = 0.01, 4
 """Samples along the way [m], and over how many of them a jump is looked for: edges in a map are blurred."""
@@ -74,12 +74,12 @@ def find_edges(heights: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.array(places), np.array(jumps)
 
 
-def find_flight(heights: FloatArray) -> StairFlight | None:
+def find_stairs(heights: FloatArray) -> StairFlight | None:
     """Return the longest flight of stairs in (m,) heights every `FINE` along a way [m]; None without any.
 
     Examples
     --------
-    >>> find_flight(np.repeat([0.0, 0.0, -0.1, -0.2, -0.3], 28))
+    >>> find_stairs(np.repeat([0.0, 0.0, -0.1, -0.2, -0.3], 28))
     StairFlight(steps=StairSteps(rise=-0.1, tread=0.28), begin=0.555)
     """
     places, jumps = find_edges(heights)
@@ -100,7 +100,7 @@ def find_flight(heights: FloatArray) -> StairFlight | None:
     return best
 
 
-class StepWatch:
+class StairWatch:
     """Remembers the stairs that a robot is on, or is about to step on.
 
     Attributes
@@ -118,13 +118,13 @@ class StepWatch:
         """Forget them."""
         self.steps: StairSteps | None = None
         self.flight: FloatArray | None = None
-        self._fit: FlightFit | None = None
+        self._fit: StairFit | None = None
         self._seen = self._time = self._begun = -math.inf
         self._looks: deque[StairSteps] = deque(maxlen=LOOKS)
 
     def look(self, terrain: Terrain, place: FloatArray, yaw: float, time: float) -> None:
         """Look along the way of a robot at a (2,) place [m] with a heading [rad], at a time [s]."""
-        if self._fit is not None and (self._fit.lost or self._fit.passed(place) > BEHIND):
+        if self._fit is not None and (self._fit.lost or self._fit.distance_outside(place) > BEHIND):
             self.reset()
         if self.flight is not None:
             return
@@ -134,7 +134,7 @@ class StepWatch:
             self._seen = time
         elif time - self._seen > PATIENCE:
             self.reset()
-        found = find_flight(heights)
+        found = find_stairs(heights)
         if found is None:
             return
         if self._fit is None or time - self._begun > DOUBTFUL:
@@ -142,7 +142,7 @@ class StepWatch:
         self._looks.append(found.steps)
         if len(self._looks) == LOOKS:
             rise, tread = (float(np.median(a)) for a in zip(*self._looks, strict=True))
-            self._believe(StairSteps(rise, tread), OTHER)
+            self._adopt(StairSteps(rise, tread), OTHER)
 
     def _begin(
         self, found: StairFlight, heights: FloatArray, along: FloatArray, place: FloatArray, time: float
@@ -151,7 +151,7 @@ class StepWatch:
         ground = [round((found.begin - share * found.steps.tread) / FINE) for share in (0.7, 0.2)]
         level = float(np.median(heights[max(ground[0], 0) : max(ground[1], 1)]))
         begin = float(place @ along) + found.begin - BEHIND
-        self._fit = FlightFit(along, begin, level, found.steps, place)
+        self._fit = StairFit(along, begin, level, found.steps, place)
         self._begun = self._time = time
 
     def see(self, origin: FloatArray, points: FloatArray, time: float) -> None:
@@ -170,13 +170,13 @@ class StepWatch:
             self._fit.touch(point)
             self._use(self._fit)
 
-    def _use(self, fit: FlightFit) -> None:
-        """Believe in a fit."""
+    def _use(self, fit: StairFit) -> None:
+        """Take a fit as the estimated flight of stairs."""
         self.flight = fit.parameters()
-        self._believe(StairSteps(fit.rise, fit.tread), FITTED)
+        self._adopt(StairSteps(fit.rise, fit.tread), FITTED)
 
-    def _believe(self, steps: StairSteps, other: float) -> None:
-        """Take steps in place of those believed, if their treads differ by a share of at least `other`."""
+    def _adopt(self, steps: StairSteps, other: float) -> None:
+        """Replace the estimated steps, if the treads differ by a share of at least `other`."""
         known = self.steps
         if (
             known is None

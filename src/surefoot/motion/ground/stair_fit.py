@@ -66,7 +66,7 @@ class StairSteps(NamedTuple):
     tread: float
 
 
-class FlightFit:
+class StairFit:
     """Follows a flight of stairs from scan to scan.
 
     Parameters
@@ -143,7 +143,7 @@ class FlightFit:
         return self.last > first and max(self.deviation(first), self.deviation(first + 1)) < SURE
 
     def parameters(self) -> FloatArray:
-        """Return what `flight_heights` takes: (10,)."""
+        """Return what `stair_heights` takes: (10,)."""
         (edge, tread, turn), (level, rise) = self._x, self._z[:2]
         return np.array(
             [*self.along, self.aside, edge, tread, turn, level, rise, float(self.first), float(self.last)]
@@ -171,7 +171,7 @@ class FlightFit:
         low, high = max(low, self.first - 1), min(high, self.last + 1)
         for number in sorted(range(low, high + 1), key=lambda k: abs(self.edge(k) - begin[0])):
             for side in (-1.0, 1.0):
-                seen = self._edge_seen(number, begin, s, w, z, side)
+                seen = self._find_edge(number, begin, s, w, z, side)
                 if seen is None:
                     continue
                 row = np.array([1.0, float(number), seen[1]])
@@ -185,8 +185,8 @@ class FlightFit:
         if number is not None:
             correct(self._z, self._Q, np.array([1.0, number, 0.0]), float(point[2]), TOUCH**2)
 
-    def passed(self, place: FloatArray) -> float:
-        """Return how far a (2,) place is from the flight, beyond its last edge or before its first [m]."""
+    def distance_outside(self, place: FloatArray) -> float:
+        """Return the distance of a (2,) place before the first or beyond the last edge [m]."""
         s = float(place @ self.along)
         return max(s - self.edge(self.last), self.edge(self.first) - s)
 
@@ -200,10 +200,10 @@ class FlightFit:
             return None
         return float(min(max(number, self.first), self.last + 1))
 
-    def _edge_seen(
+    def _find_edge(
         self, number: int, begin: FloatArray, s: FloatArray, w: FloatArray, z: FloatArray, side: float
     ) -> tuple[float, float, float] | None:
-        """Return where a scan sees an edge on one side of its middle [m], how far aside, and the variance."""
+        """Return an edge that a scan measures on one side [m], its offset aside and its variance."""
         level, rise, tilt = self._z
         before, after = level + number * rise, level + (number + 1) * rise
         top, high = max(before, after), abs(rise)

@@ -18,7 +18,7 @@ KNOWLEDGE = ("exact", "map", "blind")
 """What a controller may know about the terrain."""
 
 
-def believed_ground(knowledge: str, terrain: Terrain) -> Terrain:
+def controller_ground(knowledge: str, terrain: Terrain) -> Terrain:
     """Return what a controller plans on that has a certain knowledge of the true terrain.
 
     Raises
@@ -29,7 +29,7 @@ def believed_ground(knowledge: str, terrain: Terrain) -> Terrain:
     Examples
     --------
     >>> from surefoot.mechanics.terrain import FlatTerrain
-    >>> believed_ground("blind", FlatTerrain())
+    >>> controller_ground("blind", FlatTerrain())
     TouchedGround()
     """
     check_name("terrain knowledge", knowledge, KNOWLEDGE)

@@ -213,14 +213,14 @@ class TouchedGround(BeliefTerrain):
         axis = max(axes, key=lambda a: abs(float(moved @ a)))
         return np.asarray(math.copysign(1.0, float(moved @ axis)) * axis)
 
-    def _touched(self, point: FloatArray) -> None:
+    def _learn_touchdown(self, point: FloatArray) -> None:
         """Learn where a foot stands: on the ground about a drop, which may be none."""
         if self.drop is not None:
             self.drop.stand(float(point[:2] @ self.drop.along), float(point[2]))
             if self.drop.shallow:
                 self.drop = None
 
-    def _fitted(self) -> None:
+    def _use_plane(self) -> None:
         """See `BeliefTerrain`; the plane is read as it is."""
 
     @property

@@ -41,12 +41,12 @@ from surefoot.mechanics import (
     coal,
     robot_geometry,
 )
-from surefoot.motion.planning.levels import passed
+from surefoot.motion.planning.stepped_ground import find_passed_ground
 from surefoot.motion.planning.trajectory import TorquePolicy, Trajectory
 from surefoot.motion.planning.transcription.planar import passive_joints
 
 if TYPE_CHECKING:
-    from surefoot.motion.planning.direct.problem import DirectProblem
+    from surefoot.motion.planning.direct.direct_problem import DirectProblem
 
 MOMENTUM, APART, FAST = 0.01, 0.02, 1.05
 """Most that momentum may be off the impulses, as a share of the largest; most that the replay may end off the
@@ -115,8 +115,8 @@ def certify(
     """Return what the checks say of a lawful motion; `problem` where more touches than feet the ground."""
     begun = time.process_time()
     momentum = momentum_error(trajectory, robot, terrain)
-    apart, speed, replay = replayed(trajectory, robot, terrain, problem)
-    between = passed(terrain, robot, trajectory.q[0], trajectory.q[-1])
+    apart, speed, replay = replay_plan(trajectory, robot, terrain, problem)
+    between = find_passed_ground(terrain, robot, trajectory.q[0], trajectory.q[-1])
     hits = link_hits(trajectory, robot, between or terrain)
     if between is not None:
         hits |= foot_hits(np.vstack([trajectory.q, replay]), robot, between)
@@ -228,7 +228,7 @@ def feedback(trajectory: Trajectory, robot: Robot) -> TorquePolicy:
     return torques
 
 
-def replayed(
+def replay_plan(
     trajectory: Trajectory, robot: Robot, terrain: Terrain, problem: DirectProblem | None = None
 ) -> tuple[float, float, FloatArray]:
     """Return how far from the plan's end a replay by steps of second order ends [m], and its joints' speed.
@@ -242,10 +242,10 @@ def replayed(
     t, fine = trajectory, trajectory.dt / FINER
     torques, steps = feedback(t, robot), FINER * len(t) + FINER // 2
     if problem is not None and problem.touches:
-        from surefoot.motion.planning.transcription.contact_pairs import touching_rollout
+        from surefoot.motion.planning.transcription.pair_rollout import rollout_with_pairs
 
         finer = replace(problem, dt=fine, knots=steps, reference=None, windows={})
-        motion = touching_rollout(finer, torques)
+        motion = rollout_with_pairs(finer, torques)
         went = motion.q
     else:
         stepper = Stepper(robot, terrain, StepOptions(dt=fine))

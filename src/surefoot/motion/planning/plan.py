@@ -20,7 +20,7 @@ from surefoot.motion.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.records import Log, read_log
 
 if TYPE_CHECKING:
-    from surefoot.motion.planning.direct.problem import DirectProblem
+    from surefoot.motion.planning.direct.direct_problem import DirectProblem
 
 LOADED = 1e-3
 """A foot counts as on the ground above this share of m g."""

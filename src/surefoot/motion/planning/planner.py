@@ -13,8 +13,8 @@ from surefoot.base.arrays import FloatArray, finite_array, of_kind, real_number,
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, load_robot
 from surefoot.motion.planning.plan import Plan
-from surefoot.motion.planning.tasks.table import TASKS, find_task
 from surefoot.motion.planning.tasks.task import PlanRequest, Task, Tell
+from surefoot.motion.planning.tasks.task_names import TASKS, find_task
 
 ON_GROUND = 2e-3
 """How far from the ground feet may be at the start [m]."""

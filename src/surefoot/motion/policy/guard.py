@@ -116,7 +116,7 @@ class Guard(Wrapper):
         sideways = np.hypot(forces[:, 0], forces[:, 1])
         if not on.any() or (not always and (sideways <= self.mu * forces[:, 2]).all()):
             return None
-        stands, swings, push = wanted_motion(
+        stands, swings, push = reference_motion(
             on, forces, accelerations, views.twists, points.foot_support, points.foot, frames, now.centres,
             now.drifts,
         )  # fmt: skip
@@ -203,7 +203,7 @@ def implied_forces(
 
 
 @kernel
-def wanted_motion(
+def reference_motion(
     on: BoolArray, forces: FloatArray, accelerations: FloatArray, twists: FloatArray, support: BoolArray,
     foot: IntArray, frames: FloatArray, centres: FloatArray, drifts: FloatArray,
 ) -> tuple[BoolArray, FloatArray, FloatArray]:  # fmt: skip

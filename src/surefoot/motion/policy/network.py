@@ -91,7 +91,9 @@ class OnnxNetwork:
         if memory and (len(given) != len(memory) + 1 or "float" not in memory[0].type):
             names = ", ".join(one.name for one in memory)
             raise ProblemError(f"{path} wants {names} beside the observation: no memory that it gives back")
-        self.metadata = {k: parsed(v) for k, v in self._session.get_modelmeta().custom_metadata_map.items()}
+        self.metadata = {
+            k: parse_metadata(v) for k, v in self._session.get_modelmeta().custom_metadata_map.items()
+        }
         self.reset()
 
     def reset(self) -> None:
@@ -141,11 +143,11 @@ class TorchNetwork:
         return np.asarray(answer.numpy(), dtype=np.float64).ravel()
 
 
-def parsed(text: str) -> Any:
+def parse_metadata(text: str) -> Any:
     """Return what a value of ONNX metadata means: JSON, or numbers or names with commas between.
 
-    >>> parsed("[20.0, 0.5]"), parsed("0.250,-0.1"), parsed("FL_hip, FL_calf"), parsed('"go2"')
-    ([20.0, 0.5], [0.25, -0.1], ['FL_hip', 'FL_calf'], 'go2')
+    >>> [parse_metadata(text) for text in ("[20.0, 0.5]", "0.250,-0.1", "FL_hip, FL_calf", '"go2"')]
+    [[20.0, 0.5], [0.25, -0.1], ['FL_hip', 'FL_calf'], 'go2']
     """
     try:
         return json.loads(text)

@@ -19,9 +19,9 @@ from surefoot.mechanics import FlatTerrain, Robot, Terrain, load_robot
 from surefoot.motion.control.controller import Command, Controller, JointTargets, RobotState
 from surefoot.motion.control.damping import computable, damping_torques
 from surefoot.motion.policy.network import open_network
+from surefoot.motion.policy.observation_terms import KINDS, Senses
 from surefoot.motion.policy.publishers import beside, describe, robot_of
 from surefoot.motion.policy.spec import PolicySpec, missing
-from surefoot.motion.policy.terms import KINDS, Senses
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.records import CHANNELS
 

@@ -74,7 +74,7 @@ def describe(network: Network, spec: Path | Mapping[str, Any] | None, robot: Rob
         raise ProblemError(
             f"joint {k} of the policy is {pairs[k][0]} in {names[0][0]} and {pairs[k][1]} in its metadata"
         )
-    convention = next((t["convention"] for _, t in stated if t.get("convention")), _recognised(network))
+    convention = next((t["convention"] for _, t in stated if t.get("convention")), _recognise(network))
     if convention is not None:
         known = read_yaml(CONVENTIONS)
         check_name("convention", convention, known)
@@ -256,7 +256,7 @@ def _ranges(said: Any) -> list[list[float]] | None:
     return [list(pair) for pair in found if pair] if found and all(found) else None
 
 
-def _recognised(network: Network) -> str | None:
+def _recognise(network: Network) -> str | None:
     """Return the convention that a network's own marks say."""
     marks = {"dof_names", "kp", "kd"} <= network.metadata.keys()
     fits = marks and network.inputs == 3 * len(network.metadata["dof_names"]) + 13

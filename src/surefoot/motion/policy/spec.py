@@ -18,7 +18,7 @@ from surefoot.base.arrays import FloatArray, finite_array
 from surefoot.base.errors import ProblemError, check_name, located, shown
 from surefoot.base.text_files import table_of
 from surefoot.mechanics import Robot
-from surefoot.motion.policy.terms import ALIASES, KINDS
+from surefoot.motion.policy.observation_terms import ALIASES, KINDS
 
 REQUIRED = ("joints", "default", "stiffness", "damping", "action_scale", "observations")
 """Without these a network cannot be used."""
@@ -38,7 +38,7 @@ class Term:
     Attributes
     ----------
     name
-        A kind of `surefoot.motion.policy.terms.KINDS`, or a function of the user's.
+        A kind of `surefoot.motion.policy.observation_terms.KINDS`, or a function of the user's.
     scale
         Of its numbers: one, or one for each.
     clip

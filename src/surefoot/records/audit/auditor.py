@@ -12,17 +12,17 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import Robot
 from surefoot.records.audit.checks import CHECKS, Check
-from surefoot.records.audit.command import judge_command, judge_task
+from surefoot.records.audit.command_tracking import judge_command, judge_task
 from surefoot.records.audit.cones import grip
 from surefoot.records.audit.diagnosis import diagnose
 from surefoot.records.audit.friction import FrictionCount
 from surefoot.records.audit.intervals import JOIN, Interval, Track
-from surefoot.records.audit.log_context import Setting, arranged, setting_of
+from surefoot.records.audit.log_context import Setting, arrange_contacts, setting_of
 from surefoot.records.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
 from surefoot.records.audit.rows import Rows, lacking, pieces
 from surefoot.records.audit.slides import WORST, slide_on, start_slides
 from surefoot.records.log import Log
-from surefoot.records.log.formats import read_log
+from surefoot.records.log.reading import read_log
 
 FINITE, CLOCK = "finite", "clock"
 """What is asked of the log itself before any law: numbers that are finite, and time that goes on."""
@@ -64,7 +64,7 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
         )
     if not isinstance(log, Log):
         log = read_log(log)
-    log = arranged(log, robot)
+    log = arrange_contacts(log, robot)
     setting = setting_of(log, robot)
     coverage = _coverage(log, setting)
     used = [check for check in CHECKS if not coverage.get(check.name, "")]
@@ -126,7 +126,7 @@ def _coverage(log: Log, setting: Setting) -> dict[str, str]:
 def _faults(rows: Rows, tracks: dict[str, Track], before: float) -> float:
     """Track what is wrong with the log itself, and return the last time stamp."""
     first, core = rows.first + rows.core.start, rows.core
-    lost = rows.lost[core]
+    lost = rows.not_finite[core]
     if lost.any():
         tracks[FINITE].add(lost, lost.astype(np.float64), np.zeros(lost.shape), first)
     time = rows.time[core]
@@ -146,7 +146,7 @@ def _measure(rows: Rows, used: list[Check], tracks: dict[str, Track]) -> None:
     first, core = rows.first + rows.core.start, rows.core
     for check in used:
         value, limit, bad = check.measure(rows)
-        bad = bad[core] & ~(rows.lost[core, : bad.shape[1]] | rows.lost[core, -1:])
+        bad = bad[core] & ~(rows.not_finite[core, : bad.shape[1]] | rows.not_finite[core, -1:])
         if bad.any():
             tracks[check.name].add(bad, value[core], limit[core], first)
 
@@ -154,7 +154,7 @@ def _measure(rows: Rows, used: list[Check], tracks: dict[str, Track]) -> None:
 def _slide(rows: Rows, state: FloatArray) -> None:
     """Add up the ways without friction in a piece, however slow; what is lost is left out."""
     core = rows.core
-    keep = ~rows.lost[core].any(axis=1)
+    keep = ~rows.not_finite[core].any(axis=1)
     mu = np.ascontiguousarray(np.broadcast_to(grip(rows), rows.normal.shape)[core][keep])
     f, v = (np.ascontiguousarray(x[core][keep]) for x in (rows.forces, rows.slip))
     v = np.where(rows.swinging[core][keep][..., None], 0.0, v)

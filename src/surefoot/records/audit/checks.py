@@ -15,7 +15,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.records.audit.balance import ARM as MOMENT_ARM
 from surefoot.records.audit.balance import LIMIT as MOTION_LIMIT
 from surefoot.records.audit.balance import RINGING_LIMIT, RINGING_TIME, SMOOTH, balance
-from surefoot.records.audit.cones import grip, needed
+from surefoot.records.audit.cones import friction_needed, grip
 from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_plane, state
 from surefoot.records.audit.laws import (
     CONE_LIMIT,
@@ -92,7 +92,7 @@ def _pull(rows: Rows) -> Measured:
 
 def _friction(rows: Rows) -> Measured:
     """Friction that a force needs; one of hardly any normal force may have the noise of it."""
-    return over(needed(rows), CONE_LIMIT * np.maximum(rows.mu, LEAST_FRICTION))
+    return over(friction_needed(rows), CONE_LIMIT * np.maximum(rows.mu, LEAST_FRICTION))
 
 
 def _distance(rows: Rows) -> Measured:
@@ -102,7 +102,7 @@ def _distance(rows: Rows) -> Measured:
     return over(value, max(PENETRATION_LIMIT, rows.setting.sinking))
 
 
-def _settled(rows: Rows, value: FloatArray) -> FloatArray:
+def _without_settling(rows: Rows, value: FloatArray) -> FloatArray:
     """Return (T, p) values of windows, zero for those in which soft contacts swing from a hard touchdown."""
     hit = sliding_sum(rows.swinging.astype(np.float64), rows.window(SLIDE_WINDOW) + 2)
     return np.where(hit > 0.0, 0.0, value)
@@ -128,7 +128,7 @@ def _driving(rows: Rows) -> Measured:
     _, work, most = _work(rows, grip(rows))
     late = SLIDE_LIMIT + 2.0 * rows.setting.stopping
     limit = np.maximum(0.05 * late * rows.setting.weight, 0.05 * most)
-    return over(_settled(rows, work), limit)
+    return over(_without_settling(rows, work), limit)
 
 
 def _sliding(rows: Rows) -> Measured:
@@ -137,7 +137,7 @@ def _sliding(rows: Rows) -> Measured:
     share = np.clip((0.9 * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
     creep = 0.0 if "contact_creep" in rows.log else rows.setting.creep
-    return over(_settled(rows, value), rows.setting.slide_limit + creep * SLIDE_WINDOW)
+    return over(_without_settling(rows, value), rows.setting.slide_limit + creep * SLIDE_WINDOW)
 
 
 def _bias(rows: Rows) -> Measured:
@@ -188,7 +188,7 @@ def _blow(rows: Rows) -> Measured:
     return over(value, SPIKE)
 
 
-def _unconverged(rows: Rows) -> Measured:
+def _solver_error(rows: Rows) -> Measured:
     """Error of a contact force as the world's solver left it [N], a mean of some time."""
     value = sliding_mean(rows.numbers("solver_error"), rows.window(SMOOTH))
     return over(on_body(rows, value), MOTION_LIMIT * rows.setting.weight)
@@ -270,7 +270,7 @@ CHECKS = (
     Check("depth", "a soft contact", "m", False, ("gaps",), _depth),
     Check("chatter", "switches of contact in 0.1 s", "1", False, FORCES, _chatter),
     Check("blow", "force of one row", "m g", False, FORCES, _blow),
-    Check("unconverged", "the solver stopped early", "N", False, ("forces", "solver_error"), _unconverged),
+    Check("unconverged", "the solver stopped early", "N", False, ("forces", "solver_error"), _solver_error),
     Check("idle", "nothing carries the robot", "share", False, FORCES, _idle),
     Check("frozen", "a force that does not change", "share", False, FORCES, _frozen),
     Check("lean", "one diagonal of feet carries more", "m g", False, FORCES, _lean),

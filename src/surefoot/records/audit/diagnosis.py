@@ -36,7 +36,7 @@ def diagnose(log: Log, setting: Setting, found: Sequence[Interval]) -> list[Find
         for _, first, last, failed in mine:
             shown = min(last + 1, first + LONGEST)
             out += _best(Episode(Rows(log, setting, first, shown), column, failed), last - first + 1)
-    return _ranked(_joined(_not_shadowed(out), setting))
+    return _rank(_join_findings(_not_shadowed(out), setting))
 
 
 def _episodes(found: Iterable[Interval], setting: Setting) -> list[tuple[int, int, int, dict[str, Interval]]]:
@@ -94,7 +94,7 @@ def _not_shadowed(found: list[Finding]) -> list[Finding]:
     return out
 
 
-def _joined(found: list[Finding], setting: Setting) -> list[Finding]:
+def _join_findings(found: list[Finding], setting: Setting) -> list[Finding]:
     """Return one finding where (nearly) all contacts have the same at the same time."""
     out: list[Finding] = []
     for one in found:
@@ -112,7 +112,7 @@ def _joined(found: list[Finding], setting: Setting) -> list[Finding]:
     return out
 
 
-def _ranked(found: list[Finding]) -> list[Finding]:
+def _rank(found: list[Finding]) -> list[Finding]:
     """Return the strongest first, of all contacts before one; equally strong ones by time.
 
     Joints come to their stops when a robot falls: what went wrong before comes first.

@@ -77,7 +77,7 @@ def unexplained(
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
     dt = np.diff(np.asarray(log["time"]))[:, None]
     acceleration = np.diff(v, axis=0) / dt
-    model = _loaded(robot.model, log, payload, payload_position)
+    model = _load_model(robot.model, log, payload, payload_position)
     # M Δv / dt + h in the configuration before the step, with Coriolis forces of the velocity before and
     # after it.
     (torque, later), jacobian = _newton_euler(model, q[:-1], acceleration, v[:-1], v[1:])
@@ -107,7 +107,7 @@ def unexplained(
     if "torques" in log:
         rest[:, base:] -= np.asarray(log["torques"])[:-1]
         known = np.asarray(robot.model.armature)[base:]  # is in M already
-        rest[:, base:] += _lost(log, v[:, base:], acceleration[:, base:], rest[:, base:], known)
+        rest[:, base:] += _joint_losses(log, v[:, base:], acceleration[:, base:], rest[:, base:], known)
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
     return UnexplainedForces(force_left, moment_left, feet, velocities)
@@ -126,16 +126,16 @@ def balanced_forces(robot: Robot, log: Log) -> FloatArray:
         Rows with q, v, torques and contact_positions; the fact gravity where it has one.
     """
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
-    model = _loaded(robot.model, log)
+    model = _load_model(robot.model, log)
     (torque,), jacobian = _newton_euler(model, q, np.zeros(v.shape), v)
     torque[:, robot.base_dof :] -= np.asarray(log["torques"])
     return _at_feet(robot, torque, jacobian, np.asarray(log["contact_positions"]))
 
 
-def _lost(
+def _joint_losses(
     log: Log, speeds: FloatArray, acceleration: FloatArray, rest: FloatArray, known: FloatArray
 ) -> FloatArray:
-    """Return what rotors and friction take of the motors' torques (T, joints), where the log tells them.
+    """Return the torques (T, joints) that rotors and joint friction take [N m], where the log states them.
 
     Rotors that the robot's model has, (joints,) `known`, take it there.
 
@@ -151,7 +151,7 @@ def _lost(
     return np.asarray(lost + np.where(sticks, holding, dry * np.sign(before)))
 
 
-def _loaded(model: Any, log: Log, payload: float = 0.0, position: FloatArray | None = None) -> Any:
+def _load_model(model: Any, log: Log, payload: float = 0.0, position: FloatArray | None = None) -> Any:
     """Return a copy of a robot's model in the log's gravity, with a point mass [kg] on the base."""
     import pinocchio
 

@@ -143,7 +143,7 @@ class Episode:
         off = np.nan_to_num(self.force - true)
         return bool((off[:, 2] ** 2).sum() <= 0.05 * (off**2).sum() or self.consistent)
 
-    def explained(self, model: FloatArray) -> float:
+    def share_explained(self, model: FloatArray) -> float:
         """Return the share of the mismatch between logged and true force that a model (m, 3) [N] explains."""
         true = self.true
         if true is None:

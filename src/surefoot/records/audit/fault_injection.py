@@ -78,11 +78,11 @@ class LogCopy:
         """Return a foot and rows where it bears more than a share of m g."""
         return self.span(self.normal > share * self.weight, seconds)
 
-    def flight(self, seconds: float = 0.06) -> tuple[int, slice] | None:
-        """Return a foot and rows where it is 5 mm off the ground at least."""
+    def swing(self, seconds: float = 0.06) -> tuple[int, slice] | None:
+        """Return a foot and rows in which it swings: at least 5 mm off the ground, without load."""
         return self.span((self.arrays["gaps"] > 5e-3) & (self.normal == 0.0), seconds)
 
-    def done(self, contact: str, part: slice) -> FaultyLog:
+    def faulty_log(self, contact: str, part: slice) -> FaultyLog:
         """Return the spoilt log."""
         time = self.arrays["time"]
         log = Log(self.arrays, self.facts, channels=self.channels)
@@ -90,7 +90,7 @@ class LogCopy:
 
     def whole(self, contact: str = "all") -> FaultyLog:
         """Return the spoilt log of a fault that lasts from end to end."""
-        return self.done(contact, slice(0, self.rows))
+        return self.faulty_log(contact, slice(0, self.rows))
 
 
 Change: TypeAlias = Callable[[LogCopy, Any, slice, float], None]
@@ -104,9 +104,9 @@ def on_stance(change: Change, share: float = 0.1) -> Spoil:
     return _on_rows(change, lambda copy: copy.stance(share))
 
 
-def on_flight(change: Change) -> Spoil:
+def on_swing(change: Change) -> Spoil:
     """Return a fault that changes the readings of a swing foot."""
-    return _on_rows(change, LogCopy.flight)
+    return _on_rows(change, LogCopy.swing)
 
 
 def _on_rows(change: Change, find: Callable[[LogCopy], tuple[int, slice] | None]) -> Spoil:
@@ -117,7 +117,7 @@ def _on_rows(change: Change, find: Callable[[LogCopy], tuple[int, slice] | None]
         if at is None:
             return None
         change(copy, *at, amplitude)
-        return copy.done(copy.feet[at[0]], at[1])
+        return copy.faulty_log(copy.feet[at[0]], at[1])
 
     return spoil
 
@@ -146,14 +146,14 @@ def teleport(c: LogCopy, amplitude: float) -> FaultyLog:
     way = amplitude * np.array([np.cos(angle), np.sin(angle)])
     c.arrays["q"][part.start :, :2] += way
     c.arrays["contact_positions"][part.start :, :, :2] += way
-    return c.done("body", part)
+    return c.faulty_log("body", part)
 
 
 def velocity_jump(c: LogCopy, amplitude: float) -> FaultyLog:
     """Add to the base's velocity for two rows [m/s]."""
     part = _part(c, 2.0 * c.dt)
     c.arrays["v"][part, 0] += amplitude
-    return c.done("body", part)
+    return c.faulty_log("body", part)
 
 
 def no_velocities(c: LogCopy, amplitude: float) -> FaultyLog | None:
@@ -162,14 +162,14 @@ def no_velocities(c: LogCopy, amplitude: float) -> FaultyLog | None:
     if np.abs(c.arrays["v"][part, :3]).max(axis=0).max() < 0.1:
         return None  # it stands: zero is right
     c.arrays["v"][part] = 0.0
-    return c.done("body", part)
+    return c.faulty_log("body", part)
 
 
 def encoder_jump(c: LogCopy, amplitude: float) -> FaultyLog:
     """Shift a joint's angle from a row on [rad]."""
     part = _part(c, 2.0 * c.dt)
     c.arrays["q"][part.start :, 7 + int(c.rng.integers(c.arrays["q"].shape[1] - 7))] += amplitude
-    return c.done("body", part)
+    return c.faulty_log("body", part)
 
 
 def held_rows(c: LogCopy, amplitude: float) -> FaultyLog | None:
@@ -180,7 +180,7 @@ def held_rows(c: LogCopy, amplitude: float) -> FaultyLog | None:
     for name, array in c.arrays.items():
         if name != "time":
             array[part] = array[part.start]
-    return c.done("body", part)
+    return c.faulty_log("body", part)
 
 
 def dead_torque(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
@@ -199,7 +199,7 @@ def clock(shift: Callable[[FloatArray, int], None]) -> Spoil:
     def spoil(c: LogCopy, amplitude: float) -> FaultyLog | None:
         row = int(c.rng.integers(100, c.rows - 100))
         shift(c.arrays["time"], row)
-        return c.done("body", slice(row, row + 2))
+        return c.faulty_log("body", slice(row, row + 2))
 
     return spoil
 

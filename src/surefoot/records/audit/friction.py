@@ -117,7 +117,7 @@ class FrictionCount:
             return
         part = rows.core
         normal = rows.normal[part]
-        carries = (normal > ENOUGH * self._setting.weight) & ~rows.lost[part, :-1]
+        carries = (normal > ENOUGH * self._setting.weight) & ~rows.not_finite[part, :-1]
         before = np.concatenate([np.zeros((1, rows.points), dtype=bool), carries[:-1]])
         used = friction_used(rows)[part]
         bins = np.minimum((used * (BINS / TOP)).astype(np.int64), BINS - 1)

@@ -111,7 +111,7 @@ class Setting:
         return int((self.owner == self.owner[contact]).sum()) == 1
 
 
-def arranged(log: Log, robot: Robot | None) -> Log:
+def arrange_contacts(log: Log, robot: Robot | None) -> Log:
     """Return a recording with its contact points in the order of a robot's feet, matched by name.
 
     As it is where it is no recording, or not every contact point is a foot's of its own.

@@ -39,7 +39,7 @@ def lacking(log: Log, names: Iterable[str]) -> list[str]:
 class Rows:
     """Rows `first` to `last` of a log with what surrounds them; `core` are those asked for.
 
-    Numbers that are not finite are zero here; `lost` says where.
+    Numbers that are not finite are zero here; `not_finite` says where.
     """
 
     def __init__(self, log: Log, setting: Setting, first: int, last: int) -> None:
@@ -62,7 +62,7 @@ class Rows:
         return values if finite.all() else np.where(finite, values, 0.0)
 
     @cached_property
-    def lost(self) -> BoolArray:
+    def not_finite(self) -> BoolArray:
         """(T, p + 1) where a contact's measurement, or one of the body, is not finite."""
         out = np.zeros((self.count, self.points + 1), dtype=bool)
         for name in FINITE:
@@ -176,7 +176,7 @@ class Rows:
             out = unexplained(robot, clean, world, mass, load, self.setting.payload_position)
         steps = np.diff(time)
         wrong = ~(steps > 0.2 * self.setting.dt) | ~(steps < 5.0 * self.setting.dt)
-        wrong |= self.lost[:-1].any(axis=1) | self.lost[1:, -1]
+        wrong |= self.not_finite[:-1].any(axis=1) | self.not_finite[1:, -1]
         parts = (out.force, out.moment, out.feet, out.velocities)
         return UnexplainedForces(*(_with_last(part, wrong) for part in parts))
 

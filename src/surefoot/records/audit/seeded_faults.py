@@ -22,8 +22,8 @@ from surefoot.records.audit.fault_injection import (
     LogCopy,
     Spoil,
     everywhere,
-    on_flight,
     on_stance,
+    on_swing,
 )
 from surefoot.records.log import Log
 
@@ -179,7 +179,7 @@ def _silence_all(c: LogCopy, amplitude: float) -> FaultyLog:
     start = int(c.rng.integers(50, c.rows - need - 50))
     part = slice(start, start + need)
     c.arrays["forces"][part] = 0.0
-    return c.done("body", part)
+    return c.faulty_log("body", part)
 
 
 def _levitate(c: LogCopy, amplitude: float) -> FaultyLog | None:
@@ -201,7 +201,7 @@ def _clip(c: LogCopy, amplitude: float) -> FaultyLog | None:
     foot, f = at[0], c.arrays["forces"]
     top = amplitude * c.weight
     f[:, foot, 2] = np.minimum(f[:, foot, 2], top)
-    return c.done(c.feet[foot], at[1])
+    return c.faulty_log(c.feet[foot], at[1])
 
 
 def _scale(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
@@ -239,7 +239,7 @@ def _hide_push(c: LogCopy, amplitude: float) -> FaultyLog | None:
     if not rows.size:
         return None
     c.arrays["push"][:] = 0.0
-    return c.done("body", slice(int(rows[0]), int(rows[-1]) + 1))
+    return c.faulty_log("body", slice(int(rows[0]), int(rows[-1]) + 1))
 
 
 def _mass(c: LogCopy, foot: slice, part: slice, amplitude: float) -> None:
@@ -268,11 +268,11 @@ def _diagonal(c: LogCopy, amplitude: float) -> FaultyLog | None:
     forces = c.arrays["forces"] = c.arrays["forces"] + change
     if (np.hypot(forces[..., 0], forces[..., 1]) > c.arrays["mu"][:, None] * forces[..., 2]).any():
         return None  # the lightened feet would slip
-    _carry(c, change)
+    _shift_support(c, change)
     return c.whole()
 
 
-def _carry(c: LogCopy, change: FloatArray) -> None:
+def _shift_support(c: LogCopy, change: FloatArray) -> None:
     """Let the joint torques carry a change of the forces (T, p, 3), contact frames."""
     import pinocchio
 
@@ -305,10 +305,8 @@ LOG_FAULTS: tuple[LogFault, ...] = (
     LogFault("normal", "contact frame of a foot tilted", 20.0, "deg", "wrong frame", on_stance(_turn)),
     LogFault("frame", "all forces in another frame", 35.0, "deg", "wrong frame", everywhere(_turn)),
     LogFault("mirror", "left-handed contact frames", 1.0, "", "mirrored", _mirror),
-    LogFault(
-        "air", "friction on a flying foot", 0.05, "m g", "friction in the air", on_flight(_air_friction)
-    ),
-    LogFault("phantom", "normal force on a flying foot", 0.1, "m g", "phantom force", on_flight(_phantom)),
+    LogFault("air", "friction on a flying foot", 0.05, "m g", "friction in the air", on_swing(_air_friction)),
+    LogFault("phantom", "normal force on a flying foot", 0.1, "m g", "phantom force", on_swing(_phantom)),
     LogFault(
         "invisible", "a foot carried above the ground", 0.01, "m", "invisible geometry", on_stance(_raise)
     ),

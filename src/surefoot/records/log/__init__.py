@@ -1,4 +1,4 @@
-"""The typed log of a run or a robot: channels over time, and facts about them; `formats` reads files."""
+"""The typed log of a run or a robot: channels over time, and facts about them; `reading` reads files."""
 
 from surefoot.records.log.channels import CHANNELS, Channel
 from surefoot.records.log.facts import FACTS, Fact

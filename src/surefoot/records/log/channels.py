@@ -176,3 +176,9 @@ def check_shapes(arrays: Mapping[str, Any], channels: Mapping[str, Channel]) -> 
                 more = f", {symbol} = {sizes[symbol]}" if symbol else ""
                 raise ProblemError(f"channel {name} must have shape ({expected}){more}, got {shape}")
     return sizes
+
+
+def channels_from(table: list[dict[str, Any]]) -> dict[str, Channel]:
+    """Return definitions from tables of their fields, as JSON holds them."""
+    made = (Channel(**{**row, "shape": tuple(row["shape"])}) for row in table)
+    return {channel.name: channel for channel in made}

@@ -15,9 +15,7 @@ from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.text_files import path_of
 from surefoot.records.log.channels import CHANNELS, Channel, check_shapes
 from surefoot.records.log.facts import FACTS
-
-MEMORY = 64 << 20
-"""Largest log that is held in memory; a longer one is mapped from files [bytes]."""
+from surefoot.records.log.formats import write_log
 
 
 class Ending(StrEnum):
@@ -141,9 +139,9 @@ class Log:
         WriteError
             If the disk has no room for it; no half file stays.
         """
-        from surefoot.records.log.formats import write_log
-
-        return write_log(self, path_of(path))
+        saved = write_log(self, path_of(path), self.parts)
+        self.parts = None
+        return saved
 
 
 def _let_go(array: Any) -> None:

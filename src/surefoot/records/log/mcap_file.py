@@ -16,7 +16,7 @@ import numpy as np
 
 from surefoot.base.errors import ProblemError, needs
 from surefoot.records.log.channels import CHANNELS
-from surefoot.records.log.log import Log
+from surefoot.records.log.contents import LogContents
 from surefoot.records.log.mapping import LogMapping, Take
 from surefoot.records.log.source import Messages, Source, check_size
 
@@ -91,7 +91,7 @@ def _decoder(schema: Any, channel: Any) -> Decode | None:
     return decode
 
 
-def write(log: Log, path: Path) -> None:
+def write(log: LogContents, path: Path) -> None:
     """Write a log into an empty file.
 
     Raises
@@ -102,7 +102,7 @@ def write(log: Log, path: Path) -> None:
     import_mcap()
     from mcap.writer import Writer
 
-    time = np.nan_to_num(np.asarray(log["time"], dtype=np.float64))
+    time = np.nan_to_num(np.asarray(log.arrays["time"], dtype=np.float64))
     stamps = np.rint(1e9 * (time - (time.min() if len(time) else 0.0))).astype(np.int64)
     with path.open("wb") as file:
         writer = Writer(file)
@@ -117,7 +117,7 @@ def write(log: Log, path: Path) -> None:
         writer.finish()
 
 
-def _own_mapping(log: Log) -> LogMapping:
+def _own_mapping(log: LogContents) -> LogMapping:
     """Return the mapping by which the file's own topic is the log again."""
     takes = {name: Take((f"{OWN_TOPIC}.{name}",)) for name in log.arrays}
     facts = {name: np.asarray(value).tolist() for name, value in log.facts.items()}

@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.errors import ProblemError
-from surefoot.records.log.channels import SCHEMA, Channel
-from surefoot.records.log.log import MEMORY, Log
+from surefoot.records.log.channels import SCHEMA, channels_from
+from surefoot.records.log.contents import MEMORY, LogContents, StoredLog
 
 
-def read(path: Path) -> Log:
-    """Return the log of an .npz file."""
+def read(path: Path) -> StoredLog:
+    """Return the contents of an .npz file."""
     # opened here: where the file is cut, NumPy leaves open what it opened
     with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
         check_schema(path, int(file["schema"]))
@@ -30,10 +30,10 @@ def read(path: Path) -> Log:
         facts = {k[5:]: file[k].tolist() for k in file.files if k.startswith("fact_")}
         large = sum(item.file_size for item in file.zip.infolist()) > MEMORY
         arrays = _unpack(file.zip, channels) if large else {k: file[k] for k in channels}
-    return Log(arrays, facts, channels=channels)
+    return StoredLog(arrays, facts, channels)
 
 
-def write(log: Log, path: Path) -> None:
+def write(log: LogContents, path: Path) -> None:
     """Write a log into an empty file."""
     contents: dict[str, Any] = {f"fact_{k}": np.asarray(v) for k, v in log.facts.items()}
     definitions = np.array(json.dumps([asdict(channel) for channel in log.channels.values()]))
@@ -45,12 +45,6 @@ def check_schema(path: Path, schema: int) -> None:
     """Raise `ProblemError` for a schema that this version does not know."""
     if schema != SCHEMA:
         raise ProblemError(f"{path} has log schema {schema}, expected {SCHEMA}")
-
-
-def channels_from(table: list[dict[str, Any]]) -> dict[str, Channel]:
-    """Return definitions from tables of their fields, as JSON holds them."""
-    made = (Channel(**{**row, "shape": tuple(row["shape"])}) for row in table)
-    return {channel.name: channel for channel in made}
 
 
 def _unpack(archive: zipfile.ZipFile, names: Iterable[str]) -> dict[str, Any]:

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.errors import WriteError, writing
-from surefoot.records.log import parts
+from surefoot.records.log import part_files
 from surefoot.records.log.channels import Channel
-from surefoot.records.log.log import MEMORY, Log
+from surefoot.records.log.contents import MEMORY
+from surefoot.records.log.log import Log
 
 CHUNK_BYTES = 1 << 20
 """Size of the rows that are held back before they are written to a folder that was asked for."""
@@ -68,7 +69,7 @@ class Recorder:
         self.count = self._written = 0
         self._facts = dict(facts or {})
         self._temporary: tempfile.TemporaryDirectory[str] | None = None
-        self._parts = None if folder is None else parts.PartFiles(folder, rows, self._facts)
+        self._parts = None if folder is None else part_files.PartFiles(folder, rows, self._facts)
 
     def slot(self) -> int:
         """Return the row of `arrays` for the next step, after writing a full chunk away.
@@ -105,7 +106,7 @@ class Recorder:
             with writing(tempfile.gettempdir()):
                 self._temporary = tempfile.TemporaryDirectory(prefix="surefoot-log-")
                 folder = Path(self._temporary.name) / "parts"
-                self._parts = parts.PartFiles(folder, self._channels.values(), self._facts)
+                self._parts = part_files.PartFiles(folder, self._channels.values(), self._facts)
         self._parts.append(self.arrays, self._written, self.count - self._written)
         self._written = self.count  # last: an interrupted flush is made again
 
@@ -139,7 +140,7 @@ class Recorder:
         except OSError as error:  # a WriteError is one
             facts.setdefault("error", str(error))
         self._parts.close()
-        arrays = {n: a[: self._written] for n, a in parts.read(self._parts.folder).arrays.items()}
+        arrays = {n: a[: self._written] for n, a in part_files.read(self._parts.folder).arrays.items()}
         if self._row_bytes * self.count <= MEMORY:
             rest = self.count - self._written
             arrays = {n: np.concatenate([a, self.arrays[n][:rest]]) for n, a in arrays.items()}

@@ -153,7 +153,7 @@ class Messages:
         topics = {
             name: Topic(
                 1e-9 * np.array([s - start for s in stamps[name]], dtype=np.float64),
-                _stacked(name, rows, notes),
+                _stack_fields(name, rows, notes),
                 self._texts[name],
                 self._kinds[name],
             )
@@ -177,7 +177,7 @@ class Messages:
         return {name: own[name] if name in stamped else logged[name] for name in own}
 
 
-def _stacked(topic: str, rows: list[dict[str, Any]], notes: list[str]) -> dict[str, Any]:
+def _stack_fields(topic: str, rows: list[dict[str, Any]], notes: list[str]) -> dict[str, Any]:
     """Return the fields that every message has, in one shape, as arrays over time."""
     out = {}
     for name in dict.fromkeys(n for row in rows for n in row):

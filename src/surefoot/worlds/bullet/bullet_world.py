@@ -206,7 +206,7 @@ class BulletWorld(EngineWorld):
         bullet.stepSimulation(**client)
         q, v = self._read_state()
         if not max(np.abs(v).max(initial=0.0), np.abs(self._v).max(initial=0.0)) < LARGEST:
-            raise self._lost()
+            raise self._undo_step()
         self._seen = self._stepper.contacts(self._stepper.start(self._q))  # Bullet's contacts are the start's
         self._rates = self._seen.velocities(v)  # and its impulses are of the velocities after them
         self._forces = self._read_forces()

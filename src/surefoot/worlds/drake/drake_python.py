@@ -59,7 +59,7 @@ class Worker:
         ModelError
             If the interpreter cannot be run, or its run fails.
         """
-        process = self._started()
+        process = self._start_worker()
         pipe_in, pipe_out = process.stdin, process.stdout
         assert pipe_in is not None and pipe_out is not None  # noqa: PT018 - asked for
         try:
@@ -73,7 +73,7 @@ class Worker:
             raise ModelError(f"Drake's run failed: {answer['error']}")
         return answer
 
-    def _started(self) -> subprocess.Popen[str]:
+    def _start_worker(self) -> subprocess.Popen[str]:
         if self._process is None:
             python = interpreter()
             try:

@@ -155,10 +155,10 @@ class DrakeWorld(EngineWorld):
         except ModelError as error:
             if self._closed:
                 raise
-            raise self._lost() from error
+            raise self._undo_step() from error
         q, v = self._ours(answer)
         if not np.abs(v).max(initial=0.0) < LARGEST:
-            raise self._lost()
+            raise self._undo_step()
         self._q, self._v, self._steps = q, v, self._steps + 1
         # all is of the step's end, to which Drake's implicit step ties its forces
         self._seen = self._stepper.contacts(self._stepper.start(q))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from surefoot.worlds.experiments.bodies import BODIES
+from surefoot.worlds.experiments.body_experiments import BODIES
 from surefoot.worlds.experiments.experiment import WorldExperiment
 from surefoot.worlds.experiments.experiment import carry_out as carry_out
 

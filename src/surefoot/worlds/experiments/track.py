@@ -11,8 +11,8 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.mechanics import Robot, Terrain
 from surefoot.worlds.experiments.ground import hard
-from surefoot.worlds.interface.table import make_world
 from surefoot.worlds.interface.world import World
+from surefoot.worlds.interface.world_names import make_world
 
 SETTLE = 0.1
 """How long a body lies still before it is set in motion [s], so that it starts in the world's own rest."""

@@ -60,8 +60,8 @@ class EngineWorld(ABC):
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         return self._q.copy(), self._v.copy()
 
-    def _lost(self) -> SimulationError:
-        """Go back to the state before the last step and return the error that says what was lost."""
+    def _undo_step(self) -> SimulationError:
+        """Return to the state before the last step; return the error that names the joint at fault."""
         steps = self._steps
         self.reset(self._q, self._v)
         self._steps = steps

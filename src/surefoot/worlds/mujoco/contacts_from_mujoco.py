@@ -112,9 +112,9 @@ def contacts_from_mujoco(model: Any, data: Any, pushed_out: float = PUSHED_OUT) 
     frames, geoms = np.zeros((n, 3, 3)), np.zeros((n, 2), dtype=np.int64)
     jacobian = np.zeros((n, 3, nv))
     for k, contact in enumerate(touching):
-        frames[k], geoms[k] = _placed(model, contact)
-        relative = _moved(mujoco, model, data, geoms[k, 1], contact.pos)
-        relative = relative - _moved(mujoco, model, data, geoms[k, 0], contact.pos)
+        frames[k], geoms[k] = _orient_contact(model, contact)
+        relative = _material_jacobian(mujoco, model, data, geoms[k, 1], contact.pos)
+        relative = relative - _material_jacobian(mujoco, model, data, geoms[k, 0], contact.pos)
         # Of the second geom's material against the first's at one place: the normal leads from the first to
         # the second, and pushes count on the second.
         jacobian[k] = frames[k].T @ relative
@@ -141,7 +141,7 @@ def contacts_from_mujoco(model: Any, data: Any, pushed_out: float = PUSHED_OUT) 
     return MujocoContacts(problem, frames, places, gaps, geoms, free, J, response)
 
 
-def _placed(model: Any, contact: Any) -> tuple[FloatArray, IntArray]:
+def _orient_contact(model: Any, contact: Any) -> tuple[FloatArray, IntArray]:
     """Return a contact's rotation (3, 3) and its geoms (2,), the normal towards the one that can move."""
     normal, first, second = contact.frame.reshape(3, 3)
     pair = np.array(contact.geom, dtype=np.int64)
@@ -150,7 +150,7 @@ def _placed(model: Any, contact: Any) -> tuple[FloatArray, IntArray]:
     return np.column_stack([first, second, normal]), pair
 
 
-def _moved(mujoco: Any, model: Any, data: Any, geom: int, place: FloatArray) -> FloatArray:
+def _material_jacobian(mujoco: Any, model: Any, data: Any, geom: int, place: FloatArray) -> FloatArray:
     """Return how a geom's material at a place moves with MuJoCo's velocities: (3, nv), world axes."""
     out = np.zeros((3, model.nv))
     mujoco.mj_jac(model, data, out, None, place, int(model.geom_bodyid[geom]))

@@ -184,7 +184,7 @@ class LinkContacts:
         return [(_title(model, a), _title(model, b)) for a, b in data.contact.geom[pressed].tolist()]
 
 
-def generalised(
+def generalised_force(
     mujoco: Any, model: Any, data: Any, bodies: IntArray, places: FloatArray, forces: FloatArray
 ) -> FloatArray:
     """Return the generalised force (nv,) of forces (p, 3) [N] at places (p, 3) of bodies, base axes."""

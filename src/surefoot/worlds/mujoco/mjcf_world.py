@@ -18,7 +18,7 @@ from surefoot.worlds.interface.world import ground_of
 from surefoot.worlds.mujoco.actuators import Drives
 from surefoot.worlds.mujoco.mujoco_world import HEAVIEST, MujocoWorld, add_ground
 from surefoot.worlds.mujoco.record_softness import world_softness
-from surefoot.worlds.mujoco.spec import add_payload, compiled, import_mujoco
+from surefoot.worlds.mujoco.spec import add_payload, compile_spec, import_mujoco
 
 MATCH = 1e-6
 """Distance between a foot of the robot and the file's sphere for it [m]."""
@@ -91,7 +91,7 @@ class MjcfWorld(MujocoWorld):
             )
         root = int(raw.jnt_bodyid[0]) if raw.njnt else 0
         self._set_options(spec, root)
-        self.model = compiled(spec, path)
+        self.model = compile_spec(spec, path)
         joints = _joints(mujoco, self.model, self.robot, path)
         self._drives = Drives(mujoco, self.model, joints)
         feet = _feet(mujoco, self.model, self.robot, path)
@@ -130,7 +130,7 @@ class MjcfWorld(MujocoWorld):
         self._drives.ask(self.data, finite_vector("torques", torques, self.robot.joints))
         self._before[0][:], self._before[1][:] = self._qpos, self._qvel
 
-    def _driven(self) -> None:
+    def _note_torques(self) -> None:
         """See `MujocoWorld`."""
         self.applied = self._drives.given(self.data)
 
@@ -154,7 +154,7 @@ def _read(mujoco: Any, path: str | Path) -> tuple[Any, Any]:
         spec = mujoco.MjSpec.from_file(str(path))
     except (ValueError, OSError) as error:
         raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {mujoco_line(error)}") from error
-    return spec, compiled(spec, path)
+    return spec, compile_spec(spec, path)
 
 
 def _floors(mujoco: Any, model: Any) -> list[int]:

@@ -24,7 +24,7 @@ from surefoot.worlds.interface.actuated import equipped
 from surefoot.worlds.interface.world import ContactReading, ground_of
 from surefoot.worlds.mujoco.actuators import fit_actuators
 from surefoot.worlds.mujoco.centripetal import step_with_centripetal
-from surefoot.worlds.mujoco.links import LinkContacts, add_links, generalised, owners
+from surefoot.worlds.mujoco.links import LinkContacts, add_links, generalised_force, owners
 from surefoot.worlds.mujoco.readings import (
     FACE_TYPES,
     OWN_TYPES,
@@ -34,7 +34,7 @@ from surefoot.worlds.mujoco.readings import (
 )
 from surefoot.worlds.mujoco.readings import pinocchio_state as pinocchio_state
 from surefoot.worlds.mujoco.record_softness import world_softness
-from surefoot.worlds.mujoco.spec import CONTACT_TIME, compiled, set_point_friction, surface_of
+from surefoot.worlds.mujoco.spec import CONTACT_TIME, compile_spec, set_point_friction, surface_of
 from surefoot.worlds.mujoco.spec import add_ground as add_ground
 from surefoot.worlds.mujoco.spec import import_mujoco as import_mujoco
 from surefoot.worlds.mujoco.spec import robot_spec as robot_spec
@@ -121,7 +121,7 @@ class MujocoWorld:
         spec.option.timestep = self.dt
         self._mujoco = mujoco
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is an error
-        self.model = compiled(spec, robot.name)
+        self.model = compile_spec(spec, robot.name)
         if self.model.ntree == 1:  # looking for islands in one tree takes 1 us, and finds it
             self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
         points = robot.contact_points
@@ -235,8 +235,8 @@ class MujocoWorld:
         else:
             self._finely()
         if not self._largest(self._qvel) < LARGEST:
-            raise self._lost()
-        self._driven()
+            raise self._undo_step()
+        self._note_torques()
 
     def _finely(self) -> None:
         """Advance in parts, and keep what the ground did and what touched in each."""
@@ -250,7 +250,7 @@ class MujocoWorld:
         self._mean, rest = mean_reading(parts)
         if rest.any() and self._mean.others is not None:
             places = self._mean.positions
-            self._mean.others[:] += generalised(
+            self._mean.others[:] += generalised_force(
                 self._mujoco, self.model, self.data, self._bodies, places, rest
             )
 
@@ -262,11 +262,11 @@ class MujocoWorld:
         self._effort[:], self._before[0][:], self._before[1][:] = given, self._qpos, self._qvel
         self.applied = given
 
-    def _driven(self) -> None:
+    def _note_torques(self) -> None:
         """Note what the motors gave in the last step, where only the step tells."""
 
-    def _lost(self) -> SimulationError:
-        """Go back to the state before the last step and return the error that says what was lost."""
+    def _undo_step(self) -> SimulationError:
+        """Return to the state before the last step; return the error that names the joint at fault."""
         data, (qpos, qvel) = self.data, self._before
         time = data.time - self.dt
         self._mujoco.mj_resetData(self.model, data)

@@ -9,7 +9,12 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.mechanics import frames_on
-from surefoot.worlds.mujoco.record_softness import SoftContact, declared, hardest_landing, soft_contact
+from surefoot.worlds.mujoco.record_softness import (
+    SoftContact,
+    declare_softness,
+    hardest_landing,
+    soft_contact,
+)
 
 FAR = 1.0
 """Gaps are measured up to here; what is farther apart is as far as that [m]."""
@@ -215,7 +220,7 @@ class Slots:
         """Return the facts `sinking`, `creep` and `stopping` under a load [N], see `record_softness`."""
         pairs = [slot.bodies for slot in self._slots]
         landing = hardest_landing(self._mujoco, self._model, pairs, qpos, points)
-        return declared([slot.soft for slot in self._slots if slot.soft is not None], load, landing)
+        return declare_softness([slot.soft for slot in self._slots if slot.soft is not None], load, landing)
 
     def fill_open(self, qpos: FloatArray, qvel: FloatArray, points: dict[str, Any]) -> None:
         """Write what is known of open contact points into a recording of (T, nq) and (T, nv) rows."""

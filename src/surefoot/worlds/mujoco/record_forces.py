@@ -126,7 +126,7 @@ class TreeForces:
             (nv,) what the forces of the contacts in the log put on the joints.
         """
         model, tree, row = self._model, self._tree, self._rows[-1]
-        pushed, push = self._pushed(data)
+        pushed, push = self._external_forces(data)
         compensated = np.where(self._rest, data.qfrc_gravcomp, 0.0)
         contact, rest = self._constraints(data)
         joints = data.qfrc_passive - compensated + rest + contact - logged + pushed
@@ -135,7 +135,7 @@ class TreeForces:
         base = tree.base
         thrust, unlogged = data.qfrc_actuator[base], (contact - logged)[base]
         joints[base] = data.qfrc_fluid[base] + tree.unpowered * thrust + unlogged + pushed[base]
-        row["other_forces"] += weight * tree.turned(data, joints)
+        row["other_forces"] += weight * tree.joint_forces(data, joints)
         if tree.free is None:
             return
         shift = data.subtree_com[tree.root] - row["com"]  # an instant's wrench is about its own centre
@@ -181,7 +181,7 @@ class TreeForces:
         self._mujoco.mj_mulM(self._model, data, joints, v)
         return np.asarray(joints - self._model.dof_armature * v)
 
-    def _pushed(self, data: Any) -> tuple[FloatArray, FloatArray]:
+    def _external_forces(self, data: Any) -> tuple[FloatArray, FloatArray]:
         """Return what `xfrc_applied` is on the joints (nv,), and about the centre of mass (6,)."""
         joints, wrench = np.zeros(self._model.nv), np.zeros(6)
         for body in self._tree.bodies[data.xfrc_applied[self._tree.bodies].any(axis=1)].tolist():

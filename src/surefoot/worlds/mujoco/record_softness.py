@@ -180,7 +180,7 @@ def soft_contact(mujoco: Any, model: Any, bodies: Iterable[int], contact: Any) -
     return SoftContact(law, guess, normal, friction, damp, mu, float(option.timestep))
 
 
-def declared(
+def declare_softness(
     contacts: Sequence[SoftContact], load: float, landing: HardestLanding | None
 ) -> dict[str, float]:
     """Return the facts `sinking`, `creep`, `stopping` and `settling` of contacts; empty without any.
@@ -268,7 +268,7 @@ def inverse_mass(
 def world_softness(
     mujoco: Any, model: Any, ground: int, bodies: IntArray, log: Log, load: float
 ) -> dict[str, float]:
-    """Return what `declared` does for feet on a ground geom whose priority decides.
+    """Return what `declare_softness` does for feet on a ground geom whose priority decides.
 
     Parameters
     ----------
@@ -293,4 +293,4 @@ def world_softness(
     if model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE:
         qpos[:, 3:7] = qpos[:, [6, 3, 4, 5]]  # x, y, z, w in the log
     landing = hardest_landing(mujoco, model, pairs, qpos, log.arrays)
-    return declared([s for s in soft if s is not None], load, landing)
+    return declare_softness([s for s in soft if s is not None], load, landing)

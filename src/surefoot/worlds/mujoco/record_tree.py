@@ -127,7 +127,7 @@ class BodyTree:
                 out[3:] = row[3:] * (joints[dof] + row[3:] @ np.cross(data.xanchor[j] - com, out[:3]))
         return out
 
-    def turned(self, data: Any, joints: FloatArray) -> FloatArray:
+    def joint_forces(self, data: Any, joints: FloatArray) -> FloatArray:
         """Return forces (nv,) on MuJoCo's joints in the log's order and axes."""
         out = joints[self.dofs]
         at = 0

@@ -108,7 +108,7 @@ def add_payload(body: Any, mass: float, place: FloatArray) -> None:
     load.inertia = np.full(3, 1e-3 * mass)
 
 
-def compiled(spec: Any, name: str | Path) -> Any:
+def compile_spec(spec: Any, name: str | Path) -> Any:
     """Return the model of an MjSpec; `name` says in errors whose it is."""
     try:
         return spec.compile()

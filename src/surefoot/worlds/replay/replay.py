@@ -22,7 +22,7 @@ from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics import Robot, Terrain
 from surefoot.motion import Command, Controller, RobotState
 from surefoot.records import Ending, Log, audit_log, read_log
-from surefoot.worlds.interface.table import WORLDS, make_world
+from surefoot.worlds.interface.world_names import WORLDS, make_world
 from surefoot.worlds.replay.replay_task import ReplayTask, replay_task
 from surefoot.worlds.running.run import run
 from surefoot.worlds.running.scenario import Fall, Ice, Push, Scenario
@@ -150,7 +150,7 @@ def replay_log(
         A log or its path. Needs `q`, `v` and `torques`, evenly spaced. The facts ``joint_stiffness`` and
         ``joint_damping`` give the gains, else they are made from the robot's mass and height.
     world
-        Name of a world, see `surefoot.worlds.interface.table`.
+        Name of a world, see `surefoot.worlds.interface.world_names`.
     robot, terrain, mu
         None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu`` [-]. Others ask
         whether the success survives there.
@@ -259,15 +259,15 @@ def _replay(task: ReplayTask, name: str, first: int, last: int) -> tuple[WindowR
     report = audit_log(log, task.robot)
     first_of = {v.law: str(v) for v in reversed(report.violations)}
     broken = tuple(first_of[law] for law in report.laws_broken)
-    lost = _why_lost(outcome, end, tilt, broken)
+    lost = _failure_reason(outcome, end, tilt, broken)
     height = float(task.q[first, 2] - task.terrain.height(task.q[first, :2]))
     if not lost and drift > DRIFT * (abs(height) + length):
         lost = f"it is {drift:.2f} m from the log at {end:.3f} s"
     return WindowReplay(start, end, outcome, way, length, tilt, drift, broken, lost), log
 
 
-def _why_lost(outcome: str, end: float, tilt: float, broken: tuple[str, ...]) -> str:
-    """Return why a window does not hold, empty where it does."""
+def _failure_reason(outcome: str, end: float, tilt: float, broken: tuple[str, ...]) -> str:
+    """Return the reason why a window's replay fails; empty where it does not."""
     if outcome != Ending.DONE:
         return f"it {'falls' if outcome == Ending.FELL else 'cannot go on'} at {end:.3f} s"
     if tilt > TILT:

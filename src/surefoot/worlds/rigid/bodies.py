@@ -9,7 +9,8 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, finite_array, positive_number, real_number
 from surefoot.base.errors import ProblemError
-from surefoot.mechanics import Foot, Robot, import_pinocchio
+from surefoot.base.libraries import import_pinocchio
+from surefoot.mechanics import Foot, Robot
 
 
 def ball(mass: float = 1.0, radius: float = 0.1) -> Robot:

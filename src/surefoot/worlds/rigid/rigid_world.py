@@ -169,7 +169,7 @@ class RigidWorld:
         self.set_friction(own if mu is None else mu)
         recorder = RECORDER.get()
         parts = robot, terrain, options, payload, collision, payload_position
-        known = None if recorder is None else recorder.known(*parts)
+        known = None if recorder is None else recorder.find_stepper(*parts)
         # While a gradient is taken, rollouts after the first one take its stepper, and the states that it
         # came to: see `RolloutRecorder`.
         self.stepper = known or Stepper(
@@ -199,7 +199,7 @@ class RigidWorld:
         """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         self._state: State = self.stepper.start(q, v)
         if (recorder := RECORDER.get()) is not None:
-            self._state = recorder.placed(self._state)
+            self._state = recorder.place_start(self._state)
         if self.control is not None:
             self.control.restart()
         self._start = self.stepper.contacts(self._state)

@@ -25,8 +25,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics import InputRates, PairDetection, State, StepArguments, Stepper, law_fields, stages_of
-from surefoot.worlds.rigid.rigid_world import RigidWorld
-from surefoot.worlds.rigid.rollout_record import RolloutRecorder
+from surefoot.worlds.rigid.rollout_record import RecordedWorld, RolloutRecorder
 
 WIDTH = 1e-6
 """Half of a difference, in units of what is moved where that is above one."""
@@ -65,7 +64,7 @@ class Backward:
     ) -> None:  # fmt: skip
         assert taken.world is not None
         self.run, self.parameters, self.values, self.taken = run, parameters, values, taken
-        self.world: RigidWorld = taken.world
+        self.world: RecordedWorld = taken.world
         self.model = self.world.model
         self.world.check_differentiable()
         self.foot = self.world.stepper.bodies.contacts.group
@@ -90,14 +89,14 @@ class Backward:
             np.array([getattr(law, n) for n in law_fields(law)] if law is not None else []), each,
         )  # fmt: skip
 
-    def _surfaces(self, world: RigidWorld, mu: float) -> FloatArray:
+    def _surfaces(self, world: RecordedWorld, mu: float) -> FloatArray:
         """Return friction and restitution (2, groups) of a world's contacts, on ground of friction `mu`."""
         found, stepper = self.world.stepper.bodies.contacts, world.stepper
         if stepper.geometry is None or not isinstance(found, PairDetection):
             return np.array([[mu], [stepper.options.restitution]])
         return found.mixed(stepper.geometry, mu, stepper.options.restitution)
 
-    def _replayed(self, states: list[State] | None = None, **changed: Any) -> Inputs:
+    def _replay(self, states: list[State] | None = None, **changed: Any) -> Inputs:
         """Return what the rollout puts in when it is in given states, with some parameters changed."""
         run = self.run({**self.parameters, **changed}, states or self.taken.states, self.taken, not changed)
         assert run.world is not None
@@ -111,7 +110,7 @@ class Backward:
             )
         return self._inputs(run)
 
-    def _moved(self, way: FloatArray, which: slice = slice(None)) -> list[State]:
+    def _shift_states(self, way: FloatArray, which: slice = slice(None)) -> list[State]:
         """Return the recorded states, those chosen moved along (2nv,)."""
         out, nv, moved = list(self.taken.states), self.model.nv, self.world.stepper.bodies.moved
         out[which] = [s._replace(q=moved(s.q, way[:nv]), v=s.v + way[nv:]) for s in out[which]]
@@ -123,7 +122,7 @@ class Backward:
         # Every other state is moved: what goes into the other steps must then stay as it is, or a controller
         # remembers.
         way = WIDTH * np.random.default_rng(0).normal(size=size)
-        again = self._replayed(self._moved(way, slice(0, None, 2)))
+        again = self._replay(self._shift_states(way, slice(0, None, 2)))
         change = np.abs(again.each - self.here.each).max(axis=1)
         others = max(np.abs(a - b).max(initial=0.0) for a, b in zip(again[:4], self.here[:4], strict=True))
         if max(change[1::2].max(initial=0.0), others) > SAME:
@@ -138,7 +137,7 @@ class Backward:
 
     def _by_states(self, ways: FloatArray) -> FloatArray:
         """Return how what goes into the steps moves with each of (c, 2nv) motions of the states."""
-        ends = [self._replayed(self._moved(WIDTH * way)).each for way in ways]
+        ends = [self._replay(self._shift_states(WIDTH * way)).each for way in ways]
         return np.stack([(end - self.here.each) / WIDTH for end in ends], axis=2)
 
     def _by_joints(self, size: int, seen: FloatArray, way: FloatArray) -> FloatArray:
@@ -174,10 +173,10 @@ class Backward:
                 (e if flat is None else e.reshape(n, -1))[entry if flat is None else (slice(None), j)] = 1.0
                 width = WIDTH * max(1.0, float(np.abs(value * e).max()))
                 try:
-                    moved = self._replayed(None, **{name: value + width * e})
+                    moved = self._replay(None, **{name: value + width * e})
                 except ProblemError:  # at the end of its range, as a restitution of one
                     width = -width
-                    moved = self._replayed(None, **{name: value + width * e})
+                    moved = self._replay(None, **{name: value + width * e})
                 where.append((name, entry))
                 rates.append(Inputs(*((b - a) / width for a, b in zip(self.here, moved, strict=True))))
         return where, rates
@@ -186,7 +185,7 @@ class Backward:
         """Return whether every row of a parameter moves its own step alone."""
         other = value.copy()
         other[::2] += WIDTH
-        moved = self._replayed(None, **{name: other})
+        moved = self._replay(None, **{name: other})
         apart = [a - b for a, b in zip(moved, self.here, strict=True)]
         return not any(a.any() for a in apart[:4]) and not apart[4][1::2].any()
 

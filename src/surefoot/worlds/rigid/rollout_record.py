@@ -9,19 +9,43 @@ from __future__ import annotations
 
 from collections import deque
 from contextvars import ContextVar
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
-from surefoot.mechanics import State, Step, StepOptions, Stepper
-
-if TYPE_CHECKING:
-    from surefoot.worlds.rigid.rigid_world import RigidWorld
+from surefoot.mechanics import Robot, State, Step, StepOptions, Stepper
 
 KEPT = 2000
 """Steps whose contact problems are kept, the last ones; others are taken again on the way back."""
+
+
+class RecordedWorld(Protocol):
+    """What a recorder and a gradient need of a world: a `RigidWorld` is one.
+
+    Attributes
+    ----------
+    stepper
+        What takes its steps.
+    robot
+        Whose torques go in.
+    dt
+        Length of a step [s].
+    mu
+        Friction of the ground in the next step [-].
+    model
+        Pinocchio's Model of what is simulated.
+    """
+
+    stepper: Stepper
+    robot: Robot
+    dt: float
+    mu: float
+    model: Any
+
+    def check_differentiable(self) -> None:
+        """Raise `ProblemError` where steps have no derivative."""
 
 
 class RolloutRecorder:
@@ -53,13 +77,13 @@ class RolloutRecorder:
     def __init__(
         self, states: list[State] | None = None, first: RolloutRecorder | None = None, unchanged: bool = False
     ) -> None:
-        self.world: RigidWorld | None = None
+        self.world: RecordedWorld | None = None
         self._first, self._unchanged = first, unchanged
         self.given, self.states, self.count = states is not None, states or [], 0
         self.steps: deque[Step] = deque(maxlen=KEPT)
         self.torques, self.pushes, self.mu = list[FloatArray](), list[FloatArray](), list[float]()
 
-    def known(self, *parts: Any) -> Stepper | None:
+    def find_stepper(self, *parts: Any) -> Stepper | None:
         """Return the stepper of the first run where a world is made of the same `parts`, a robot first."""
         self._parts, self._model, first = parts, parts[0].model.copy(), self._first
         if first is None or first.world is None:
@@ -69,14 +93,14 @@ class RolloutRecorder:
         same = same and self._model == first._model  # the robot itself may have been changed
         return first.world.stepper if same or self._unchanged else None
 
-    def placed(self, state: State) -> State:
+    def place_start(self, state: State) -> State:
         """Return the state that a world is to start in, for the one that it was put in."""
         if self.world is not None:
             raise ProblemError("a rollout is one run of one world, which is put in its place before it")
         self.start = state
         return self.states[0] if self.given else state
 
-    def before(self, world: RigidWorld, torques: FloatArray, push: FloatArray | None) -> State | None:
+    def before(self, world: RecordedWorld, torques: FloatArray, push: FloatArray | None) -> State | None:
         """Keep (joints,) torques and the (3,) push of a step; return the state behind it if it is given."""
         self.world = world if self.world is None else self.world
         if self.world is not world:

@@ -11,16 +11,8 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import FloatArray, finite_array, of_kind, positive_number
 from surefoot.base.errors import ProblemError, check_name
-from surefoot.mechanics import (
-    Geometry,
-    Robot,
-    Shape,
-    Solid,
-    StepSettings,
-    Terrain,
-    import_pinocchio,
-    robot_geometry,
-)
+from surefoot.base.libraries import import_pinocchio
+from surefoot.mechanics import Geometry, Robot, Shape, Solid, StepSettings, Terrain, robot_geometry
 from surefoot.worlds.rigid.rigid_world import RigidWorld
 
 
@@ -217,7 +209,7 @@ class Scene(Robot):
         ProblemError
             If there is no such body; the message lists them.
         """
-        joint = self._found(name)
+        joint = self._find_joint(name)
         if joint == 0:
             body = next(b for b in self.bodies if b.name == name)
             return Pose(np.array(body.position, dtype=np.float64), body.rotation)
@@ -227,13 +219,13 @@ class Scene(Robot):
 
     def twist(self, name: str, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return velocity of a body's centre [m/s] and angular velocity [rad/s], (3,) each, world axes."""
-        joint = self._found(name)
+        joint = self._find_joint(name)
         if joint == 0:
             return np.zeros(3), np.zeros(3)
         first, turn = self.model.joints[joint].idx_v, self.pose(name, q).rotation
         return turn @ v[first : first + 3], turn @ v[first + 3 : first + 6]
 
-    def _found(self, name: str) -> int:
+    def _find_joint(self, name: str) -> int:
         """Return the joint of a body."""
         check_name("body", name, self._joint)
         return self._joint[name]

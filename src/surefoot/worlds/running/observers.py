@@ -80,7 +80,7 @@ class RunProgress(Observer):
             self._next = moment.time + EVERY
 
 
-class LinkTouches(Observer):
+class LinkContactObserver(Observer):
     """Counts the steps in which pairs that are no foot on the ground touched.
 
     Parameters

@@ -19,11 +19,11 @@ from surefoot.base.spatial import (
 from surefoot.mechanics import Legs, MotorLimits, Robot, limited_robot, load_robot, loaded_robot, motor_limits
 from surefoot.motion import Command, Controller, Reference, RobotState, Wrapper, controller_of, planned_ground
 from surefoot.records import Ending, Log, audit_log
-from surefoot.worlds.interface.table import make_world
 from surefoot.worlds.interface.world import World
+from surefoot.worlds.interface.world_names import make_world
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 from surefoot.worlds.running.faults import scaled_robot
-from surefoot.worlds.running.observers import LinkTouches
+from surefoot.worlds.running.observers import LinkContactObserver
 from surefoot.worlds.running.run import Scenario, run
 from surefoot.worlds.running.scenario import Fall
 
@@ -66,7 +66,7 @@ class Surprise:
     mass: float = 1.0
 
     @classmethod
-    def drawn(cls, seed: int) -> Surprise:
+    def draw(cls, seed: int) -> Surprise:
         """Return the surprise of a seed: every number uniform within its largest error."""
         r = np.random.default_rng([whole_number("seed", seed), 16])
         place, turn = START_PLACE * r.uniform(-1.0, 1.0, 3), START_TURN * r.uniform(-1.0, 1.0, 3)
@@ -141,7 +141,7 @@ def execute(
     limits
         Of the motors, or the name of their model, see `motor_limits`.
     seed
-        Of what the plan does not know, see `Surprise.drawn`; None for nothing.
+        Of what the plan does not know, see `Surprise.draw`; None for nothing.
     surprise
         In place of a seed.
     dt
@@ -165,7 +165,7 @@ def execute(
         robot = planned or limited_robot(loaded_robot(load_robot(str(plan.fact("robot"))), payload))
         terrain, reference = planned_ground(plan), Reference.of(plan, robot)
     mu = float(plan["mu"][0]) if isinstance(plan, Log) and "mu" in plan else 0.6
-    surprise = surprise or (Surprise() if seed is None else Surprise.drawn(seed))
+    surprise = surprise or (Surprise() if seed is None else Surprise.draw(seed))
     standing = reference.begins_standing
     dt = STEP if dt is None else dt
     settle = (SETTLE if standing else AGAIN) if settle is None else settle
@@ -184,12 +184,18 @@ def execute(
         cast(MujocoWorld, there).count_centripetal()
     scenario = Scenario(
         reference.duration + settle, mu * surprise.friction, seed=seed, fall=NEVER,
-        start=displaced(robot, reference.start, surprise) if standing else laid(reference.start, surprise),
+        start=(
+            displace(robot, reference.start, surprise)
+            if standing
+            else lying_configuration(reference.start, surprise)
+        ),
     )  # fmt: skip
-    return judged(there, MotorLimiter(controller_of(plan, robot, dt), motors), scenario, reference, surprise)
+    return judge_run(
+        there, MotorLimiter(controller_of(plan, robot, dt), motors), scenario, reference, surprise
+    )
 
 
-def displaced(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
+def displace(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
     """Return a standing configuration (nq,) with the body displaced, and the feet where they were."""
     feet, out = robot.foot_positions(q), q.copy()
     out[:3] += surprise.place
@@ -201,7 +207,7 @@ def displaced(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
     return out
 
 
-def laid(q: FloatArray, surprise: Surprise) -> FloatArray:
+def lying_configuration(q: FloatArray, surprise: Surprise) -> FloatArray:
     """Return a lying configuration (nq,) with the whole robot displaced, as high as its errors can need."""
     out = q.copy()
     out[:3] += surprise.place
@@ -211,12 +217,12 @@ def laid(q: FloatArray, surprise: Surprise) -> FloatArray:
     return out
 
 
-def judged(
+def judge_run(
     world: World, controller: Controller, scenario: Scenario, reference: Reference, surprise: Surprise
 ) -> Execution:
     """Run a scenario and return what became of the plan behind it."""
     robot = world.robot
-    watch = LinkTouches(world)
+    watch = LinkContactObserver(world)
     log = run(world, controller, scenario, [watch])
     links = tuple(sorted(watch.found))
     report = audit_log(log, robot)
@@ -226,23 +232,23 @@ def judged(
     return Execution(
         not why, sorted({v.law for v in report.violations}),
         float(np.abs(np.asarray(log["torques"]) / robot.effort_limits).max()), fastest, log, report.verdict,
-        links, _moved(robot, q), _turned(np.asarray(log["time"]), v), why, surprise,
+        links, _displacement(robot, q), _pitch_of_motion(np.asarray(log["time"]), v), why, surprise,
     )  # fmt: skip
 
 
-def _missed(robot: Robot, log: Log, reference: Reference) -> str:
+def _miss_of_end(robot: Robot, log: Log, reference: Reference) -> str:
     """Return by how much a motion that begins on the feet has missed its end, or nothing."""
-    moved, planned = _moved(robot, np.asarray(log["q"])), _moved(robot, reference.q)
+    moved, planned = _displacement(robot, np.asarray(log["q"])), _displacement(robot, reference.q)
     if float(np.linalg.norm(moved - planned)) > OFF:
         return f"its feet went {moved[0]:.2f} m ahead, the plan's {planned[0]:.2f} m"
-    turned = _turned(np.asarray(log["time"]), np.asarray(log["v"]))
-    wanted = _turned(reference.time, reference.v)
+    turned = _pitch_of_motion(np.asarray(log["time"]), np.asarray(log["v"]))
+    wanted = _pitch_of_motion(reference.time, reference.v)
     if abs(turned - wanted) > OFF_TURN:
         return f"it turned by {math.degrees(turned):.0f} deg, the plan by {math.degrees(wanted):.0f} deg"
     return ""
 
 
-def _moved(robot: Robot, q: FloatArray) -> FloatArray:
+def _displacement(robot: Robot, q: FloatArray) -> FloatArray:
     """Return by how much the feet's middle went (3,), in the heading of the start [m]."""
     rotation = rotation_from_quaternion(q[0, 3:7])
     yaw = math.atan2(rotation[1, 0], rotation[0, 0])
@@ -250,7 +256,7 @@ def _moved(robot: Robot, q: FloatArray) -> FloatArray:
     return np.asarray(rotation_about([0.0, 0.0, 1.0], -yaw) @ way)
 
 
-def _turned(time: FloatArray, v: FloatArray) -> float:
+def _pitch_of_motion(time: FloatArray, v: FloatArray) -> float:
     """Return the angle that the base turned by about its own lateral axis [rad]."""
     return float((0.5 * (v[1:, 4] + v[:-1, 4]) * np.diff(time)).sum())
 
@@ -276,7 +282,7 @@ def _shortfall(robot: Robot, log: Log, reference: Reference, links: tuple[tuple[
     if not reference.begins_standing:
         return ""
     touched = "touched: " + ", ".join(" on ".join(pair) for pair in links) if links else ""
-    return _missed(robot, log, reference) or touched
+    return _miss_of_end(robot, log, reference) or touched
 
 
 class MotorLimiter(Wrapper):

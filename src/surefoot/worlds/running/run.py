@@ -20,13 +20,19 @@ from surefoot.worlds.interface.world import World
 from surefoot.worlds.interface.world_facts import facts_before
 from surefoot.worlds.running.faults import Faults
 from surefoot.worlds.running.ground_friction import GroundFriction
-from surefoot.worlds.running.observers import LinkTouches, Moment, Observer
+from surefoot.worlds.running.observers import LinkContactObserver, Moment, Observer
 from surefoot.worlds.running.scenario import Ice as Ice
 from surefoot.worlds.running.scenario import IcePatch as IcePatch
 from surefoot.worlds.running.scenario import Push as Push
 from surefoot.worlds.running.scenario import Scenario as Scenario
 from surefoot.worlds.running.scenario import push_at
-from surefoot.worlds.running.sensing import STOP_TIME, EstimatedState, Outward, Sensing, TrueState
+from surefoot.worlds.running.sensing import (
+    STOP_TIME,
+    EstimatedState,
+    ExteroceptiveSensing,
+    Sensing,
+    TrueState,
+)
 
 PLAIN = 5.0
 """Length of a run without a scenario [s]."""
@@ -150,8 +156,8 @@ class _Run:
         self.recorder = _recorder(world, controller, more, scenario, folder)
         self.limits = AT_LIMIT * world.robot.effort_limits
         self.stop = Standstill(world.robot, world.dt)
-        self.touches = LinkTouches(world)
-        self.outward = Outward(world, scenario.scanner, scenario.seed)
+        self.touches = LinkContactObserver(world)
+        self.exteroception = ExteroceptiveSensing(world, scenario.scanner, scenario.seed)
         rows = self.recorder.arrays
         self._others = np.zeros(rows["other_forces"].shape[1:]) if "other_forces" in rows else None
         self._motors = "torques_commanded" in rows
@@ -181,8 +187,8 @@ class _Run:
         except BaseException:
             recorder.abandon()
             raise
-        if self.sensing.lost:
-            more = {"error": self.sensing.lost, **more}
+        if self.sensing.failure:
+            more = {"error": self.sensing.failure, **more}
         touched = self.touches.lines(self.world.dt)
         more |= {"link_touches": touched} if touched else {}
         times = {"wall_time": clock.perf_counter() - begin, "cpu_time": clock.thread_time() - worked}
@@ -201,7 +207,7 @@ class _Run:
             push = push_at(scenario.pushes, now) if scenario.pushes else None
             q, v = world.state()
             state = sensing.state(q, v, now, loaded_feet(foot, reading.forces, feet, touch))
-            state = self.outward.add(state, q, reading)
+            state = self.exteroception.add(state, q, reading)
             start = clock.perf_counter()
             state = RobotState(*state[:4], sensing.heard, *state[5:])
             command = self._decide(faults.heard(state), command)
@@ -210,7 +216,7 @@ class _Run:
             self._asked = faults.act(command, q, v)
             world.step(self._asked, push)
             torques = np.asarray(getattr(world, "applied", self._asked))  # what motors gave
-            sensing.acted(command, torques)
+            sensing.note_step(command, torques)
             reading = world.contacts()
             # its row
             moment = Moment(now, q, v, torques, push, self.ground.mu, spent, command, reading)
@@ -218,7 +224,7 @@ class _Run:
             for observer in (self.touches, *observers):
                 observer.step(moment)
             # whether it goes on
-            if sensing.lost:
+            if sensing.failure:
                 stopped = min(stopped, now)
                 if now - stopped >= STOP_TIME:
                     return Ending.LOST
@@ -226,11 +232,11 @@ class _Run:
                 fallen = scenario.fall.happened(q, height, world.terrain)
                 if fallen is not None:
                     return fallen
-        return Ending.LOST if sensing.lost else Ending.DONE
+        return Ending.LOST if sensing.failure else Ending.DONE
 
     def _decide(self, state: RobotState, last: Command | None) -> Command:
         """Return the controller's command, or that of a robot which has lost its state."""
-        if self.sensing.lost and last is not None:
+        if self.sensing.failure and last is not None:
             return self.stop.command(state, last)
         return self.controller.step(state).for_points(len(self.world.contact_foot))
 

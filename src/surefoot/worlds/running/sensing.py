@@ -31,22 +31,22 @@ class Sensing(Protocol):
     ----------
     channels
         What it adds to the log; `rows` gives the values.
-    lost
+    failure
         Why it cannot tell the state any longer; empty while it can.
     heard
         (joints,) torques that the motors say they gave last [N m]; None before the first.
     """
 
     channels: tuple[Channel, ...] = ()
-    lost: str = ""
+    failure: str = ""
     heard: FloatArray | None = None
 
     def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
         """Return what the controller is given at a true state, with (n,) the feet that truly touch."""
         ...
 
-    def acted(self, command: Command, torques: FloatArray) -> None:
-        """Learn what followed: the command, and the (joints,) torques that the motors gave [N m]."""
+    def note_step(self, command: Command, torques: FloatArray) -> None:
+        """Record the command of a step and the (joints,) torques that the motors gave [N m]."""
         self.heard = torques
 
     def rows(self) -> Mapping[str, Any]:
@@ -107,16 +107,16 @@ class EstimatedState(Sensing):
         start = clock.perf_counter()
         self._reported = tracker.state(reading, time, self.sensors.touches)
         self._spent = clock.perf_counter() - start
-        if tracker.lost and not self.lost:
-            self.lost = f"the state estimate was lost at {time:.3f} s: {tracker.lost}"
+        if tracker.failure and not self.failure:
+            self.failure = f"the state estimate was lost at {time:.3f} s: {tracker.failure}"
         return self._reported
 
-    def acted(self, command: Command, torques: FloatArray) -> None:
-        """See `Sensing.acted`."""
+    def note_step(self, command: Command, torques: FloatArray) -> None:
+        """See `Sensing.note_step`."""
         start = clock.perf_counter()
         self.tracker.plan(command)
         self.heard = self.sensors.torques(torques)
-        self.tracker.acted(self.heard)
+        self.tracker.note_torques(self.heard)
         self._spent += clock.perf_counter() - start
 
     def rows(self) -> Mapping[str, Any]:
@@ -128,8 +128,8 @@ class EstimatedState(Sensing):
         }  # fmt: skip
 
 
-class Outward:
-    """Adds to a state what a range sensor saw, and forces on the feet where no estimator has found them.
+class ExteroceptiveSensing:
+    """Range scan and foot forces of a run, added to a state that lacks them.
 
     Parameters
     ----------

@@ -74,7 +74,7 @@ def mean_readings(
 
 
 @inline_kernel
-def _stepped(value: float, step: float) -> float:
+def _quantise(value: float, step: float) -> float:
     """Round to a multiple of a step; a step of zero changes nothing."""
     return value if step == 0.0 else step * np.rint(value / step)
 
@@ -117,9 +117,9 @@ def sense(
         for r in range(3):
             biases[i, r] += figures[i] * noise[3 * i + r]
             value = true[r] + biases[i, r] + figures[2 + i] * noise[6 + 3 * i + r]
-            out[3 * i + r] = min(max(_stepped(value, figures[4 + i]), -figures[6 + i]), figures[6 + i])
+            out[3 * i + r] = min(max(_quantise(value, figures[4 + i]), -figures[6 + i]), figures[6 + i])
     offsets = memory[22:]
     for j in range(joints):
         angle = q[7 + j] + offsets[j] + figures[8] * noise[12 + j]
         speed = v[6 + j] + offsets[joints + j] + figures[10] * noise[12 + joints + j]
-        out[6 + j], out[6 + joints + j] = _stepped(angle, figures[9]), _stepped(speed, figures[11])
+        out[6 + j], out[6 + joints + j] = _quantise(angle, figures[9]), _quantise(speed, figures[11])

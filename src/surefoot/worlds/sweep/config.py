@@ -12,8 +12,8 @@ from surefoot import __version__
 from surefoot.base.arrays import whole_number
 from surefoot.base.errors import ProblemError, check_name, located
 from surefoot.base.text_files import path_of, read_yaml, table_of
-from surefoot.worlds.sweep.experiment import SweepExperiment, make_experiment
 from surefoot.worlds.sweep.function import experiment_of
+from surefoot.worlds.sweep.sample_experiment import SweepExperiment, make_experiment
 from surefoot.worlds.sweep.space import MOST, Space, read_range
 
 _KEYS = ("experiment", "samples", "seed", "settings", "ranges", "maps")

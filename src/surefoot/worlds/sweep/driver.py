@@ -15,7 +15,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.worlds.sweep.config import SweepConfig
 from surefoot.worlds.sweep.pools import Chunk, Pool, check_backend
 from surefoot.worlds.sweep.store import Store
-from surefoot.worlds.sweep.worker import CRASHED, Row, SweepTask, row_of
+from surefoot.worlds.sweep.sweep_worker import CRASHED, Row, SweepTask, row_of
 
 MOST_CRASHES = 3
 """A sample that was alone at work this often when its worker died is recorded as crashed."""
@@ -157,7 +157,7 @@ def _run_missing(store: Store, pool: Pool, todo: list[int], tell: Callable[[int]
                 tell(len(store.done) + len(new))
     finally:
         store.add(new)
-    return crew.lost
+    return crew.deaths
 
 
 class ChunkQueue:
@@ -169,7 +169,7 @@ class ChunkQueue:
 
     Attributes
     ----------
-    lost
+    deaths
         How often a worker died so far.
     """
 
@@ -180,7 +180,7 @@ class ChunkQueue:
         self._suspects: deque[int] = deque()
         self._crashes: Counter[int] = Counter()
         self._alone = False
-        self.lost = 0
+        self.deaths = 0
 
     def rows(self) -> Iterator[list[Row]]:
         """Yield rows as they come; empty lists while there are none."""
@@ -192,11 +192,11 @@ class ChunkQueue:
                 pool.submit((self._suspects.popleft(),))
                 self._alone = True
             over = pool.wait(LOOK)
-            self.lost += any(rows is None for _, rows in over)
-            yield [row for chunk, rows in over for row in (self._lost(chunk) if rows is None else rows)]
+            self.deaths += any(rows is None for _, rows in over)
+            yield [row for chunk, rows in over for row in (self._suspect(chunk) if rows is None else rows)]
 
-    def _lost(self, chunk: Chunk) -> list[Row]:
-        """Suspect the samples of a chunk that was lost; accuse one that was alone at work."""
+    def _suspect(self, chunk: Chunk) -> list[Row]:
+        """Suspect the samples of a chunk whose worker died; one alone at work is the cause."""
         if not self._alone:
             self._suspects.extend(chunk)
             return []

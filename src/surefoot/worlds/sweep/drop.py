@@ -12,8 +12,8 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.spatial import GRAVITY, quaternion_from_rotation, rotation_about
-from surefoot.worlds.sweep.experiment import number
-from surefoot.worlds.sweep.grounded import GroundExperiment
+from surefoot.worlds.sweep.ground_settings import GroundExperiment
+from surefoot.worlds.sweep.sample_experiment import number
 
 BODIES = ("ball", "box")
 REST_SPEED = 0.02
@@ -79,7 +79,7 @@ class DropExperiment(GroundExperiment):
 
         edges = (self.size, self.size, self.size)
         nominal = ball(self.body_mass, 0.5 * self.size) if self.body == "ball" else box(self.body_mass, edges)
-        body, terrain = self.altered(nominal), self.ground(seed)
+        body, terrain = self.alter_masses(nominal), self.ground(seed)
         world = RigidWorld(body, terrain, self.mu, self.dt, **self.ground_options())
         world.reset(*self._start(seed, float(terrain.height([0.0, 0.0])), body.model.nv))
         return self._results(world, body.mass * GRAVITY)

@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from surefoot.base.errors import ProblemError, one_line
-from surefoot.worlds.sweep.experiment import SweepExperiment, number
+from surefoot.worlds.sweep.sample_experiment import SweepExperiment, number
 
 _KINDS: tuple[tuple[tuple[type, ...], str, Callable[[Any], Any]], ...] = (
     ((bool, np.bool_), "bool", bool),

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from surefoot.base.arrays import whole_number
 from surefoot.base.errors import ProblemError, check_name, needs
-from surefoot.worlds.sweep.worker import Row, SweepTask, run_chunk, start_local_worker
+from surefoot.worlds.sweep.sweep_worker import Row, SweepTask, run_chunk, start_local_worker
 
 Chunk = tuple[int, ...]
 """Indices of samples that a worker is given together."""
@@ -35,7 +35,7 @@ class Workers(NamedTuple):
         From a chunk to the future of its rows.
     workers
         How many chunks run at a time.
-    lost
+    death_errors
         Exceptions of a future whose worker died.
     close
         Ends what was started; a cluster that was only joined stays.
@@ -43,7 +43,7 @@ class Workers(NamedTuple):
 
     submit: Callable[[Chunk], Future[list[Row]]]
     workers: int
-    lost: tuple[type[BaseException], ...]
+    death_errors: tuple[type[BaseException], ...]
     close: Callable[[], object]
 
 
@@ -208,7 +208,7 @@ class Pool:
         return [(self._running.pop(future), self._rows(future)) for future in over]
 
     def _rows(self, future: Future[list[Row]]) -> list[Row] | None:
-        lost = not future.done() or isinstance(_failure(future), self._backend.lost)
+        lost = not future.done() or isinstance(_failure(future), self._backend.death_errors)
         return None if lost else future.result()
 
     def close(self) -> None:

@@ -12,9 +12,9 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, load_robot, real_actuators
-from surefoot.worlds.interface.table import WORLDS, make_world
-from surefoot.worlds.sweep.experiment import number
-from surefoot.worlds.sweep.grounded import GroundExperiment
+from surefoot.worlds.interface.world_names import WORLDS, make_world
+from surefoot.worlds.sweep.ground_settings import GroundExperiment
+from surefoot.worlds.sweep.sample_experiment import number
 
 if TYPE_CHECKING:
     from surefoot.motion import Controller
@@ -47,7 +47,7 @@ class WalkTrial(GroundExperiment):
     believed_mu
         Friction that the controller believes in.
     robot, world
-        A known robot's name; a name of `surefoot.worlds.interface.table.WORLDS`.
+        A known robot's name; a name of `surefoot.worlds.interface.world_names.WORLDS`.
     duration
         Simulated time [s].
     gait
@@ -118,7 +118,7 @@ class WalkTrial(GroundExperiment):
         robot, terrain = known_robot(self.robot), self.ground(seed)
         controller, start = self._begin(robot, terrain)
         world = make_world(
-            self.world, self.altered(robot), terrain, self.mu, payload=self.payload,
+            self.world, self.alter_masses(robot), terrain, self.mu, payload=self.payload,
             **self._motors(robot), **self.ground_options(),
         )  # fmt: skip
         faults = Faults(noise=self.noise, delay=self.delay, strength=self.motor_strength)

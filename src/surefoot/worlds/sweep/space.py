@@ -18,7 +18,7 @@ import numpy as np
 from surefoot.base.arrays import real_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.text_files import table_of
-from surefoot.worlds.sweep.experiment import SweepExperiment
+from surefoot.worlds.sweep.sample_experiment import SweepExperiment
 
 SCALES = ("linear", "log")
 

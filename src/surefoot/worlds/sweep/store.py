@@ -17,7 +17,7 @@ from typing import Any
 from surefoot.base.errors import ProblemError, WriteError, needs, writing
 from surefoot.worlds.sweep.config import SweepConfig
 from surefoot.worlds.sweep.space import TextRange
-from surefoot.worlds.sweep.worker import Row
+from surefoot.worlds.sweep.sweep_worker import Row
 
 TABLE, ROWS = "samples.parquet", "sweep.sqlite"
 MARK = b"surefoot.sweep"

@@ -13,7 +13,7 @@ from scipy.stats import binomtest
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.worlds.sweep.config import SweepConfig
 from surefoot.worlds.sweep.space import TextRange
-from surefoot.worlds.sweep.worker import CRASHED, DONE, ERROR
+from surefoot.worlds.sweep.sweep_worker import CRASHED, DONE, ERROR
 
 BINS = 8
 """Bins of a parameter's range."""
@@ -82,7 +82,7 @@ def wilson(hits: int, count: int) -> Share:
 
 def margins(config: SweepConfig, table: Any) -> list[Margin]:
     """Return survival over each parameter that varies, in the order of the columns."""
-    rows, goal = _done(table), config.experiment.goal
+    rows, goal = _finished_rows(table), config.experiment.goal
     results = [name for name, kind in config.experiment.columns.items() if kind == "float"]
     survived = _values(rows, goal).astype(np.bool_)
     found = []
@@ -110,7 +110,7 @@ def survival_grid(
     config: SweepConfig, table: Any, first: str, second: str, bins: int = BINS
 ) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
     """Return edges along two parameters, and counts and survivors: (bins, bins), the first along axis 0."""
-    rows = _done(table)
+    rows = _finished_rows(table)
     (x, i, _), (y, j, _) = (_bins(config, rows, name, bins) for name in (first, second))
     number, survived = np.zeros((bins, bins), dtype=np.int64), np.zeros((bins, bins), dtype=np.int64)
     np.add.at(number, (i, j), 1)
@@ -118,7 +118,7 @@ def survival_grid(
     return x, y, number, survived
 
 
-def _done(table: Any) -> Any:
+def _finished_rows(table: Any) -> Any:
     """Return the rows that have results."""
     return table.filter(np.array([status == DONE for status in table["status"].to_pylist()], dtype=np.bool_))
 

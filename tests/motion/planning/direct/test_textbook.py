@@ -9,13 +9,13 @@ import pytest
 
 from surefoot.motion.planning import rollout
 from surefoot.motion.planning.direct import DirectProblem, Facets, plan_direct
+from surefoot.motion.planning.direct.direct_transcription import DirectNlp
 from surefoot.motion.planning.direct.textbook import pushed_block, sliding_point
-from surefoot.motion.planning.direct.transcribe import DirectNlp
 from surefoot.motion.planning.planner import plan
-from surefoot.motion.planning.transcription.contact_pairs import touching_rollout
-from surefoot.motion.planning.transcription.follow import follow
-from surefoot.motion.planning.transcription.guess import Guess
-from surefoot.motion.planning.transcription.judge import complementarity, window_miss
+from surefoot.motion.planning.transcription.exact_rollout import follow
+from surefoot.motion.planning.transcription.initial_guess import Guess
+from surefoot.motion.planning.transcription.motion_errors import complementarity, window_miss
+from surefoot.motion.planning.transcription.pair_rollout import rollout_with_pairs
 
 pytest.importorskip("casadi")
 
@@ -50,7 +50,7 @@ def pushed() -> tuple[DirectProblem, np.ndarray]:
 def test_the_push_between_bodies_is_newtons() -> None:
     """What the foot loses the block gains, and the block's friction is mu times its load."""
     problem, torques = pushed()
-    motion = touching_rollout(problem, lambda k, q, v: torques[k])
+    motion = rollout_with_pairs(problem, lambda k, q, v: torques[k])
     assert motion.lawful
     assert motion.law_residual < 1e-8
     assert motion.touch_impulses is not None
@@ -69,7 +69,7 @@ def test_the_push_between_bodies_is_newtons() -> None:
 
 def test_exact_steps_with_touches_obey_the_rows() -> None:
     problem, torques = pushed()
-    motion = touching_rollout(problem, lambda k, q, v: torques[k])
+    motion = rollout_with_pairs(problem, lambda k, q, v: torques[k])
     assert motion.touch_impulses is not None
     guess = Guess(motion.q, motion.v, motion.torques, np.hstack([motion.impulses, motion.touch_impulses]))
     free = replace(problem, end=type(problem.end)(), joint_limits=False)

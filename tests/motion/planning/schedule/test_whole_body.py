@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 from surefoot.base.errors import ModelError, ProblemError
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.robot.motor_limits import motor_limits
 from surefoot.mechanics.robot.quadruped import mirrored_joints, quadruped_order
@@ -20,9 +20,9 @@ from surefoot.motion.planning.planner import plan
 from surefoot.motion.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
 from surefoot.motion.planning.schedule.mirror import found_in_half, robot_reflections
 from surefoot.motion.planning.schedule.motions import backflip, jump
+from surefoot.motion.planning.schedule.schedule_transcription import transcribe, variable_bounds
 from surefoot.motion.planning.schedule.search import OPTIONS, guess_from, pack_guess
-from surefoot.motion.planning.schedule.transcribe import transcribe, variable_bounds
-from surefoot.motion.planning.tasks.backflip import turned
+from surefoot.motion.planning.tasks.backflip import pitch_of_motion
 
 pytest.importorskip("casadi")
 
@@ -36,7 +36,7 @@ def found(go2) -> tuple[ScheduleProblem, ScheduledMotion]:
 
 def test_the_motion_keeps_to_the_equations_of_motion(go2, found) -> None:
     problem, motion = found
-    assert motion.found, motion.iterate.said
+    assert motion.found, motion.iterate.ending
     model, points, dt = go2.model, go2.contact_points, problem.dt
     data = model.createData()
 
@@ -139,7 +139,7 @@ def test_motors_soft_landings_and_reach_are_kept_to(go2) -> None:
         torque_share=curve.driving,
     )  # fmt: skip
     motion = optimise(problem)
-    assert motion.found, motion.iterate.said
+    assert motion.found, motion.iterate.ending
     # the motor gives each torque at both ends of its knot
     for speeds in (motion.v[:-1, 6:], motion.v[1:, 6:]):
         for torques, speed in zip(motion.torques, speeds, strict=True):
@@ -157,7 +157,7 @@ def test_motors_soft_landings_and_reach_are_kept_to(go2) -> None:
 
 def test_a_backflip_turns_its_reference_once(go2) -> None:
     problem = backflip(go2, 0.6, 0.02)
-    assert turned(problem.reference) == pytest.approx(-2.0 * math.pi, abs=1e-6)
+    assert pitch_of_motion(problem.reference) == pytest.approx(-2.0 * math.pi, abs=1e-6)
     assert problem.reference[-1, 6] == pytest.approx(-problem.q[6], abs=1e-9)
     variables = pack_guess(problem, guess_from(problem))
     assert variables.shape == (problem.knots * (37 + 24) + 37,)

@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg
 
 from surefoot.base.errors import ProblemError
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.mechanics.robot import Robot, load_robot, place
 from surefoot.motion.planning import rollout
 from surefoot.motion.planning.shooting import (
@@ -22,7 +22,7 @@ from surefoot.motion.planning.shooting import (
     StateCost,
     TorqueCost,
 )
-from surefoot.motion.planning.shooting.guess import holding_torques
+from surefoot.motion.planning.shooting.initial_torques import holding_torques
 from tests.robots import go2
 
 LINK = """<link name="{0}"><inertial><origin xyz="{1}"/><mass value="{2}"/>

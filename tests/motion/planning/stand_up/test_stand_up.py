@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.contact.problem import Status
+from surefoot.contact.solution import Status
 from surefoot.motion.planning import Plan
 from surefoot.motion.planning.stand_up.lying import upright
-from surefoot.motion.planning.stand_up.task import STAND_UP, StandUp
+from surefoot.motion.planning.stand_up.stand_up_task import STAND_UP, StandUp
 from surefoot.motion.planning.tasks.task import Iteration, PlanRequest
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 from surefoot.worlds.running.plan_execution import execute

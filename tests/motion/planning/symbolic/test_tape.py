@@ -8,7 +8,7 @@ import pytest
 casadi = pytest.importorskip("casadi")
 
 from surefoot.motion.planning.symbolic import tape as symbolic_tape  # noqa: E402
-from surefoot.motion.planning.symbolic.tape import Tape, recorded, tapes_of  # noqa: E402
+from surefoot.motion.planning.symbolic.tape import Tape, record_tape, tapes_of  # noqa: E402
 
 
 def example(extra=lambda x: x):
@@ -24,7 +24,7 @@ def example(extra=lambda x: x):
 def test_every_point_gets_its_own_numbers(count):
     function, rng = example(), np.random.default_rng(count)
     given = rng.normal(size=(4, count)), rng.normal(size=(2, count))
-    ours, theirs = recorded(function).mapped(count), function.map(count)
+    ours, theirs = record_tape(function).map_over(count), function.map(count)
     for found, wanted in zip(ours(*given), theirs(*given), strict=True):
         assert found.sparsity() == wanted.sparsity()
         assert np.array(found.nonzeros()) == pytest.approx(np.array(wanted.nonzeros()), rel=1e-15, abs=0.0)
@@ -40,7 +40,7 @@ def test_tapes_are_kept_under_what_they_were_made_from(tmp_path, monkeypatch) ->
     first, again, other = asked(example()), asked(example()), asked(example(lambda x: x + 1.0))
     assert len(made) == len(list(tmp_path.iterdir())) == 2
     given = np.ones((4, 3)), np.ones((2, 3))
-    for found, wanted in zip(again.mapped(3)(*given), first.mapped(3)(*given), strict=True):
+    for found, wanted in zip(again.map_over(3)(*given), first.map_over(3)(*given), strict=True):
         assert (found.sparsity(), found.nonzeros()) == (wanted.sparsity(), wanted.nonzeros())
     assert len(other.table) == len(first.table) + 1
     for file in tmp_path.iterdir():

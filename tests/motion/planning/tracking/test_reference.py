@@ -26,7 +26,7 @@ def test_knots_are_met_and_the_way_between_is_smooth(jump: Reference) -> None:
 
 def test_forces_give_the_acceleration(jump: Reference) -> None:
     """In flight nothing but gravity acts; on the ground the centre of mass obeys Newton."""
-    (start, end), *_ = jump.flights()
+    (start, end), *_ = jump.airborne_phases()
     np.testing.assert_allclose(jump.at(0.5 * (start + end)).com_acceleration, [0.0, 0.0, -9.81])
     assert not jump.at(0.5 * (start + end)).stance.any()
     sample = jump.at(0.5 * start)
@@ -36,7 +36,7 @@ def test_forces_give_the_acceleration(jump: Reference) -> None:
 def test_laid_elsewhere_is_the_same_motion(jump: Reference) -> None:
     """Moved and turned feet get the motion that goes with them: the same joints, everything else turned."""
     turn = rotation_about([0.0, 0.0, 1.0], 0.7)
-    moved = jump.laid(jump.feet[0] @ turn.T + [2.0, -1.0, 0.0])
+    moved = jump.place_on(jump.feet[0] @ turn.T + [2.0, -1.0, 0.0])
     np.testing.assert_allclose(moved.feet[40], jump.feet[40] @ turn.T + [2.0, -1.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(moved.com_velocity, jump.com_velocity @ turn.T, atol=1e-9)
     np.testing.assert_allclose(moved.forces[40], jump.forces[40] @ turn.T, atol=1e-9)
@@ -77,5 +77,5 @@ def test_a_motion_is_laid_on_some_feet_at_some_time(jump: Reference) -> None:
     turn = rotation_about([0.0, 0.0, 1.0], 0.3)
     there = jump.feet_at(time)[0] @ turn.T + [0.2, -0.1, 0.0]
     there[2:] += 5.0  # of those that do not count
-    laid = jump.laid(there, time, which)
+    laid = jump.place_on(there, time, which)
     np.testing.assert_allclose(laid.feet_at(time)[0][:2], there[:2], atol=1e-6)

@@ -12,7 +12,7 @@ from surefoot.base.spatial import quaternion_from_rotation, rotation_about
 from surefoot.motion.control.whole_body import WholeBodyController
 from surefoot.motion.planning.tracking import Reference
 from surefoot.motion.planning.tracking.landing import BRAKE, NEAR, SLOW, gently
-from surefoot.motion.planning.tracking.legs_in_air import FlightControl, Touchdown, touchdowns
+from surefoot.motion.planning.tracking.legs_in_air import AirborneControl, Touchdown, touchdowns
 
 ROBOT = sf.load_robot("go2")
 
@@ -34,13 +34,13 @@ def seen(jump: Reference, goal: Touchdown, turn: float):
 
 def test_on_the_plan_nothing_is_moved(jump: Reference, goal: Touchdown) -> None:
     _, now = seen(jump, goal, 0.0)
-    np.testing.assert_allclose(FlightControl(ROBOT, 60.0, 0.7).levelled(now, goal, 0.0), 0.0, atol=1e-6)
+    np.testing.assert_allclose(AirborneControl(ROBOT, 60.0, 0.7).level_feet(now, goal, 0.0), 0.0, atol=1e-6)
 
 
 def test_a_tilted_body_still_lands_its_feet_where_planned(jump: Reference, goal: Touchdown) -> None:
     q, now = seen(jump, goal, 0.1)
     moved = q.copy()
-    moved[7:] += FlightControl(ROBOT, 60.0, 0.7).levelled(now, goal, 0.0)
+    moved[7:] += AirborneControl(ROBOT, 60.0, 0.7).level_feet(now, goal, 0.0)
     wanted = goal.feet[:2, [0, 2]]
     off = [np.abs((ROBOT.foot_positions(c) - ROBOT.com(q))[:2][:, [0, 2]] - wanted).max() for c in (q, moved)]
     assert off[0] > 0.015

@@ -49,7 +49,7 @@ def test_the_flight_ends_when_the_feet_touch(jump: Reference) -> None:
 def test_feet_that_scrape_while_the_body_rises_have_not_landed(jump: Reference) -> None:
     """Solo12's did after a third of the flight, and the landing's control threw it over."""
     controller = TrackingController(ROBOT, jump)
-    every, (lift, land) = np.ones(4, dtype=bool), jump.flights()[0]
+    every, (lift, land) = np.ones(4, dtype=bool), jump.airborne_phases()[0]
     controller.step(sf.RobotState(jump.start, np.zeros(18), 0.0, every))
     high = jump.at(0.5 * (lift + land)).q
     for time, climb, phase in ((lift + 1e-3, 1.0, 1.0), (lift + 0.1, 0.5, 1.0), (lift + 0.2, -0.5, 2.0)):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.motion.planning.direct import DirectProblem, Facets, GivenModes, planar_hopper
-from surefoot.motion.planning.direct.transcribe import DirectNlp
+from surefoot.motion.planning.direct.direct_transcription import DirectNlp
 from surefoot.motion.planning.transcription.nlp import build_nlp
 
 casadi = pytest.importorskip("casadi")

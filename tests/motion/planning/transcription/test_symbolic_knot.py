@@ -7,7 +7,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.mechanics.dynamics import MomentumKnot, StepOptions, Stepper
-from surefoot.motion.planning.transcription.symbolic_knot import SymbolicKnot, stacked
+from surefoot.motion.planning.transcription.symbolic_knot import SymbolicKnot, stack_rows
 
 casadi = pytest.importorskip("casadi")
 
@@ -41,7 +41,9 @@ def test_an_exact_step_leaves_nothing_missing(angle: float) -> None:
 def test_rows_keep_their_bounds() -> None:
     x = casadi.SX.sym("x", 5)
     table = np.arange(6.0).reshape(3, 2)
-    rows, (low, high) = stacked([(x[:1], 0.0, np.inf), (x[1:3], table, 9.0), (x[3:], [1.0, 2.0], table)], 3)
+    rows, (low, high) = stack_rows(
+        [(x[:1], 0.0, np.inf), (x[1:3], table, 9.0), (x[3:], [1.0, 2.0], table)], 3
+    )
     assert rows.shape == (5, 1)
     assert np.array_equal(low, np.column_stack([np.zeros(3), table, np.ones(3), np.full(3, 2.0)]))
     assert np.array_equal(high[:, 0], np.full(3, np.inf))

@@ -8,7 +8,7 @@ import pytest
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.terrain import Terrain, read_terrain
-from surefoot.motion.ground.terrain_knowledge import KNOWLEDGE, believed_ground
+from surefoot.motion.ground.terrain_knowledge import KNOWLEDGE, controller_ground
 from surefoot.motion.walking.behaviours import BEHAVIOURS
 from surefoot.motion.walking.behaviours.arbiter import LOGGED, RULES
 from surefoot.motion.walking.walking_body import VelocityCommand
@@ -35,7 +35,7 @@ watched."""
 @pytest.mark.parametrize("gait", ["trot", "walk", "auto"])
 def test_behaviours_walk_together(gait: str, knowledge: str, ground: str, watch: bool) -> None:
     terrain: Terrain = read_terrain(ground, "terrain")
-    belief = believed_ground(knowledge, terrain)
+    belief = controller_ground(knowledge, terrain)
     go2, settings = load_robot("go2"), WalkSettings(watch_friction=watch, behaviours=BEHAVIOURS)
     walker = WalkingController(go2, VelocityCommand.constant(0.3), gait, belief, settings)
     scanner = RangeSensor() if knowledge == "map" else None

@@ -48,10 +48,12 @@ def files(sequence: ContactSequence) -> dict[str, str]:
     times = [f"{time:.12g}" for time in sequence.switching]
     gait = [
         *(f"; {label} is {name}" for name, label in zip(sequence.frames, FEET, strict=True)),
-        *_listed("list", ["sequence"]),
-        *_block("sequence", _listed("modeSequence", modes) + _listed("switchingTimes", times)),
+        *_list_lines("list", ["sequence"]),
+        *_block("sequence", _list_lines("modeSequence", modes) + _list_lines("switchingTimes", times)),
         # a schedule goes on for ever on both sides: there its first and last modes hold
-        *_block("initialModeSchedule", _listed("modeSequence", modes) + _listed("eventTimes", times[1:-1])),
+        *_block(
+            "initialModeSchedule", _list_lines("modeSequence", modes) + _list_lines("eventTimes", times[1:-1])
+        ),
     ]
     mu = min((_upright_friction(contact) for contact in contacts), default=0.0)
     lean = max((_lean(contact) for contact in contacts), default=0.0)
@@ -66,7 +68,7 @@ def _mode(stands: Sequence[bool]) -> str:
     return "_".join(foot for foot, on in zip(FEET, stands, strict=True) if on) or "FLY"
 
 
-def _listed(name: str, entries: Sequence[str]) -> list[str]:
+def _list_lines(name: str, entries: Sequence[str]) -> list[str]:
     """Return the lines of a list in INFO notation: ``[0] a``, ``[1] b`` and so on."""
     return _block(name, [f"[{k}] {entry}" for k, entry in enumerate(entries)])
 

@@ -7,14 +7,14 @@ from surefoot.contact.laws.soft.behaviour import (
     stable_step,
 )
 from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
-from surefoot.contact.laws.soft.law import (
+from surefoot.contact.laws.soft.mujoco import MujocoLaw
+from surefoot.contact.laws.soft.soft_law import (
     ExactFriction,
     ForceJacobian,
     Friction,
     RegularisedFriction,
     SoftLaw,
 )
-from surefoot.contact.laws.soft.mujoco import MujocoLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper
 
 __all__ = [

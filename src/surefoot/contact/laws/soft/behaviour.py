@@ -9,7 +9,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.spatial import GRAVITY
-from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.soft_law import SoftLaw
 
 SETTLED = 0.02
 """Share of itself to which an oscillation has shrunk when it counts as settled."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.errors import ProblemError
-from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.soft_law import SoftLaw
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, finite_array, real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
-from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.soft_law import SoftLaw
 
 IMPEDANCE_RANGE = (0.0001, 0.9999)
 """Bounds that MuJoCo puts on the impedance (mjMINIMP, mjMAXIMP)."""

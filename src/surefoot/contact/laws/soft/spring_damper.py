@@ -13,7 +13,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.errors import ProblemError
-from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.soft_law import SoftLaw
 
 FULLY_PLASTIC = 1e-6
 """Restitution below which no damping ratio is looked for: it would be above 1e3."""

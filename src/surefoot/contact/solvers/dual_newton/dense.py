@@ -1,7 +1,7 @@
 """The dual Newton method in any dimension, on dense arrays, with scalar unknowns beside the forces.
 
-As `wrench`, with B of any height m in place of the six rows, and with unknowns q in intervals beside the
-contacts' forces::
+As `wrench_distribution`, with B of any height m in place of the six rows, and with unknowns q in intervals
+beside the contacts' forces::
 
     min  1/2 ||B f - L q - b||² + 1/2 ||f - c||² + 1/2 ||q - e||²   f_i in cones, q_j in [low_j, high_j]
 
@@ -22,7 +22,7 @@ from surefoot.base.numerics.cholesky import cholesky, solve_lower, solve_upper
 from surefoot.base.numerics.projection import face, project_truncated
 from surefoot.base.numerics.vectors import advance, dot
 from surefoot.contact.solvers.dual_newton.method import Form, Path, Progress, Steps, descend, follow_path
-from surefoot.contact.solvers.dual_newton.wrench import ROUNDING
+from surefoot.contact.solvers.dual_newton.wrench_distribution import ROUNDING
 
 # columns of `sets`, one row per contact and then one per interval
 MU, LOW, HIGH, LINK = 0, 1, 2, 3

@@ -33,7 +33,7 @@ from surefoot.contact.solvers.dual_newton.dense import (
     VALUE,
     minimise,
 )
-from surefoot.contact.solvers.dual_newton.wrench import RELATIVE, distribute_wrench
+from surefoot.contact.solvers.dual_newton.wrench_distribution import RELATIVE, distribute_wrench
 
 RowsWork = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 Program = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]

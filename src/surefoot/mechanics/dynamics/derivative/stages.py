@@ -13,7 +13,7 @@ from surefoot.mechanics.dynamics import arithmetic
 from surefoot.mechanics.dynamics.bodies import finite_vector
 from surefoot.mechanics.dynamics.derivative.contact_problem import Response
 from surefoot.mechanics.dynamics.derivative.flow import Dynamics, FlowDerivative
-from surefoot.mechanics.dynamics.derivative.free_bodies import FreeDynamics, FreeFlowDerivative
+from surefoot.mechanics.dynamics.derivative.free_body_rates import FreeDynamics, FreeFlowDerivative
 from surefoot.mechanics.dynamics.derivative.impact import Exchange, InputRates
 from surefoot.mechanics.dynamics.derivative.points import GroundRates, PairRates
 from surefoot.mechanics.dynamics.detection import Contacts

@@ -18,7 +18,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.contact import KINK, Kink
 from surefoot.mechanics.dynamics.derivative.first_order import FirstOrderStages
 from surefoot.mechanics.dynamics.derivative.impact import TOUCHING, InputRates
-from surefoot.mechanics.dynamics.derivative.located_impacts import LocatedStages
+from surefoot.mechanics.dynamics.derivative.saltation import LocatedStages
 from surefoot.mechanics.dynamics.derivative.stages import Stages, StepArguments
 from surefoot.mechanics.dynamics.state import State, Step
 from surefoot.mechanics.dynamics.stepper import Stepper

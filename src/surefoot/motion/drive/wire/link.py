@@ -26,13 +26,13 @@ AT_ONCE = 16
 
 
 @cache
-def opened(domain: int, interface: str) -> Any:
+def open_domain(domain: int, interface: str) -> Any:
     """Return DDS's domain on an interface, opened once a process: it is not opened twice."""
     from cyclonedds.domain import Domain
 
     # DDS lets go of a participant in a thread of its own, which takes the interpreter's lock: once the
     # interpreter ends, that thread is gone, and a domain that is deleted then waits for it for ever
-    atexit.register(opened.cache_clear)
+    atexit.register(open_domain.cache_clear)
     return Domain(domain, CONFIG.format(interface))
 
 
@@ -77,7 +77,7 @@ class WireEnd:
         domain = whole_number("domain", domain)
         real_number("domain", domain, low=0.0, high=LAST_DOMAIN)
         try:
-            opened(domain, interface)
+            open_domain(domain, interface)
             party = DomainParticipant(domain)
         except DDSException as error:
             raise ProblemError(

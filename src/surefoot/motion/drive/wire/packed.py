@@ -64,22 +64,22 @@ class Layout:
         said = getattr(kind, "__metadata__", None)
         if said is None:  # a structure: C begins and ends it at multiples of its widest number
             wide = _widest(kind)
-            at = at[0], _aligned(at[1], wide)
+            at = at[0], _align(at[1], wide)
             for field in fields(kind):
                 at = self._walk(field.type, f"{name}.{field.name}" if name else field.name, at)
-            return at[0], _aligned(at[1], wide)
+            return at[0], _align(at[1], wide)
         inner = said[0]
         if not isinstance(inner, str):
             for _ in range(inner.length):
                 at = self._walk(inner.subtype, name, at)
             return at
         width = np.dtype(CODES[inner]).itemsize
-        at = _aligned(at[0], width), _aligned(at[1], width)
+        at = _align(at[0], width), _align(at[1], width)
         self._leaves.append((name, CODES[inner], *at))
         return at[0] + width, at[1] + width
 
 
-def _aligned(place: int, width: int) -> int:
+def _align(place: int, width: int) -> int:
     """Return the next multiple of a width."""
     return -(-place // width) * width
 

@@ -11,11 +11,11 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
-from surefoot.motion.planning.direct.problem import DirectProblem, Weights
+from surefoot.motion.planning.direct.direct_problem import DirectProblem, Weights
 from surefoot.motion.planning.transcription import planar
-from surefoot.motion.planning.transcription.contact_pairs import PlanarTouch
-from surefoot.motion.planning.transcription.guess import Guess
-from surefoot.motion.planning.transcription.window import StateWindow
+from surefoot.motion.planning.transcription.contact_pairs import PlanarContactPair
+from surefoot.motion.planning.transcription.initial_guess import Guess
+from surefoot.motion.planning.transcription.state_window import StateWindow
 
 FREE = Weights(torque=0.0, velocity=0.0, posture=0.0, change=0.0)
 """Of a motion that nothing drives: the laws alone decide."""
@@ -88,7 +88,7 @@ def hopper(distance: float = 0.3, mu: float = 0.6, knots: int = 30, dt: float = 
     """Return a planar hopper, an upright body on one leg, that is to stand `distance` [m] further on."""
     robot = planar.sliding_hopper()
     end = robot.nominal + np.array([distance, 0.0, 0.0, 0.0])
-    return _driven(robot, end, end, [0.1, 0.1, 0.3, 0.05], 1e-3, (mu, knots, dt))
+    return _driven_motion(robot, end, end, [0.1, 0.1, 0.3, 0.05], 1e-3, (mu, knots, dt))
 
 
 def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: float = 0.04) -> SmallProblem:
@@ -100,11 +100,13 @@ def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: fl
 
     towards = robot.nominal + np.array([distance, 0.0, distance + 0.1, 0.0])
     end, spread = np.array([distance, np.nan, np.nan, np.nan]), [0.1, 0.02, 0.1, 0.02]
-    made = _driven(robot, end, towards, spread, 1e-2, (mu, knots, dt))
-    return replace(made, problem=replace(made.problem, touches=(PlanarTouch("foot on block", face, 0.3),)))
+    made = _driven_motion(robot, end, towards, spread, 1e-2, (mu, knots, dt))
+    return replace(
+        made, problem=replace(made.problem, touches=(PlanarContactPair("foot on block", face, 0.3),))
+    )
 
 
-def _driven(
+def _driven_motion(
     robot: Robot,
     end: FloatArray,
     towards: FloatArray,

@@ -24,7 +24,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ModelError
 from surefoot.mechanics import Robot
 from surefoot.motion.planning.shooting.costs import Costs, FootCost, JointCost, StateCost, TorqueCost
-from surefoot.motion.planning.shooting.guess import holding_torques
+from surefoot.motion.planning.shooting.initial_torques import holding_torques
 
 
 @dataclass(frozen=True)

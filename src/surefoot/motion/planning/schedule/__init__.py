@@ -1,6 +1,6 @@
 """The first road: motions over a given mode schedule, whole body, with limits of torques and speeds."""
 
-from surefoot.motion.planning.schedule.problem import ScheduleProblem, ScheduleWeights
+from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem, ScheduleWeights
 from surefoot.motion.planning.schedule.search import ScheduledMotion, optimise
 
 __all__ = ["ScheduleProblem", "ScheduleWeights", "ScheduledMotion", "optimise"]

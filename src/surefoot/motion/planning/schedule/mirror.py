@@ -17,8 +17,9 @@ from scipy.linalg import block_diag
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.errors import ModelError, ProblemError
-from surefoot.mechanics import Robot, import_casadi, mirrored_joints, quadruped_order
-from surefoot.motion.planning.schedule.problem import ScheduleProblem
+from surefoot.base.libraries import import_casadi
+from surefoot.mechanics import Robot, mirrored_joints, quadruped_order
+from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem
 from surefoot.motion.planning.transcription.nlp import Block, Iterate, Nlp, OnIteration, Sides, pack, unpack
 
 PLACES = 3
@@ -73,12 +74,12 @@ def spread(mirror: FloatArray) -> FloatArray:
     return np.asarray(np.clip(np.eye(len(mirror)) + mirror, -1.0, 1.0)[:, kept])
 
 
-def shared(E: FloatArray) -> FloatArray:
+def share_columns(E: FloatArray) -> FloatArray:
     """Return E (n, k) with columns that sum to one, signs apart: the mean of images, multipliers shared."""
     return np.asarray(E / np.abs(E).sum(axis=0))
 
 
-def folded(E: FloatArray, low: FloatArray, high: FloatArray) -> Sides:
+def fold_bounds(E: FloatArray, low: FloatArray, high: FloatArray) -> Sides:
     """Return the bounds (..., k) that keep numbers and their images within (..., n).
 
     Raises
@@ -132,7 +133,7 @@ def folded_block(block: Block, E: FloatArray, of_inputs: FloatArray, of_rows: Fl
     whole = [ca.mtimes(ca.sparsify(ca.DM(M)), s) for M, s in zip(maps, (x, u, after), strict=True)]
     value = ca.Function("value", [block.x, block.u, block.after, block.data], [block.cost, block.rows])
     cost, rows = value(*whole, block.data)
-    means = ca.mtimes(ca.sparsify(ca.DM(shared(of_rows).T)), rows)
+    means = ca.mtimes(ca.sparsify(ca.DM(share_columns(of_rows).T)), rows)
     return Block(x, u, after, block.parameter, means, cost, block.data)
 
 
@@ -153,9 +154,9 @@ def found_in_half(
         state = block_diag(place, speed)
         parts = spread(state), spread(inputs)
         of_rows = spread(row_reflection(block, state, inputs, state, place))
-        low, high = folded(of_rows, *rows)
+        low, high = fold_bounds(of_rows, *rows)
         sides = zip(*(unpack(side, nx, knots) for side in bounds), strict=True)
-        least, most = zip(*(folded(E, *side) for E, side in zip(parts, sides, strict=True)), strict=True)
+        least, most = zip(*(fold_bounds(E, *side) for E, side in zip(parts, sides, strict=True)), strict=True)
     except ProblemError:
         return None
 
@@ -166,11 +167,11 @@ def found_in_half(
 
     kept = np.flatnonzero((np.isfinite(low) | np.isfinite(high)).ravel())
     found = Nlp(folded_block(block, *parts, of_rows), knots, kept).solve(
-        each([shared(E).T for E in parts], begin), problem.reference[1:], (pack(*least), pack(*most)),
+        each([share_columns(E).T for E in parts], begin), problem.reference[1:], (pack(*least), pack(*most)),
         (low, high), tell=tell, **options,
     )  # fmt: skip
     pushes = np.zeros(low.shape)
     np.put(pushes, kept, found.multipliers[1])
-    of_bounds = each([shared(E) for E in parts], found.multipliers[0])
-    of_rows = (pushes @ shared(of_rows).T).ravel()
+    of_bounds = each([share_columns(E) for E in parts], found.multipliers[0])
+    of_rows = (pushes @ share_columns(of_rows).T).ravel()
     return replace(found, variables=each(parts, found.variables), multipliers=(of_bounds, of_rows))

@@ -21,10 +21,10 @@ from surefoot.base.spatial import (
 )
 from surefoot.mechanics import FlatTerrain, Legs, Robot, Terrain, motor_limits, place, quadruped_order
 from surefoot.motion.gaits.gait import ModeSchedule
-from surefoot.motion.planning.levels import AHEAD, climbed
 from surefoot.motion.planning.schedule.mirror import own_image
-from surefoot.motion.planning.schedule.problem import ScheduleProblem, ScheduleWeights
-from surefoot.motion.planning.transcription.window import StateWindow
+from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem, ScheduleWeights
+from surefoot.motion.planning.stepped_ground import AHEAD, climb_of
+from surefoot.motion.planning.transcription.state_window import StateWindow
 
 LEG = 0.33
 """Height of the base that the times below are for [m]."""
@@ -129,8 +129,8 @@ def jump(
     """
     scale, ground = time_scale(robot), FlatTerrain() if terrain is None else terrain
     q = begun(robot, ground, distance) if q is None else q
-    end = landed(robot, q, distance, way, ground)
-    end[2] += (climb := climbed(ground, robot, q, end))
+    end = landing_configuration(robot, q, distance, way, ground)
+    end[2] += (climb := climb_of(ground, robot, q, end))
     longest = min(FLIGHT * scale, 2.0 * QUICK * lift_speed(robot, q) / GRAVITY)
     flight = max(longest, 2.0 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY))
     dt = round(KNOT * scale, 3) if dt is None else dt
@@ -148,7 +148,7 @@ def jump(
     flown = np.clip(t - push, 0.0, flight)
     reference[:, 2] += 0.5 * GRAVITY * flown * (flight - flown)
     up = rotation_from_quaternion(q[3:7]).T @ np.asarray(ground.normal(q[:2]))
-    reference[:, 3:7] = _turned(q[3:7], up, way[1] * share)
+    reference[:, 3:7] = _rotate_about(q[3:7], up, way[1] * share)
     within = np.concatenate([[0.01, 0.02, 0.02], np.full(4, 0.015), np.full(robot.joints, 0.02)])
     windows = {knots: StateWindow.at(reference[-1], np.zeros(robot.model.nv), within, REST)}
     if height > 0.0:
@@ -188,16 +188,18 @@ def _tuck(robot: Robot, reference: FloatArray, lifts: FloatArray) -> None:
 
 
 def begun(robot: Robot, terrain: Terrain, distance: float) -> FloatArray:
-    """Return where a jump begins that is told nothing else (nq,): such that it ends just behind a step."""
+    """Return the default start (nq,) of a jump: its landing is just beyond a step."""
     feet = robot.foot_positions(robot.nominal)[:, 0]
     before = max(distance + feet.min() - 2.0 * AHEAD, feet.max() + 2.0 * AHEAD)
     return place(robot, terrain, at=terrain.approach(before))
 
 
-def landed(
+def landing_configuration(
     robot: Robot, q: FloatArray, distance: float, way: tuple[float, float], terrain: Terrain
 ) -> FloatArray:
-    """Return where a jump ends (nq,) but for steps; the robot turns about the middle of its feet.
+    """Return the configuration (nq,) in which a jump lands on ground without steps.
+
+    The robot turns about the middle of its feet.
 
     `way` holds the direction of the jump and its turn [rad].
     """
@@ -239,7 +241,7 @@ def backflip(
     reference = np.tile(q, (knots + 1, 1))
     reference[:, 0] -= 0.6 * float(robot.nominal[2]) * share
     reference[:, 2] += RISE * (0.5 - 0.5 * np.cos(2.0 * math.pi * share))
-    reference[:, 3:7] = _turned(q[3:7], np.array([0.0, 1.0, 0.0]), -2.0 * math.pi * share)
+    reference[:, 3:7] = _rotate_about(q[3:7], np.array([0.0, 1.0, 0.0]), -2.0 * math.pi * share)
     reach = float(robot.nominal[2])
     within = np.concatenate([[1.05 * reach, 0.02, 0.03], np.full(4, 0.03), np.full(robot.joints, 0.12)])
     end = StateWindow.at(reference[-1], np.zeros(nv), within, REST)
@@ -274,7 +276,7 @@ def _spread(robot: Robot, q: FloatArray) -> StateWindow:
     return StateWindow(low, high)
 
 
-def _turned(quaternion: FloatArray, axis: FloatArray, angle: FloatArray) -> FloatArray:
+def _rotate_about(quaternion: FloatArray, axis: FloatArray, angle: FloatArray) -> FloatArray:
     """Return a quaternion after turns about its own (3,) axis (T, 4); a full turn changes its sign."""
     turn, v, w = quaternion_about(axis, angle), quaternion[:3], quaternion[3]
     s, c = turn[:, :3], turn[:, 3:]

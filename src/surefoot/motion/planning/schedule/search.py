@@ -12,9 +12,9 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.motion.planning.schedule.mirror import found_in_half
-from surefoot.motion.planning.schedule.problem import ScheduleProblem
-from surefoot.motion.planning.schedule.transcribe import transcribe, variable_bounds
-from surefoot.motion.planning.transcription.guess import Guess
+from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem
+from surefoot.motion.planning.schedule.schedule_transcription import transcribe, variable_bounds
+from surefoot.motion.planning.transcription.initial_guess import Guess
 from surefoot.motion.planning.transcription.nlp import Iterate, Nlp, OnIteration, pack, unpack
 from surefoot.records import Log
 
@@ -109,24 +109,24 @@ def optimise(
     kept = np.flatnonzero((np.isfinite(rows[0]) | np.isfinite(rows[1])).ravel())  # the others bound nothing
     options, bounds, half = {**OPTIONS, "max_iter": max_iterations, **options}, variable_bounds(problem), None
     if near is not None:
-        begin, of_bounds, of_rows = _held(near, (len(begin), len(begin), len(kept)))
+        begin, of_bounds, of_rows = _check_names(near, (len(begin), len(begin), len(kept)))
         multipliers, options = (of_bounds, of_rows), WARM | options
     else:
         half = found_in_half(problem, block, rows, bounds, begin, tell, **options)
     if half is not None:
         if half.violation <= ACCEPTED:
             multipliers, options = (half.multipliers[0], half.multipliers[1][kept]), CLOSE | options
-        if multipliers is not None or half.said.startswith(("Maximum_", "interrupted")):
+        if multipliers is not None or half.ending.startswith(("Maximum_", "interrupted")):
             begin = half.variables
-        options["max_iter"] = 0 if half.said == "interrupted" else max(max_iterations - half.iterations, 0)
+        options["max_iter"] = 0 if half.ending == "interrupted" else max(max_iterations - half.iterations, 0)
         if "max_cpu_time" in options:
             options["max_cpu_time"] = max(options["max_cpu_time"] + before - time.process_time(), LEFT)
     found = Nlp(block, problem.knots, kept).solve(
         begin, problem.reference[1:], bounds, rows, multipliers=multipliers, tell=tell, **options
     )
     if half is not None:
-        said = half.said if half.said == "interrupted" else found.said
-        found = replace(found, iterations=half.iterations + found.iterations, said=said)
+        ending = half.ending if half.ending == "interrupted" else found.ending
+        found = replace(found, iterations=half.iterations + found.iterations, ending=ending)
     robot, model = problem.robot, problem.robot.model
     states, inputs = unpack(found.variables, int(model.nq + model.nv), problem.knots)
     q, v = np.split(states, [int(model.nq)], axis=1)
@@ -135,7 +135,7 @@ def optimise(
     return ScheduledMotion(q.copy(), v.copy(), torques, forces * problem.dt, found)
 
 
-def _held(near: Log, sizes: tuple[int, ...]) -> list[FloatArray]:
+def _check_names(near: Log, sizes: tuple[int, ...]) -> list[FloatArray]:
     """Return what `HELD` names, if it fits a program of so many variables, bounds and rows."""
     found = [near.fact(name) for name in HELD]
     if tuple(map(len, found)) != sizes:

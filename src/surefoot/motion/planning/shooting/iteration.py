@@ -9,8 +9,8 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.motion.planning.shooting.cost_terms import cost_slopes
 from surefoot.motion.planning.shooting.horizon import FeedbackPolicy, Horizon
-from surefoot.motion.planning.shooting.problem import ShootingProblem
 from surefoot.motion.planning.shooting.riccati import backward_pass
+from surefoot.motion.planning.shooting.shooting_problem import ShootingProblem
 
 ARMIJO = 1e-4
 """Share of the predicted decrease that a step has to bring."""

@@ -26,7 +26,11 @@ from surefoot.base.errors import ProblemError
 from surefoot.contact import Status
 from surefoot.mechanics import velocity_of_way
 from surefoot.motion.planning.shooting.iteration import ShootingIteration
-from surefoot.motion.planning.shooting.problem import ShootingProblem, ShootingResult, ShootingSettings
+from surefoot.motion.planning.shooting.shooting_problem import (
+    ShootingProblem,
+    ShootingResult,
+    ShootingSettings,
+)
 from surefoot.motion.planning.trajectory import TOLERANCE, rollout
 
 STANDING_STILL = 3

@@ -13,7 +13,7 @@ from surefoot.contact import Status
 from surefoot.mechanics import FlatTerrain
 from surefoot.motion.planning.plan import Plan, PlanSearch, plan_channels, plan_facts
 from surefoot.motion.planning.stand_up.forward import RigidModel
-from surefoot.motion.planning.stand_up.postures import Postures
+from surefoot.motion.planning.stand_up.posture_sequence import Postures
 from surefoot.motion.planning.trajectory import TOLERANCE
 
 STANDS_UP, STANDS_HIGH = math.cos(math.radians(10.0)), 0.9

@@ -15,8 +15,9 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ModelError
+from surefoot.base.libraries import import_casadi
 from surefoot.base.spatial import skew
-from surefoot.mechanics import ContactPoints, import_casadi
+from surefoot.mechanics import ContactPoints
 from surefoot.motion.planning.symbolic.rotations import even_series, turn_matrix
 
 Expression = Any

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from surefoot.mechanics import import_casadi
+from surefoot.base.libraries import import_casadi
 
 Expression = Any
 """A CasADi SX matrix."""
@@ -24,7 +24,7 @@ def turn_matrix(quaternion: Expression) -> Expression:
     return ca.vertcat(*(ca.horzcat(*row) for row in rows))
 
 
-def turned(vector: Expression, rotation: Expression) -> Expression:
+def rotate(vector: Expression, rotation: Expression) -> Expression:
     """Return a vector (3, 1) after a turn by a rotation vector (3, 1), in symbols."""
     ca = import_casadi()
     square, once = ca.dot(rotation, rotation), ca.cross(rotation, vector)

@@ -20,7 +20,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import kernel
-from surefoot.mechanics import import_casadi
+from surefoot.base.libraries import import_casadi
 
 LANES = 32
 """Knots side by side: a fifth less time than with 8."""
@@ -54,7 +54,7 @@ class Tape:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
 
-    def mapped(self, count: int) -> Any:
+    def map_over(self, count: int) -> Any:
         """Return the function at `count` knots side by side, as its own `map` would be."""
         ca, tape = import_casadi(), self
         work = np.zeros((tape.slots + 2, LANES))
@@ -106,7 +106,7 @@ class Tape:
         return import_casadi().Sparsity.deserialize(self.outputs[i])
 
 
-def recorded(function: Any) -> Tape | None:
+def record_tape(function: Any) -> Tape | None:
     """Return the instructions of a function of SX; None where it does what `play` cannot."""
     ca, size, slots = import_casadi(), int(function.n_instructions()), int(function.sz_w())
     codes = {int(getattr(ca, f"OP_{name}")): code for name, code in OPERATIONS.items()}
@@ -150,7 +150,7 @@ def tapes_of(source: Any, names: Sequence[str], write: Callable[[], Mapping[str,
     file = Path(folder or "", f"tapes-{hashlib.sha256(said.encode()).hexdigest()[:32]}.npz")
     with contextlib.suppress(OSError, KeyError, ValueError, zipfile.BadZipFile), np.load(file) as held:
         return {name: _read(held, name) for name in names}
-    found = {name: recorded(function) or function for name, function in write().items()}
+    found = {name: record_tape(function) or function for name, function in write().items()}
     tapes = {name: tape for name, tape in found.items() if isinstance(tape, Tape)}
     if folder and len(tapes) == len(found):
         _keep(tapes, file)

@@ -32,7 +32,7 @@ class Backflip:
         problem = backflip(robot, request.mu, request.dt, request.start)
 
         def goal(motion: Trajectory) -> tuple[bool, str]:
-            angle = turned(motion.q)
+            angle = pitch_of_motion(motion.q)
             still, said = at_rest(motion, problem.q)
             whole = abs(angle + 2.0 * math.pi) <= OFF
             return bool(whole and still), f"turns by {math.degrees(angle):.0f} deg, {said}"
@@ -40,7 +40,7 @@ class Backflip:
         return scheduled_plan(self.name, problem, request, tell, goal, 2.0 * PATIENCE)
 
 
-def turned(q: FloatArray) -> float:
+def pitch_of_motion(q: FloatArray) -> float:
     """Return the angle by which (T, nq) configurations turn about the base's y axis, turns added up [rad]."""
     angle = np.unwrap(2.0 * np.arctan2(q[:, 4], q[:, 6]), period=2.0 * math.pi)
     return float(angle[-1] - angle[0])

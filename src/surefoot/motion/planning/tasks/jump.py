@@ -34,8 +34,8 @@ class Jump:
 
     def plan(self, request: PlanRequest, tell: Tell) -> Plan:
         """Return the plan of a jump, see `Task.plan`."""
-        from surefoot.motion.planning.levels import climbed, gap_before, least_way
-        from surefoot.motion.planning.schedule.motions import begun, jump, landed, time_scale
+        from surefoot.motion.planning.schedule.motions import begun, jump, landing_configuration, time_scale
+        from surefoot.motion.planning.stepped_ground import climb_of, gap_before, least_way
 
         robot, ground = mover(request), request.terrain or FlatTerrain()
         reach = 3.0 * float(robot.nominal[2])
@@ -51,16 +51,16 @@ class Jump:
         rise = asked + more if self.up else 0.0
         way = request.direction, request.turn
         q = begun(robot, ground, far) if request.start is None else request.start
-        there = landed(robot, q, asked * (not self.up), way, ground)
+        there = landing_configuration(robot, q, asked * (not self.up), way, ground)
         if request.over:
             ground = gap_before(robot, q, there, request.over)
-        climb = climbed(ground, robot, q, landed(robot, q, far, way, ground))
+        climb = climb_of(ground, robot, q, landing_configuration(robot, q, far, way, ground))
         problem = jump(robot, far, rise, request.mu, request.dt, way, q, ground)
 
         def goal(motion: Trajectory) -> tuple[bool, str]:
             got, off, words = float(motion.q[:, 2].max() - q[2]), 0.0, "rises by"
             if not self.up:
-                got, off = _moved(robot, q, there, motion, climb)
+                got, off = _progress_of(robot, q, there, motion, climb)
                 got, words = math.copysign(1.0, asked) * got, "the feet get"
             still, said = at_rest(motion, there)
             flown = bool((motion.impulses[..., 2] <= 0.0).all(axis=1).any())
@@ -79,7 +79,7 @@ class JumpUp(Jump):
     up = True
 
 
-def _moved(
+def _progress_of(
     robot: Robot, q: FloatArray, there: FloatArray, motion: Trajectory, climb: float
 ) -> tuple[float, float]:
     """Return how far the feet's middle got on the way from (nq,) q to (nq,) there, and how far off it [m].

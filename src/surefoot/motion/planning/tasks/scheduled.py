@@ -56,7 +56,7 @@ def beyond_limits(robot: Robot, motion: Trajectory) -> str:
     return "joints beyond their limits: " + ", ".join(over) if over else ""
 
 
-def judged(motion: Trajectory, robot: Robot, goal: Goal) -> tuple[bool, str]:
+def judge_goal(motion: Trajectory, robot: Robot, goal: Goal) -> tuple[bool, str]:
     """Return whether an exact motion reaches a goal within the robot's limits, and what it does, in words."""
     if not np.isfinite(motion.q).all():
         return False, "the motion is lost"
@@ -83,8 +83,8 @@ def scheduled_plan(
         CPU time after which the search gives up [s].
     """
     from surefoot.motion.planning.schedule.search import HELD, optimise
-    from surefoot.motion.planning.transcription.follow import follow
-    from surefoot.motion.planning.transcription.judge import departure
+    from surefoot.motion.planning.transcription.exact_rollout import follow
+    from surefoot.motion.planning.transcription.motion_errors import departure
 
     begun = time.perf_counter()
 
@@ -96,7 +96,7 @@ def scheduled_plan(
         limit = patience if near is None else BRIEF * patience
         motion = optimise(problem, most, heard, near, max_cpu_time=limit)
         iterations += motion.iterate.iterations
-        most = 0 if motion.iterate.said == "interrupted" else most
+        most = 0 if motion.iterate.ending == "interrupted" else most
         if motion.found or most == 0:
             break
     lost = not motion.iterate.finite
@@ -105,10 +105,10 @@ def scheduled_plan(
         if lost
         else follow(replace(problem, mu=request.mu, torque_share=FEEDBACK), motion)
     )
-    done, said = judged(trajectory, problem.robot, goal)
+    done, said = judge_goal(trajectory, problem.robot, goal)
     unknown = " and ".join(unknown_limits(request.robot or problem.robot))
     said += f"; {unknown} limits are unknown: likely ones are kept" if unknown else ""
-    ended, off = motion.iterate.said, departure(problem.robot, motion, trajectory)
+    ended, off = motion.iterate.ending, departure(problem.robot, motion, trajectory)
     if not motion.found:
         said += f"; the optimiser ended with {ended}, {motion.iterate.violation:.1e} off its constraints"
     elif off > DRIFT:

@@ -76,8 +76,8 @@ class Landing:
         turn = self._turn**2 * upright - 2.0 * self._turn * now.angular_velocity
         feet = np.zeros((len(stance), 6))
         if not stance.all():
-            feet[:, :3] = lowered(now)
-        gaps = pressed(now, self.stand)
+            feet[:, :3] = lowering_accelerations(now)
+        gaps = gaps_to_close(now, self.stand)
         return Tasks(
             stance, com, turn, feet, self._still, np.zeros((len(self._owner), 3)), self._frames, gaps
         )
@@ -88,7 +88,7 @@ def _heading(rotation: FloatArray) -> FloatArray:
     return rotation_about([0.0, 0.0, 1.0], math.atan2(rotation[1, 0], rotation[0, 0]))
 
 
-def lowered(now: Kinematics) -> FloatArray:
+def lowering_accelerations(now: Kinematics) -> FloatArray:
     """Return the accelerations (n, 3) that send feet down to the ground, moving on with the body [m/s²]."""
     speed = now.com_velocity * np.array([1.0, 1.0, 0.0]) - [0.0, 0.0, DESCENT]
     return np.asarray(SWING * (speed - now.twists[:, :3]))
@@ -100,8 +100,8 @@ def gently(now: Kinematics, stand: FloatArray) -> FloatArray:
     return np.where(near, BRAKE * (-SLOW - now.twists[:, 2]), -np.inf)
 
 
-def pressed(now: Kinematics, stand: FloatArray) -> FloatArray:
-    """Return the gaps (n,) that feet which stand with their centres at (n,) heights are to close [m].
+def gaps_to_close(now: Kinematics, stand: FloatArray) -> FloatArray:
+    """Return the gaps (n,) to close under feet whose centres stand at (n,) heights [m].
 
     Down to a little inside the ground.
 

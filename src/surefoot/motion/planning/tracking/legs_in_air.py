@@ -90,9 +90,9 @@ class Touchdown:
 
 
 def touchdowns(reference: Reference) -> list[Touchdown]:
-    """Return the ends of a motion's flights."""
+    """Return the ends of a motion's airborne phases."""
     robot, out = reference.robot, []
-    for start, end in reference.flights():
+    for start, end in reference.airborne_phases():
         sample = reference.at(end - 1e-9)
         feet = robot.foot_positions(sample.q) - sample.com
         after = reference.at(end + 1e-9).stance
@@ -106,7 +106,7 @@ def touchdowns(reference: Reference) -> list[Touchdown]:
     return out
 
 
-class FlightControl:
+class AirborneControl:
     """Joint targets and torques of a robot in the air.
 
     Parameters
@@ -162,8 +162,8 @@ class FlightControl:
         momentum = np.array(self._data.hg.angular)
         return np.asarray(np.linalg.solve(np.array(self._data.Ig.inertia), momentum))
 
-    def levelled(self, now: Kinematics, goal: Touchdown, left: float) -> FloatArray:
-        """Return by how much joints (joints,) move from the plan's for feet to land where planned.
+    def level_feet(self, now: Kinematics, goal: Touchdown, left: float) -> FloatArray:
+        """Return the change (joints,) of the plan's joints with which feet land at their planned heights.
 
         The body will be off the plan's attitude as it is now; a foot that reaches the ground early trips it.
         Feet that do not land, and the joints at the base that a folded leg has little use of, stay.
@@ -214,7 +214,7 @@ class FlightControl:
         if left < PREPARE:
             share = minimum_jerk(min((PREPARE - left) / (PREPARE - READY), 1.0))[0]
             if goal.soft:  # the plan's way down, moved by as much as its end
-                wanted = planned + share * self.levelled(now, goal, left)
+                wanted = planned + share * self.level_feet(now, goal, left)
             else:
                 landing = self.landing_joints(q, v, now, goal, left)
                 wanted = (1.0 - share) * planned + share * landing

@@ -149,8 +149,8 @@ class Reference:
         step = self.feet[k + 1] - self.feet[k]
         return self.feet[k] + share * step, step / (self.time[k + 1] - self.time[k])
 
-    def laid(self, feet: FloatArray, time: float = 0.0, which: BoolArray | None = None) -> Reference:
-        """Return the motion moved along the ground and turned about the vertical, to be on feet at a time.
+    def place_on(self, feet: FloatArray, time: float = 0.0, which: BoolArray | None = None) -> Reference:
+        """Return the motion moved along the ground and turned about the vertical, to match feet at a time.
 
         The move is the best in the mean square (Procrustes in the plane).
 
@@ -192,8 +192,8 @@ class Reference:
         """Whether a foot stands at the start."""
         return bool(self.stance[0].any())
 
-    def flights(self) -> list[tuple[float, float]]:
-        """Return when no foot stands, from start to end [s]."""
+    def airborne_phases(self) -> list[tuple[float, float]]:
+        """Return start and end of every phase in which no foot is in stance [s]."""
         off = np.asarray(~self.stance.any(axis=1))
         return [(float(self.time[a]), float(self.time[b])) for a, b in runs_of(off)]
 

@@ -21,8 +21,8 @@ from surefoot.motion.control.controller import Command, Controller, RobotState
 from surefoot.motion.control.damping import computable
 from surefoot.motion.control.whole_body import Kinematics, Tasks, TaskWeights, WholeBodyController
 from surefoot.motion.planning.schedule.motions import time_scale
-from surefoot.motion.planning.tracking.landing import Landing, gently, lowered, pressed
-from surefoot.motion.planning.tracking.legs_in_air import FlightControl, Targets, touchdowns
+from surefoot.motion.planning.tracking.landing import Landing, gaps_to_close, gently, lowering_accelerations
+from surefoot.motion.planning.tracking.legs_in_air import AirborneControl, Targets, touchdowns
 from surefoot.motion.planning.tracking.reference import Reference
 from surefoot.records import Channel
 
@@ -97,7 +97,7 @@ class TrackingController(Controller):
         least = LEAST * robot.mass * GRAVITY
         self.whole_body = whole_body(robot, least)
         self.motors = motor_limits(robot, "curve")
-        self.flight = FlightControl(robot, quick * JOINTS, CAPTURE)
+        self.flight = AirborneControl(robot, quick * JOINTS, CAPTURE)
         self.landing = Landing(robot, reference, quick)
         self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": FRICTION}
         self._radii = robot.contact_points.foot_radii
@@ -120,7 +120,7 @@ class TrackingController(Controller):
         Never raises on a hard instance; a state that is not finite gets a command that slows the joints.
         """
         if not computable(state.q, state.v):
-            return self._told(self.whole_body.damping(state.v), self._off)
+            return self._make_command(self.whole_body.damping(state.v), self._off)
         now = self.whole_body.update(state.q, state.v)
         if self._reference is None:
             self._begin(now, state)
@@ -137,10 +137,8 @@ class TrackingController(Controller):
         body = self.whole_body.solve(tasks)
         loose = ~self._support[stance & sensed].any(axis=0)
         slow = self._not_too_fast(body.torques, state.v[6:])
-        torques = self.motors.clip(
-            self._braked(np.where(loose, slow, body.torques), state.v[6:]), state.v[6:]
-        )
-        return self._told(body._replace(torques=torques), stance)
+        torques = self.motors.clip(self._brake(np.where(loose, slow, body.torques), state.v[6:]), state.v[6:])
+        return self._make_command(body._replace(torques=torques), stance)
 
     @property
     def _off(self) -> BoolArray:
@@ -148,7 +146,7 @@ class TrackingController(Controller):
 
     def _begin(self, now: Kinematics, state: RobotState) -> None:
         """Lay the plan where the feet are."""
-        self._reference = self.planned.laid(now.centres)
+        self._reference = self.planned.place_on(now.centres)
         self._flights = touchdowns(self._reference)
         self._next = 0
         self.flight.begin(state.q[7:], state.v[6:])
@@ -161,22 +159,24 @@ class TrackingController(Controller):
     def _advance(self, now: Kinematics, state: RobotState, sensed: BoolArray) -> None:
         """Go from one phase to the next: by the plan into flight, by touch out of it."""
         assert self._reference is not None
-        flights, clock = self._flights, self._clock
+        airborne_phases, clock = self._flights, self._clock
         if self.phase == GROUND:
-            if self._next < len(flights) and self._leaves(state, flights[self._next].start):
+            if self._next < len(airborne_phases) and self._leaves(state, airborne_phases[self._next].start):
                 self.phase = FLYING
                 self.flight.begin(state.q[7:], state.v[6:])
-            elif clock >= self._reference.duration or (0 < self._next == len(flights) and sensed.all()):
+            elif clock >= self._reference.duration or (
+                0 < self._next == len(airborne_phases) and sensed.all()
+            ):
                 self._land(now)
         elif self.phase == FLYING:
-            goal = flights[self._next]
+            goal = airborne_phases[self._next]
             if sensed.any() and now.com_velocity[2] < 0.0:  # while it rises, feet scrape as they leave
                 self._next += 1
-                if self._next == len(flights) and goal.landing.all():
+                if self._next == len(airborne_phases) and goal.landing.all():
                     self._land(now)
                 else:
-                    self.phase, self._clock = GROUND, self._as_turned(now, goal.end)
-                    self._reference = self._reference.laid(now.centres, goal.end, goal.landing)
+                    self.phase, self._clock = GROUND, self._time_of_attitude(now, goal.end)
+                    self._reference = self._reference.place_on(now.centres, goal.end, goal.landing)
                 self._unsensed[:] = np.where(sensed, 0.0, math.inf)
 
     def _leaves(self, state: RobotState, start: float) -> bool:
@@ -188,8 +188,8 @@ class TrackingController(Controller):
         lost = 2 * int((planned & (self._unsensed > GONE)).sum()) >= int(planned.sum())
         return self._clock >= start - EARLY and (fast or lost)
 
-    def _as_turned(self, now: Kinematics, end: float) -> float:
-        """Return the time of the plan about a flight's end at which the body is turned most as it is now."""
+    def _time_of_attitude(self, now: Kinematics, end: float) -> float:
+        """Return the plan's time near a flight phase's end whose attitude is nearest to the measured one."""
         assert self._reference is not None
         times = end + self.dt * np.arange(-round(AROUND[0] / self.dt), round(AROUND[1] / self.dt) + 1)
         off = [np.trace(self._reference.attitude_at(float(t)).T @ now.rotation) for t in times[::4]]
@@ -224,8 +224,8 @@ class TrackingController(Controller):
             if self._next > 0:
                 feet[:, 2] = np.maximum(feet[:, 2], gently(now, self.landing.stand))
             lost = self._planned_stance() & ~stance
-            feet[lost, :3] = lowered(now)[lost]
-        gaps = pressed(now, self.landing.stand if self._next > 0 else self._radii)
+            feet[lost, :3] = lowering_accelerations(now)[lost]
+        gaps = gaps_to_close(now, self.landing.stand if self._next > 0 else self._radii)
         return Tasks(stance, com, turn, feet, self._still, want.forces, self._frames, gaps)
 
     def _fly(self, now: Kinematics, state: RobotState) -> TrackCommand:
@@ -261,12 +261,12 @@ class TrackingController(Controller):
         high, low = inertia * (most - speeds), inertia * (-most - speeds)
         return np.asarray(np.clip(torques, np.minimum(low, 0.0), np.maximum(high, 0.0)))
 
-    def _braked(self, torques: FloatArray, speeds: FloatArray) -> FloatArray:
-        """Return (joints,) torques that brake joints near their speed limits: a leg that yields is caught."""
+    def _brake(self, torques: FloatArray, speeds: FloatArray) -> FloatArray:
+        """Return (joints,) torques with braking near the joints' speed limits."""
         use = np.abs(speeds) / self._speed_limits
         share = np.clip((use - BRAKE) / (1.0 - BRAKE), 0.0, 1.0)
         return np.asarray((1.0 - share) * torques - share * np.sign(speeds) * self.whole_body.limits)
 
-    def _told(self, body: Any, stance: BoolArray) -> TrackCommand:
+    def _make_command(self, body: Any, stance: BoolArray) -> TrackCommand:
         active = stance[self.whole_body.point_foot]
         return TrackCommand(body.torques, body.forces, active, body.feasible, body.status, phase=self.phase)

@@ -21,8 +21,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.mechanics import import_casadi
-from surefoot.motion.planning.transcription.forms import SoftForm, form_named
+from surefoot.base.libraries import import_casadi
+from surefoot.motion.planning.transcription.smoothed_complementarity import SoftForm, form_named
 
 Expression = Any
 OPEN, STICK, SLIDE = 0, 1, 2
@@ -96,7 +96,7 @@ class Facets:
     Attributes
     ----------
     form
-        Name of the softened form, see `surefoot.motion.planning.transcription.forms.FORMS`.
+        Name of the softened form, see `FORMS` of `transcription.smoothed_complementarity`.
     time
         What φ is multiplied by before it is paired [s]: with a knot's length gaps stand against impulses,
         and eps is no energy but a length times an impulse.
@@ -136,7 +136,7 @@ class Facets:
             return ca.vertcat(ca.mtimes(D, beta), 0.0, normal)
 
         low = [0.0 if form.signs else -np.inf] * 8
-        out = _written(int(closing.shape[0]), (2, 1, 1, 2, 1, 1), low, contact)
+        out = _interleave(int(closing.shape[0]), (2, 1, 1, 2, 1, 1), low, contact)
         held = np.ones(8, dtype=bool)
         held[2:4] = False
         without = np.outer(mu == 0.0, held).ravel()
@@ -176,7 +176,7 @@ class GivenModes:
             return ca.vertcat(friction, 0.0, normal)
 
         low = [-np.inf, 0.0, 0.0, -np.inf]
-        return _written(int(closing.shape[0]), (1, 1, 1, 1), low, contact)
+        return _interleave(int(closing.shape[0]), (1, 1, 1, 1), low, contact)
 
     def start(
         self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: FloatArray
@@ -228,7 +228,7 @@ def read_modes(
     return np.where(normal > closing, np.where(slides, SLIDE, STICK), OPEN).astype(np.int64)
 
 
-def _written(
+def _interleave(
     p: int,
     sizes: tuple[int, ...],
     low: list[float],

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
-from surefoot.mechanics import import_casadi
+from surefoot.base.libraries import import_casadi
 from surefoot.motion.planning.symbolic.tape import Tape, tapes_of
 
 Expression = Any
@@ -90,7 +90,7 @@ class Iterate:
         Objective, and the largest violation of a row or bound, in its own scale.
     iterations
         Ipopt's.
-    said
+    ending
         Ipopt's return status, or "interrupted".
     steps, regularised
         Of its iterations, how far each went along its direction, 1 a full step; and how many needed a
@@ -102,7 +102,7 @@ class Iterate:
     cost: float
     violation: float
     iterations: int
-    said: str
+    ending: str
     steps: tuple[float, ...] = ()
     regularised: int = 0
 
@@ -217,7 +217,7 @@ def build_nlp(
     seen = ca.reshape(x[places.T.ravel().tolist()], block.size, count)
     given = ca.repmat(p[:shared], 1, count), ca.reshape(p[shared:], own, count)
     functions = tapes_of(*_functions(block))
-    maps = {name: f.mapped(count) if isinstance(f, Tape) else f.map(count) for name, f in functions.items()}
+    maps = {name: f.map_over(count) if isinstance(f, Tape) else f.map(count) for name, f in functions.items()}
     g = ca.reshape(maps["rows"](seen, *given), m * count, 1)[asked]
     # gradient: the blocks' own, added where they share variables
     cost, slope = maps["slope"](seen, *given)
@@ -233,14 +233,14 @@ def build_nlp(
     at_row = (row[None, :] + m * np.arange(count)[:, None]).ravel()
     at_column = places[column].T.ravel()
     rows, slopes = maps["jacobian"](seen, *given)
-    jac = _placed(ca, slopes, at_row, at_column, (m * count, total))[asked, :]
+    jac = _assemble_blocks(ca, slopes, at_row, at_column, (m * count, total))[asked, :]
     # Hessian: entries of neighbours add up on the state that they share
     pattern = functions["hessian"].sparsity_out(0)
     row, column = (np.array(n) for n in pattern.get_triplet())
     spread = ca.DM(ca.Sparsity.triplet(m * count, len(asked), asked, list(range(len(asked)))), 1.0)
     weights = ca.repmat(lam_f, 1, count), ca.reshape(ca.mtimes(spread, lam_g), m, count)
     curved = maps["hessian"](seen, *given, *weights)
-    hess = _placed(ca, curved, places[row].T.ravel(), places[column].T.ravel(), (total, total))
+    hess = _assemble_blocks(ca, curved, places[row].T.ravel(), places[column].T.ravel(), (total, total))
     names = ["x", "p"]
     options = {
         "grad_f": ca.Function("nlp_grad_f", [x, p], [f, grad], names, ["f", "grad:f:x"]),
@@ -276,7 +276,7 @@ def _functions(block: Block) -> tuple[Any, tuple[str, ...], Callable[[], dict[st
     return ca.Function("value", given, [cost, rows]), PARTS, write
 
 
-def _placed(
+def _assemble_blocks(
     ca: Any, blocks: Expression, row: IntArray, column: IntArray, shape: tuple[int, int]
 ) -> Expression:
     """Return the sparse matrix of blocks' nonzeros at (row, column), those of one place added."""

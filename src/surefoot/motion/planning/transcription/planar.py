@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.mechanics import FootShape, Robot, import_pinocchio
+from surefoot.base.libraries import import_pinocchio
+from surefoot.mechanics import FootShape, Robot
 
 UNDRIVEN = ("base_x", "base_z", "base_pitch")
 """Joints of a base: two slides and a hinge without motor."""

@@ -16,9 +16,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.mechanics import Robot, Terrain, carried_momentum, import_casadi
+from surefoot.base.libraries import import_casadi
+from surefoot.mechanics import Robot, Terrain, free_momentum_rows
 from surefoot.motion.planning.symbolic.rigid_body import SymbolicBody
-from surefoot.motion.planning.symbolic.rotations import turned
+from surefoot.motion.planning.symbolic.rotations import rotate
 from surefoot.motion.planning.transcription.nlp import Expression, Sides
 
 Row: TypeAlias = tuple[Expression, ArrayLike, ArrayLike]
@@ -57,7 +58,7 @@ class SymbolicKnot:
         self.q_after, self.v_after = self.after[: body.nq], self.after[body.nq :]
         self.frame = np.asarray(terrain.frame([0.0, 0.0]))
         self.height = float(terrain.height([0.0, 0.0])) * self.frame[2, 2] if terrain.planar else 0.0
-        self._rows = list(carried_momentum(robot.model))
+        self._rows = list(free_momentum_rows(robot.model))
         self._turn, self._local = body.base_turn(self.q), body.at_origin(self.q)
         self._com, self._linear, self._angular = body.momentum(self._local, self.v_after)
 
@@ -77,7 +78,7 @@ class SymbolicKnot:
         # Momentum balance in place of the base's rows, see `dynamics.momentum_knot`: (p⁺ - p⁻) / dt less
         # forces and weight, and about the centre of mass the moments of forces.
         before = body.momentum(body.at_origin(body.integrate(self.q, -self.dt * self.v)), self.v)[1:]
-        linear, angular = (turned(part, -self.dt * self._spin(self.v)) for part in before)
+        linear, angular = (rotate(part, -self.dt * self._spin(self.v)) for part in before)
         pushes = ca.mtimes(turn.T, forces)
         down = ca.mtimes(turn.T, ca.DM(np.outer(self.frame[:, 2], self.robot.contact_points.radii)))
         arms = body.sphere_centres(self._local) - down - ca.repmat(self._com, 1, body.points)
@@ -97,7 +98,7 @@ class SymbolicKnot:
         ahead = body.momentum(body.at_origin(self.q_after), self.v_after)[0]
         # c(q⁺) = c(q) + dt p⁺ / m, in the base's axes at the start: the base's own way and what the shape
         # adds.
-        shape = turned(ahead, self.dt * self._spin(self.v_after)) - self._com
+        shape = rotate(ahead, self.dt * self._spin(self.v_after)) - self._com
         slides = [row for row in self._rows if row < 3]
         moved = ca.SX.zeros(3)
         for place, row in enumerate(slides):
@@ -123,7 +124,7 @@ class SymbolicKnot:
         return ca.mtimes(ca.DM(self.frame.T), self.body.point_velocities(q, v, self.frame[:, 2]))
 
 
-def stacked(rows: Sequence[Row], knots: int) -> tuple[Expression, Sides]:
+def stack_rows(rows: Sequence[Row], knots: int) -> tuple[Expression, Sides]:
     """Return rows one below the other (m, 1), and their bounds (knots, m)."""
     sizes = [(knots, int(row.shape[0])) for row, _, _ in rows]
     low = [np.broadcast_to(least, size) for (_, least, _), size in zip(rows, sizes, strict=True)]

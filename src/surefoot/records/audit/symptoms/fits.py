@@ -20,7 +20,7 @@ def rotation_between(true: FloatArray, logged: FloatArray) -> FloatArray:
     return np.asarray(U @ turn @ V)
 
 
-def turned_by(turn: FloatArray) -> float:
+def rotation_angle(turn: FloatArray) -> float:
     """Return the angle of a rotation (3, 3) [deg]."""
     return float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.records.audit.episode import Episode
-from surefoot.records.audit.symptoms.fits import best_shift, rotation_between, turned_by
+from surefoot.records.audit.symptoms.fits import best_shift, rotation_angle, rotation_between
 from surefoot.records.audit.symptoms.symptom import Evidence, Judge, symptom
 
 _SIGNS = np.array([[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
@@ -34,8 +34,8 @@ def compared(judge: Callable[[Episode, FloatArray], Evidence | None]) -> Judge:
 def wrong_frame(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is the true one, (m, 3) [N], turned."""
     turn = rotation_between(true, e.force)
-    angle = turned_by(turn)
-    share = e.explained(true @ turn.T)
+    angle = rotation_angle(turn)
+    share = e.share_explained(true @ turn.T)
     if angle < 3.0 or share < 0.8:
         return None
     doubt = 0.006 if _same_turn(e, turn) else 0.03  # of one foot, more friction may look like a turn
@@ -68,7 +68,7 @@ def _same_turn(e: Episode, turn: FloatArray) -> bool:
 @compared
 def mirrored(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is the true one, (m, 3) [N], in a mirror."""
-    best, which = max((e.explained(true * sign), k) for k, sign in enumerate(_SIGNS))
+    best, which = max((e.share_explained(true * sign), k) for k, sign in enumerate(_SIGNS))
     if best < 0.9:
         return None
     return Evidence(
@@ -89,7 +89,7 @@ def reversed_force(e: Episode) -> Evidence | None:
         if e.has("pull") and float(np.mean(e.force[:, 2])) < -0.05 * e.weight:
             return Evidence(0.9, "the ground pulls with a share of the weight throughout")
         return None
-    share = e.explained(-true)
+    share = e.share_explained(-true)
     if share <= 0.9:
         return None
     return Evidence(share, f"the sign reversed explains {100 * share:.0f} % of the mismatch")
@@ -107,7 +107,7 @@ def wrong_scale(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is a multiple of the true one, (m, 3) [N]."""
     known = np.isfinite(true).all(axis=1)
     factor = float((e.force[known] * true[known]).sum() / max(float((true[known] ** 2).sum()), 1e-12))
-    share = e.explained(factor * true)
+    share = e.share_explained(factor * true)
     if factor <= 0.02 or abs(factor - 1.0) < 0.02 or share < 0.9:
         return None
     return Evidence(
@@ -126,7 +126,7 @@ def wrong_scale(e: Episode, true: FloatArray) -> Evidence | None:
 def bias(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether a constant has been added to the true force, (m, 3) [N]."""
     offset = np.nanmean(e.force - true, axis=0)
-    share = e.explained(true + offset)
+    share = e.share_explained(true + offset)
     if share < 0.9:
         return None
     flies = bool((np.linalg.norm(np.nan_to_num(true), axis=1) < 0.03 * e.weight).mean() > 0.1)
@@ -169,7 +169,7 @@ def delayed(e: Episode) -> Evidence | None:
 def swapped_feet(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the force is not this foot's true one, (m, 3) [N], but another's."""
     others = [k for k in range(e.rows.points) if k != e.column]
-    fits = [(e.explained(theirs), k) for k in others if (theirs := e.true_of(k)) is not None]
+    fits = [(e.share_explained(theirs), k) for k in others if (theirs := e.true_of(k)) is not None]
     share, other = max(fits, default=(0.0, 0))
     if share < 0.9:
         return None

@@ -23,7 +23,7 @@ from surefoot.base.errors import MissingExtra, ModelError
 from surefoot.base.spatial import quaternion_about
 from surefoot.mechanics import Box, SlopeTerrain, Sphere
 from surefoot.worlds.drake import drake_python
-from surefoot.worlds.experiments.engines.scripts import timed
+from surefoot.worlds.experiments.engines.scripts import run_timed
 from surefoot.worlds.mujoco.spec import import_mujoco
 from surefoot.worlds.rigid.scene import Body, Scene, SceneWorld
 
@@ -42,7 +42,9 @@ def rigid(scene: dict[str, Any]) -> tuple[list[Any], float]:
         bodies.append(Body(f"body{k}", shape, given["mass"], place, (x, y, z, w), speed))
     world = SceneWorld(Scene(bodies), slope, scene["mu"], scene["dt"], restitution=scene["restitution"])
     names = [body.name for body in bodies]
-    return timed(scene, lambda _: world.step(), lambda: [R.T @ world.pose(name).position for name in names])
+    return run_timed(
+        scene, lambda _: world.step(), lambda: [R.T @ world.pose(name).position for name in names]
+    )
 
 
 def _mujoco_model(scene: dict[str, Any]) -> Any:
@@ -73,7 +75,7 @@ def mujoco(scene: dict[str, Any], mjx: bool = False) -> tuple[list[Any], float]:
     for k, given in enumerate(scene["bodies"]):
         data.qvel[6 * k : 6 * k + 3] = given["velocity"]
     if not mjx:
-        return timed(
+        return run_timed(
             scene, lambda _: library.mj_step(model, data), lambda: data.qpos.reshape(-1, 7)[:, :3].tolist()
         )
     jax, engine = _import_mjx()
@@ -84,7 +86,7 @@ def mujoco(scene: dict[str, Any], mjx: bool = False) -> tuple[list[Any], float]:
         held[0] = step(on_device, held[0])
         held[0].qpos.block_until_ready()
 
-    return timed(scene, forward, lambda: np.asarray(held[0].qpos).reshape(-1, 7)[:, :3].tolist())
+    return run_timed(scene, forward, lambda: np.asarray(held[0].qpos).reshape(-1, 7)[:, :3].tolist())
 
 
 def _import_mjx() -> Any:
@@ -127,7 +129,7 @@ def bullet(scene: dict[str, Any]) -> tuple[list[Any], float]:
         def places() -> list[Any]:
             return [library.getBasePositionAndOrientation(body, **here)[0] for body in made]
 
-        return timed(scene, lambda _: library.stepSimulation(**here), places)
+        return run_timed(scene, lambda _: library.stepSimulation(**here), places)
     finally:
         library.disconnect(**here)
 

@@ -74,7 +74,7 @@ def drake(scene: dict[str, Any]) -> tuple[list[Any], float]:
     def step(k: int) -> None:
         simulator.AdvanceTo((k + (1.0 if cenic else 0.5)) * dt)  # just one update, whatever rounding does
 
-    return timed(scene, step, places)
+    return run_timed(scene, step, places)
 
 
 def newton(scene: dict[str, Any]) -> tuple[list[Any], float]:
@@ -113,10 +113,10 @@ def newton(scene: dict[str, Any]) -> tuple[list[Any], float]:
             solver.step(both[0], both[1], control, contacts, scene["dt"])
             both.reverse()
 
-        return timed(scene, step, lambda: both[0].body_q.numpy()[:, :3].tolist())
+        return run_timed(scene, step, lambda: both[0].body_q.numpy()[:, :3].tolist())
 
 
-def timed(
+def run_timed(
     scene: dict[str, Any], step: Callable[[int], object], places: Callable[[], list[Any]]
 ) -> tuple[list[Any], float]:
     """Return places before the first and after every step, and what the steps but the first took [s]."""
