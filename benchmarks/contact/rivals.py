@@ -16,8 +16,8 @@ import scipy.sparse as sp
 
 from benchmarks.problems.judge import coarsest, judge
 from surefoot.base.arrays import FloatArray
-from surefoot.contact.problem import ContactProblem
 from surefoot.base.libraries import import_pinocchio
+from surefoot.contact.problem import ContactProblem
 
 BUDGET = 8.0
 """Seconds after which a rival that has not reached the residual gets no tighter tolerance."""
