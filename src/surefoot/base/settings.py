@@ -112,7 +112,8 @@ def bounded_number(default: float | None, low: float, high: float, unit: str = "
 
 def info_of(owner: type[Any], name: str) -> SettingInfo | None:
     """Return what is known of a field of a dataclass beside its value; None if it is no setting."""
-    return owner.__dataclass_fields__[name].metadata.get(_KEY)
+    found: SettingInfo | None = owner.__dataclass_fields__[name].metadata.get(_KEY)
+    return found
 
 
 def check_settings(value: Any) -> None:
