@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.loaded import UNLOADED
 from surefoot.base.spatial import GRAVITY, rotation_log
 from surefoot.mechanics import Robot, motor_limits
 from surefoot.motion.control.controller import Command, Controller, RobotState
@@ -36,8 +37,6 @@ CAPTURE = 0.7
 """Share of the capture point's offset that feet are moved by before they land."""
 FORCE_SHARE = 0.01
 """Weight of the plan's forces, see `TaskWeights.force`."""
-LOST_TIME = 0.02
-"""A foot that should stand and feels nothing for this long is taken for one in the air [s]."""
 EARLY, FAST = 0.03, 0.92
 """So long before the planned end of a push [s] it ends as soon as half the feet have left the ground, or a
 joint moves with this share of its speed limit: there is nothing left to push with."""
@@ -209,7 +208,7 @@ class TrackingController(Controller):
     def _stance(self, sensed: BoolArray, since: float) -> BoolArray:
         """Return which feet may push: those that should and feel the ground, or have just lost it."""
         self._unsensed = np.where(sensed, 0.0, self._unsensed + since)
-        touching = self._unsensed <= LOST_TIME
+        touching = self._unsensed <= UNLOADED
         return np.asarray(touching & self._planned_stance() if self.phase == TrackPhase.GROUND else touching)
 
     def _follow(self, now: Kinematics, stance: BoolArray) -> Tasks:
