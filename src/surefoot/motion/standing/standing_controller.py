@@ -2,8 +2,8 @@
 
 Each step: the wrench that holds the base where the plan wants it, the ground forces that give it, and
 the joint torques that make the feet push so (the contact Jacobian's transpose and the legs' own
-dynamics). Gains scale with the robot's mass, inertia and height; their multiples were tuned on robots of Go2's
-size, in simulation.
+dynamics). Gains scale with the robot's mass, inertia and height; their multiples were tuned in simulation, on
+robots of Go2's size.
 """
 
 from __future__ import annotations
