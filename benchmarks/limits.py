@@ -28,6 +28,7 @@ import numpy as np
 
 from benchmarks.audit import judge
 from benchmarks.problems.logged_runs import clean_runs
+from surefoot.mechanics import load_robot
 from surefoot.records.audit import AuditReport, audit_log, log_context
 from surefoot.records.audit import rows as audit_rows
 from surefoot.records.audit.fault_injection import FaultyLog
@@ -191,7 +192,18 @@ def vary(name: str, tried: Sequence[Case]) -> Varied:
                 queue.insert(0, failed)  # what is sensitive to this limit is looked at first
                 break
             ends[way] = clipped
-    return Varied(name, value, one.info.unit, *ends, *wrong, *next_values, len(tried))
+    return Varied(
+        name,
+        value,
+        one.info.unit,
+        ends[0],
+        ends[1],
+        wrong[0],
+        wrong[1],
+        next_values[0],
+        next_values[1],
+        len(tried),
+    )
 
 
 def changed(name: str, value: float) -> AuditLimits:
@@ -202,7 +214,7 @@ def changed(name: str, value: float) -> AuditLimits:
 
 def remember_motion() -> None:
     """Let audits share robots, and what the motion of the same rows leaves unexplained."""
-    log_context.load_robot = cache(log_context.load_robot)
+    vars(log_context)["load_robot"] = cache(load_robot)
     known: dict[bytes, Any] = {}
 
     def remembered(function: Callable[..., Any], robot: Any, log: Log, *more: Any) -> Any:

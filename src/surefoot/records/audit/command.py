@@ -15,10 +15,11 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.records.audit.check_limits import CommandLimits
 from surefoot.records.audit.continuity import free_base
 from surefoot.records.audit.episode import LONGEST
 from surefoot.records.audit.intervals import Interval, Track
-from surefoot.records.audit.limits import LIMITS, AuditLimits, CommandLimits
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.report import Finding, Task
 from surefoot.records.audit.rows import Rows, on_body, pieces, sliding_mean

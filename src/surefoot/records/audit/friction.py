@@ -17,8 +17,8 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, IntArray
 from surefoot.base.numerics.phases import runs_of
+from surefoot.records.audit.check_limits import FrictionLimits
 from surefoot.records.audit.cones import used as friction_used
-from surefoot.records.audit.limits import FrictionLimits
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.report import FrictionInterval
 from surefoot.records.audit.rows import Rows
