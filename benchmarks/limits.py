@@ -164,7 +164,7 @@ def values_away(name: str, value: float, whole: bool, up: bool) -> Iterator[floa
         yield from (value + sign * step for step in WHOLE_STEPS)
     elif name.startswith("ranks."):
         yield from (value + sign * step for step in RANK_STEPS)
-    elif 0.8 < value < 1.2:
+    elif 0.8 < value < 1.2 and value != 1.0:
         away = value - 1.0
         yield from (1.0 + away * (f if up == (away > 0.0) else 1.0 / f) for f in FACTORS)
     else:

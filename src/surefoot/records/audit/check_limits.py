@@ -131,8 +131,20 @@ class BalanceLimits(Settings):
     force: float = setting(
         0.05, "m g", "mean force that may be left over", low=1e-9, tuned=VARIED + "0.001667 to 0.05"
     )
-    ringing: float = setting(0.1, "m g", "root mean square of the force that may be left over", low=1e-9)
-    arm: float = setting(0.02, "m", "arm of m g that makes the moment which may be left over", low=1e-9)
+    ringing: float = setting(
+        0.1,
+        "m g",
+        "root mean square of the force that may be left over",
+        low=1e-9,
+        tuned=ALIKE + "0.003333 to 3",
+    )
+    arm: float = setting(
+        0.02,
+        "m",
+        "arm of m g that makes the moment which may be left over",
+        low=1e-9,
+        tuned=VARIED + "0.006667 to 0.6",
+    )
 
 
 @dataclass(frozen=True)
@@ -164,16 +176,32 @@ class ContinuityLimits(Settings):
         0.1, "m/rad", "lever that makes an angle a way", low=1e-9, tuned=VARIED + "0.03333 to 3"
     )
     drift: float = setting(
-        0.05, "-", "share of the way gone by which positions may be beside velocities", low=0.0
+        0.05,
+        "-",
+        "share of the way gone by which positions may be beside velocities",
+        low=0.0,
+        tuned=ALIKE + "0.001667 to 1.5",
     )
-    gap_time: float = setting(0.02, "s", "time over which steps of gaps are added up", low=0.0)
+    gap_time: float = setting(
+        0.02, "s", "time over which steps of gaps are added up", low=0.0, tuned=VARIED + "0.0006667 to 0.06"
+    )
     gap: float = setting(
-        5e-3, "m", "way by which gaps may be beside velocities: contacts wander over a round foot", low=0.0
+        5e-3,
+        "m",
+        "way by which gaps may be beside velocities: contacts wander over a round foot",
+        low=0.0,
+        tuned=ALIKE + "0.0001667 to 0.15",
     )
     velocity: float = setting(
-        0.05, "m/s", "difference of a contact's velocity from that of the joints", low=0.0
+        0.05,
+        "m/s",
+        "difference of a contact's velocity from that of the joints",
+        low=0.0,
+        tuned=ALIKE + "0.001667 to 1.5",
     )
-    velocity_share: float = setting(0.05, "-", "the difference as a share of the speed", low=0.0)
+    velocity_share: float = setting(
+        0.05, "-", "the difference as a share of the speed", low=0.0, tuned=ALIKE + "0.001667 to 1.5"
+    )
 
 
 @dataclass(frozen=True)
@@ -263,27 +291,52 @@ class FrictionLimits(Settings):
 class CommandLimits(Settings):
     """Limits of what the controller asked for and what came of it."""
 
-    window: float = setting(0.05, "s", "time over which the command is judged", low=1e-6)
+    window: float = setting(
+        0.05, "s", "time over which the command is judged", low=1e-6, tuned=ALIKE + "0.001667 to 1.5"
+    )
     at_once: float = setting(
-        0.025, "s", "time without a foot that pushes, longer than a lift-off or a late touchdown", low=0.0
+        0.025,
+        "s",
+        "time without a foot that pushes, longer than a lift-off or a late touchdown",
+        low=0.0,
+        tuned=ALIKE + "0.0008333 to 0.75",
     )
     nearly_all: float = setting(
-        0.9, "-", "share of the window in which a command is impossible", low=0.0, high=1.0
+        0.9,
+        "-",
+        "share of the window in which a command is impossible",
+        low=0.0,
+        high=1.0,
+        tuned=ALIKE + "0 to 0.9967",
     )
-    touching: float = setting(1e-3, "m", "gap up to which a foot touches that is asked for nothing", low=0.0)
+    touching: float = setting(
+        1e-3,
+        "m",
+        "gap up to which a foot touches that is asked for nothing",
+        low=0.0,
+        tuned=ALIKE + "3.333e-05 to 0.03",
+    )
     mismatch: float = setting(
         0.06,
         "m g",
         "mean force beside the commanded one (clean walks: 0.015 measured, 0.005 by torques)",
         low=0.0,
+        tuned=VARIED + "0.02 to 1.8",
     )
     torque_mismatch: float = setting(
         0.05, "-", "mean difference of applied and commanded torques over the largest commanded", low=0.0
     )
     explained: float = setting(
-        0.8, "-", "share of a mismatch that a turn or a mirror must explain to be named", low=0.0, high=1.0
+        0.8,
+        "-",
+        "share of a mismatch that a turn or a mirror must explain to be named",
+        low=0.0,
+        high=1.0,
+        tuned=ALIKE + "0.02667 to 1",
     )
-    least_turn: float = setting(3.0, "deg", "turn of commanded forces that is named", low=0.0)
+    least_turn: float = setting(
+        3.0, "deg", "turn of commanded forces that is named", low=0.0, tuned=ALIKE + "0.1 to 90"
+    )
     leans: float = setting(60.0, "deg", "lean of the base at the end from which a robot fell", low=0.0)
     low: float = setting(
         0.4, "-", "height at the end, as a share of the first, below which a robot fell", low=0.0

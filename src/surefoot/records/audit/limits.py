@@ -28,12 +28,7 @@ from surefoot.records.audit.run_limits import (
     StandLimits,
     WalkLimits,
 )
-from surefoot.records.audit.symptom_limits import (
-    BodyLimits,
-    ContactLimits,
-    FitLimits,
-    MeasuredLimits,
-)
+from surefoot.records.audit.symptom_limits import BodyLimits, ContactLimits, FitLimits, MeasuredLimits
 
 
 @dataclass(frozen=True)
@@ -136,7 +131,13 @@ class SoftnessLimits(Settings):
     stopping: float = setting(
         0.1, "m", "way on which a sliding contact may be stopped", low=0.0, tuned=ALIKE + "0.003333 to 3"
     )
-    settling: float = setting(0.1, "s", "time after a touchdown within which a contact may swing", low=0.0)
+    settling: float = setting(
+        0.1,
+        "s",
+        "time after a touchdown within which a contact may swing",
+        low=0.0,
+        tuned=VARIED + "0.03333 to 3",
+    )
 
 
 @dataclass(frozen=True)

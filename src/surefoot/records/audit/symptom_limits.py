@@ -319,27 +319,71 @@ class MeasuredLimits(Settings):
         high=1.0,
         tuned=ALIKE + "0 to 0.9967",
     )
-    dropout_carried: float = setting(0.04, "m g", "true force from which a foot carries", low=0.0)
+    dropout_carried: float = setting(
+        0.04, "m g", "true force from which a foot carries", low=0.0, tuned=VARIED + "0.001333 to 0.12"
+    )
     dropout_share: float = setting(
-        0.7, "-", "share of the rows in which a foot carries and reports nothing", low=0.0, high=1.0
+        0.7,
+        "-",
+        "share of the rows in which a foot carries and reports nothing",
+        low=0.0,
+        high=1.0,
+        tuned=VARIED + "0.7 to 0.7",
     )
-    frozen_share: float = setting(0.7, "-", "share of the rows in which no digit changes", low=0.0, high=1.0)
+    frozen_share: float = setting(
+        0.7,
+        "-",
+        "share of the rows in which no digit changes",
+        low=0.0,
+        high=1.0,
+        tuned=VARIED + "0.7 to 0.7",
+    )
     frozen_gap: float = setting(
-        0.001, "m", "median gap up to which a frozen force is that of a foot on the ground", low=0.0
+        0.001,
+        "m",
+        "median gap up to which a frozen force is that of a foot on the ground",
+        low=0.0,
+        tuned=ALIKE + "3.333e-05 to 0.03",
     )
-    clipped_share: float = setting(0.3, "-", "share of the rows at the largest value", low=0.0, high=1.0)
+    clipped_share: float = setting(
+        0.3, "-", "share of the rows at the largest value", low=0.0, high=1.0, tuned=VARIED + "0.01 to 0.9"
+    )
     clipped_below: float = setting(
-        0.01, "m g", "true force below a clipped one that rounding and smoothing allow", low=0.0
+        0.01,
+        "m g",
+        "true force below a clipped one that rounding and smoothing allow",
+        low=0.0,
+        tuned=ALIKE + "0.0003333 to 0.3",
     )
-    phantom_gap: float = setting(0.001, "m", "gap from which a foot is in the air", low=0.0)
-    phantom_true: float = setting(0.03, "m g", "true force below which a leg carries nothing", low=0.0)
-    phantom_air: float = setting(0.5, "-", "share of the rows in the air", low=0.0, high=1.0)
+    phantom_gap: float = setting(
+        0.001, "m", "gap from which a foot is in the air", low=0.0, tuned=ALIKE + "3.333e-05 to 0.03"
+    )
+    phantom_true: float = setting(
+        0.03, "m g", "true force below which a leg carries nothing", low=0.0, tuned=ALIKE + "0.001 to 0.9"
+    )
+    phantom_air: float = setting(
+        0.5, "-", "share of the rows in the air", low=0.0, high=1.0, tuned=VARIED + "0.5 to 0.5"
+    )
     phantom_share: float = setting(
-        0.8, "-", "share of those rows in which the leg carries nothing", low=0.0, high=1.0
+        0.8,
+        "-",
+        "share of those rows in which the leg carries nothing",
+        low=0.0,
+        high=1.0,
+        tuned=ALIKE + "0.02667 to 1",
     )
     dead_share: float = setting(
-        0.9, "-", "share of the rows in which a dead joint has no torque", low=0.0, high=1.0
+        0.9,
+        "-",
+        "share of the rows in which a dead joint has no torque",
+        low=0.0,
+        high=1.0,
+        tuned=VARIED + "0 to 0.9",
     )
     torques_body: float = setting(
-        0.02, "m g", "unexplained force on the body below which the forces explain its motion", low=0.0
+        0.02,
+        "m g",
+        "unexplained force on the body below which the forces explain its motion",
+        low=0.0,
+        tuned=VARIED + "0.0006667 to 0.06",
     )
