@@ -337,32 +337,13 @@ class CommandLimits(Settings):
     least_turn: float = setting(
         3.0, "deg", "turn of commanded forces that is named", low=0.0, tuned=ALIKE + "0.1 to 90"
     )
-    leans: float = setting(60.0, "deg", "lean of the base at the end from which a robot fell", low=0.0)
+    leans: float = setting(
+        60.0, "deg", "lean of the base at the end from which a robot fell", low=0.0, tuned=ALIKE + "2 to 1800"
+    )
     low: float = setting(
-        0.4, "-", "height at the end, as a share of the first, below which a robot fell", low=0.0
+        0.4,
+        "-",
+        "height at the end, as a share of the first, below which a robot fell",
+        low=0.0,
+        tuned=ALIKE + "0.01333 to 12",
     )
-
-
-@dataclass(frozen=True)
-class EpisodeLimits(Settings):
-    """Limits of what belongs to one episode, and of what its forces say."""
-
-    near: float = setting(0.05, "s", "time between failures of one contact that are one episode", low=0.0)
-    at_once: float = setting(
-        0.03, "s", "time after an episode's begin from which a wrong motion is its consequence", low=0.0
-    )
-    all: float = setting(0.75, "-", "share of the contacts from which a finding is one of all", low=0.0)
-    at_rest: float = setting(1e-6, "m/s, rad/s", "speed below which nothing has moved", low=0.0)
-    known: float = setting(
-        0.5, "-", "share of the rows in which joint torques must tell a foot's force", low=0.0, high=1.0
-    )
-    landing: float = setting(
-        2.0, "m v", "impulse up to which the largest force is the blow of a landing", low=0.0
-    )
-    consistent: float = setting(
-        0.03, "m g", "mean difference up to which joint torques and forces agree", low=0.0
-    )
-    sideways: float = setting(
-        0.05, "-", "share of the squared mismatch along the normal of one that lies across it", low=0.0
-    )
-    amiss: float = setting(0.01, "m g", "mismatch up to which there is nothing to explain", low=0.0)

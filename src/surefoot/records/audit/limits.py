@@ -15,7 +15,6 @@ from surefoot.records.audit.check_limits import (
     CheckLimits,
     CommandLimits,
     ContinuityLimits,
-    EpisodeLimits,
     FrictionLimits,
     ReboundLimits,
 )
@@ -208,6 +207,72 @@ class RecordLimits(Settings):
         "joint speed below which dry friction may be anything up to its size",
         low=0.0,
         tuned=ALIKE + "0.001667 to 1.5",
+    )
+
+
+@dataclass(frozen=True)
+class EpisodeLimits(Settings):
+    """Limits of what belongs to one episode, and of what its forces say."""
+
+    near: float = setting(
+        0.05,
+        "s",
+        "time between failures of one contact that are one episode",
+        low=0.0,
+        tuned=VARIED + "0.05 to 0.15",
+    )
+    at_once: float = setting(
+        0.03,
+        "s",
+        "time after an episode's begin from which a wrong motion is its consequence",
+        low=0.0,
+        tuned=VARIED + "0.03 to 0.9",
+    )
+    all: float = setting(
+        0.75,
+        "-",
+        "share of the contacts from which a finding is one of all",
+        low=0.0,
+        tuned=VARIED + "0.75 to 0.75",
+    )
+    at_rest: float = setting(
+        1e-6, "m/s, rad/s", "speed below which nothing has moved", low=0.0, tuned=ALIKE + "3.333e-08 to 3e-05"
+    )
+    known: float = setting(
+        0.5,
+        "-",
+        "share of the rows in which joint torques must tell a foot's force",
+        low=0.0,
+        high=1.0,
+        tuned=VARIED + "0.01667 to 0.5",
+    )
+    landing: float = setting(
+        2.0,
+        "m v",
+        "impulse up to which the largest force is the blow of a landing",
+        low=0.0,
+        tuned=ALIKE + "0.06667 to 60",
+    )
+    consistent: float = setting(
+        0.03,
+        "m g",
+        "mean difference up to which joint torques and forces agree",
+        low=0.0,
+        tuned=ALIKE + "0.001 to 0.9",
+    )
+    sideways: float = setting(
+        0.05,
+        "-",
+        "share of the squared mismatch along the normal of one that lies across it",
+        low=0.0,
+        tuned=ALIKE + "0.001667 to 1.5",
+    )
+    amiss: float = setting(
+        0.01,
+        "m g",
+        "mismatch up to which there is nothing to explain",
+        low=0.0,
+        tuned=VARIED + "0.0003333 to 0.03",
     )
 
 

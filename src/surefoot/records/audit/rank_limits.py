@@ -156,17 +156,41 @@ class RankLimits(Settings):
         0.02, "-", "what a bias loses", low=0.0, high=1.0, tuned=VARIED + "0 to 0.12"
     )
     bias_on_ground: float = setting(
-        0.15, "-", "what a bias loses whose foot never flies: a factor explains as much", low=0.0, high=1.0
+        0.15,
+        "-",
+        "what a bias loses whose foot never flies: a factor explains as much",
+        low=0.0,
+        high=1.0,
+        tuned=VARIED + "0.05 to 1",
     )
-    delay: float = setting(0.004, "-", "what a delay loses", low=0.0, high=1.0)
-    dropout: float = setting(0.999, "-", "strength of dropout", low=0.0, high=1.0)
-    frozen: float = setting(1.0, "-", "strength of frozen", low=0.0, high=1.0)
-    clipped: float = setting(0.998, "-", "strength of clipping whose true force varies", low=0.0, high=1.0)
+    delay: float = setting(
+        0.004, "-", "what a delay loses", low=0.0, high=1.0, tuned=VARIED + "0.004 to 0.01"
+    )
+    dropout: float = setting(
+        0.999, "-", "strength of dropout", low=0.0, high=1.0, tuned=VARIED + "0.993 to 0.999"
+    )
+    frozen: float = setting(1.0, "-", "strength of frozen", low=0.0, high=1.0, tuned=VARIED + "0.994 to 1")
+    clipped: float = setting(
+        0.998,
+        "-",
+        "strength of clipping whose true force varies",
+        low=0.0,
+        high=1.0,
+        tuned=VARIED + "0.992 to 1",
+    )
     clipped_flat: float = setting(
         0.985, "-", "strength of clipping whose true force does not vary", low=0.0, high=1.0
     )
-    phantom_force: float = setting(0.98, "-", "strength of phantom force", low=0.0, high=1.0)
+    phantom_force: float = setting(
+        0.98, "-", "strength of phantom force", low=0.0, high=1.0, tuned=VARIED + "0.974 to 1"
+    )
     joint_stop: float = setting(1.0, "-", "strength of joint stop", low=0.0, high=1.0)
-    dead_torque: float = setting(1.0, "-", "strength of dead torque", low=0.0, high=1.0)
-    wrong_torques: float = setting(0.97, "-", "strength of wrong torques", low=0.0, high=1.0)
-    unexplained_motion: float = setting(0.3, "-", "strength of unexplained motion", low=0.0, high=1.0)
+    dead_torque: float = setting(
+        1.0, "-", "strength of dead torque", low=0.0, high=1.0, tuned=VARIED + "0.994 to 1"
+    )
+    wrong_torques: float = setting(
+        0.97, "-", "strength of wrong torques", low=0.0, high=1.0, tuned=VARIED + "0.87 to 0.976"
+    )
+    unexplained_motion: float = setting(
+        0.3, "-", "strength of unexplained motion", low=0.0, high=1.0, tuned=VARIED + "0 to 0.4"
+    )
