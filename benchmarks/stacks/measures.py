@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.loaded import loaded_feet
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.records.audit.laws import log_laws
-from surefoot.records.audit.motion import TOUCH, foot_forces, heading_velocity
-from surefoot.records.audit.slides import RELEASE
+from surefoot.records.audit.limits import LIMITS
+from surefoot.records.audit.motion import foot_forces, heading_velocity
 from surefoot.records.audit.summary.estimate_summary import estimate_errors
 from surefoot.records.audit.summary.motor_summary import motor_use
 from surefoot.records.log import Log
@@ -135,12 +136,14 @@ def heading_error(q: FloatArray, turning: FloatArray, dt: float) -> float:
 def stance_slides(log: Log) -> FloatArray:
     """Return the longest net way over the ground in one stance of each contact: (p,) [m].
 
-    A stance lasts while the contact carries `TOUCH` of the weight; gaps shorter than `RELEASE` are bounces.
+    A stance lasts while the contact carries weight; gaps shorter than `LawLimits.release` are bounces.
     """
-    dt, load = float(log.fact("dt")), TOUCH * log.fact("mass") * GRAVITY
-    loaded, velocity = log["forces"][..., 2] > load, log["contact_velocities"][..., :2]
+    dt, velocity = float(log.fact("dt")), log["contact_velocities"][..., :2]
+    loaded = loaded_feet(log["forces"][..., 2], log.fact("mass") * GRAVITY)
     contacts = range(loaded.shape[1])
-    return np.array([_longest(loaded[:, c], velocity[:, c] * dt, round(RELEASE / dt)) for c in contacts])
+    return np.array(
+        [_longest(loaded[:, c], velocity[:, c] * dt, round(LIMITS.laws.release / dt)) for c in contacts]
+    )
 
 
 def _longest(loaded: BoolArray, steps: FloatArray, gap: int) -> float:

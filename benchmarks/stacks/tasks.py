@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from surefoot.base.errors import ProblemError, unknown_name
-from surefoot.records.audit.summary.motor_summary import OVER_SPEED
+from surefoot.records.audit.limits import LIMITS
 
 NEWTONS, PUSH_TIME, PUSH_AT = 150.0, 0.1, 2.5
 """A push on Go2 [N], its length, and the time from which on its phase of the gait is waited for [s]."""
@@ -109,7 +109,7 @@ class Task:
 
 
 SLIP = Bound("slip", 0.01)
-MOTORS = (Bound("torque_use", 1.0), Bound("speed_use", OVER_SPEED))
+MOTORS = (Bound("torque_use", 1.0), Bound("speed_use", LIMITS.motors.over_speed))
 """Joint torque and speed inside their limits."""
 ESTIMATE = (Bound("estimate_velocity", 0.05), Bound("estimate_drift", 0.02))
 """Error of the estimated velocity [m/s rms], drift over the way."""

@@ -14,7 +14,7 @@ import pytest
 
 from surefoot.base.errors import ProblemError
 from surefoot.records.audit import LawFigures
-from surefoot.records.audit.slides import LAG
+from surefoot.records.audit.limits import LIMITS
 from tests.records.audit.logs import check_laws
 
 MU, WEIGHT, DT, STEPS = 0.5, 160.0, 1e-3, 1200
@@ -225,4 +225,6 @@ def test_sampling_does_not_matter() -> None:
     motion = lawful(0)
     speed = np.hypot(motion["velocities"][:, 2, 0], motion["velocities"][:, 2, 1])
     normal = motion["forces"][:, 2, 2]
-    assert found[0] == pytest.approx((0.5 - LAG) * DT * float(normal @ speed) / normal.max(), rel=0.02)
+    assert found[0] == pytest.approx(
+        (0.5 - LIMITS.laws.lag) * DT * float(normal @ speed) / normal.max(), rel=0.02
+    )

@@ -7,6 +7,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.records.audit.continuity import state_slips
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.restitution import returned_work
 from surefoot.records.audit.symptoms.fits import pyramid_facets
 from surefoot.records.log import Log
@@ -120,14 +121,14 @@ def test_a_pyramid_is_recognised_at_any_phase(facets: int, phase: float) -> None
     off = (angle - phase + 0.5 * sector) % sector - 0.5 * sector
     use = np.stack([np.cos(angle), np.sin(angle)], axis=1) / np.cos(off)[:, None]
     use = use[np.hypot(*use.T) > 1.01]
-    found = pyramid_facets(use)
+    found = pyramid_facets(use, LIMITS.fits)
     assert found is not None
     assert found[0] == facets
     assert abs((found[1] - phase + 0.5 * sector) % sector - 0.5 * sector) < np.radians(3.0)
 
 
 def test_one_direction_of_too_much_friction_is_no_pyramid() -> None:
-    assert pyramid_facets(np.full((50, 2), [1.1, 0.2])) is None
+    assert pyramid_facets(np.full((50, 2), [1.1, 0.2]), LIMITS.fits) is None
 
 
 def test_contact_velocities_that_are_not_the_joints_break_a_law() -> None:

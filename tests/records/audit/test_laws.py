@@ -12,8 +12,8 @@ import pytest
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit import LawFigures, audit_log, contact_use, log_laws
-from surefoot.records.audit.laws import LAWS, LEAST_FRICTION
-from surefoot.records.audit.slides import LAG
+from surefoot.records.audit.laws import LAWS
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.log import CHANNELS, Log
 from surefoot.records.log.channels import SCHEMA
 from surefoot.records.log.reading import read_log
@@ -72,12 +72,12 @@ def test_a_slide_without_friction_is_as_long_as_its_way() -> None:
     assert lawful.judged == LAWS
     assert lawful.free_slide_max == 0.0
     assert lawful.broken(WEIGHT) == []
-    # no friction, friction across, two fifths of it, and friction that drives; LAG of it is forgiven
+    # no friction, friction across, two fifths of it, and friction that drives; a lag of it is forgiven
     for force, missing in ((0.0, 0.0), 1.0), ((0.0, -25.0), 1.0), ((-10.0, 0.0), 0.6), ((25.0, 0.0), 2.0):
         laws = slide([*force, 50.0], 0.3, 0.1)
-        assert laws.free_slide_max == pytest.approx((missing - LAG) * 0.03, rel=1e-9)
+        assert laws.free_slide_max == pytest.approx((missing - LIMITS.laws.lag) * 0.03, rel=1e-9)
         assert any("without friction" in line for line in laws.broken(WEIGHT))
-    assert slide([-24.0, 0.0, 50.0], 0.3, 10.0).broken(WEIGHT) == []  # within LAG, however long
+    assert slide([-24.0, 0.0, 50.0], 0.3, 10.0).broken(WEIGHT) == []  # within the lag, however long
 
 
 def test_a_heavy_blow_does_not_excuse_a_slide() -> None:
@@ -86,13 +86,13 @@ def test_a_heavy_blow_does_not_excuse_a_slide() -> None:
     f, v = np.tile([0.0, 0.0, 50.0], (T, 1, 1)), np.tile([0.3, 0.0, 0.0], (T, 1, 1))
     f[1, 0] = [-0.5e5, 0.0, 1e5]
     laws = check_laws(f, np.zeros((T, 1)), v, 0.5, WEIGHT, 1e-3)
-    assert laws.free_slide_max == pytest.approx((1.0 - LAG) * 25.0 * 0.0297 / WEIGHT, rel=1e-6)
+    assert laws.free_slide_max == pytest.approx((1.0 - LIMITS.laws.lag) * 25.0 * 0.0297 / WEIGHT, rel=1e-6)
 
 
 def test_a_creep_counts_however_slow_and_a_shake_however_long_does_not() -> None:
     """5 mm of way at 1 mm/s without friction; and 60 s of shaking by 20 micrometres at 50 Hz."""
     creep = slide([0.0, 0.0, 50.0], 1e-3, 5.0, dt=5e-3)
-    assert creep.free_slide_max == pytest.approx((1.0 - LAG) * 5e-3)
+    assert creep.free_slide_max == pytest.approx((1.0 - LIMITS.laws.lag) * 5e-3)
     dt = 1e-3
     t = dt * np.arange(60_000)
     speed = 2e-5 * 2.0 * np.pi * 50.0 * np.cos(2.0 * np.pi * 50.0 * t)
@@ -138,7 +138,9 @@ def test_a_stance_survives_a_bounce_and_ends_with_a_lift() -> None:
 def test_cone_use_allows_unloaded_contacts_noise_and_knows_ice() -> None:
     forces = np.array([[[0.01, 0.0, 0.05], [3.0, 4.0, 20.0], [0.0, 0.0, 0.0]]])
     np.testing.assert_allclose(contact_use(forces, np.array([0.5]), 0.1), [[0.2, 0.5, 0.0]])
-    np.testing.assert_allclose(contact_use(forces, np.array([0.0]), 0.1)[0, 1], 5.0 / (20.0 * LEAST_FRICTION))
+    np.testing.assert_allclose(
+        contact_use(forces, np.array([0.0]), 0.1)[0, 1], 5.0 / (20.0 * LIMITS.laws.least_friction)
+    )
 
 
 def test_friction_may_differ_from_contact_to_contact() -> None:

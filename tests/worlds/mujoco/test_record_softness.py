@@ -10,7 +10,8 @@ from surefoot.mechanics.robot import load_robot, place
 from surefoot.mechanics.terrain import FlatTerrain
 from surefoot.motion.standing.standing_controller import StandingController
 from surefoot.motion.standing.standing_plan import StandingPlan
-from surefoot.records.audit.log_context import SOFTEST, setting_of
+from surefoot.records.audit.limits import LIMITS
+from surefoot.records.audit.log_context import setting_of
 from surefoot.worlds.interface.world_names import make_world
 from surefoot.worlds.mujoco.record_softness import soft_contact
 from surefoot.worlds.running.run import Scenario, run
@@ -114,7 +115,7 @@ def test_a_world_cannot_declare_everything_away(fact: str) -> None:
     elif fact == "sinking":  # and goes deep
         arrays["gaps"] = log["gaps"] - 0.06
     else:  # no more is believed than a soft world needs
-        assert setting_of(sf.Log(arrays, facts), None).stopping == SOFTEST["stopping"][0]
+        assert setting_of(sf.Log(arrays, facts), None).stopping == LIMITS.softness.stopping
         return
     report = sf.audit_log(sf.Log(arrays, facts))
     assert report.verdict == "cannot tell"

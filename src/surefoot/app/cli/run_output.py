@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from surefoot.app.cli.console import Cell, Table
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit import RunSummary, StandSummary, WalkSummary
-from surefoot.records.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
+from surefoot.records.audit.limits import LIMITS
 
 if TYPE_CHECKING:
     from surefoot.records import Log
@@ -27,7 +27,7 @@ OUTCOMES = {
 
 def law_table(summary: RunSummary) -> Table:
     """Return the three laws as numbers."""
-    laws, limit = summary.laws, max(PENETRATION_LIMIT, summary.laws.sinking)
+    laws, limit = summary.laws, max(LIMITS.laws.penetration, summary.laws.sinking)
 
     def mm(metres: float, form: str = "g") -> str:
         return f"{1e3 * metres:{form}} mm"
@@ -36,8 +36,8 @@ def law_table(summary: RunSummary) -> Table:
         ["1 unilateral: deepest penetration", mm(laws.penetration_max, ".3f"), mm(limit, ".3g")],
         ["1 unilateral: least normal force", f"{laws.unilateral_min:.3g} N", "0 N"],
         ["1 unilateral: widest gap under a force", mm(laws.separation_max, ".3f"), mm(limit, ".3g")],
-        ["2 Coulomb: highest use of the cone", f"{laws.cone_use_max:.3f}", f"{CONE_LIMIT:g}"],
-        ["3 dissipation: slide without friction", mm(laws.free_slide_max, ".3f"), mm(SLIDE_LIMIT)],
+        ["2 Coulomb: highest use of the cone", f"{laws.cone_use_max:.3f}", f"{LIMITS.laws.cone:g}"],
+        ["3 dissipation: slide without friction", mm(laws.free_slide_max, ".3f"), mm(LIMITS.laws.slide)],
     ]
     return Table("The three laws, from the world's own forces", ("law", "measured", "limit"), rows)
 

@@ -7,14 +7,13 @@ import numpy as np
 from surefoot.app.export.sequence import ContactSequence, SequencePhase
 from surefoot.base.arrays import BoolArray, FloatArray, of_kind, real_number
 from surefoot.base.errors import ProblemError
+from surefoot.base.loaded import loaded_feet
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics.stance import PointContact, Stance
 from surefoot.motion.gaits.contact_schedule import SAME_TIME, ContactSchedule
 from surefoot.records import Log
 from surefoot.records.log.snapshot import contact_names
 
-LOADED = 0.02
-"""A point touches from this share of m g on."""
 SHORTEST = 0.02
 """Changes of contact that last less than this are left out [s]."""
 
@@ -45,7 +44,7 @@ def sequence_from_log(log: Log, facets: int = 8) -> ContactSequence:
         log.fact(needed)
     mass, dt, names = float(log.fact("mass")), float(log.fact("dt")), tuple(contact_names(log))
     forces: FloatArray = np.asarray(log["forces"])
-    on = forces[:, :, 2] > LOADED * mass * GRAVITY
+    on = loaded_feet(forces[:, :, 2], mass * GRAVITY)
     starts = _phase_starts(on, max(1, round(SHORTEST / dt)))
     phases = []
     for begin, end in zip(starts, [*starts[1:], len(on)], strict=True):

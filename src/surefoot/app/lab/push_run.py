@@ -16,7 +16,7 @@ from surefoot.mechanics import FlatTerrain, Robot
 from surefoot.motion import RobotState, VelocityCommand, WalkingController, WalkSettings, gait_names
 from surefoot.records.log.snapshot import point_names
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
-from surefoot.worlds.running.run import LOOK_EVERY, TOUCH, loaded_feet
+from surefoot.worlds.running.run import LOOK_EVERY, touching_feet
 from surefoot.worlds.running.scenario import Fall
 from surefoot.worlds.running.walk_terrain import start_pose
 
@@ -77,7 +77,7 @@ class WalkRun:
         self.choices = choices or Choices()
         self.assumed_mu = self.choices.mu
         self.names = gait_names(len(robot.feet))
-        self._least = TOUCH * robot.mass * GRAVITY
+        self._weight = robot.mass * GRAVITY
         self._feet = len(robot.feet)
         self.restart()
 
@@ -139,7 +139,7 @@ class WalkRun:
         if self.time - self.fell_at > LIE:
             self.restart()
         world, q_v = self.world, self.world.state()
-        sensed = loaded_feet(world.contact_foot, self.reading.forces, self._feet, self._least)
+        sensed = touching_feet(world.contact_foot, self.reading.forces, self._feet, self._weight)
         command = self.controller.step(RobotState(*q_v, self.time - self._began, sensed))
         try:
             world.step(command.torques, self.push)

@@ -10,7 +10,7 @@ from surefoot.app.viz.plots import spans
 from surefoot.app.viz.style import BAD, FOOT_COLOURS, new_axis, save
 from surefoot.records import Log
 from surefoot.records.audit import AuditReport
-from surefoot.records.audit.laws import LOADED_SHARE
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.log_context import BODY
 
 LEAST_WIDTH = 0.004
@@ -25,7 +25,7 @@ def draw_timeline(log: Log, report: AuditReport, path: Path) -> Path:
     span = max(report.end - report.start, 1e-9)
     time = np.nan_to_num(np.asarray(log["time"], dtype=np.float64))
     forces = np.asarray(log["forces"]) if "forces" in log else np.zeros((len(log), len(report.contacts), 3))
-    for k, on in enumerate((forces[..., 2] > LOADED_SHARE * report.weight).T):
+    for k, on in enumerate((forces[..., 2] > LIMITS.laws.loaded * report.weight).T):
         axis.broken_barh(
             spans(time, on), (len(rows) - 1 - k - 0.3, 0.6), color=FOOT_COLOURS[k % 8], alpha=0.35, lw=0
         )

@@ -24,7 +24,7 @@ from surefoot.base.arrays import BoolArray
 from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.records import Log
-from surefoot.records.audit.laws import LOADED_SHARE
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.motion import foot_forces, tilt_angles
 
 MOST_POINTS = 4000
@@ -59,7 +59,7 @@ def draw_cone_use(log: Log, path: Path) -> Path:
     names = log.facts["feet"]
     figure, axes = new_grid(len(names), 4, (2.4, 2.6), (0.0, 0.3), sharex=True, sharey=True)
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
-    threshold = LOADED_SHARE * log.facts["mass"] * GRAVITY
+    threshold = LIMITS.laws.loaded * log.facts["mass"] * GRAVITY
     forces = foot_forces(log)
     for k, axis in enumerate(axes):
         f = forces[:, k]

@@ -92,7 +92,9 @@ class KernelTree:
         elif isinstance(value, np.ndarray):
             yield f"{value.dtype} {value.shape} {value.strides}".encode() + value.tobytes()
         elif isinstance(value, type):
-            yield f"{value.__module__}.{value.__qualname__} {getattr(value, '_fields', '')}".encode()
+            # the values of an enum are constants of the kernels that read it
+            parts = getattr(value, "_fields", getattr(value, "__members__", ""))
+            yield f"{value.__module__}.{value.__qualname__} {parts}".encode()
         elif isinstance(value, (frozenset, set)):
             yield repr(sorted(map(repr, value))).encode()
         else:

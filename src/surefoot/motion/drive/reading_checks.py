@@ -7,6 +7,7 @@ What it is held against is kept as (7 + 5 joints,), or fewer, numbers from one r
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 
 import numpy as np
 
@@ -14,10 +15,29 @@ from surefoot.base.arrays import FloatArray, IntArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.base.numerics.rotations import turn_between
 
-(SOUND, ENDLESS, NO_UNIT, TURNS, HARD, OUTSIDE, FROZEN, DRIFTS, TWISTS) = range(9)
-"""What is wrong: nothing, a number that is not finite, the length of the quaternion, the turn rate, the
-specific force, a joint out of range, a sensor that says the same for ever, angles that contradict speeds, and
-an attitude that contradicts the gyro."""
+
+class ReadingFault(IntEnum):
+    """What is wrong with a reading; kernels return the values, as plain numbers."""
+
+    SOUND = 0
+    ENDLESS = 1
+    """A number is not finite."""
+    NO_UNIT = 2
+    """The quaternion's length is not one."""
+    TURNS = 3
+    """The turn rate is out of range."""
+    HARD = 4
+    """The specific force is out of range."""
+    OUTSIDE = 5
+    """A joint is out of range."""
+    FROZEN = 6
+    """A sensor says the same for ever."""
+    DRIFTS = 7
+    """Angles contradict speeds."""
+    TWISTS = 8
+    """The attitude contradicts the gyro."""
+
+
 TORQUES = 10
 """Where the joints begin in a reading."""
 
@@ -29,22 +49,22 @@ def beyond(
     """Return what of a reading is out of range, by (joints,) ranges [rad], [rad/s] and sizes, or `SOUND`."""
     for x in said:
         if not math.isfinite(x):
-            return ENDLESS
+            return ReadingFault.ENDLESS.value
     length = math.sqrt(said[0] ** 2 + said[1] ** 2 + said[2] ** 2 + said[3] ** 2)
     if abs(length - 1.0) > 0.02:
-        return NO_UNIT
+        return ReadingFault.NO_UNIT.value
     for r in range(3):
         if abs(said[4 + r]) > turning:
-            return TURNS
+            return ReadingFault.TURNS.value
     for r in range(3):
         if abs(said[7 + r]) > hardest:
-            return HARD
+            return ReadingFault.HARD.value
     joints = len(low)
     for j in range(joints):
         q, v = said[TORQUES + j], said[TORQUES + joints + j]
         if q < low[j] or q > high[j] or abs(v) > fastest[j]:
-            return OUTSIDE
-    return SOUND
+            return ReadingFault.OUTSIDE.value
+    return ReadingFault.SOUND.value
 
 
 @kernel
@@ -117,7 +137,7 @@ def contradicts(
         after[joints + j] = keep * kept[joints + j] + 0.5 * elapsed * abs(said[v] - last[v]) + slack
         apart = apart or abs(after[j]) > mismatch + after[joints + j]
     if apart:
-        return DRIFTS
+        return ReadingFault.DRIFTS.value
     far, change = 0.0, 0.0
     turn = _unexplained_turn(said, last, elapsed)
     for r in range(3):
@@ -126,9 +146,9 @@ def contradicts(
         far = max(far, abs(after[2 * joints + r]))
     after[2 * joints + 3] = keep * kept[2 * joints + 3] + 0.5 * elapsed * change
     if far > turned + after[2 * joints + 3]:
-        return TWISTS
+        return ReadingFault.TWISTS.value
     kept[:] = after
-    return SOUND
+    return ReadingFault.SOUND.value
 
 
 @inline_kernel

@@ -14,10 +14,7 @@ from surefoot.base.errors import ProblemError, unknown_name
 from surefoot.base.spatial import tilt_of
 from surefoot.mechanics import Robot
 from surefoot.motion.drive.reading_checks import (
-    ENDLESS,
-    FROZEN,
-    OUTSIDE,
-    SOUND,
+    ReadingFault,
     beyond,
     contradicts,
     frozen,
@@ -33,7 +30,7 @@ REASONS = (
     "the acceleration is out of range", "a joint is out of range", "a sensor is frozen",
     "a joint's angles contradict its speeds", "the attitude contradicts the gyro",
 )  # fmt: skip
-"""By what `reading_checks` returns."""
+"""By `ReadingFault`."""
 CONTRADICTIONS = 3
 """Contradictory readings in a row that end the patience with them."""
 
@@ -206,8 +203,8 @@ class ReadingWatch:
         said, limits = np.concatenate(readings[1:7]), self.limits
         self._came = said
         wrong = beyond(said, self._low, self._high, self._fastest, limits.turning, limits.hardest)
-        if not math.isfinite(readings.time) or wrong == ENDLESS:
-            return REASONS[ENDLESS]
+        if not math.isfinite(readings.time) or wrong == ReadingFault.ENDLESS:
+            return REASONS[ReadingFault.ENDLESS]
         return self._late(readings.time, now) or REASONS[wrong or self._contradictory(said)]
 
     def _late(self, time: float, now: float) -> str:
@@ -228,20 +225,20 @@ class ReadingWatch:
         """Return what contradicts itself, or the reading before."""
         if self.last is None:
             self._said[:], self._repeated[:] = said, 0
-            return SOUND
+            return ReadingFault.SOUND
         if frozen(said, self._said, self._repeated, MOVING, REPEATS - 1):
             self._contradictions = CONTRADICTIONS
-            return FROZEN
+            return ReadingFault.FROZEN
         limits = self.limits
         if self.silent >= limits.outage:  # damped since then, joints may be anywhere
             self._compare_anew()
-            return SOUND
+            return ReadingFault.SOUND
         elapsed = self.silent + self.dt
         # faster than is believed, so that nothing was compared meanwhile
-        flung = self.reason == REASONS[OUTSIDE]
+        flung = self.reason == REASONS[ReadingFault.OUTSIDE]
         found = contradicts(
             said, self._last, self._kept, elapsed, FORGET ** (elapsed / self.dt), limits.mismatch,
             limits.turned, self._fastest, self.silent if flung else 0.0,
         )  # fmt: skip
-        self._contradictions += found != SOUND
+        self._contradictions += found != ReadingFault.SOUND
         return found

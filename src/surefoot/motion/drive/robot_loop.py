@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import finite_array, of_kind, real_number
 from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.loaded import SENSED
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, actuators_of, with_rotors
 from surefoot.motion.control.controller import Command, JointTargets, RobotState
@@ -35,8 +36,6 @@ SETTLE = 0.4
 """Time in a posture before what follows begins [s]."""
 SLOW = 0.05
 """Speed of a body, as a share of sqrt(g h), at which one that was commanded to stop stands."""
-LOADED = 0.05
-"""Share of m g from which a foot touches by its own sensor."""
 
 
 class RobotLoop:
@@ -379,7 +378,7 @@ class RobotLoop:
             before = self._reading
             self._reading = before._replace(positions=before.positions + self.dt * before.speeds)
         self.tracker.note_torques(last.torques)
-        loaded = last.loaded_feet(LOADED * self.robot.mass * GRAVITY)
+        loaded = last.loaded_feet(SENSED * self.robot.mass * GRAVITY)
         state = self.tracker.state(
             self._reading, self.time - self._began, None if loaded is None else lambda _: loaded
         )

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
+from surefoot.base.discrete_damping import DELAYED, largest_damping
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import Command, RobotState
-from surefoot.motion.drive.watchdog import LARGEST_DAMPING
 
 APPROACH = 0.4
 """Time in which the joints go to the nominal pose [s]."""
@@ -39,7 +39,7 @@ class Standstill:
         self._goal, self._limits = robot.nominal[7:].copy(), robot.effort_limits
         inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))[6:]
         self._stiffness = robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.05)
-        self._damping = np.minimum(DAMPING * self._stiffness, LARGEST_DAMPING * inertia / dt)
+        self._damping = np.minimum(DAMPING * self._stiffness, largest_damping(inertia, dt, DELAYED))
         self._start: FloatArray | None = None
         self._time = 0.0
 

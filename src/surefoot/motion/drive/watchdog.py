@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
+from surefoot.base.discrete_damping import DELAYED, largest_damping
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import Command, Controller, JointTargets, RobotState, Wrapper
@@ -18,8 +19,6 @@ PATIENCE = 0.02
 """Age of a state from which it is stale [s]."""
 DAMPING_TIME = 0.1
 """Damping of a joint over m g h [s/rad], h the height of the base: a leg gives way slowly."""
-LARGEST_DAMPING = 0.2
-"""Share of a joint's speed that damping may take away in a step: more would shake light legs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +52,8 @@ def damping_targets(robot: Robot, dt: float) -> JointTargets:
     inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))
     none = np.zeros(robot.joints)
     damping: FloatArray = np.minimum(
-        DAMPING_TIME * robot.mass * GRAVITY * height, LARGEST_DAMPING * inertia[robot.base_dof :] / dt
+        DAMPING_TIME * robot.mass * GRAVITY * height,
+        largest_damping(inertia[robot.base_dof :], dt, DELAYED),
     )
     return JointTargets(none, none, none, damping, none)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import NoSolution, ProblemError
+from surefoot.base.loaded import ACTS, loaded_feet
 from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import Status
@@ -21,9 +22,6 @@ from surefoot.records import Log, read_log
 
 if TYPE_CHECKING:
     from surefoot.motion.planning.direct.direct_problem import DirectProblem
-
-LOADED = 1e-3
-"""A foot counts as on the ground above this share of m g."""
 
 
 @dataclass(frozen=True)
@@ -339,9 +337,12 @@ def contact_phases(log: Log) -> list[Phase]:
     """Return when the feet of a log are on the ground: spans of rows with a normal force, foot by foot."""
     feet: Sequence[str] = log.fact("feet")
     foot = np.asarray(log.fact("contact_foot"), dtype=np.int64)
-    dt, least = float(log.fact("dt")), LOADED * float(log.fact("mass")) * GRAVITY
+    dt, weight = float(log.fact("dt")), float(log.fact("mass")) * GRAVITY
     out = []
     for number, name in enumerate(feet):
         loads: FloatArray = log["forces"][:, foot == number, 2].sum(axis=1)
-        out += [Phase(name, round(a * dt, 9), round(b * dt, 9)) for a, b in runs_of(loads > least)]
+        out += [
+            Phase(name, round(a * dt, 9), round(b * dt, 9))
+            for a, b in runs_of(loaded_feet(loads, weight, ACTS))
+        ]
     return out

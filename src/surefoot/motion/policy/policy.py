@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, finite_array, real_number
+from surefoot.base.discrete_damping import BORNE, largest_damping
 from surefoot.base.errors import ProblemError
 from surefoot.base.text_files import path_of
 from surefoot.contact import Status
@@ -24,9 +25,6 @@ from surefoot.motion.policy.publishers import beside, describe, robot_of
 from surefoot.motion.policy.spec import PolicySpec, missing
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.records import CHANNELS
-
-BEARABLE = 0.7
-"""Share of a joint's speed that damping may take away in a step of the world: more would shake it."""
 
 TermFunction = Callable[[RobotState], FloatArray]
 
@@ -149,7 +147,7 @@ class Policy(Controller):
         self.posture = robot.nominal.copy()
         self.posture[self._first[0] :] = self._goal
         inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), self.posture))
-        most = BEARABLE * inertia[self._first[1] :] / dt
+        most = largest_damping(inertia[self._first[1] :], dt, BORNE)
         over = np.flatnonzero(self._damping > most)
         lowered = [f"{robot.joint_names[k]} {self._damping[k]:g} to {most[k]:.2g}" for k in over]
         self._damping = np.minimum(self._damping, most)

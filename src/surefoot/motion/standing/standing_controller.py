@@ -2,7 +2,8 @@
 
 Each step: the wrench that holds the base where the plan wants it, the ground forces that give it, and
 the joint torques that make the feet push so (the contact Jacobian's transpose and the legs' own
-dynamics). Gains follow from the robot's mass, inertia and height; nothing is tuned per robot.
+dynamics). Gains scale with the robot's mass, inertia and height; their multiples were tuned in simulation, on
+robots of Go2's size.
 """
 
 from __future__ import annotations

@@ -16,11 +16,12 @@ from surefoot.records.audit.command_tracking import judge_command, judge_task
 from surefoot.records.audit.cones import grip
 from surefoot.records.audit.diagnosis import diagnose
 from surefoot.records.audit.friction import FrictionCount
-from surefoot.records.audit.intervals import JOIN, Interval, Track
+from surefoot.records.audit.intervals import Interval, Track
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.log_context import Setting, arrange_contacts, setting_of
 from surefoot.records.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
 from surefoot.records.audit.rows import Rows, lacking, pieces
-from surefoot.records.audit.slides import WORST, slide_on, start_slides
+from surefoot.records.audit.slides import WORST, slide_on, slide_rules, start_slides
 from surefoot.records.log import Log
 from surefoot.records.log.reading import read_log
 
@@ -29,11 +30,9 @@ FINITE, CLOCK = "finite", "clock"
 _FAULTS = (FINITE, CLOCK)
 NEEDED = ("pull", "penetration", "distance", "friction")
 """Laws without which no log is called lawful: unilateral contact and Coulomb's cone."""
-LEAST = 4
-"""Rows without which no log is called lawful: fewer hold no motion that forces could contradict."""
 
 
-def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
+def audit_log(log: Log | Path | str, robot: Robot | None = None, limits: AuditLimits = LIMITS) -> AuditReport:
     """Judge every law of contact over a log, in bounded memory.
 
     Parameters
@@ -44,6 +43,8 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
         ``q``, ``v`` and ``normals`` whether the forces explain the motion.
     robot
         Whose log it is; None for the robot that it names.
+    limits
+        What the log is judged by; the report keeps it.
 
     Returns
     -------
@@ -65,13 +66,13 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
     if not isinstance(log, Log):
         log = read_log(log)
     log = arrange_contacts(log, robot)
-    setting = setting_of(log, robot)
+    setting = setting_of(log, robot, limits)
     coverage = _coverage(log, setting)
     used = [check for check in CHECKS if not coverage.get(check.name, "")]
     used = [check for check in used if check.law or not (lacking(log, check.needs) or not setting.names)]
-    join = max(1, round(JOIN / setting.dt)) if setting.dt > 0.0 else 1
+    join = max(1, round(limits.records.join / setting.dt)) if setting.dt > 0.0 else 1
     tracks = {name: Track(name, join) for name in (*_FAULTS, *(check.name for check in used))}
-    friction, slides = FrictionCount(setting), start_slides(len(setting.names))
+    friction, slides = FrictionCount(setting), start_slides(len(setting.names), limits.laws)
     last = -np.inf
     for rows in pieces(log, setting):
         last = _faults(rows, tracks, last)
@@ -133,7 +134,7 @@ def _faults(rows: Rows, tracks: dict[str, Track], before: float) -> float:
     step = np.diff(time, prepend=before if np.isfinite(before) else time[:1] - rows.setting.dt)
     bad = ~(step > 0.0) | ~np.isfinite(time)
     if rows.setting.dt > 0.0:
-        bad |= step > 5.5 * rows.setting.dt
+        bad |= step > rows.setting.limits.records.lost_step * rows.setting.dt
     if bad.any():
         tracks[CLOCK].add(
             bad[:, None], step[:, None], np.full((len(step), 1), rows.setting.dt), first, rows.points
@@ -158,7 +159,9 @@ def _slide(rows: Rows, state: FloatArray) -> None:
     mu = np.ascontiguousarray(np.broadcast_to(grip(rows), rows.normal.shape)[core][keep])
     f, v = (np.ascontiguousarray(x[core][keep]) for x in (rows.forces, rows.slip))
     v = np.where(rows.swinging[core][keep][..., None], 0.0, v)
-    slide_on(state, f, v, mu, rows.dt[core][keep], rows.setting.threshold, rows.setting.weight)
+    setting = rows.setting
+    rules = slide_rules(setting.limits.laws)
+    slide_on(state, f, v, mu, rows.dt[core][keep], setting.threshold, setting.weight, *rules)
 
 
 def _slow_slides(state: FloatArray, track: Track, limit: float, rows: int) -> None:
@@ -198,7 +201,8 @@ def _report(
     return AuditReport(
         verdict, violations, more, symptoms, coverage, intervals,
         (*setting.doubts, *setting.notes, *_changes(intervals)), len(log), float(time[0]), float(time[-1]),
-        setting.names, setting.weight, reason, *judge_task(log), tuple(judge_command(log, setting)),
+        setting.names, setting.weight, reason, *judge_task(log, setting.limits),
+        tuple(judge_command(log, setting)), setting.limits,
     )  # fmt: skip
 
 
@@ -223,8 +227,8 @@ def _reason(log: Log, setting: Setting, coverage: dict[str, str], violations: tu
         return ", ".join(sorted(lacking))
     if setting.doubts:
         return setting.doubts[0]
-    if len(log) < LEAST:
-        return f"{len(log)} rows are too few, {LEAST} are the least"
+    if len(log) < (least := setting.limits.records.least_rows):
+        return f"{len(log)} rows are too few, {least} are the least"
     unknown = coverage["motion"] and coverage["balance"]
     if unknown and not any(_loaded(piece, setting) for piece in log.chunks()):
         return "no contact ever carries anything, and the motion is not known"

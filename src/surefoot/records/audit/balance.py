@@ -14,15 +14,6 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean
 
-SMOOTH = 0.01
-"""Forces are compared with the momentum over this time [s], ..."""
-RINGING_TIME = 0.05
-"""... and by their root mean square over this one [s]."""
-LIMIT, RINGING_LIMIT = 0.05, 0.1
-"""What may be left over of the mean, and of the root mean square, as shares of m g ..."""
-ARM = 0.02
-"""... and of a moment as m g on this arm [m]."""
-
 
 def left_over(rows: Rows) -> FloatArray:
     """Return the wrench about the centre of mass that nothing in the log explains: (T, 6) [N, N m].
@@ -48,9 +39,10 @@ def left_over(rows: Rows) -> FloatArray:
 
 def balance(rows: Rows) -> Measured:
     """Return the force that the momentum leaves unexplained, in the column of the body: (T, p + 1) [N]."""
-    rest, weight = left_over(rows), rows.setting.weight
-    w, long = rows.window(SMOOTH), rows.window(RINGING_TIME)
+    rest, weight, limits = left_over(rows), rows.setting.weight, rows.setting.limits.balance
+    w, long = rows.window(limits.smooth), rows.window(limits.ringing_time)
     force, moment = (np.linalg.norm(sliding_mean(part, w), axis=-1) for part in (rest[:, :3], rest[:, 3:]))
     rings = np.sqrt(sliding_mean((rest[:, :3] ** 2).sum(axis=1), long))
-    value = np.fmax(np.fmax(force, moment * (LIMIT / ARM)), rings * (LIMIT / RINGING_LIMIT))
-    return over(on_body(rows, np.nan_to_num(value)), LIMIT * weight)
+    value = np.fmax(force, moment * (limits.force / limits.arm))
+    value = np.fmax(value, rings * (limits.force / limits.ringing))
+    return over(on_body(rows, np.nan_to_num(value)), limits.force * weight)

@@ -12,38 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-from surefoot.records.audit.balance import ARM as MOMENT_ARM
-from surefoot.records.audit.balance import LIMIT as MOTION_LIMIT
-from surefoot.records.audit.balance import RINGING_LIMIT, RINGING_TIME, SMOOTH, balance
+from surefoot.records.audit.balance import balance
 from surefoot.records.audit.cones import friction_needed, grip
 from surefoot.records.audit.continuity import contact_velocity, gap_rate, no_plane, state
-from surefoot.records.audit.laws import (
-    CONE_LIMIT,
-    LEAST_FRICTION,
-    PENETRATION_LIMIT,
-    PULL_LIMIT,
-    SLIDE_LIMIT,
-    SWING_DEPTH,
-)  # fmt: skip
-from surefoot.records.audit.log_context import DEEP, Setting
+from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.restitution import rebound, sparse
 from surefoot.records.audit.rows import Measured, Rows, on_body, over, sliding_mean, sliding_sum
 from surefoot.records.log import Log
-
-SLIDE_WINDOW = 0.05
-"""Friction's work is added up over this time [s]."""
-CHATTER_WINDOW, CHATTER_SWITCHES = 0.1, 8.0
-"""Loading and unloading so often within this time [s] is chatter: 40 Hz."""
-RINGING = 0.15
-"""Mean jump of the normal force from row to row, back and forth, that is chatter, as a share of m g."""
-SPIKE = 1.5
-"""A force of one or two rows that exceeds both sides by so many m g is a blow."""
-IDLE_TIME = 0.1
-"""A robot that stands on nothing for longer has no forces [s]."""
-FROZEN_TIME = 0.03
-"""A force that does not change in the last digit for this long is no measurement [s]."""
-LEAN_TIME, LEAN = 0.1, 0.25
-"""A diagonal pair of feet may carry this share of m g more than the other, for this long [s]."""
 
 
 @dataclass(frozen=True)
@@ -77,41 +52,44 @@ class Check:
 
 def _penetration(rows: Rows) -> Measured:
     """Depth [m]; while a body tumbles onto soft contacts they drive each other deeper."""
-    limit = max(PENETRATION_LIMIT, rows.setting.sinking)
-    return over(-rows.gaps, np.where(rows.swinging, max(limit, SWING_DEPTH * rows.setting.sinking), limit))
+    limits, sinking = rows.setting.limits.laws, rows.setting.sinking
+    limit = max(limits.penetration, sinking)
+    return over(-rows.gaps, np.where(rows.swinging, max(limit, limits.swing_depth * sinking), limit))
 
 
 def _depth(rows: Rows) -> Measured:
     """Depth that is soft, whatever the world declares [m]."""
-    return over(-rows.gaps, DEEP)
+    return over(-rows.gaps, rows.setting.limits.records.deep)
 
 
 def _pull(rows: Rows) -> Measured:
-    return over(-rows.normal, PULL_LIMIT * rows.setting.weight)
+    return over(-rows.normal, rows.setting.limits.laws.pull * rows.setting.weight)
 
 
 def _friction(rows: Rows) -> Measured:
     """Friction that a force needs; one of hardly any normal force may have the noise of it."""
-    return over(friction_needed(rows), CONE_LIMIT * np.maximum(rows.mu, LEAST_FRICTION))
+    limits = rows.setting.limits.laws
+    return over(friction_needed(rows), limits.cone * np.maximum(rows.mu, limits.least_friction))
 
 
 def _distance(rows: Rows) -> Measured:
     """Force across a gap, along the normal or across it."""
     pushed = np.maximum(np.abs(rows.normal), rows.tangential) > rows.setting.threshold
     value = np.where(pushed, rows.gaps, 0.0)
-    return over(value, max(PENETRATION_LIMIT, rows.setting.sinking))
+    return over(value, max(rows.setting.limits.laws.penetration, rows.setting.sinking))
 
 
 def _without_settling(rows: Rows, value: FloatArray) -> FloatArray:
     """Return (T, p) values of windows, zero for those in which soft contacts swing from a hard touchdown."""
-    hit = sliding_sum(rows.swinging.astype(np.float64), rows.window(SLIDE_WINDOW) + 2)
+    window = rows.window(rows.setting.limits.checks.slide_window)
+    hit = sliding_sum(rows.swinging.astype(np.float64), window + 2)
     return np.where(hit > 0.0, 0.0, value)
 
 
 def _work(rows: Rows, friction: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return way [m], friction's work [J] and the most that it could take [J], over windows: (T, p) each."""
     own = "contact_creep" in rows.log  # else the limit knows the creep
-    w = rows.window(SLIDE_WINDOW)
+    w = rows.window(rows.setting.limits.checks.slide_window)
     on = rows.loaded.copy()
     on[1:] &= rows.loaded[:-1]  # not the row of a touchdown: its force is the blow that stops the foot
     slip = rows.slip if own else rows.velocities
@@ -126,46 +104,51 @@ def _work(rows: Rows, friction: FloatArray) -> tuple[FloatArray, FloatArray, Flo
 def _driving(rows: Rows) -> Measured:
     """Work that friction gave [J]: never positive, but regularised friction turns late."""
     _, work, most = _work(rows, grip(rows))
-    late = SLIDE_LIMIT + 2.0 * rows.setting.stopping
-    limit = np.maximum(0.05 * late * rows.setting.weight, 0.05 * most)
+    share = rows.setting.limits.checks.drive_share
+    late = rows.setting.limits.laws.slide + 2.0 * rows.setting.stopping
+    limit = np.maximum(share * late * rows.setting.weight, share * most)
     return over(_without_settling(rows, work), limit)
 
 
 def _sliding(rows: Rows) -> Measured:
     """Way of a contact as if without friction [m]."""
     way, work, most = _work(rows, grip(rows))
-    share = np.clip((0.9 * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
+    limits = rows.setting.limits.checks
+    share = np.clip((limits.brake_share * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
     creep = 0.0 if "contact_creep" in rows.log else rows.setting.creep
-    return over(_without_settling(rows, value), rows.setting.slide_limit + creep * SLIDE_WINDOW)
+    return over(_without_settling(rows, value), rows.setting.slide_limit + creep * limits.slide_window)
 
 
 def _bias(rows: Rows) -> Measured:
     """Way on which a pyramid brakes less than the round cone, times the share that it lacks [m]."""
-    lacks = np.where(rows.mu > LEAST_FRICTION, 1.0 - grip(rows) / np.maximum(rows.mu, LEAST_FRICTION), 0.0)
+    limits, window = rows.setting.limits.laws, rows.window(rows.setting.limits.checks.slide_window)
+    least = limits.least_friction
+    lacks = np.where(rows.mu > least, 1.0 - grip(rows) / np.maximum(rows.mu, least), 0.0)
     way = np.hypot(rows.slip[..., 0], rows.slip[..., 1]) * rows.dt[:, None]
-    return over(sliding_sum(np.where(rows.loaded, way * lacks, 0.0), rows.window(SLIDE_WINDOW)), SLIDE_LIMIT)
+    return over(sliding_sum(np.where(rows.loaded, way * lacks, 0.0), window), limits.slide)
 
 
 def _motion(rows: Rows) -> Measured:
     """Force that the motion leaves unexplained: at each foot, and on the body [N]."""
-    rest = rows.unexplained
-    weight, w = rows.setting.weight, rows.window(SMOOTH)
+    rest, limits = rows.unexplained, rows.setting.limits.balance
+    weight, w = rows.setting.weight, rows.window(limits.smooth)
     value = np.zeros((rows.count, rows.points + 1))
     if rest is not None:
         by_foot = np.linalg.norm(sliding_mean(rest.feet, w), axis=-1)
         value[:, :-1] = by_foot[:, rows.setting.owner]
         force = np.linalg.norm(sliding_mean(rest.force, w), axis=-1)
         moment = np.linalg.norm(sliding_mean(rest.moment, w), axis=-1)
-        value[:, -1] = np.fmax(force, moment * (MOTION_LIMIT / MOMENT_ARM))
-        rings = np.sqrt(sliding_mean((rest.force**2).sum(axis=1), rows.window(RINGING_TIME)))
-        value[:, -1] = np.fmax(value[:, -1], rings * (MOTION_LIMIT / RINGING_LIMIT))
-    return over(np.nan_to_num(value), MOTION_LIMIT * weight)
+        value[:, -1] = np.fmax(force, moment * (limits.force / limits.arm))
+        rings = np.sqrt(sliding_mean((rest.force**2).sum(axis=1), rows.window(limits.ringing_time)))
+        value[:, -1] = np.fmax(value[:, -1], rings * (limits.force / limits.ringing))
+    return over(np.nan_to_num(value), limits.force * weight)
 
 
 def _chatter(rows: Rows) -> Measured:
     """Switches between loaded and unloaded in a window, or as many for a force that rings."""
-    w = rows.window(CHATTER_WINDOW)
+    limits = rows.setting.limits.checks
+    w, most = rows.window(limits.chatter_window), limits.chatter_switches
     switched = np.zeros(rows.loaded.shape)
     switched[1:] = rows.loaded[1:] != rows.loaded[:-1]
     step = np.zeros(rows.normal.shape)
@@ -173,9 +156,10 @@ def _chatter(rows: Rows) -> Measured:
     back = np.zeros(step.shape)
     back[1:] = np.where(step[1:] * step[:-1] < 0.0, np.minimum(np.abs(step[1:]), np.abs(step[:-1])), 0.0)
     ringing = sliding_sum(np.minimum(back, rows.setting.weight), w) / w
-    value = np.maximum(sliding_sum(switched, w), ringing / (RINGING * rows.setting.weight) * CHATTER_SWITCHES)
-    out = over(value, CHATTER_SWITCHES - 0.5)
-    return out[0], out[1], out[2] & (sliding_sum(switched + (back > 0.0), rows.window(SMOOTH)) > 0.0)
+    value = np.maximum(sliding_sum(switched, w), ringing / (limits.ringing * rows.setting.weight) * most)
+    out = over(value, most - 0.5)
+    near = rows.window(rows.setting.limits.balance.smooth)
+    return out[0], out[1], out[2] & (sliding_sum(switched + (back > 0.0), near) > 0.0)
 
 
 def _blow(rows: Rows) -> Measured:
@@ -185,48 +169,52 @@ def _blow(rows: Rows) -> Measured:
     if rows.count >= 5:
         around[2:-2] = np.maximum(np.minimum(size[:-4], size[1:-3]), np.minimum(size[4:], size[3:-1]))
     value = np.where(np.isfinite(around), size - around, 0.0) / rows.setting.weight
-    return over(value, SPIKE)
+    return over(value, rows.setting.limits.checks.spike)
 
 
 def _solver_error(rows: Rows) -> Measured:
     """Error of a contact force as the world's solver left it [N], a mean of some time."""
-    value = sliding_mean(rows.numbers("solver_error"), rows.window(SMOOTH))
-    return over(on_body(rows, value), MOTION_LIMIT * rows.setting.weight)
+    limits = rows.setting.limits.balance
+    value = sliding_mean(rows.numbers("solver_error"), rows.window(limits.smooth))
+    return over(on_body(rows, value), limits.force * rows.setting.weight)
 
 
 def _idle(rows: Rows) -> Measured:
     """Time during which nothing carries the robot though a foot touches the ground, or it does not fall."""
-    w = rows.window(IDLE_TIME)
+    limits = rows.setting.limits.checks
+    w = rows.window(limits.idle_time)
     idle = np.zeros(rows.count, dtype=bool)
     if rows.has("gaps"):
-        idle |= (rows.gaps <= 1e-4).any(axis=1)
+        idle |= (rows.gaps <= limits.idle_gap).any(axis=1)
     if rows.unexplained is not None:
         force = np.nan_to_num(rows.unexplained.force)
-        idle |= np.linalg.norm(force, axis=1) > 0.3 * rows.setting.weight
+        idle |= np.linalg.norm(force, axis=1) > limits.idle_force * rows.setting.weight
     idle &= np.abs(rows.forces).max(axis=(1, 2)) <= rows.setting.threshold
-    value, limit, bad = over(on_body(rows, sliding_sum(idle.astype(np.float64), w) / w), 0.95)
+    value, limit, bad = over(on_body(rows, sliding_sum(idle.astype(np.float64), w) / w), limits.idle_share)
     return value, limit, bad & idle[:, None]
 
 
 def _frozen(rows: Rows) -> Measured:
     """Share of a window in which a force does not change in the last digit."""
-    w = rows.window(FROZEN_TIME)
+    limits = rows.setting.limits.checks
+    w = rows.window(limits.frozen_time)
     same = np.zeros(rows.normal.shape)
     same[1:] = (rows.normal[1:] == rows.normal[:-1]) & (np.abs(rows.normal[1:]) > rows.setting.threshold)
     value = sliding_sum(same, w) / w
-    out = over(value, 0.95)
-    return out[0], out[1], out[2] & (w > 8)
+    out = over(value, limits.frozen_share)
+    return out[0], out[1], out[2] & (w > limits.frozen_rows)
 
 
 def _lean(rows: Rows) -> Measured:
     """Share of m g that one diagonal of four feet carries beyond the other, while all are loaded."""
-    value = np.zeros((rows.count, rows.points))
+    limits, value = rows.setting.limits.checks, np.zeros((rows.count, rows.points))
     if rows.points == 4:
         n = rows.normal
         lean = (n[:, 0] + n[:, 3] - n[:, 1] - n[:, 2]) / rows.setting.weight
-        mean = np.abs(sliding_mean(np.where(rows.loaded.all(axis=1), lean, np.nan), rows.window(LEAN_TIME)))
+        level = np.where(rows.loaded.all(axis=1), lean, np.nan)
+        mean = np.abs(sliding_mean(level, rows.window(limits.lean_time)))
         value[:] = np.nan_to_num(mean)[:, None]
-    return over(value, LEAN)
+    return over(value, limits.lean)
 
 
 FORCES, GAPS = ("forces",), ("forces", "gaps")

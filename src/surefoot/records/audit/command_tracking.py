@@ -15,33 +15,18 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.records.audit.check_limits import CommandLimits
 from surefoot.records.audit.continuity import free_base
 from surefoot.records.audit.episode import LONGEST
 from surefoot.records.audit.intervals import Interval, Track
-from surefoot.records.audit.laws import CONE_LIMIT, PULL_LIMIT
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.report import Finding, Task
 from surefoot.records.audit.rows import Rows, on_body, pieces, sliding_mean
 from surefoot.records.audit.summary.stand_summary import displaced
-from surefoot.records.audit.summary.walk_summary import SETTLED, follows
+from surefoot.records.audit.summary.walk_summary import follows
 from surefoot.records.audit.symptoms.fits import fitted_pyramid, rotation_angle, rotation_between
 from surefoot.records.log import Ending, Log
-
-WINDOW = 0.05
-"""What is commanded is judged over this time [s]."""
-AT_ONCE = 0.025
-"""No foot pushes for so long while one touches: longer than a lift-off or a late touchdown takes [s]."""
-NEARLY_ALL = 0.9
-"""A command that is impossible in this share of a window is impossible throughout it."""
-MISMATCH = 0.06
-"""Mean force beside the commanded one that a foot may get, or its torques balance, over a window, over
-m g (clean walks: 0.015 and 0.005)."""
-TORQUE_MISMATCH = 0.05
-"""Mean difference of applied and commanded torques over a window, as a share of the largest commanded one."""
-EXPLAINED = 0.8
-"""Share of the mismatch that a turn or a mirror must explain to be named."""
-LEANS, LOW = np.radians(60.0), 0.4
-"""A base that ends further from the vertical of its start, or lower than this share of its height, fell."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +49,8 @@ def judge_command(log: Log, setting: Setting) -> Iterator[Finding]:
     What the log has no channels for is not asked.
     """
     asked = [q for q in _QUESTIONS if setting.names and all(_known(log, name) for name in q.needs)]
-    join = max(1, round(WINDOW / setting.dt)) if setting.dt > 0.0 else 1
+    window = setting.limits.command.window
+    join = max(1, round(window / setting.dt)) if setting.dt > 0.0 else 1
     tracks = [Track(q.name, join) for q in asked]
     for rows in pieces(log, setting):
         for q, track in zip(asked, tracks, strict=True):
@@ -76,7 +62,7 @@ def judge_command(log: Log, setting: Setting) -> Iterator[Finding]:
     pairs = zip(asked, tracks, strict=True)
     found = [_finding(q, one, log, setting) for q, track in pairs for one in track.kept]
     # what begins first comes first, of what begins together the named cause
-    yield from sorted(found, key=lambda f: (f.start // WINDOW, f.name == _UNNAMED, f.start))
+    yield from sorted(found, key=lambda f: (f.start // window, f.name == _UNNAMED, f.start))
 
 
 def _finding(q: _Question, one: Interval, log: Log, setting: Setting) -> Finding:
@@ -97,13 +83,13 @@ def _active(rows: Rows) -> BoolArray:
 
 
 def _commanded_pull(rows: Rows) -> tuple[FloatArray, float]:
-    return -rows.numbers("forces_commanded")[..., 2], PULL_LIMIT * rows.setting.weight
+    return -rows.numbers("forces_commanded")[..., 2], rows.setting.limits.laws.pull * rows.setting.weight
 
 
 def _commanded_cone(rows: Rows) -> tuple[FloatArray, float]:
-    f = rows.numbers("forces_commanded")
+    f, limits = rows.numbers("forces_commanded"), rows.setting.limits.laws
     needed = np.hypot(f[..., 0], f[..., 1]) / np.maximum(f[..., 2], rows.setting.threshold)
-    return needed / np.maximum(rows.mu, 1e-4), CONE_LIMIT
+    return needed / np.maximum(rows.mu, limits.least_friction), limits.cone
 
 
 def _known(log: Log, name: str) -> bool:
@@ -112,21 +98,25 @@ def _known(log: Log, name: str) -> bool:
 
 
 def _may_not_push(rows: Rows) -> tuple[FloatArray, float]:
-    near = (rows.gaps <= 1e-3).any(axis=1) if rows.has("gaps") else rows.loaded.any(axis=1)
+    limits = rows.setting.limits.command
+    near = (rows.gaps <= limits.touching).any(axis=1) if rows.has("gaps") else rows.loaded.any(axis=1)
     idle = np.abs(rows.numbers("forces_commanded")).max(axis=(1, 2)) <= rows.setting.threshold
     none = (~_active(rows).any(axis=1) | idle) & near
-    return on_body(rows, sliding_mean(none.astype(np.float64), rows.window(AT_ONCE))), NEARLY_ALL
+    share = sliding_mean(none.astype(np.float64), rows.window(limits.at_once))
+    return on_body(rows, share), limits.nearly_all
 
 
 def _impossible(rows: Rows) -> tuple[FloatArray, float]:
     lost = 1.0 - np.asarray(rows.log["attained"], dtype=np.float64)
-    return on_body(rows, sliding_mean(lost, rows.window(WINDOW))), NEARLY_ALL
+    limits = rows.setting.limits.command
+    return on_body(rows, sliding_mean(lost, rows.window(limits.window))), limits.nearly_all
 
 
 def _other_torques(rows: Rows) -> tuple[FloatArray, float]:
     asked, given = rows.numbers("torques_commanded"), rows.numbers("torques")
-    off = np.abs(sliding_mean(given - asked, rows.window(WINDOW))).max(axis=1)
-    return on_body(rows, off / max(float(np.abs(asked).max(initial=0.0)), 1e-9)), TORQUE_MISMATCH
+    limits = rows.setting.limits.command
+    off = np.abs(sliding_mean(given - asked, rows.window(limits.window))).max(axis=1)
+    return on_body(rows, off / max(float(np.abs(asked).max(initial=0.0)), 1e-9)), limits.torque_mismatch
 
 
 def _answer(rows: Rows) -> FloatArray:
@@ -137,11 +127,11 @@ def _answer(rows: Rows) -> FloatArray:
 
 
 def _other_forces(rows: Rows) -> tuple[FloatArray, float]:
-    f, stance = rows.numbers("forces_commanded"), _active(rows)
+    f, stance, limits = rows.numbers("forces_commanded"), _active(rows), rows.setting.limits.command
     if rows.balanced is None:
         stance = stance & rows.loaded  # not in place: the flags are the log's own
-    off = sliding_mean(np.where(stance[..., None], _answer(rows) - f, 0.0), rows.window(WINDOW))
-    return np.linalg.norm(off, axis=-1) / rows.setting.weight, MISMATCH
+    off = sliding_mean(np.where(stance[..., None], _answer(rows) - f, 0.0), rows.window(limits.window))
+    return np.linalg.norm(off, axis=-1) / rows.setting.weight, limits.mismatch
 
 
 def _facets(found: Finding, rows: Rows, column: int) -> Finding:
@@ -149,7 +139,7 @@ def _facets(found: Finding, rows: Rows, column: int) -> Finding:
     f, mu = (
         x[rows.core] for x in (rows.numbers("forces_commanded"), np.broadcast_to(rows.mu, rows.normal.shape))
     )
-    shape = fitted_pyramid(f, mu, rows.setting.weight)
+    shape = fitted_pyramid(f, mu, rows.setting.weight, rows.setting.limits.fits)
     if shape is None:
         return found
     words = f"commanded forces fill a pyramid of {shape[0]} facets about the cone"
@@ -158,19 +148,20 @@ def _facets(found: Finding, rows: Rows, column: int) -> Finding:
 
 def _name_finding(found: Finding, rows: Rows, column: int) -> Finding:
     """Return the finding of forces that are not the commanded ones, under the name of what explains them."""
-    first = slice(rows.core.start, min(rows.core.stop, rows.core.start + rows.window(AT_ONCE)))
+    limits = rows.setting.limits.command
+    first = slice(rows.core.start, min(rows.core.stop, rows.core.start + rows.window(limits.at_once)))
     asked, given = rows.numbers("forces_commanded")[first, column], _answer(rows)[first, column]
     amiss = float(((given - asked) ** 2).sum())
 
     def explained(model: FloatArray) -> float:
         return 1.0 - float(((given - model) ** 2).sum()) / max(amiss, 1e-300)
 
-    if explained(-asked) > EXPLAINED:
+    if explained(-asked) > limits.explained:
         words = "the forces are those commanded with the other sign"
         return replace(found, name="reversed", evidence=words, cause="action and reaction are exchanged")
     turn = rotation_between(asked, given)
     angle = rotation_angle(turn)
-    if angle > 3.0 and explained(asked @ turn.T) > EXPLAINED:
+    if angle > limits.least_turn and explained(asked @ turn.T) > limits.explained:
         words = f"the forces are those commanded, turned by {angle:.0f} deg"
         cause = "J^T f with force and Jacobian in different frames (LOCAL with world forces, another normal)"
         return replace(found, name="wrong frame", evidence=words, cause=cause)
@@ -217,16 +208,16 @@ _QUESTIONS = (
 )  # fmt: skip
 
 
-def judge_task(log: Log) -> tuple[Task, str]:
+def judge_task(log: Log, limits: AuditLimits = LIMITS) -> tuple[Task, str]:
     """Return whether the task of a log was attained, and how it failed."""
     ended = str(log.facts.get("outcome", ""))
     if ended in (Ending.FELL, Ending.LOST, Ending.INVALID):
         return "failed", f"the run ended after {float(log['time'][-1]):.2f} s: {_ENDED[ended]}"
-    if (down := _lies(log)) and (not ended or ended == Ending.DONE):
+    if (down := _lies(log, limits.command)) and (not ended or ended == Ending.DONE):
         return "failed", down
     if ended != Ending.DONE:
         return "unknown", ""
-    if "command" in log and "q" in log and float(log["time"][-1]) > SETTLED and not follows(log):
+    if "command" in log and "q" in log and float(log["time"][-1]) > limits.walk.settled and not follows(log):
         return "failed", "the robot did not follow the commanded velocity"
     if log.facts.get("kind") == "stand" and {"q", "contact_positions"} <= set(log.arrays) and displaced(log):
         return "failed", "the base is not where it should stand"
@@ -240,7 +231,7 @@ _ENDED = {
 }
 
 
-def _lies(log: Log) -> str:
+def _lies(log: Log, limits: CommandLimits) -> str:
     """Return how a robot with a free base lies at the end; empty if it does not, or one cannot tell."""
     if not {"q", "v"} <= set(log.arrays) or not free_base(np.asarray(log["q"][:1]), np.asarray(log["v"][:1])):
         return ""
@@ -249,11 +240,11 @@ def _lies(log: Log) -> str:
         return ""
     up = rotation_from_quaternion(q[:, 3:7])[:, :, 2]
     lean = float(np.arccos(np.clip(up[0] @ up[1], -1.0, 1.0)))
-    if lean > LEANS:
+    if lean > np.radians(limits.leans):
         return f"the base ends {np.degrees(lean):.0f} deg from its upright pose"
     if "contact_positions" in log and np.size(log["contact_positions"]):  # nothing may ever have touched
         ground = np.asarray(log["contact_positions"])[[0, -1], :, 2].min(axis=1)
         heights = q[:, 2] - ground
-        if heights[0] > 0.0 and heights[1] < LOW * heights[0]:
+        if heights[0] > 0.0 and heights[1] < limits.low * heights[0]:
             return f"the base ends at {heights[1]:.2f} m above its feet, {heights[0]:.2f} m at the start"
     return ""

@@ -13,19 +13,11 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind
 from surefoot.base.errors import ProblemError, unknown_name
 from surefoot.base.numerics.phases import debounced
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.motion import foot_forces
 from surefoot.records.log import Log
 
-DEBOUNCE = 0.03
-"""A phase shorter than this is none [s]."""
-TOUCHDOWN, LIFT_OFF = 0.10, 0.06
-"""Shares of the way from a foot's offset to its peak at which it touches down and lifts off."""
-FLAT, FLAT_SHARE = 0.05, 0.15
-"""In the air a reading stays within FLAT of that way from the offset, in at least this share of all rows."""
-NOISE_RATIO = 10.0
-"""A peak lower than this many times the noise is no contact."""
-LONGEST = 2.0
-"""A stride longer than this many times the median one is a pause."""
+TIMES = LIMITS.times
 
 
 @dataclass(frozen=True)
@@ -129,8 +121,8 @@ def _foot(name: str, time: FloatArray, reading: FloatArray, touch: BoolArray) ->
     refused = _refusal(reading, offset, peak)
     if refused:
         return FootTimes(name, offset=offset, peak=peak, refused=refused)
-    up, down = (offset + share * (peak - offset) for share in (TOUCHDOWN, LIFT_OFF))
-    touch[:] = debounced(time, _hysteresis(reading, up, down), DEBOUNCE)
+    up, down = (offset + share * (peak - offset) for share in (TIMES.touchdown, TIMES.lift_off))
+    touch[:] = debounced(time, _hysteresis(reading, up, down), TIMES.debounce)
     change = np.flatnonzero(np.diff(touch.astype(np.int8)))
     rising = change[touch[change + 1]]
     falling = change[~touch[change + 1]]
@@ -148,7 +140,7 @@ def _foot(name: str, time: FloatArray, reading: FloatArray, touch: BoolArray) ->
 def _levels(reading: FloatArray) -> tuple[float, float]:
     """Return a foot's offset, the middle of its lowest readings, and its usual peak."""
     low, peak = np.percentile(reading, [5.0, 95.0])
-    near = reading[reading <= low + FLAT * (peak - low)]
+    near = reading[reading <= low + TIMES.flat * (peak - low)]
     return float(np.median(near)), float(peak)
 
 
@@ -159,12 +151,12 @@ def _refusal(reading: FloatArray, offset: float, peak: float) -> str:
     noise = 1.4826 * float(np.median(steps)) / np.sqrt(2.0)
     if size <= 0.0:
         return f"the reading is {offset:g} almost always"
-    if size < NOISE_RATIO * noise:
-        return f"its peak of {size:.3g} is less than {NOISE_RATIO:g} times its noise of {noise:.3g}"
-    share = float((np.abs(reading - offset) <= FLAT * size).mean())
-    if share < FLAT_SHARE:
+    if size < TIMES.noise_ratio * noise:
+        return f"its peak of {size:.3g} is less than {TIMES.noise_ratio:g} times its noise of {noise:.3g}"
+    share = float((np.abs(reading - offset) <= TIMES.flat * size).mean())
+    if share < TIMES.flat_share:
         return f"it has no level of its own in the air: {100 * share:.0f} % of the rows are near {offset:.3g}"
-    if share > 1.0 - 0.02:
+    if share > 1.0 - TIMES.flat_most:
         return "it hardly ever leaves its lowest level"
     return ""
 
@@ -192,9 +184,9 @@ def _strides(time: FloatArray, touchdowns: FloatArray) -> FloatArray:
     strides = np.column_stack([touchdowns[:-1], touchdowns[1:]])
     period = np.diff(strides, axis=1)[:, 0]
     steps = np.diff(time)
-    holes = time[:-1][steps > max(DEBOUNCE, 5.0 * float(np.median(steps)))]
+    holes = time[:-1][steps > max(TIMES.debounce, TIMES.hole * float(np.median(steps)))]
     whole = np.searchsorted(holes, strides[:, 0]) == np.searchsorted(holes, strides[:, 1])
-    return np.asarray(strides[whole & (period <= LONGEST * np.median(period))])
+    return np.asarray(strides[whole & (period <= TIMES.longest * np.median(period))])
 
 
 def _overlap(touchdowns: FloatArray, lift_offs: FloatArray, begin: float, end: float) -> float:

@@ -11,28 +11,13 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows, over, sliding_mean, sliding_sum
 from surefoot.records.log import Log
 
-TIME = 0.05
-"""Steps of positions are added up over this time [s]."""
-SMOOTH = 0.01
-"""Velocities are compared as means over this time [s]."""
-STATE_LIMIT = 2e-3
-"""Way by which positions may differ from what velocities lead to [m] ..."""
-LEVER = 0.1
-"""... of an angle on this lever [m/rad] ..."""
-DRIFT = 0.05
-"""... or this share of the way gone."""
-GAP_TIME, GAP_LIMIT = 0.02, 5e-3
-"""The same for gaps, whose contact point wanders over a round foot [s], [m]."""
-VELOCITY_LIMIT, VELOCITY_SHARE = 0.05, 0.05
-"""Speed [m/s], and share of it, by which a contact's velocity may differ from that of the robot's joints."""
 BASE = 7
 """Numbers of a free base in a configuration: place and quaternion (x, y, z, w)."""
-UNIT = 1e-3
-"""A quaternion's length differs from one by less."""
 
 
 def state(rows: Rows) -> Measured:
@@ -41,12 +26,13 @@ def state(rows: Rows) -> Measured:
     q, v = rows.numbers("q"), rows.numbers("v")
     slips = state_slips(q, v, rows.dt)
     if slips is not None:
-        scale = levers(q, v)
-        w = rows.window(TIME)
+        limits = rows.setting.limits.continuity
+        scale = levers(q, v, limits.lever)
+        w = rows.window(limits.time)
         off, step = np.abs(sliding_sum(slips, w)) * scale, np.abs(v) * scale * rows.dt[:, None]
         # The trapezium may be half a change of velocity off, at most the highest step in the window; the rest
         # is drift.
-        bound = STATE_LIMIT + _highest(step, w) + DRIFT * sliding_sum(step, w)
+        bound = limits.way + _highest(step, w) + limits.drift * sliding_sum(step, w)
         worst = np.argmax(off / bound, axis=1)[:, None]
         value[:, -1:] = np.take_along_axis(off, worst, axis=1)
         limit[:, -1:] = np.take_along_axis(bound, worst, axis=1)
@@ -55,10 +41,11 @@ def state(rows: Rows) -> Measured:
 
 def gap_rate(rows: Rows) -> Measured:
     """Return the way by which gaps are not those that their contacts' velocities lead to: (T, p) [m]."""
-    up, w = rows.velocities[..., 2], rows.window(GAP_TIME)
+    limits = rows.setting.limits.continuity
+    up, w = rows.velocities[..., 2], rows.window(limits.gap_time)
     value = np.abs(sliding_sum(gap_slips(rows.gaps, up, rows.dt, rows.setting.after), w))
     step = np.abs(up) * rows.dt[:, None]
-    return over(value, GAP_LIMIT + _highest(step, w) + DRIFT * sliding_sum(step, w))
+    return over(value, limits.gap + _highest(step, w) + limits.drift * sliding_sum(step, w))
 
 
 def no_plane(log: Log, setting: Setting) -> str:
@@ -71,7 +58,8 @@ def contact_velocity(rows: Rows) -> Measured:
     rest, value, limit = rows.unexplained, np.zeros(rows.normal.shape), np.full(rows.normal.shape, np.inf)
     if rest is not None:
         own, after = np.einsum("tpji,tspj->stpi", rows.frames, rest.velocities)
-        w, off = rows.window(SMOOTH), rows.velocities - own
+        limits = rows.setting.limits.continuity
+        w, off = rows.window(limits.smooth), rows.velocities - own
         # a row may have the velocity before its force, after it, or a mean of both
         change = after - own
         size = np.maximum((change**2).sum(axis=-1), 1e-24)
@@ -79,7 +67,7 @@ def contact_velocity(rows: Rows) -> Measured:
         off = off - share[..., None] * change
         value = np.nan_to_num(np.linalg.norm(sliding_mean(off, w), axis=-1))
         size = np.nan_to_num(np.linalg.norm(own, axis=-1))
-        limit = VELOCITY_LIMIT + VELOCITY_SHARE * _highest(size, w)
+        limit = limits.velocity + limits.velocity_share * _highest(size, w)
     return over(value, limit)
 
 
@@ -111,9 +99,12 @@ def state_slips(q: FloatArray, v: FloatArray, dt: FloatArray) -> FloatArray | No
     return out
 
 
-def levers(q: FloatArray, v: FloatArray) -> FloatArray:
-    """Return what makes ways of all velocity components of rows q (T, nq), v (T, nv): (nv,) [m/rad, 1]."""
-    scale = np.full(v.shape[1], LEVER)
+def levers(q: FloatArray, v: FloatArray, lever: float) -> FloatArray:
+    """Return the factors (nv,) that make ways of velocity components: `lever` [m/rad] of angles.
+
+    Rows of q are (T, nq), of v (T, nv).
+    """
+    scale = np.full(v.shape[1], lever)
     scale[: q.shape[1] - v.shape[1] and 3] = 1.0  # of a free base, the place
     return scale
 
@@ -141,7 +132,9 @@ def free_base(q: FloatArray, v: FloatArray) -> bool:
     """Return whether rows of configurations (T, nq) and velocities (T, nv) begin with a free base's."""
     if q.shape[1] < BASE or q.shape[1] != v.shape[1] + 1:
         return False
-    return bool(np.abs(np.linalg.norm(q[:, 3:BASE], axis=1) - 1.0).max(initial=0.0) < UNIT)
+    return bool(
+        np.abs(np.linalg.norm(q[:, 3:BASE], axis=1) - 1.0).max(initial=0.0) < LIMITS.records.unit_quaternion
+    )
 
 
 def _turns(R: FloatArray) -> FloatArray:

@@ -7,23 +7,17 @@ from dataclasses import replace
 
 from surefoot.records.audit.episode import LONGEST, Episode
 from surefoot.records.audit.intervals import Interval
+from surefoot.records.audit.limits import AuditLimits
 from surefoot.records.audit.log_context import BODY, Setting
 from surefoot.records.audit.report import Finding
 from surefoot.records.audit.rows import Rows
 from surefoot.records.audit.symptoms import SYMPTOMS, Symptom
-from surefoot.records.audit.symptoms.symptom import CERTAIN
 from surefoot.records.log import Log
 
-NEAR = 0.05
-"""What fails at one contact within this time is one episode [s]."""
 MOST_EPISODES = 200
 """Episodes that are looked at, of each contact the first."""
 WHOLE = ("no forces", "infeasible", "held rows", "teleport", "other velocities", "velocity jump")
 """What is said of the body and explains what is amiss at the feet at that time."""
-AT_ONCE = 0.03
-"""A motion that goes wrong so long after an episode's first failure is its consequence [s]."""
-ALL = 0.75
-"""A finding at more than this share of the contacts is one of all."""
 
 
 def diagnose(log: Log, setting: Setting, found: Sequence[Interval]) -> list[Finding]:
@@ -36,12 +30,12 @@ def diagnose(log: Log, setting: Setting, found: Sequence[Interval]) -> list[Find
         for _, first, last, failed in mine:
             shown = min(last + 1, first + LONGEST)
             out += _best(Episode(Rows(log, setting, first, shown), column, failed), last - first + 1)
-    return _rank(_join_findings(_not_shadowed(out), setting))
+    return _rank(_join_findings(_not_shadowed(out, setting.limits), setting), setting.limits)
 
 
 def _episodes(found: Iterable[Interval], setting: Setting) -> list[tuple[int, int, int, dict[str, Interval]]]:
     """Return (column, first row, last row, checks that failed) by time."""
-    near = max(1, int(NEAR / setting.dt)) if setting.dt > 0.0 else 1
+    near = max(1, int(setting.limits.episodes.near / setting.dt)) if setting.dt > 0.0 else 1
     out: list[tuple[int, int, int, dict[str, Interval]]] = []
     latest: dict[int, int] = {}
     for one in sorted(found, key=lambda i: i.first):
@@ -64,7 +58,7 @@ def _best(episode: Episode, rows: int) -> list[Finding]:
     """Return the strongest finding of an episode, or none."""
     speaking = [(found, s) for s in SYMPTOMS if (found := s.evidence(episode)) is not None]
     begun = min(i.first for i in episode.failed.values())
-    soon = begun + episode.rows.window(AT_ONCE)
+    soon = begun + episode.rows.window(episode.limits.episodes.at_once)
 
     def late(s: Symptom) -> bool:
         """Return whether it rests on a motion that went wrong after what began the episode: a consequence."""
@@ -81,15 +75,15 @@ def _best(episode: Episode, rows: int) -> list[Finding]:
     ]
 
 
-def _not_shadowed(found: list[Finding]) -> list[Finding]:
+def _not_shadowed(found: list[Finding], limits: AuditLimits) -> list[Finding]:
     """Leave out what is said of the body while a foot's wrong force explains it, and the other way round."""
     whole = [f for f in found if f.contact == BODY and f.name in WHOLE]
     feet = [f for f in found if f.contact != BODY]
-    out = []
+    out, near = [], limits.episodes.near
     for one in found:
         others = feet if one.contact == BODY else whole
-        shadowed = any(o.start - NEAR <= one.end and one.start <= o.end + NEAR for o in others)
-        if not shadowed or one in whole or one.strength >= CERTAIN:
+        shadowed = any(o.start - near <= one.end and one.start <= o.end + near for o in others)
+        if not shadowed or one in whole or one.strength >= limits.ranks.certain:
             out.append(one)
     return out
 
@@ -97,10 +91,11 @@ def _not_shadowed(found: list[Finding]) -> list[Finding]:
 def _join_findings(found: list[Finding], setting: Setting) -> list[Finding]:
     """Return one finding where (nearly) all contacts have the same at the same time."""
     out: list[Finding] = []
+    all_from = setting.limits.episodes.all * len(setting.names)
     for one in found:
         same = [f for f in found if f.name == one.name and f.start <= one.end and one.start <= f.end]
         contacts = {f.contact for f in same}
-        if len(setting.names) < 2 or len(contacts) < ALL * len(setting.names) or one.contact == BODY:
+        if len(setting.names) < 2 or len(contacts) < all_from or one.contact == BODY:
             out.append(one)
             continue
         strongest = max(same, key=lambda f: f.strength)
@@ -112,15 +107,16 @@ def _join_findings(found: list[Finding], setting: Setting) -> list[Finding]:
     return out
 
 
-def _rank(found: list[Finding]) -> list[Finding]:
+def _rank(found: list[Finding], limits: AuditLimits) -> list[Finding]:
     """Return the strongest first, of all contacts before one; equally strong ones by time.
 
     Joints come to their stops when a robot falls: what went wrong before comes first.
     """
-    begun = min((f.start for f in found), default=0.0)
+    begun, ranks = min((f.start for f in found), default=0.0), limits.ranks
 
     def key(f: Finding) -> tuple[bool, bool, float, float]:
-        follows = f.name == "joint stop" and f.start > begun + NEAR
-        return follows, f.strength < CERTAIN, -f.strength - 0.02 * (f.contact == "all"), f.start
+        follows = f.name == "joint stop" and f.start > begun + limits.episodes.near
+        shared = ranks.shared * (f.contact == "all")
+        return follows, f.strength < ranks.certain, -f.strength - shared, f.start
 
     return sorted(found, key=key)

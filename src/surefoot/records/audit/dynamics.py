@@ -18,14 +18,13 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics import Robot
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.log import Log
 
 DAMPING = 1e-4
 """Share of a leg's squared lever that keeps its force bounded where the leg is stretched."""
 MOTOR_FACTS = ("armature", "viscous_friction", "dry_friction")
 """Facts of a log that say what rotors and friction take of the torques."""
-STICKING = 0.05
-"""A joint slower than this may stick: its dry friction is then any up to its size [rad/s]."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +55,7 @@ def unexplained(
     mass_scale: float = 1.0,
     payload: float = 0.0,
     payload_position: FloatArray | None = None,
+    sticking: float = LIMITS.records.sticking,
 ) -> UnexplainedForces:
     """Return what T rows with their successors, T + 1 in all, leave unexplained in the first T.
 
@@ -72,6 +72,8 @@ def unexplained(
         The mass that the log tells over the robot's with its payload, for the base rows.
     payload, payload_position
         Point mass on the base [kg], and where: (3,) base axes [m]; None for its origin.
+    sticking
+        A joint slower than this may stick: its dry friction is then any up to its size [rad/s].
     """
     points, rows = robot.contact_points, len(log) - 1
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
@@ -107,7 +109,8 @@ def unexplained(
     if "torques" in log:
         rest[:, base:] -= np.asarray(log["torques"])[:-1]
         known = np.asarray(robot.model.armature)[base:]  # is in M already
-        rest[:, base:] += _joint_losses(log, v[:, base:], acceleration[:, base:], rest[:, base:], known)
+        speeds, change = v[:, base:], acceleration[:, base:]
+        rest[:, base:] += _joint_losses(log, speeds, change, rest[:, base:], known, sticking)
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
     return UnexplainedForces(force_left, moment_left, feet, velocities)
@@ -133,7 +136,12 @@ def balanced_forces(robot: Robot, log: Log) -> FloatArray:
 
 
 def _joint_losses(
-    log: Log, speeds: FloatArray, acceleration: FloatArray, rest: FloatArray, known: FloatArray
+    log: Log,
+    speeds: FloatArray,
+    acceleration: FloatArray,
+    rest: FloatArray,
+    known: FloatArray,
+    sticking: float,
 ) -> FloatArray:
     """Return the torques (T, joints) that rotors and joint friction take [N m], where the log states them.
 
@@ -147,7 +155,7 @@ def _joint_losses(
     rotor = rotor - known if "armature" in log.facts else 0.0
     lost = np.asarray(rotor * acceleration + viscous * before)
     holding = np.clip(-(rest + lost), -np.asarray(dry), dry)
-    sticks = (np.minimum(np.abs(before), np.abs(after)) < STICKING) | (before * after < 0.0)
+    sticks = (np.minimum(np.abs(before), np.abs(after)) < sticking) | (before * after < 0.0)
     return np.asarray(lost + np.where(sticks, holding, dry * np.sign(before)))
 
 

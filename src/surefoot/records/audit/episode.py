@@ -11,10 +11,9 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.checks import CHECKS
 from surefoot.records.audit.intervals import Interval
+from surefoot.records.audit.limits import AuditLimits
 from surefoot.records.audit.rows import Rows
 
-AT_REST = 1e-6
-"""Nothing that moves slower has been moving [m/s, rad/s]."""
 LONGEST = 4000
 """Rows of a long episode that are looked at: its first."""
 
@@ -52,6 +51,11 @@ class Episode:
         return any(check.law and check.name in self.failed for check in CHECKS)
 
     @property
+    def limits(self) -> AuditLimits:
+        """What the log is judged by."""
+        return self.rows.setting.limits
+
+    @property
     def weight(self) -> float:
         """M g [N]."""
         return self.rows.setting.weight
@@ -72,7 +76,7 @@ class Episode:
         if whole is None:
             return None
         part = whole[self.rows.core]
-        return part if np.isfinite(part).all(axis=1).mean() > 0.5 else None
+        return part if np.isfinite(part).all(axis=1).mean() > self.limits.episodes.known else None
 
     def whole_true(self, column: int) -> FloatArray | None:
         """Return the same at every row of `rows`, the surroundings of the episode with it: (T, 3) [N]."""
@@ -115,7 +119,8 @@ class Episode:
     def static(self) -> bool:
         """Whether nothing at all changes: a solution of statics, and no sensor that repeats itself."""
         forces = self.rows.forces[self.rows.core]
-        rests = "v" not in self.rows.log or float(np.abs(self.rows.numbers("v")).max(initial=0.0)) < AT_REST
+        least = self.limits.episodes.at_rest
+        rests = "v" not in self.rows.log or float(np.abs(self.rows.numbers("v")).max(initial=0.0)) < least
         return rests and bool((forces == forces[:1]).all())
 
     @cached_property
@@ -124,7 +129,7 @@ class Episode:
         k = int(np.argmax(np.linalg.norm(self.force, axis=1)))
         speed = float(np.linalg.norm(self.velocity[max(k - 2, 0) : k + 1], axis=1).max())
         blow = float(np.linalg.norm(self.force[k])) * float(self.dt[k])
-        return blow <= 2.0 * self.weight / GRAVITY * speed
+        return blow <= self.limits.episodes.landing * self.weight / GRAVITY * speed
 
     @cached_property
     def consistent(self) -> bool:
@@ -132,7 +137,8 @@ class Episode:
         true = self.true
         if true is None or self.has("motion"):
             return False
-        return bool(np.nanmean(np.linalg.norm(true - self.force, axis=1)) < 0.03 * self.weight)
+        off = np.nanmean(np.linalg.norm(true - self.force, axis=1))
+        return bool(off < self.limits.episodes.consistent * self.weight)
 
     @cached_property
     def sideways(self) -> bool:
@@ -141,7 +147,8 @@ class Episode:
         if true is None:
             return True
         off = np.nan_to_num(self.force - true)
-        return bool((off[:, 2] ** 2).sum() <= 0.05 * (off**2).sum() or self.consistent)
+        share = self.limits.episodes.sideways
+        return bool((off[:, 2] ** 2).sum() <= share * (off**2).sum() or self.consistent)
 
     def share_explained(self, model: FloatArray) -> float:
         """Return the share of the mismatch between logged and true force that a model (m, 3) [N] explains."""
@@ -151,6 +158,6 @@ class Episode:
         logged = self.force
         known = np.isfinite(true).all(axis=1) & np.isfinite(model).all(axis=1)
         amiss = float(((logged - true)[known] ** 2).sum())
-        if amiss <= (0.01 * self.weight) ** 2 * max(int(known.sum()), 1):
+        if amiss <= (self.limits.episodes.amiss * self.weight) ** 2 * max(int(known.sum()), 1):
             return 0.0
         return 1.0 - float(((logged - model)[known] ** 2).sum()) / amiss

@@ -8,8 +8,6 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 
-JOIN = 0.02
-"""Intervals closer than this are one [s]."""
 MOST = 100
 """Intervals of one law and contact that are kept; further ones are counted."""
 

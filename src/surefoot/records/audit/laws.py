@@ -11,31 +11,10 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray, real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
-from surefoot.records.audit.slides import WORST, slide_on, start_slides
+from surefoot.records.audit.limits import LIMITS, LawLimits
+from surefoot.records.audit.slides import WORST, slide_on, slide_rules, start_slides
 from surefoot.records.log import Log
 
-PENETRATION_LIMIT = 1e-3
-"""Deepest penetration that still counts as touching, and widest gap across which a force may act [m]."""
-SLIDE_LIMIT = 1e-3
-"""Longest way of a contact without friction that still counts as sticking [m]."""
-SWING_DEPTH = 1.6
-"""A contact on a body that tumbles sinks deeper than on its own, by less than this factor (1.5 was seen)."""
-HARD_TOUCHDOWN = 0.7
-"""Speed into the ground from which a landing sets a soft contact swinging [m/s]: a fall from 25 mm."""
-PULL_LIMIT = 1e-3
-"""Largest pull that counts as rounding, as a share of m g."""
-CONE_LIMIT = 1.0 + 1e-3
-"""Highest use of the friction cone that counts as inside."""
-LOADED_SHARE = 1e-3
-"""A contact counts as loaded above this share of m g; below it the use of its cone is noise."""
-LEAST_FRICTION = 1e-4
-"""Friction below this counts as this much: simulators know no exact zero."""
-SLIDING_SPEED = 1e-2
-"""Speed from which a contact counts as sliding at an instant [m/s]."""
-SOFTEST = {
-    "sinking": (0.05, "m"), "creep": (0.1, "m/s"), "stopping": (0.1, "m"), "settling": (0.1, "s"),
-}  # fmt: skip
-"""A world that declares more than this may hide anything: nothing is lawful there."""
 LAWS = ("unilateral", "Coulomb", "dissipation")
 """The names of the three laws."""
 _OF_SLIDES = {"forces", "velocities", "friction"}
@@ -95,12 +74,13 @@ class LawFigures:
         if weight == 0.0:
             raise ProblemError("weight must be positive, got 0")
         out = list(self.not_finite)
-        depth, way = max(PENETRATION_LIMIT, self.sinking), SLIDE_LIMIT + self.stopping
+        limits = LIMITS.laws
+        depth, way = max(limits.penetration, self.sinking), limits.slide + self.stopping
         if self.penetration_max > depth:
             out.append(f"penetration of {1e3 * self.penetration_max:.2f} mm (limit {1e3 * depth:.3g})")
-        if self.unilateral_min < -PULL_LIMIT * weight:
+        if self.unilateral_min < -limits.pull * weight:
             out.append(f"a pull of {-self.unilateral_min:.3g} N")
-        if self.cone_use_max > CONE_LIMIT:
+        if self.cone_use_max > limits.cone:
             out.append(f"{self.cone_use_max:.3f} times the friction that the cone allows")
         if self.separation_max > depth:
             out.append(f"a force {1e3 * self.separation_max:.2f} mm off the ground (limit {1e3 * depth:.3g})")
@@ -115,11 +95,11 @@ def contact_use(forces: FloatArray, mu: FloatArray, threshold: float) -> FloatAr
     """Return ||f_t|| / (mu f_n) of (T, p, 3) forces: (T, p).
 
     A normal force below `threshold` [N] counts as that much: a contact with hardly any is allowed the noise
-    of its friction, and no more. `mu` is (T,) or (T, p), taken as `LEAST_FRICTION` at least. NaN where a
-    force is.
+    of its friction, and no more. `mu` is (T,) or (T, p), taken as
+    `LIMITS.laws.least_friction` at least. NaN where a force is.
     """
     normal = np.maximum(forces[..., 2], max(threshold, np.finfo(np.float64).tiny))
-    limit = np.maximum(_of_each(mu, normal.shape), LEAST_FRICTION) * normal
+    limit = np.maximum(_of_each(mu, normal.shape), LIMITS.laws.least_friction) * normal
     with np.errstate(invalid="ignore", over="ignore"):
         return np.asarray(np.hypot(forces[..., 0], forces[..., 1]) / limit)
 
@@ -136,10 +116,11 @@ def log_laws(log: Log) -> LawFigures:
         If the log lacks one of them, or has negative friction.
     """
     weight, dt = float(log.fact("mass")) * GRAVITY, log.fact("dt")
+    limits, softest = LIMITS.laws, LIMITS.softness
     sinking, stopping, settling = (
-        min(stated(log, name), SOFTEST[name][0]) for name in ("sinking", "stopping", "settling")
+        min(stated(log, name), getattr(softest, name)) for name in ("sinking", "stopping", "settling")
     )
-    worst, slides = np.full(6, -np.inf), start_slides(log["forces"].shape[1])
+    worst, slides = np.full(6, -np.inf), start_slides(log["forces"].shape[1], limits)
     lost: dict[str, tuple[int, int, int]] = {}
     rows, depth, landed = 0, 0.0, -math.inf
     for piece in log.chunks():
@@ -152,9 +133,11 @@ def log_laws(log: Log) -> LawFigures:
                 worst = np.maximum(worst, _figures(f, gap, v, mu, weight))  # NaN stays
             rows += len(f)
         if not lost.keys() & _OF_SLIDES:
-            slide_on(slides, f, v, mu, np.full(len(f), dt), LOADED_SHARE * weight, weight)
-        deep, landed = swinging(np.asarray(piece["time"]), gap, v, settling, landed)
-        over = -gap.min(axis=1, initial=0.0) / np.where(deep, SWING_DEPTH, 1.0)
+            slide_on(
+                slides, f, v, mu, np.full(len(f), dt), limits.loaded * weight, weight, *slide_rules(limits)
+            )
+        deep, landed = swinging(np.asarray(piece["time"]), gap, v, settling, landed, limits=limits)
+        over = -gap.min(axis=1, initial=0.0) / np.where(deep, limits.swing_depth, 1.0)
         depth = max(depth, float(over.max(initial=0.0)))
     if not rows:
         return LawFigures(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, judged=())
@@ -191,7 +174,12 @@ def friction_of(rows: Any) -> FloatArray:
 
 
 def swinging(
-    time: FloatArray, gaps: FloatArray, velocities: FloatArray, settling: float, before: float = -math.inf
+    time: FloatArray,
+    gaps: FloatArray,
+    velocities: FloatArray,
+    settling: float,
+    before: float = -math.inf,
+    limits: LawLimits = LIMITS.laws,
 ) -> tuple[BoolArray, float]:
     """Return in which rows soft contacts may swing, (T,), and when one of them last landed hard [s].
 
@@ -205,8 +193,10 @@ def swinging(
         How long they may from a hard touchdown on [s].
     before
         When the last one was before these rows [s].
+    limits
+        With the speed of a hard touchdown.
     """
-    landed = ((gaps <= 0.0) & (velocities[..., 2] < -HARD_TOUCHDOWN)).any(axis=1)
+    landed = ((gaps <= 0.0) & (velocities[..., 2] < -limits.hard_touchdown)).any(axis=1)
     last = np.maximum.accumulate(np.append(before, np.where(landed, time, -math.inf)))
     return np.asarray((time - last[1:] <= settling) & (settling > 0.0)), float(last[-1])
 
@@ -240,7 +230,7 @@ def _figures(
     f: FloatArray, gap: FloatArray, v: FloatArray, mu: FloatArray, weight: float
 ) -> tuple[float, ...]:
     """Return the first six of `LawFigures` for some rows, the least normal force with its sign turned."""
-    threshold = LOADED_SHARE * weight
+    threshold = LIMITS.laws.loaded * weight
     return (
         max(0.0, -float(gap.min())) if np.isfinite(gap).all() else math.nan,
         -float(f[..., 2].min()),
@@ -265,5 +255,5 @@ def _power_missing(f: FloatArray, v: FloatArray, mu: FloatArray, threshold: floa
     along = (f[..., 0] * v[..., 0] + f[..., 1] * v[..., 1]) / np.maximum(speed, 1e-12)
     missing = mu * f[..., 2] + along
     unknown = ~np.isfinite(missing)
-    sliding = (speed > SLIDING_SPEED) & (f[..., 2] > threshold)
+    sliding = (speed > LIMITS.laws.sliding_speed) & (f[..., 2] > threshold)
     return float(np.where(unknown, np.nan, np.where(sliding, missing, 0.0)).max())

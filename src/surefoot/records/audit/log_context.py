@@ -9,17 +9,17 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray, finite_array
 from surefoot.base.errors import ProblemError, SurefootError
+from surefoot.base.settings import describe
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, load_robot
 from surefoot.records.audit.dynamics import MOTOR_FACTS
-from surefoot.records.audit.laws import LOADED_SHARE, SLIDE_LIMIT, SOFTEST, stated
+from surefoot.records.audit.laws import stated
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 from surefoot.records.log import Log
 from surefoot.records.log.snapshot import point_names
 
 BODY = "body"
 """Stands in a report where the whole robot is meant and no single contact."""
-DEEP = 5e-3
-"""A world that lets feet sink deeper is soft and hides what the audit should find [m]."""
 REMEDIES = {
     "sinking": "a stiffer contact (solref with a shorter time constant, solimp nearer to one)",
     "creep": "an elliptic cone with impratio of 10 or more, or a stiffer solref",
@@ -29,10 +29,6 @@ REMEDIES = {
 """What makes such a world tell more, in MuJoCo's words."""
 PLANES = ("flat", "slope")
 """Kinds of ground that are one plane."""
-SAME_MASS = 1e-3
-"""A recording's model whose mass differs by more from the robot of its name is another one."""
-FASTEST = 5.0
-"""Gaps that change faster are those of a foot that passes an edge [m/s]."""
 PER_POINT = ("forces", "gaps", "contact_velocities", "contact_positions", "normals", "contact_friction")
 """Channels with a row for each contact point."""
 OF_POINTS = ("contact_with", "moment_friction", "contact_margin", "contact_damping", "critically_damped")
@@ -71,6 +67,8 @@ class Setting:
         What was assumed, a line each.
     doubts
         Where the log contradicts itself, a line each: such a log is never lawful.
+    limits
+        What the log is judged by.
     """
 
     names: tuple[str, ...]
@@ -90,16 +88,17 @@ class Setting:
     plane: bool = False
     notes: tuple[str, ...] = field(default=())
     doubts: tuple[str, ...] = field(default=())
+    limits: AuditLimits = LIMITS
 
     @property
     def threshold(self) -> float:
         """Normal force from which a contact counts as loaded [N]."""
-        return LOADED_SHARE * self.weight
+        return self.limits.laws.loaded * self.weight
 
     @property
     def slide_limit(self) -> float:
         """Longest way without friction that counts as sticking [m]."""
-        return SLIDE_LIMIT + self.stopping
+        return self.limits.laws.slide + self.stopping
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -136,8 +135,8 @@ def arrange_contacts(log: Log, robot: Robot | None) -> Log:
     return Log(arrays, facts, channels=log.channels)
 
 
-def setting_of(log: Log, robot: Robot | None) -> Setting:
-    """Return what a log tells once; `robot` None for the one that it names.
+def setting_of(log: Log, robot: Robot | None, limits: AuditLimits = LIMITS) -> Setting:
+    """Return what a log tells once, to be judged by limits; `robot` None for the one that it names.
 
     Raises
     ------
@@ -155,24 +154,26 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     good = steps[np.isfinite(steps) & (steps > 0.0)]
     stated_dt = float(log.fact("dt")) if "dt" in log.facts else 0.0
     dt = float(np.median(good)) if good.size else stated_dt
-    if stated_dt and good.size and abs(stated_dt - dt) > 0.02 * dt:
+    if stated_dt and good.size and abs(stated_dt - dt) > limits.records.same_dt * dt:
         doubts.append(f"the log says dt = {stated_dt:g} s, its time stamps {dt:g} s")
     for name in REAL.intersection(log.facts):
         finite_array(f"the fact {name}", log.fact(name))
-    soft = [stated(log, name) for name in SOFTEST]
+    softest = describe(limits.softness)
+    soft = [stated(log, one.name) for one in softest]
     if _by_row(log):  # friction is judged by its own law, row by row: what is left to allow is bounded
-        soft[1], soft[2] = _mean_creep(log), min(soft[2], SOFTEST["stopping"][0])
+        soft[1], soft[2] = _mean_creep(log), min(soft[2], limits.softness.stopping)
     sinking, creep, stopping, settling = soft
     payload = stated(log, "payload")
     place = finite_array("the fact payload_position", log.facts.get("payload_position", np.zeros(3)), (3,))
-    for (name, (most, unit)), value in zip(SOFTEST.items(), soft, strict=True):
+    for one, value in zip(softest, soft, strict=True):
+        name, most, unit = one.name, float(one.value or 0.0), one.info.unit
         if value > most and (name != "sinking" or not _by_row(log) or _deepest(log) > most):
             doubts.append(
                 f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything; "
                 f"what helps is {REMEDIES[name]}"
             )
     if any(soft):
-        deep = "; that is soft: a stiffer contact would show more" if sinking > DEEP else ""
+        deep = "; that is soft: a stiffer contact would show more" if sinking > limits.records.deep else ""
         held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"
         if _by_row(log):
             held = f"{held}, by its own law"
@@ -183,12 +184,13 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
             f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to "
             f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
         )
-    model, why = _robot(log, robot, doubts)
+    model, why = _robot(log, robot, doubts, limits.records.same_mass)
     weight = _weight(log, model, payload, notes, doubts)
     return Setting(
         names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
-        _velocities_after(log, dt), str(log.facts.get("terrain", "")).split(":")[0] in PLANES,
-        tuple(notes), tuple(doubts)
+        _velocities_after(log, dt, limits.records.fastest_gap),
+        str(log.facts.get("terrain", "")).split(":")[0] in PLANES,
+        tuple(notes), tuple(doubts), limits,
     )  # fmt: skip
 
 
@@ -212,7 +214,7 @@ def _deepest(log: Log) -> float:
     return max((-float(np.nanmin(p["gaps"], initial=0.0)) for p in log.chunks()), default=0.0)
 
 
-def _velocities_after(log: Log, dt: float) -> bool | None:
+def _velocities_after(log: Log, dt: float, fastest: float) -> bool | None:
     """Return whether a row's contact velocities carry its gap to the next row's: those after its force.
 
     MuJoCo reports the velocities before the forces act, a time-stepping scheme those after.
@@ -224,7 +226,7 @@ def _velocities_after(log: Log, dt: float) -> bool | None:
     gaps, up = (np.asarray(log[name][: 1 << 16]) for name in ("gaps", "contact_velocities"))
     change, way = np.diff(gaps, axis=0), dt * up[..., 2]
     with np.errstate(invalid="ignore"):
-        near = np.abs(change) < FASTEST * dt
+        near = np.abs(change) < fastest * dt
     before, after = (float(np.nansum(np.abs(change - w)[near])) for w in (way[1:], way[:-1]))
     return after < before
 
@@ -264,7 +266,7 @@ def _same_feet(robot: Robot, feet: tuple[str, ...]) -> bool:
         return False
 
 
-def _robot(log: Log, robot: Robot | None, doubts: list[str]) -> tuple[Robot | None, str]:
+def _robot(log: Log, robot: Robot | None, doubts: list[str], same_mass: float) -> tuple[Robot | None, str]:
     """Return the robot of a log, or why its equations of motion cannot be judged."""
     if len(log) < 3:
         return None, "the log has fewer than three rows"
@@ -281,7 +283,7 @@ def _robot(log: Log, robot: Robot | None, doubts: list[str]) -> tuple[Robot | No
             robot = load_robot(name)
         except SurefootError as error:
             return None, str(error)
-        if recorded and abs(robot.mass - float(log.fact("mass"))) > SAME_MASS * robot.mass:
+        if recorded and abs(robot.mass - float(log.fact("mass"))) > same_mass * robot.mass:
             return None, f"the recording's {name} has another mass than ours: give the robot itself"
     if recorded and not _same_feet(robot, tuple(map(str, log.facts.get("feet", ())))):
         return None, f"the recording's feet are not {', '.join(robot.foot_names)}"

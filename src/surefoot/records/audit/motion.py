@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.loaded import loaded_feet
 from surefoot.base.spatial import GRAVITY, rotation_from_quaternion
-from surefoot.records.audit.laws import LOADED_SHARE
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.log import Log
-
-TOUCH = 0.02
-"""A foot counts as on the ground above this share of m g."""
 
 
 def foot_forces(log: Log) -> FloatArray:
@@ -21,8 +19,8 @@ def foot_forces(log: Log) -> FloatArray:
 
 
 def touching(log: Log) -> BoolArray:
-    """Return which feet carry more than 2 % of the weight: (T, n)."""
-    return np.asarray(foot_forces(log)[..., 2] > TOUCH * log.fact("mass") * GRAVITY)
+    """Return which feet bear weight: (T, n)."""
+    return loaded_feet(foot_forces(log)[..., 2], log.fact("mass") * GRAVITY)
 
 
 def slips(log: Log) -> FloatArray:
@@ -31,7 +29,8 @@ def slips(log: Log) -> FloatArray:
     Integrates the velocity of the foot's material at the contact while loaded, so that rolling is no
     slip and a foot that hops while it slides is not forgiven; zero for a foot in the air on purpose.
     """
-    loaded = log["forces"][..., 2] > LOADED_SHARE * log.fact("mass") * GRAVITY
+    weight = log.fact("mass") * GRAVITY
+    loaded = loaded_feet(log["forces"][..., 2], weight, LIMITS.laws.loaded)
     travel = np.cumsum(np.where(loaded[..., None], log["contact_velocities"][..., :2], 0.0), axis=0)
     travel *= log.fact("dt")
     active = np.asarray(log["active"])

@@ -8,11 +8,9 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.loaded import loaded_feet
 from surefoot.base.spatial import GRAVITY
 from surefoot.records.log import Log
-
-LOADED_SHARE = 0.02
-"""A foot has a centre of pressure above this share of m g."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ def sole_pressures(log: Log) -> list[SolePressure]:
     if "contact_centres" not in log.facts:
         return []
     places = log.fact("contact_centres")[:, :2]
-    threshold = LOADED_SHARE * log.fact("mass") * GRAVITY
+    weight = log.fact("mass") * GRAVITY
     out = []
     for foot in range(len(log.fact("feet"))):
         mine = owner == foot
@@ -56,7 +54,7 @@ def sole_pressures(log: Log) -> list[SolePressure]:
             continue
         normal = np.maximum(log["forces"][:, mine, 2], 0.0)
         total = normal.sum(axis=1)
-        loaded = total > threshold
+        loaded = loaded_feet(total, weight)
         centres = np.full((len(log), 2), np.nan)
         centres[loaded] = normal[loaded] @ places[mine] / total[loaded, None]
         hull = ConvexHull(places[mine])

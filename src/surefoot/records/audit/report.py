@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal, TypeAlias
 
 from surefoot.base.errors import SurefootError
+from surefoot.records.audit.limits import LIMITS, AuditLimits
 
 Judgement: TypeAlias = Literal["lawful", "broken", "cannot tell"]
 """Every law that could be judged holds; one at least is broken; the log does not let one know."""
@@ -161,6 +162,8 @@ class AuditReport:
         How it failed; empty otherwise.
     command
         Where the controller asked for what no contact can give, or did not get what it asked for.
+    limits
+        What the log was judged by; `limits.lines()` prints it.
     """
 
     verdict: Judgement
@@ -179,6 +182,7 @@ class AuditReport:
     task: Task = "unknown"
     task_reason: str = ""
     command: tuple[Finding, ...] = ()
+    limits: AuditLimits = LIMITS
 
     @property
     def lawful(self) -> bool:
@@ -235,5 +239,7 @@ class AuditReport:
         return [*out, f"  and {rest} more"] if rest > 0 else out
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything by name, for JSON."""
-        return {"sentence": self.sentence, **asdict(self)}
+        """Return everything but the limits by name, for JSON."""
+        found = {"sentence": self.sentence, **asdict(self)}
+        del found["limits"]
+        return found

@@ -17,15 +17,6 @@ from surefoot.records.audit.log_context import Setting
 from surefoot.records.audit.rows import Measured, Rows
 from surefoot.records.log import Log
 
-REBOUND = 5e-5
-"""Energy that a touch may return beyond what it took is m g on this way [m] (clean walks: a seventh), ..."""
-REBOUND_SHARE = 0.03
-"""... or this share of what it took: restitution of 1.015."""
-RETURN_TIME = 0.01
-"""A touch is at fault while it gives back over half of the limit within this time [s]."""
-LONGEST_ROW = 5e-3
-"""Not judged where rows are further apart [s]: a touch of a foot is over between two."""
-
 
 def rebound(rows: Rows) -> Measured:
     """Return the energy that touches have given back beyond what they took: (T, p) [J].
@@ -37,10 +28,11 @@ def rebound(rows: Rows) -> Measured:
     pushes again has not been away: its touch goes on.
     """
     loaded, dt, after = rows.loaded, rows.dt, rows.setting.after
+    limits = rows.setting.limits.rebound
     if rows.has("gaps"):
         loaded = loaded | (rows.gaps < 0.0)
     value, taken = returned_work(rows.normal, rows.velocities[..., 2], dt, loaded, after)
-    limit = np.maximum(REBOUND * rows.setting.weight, REBOUND_SHARE * taken) + _unloading(rows)
+    limit = np.maximum(limits.way * rows.setting.weight, limits.share * taken) + _unloading(rows)
     any_loaded = np.asarray(loaded.any(axis=1, keepdims=True))
     chain = _since_touchdown(_work(rows).sum(axis=1, keepdims=True), any_loaded)
     begun = np.logical_or.accumulate(~any_loaded, axis=0)
@@ -50,8 +42,10 @@ def rebound(rows: Rows) -> Measured:
         rise = np.diff(rows.gaps, axis=0, append=rows.gaps[-1:])
         along = _since_touchdown(np.where(loaded, rows.normal * rise, 0.0), loaded)
         together = np.minimum(together, along)
-    before = np.concatenate([value[:1].repeat(rows.window(RETURN_TIME), 0), value])[: len(value)]
-    returns = value - before > 0.5 * limit  # the rows that give it back, not the rest of the touch
+    before = np.concatenate([value[:1].repeat(rows.window(limits.return_time), 0), value])[: len(value)]
+    returns = (
+        value - before > limits.return_share * limit
+    )  # the rows that give it back, not the rest of the touch
     return value, limit, (value > limit) & (together > limit) & returns
 
 
@@ -89,7 +83,7 @@ def _work(rows: Rows) -> FloatArray:
 def sparse(log: Log, setting: Setting) -> str:
     """Return why touches cannot be judged; empty where rows are close enough."""
     far = f"rows are {1e3 * setting.dt:.3g} ms apart: a touch is over between two"
-    return far if setting.dt > LONGEST_ROW else ""
+    return far if setting.dt > setting.limits.rebound.longest_row else ""
 
 
 def returned_work(

@@ -20,8 +20,6 @@ Measured: TypeAlias = tuple[FloatArray, FloatArray, BoolArray]
 """Measure, limit, and where it is exceeded: (T, c) each, c the contacts or contacts and body."""
 PAD = 0.15
 """Time before and after a piece that its windows may look at [s]."""
-CREEP = 0.1
-"""Most that is allowed of a declared creep, whatever a row's own is [m/s]."""
 PIECE = 1 << 15
 """Rows of a piece."""
 FINITE = (
@@ -77,7 +75,7 @@ class Rows:
                 out[:, -1] |= bad.reshape(self.count, -1).any(axis=1)
         if "normals" in self.log:
             length = (self.numbers("normals") ** 2).sum(axis=2)
-            out[:, :-1] |= np.abs(length - 1.0) > 0.02  # no direction
+            out[:, :-1] |= np.abs(length - 1.0) > self.setting.limits.records.unit_length  # no direction
         return out
 
     @cached_property
@@ -142,7 +140,8 @@ class Rows:
         braked = np.maximum(-(change * along).sum(axis=-1), 0.0) / self.dt[:, None]
         rate = np.asarray(self.log.facts.get("contact_damping", np.full(self.points, np.inf)))
         creep = np.maximum(self.numbers("contact_creep"), 0.0) + braked / np.maximum(rate, 1e-300)
-        return np.asarray(np.maximum(creep, min(float(self.log.facts.get("creep", 0.0)), CREEP)))
+        most = self.setting.limits.records.creep
+        return np.asarray(np.maximum(creep, min(float(self.log.facts.get("creep", 0.0)), most)))
 
     @cached_property
     def slip(self) -> FloatArray:
@@ -166,16 +165,16 @@ class Rows:
         robot = self.setting.robot
         if robot is None or self.count < 2:
             return None
-        log, time = self.log, self.time
+        log, time, limits = self.log, self.time, self.setting.limits.records
         arrays = {name: self.numbers(name) for name in _MOTION if name in log}
         clean = Log({**arrays, "time": time}, log.facts, channels=log.channels)
         with np.errstate(all="ignore"):
             world = np.einsum("tpij,tpj->tpi", self.frames, self.forces)
             load = self.setting.payload
             mass = self.setting.weight / (GRAVITY * (robot.mass + load))
-            out = unexplained(robot, clean, world, mass, load, self.setting.payload_position)
-        steps = np.diff(time)
-        wrong = ~(steps > 0.2 * self.setting.dt) | ~(steps < 5.0 * self.setting.dt)
+            out = unexplained(robot, clean, world, mass, load, self.setting.payload_position, limits.sticking)
+        steps, dt = np.diff(time), self.setting.dt
+        wrong = ~(steps > limits.known_step_low * dt) | ~(steps < limits.known_step_high * dt)
         wrong |= self.not_finite[:-1].any(axis=1) | self.not_finite[1:, -1]
         parts = (out.force, out.moment, out.feet, out.velocities)
         return UnexplainedForces(*(_with_last(part, wrong) for part in parts))
@@ -217,7 +216,8 @@ class Rows:
         """(T, 1) whether soft contacts may still swing from a hard touchdown of one of them."""
         if self.setting.settling <= 0.0 or not self.has("gaps", "contact_velocities"):
             return np.zeros((self.count, 1), dtype=bool)
-        return swinging(self.time, self.gaps, self.velocities, self.setting.settling)[0][:, None]
+        settling, limits = self.setting.settling, self.setting.limits.laws
+        return swinging(self.time, self.gaps, self.velocities, settling, limits=limits)[0][:, None]
 
     def window(self, seconds: float) -> int:
         """Return how many rows a time [s] has, one at least."""

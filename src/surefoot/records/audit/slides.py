@@ -15,24 +15,22 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import kernel
-
-PIECE = 1e-4
-"""Length of the pieces into which a foot's way is cut [m]; shaking within less than that is no way."""
-RELEASE = 0.02
-"""A stance ends when its contact has been unloaded for this long [s]; a shorter gap is a bounce."""
-LAG = 0.05
-"""Share of the friction's work that may be missing throughout: its direction is 18 degrees off at most."""
-
+from surefoot.records.audit.limits import LawLimits
 
 TOTAL, PEAK, LOST, WAY, X, Y, IDLE, WORST, BEYOND = range(9)
 """Columns of the state of each contact between two pieces of a log."""
 
 
-def start_slides(contacts: int) -> FloatArray:
+def start_slides(contacts: int, limits: LawLimits) -> FloatArray:
     """Return the state of (p,) contacts before the first row of a log: (p, 9)."""
     state = np.zeros((contacts, 9))
-    state[:, IDLE] = RELEASE
+    state[:, IDLE] = limits.release
     return state
+
+
+def slide_rules(limits: LawLimits) -> tuple[float, float, float]:
+    """Return the last three arguments of `slide_on`."""
+    return limits.slide_piece, limits.release, limits.lag
 
 
 @kernel
@@ -44,11 +42,14 @@ def slide_on(
     dt: FloatArray,
     threshold: float,
     weight: float,
+    piece: float,
+    release: float,
+    lag: float,
 ) -> None:
     """Move the state on by some rows; its column `WORST` is the longest way without friction in a stance [m].
 
     That is the work missing in a stance so far over the greatest friction mu f_n in it, but at most m g. A
-    stance's way is cut into pieces of `PIECE` net displacement, each of which lacks its displacement times
+    stance's way is cut into pieces of `piece` net displacement, each of which lacks its displacement times
     the friction missing on the mean of its way: so shaking on the spot costs nothing, however long, and a
     creep counts in full, however slow. NaN or infinite where numbers are too large to multiply.
 
@@ -64,6 +65,8 @@ def slide_on(
         Normal force from which a contact is loaded [N].
     weight
         m g [N].
+    piece, release, lag
+        `LawLimits.slide_piece` [m], `release` [s] and `lag` [-].
     """
     for c in range(forces.shape[1]):
         if state[c, BEYOND] != 0.0:
@@ -76,10 +79,10 @@ def slide_on(
             if normal <= threshold:
                 idle += dt[k]
                 # a lift-off ends the slide
-                if idle >= RELEASE:
+                if idle >= release:
                     total = peak = lost = way = x = y = 0.0
                 continue
-            touchdown, idle = idle >= RELEASE, 0.0
+            touchdown, idle = idle >= release, 0.0
             if touchdown:
                 continue
             # the way of a row, and the work that friction should have taken out on it less what it did
@@ -88,7 +91,7 @@ def slide_on(
             peak = max(peak, friction)
             # Full friction takes mu f_n per metre; what the force did is f_t . v dt, negative where it
             # brakes.
-            lost += (1.0 - LAG) * friction * moved + forces[k, c, 0] * u + forces[k, c, 1] * v
+            lost += (1.0 - lag) * friction * moved + forces[k, c, 0] * u + forces[k, c, 1] * v
             way += moved
             x += u
             y += v
@@ -98,7 +101,7 @@ def slide_on(
                 free = (total + lost * (net / way)) / min(peak, weight)
                 worst = free if free > worst or np.isnan(free) else worst
             # a stretch is closed: what friction owed on it, as far as it led anywhere
-            if net >= PIECE:
+            if net >= piece:
                 total += max(lost, 0.0) * (net / way)
                 lost = way = x = y = 0.0
             if not np.isfinite(total + lost + way):

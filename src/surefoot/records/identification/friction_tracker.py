@@ -16,13 +16,12 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import kernel
+from surefoot.base.loaded import UNLOADED
 
 SUSTAINED = 0.01
 """A use of friction counts as a lower bound when no reading of so long was less [s]."""
 SETTLING, SLIDE = 0.01, 0.01
 """A slide tells mu from its age `SETTLING` on: the mean over `SLIDE` to twice that, loaded time only [s]."""
-GAP = 0.02
-"""A slide goes on when the contact was unloaded for less [s]: feet chatter on ice."""
 SLIDING_SPEED = 0.03
 """Speed from which a loaded foot slides [m/s]; a soft ground lets a sticking one creep slower than that."""
 AGREE = 1.1
@@ -98,7 +97,7 @@ class FrictionTracker:
         self.memory = real_number("memory", memory, low=BUCKETS * self.dt)
         self.sliding_speed = real_number("sliding_speed", sliding_speed, low=1e-9)
         self._rows = max(2, round(SUSTAINED / self.dt))
-        self._gap = max(1, round(GAP / self.dt))
+        self._gap = max(1, round(UNLOADED / self.dt))
         self._settling, self._slide = max(1, round(SETTLING / self.dt)), max(2, round(SLIDE / self.dt))
         self.reset()
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, of_kind
+from surefoot.base.discrete_damping import HELD
 from surefoot.base.errors import ModelError
 from surefoot.mechanics import Actuators, Robot, actuators_of, joint_inertias, with_rotors
 
-HOLD = 0.5
-"""Share of a joint's momentum that its friction may take away in a step: all of it would chatter."""
 LEAST_INERTIA = 1e-10
 """Least that a joint has to move [kg m²]: 1 mN m turns that by 10 krad/s within a step of 1 ms."""
 
@@ -40,7 +39,7 @@ def equipped(robot: Robot, actuators: str | Actuators) -> tuple[Robot, Actuators
 class JointFriction:
     """Damping and dry friction as torques for a world that takes explicit ones.
 
-    Dry friction is that of a joint faster than a creep speed, friction dt / (`HOLD` I), and proportional to
+    Dry friction is that of a joint faster than a creep speed, friction dt / (`HELD` I), and proportional to
     the speed below it; I is the inertia that a free joint feels in the nominal pose, rotors included. With
     rotors of the Go2's that is 0.01 rad/s at 1 ms.
 
@@ -56,9 +55,9 @@ class JointFriction:
 
     def __init__(self, robot: Robot, actuators: Actuators, dt: float) -> None:
         inertia = joint_inertias(robot)
-        self._damping = actuators.damping / (1.0 + actuators.damping * dt / (HOLD * inertia))
+        self._damping = actuators.damping / (1.0 + actuators.damping * dt / (HELD * inertia))
         self._friction = actuators.friction
-        self._creep = np.maximum(actuators.friction * dt / (HOLD * inertia), 1e-9)
+        self._creep = np.maximum(actuators.friction * dt / (HELD * inertia), 1e-9)
 
     def torques(self, speed: FloatArray) -> FloatArray:
         """Return the torques (joints,) on joints of (joints,) speeds, against the motion [N m]."""

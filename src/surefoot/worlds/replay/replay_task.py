@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, finite_array, real_number
+from surefoot.base.discrete_damping import REPLAYED, largest_damping
 from surefoot.base.errors import ProblemError, SurefootError, located
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, Terrain, load_robot, read_terrain
@@ -21,8 +22,6 @@ UNEVEN = 0.1
 """Share by which a row's time may differ from the usual."""
 DAMPING_TIME = 0.03
 """Damping over stiffness of gains that no log tells [s]."""
-STEADY = 0.3
-"""Most that a gain may change a free joint's speed in a step, as a share of it: the loop is discrete."""
 
 
 @dataclass(frozen=True)
@@ -178,5 +177,5 @@ def _gains(log: Log, robot: Robot, dt: float) -> tuple[FloatArray, FloatArray]:
     inverse = np.asarray(pinocchio.computeMinverse(robot.model, robot.data, robot.nominal))
     inertia = 1.0 / np.diag(inverse)[robot.base_dof :]
     stiffness = np.full(robot.joints, robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.1))
-    damping = np.minimum(DAMPING_TIME * stiffness, STEADY * inertia / dt)
-    return np.minimum(stiffness, STEADY**2 * inertia / dt**2), damping
+    damping = np.minimum(DAMPING_TIME * stiffness, largest_damping(inertia, dt, REPLAYED))
+    return np.minimum(stiffness, REPLAYED**2 * inertia / dt**2), damping

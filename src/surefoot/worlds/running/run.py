@@ -13,6 +13,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
 from surefoot.base.errors import ProblemError, SurefootError, WriteError
+from surefoot.base.loaded import loaded_feet
 from surefoot.base.spatial import GRAVITY
 from surefoot.motion import Command, Controller, RobotState, Standstill, as_controller
 from surefoot.records import CHANNELS, Channel, Ending, Log, Recorder
@@ -38,8 +39,6 @@ PLAIN = 5.0
 """Length of a run without a scenario [s]."""
 LOOK_EVERY = 20
 """Steps between looks at whether the robot has fallen."""
-TOUCH = 0.02
-"""A foot feels the ground when its normal force exceeds this share of m g."""
 AT_LIMIT = 1.0 - 1e-6
 """A torque is saturated from this share of its limit on."""
 NO_PUSH = np.zeros(3)
@@ -198,7 +197,7 @@ class _Run:
         """Step the world to the end, a fall, or a stop because the state is not known."""
         world, scenario, faults, sensing = self.world, self.scenario, self.faults, self.sensing
         foot, feet = world.contact_foot, len(world.robot.feet)
-        touch = TOUCH * world.robot.mass * GRAVITY
+        weight = world.robot.mass * GRAVITY
         reading, command, stopped = world.contacts(), None, math.inf
         for k in range(scenario.steps(world.dt)):
             # what the world is like, and what the controller makes of it
@@ -206,7 +205,7 @@ class _Run:
             self.ground.advance(now, reading)
             push = push_at(scenario.pushes, now) if scenario.pushes else None
             q, v = world.state()
-            state = sensing.state(q, v, now, loaded_feet(foot, reading.forces, feet, touch))
+            state = sensing.state(q, v, now, touching_feet(foot, reading.forces, feet, weight))
             state = self.exteroception.add(state, q, reading)
             start = clock.perf_counter()
             state = RobotState(*state[:4], sensing.heard, *state[5:])
@@ -265,16 +264,16 @@ class _Run:
         self.recorder.write(row)
 
 
-def loaded_feet(contact_foot: IntArray, forces: FloatArray, feet: int, least: float) -> BoolArray:
-    """Return which feet (feet,) have a contact point with more than the least normal force [N].
+def touching_feet(contact_foot: IntArray, forces: FloatArray, feet: int, weight: float) -> BoolArray:
+    """Return which feet (feet,) have a contact point that bears weight.
 
     Parameters
     ----------
     contact_foot, forces
         (p,) foot of each contact point, and (p, 3) forces in contact frames [N].
-    feet, least
-        Number of feet, and the force.
+    feet, weight
+        Number of feet, and m g [N].
     """
     out = np.zeros(feet, dtype=np.bool_)
-    out[contact_foot[forces[:, 2] > least]] = True
+    out[contact_foot[loaded_feet(forces[:, 2], weight)]] = True
     return out

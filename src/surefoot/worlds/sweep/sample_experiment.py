@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-from surefoot.base.arrays import real_number
-from surefoot.base.errors import ProblemError, check_name
+from surefoot.base.errors import check_name
 from surefoot.base.lazy_table import LazyTable
+from surefoot.base.settings import bounded_number, check_settings, info_of
 
 KINDS = ("float", "bool", "text")
 """Types of a result's columns."""
@@ -17,7 +18,7 @@ KINDS = ("float", "bool", "text")
 
 def number(default: float | None, low: float, high: float, unit: str = "") -> Any:
     """Return a field of an experiment: a number within limits, which a sweep can draw."""
-    return field(default=default, metadata={"limits": (low, high), "unit": unit})
+    return bounded_number(default, low, high, unit)
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,7 @@ class SweepExperiment(ABC):
     code: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
-        for name in self.numbers():
-            value, (low, high) = getattr(self, name), self.limits(name)
-            if isinstance(value, bool):
-                raise ProblemError(f"{name} must be a number, got {value}")
-            if value is not None:
-                object.__setattr__(self, name, real_number(name, value, low=low, high=high))
+        check_settings(self)
 
     @abstractmethod
     def run(self, seed: int) -> dict[str, Any]:
@@ -74,7 +70,7 @@ class SweepExperiment(ABC):
     @classmethod
     def numbers(cls) -> tuple[str, ...]:
         """Return the settings that are numbers."""
-        return tuple(f.name for f in fields(cls) if "limits" in f.metadata)
+        return tuple(f.name for f in fields(cls) if info_of(cls, f.name) is not None)
 
     def parameters(self) -> tuple[str, ...]:
         """Return the settings that a sweep can draw, in the order of the sequence's dimensions."""
@@ -86,13 +82,15 @@ class SweepExperiment(ABC):
     @classmethod
     def limits(cls, name: str) -> tuple[float, float]:
         """Return the least and the largest value of a number that make sense."""
-        low, high = cls.__dataclass_fields__[name].metadata["limits"]
-        return low, high
+        info = info_of(cls, name)
+        low, high = (None, None) if info is None else (info.low, info.high)
+        return -math.inf if low is None else low, math.inf if high is None else high
 
     @classmethod
     def unit(cls, name: str) -> str:
         """Return the unit of a setting, empty for none."""
-        return str(cls.__dataclass_fields__[name].metadata.get("unit", ""))
+        info = info_of(cls, name)
+        return "" if info is None else info.unit
 
 
 EXPERIMENTS: LazyTable[type[SweepExperiment]] = LazyTable(

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, real_number, whole_number
+from surefoot.base.discrete_damping import SPRUNG
 from surefoot.base.errors import SurefootError
 from surefoot.base.spatial import heading_of, quaternion_about
 from surefoot.contact import Status
@@ -46,8 +47,6 @@ MOST = 1e4
 """Largest damping, relative to the torques' mean weight."""
 STIFFNESS, DAMPING = 30.0, 1.0
 """Of joints where there is no plan [N m/rad], [N m s/rad]."""
-SOFTNESS = 0.25
-"""Share of the stiffness and damping with which a step of a knot's length would just be stable."""
 
 
 @dataclass(frozen=True)
@@ -195,7 +194,7 @@ class ContactImplicitMpc(Controller):
         N, m, n, dt = self.settings.knots, self.robot.joints, int(self.robot.model.nv), self.settings.dt
         inertia = pinocchio.crba(self.robot.model, self.robot.model.createData(), self._pose)
         legs = np.diag(inertia)[n - m :]
-        soft = _springs(N, n, SOFTNESS * legs / dt**2, 2.0 * SOFTNESS * legs / dt)
+        soft = _springs(N, n, SPRUNG * legs / dt**2, 2.0 * SPRUNG * legs / dt)
         q, hold = np.tile(self._pose, (N + 1, 1)), np.tile(self._hold, (N, 1))
         standing = FeedbackPolicy(q, np.zeros((N + 1, n)), hold, soft, np.zeros((N, m)))
         return _springs(N, n, np.full(m, STIFFNESS), np.full(m, DAMPING)), standing

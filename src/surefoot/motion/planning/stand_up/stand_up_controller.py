@@ -8,6 +8,7 @@ again, and tries once more. Once it stands, whole-body control holds it.
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 
 import numpy as np
 
@@ -22,14 +23,18 @@ from surefoot.motion.planning.tracking.reference import Reference
 from surefoot.motion.planning.tracking.tracker import FRICTION, TrackCommand, TrackingController, whole_body
 from surefoot.records import Log
 
-ROLLING, RISING, STANDING, FOLDING = 0.0, 1.0, 2.0, 3.0
-"""Values of the channel `phase`."""
 LEVEL, STILL = math.cos(math.radians(15.0)), 0.6
 """The body is ready to rise if it leans less than 15 degrees and moves slower than this [m/s, rad/s]."""
 WAIT, FOLD = 0.6, 1.0
 """Longest time to wait for that after the last rolling posture, and time to lie down again [s]."""
 STAGES = 2
 """Postures at the end that rise and hold."""
+
+
+class StandUpPhase(IntEnum):
+    """Values of the channel `phase` of a robot that gets up."""
+
+    ROLLING, RISING, STANDING, FOLDING = range(4)
 
 
 class StandUpController(Controller):
@@ -58,7 +63,7 @@ class StandUpController(Controller):
     def reset(self) -> None:
         """Forget the past: the next step is the first of the plan."""
         self.whole_body.reset()
-        self.phase = ROLLING
+        self.phase = StandUpPhase.ROLLING
         self._since: float | None = None
         self._from = self._lying
 
@@ -68,11 +73,11 @@ class StandUpController(Controller):
         if not computable(state.q, state.v):
             return self._make_command(self.whole_body.damping(state.v).torques, off)
         if self._since is None:
-            self._begin(ROLLING, state)
+            self._begin(StandUpPhase.ROLLING, state)
         sensed = off if state.contact is None else np.asarray(state.contact, dtype=bool)
         assert self._since is not None
         self._advance(state, state.time - self._since, sensed)
-        if self.phase == STANDING and sensed.any():
+        if self.phase == StandUpPhase.STANDING and sensed.any():
             now = self.whole_body.update(state.q, state.v)
             body = self.whole_body.solve(self.landing.tasks(now, sensed))
             active = sensed[self.whole_body.point_foot]
@@ -82,35 +87,35 @@ class StandUpController(Controller):
         target = self._target(state.time - self._since)
         return self._make_command(self.law.torques(target, state.q[7:], state.v[6:]), off)
 
-    def _begin(self, phase: float, state: RobotState) -> None:
+    def _begin(self, phase: StandUpPhase, state: RobotState) -> None:
         self.phase, self._since, self._from = phase, state.time, state.q[7:].copy()
 
     def _advance(self, state: RobotState, clock: float, sensed: BoolArray) -> None:
         """Go to the next stage when the body is where that begins."""
         level = upright(state.q) > LEVEL and float(np.abs(state.v[:6]).max()) < STILL
         law = self.law
-        if self.phase == ROLLING and clock >= self._rolled:
+        if self.phase == StandUpPhase.ROLLING and clock >= self._rolled:
             if level:
-                self._begin(RISING, state)
+                self._begin(StandUpPhase.RISING, state)
             elif clock > self._rolled + WAIT:
-                self._begin(FOLDING, state)
-        elif self.phase == FOLDING and clock >= FOLD:
-            self._begin(RISING if level else ROLLING, state)
-        elif self.phase == RISING and clock >= law.duration - self._rolled:
+                self._begin(StandUpPhase.FOLDING, state)
+        elif self.phase == StandUpPhase.FOLDING and clock >= FOLD:
+            self._begin(StandUpPhase.RISING if level else StandUpPhase.ROLLING, state)
+        elif self.phase == StandUpPhase.RISING and clock >= law.duration - self._rolled:
             if sensed.all() and level:
-                self._begin(STANDING, state)
+                self._begin(StandUpPhase.STANDING, state)
                 self.landing.begin(self.whole_body.update(state.q, state.v))
             elif not level:
-                self._begin(FOLDING, state)
-        elif self.phase == STANDING and upright(state.q) < 0.5:
-            self._begin(FOLDING, state)
+                self._begin(StandUpPhase.FOLDING, state)
+        elif self.phase == StandUpPhase.STANDING and upright(state.q) < 0.5:
+            self._begin(StandUpPhase.FOLDING, state)
 
     def _target(self, clock: float) -> FloatArray:
         """Return the joints' targets (joints,) at a time since the stage began [s]."""
         law = self.law
-        if self.phase == ROLLING:
+        if self.phase == StandUpPhase.ROLLING:
             return law.at(min(clock, self._rolled), self._from)
-        if self.phase == FOLDING:
+        if self.phase == StandUpPhase.FOLDING:
             share = min(clock / (0.5 * FOLD), 1.0)
             return np.asarray((1.0 - share) * self._from + share * self._lying)
         return law.at(self._rolled + clock, self._from)

@@ -9,6 +9,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, finite_array
 from surefoot.base.errors import ProblemError
+from surefoot.base.loaded import PLANNED, loaded_feet
 from surefoot.base.numerics.phases import runs_of
 from surefoot.base.spatial import (
     GRAVITY,
@@ -19,9 +20,6 @@ from surefoot.base.spatial import (
 )
 from surefoot.mechanics import Robot
 from surefoot.records import Log
-
-LOADED = 1e-2
-"""A foot stands where the plan's normal force on it exceeds this share of m g."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +97,7 @@ class Reference:
             loads = np.stack(
                 [self.forces[:, points.foot == k, 2].sum(axis=1) for k in range(len(robot.feet))], axis=1
             )
-            self.stance: BoolArray = loads > LOADED * robot.mass * GRAVITY
+            self.stance: BoolArray = loaded_feet(loads, robot.mass * GRAVITY, PLANNED)
         else:
             self.stance = np.asarray(stance, dtype=bool)[: rows - 1]
         if self.stance.shape != (rows - 1, len(robot.feet)):

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.loaded import UNLOADED
 from surefoot.base.spatial import GRAVITY, rotation_log
 from surefoot.mechanics import Robot, motor_limits
 from surefoot.motion.control.controller import Command, Controller, RobotState
@@ -35,10 +37,6 @@ CAPTURE = 0.7
 """Share of the capture point's offset that feet are moved by before they land."""
 FORCE_SHARE = 0.01
 """Weight of the plan's forces, see `TaskWeights.force`."""
-GROUND, FLYING, LANDED = 0.0, 1.0, 2.0
-"""Values of the channel `phase`."""
-LOST_TIME = 0.02
-"""A foot that should stand and feels nothing for this long is taken for one in the air [s]."""
 EARLY, FAST = 0.03, 0.92
 """So long before the planned end of a push [s] it ends as soon as half the feet have left the ground, or a
 joint moves with this share of its speed limit: there is nothing left to push with."""
@@ -56,6 +54,12 @@ AROUND = (0.03, 0.05)
 """How much earlier and later than the plan's end of a flight its next stance may begin [s]."""
 
 
+class TrackPhase(IntEnum):
+    """Values of the channel `phase` of a plan that is followed."""
+
+    GROUND, FLYING, LANDED = range(3)
+
+
 def whole_body(robot: Robot, least: float = 0.0) -> WholeBodyController:
     """Return the control of a robot on the ground, its stance feet with a `least` normal force [N]."""
     # a plan's swings are within its motors: its feet may ask as much of the body as the body itself
@@ -65,13 +69,13 @@ def whole_body(robot: Robot, least: float = 0.0) -> WholeBodyController:
 
 @dataclass(frozen=True, kw_only=True)
 class TrackCommand(Command):
-    """What the tracking controller asks for at one step; `phase` is GROUND, FLYING or LANDED."""
+    """What a controller of a plan asks for at one step; `phase` is a `TrackPhase` or its like."""
 
-    phase: float
+    phase: IntEnum
 
     def rows(self) -> dict[str, Any]:
         """Return the phase."""
-        return {"phase": self.phase}
+        return {"phase": float(self.phase)}
 
 
 class TrackingController(Controller):
@@ -109,7 +113,7 @@ class TrackingController(Controller):
     def reset(self) -> None:
         """Forget the past: the next step is the first of the plan."""
         self.whole_body.reset()
-        self.phase = GROUND
+        self.phase = TrackPhase.GROUND
         self._reference: Reference | None = None
         self._clock, self._last = 0.0, -math.inf
         self._unsensed = np.zeros(len(self.robot.feet))
@@ -128,12 +132,14 @@ class TrackingController(Controller):
         self._clock, self._last = self._clock + since, state.time
         sensed = self._planned_stance() if state.contact is None else np.asarray(state.contact, dtype=bool)
         self._advance(now, state, sensed)
-        if self.phase == FLYING:
+        if self.phase == TrackPhase.FLYING:
             return self._fly(now, state)
         stance = self._stance(sensed, since)
         if not stance.any():
             return self._fly(now, state)
-        tasks = self._follow(now, stance) if self.phase == GROUND else self.landing.tasks(now, stance)
+        tasks = (
+            self._follow(now, stance) if self.phase == TrackPhase.GROUND else self.landing.tasks(now, stance)
+        )
         body = self.whole_body.solve(tasks)
         loose = ~self._support[stance & sensed].any(axis=0)
         slow = self._not_too_fast(body.torques, state.v[6:])
@@ -160,22 +166,22 @@ class TrackingController(Controller):
         """Go from one phase to the next: by the plan into flight, by touch out of it."""
         assert self._reference is not None
         airborne_phases, clock = self._flights, self._clock
-        if self.phase == GROUND:
+        if self.phase == TrackPhase.GROUND:
             if self._next < len(airborne_phases) and self._leaves(state, airborne_phases[self._next].start):
-                self.phase = FLYING
+                self.phase = TrackPhase.FLYING
                 self.flight.begin(state.q[7:], state.v[6:])
             elif clock >= self._reference.duration or (
                 0 < self._next == len(airborne_phases) and sensed.all()
             ):
                 self._land(now)
-        elif self.phase == FLYING:
+        elif self.phase == TrackPhase.FLYING:
             goal = airborne_phases[self._next]
             if sensed.any() and now.com_velocity[2] < 0.0:  # while it rises, feet scrape as they leave
                 self._next += 1
                 if self._next == len(airborne_phases) and goal.landing.all():
                     self._land(now)
                 else:
-                    self.phase, self._clock = GROUND, self._time_of_attitude(now, goal.end)
+                    self.phase, self._clock = TrackPhase.GROUND, self._time_of_attitude(now, goal.end)
                     self._reference = self._reference.place_on(now.centres, goal.end, goal.landing)
                 self._unsensed[:] = np.where(sensed, 0.0, math.inf)
 
@@ -196,14 +202,14 @@ class TrackingController(Controller):
         return float(times[::4][int(np.argmax(off))])
 
     def _land(self, now: Kinematics) -> None:
-        self.phase = LANDED
+        self.phase = TrackPhase.LANDED
         self.landing.begin(now)
 
     def _stance(self, sensed: BoolArray, since: float) -> BoolArray:
         """Return which feet may push: those that should and feel the ground, or have just lost it."""
         self._unsensed = np.where(sensed, 0.0, self._unsensed + since)
-        touching = self._unsensed <= LOST_TIME
-        return np.asarray(touching & self._planned_stance() if self.phase == GROUND else touching)
+        touching = self._unsensed <= UNLOADED
+        return np.asarray(touching & self._planned_stance() if self.phase == TrackPhase.GROUND else touching)
 
     def _follow(self, now: Kinematics, stance: BoolArray) -> Tasks:
         """Return the tasks of the plan at this moment."""

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.errors import ProblemError
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.summary.run_summary import StepTimes
 from surefoot.records.log import Log
-
-SHORTEST_WAY = 0.5
-"""Way from which drift is given as a share of it [m]."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +23,7 @@ class EstimateErrors:
     drift
         Growth of the place's error over the run [m].
     drift_share
-        The same over the way along the ground; None for a way shorter than `SHORTEST_WAY`.
+        The same over the way along the ground; None for a way shorter than `EstimateLimits.shortest_way`.
     tilt_rms_deg
         Error of roll and pitch, root of the mean square [deg].
     heading_deg
@@ -74,22 +72,16 @@ def estimate_errors(log: Log) -> EstimateErrors:
         velocity_rms=float(np.sqrt(np.mean(velocity**2))),
         velocity_max=float(velocity.max()),
         drift=drift,
-        drift_share=drift / way if way >= SHORTEST_WAY else None,
+        drift_share=drift / way if way >= LIMITS.estimate.shortest_way else None,
         tilt_rms_deg=float(np.degrees(np.sqrt(np.mean(tilt**2)))),
         heading_deg=float(np.degrees(heading[-1] - heading[0])),
         step_us=StepTimes.of(time),
     )
 
 
-LAST = 1.0
-"""Length of the end of a run over which the estimates are averaged [s]."""
-LIGHT = 0.05
-"""Share of the robot's mass below which a payload's place is not given."""
-
-
 @dataclass(frozen=True)
 class LoadEstimate:
-    """The payload and the wrench that were estimated, means of the last `LAST` seconds.
+    """The payload and the wrench that were estimated, means of the last `EstimateLimits.last`.
 
     Attributes
     ----------
@@ -109,9 +101,9 @@ class LoadEstimate:
 
 def load_estimate(log: Log) -> LoadEstimate:
     """Return the mean of a log's ``load_estimated`` and ``wrench_estimated`` at its end."""
-    rows = max(1, round(LAST / float(log.fact("dt"))))
+    rows = max(1, round(LIMITS.estimate.last / float(log.fact("dt"))))
     mass, *moment = log["load_estimated"][-rows:].mean(axis=0).tolist()
     wrench = log["wrench_estimated"][-rows:].mean(axis=0)
-    light = abs(mass) < LIGHT * float(log.fact("mass_controller"))
+    light = abs(mass) < LIMITS.estimate.light * float(log.fact("mass_controller"))
     place = None if light else (np.array(moment) / mass).tolist()
     return LoadEstimate(mass, place, wrench[:3].tolist(), wrench[3:].tolist())

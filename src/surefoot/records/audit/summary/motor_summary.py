@@ -7,12 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.log import Log
 
-OVER_SPEED = 1.0 + 1e-3
-"""Highest share of a joint's speed limit that counts as inside."""
-CUT = 0.01
-"""Torque that a motor did not give, as a share of its largest, from which it counts as cut off."""
 IDEAL = "ideal"
 
 
@@ -59,8 +56,8 @@ def motor_use(log: Log) -> MotorUse | None:
         str(log.facts.get("actuators", IDEAL)),
         float(use.max()),
         log.fact("joints")[int(use.max(axis=0).argmax())],
-        float(np.mean((use > OVER_SPEED).any(axis=1))),
-        float(np.mean((beyond > CUT).any(axis=1))),
+        float(np.mean((use > LIMITS.motors.over_speed).any(axis=1))),
+        float(np.mean((beyond > LIMITS.motors.cut).any(axis=1))),
         float(beyond.max()),
     )
 

@@ -11,7 +11,8 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray, of_kind
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.spatial import GRAVITY
-from surefoot.records.audit.laws import LOADED_SHARE, LawFigures, contact_use, friction_of, log_laws
+from surefoot.records.audit.laws import LawFigures, contact_use, friction_of, log_laws
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.motion import finite, foot_forces, slips, touching
 from surefoot.records.audit.pressure import sole_pressures
 from surefoot.records.audit.summary.motor_summary import MotorUse, limits_broken, motor_use
@@ -202,7 +203,7 @@ def _feet(log: Log, weight: float, down: BoolArray | None) -> list[FootSummary]:
     friction = friction_of(log)
     if friction.ndim == 2:  # of a foot: where it has most
         friction = np.column_stack([friction[:, owner == k].max(axis=1) for k in range(total.shape[1])])
-    use = contact_use(total, friction, LOADED_SHARE * weight).max(axis=0)
+    use = contact_use(total, friction, LIMITS.laws.loaded * weight).max(axis=0)
     out = []
     for k, name in enumerate(log.fact("feet")):
         mean = float(total[:, k, 2].mean())

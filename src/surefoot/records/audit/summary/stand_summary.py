@@ -7,14 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.motion import tilt_angles
 from surefoot.records.audit.summary.run_summary import RunSummary, ending_of, shared_fields
 from surefoot.records.log import Ending, Log
-
-SLIP_LIMIT = 0.01
-"""A foot that has moved further than this over the ground while loaded has slipped [m]."""
-DRIFT_LIMIT, TILT_LIMIT = 0.1, np.radians(10.0)
-"""A robot stands if its base ends within this share of its height, and this angle, of its place."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +75,7 @@ def _outcome(log: Log, ended: Ending, slip: float, base: BaseMotion) -> str:
     """Return "stood", or why not."""
     if ended in (Ending.INVALID, Ending.INTERRUPTED, Ending.STOPPED):
         return str(ended)
-    if slip > SLIP_LIMIT:
+    if slip > LIMITS.stand.slip:
         return "slipped"
     if ended is Ending.FELL:
         return str(ended)
@@ -90,4 +86,6 @@ def displaced(log: Log, base: BaseMotion | None = None) -> bool:
     """Return whether the base of a stand ends too far from where it started, or leans."""
     base = _base(log) if base is None else base
     height = abs(float(log["q"][0, 2] - log["contact_positions"][0, :, 2].mean()))
-    return bool(base.position_end > DRIFT_LIMIT * height or np.radians(base.tilt_end_deg) > TILT_LIMIT)
+    limits = LIMITS.stand
+    leans = np.radians(base.tilt_end_deg) > np.radians(limits.tilt)
+    return bool(base.position_end > limits.drift * height or leans)

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from surefoot.base.spatial import rotation_from_quaternion
+from surefoot.records.audit.limits import LIMITS
 from surefoot.records.audit.motion import commanded_excess, heading_velocity
 from surefoot.records.audit.summary.estimate_summary import (
     EstimateErrors,
@@ -17,17 +18,6 @@ from surefoot.records.audit.summary.estimate_summary import (
 )
 from surefoot.records.audit.summary.run_summary import RunSummary, ending_of, shared_fields
 from surefoot.records.log import Ending, Log
-
-SETTLED = 2.0
-"""Time after which the velocity should be the commanded one [s]."""
-TRACKING_SHARE = 0.1
-"""The mean velocity counts as the commanded one within this share of it ..."""
-TRACKING_FLOOR = 0.03
-"""... or within this, for components that should be small [m/s, rad/s]."""
-FOLLOWED_SHARE = 0.5
-"""A robot that misses more than this share of the commanded velocity did not walk as commanded ..."""
-FOLLOWED_FLOOR = 0.05
-"""... unless it misses less than this [m/s, rad/s]."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +32,7 @@ class AxisTracking:
 
 @dataclass(frozen=True)
 class VelocityTracking:
-    """Mean velocities after `SETTLED` seconds in the heading frame, and whether all are within tolerance."""
+    """Mean velocities after `WalkLimits.settled` in the heading frame; whether all are within tolerance."""
 
     forward: AxisTracking
     left: AxisTracking
@@ -52,9 +42,10 @@ class VelocityTracking:
     @property
     def followed(self) -> bool:
         """Whether the velocity is what was commanded by half at least, along the ground and turning."""
+        limits = LIMITS.walk
         for axes in ((self.forward, self.left), (self.turn,)):
             wanted, missed = (float(np.linalg.norm([astuple(a)[k] for a in axes])) for k in (0, 2))
-            if missed > max(FOLLOWED_SHARE * wanted, FOLLOWED_FLOOR):
+            if missed > max(limits.followed_share * wanted, limits.followed_floor):
                 return False
         return True
 
@@ -142,11 +133,13 @@ def follows(log: Log) -> bool:
 
 def _tracking(log: Log) -> VelocityTracking:
     """Return the mean velocities after the start, against the commanded ones."""
-    late = log["time"] >= SETTLED
+    late = log["time"] >= LIMITS.walk.settled
     if not late.any():
         late = np.ones(len(log), dtype=bool)
     wanted, measured = log["command"][late].mean(axis=0), heading_velocity(log)[late].mean(axis=0)
-    error, allowed = measured - wanted, np.maximum(TRACKING_SHARE * np.abs(wanted), TRACKING_FLOOR)
+    limits = LIMITS.walk
+    allowed = np.maximum(limits.tracking_share * np.abs(wanted), limits.tracking_floor)
+    error = measured - wanted
     forward, left, turn = (
         AxisTracking(float(w), float(m), float(e), bool(abs(e) <= a))
         for w, m, e, a in zip(wanted, measured, error, allowed, strict=True)

@@ -11,10 +11,8 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.records.audit.balance import left_over
 from surefoot.records.audit.continuity import levers, state_slips
 from surefoot.records.audit.episode import Episode
-from surefoot.records.audit.symptoms.symptom import CERTAIN, Evidence, symptom
+from surefoot.records.audit.symptoms.symptom import Evidence, symptom
 
-HELD = 0.3
-"""A body is held up by an unexplained force from this share of m g on."""
 of_body = partial(symptom, body=True)
 
 
@@ -27,9 +25,9 @@ of_body = partial(symptom, body=True)
 )
 def no_forces(e: Episode) -> Evidence | None:
     """Tell whether the ground gives nothing, and the robot does not fall."""
-    if e.rows.has("gaps") and float(np.median(e.rows.gaps[e.rows.core].min(axis=1))) > 1e-3:
+    if e.rows.has("gaps") and float(np.median(e.rows.gaps[e.rows.core].min(axis=1))) > e.limits.body.touching:
         return None
-    return Evidence(1.0, "no contact carries anything though feet touch the ground")
+    return Evidence(e.limits.ranks.no_forces, "no contact carries anything though feet touch the ground")
 
 
 @of_body(
@@ -42,12 +40,12 @@ def infeasible(e: Episode) -> Evidence | None:
     """Tell whether the motion needs forces where nothing touches the ground."""
     if not (e.has("idle") or e.has("motion")) or not e.rows.has("gaps"):
         return None
-    if float(np.median(e.rows.gaps[e.rows.core].min(axis=1))) <= 1e-3:
+    if float(np.median(e.rows.gaps[e.rows.core].min(axis=1))) <= e.limits.body.touching:
         return None
-    rest = e.rows.unexplained
-    if rest is not None and float(np.nanmean(rest.force[e.rows.core, 2])) < HELD * e.weight:
+    rest, held = e.rows.unexplained, e.limits.body.held
+    if rest is not None and float(np.nanmean(rest.force[e.rows.core, 2])) < held * e.weight:
         return None
-    return Evidence(0.99, "the body is held up while every foot is off the ground")
+    return Evidence(e.limits.ranks.infeasible, "the body is held up while every foot is off the ground")
 
 
 @of_body(
@@ -62,12 +60,13 @@ def outside_force(e: Episode) -> Evidence | None:
         rest = np.nanmedian(left_over(e.rows)[e.rows.core], axis=0).round(6)
         modelled = "".join(f"; in the model {line}" for line in e.rows.log.facts.get("outside", ()))
         turns = f" and {_triple(rest[3:])} N m" if rest[3:].any() else ""
-        return Evidence(CERTAIN, f"{_triple(rest[:3])} N{turns} on the body that no contact gives{modelled}")
+        text = f"{_triple(rest[:3])} N{turns} on the body that no contact gives{modelled}"
+        return Evidence(e.limits.ranks.certain, text)
     missing = e.rows.unexplained
     if missing is None or not e.has("motion"):
         return None
     force = np.nanmedian(missing.force[e.rows.core], axis=0)
-    return Evidence(0.8, f"about {_triple(force)} N on the body, world axes")
+    return Evidence(e.limits.ranks.outside_force, f"about {_triple(force)} N on the body, world axes")
 
 
 def _triple(force: FloatArray) -> str:
@@ -84,7 +83,7 @@ def _triple(force: FloatArray) -> str:
 def unconverged_solver(e: Episode) -> Evidence | None:
     """Tell whether the world's solver left forces that are not its own law's."""
     size = e.failed["unconverged"].value
-    return Evidence(1.0, f"forces up to {size:.3g} N off its law")
+    return Evidence(e.limits.ranks.unconverged_solver, f"forces up to {size:.3g} N off its law")
 
 
 @of_body(
@@ -96,18 +95,19 @@ def unconverged_solver(e: Episode) -> Evidence | None:
 )
 def wrong_mass(e: Episode) -> Evidence | None:
     """Tell whether the robot weighs something else than the log says."""
-    rest = e.rows.unexplained
-    if rest is None or e.failed["motion"].rows * e.rows.setting.dt < 0.2:
+    rest, limits = e.rows.unexplained, e.limits.body
+    if rest is None or e.failed["motion"].rows * e.rows.setting.dt < limits.mass_time:
         return None
     if "momentum_rate" in e.rows.log:
         return None  # the log's mass is that of its momentum
     force = rest.force[e.rows.core]
     force = force[np.isfinite(force).all(axis=1)]
     mean, spread = force.mean(axis=0), force.std(axis=0)
-    upright = abs(mean[2]) > 0.9 * np.linalg.norm(mean)
-    if not upright or np.linalg.norm(spread) > 0.6 * abs(mean[2]):
+    upright = abs(mean[2]) > limits.mass_upright * np.linalg.norm(mean)
+    if not upright or np.linalg.norm(spread) > limits.mass_spread * abs(mean[2]):
         return None
-    return Evidence(0.9, f"the forces carry {-mean[2] / GRAVITY:+.3g} kg against the log's mass")
+    text = f"the forces carry {-mean[2] / GRAVITY:+.3g} kg against the log's mass"
+    return Evidence(e.limits.ranks.wrong_mass, text)
 
 
 @of_body(
@@ -121,9 +121,10 @@ def held_rows(e: Episode) -> Evidence | None:
     """Tell whether the same state is logged again and again while it moves."""
     q, v = e.rows.numbers("q")[e.rows.core], e.rows.numbers("v")[e.rows.core]
     same = (q[1:] == q[:-1]).all(axis=1) & (v[1:] == v[:-1]).all(axis=1) & (np.abs(v[1:]) > 0.0).any(axis=1)
-    if same.sum() < 5:
+    if same.sum() < e.limits.body.held_rows:
         return None
-    return Evidence(1.0, f"{int(same.sum())} rows repeat the one before, with velocities that are not zero")
+    text = f"{int(same.sum())} rows repeat the one before, with velocities that are not zero"
+    return Evidence(e.limits.ranks.held_rows, text)
 
 
 @of_body(
@@ -135,11 +136,12 @@ def held_rows(e: Episode) -> Evidence | None:
 )
 def teleport(e: Episode) -> Evidence | None:
     """Tell whether positions jump in a row or two."""
-    size = np.sort(_slips(e))
+    size, share = np.sort(_slips(e)), e.limits.body.teleport_share
     jump = float(size[-2:].sum())
-    if float((size[-2:] ** 2).sum()) < 0.8 * float((size**2).sum()):
+    if float((size[-2:] ** 2).sum()) < share * float((size**2).sum()):
         return None
-    return Evidence(0.999, f"positions jump by {1e3 * jump:.3g} mm (angles on a lever of 0.1 m)")
+    text = f"positions jump by {1e3 * jump:.3g} mm (angles on a lever of {_lever(e):g} m)"
+    return Evidence(e.limits.ranks.teleport, text)
 
 
 @of_body(
@@ -152,7 +154,8 @@ def teleport(e: Episode) -> Evidence | None:
 def other_velocities(e: Episode) -> Evidence | None:
     """Tell whether positions and velocities are not those of one motion."""
     way = 1e3 * e.failed["state"].value
-    return Evidence(0.998, f"positions go {way:.3g} mm beside their velocities in 50 ms")
+    text = f"positions go {way:.3g} mm beside their velocities in 50 ms"
+    return Evidence(e.limits.ranks.other_velocities, text)
 
 
 @of_body(
@@ -164,19 +167,24 @@ def other_velocities(e: Episode) -> Evidence | None:
 )
 def velocity_jump(e: Episode) -> Evidence | None:
     """Tell whether the velocity changes in a row or two by what no force explains."""
-    rest = e.rows.unexplained
+    rest, limits = e.rows.unexplained, e.limits.body
     if rest is None:
         return None
     force = np.nan_to_num(rest.force)[e.rows.core]
     size = np.linalg.norm(force, axis=1)
     top = np.argsort(size)[-2:]
-    if size[top].max() < 2.0 * e.weight or float((size[top] ** 2).sum()) < 0.9 * float((size**2).sum()):
+    alone = float((size[top] ** 2).sum()) >= limits.jump_share * float((size**2).sum())
+    if size[top].max() < limits.jump_force * e.weight or not alone:
         return None
     logged = np.linalg.norm(e.rows.forces[e.rows.core], axis=(1, 2))
-    if float(np.abs(logged[top] - np.median(logged)).max()) > 0.5 * float(size[top].max()):
+    if float(np.abs(logged[top] - np.median(logged)).max()) > limits.jump_logged * float(size[top].max()):
         return None  # a force of one row, which is a foot's matter
     change = float((size[top] * e.dt[top]).max()) * GRAVITY / e.weight
-    return Evidence(0.997, f"the body's velocity jumps by {change:.3g} m/s")
+    return Evidence(e.limits.ranks.velocity_jump, f"the body's velocity jumps by {change:.3g} m/s")
+
+
+def _lever(e: Episode) -> float:
+    return e.limits.continuity.lever
 
 
 def _slips(e: Episode) -> FloatArray:
@@ -185,4 +193,4 @@ def _slips(e: Episode) -> FloatArray:
     slips = state_slips(q, v, e.rows.dt)
     if slips is None:
         return np.zeros(len(v))
-    return np.asarray(np.linalg.norm(slips * levers(q, v), axis=1))
+    return np.asarray(np.linalg.norm(slips * levers(q, v, _lever(e)), axis=1))

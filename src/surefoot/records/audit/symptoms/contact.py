@@ -5,12 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.records.audit.episode import Episode
-from surefoot.records.audit.log_context import DEEP
 from surefoot.records.audit.symptoms.fits import fitted_pyramid
 from surefoot.records.audit.symptoms.symptom import Evidence, symptom
-
-ALL, HALF = 0.99, 0.5
-"""A log starts in the ground if it is never deeper than at first, and at the end by half at most."""
 
 
 @symptom(
@@ -22,7 +18,7 @@ ALL, HALF = 0.99, 0.5
 )
 def pull(e: Episode) -> Evidence | None:
     """Tell whether the ground pulls."""
-    return Evidence(0.97, f"normal force down to {float(e.force[:, 2].min()):.3g} N")
+    return Evidence(e.limits.ranks.pull, f"normal force down to {float(e.force[:, 2].min()):.3g} N")
 
 
 @symptom(
@@ -36,11 +32,12 @@ def coarse_facets(e: Episode) -> Evidence | None:
     """Tell whether the force sits in the corner of a friction pyramid outside the cone."""
     if not e.sideways:
         return None
-    shape = fitted_pyramid(e.force, e.mu, e.weight)
+    shape = fitted_pyramid(e.force, e.mu, e.weight, e.limits.fits)
     if shape is None:
         return None
     turned = f", turned by {np.degrees(shape[1]):.0f} deg" if shape[1] else ""
-    return Evidence(0.995, f"forces lie on the edge of a pyramid of {shape[0]} facets about the cone{turned}")
+    text = f"forces lie on the edge of a pyramid of {shape[0]} facets about the cone{turned}"
+    return Evidence(e.limits.ranks.coarse_facets, text)
 
 
 @symptom(
@@ -53,12 +50,12 @@ def coarse_facets(e: Episode) -> Evidence | None:
 def too_much_friction(e: Episode) -> Evidence | None:
     """Tell whether more friction than the material has."""
     needed = np.hypot(e.force[:, 0], e.force[:, 1]) / np.maximum(e.force[:, 2], 1e-12)
-    over = (needed > 1.001 * e.mu) & (e.force[:, 2] > e.rows.setting.threshold)
+    over = (needed > e.limits.contact.excess * e.mu) & (e.force[:, 2] > e.rows.setting.threshold)
     if not over.any():
         return None
-    worst = float(needed[over].max())
+    worst, ranks = float(needed[over].max()), e.limits.ranks
     return Evidence(
-        0.985 if e.sideways else 0.9,
+        ranks.too_much_friction if e.sideways else ranks.too_much_doubtful,
         f"needs mu of {worst:.3g} where the ground has {float(e.mu[over].min()):.3g}",
     )
 
@@ -72,12 +69,13 @@ def too_much_friction(e: Episode) -> Evidence | None:
 )
 def friction_in_the_air(e: Episode) -> Evidence | None:
     """Tell whether a force across the ground where there is no contact."""
-    air = (e.gap > 1e-3) & (e.force[:, 2] <= 0.005 * e.weight)
+    limits = e.limits.contact
+    air = (e.gap > limits.air_gap) & (e.force[:, 2] <= limits.air_normal * e.weight)
     side = np.hypot(e.force[:, 0], e.force[:, 1])
-    if (air & (side > e.rows.setting.threshold)).mean() < 0.5:
+    if (air & (side > e.rows.setting.threshold)).mean() < limits.air_share:
         return None
     return Evidence(
-        0.98,
+        e.limits.ranks.friction_in_the_air,
         f"{float(side[air].max()):.3g} N across the ground, {1e3 * float(e.gap[air].max()):.3g} mm above it",
     )
 
@@ -93,7 +91,9 @@ def friction_drives(e: Episode) -> Evidence | None:
     """Tell whether friction works with the slip and not against it."""
     if e.has("distance"):
         return None
-    return Evidence(0.992, f"{e.failed['work'].value:.3g} J given by friction in 50 ms")
+    return Evidence(
+        e.limits.ranks.friction_drives, f"{e.failed['work'].value:.3g} J given by friction in 50 ms"
+    )
 
 
 @symptom(
@@ -107,7 +107,8 @@ def frictionless_slide(e: Episode) -> Evidence | None:
     """Tell whether a loaded foot slides and hardly anything brakes it."""
     if e.has("distance"):
         return None
-    return Evidence(0.986, f"{1e3 * e.failed['dissipation'].value:.3g} mm without friction")
+    way = 1e3 * e.failed["dissipation"].value
+    return Evidence(e.limits.ranks.frictionless_slide, f"{way:.3g} mm without friction")
 
 
 @symptom(
@@ -119,9 +120,9 @@ def frictionless_slide(e: Episode) -> Evidence | None:
 )
 def pyramid_bias(e: Episode) -> Evidence | None:
     """Tell whether a slide is braked by a pyramid's friction where the round cone has more."""
-    return Evidence(
-        0.91, f"{1e3 * e.failed['bias'].value:.3g} mm of the way as if without friction, by the round cone"
-    )
+    way = 1e3 * e.failed["bias"].value
+    text = f"{way:.3g} mm of the way as if without friction, by the round cone"
+    return Evidence(e.limits.ranks.pyramid_bias, text)
 
 
 @symptom(
@@ -140,7 +141,8 @@ def invisible_geometry(e: Episode) -> Evidence | None:
     margin = np.asarray(e.rows.log.facts.get("contact_margin", np.zeros(len(e.rows.setting.names))))
     wide = 1e3 * float(margin[e.column])
     modelled = f"; in the model contacts push from {wide:.3g} mm on (margin)" if wide > 0.0 else ""
-    return Evidence(0.95, f"{float(e.force[:, 2].max()):.3g} N at a gap of {height:.3g} mm, {real}{modelled}")
+    text = f"{float(e.force[:, 2].max()):.3g} N at a gap of {height:.3g} mm, {real}{modelled}"
+    return Evidence(e.limits.ranks.invisible_geometry, text)
 
 
 @symptom(
@@ -153,7 +155,9 @@ def invisible_geometry(e: Episode) -> Evidence | None:
 def sinking(e: Episode) -> Evidence | None:
     """Tell whether the foot sinks into the ground."""
     depth = 1e3 * e.failed["penetration"].value
-    return Evidence(0.95, f"{depth:.3g} mm deep" + (", more than 5 mm" if depth > 5.0 else ""))
+    soft = 1e3 * e.limits.records.deep
+    more = f", more than {soft:g} mm" if depth > soft else ""
+    return Evidence(e.limits.ranks.sinking, f"{depth:.3g} mm deep{more}")
 
 
 @symptom(
@@ -165,11 +169,13 @@ def sinking(e: Episode) -> Evidence | None:
 )
 def starts_in_the_ground(e: Episode) -> Evidence | None:
     """Tell whether the log begins in the ground and comes out of it."""
-    first = -float(e.gap[0])
+    first, limits = -float(e.gap[0]), e.limits.contact
     deepest = e.failed["penetration"].value
-    if e.rows.core.start != 0 or first < ALL * deepest or -float(e.gap[-1]) > HALF * deepest:
+    if e.rows.core.start != 0 or first < limits.starts_deepest * deepest:
         return None
-    return Evidence(0.998, f"{1e3 * first:.3g} mm deep in the first row")
+    if -float(e.gap[-1]) > limits.starts_left * deepest:
+        return None
+    return Evidence(e.limits.ranks.starts_in_the_ground, f"{1e3 * first:.3g} mm deep in the first row")
 
 
 @symptom(
@@ -181,9 +187,10 @@ def starts_in_the_ground(e: Episode) -> Evidence | None:
 )
 def deep_contact(e: Episode) -> Evidence | None:
     """Tell whether a contact that is declared soft is deep in the ground."""
-    if e.rows.setting.sinking < DEEP:
+    if e.rows.setting.sinking < e.limits.records.deep:
         return None
-    return Evidence(0.9925, f"{1e3 * e.failed['depth'].value:.3g} mm deep, as its world declares")
+    depth = 1e3 * e.failed["depth"].value
+    return Evidence(e.limits.ranks.deep_contact, f"{depth:.3g} mm deep, as its world declares")
 
 
 @symptom(
@@ -195,13 +202,13 @@ def deep_contact(e: Episode) -> Evidence | None:
 )
 def push_off_penetration(e: Episode) -> Evidence | None:
     """Tell whether the ground gives back more than it took: the foot is thrown out of it."""
-    power = e.force[:, 2] * e.velocity[:, 2] * e.dt
-    gained, rising = float(power[e.gap < 0.0].sum()), e.gap < -1e-3
+    power, limits = e.force[:, 2] * e.velocity[:, 2] * e.dt, e.limits.contact
+    gained, rising = float(power[e.gap < 0.0].sum()), e.gap < -limits.push_off_depth
     speed = float(e.velocity[rising, 2].max(initial=0.0))
-    if gained < 2e-4 * e.weight or speed < 0.05:
+    if gained < limits.push_off_work * e.weight or speed < limits.push_off_speed:
         return None
     return Evidence(
-        0.97,
+        e.limits.ranks.push_off_penetration,
         f"{gained:.3g} J won while it left {-1e3 * float(e.gap.min()):.3g} mm of depth at {speed:.2g} m/s",
     )
 
@@ -216,9 +223,8 @@ def push_off_penetration(e: Episode) -> Evidence | None:
 def energy_gain(e: Episode) -> Evidence | None:
     """Tell whether a touch returns more energy than it took."""
     real = not e.has("motion") and not e.has("penetration") and not e.has("distance")
-    return Evidence(
-        0.994 if real else 0.965, f"{e.failed['restitution'].value:.3g} J more than the touch took"
-    )
+    strength = e.limits.ranks.energy_gain if real else e.limits.ranks.energy_doubtful
+    return Evidence(strength, f"{e.failed['restitution'].value:.3g} J more than the touch took")
 
 
 @symptom(
@@ -230,7 +236,8 @@ def energy_gain(e: Episode) -> Evidence | None:
 )
 def other_contact_velocity(e: Episode) -> Evidence | None:
     """Tell whether the contact does not move as the joints say."""
-    return Evidence(0.9, f"{e.failed['contact velocity'].value:.3g} m/s beside what the joints give")
+    text = f"{e.failed['contact velocity'].value:.3g} m/s beside what the joints give"
+    return Evidence(e.limits.ranks.other_contact_velocity, text)
 
 
 @symptom(
@@ -242,9 +249,8 @@ def other_contact_velocity(e: Episode) -> Evidence | None:
 )
 def other_gap(e: Episode) -> Evidence | None:
     """Tell whether the gap does not change as the contact moves."""
-    return Evidence(
-        0.89, f"{1e3 * e.failed['gap rate'].value:.3g} mm beside what its velocity gives in 20 ms"
-    )
+    text = f"{1e3 * e.failed['gap rate'].value:.3g} mm beside what its velocity gives in 20 ms"
+    return Evidence(e.limits.ranks.other_gap, text)
 
 
 @symptom(
@@ -256,7 +262,8 @@ def other_gap(e: Episode) -> Evidence | None:
 )
 def chatter(e: Episode) -> Evidence | None:
     """Tell whether the contact opens and closes, or its force rings, at high frequency."""
-    return Evidence(0.993 if e.breaks else 0.89, f"as if {e.failed['chatter'].value:.0f} switches in 0.1 s")
+    strength = e.limits.ranks.chatter if e.breaks else e.limits.ranks.chatter_lawful
+    return Evidence(strength, f"as if {e.failed['chatter'].value:.0f} switches in 0.1 s")
 
 
 @symptom(
@@ -270,12 +277,14 @@ def skating(e: Episode) -> Evidence | None:
     """Tell whether the foot travels by chattering."""
     if e.has("restitution"):
         return None  # it is thrown
-    way = e.velocity[:, :2] * e.dt[:, None]
+    way, limits, ranks = e.velocity[:, :2] * e.dt[:, None], e.limits.contact, e.limits.ranks
     gone = float(np.hypot(*way.sum(axis=0)))
-    free = e.force[:, 2] < 0.1 * float(e.force[:, 2].max(initial=0.0))
-    if gone < 2e-3 or float(np.hypot(*way[free].sum(axis=0))) < 0.3 * gone:
+    free = e.force[:, 2] < limits.skating_free * float(e.force[:, 2].max(initial=0.0))
+    if gone < limits.skating_way or float(np.hypot(*way[free].sum(axis=0))) < limits.skating_share * gone:
         return None  # it slides under load, which friction may allow
-    return Evidence(0.995 if e.breaks else 0.9, f"{1e3 * gone:.3g} mm while it chattered")
+    return Evidence(
+        ranks.skating if e.breaks else ranks.skating_lawful, f"{1e3 * gone:.3g} mm while it chattered"
+    )
 
 
 @symptom(
@@ -287,9 +296,10 @@ def skating(e: Episode) -> Evidence | None:
 )
 def one_step_impulse(e: Episode) -> Evidence | None:
     """Tell whether a blow of one step that no foot gives."""
-    if e.failed["blow"].rows > 6 or e.impact:
+    if e.failed["blow"].rows > e.limits.contact.blow_rows or e.impact:
         return None
-    return Evidence(0.975, f"{e.failed['blow'].value:.3g} m g above the rows on both sides")
+    text = f"{e.failed['blow'].value:.3g} m g above the rows on both sides"
+    return Evidence(e.limits.ranks.one_step_impulse, text)
 
 
 @symptom(
@@ -302,4 +312,5 @@ def one_step_impulse(e: Episode) -> Evidence | None:
 def solver_asymmetry(e: Episode) -> Evidence | None:
     """Tell whether one diagonal of feet carries more than the other, for no reason of the motion's."""
     text = f"one diagonal carries {e.failed['lean'].value:.2g} m g more than the other"
-    return Evidence(0.9 if e.consistent else 0.6, text)
+    ranks = e.limits.ranks
+    return Evidence(ranks.solver_asymmetry if e.consistent else ranks.asymmetry_doubtful, text)

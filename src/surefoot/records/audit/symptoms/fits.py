@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
-
-SPREAD = 0.02
-"""Scatter of directions (one less their mean resultant) from which points lie in more than one place."""
+from surefoot.records.audit.symptom_limits import FitLimits
 
 
 def rotation_between(true: FloatArray, logged: FloatArray) -> FloatArray:
@@ -51,17 +49,19 @@ def best_shift(true: FloatArray, logged: FloatArray, most: int, core: slice) -> 
     return best
 
 
-def fitted_pyramid(forces: FloatArray, mu: FloatArray, weight: float) -> tuple[int, float] | None:
+def fitted_pyramid(
+    forces: FloatArray, mu: FloatArray, weight: float, limits: FitLimits
+) -> tuple[int, float] | None:
     """Return the `pyramid_facets` of forces (..., 3) outside cones of friction mu (...); None for too few.
 
-    Normal forces below half a per cent of the weight m g [N] are noise.
+    Normal forces below a small share of the weight m g [N] are noise.
     """
     use = forces[..., :2] / np.maximum(mu * forces[..., 2], 1e-12)[..., None]
-    over = (forces[..., 2] > 0.005 * weight) & (np.hypot(use[..., 0], use[..., 1]) > 1.01)
-    return pyramid_facets(use[over]) if over.sum() > 2 else None
+    over = (forces[..., 2] > limits.loaded * weight) & (np.hypot(use[..., 0], use[..., 1]) > limits.outside)
+    return pyramid_facets(use[over], limits) if over.sum() >= limits.least_points else None
 
 
-def pyramid_facets(use: FloatArray) -> tuple[int, float] | None:
+def pyramid_facets(use: FloatArray, limits: FitLimits) -> tuple[int, float] | None:
     """Return facets and phase [rad] of the pyramid about the unit disk on whose edge points lie; else None.
 
     Facets touch the disk. A pyramid whose edges lie along the axes, or half way between, shows in points in
@@ -72,20 +72,25 @@ def pyramid_facets(use: FloatArray) -> tuple[int, float] | None:
     ----------
     use
         (m, 2) f_t / (mu f_n) of the points outside the disk.
+    limits
+        How near to an edge a point lies on it.
     """
     reach, direction = np.hypot(use[:, 0], use[:, 1]), np.arctan2(use[:, 1], use[:, 0])
     for facets in (4, 8):
         sector = 2.0 * np.pi / facets
-        if np.percentile(reach, 90) > 1.01 / np.cos(0.5 * sector):
+        if np.percentile(reach, 90) > limits.corner / np.cos(0.5 * sector):
             continue
         turns = np.exp(1j * facets * direction)  # one place modulo the sector, or several
-        spread = 1.0 - abs(turns.mean()) > SPREAD
-        free = np.arange(0.0, sector, np.radians(0.25)) if spread else np.array([0.0, 0.5 * sector])
+        spread = 1.0 - abs(turns.mean()) > limits.spread
+        free = (
+            np.arange(0.0, sector, np.radians(limits.phase_step)) if spread else np.array([0.0, 0.5 * sector])
+        )
         for phase in free.tolist():
             # Angle to the middle of the nearest facet, whose distance from the axis is one: reach cos(off) is
             # one on it.
             off = (direction - phase + 0.5 * sector) % sector - 0.5 * sector
             on_edge = reach * np.cos(off)
-            if np.percentile(on_edge, 90) < 1.005 and np.percentile(on_edge, 10) > 0.98:
+            high, low = np.percentile(on_edge, 90), np.percentile(on_edge, 10)
+            if high < limits.edge_high and low > limits.edge_low:
                 return facets, phase
     return None

@@ -12,10 +12,6 @@ from surefoot.records.audit.symptoms.fits import best_shift, rotation_angle, rot
 from surefoot.records.audit.symptoms.symptom import Evidence, Judge, symptom
 
 _SIGNS = np.array([[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
-AT_STOP = 0.01
-"""A joint is at its stop within this [rad, m]."""
-FLAT = 0.01
-"""A true force that varies by this standard deviation [m g] is no multiple of one that does not."""
 
 
 def compared(judge: Callable[[Episode, FloatArray], Evidence | None]) -> Judge:
@@ -35,10 +31,12 @@ def wrong_frame(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is the true one, (m, 3) [N], turned."""
     turn = rotation_between(true, e.force)
     angle = rotation_angle(turn)
-    share = e.share_explained(true @ turn.T)
-    if angle < 3.0 or share < 0.8:
+    share, limits, ranks = e.share_explained(true @ turn.T), e.limits.measured, e.limits.ranks
+    if angle < limits.turn or share < limits.turn_share:
         return None
-    doubt = 0.006 if _same_turn(e, turn) else 0.03  # of one foot, more friction may look like a turn
+    doubt = (
+        ranks.turn_of_many if _same_turn(e, turn) else ranks.turn_of_one
+    )  # of one foot, more friction may look like a turn
     return Evidence(
         share - doubt, f"turning the forces by {angle:.0f} deg explains {100 * share:.0f} % of the mismatch"
     )
@@ -46,6 +44,7 @@ def wrong_frame(e: Episode, true: FloatArray) -> Evidence | None:
 
 def _same_turn(e: Episode, turn: FloatArray) -> bool:
     """Return whether the same turn explains the forces of other feet that carry then, too."""
+    limits = e.limits.measured
     others = [k for k in range(e.rows.points) if k != e.column]
     pairs = [(e.rows.forces[e.rows.core, k], true) for k in others if (true := e.true_of(k)) is not None]
     if not pairs:
@@ -53,9 +52,9 @@ def _same_turn(e: Episode, turn: FloatArray) -> bool:
     logged, true = (np.concatenate(part) for part in zip(*pairs, strict=True))
     known = np.isfinite(true).all(axis=1)
     amiss = float(((logged - true)[known] ** 2).sum())
-    if amiss < (0.01 * e.weight) ** 2 * known.sum():
+    if amiss < (limits.turn_amiss * e.weight) ** 2 * known.sum():
         return False
-    return float(((logged - true @ turn.T)[known] ** 2).sum()) < 0.1 * amiss
+    return float(((logged - true @ turn.T)[known] ** 2).sum()) < limits.turn_left * amiss
 
 
 @symptom(
@@ -69,10 +68,11 @@ def _same_turn(e: Episode, turn: FloatArray) -> bool:
 def mirrored(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is the true one, (m, 3) [N], in a mirror."""
     best, which = max((e.share_explained(true * sign), k) for k, sign in enumerate(_SIGNS))
-    if best < 0.9:
+    if best < e.limits.measured.mirror_share:
         return None
     return Evidence(
-        best - 0.005, f"the sign of {'xy'[which]} reversed explains {100 * best:.0f} % of the mismatch"
+        best - e.limits.ranks.mirror,
+        f"the sign of {'xy'[which]} reversed explains {100 * best:.0f} % of the mismatch",
     )
 
 
@@ -84,13 +84,15 @@ def mirrored(e: Episode, true: FloatArray) -> Evidence | None:
 )
 def reversed_force(e: Episode) -> Evidence | None:
     """Tell whether the logged force acts on the ground."""
-    true = e.true
+    true, limits = e.true, e.limits.measured
     if true is None:
-        if e.has("pull") and float(np.mean(e.force[:, 2])) < -0.05 * e.weight:
-            return Evidence(0.9, "the ground pulls with a share of the weight throughout")
+        if e.has("pull") and float(np.mean(e.force[:, 2])) < -limits.reversed_pull * e.weight:
+            return Evidence(
+                e.limits.ranks.reversed_pull, "the ground pulls with a share of the weight throughout"
+            )
         return None
     share = e.share_explained(-true)
-    if share <= 0.9:
+    if share <= limits.reversed_share:
         return None
     return Evidence(share, f"the sign reversed explains {100 * share:.0f} % of the mismatch")
 
@@ -105,13 +107,14 @@ def reversed_force(e: Episode) -> Evidence | None:
 @compared
 def wrong_scale(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the logged force is a multiple of the true one, (m, 3) [N]."""
-    known = np.isfinite(true).all(axis=1)
+    known, limits = np.isfinite(true).all(axis=1), e.limits.measured
     factor = float((e.force[known] * true[known]).sum() / max(float((true[known] ** 2).sum()), 1e-12))
     share = e.share_explained(factor * true)
-    if factor <= 0.02 or abs(factor - 1.0) < 0.02 or share < 0.9:
+    if factor <= limits.scale_least or abs(factor - 1.0) < limits.scale_change or share < limits.scale_share:
         return None
     return Evidence(
-        share - 0.002, f"{factor:.3g} times the force that the legs carry ({100 * share:.0f} % explained)"
+        share - e.limits.ranks.scale,
+        f"{factor:.3g} times the force that the legs carry ({100 * share:.0f} % explained)",
     )
 
 
@@ -125,12 +128,15 @@ def wrong_scale(e: Episode, true: FloatArray) -> Evidence | None:
 @compared
 def bias(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether a constant has been added to the true force, (m, 3) [N]."""
-    offset = np.nanmean(e.force - true, axis=0)
+    offset, limits, ranks = np.nanmean(e.force - true, axis=0), e.limits.measured, e.limits.ranks
     share = e.share_explained(true + offset)
-    if share < 0.9:
+    if share < limits.bias_share:
         return None
-    flies = bool((np.linalg.norm(np.nan_to_num(true), axis=1) < 0.03 * e.weight).mean() > 0.1)
-    doubt = 0.02 if flies else 0.15  # where the load never changes a gain or a turn explains as much
+    air = np.linalg.norm(np.nan_to_num(true), axis=1) < limits.bias_air * e.weight
+    flies = bool(air.mean() > limits.bias_flies)
+    doubt = (
+        ranks.bias_in_flight if flies else ranks.bias_on_ground
+    )  # where the load never changes a gain or a turn explains as much
     return Evidence(
         share - doubt, f"a constant of {float(np.linalg.norm(offset)):.3g} N explains {100 * share:.0f} %"
     )
@@ -145,15 +151,16 @@ def bias(e: Episode, true: FloatArray) -> Evidence | None:
 )
 def delayed(e: Episode) -> Evidence | None:
     """Tell whether the force comes late or early."""
-    whole = e.whole_true(e.column)
+    whole, limits = e.whole_true(e.column), e.limits.measured
     if whole is None:
         return None
-    best, shift = best_shift(whole, e.rows.forces[:, e.column], e.rows.window(0.08), e.rows.core)
-    if best < 0.8 or abs(shift) < 3:
+    most = e.rows.window(limits.delay_most)
+    best, shift = best_shift(whole, e.rows.forces[:, e.column], most, e.rows.core)
+    if best < limits.delay_share or abs(shift) < limits.delay_rows:
         return None
     late = "late" if shift > 0 else "early"
     return Evidence(
-        best - 0.004,
+        best - e.limits.ranks.delay,
         f"{1e3 * abs(shift) * e.rows.setting.dt:.0f} ms {late} explains {100 * best:.0f} % of the mismatch",
     )
 
@@ -171,7 +178,7 @@ def swapped_feet(e: Episode, true: FloatArray) -> Evidence | None:
     others = [k for k in range(e.rows.points) if k != e.column]
     fits = [(e.share_explained(theirs), k) for k in others if (theirs := e.true_of(k)) is not None]
     share, other = max(fits, default=(0.0, 0))
-    if share < 0.9:
+    if share < e.limits.measured.swap_share:
         return None
     return Evidence(
         share,
@@ -190,11 +197,12 @@ def swapped_feet(e: Episode, true: FloatArray) -> Evidence | None:
 def dropout(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether a foot that carries its true force, (m, 3) [N], reports nothing."""
     none = np.linalg.norm(e.force, axis=1) <= e.rows.setting.threshold
-    carried = np.nan_to_num(true[:, 2]) > 0.04 * e.weight
+    carried = np.nan_to_num(true[:, 2]) > e.limits.measured.dropout_carried * e.weight
     share = float((none & carried).mean())
-    if share < 0.7:
+    if share < e.limits.measured.dropout_share:
         return None
-    return Evidence(0.999, f"zero where the leg carries {float(np.nanmean(true[:, 2])):.3g} N")
+    text = f"zero where the leg carries {float(np.nanmean(true[:, 2])):.3g} N"
+    return Evidence(e.limits.ranks.dropout, text)
 
 
 @symptom(
@@ -208,11 +216,12 @@ def frozen(e: Episode) -> Evidence | None:
     """Tell whether the force does not change in the last digit."""
     if e.true is not None and not e.has("motion"):
         return None
-    same = (np.diff(e.force, axis=0) == 0.0).all(axis=1)
-    if same.mean() < 0.7 or float(np.median(e.gap)) > 1e-3 or e.static:
+    same, limits = (np.diff(e.force, axis=0) == 0.0).all(axis=1), e.limits.measured
+    if same.mean() < limits.frozen_share or float(np.median(e.gap)) > limits.frozen_gap or e.static:
         return None
     value = float(np.median(e.force[:, 2]))
-    return Evidence(1.0, f"{value:.6g} N in {e.failed['frozen'].rows} rows, not one digit moves")
+    text = f"{value:.6g} N in {e.failed['frozen'].rows} rows, not one digit moves"
+    return Evidence(e.limits.ranks.frozen, text)
 
 
 @symptom(
@@ -225,14 +234,19 @@ def frozen(e: Episode) -> Evidence | None:
 @compared
 def clipped(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether the force stops at a value that the true one, (m, 3) [N], exceeds."""
+    limits, ranks = e.limits.measured, e.limits.ranks
     whole = e.rows.normal[:, e.column]
     top = float(whole.max())
     at = np.isclose(e.force[:, 2], top, rtol=1e-9)
-    if top <= 0.0 or at.mean() < 0.3 or float(np.nanmin(true[at, 2] - top)) < -0.01 * e.weight:
+    if top <= 0.0 or at.mean() < limits.clipped_share:
         return None
-    varies = float(np.nanstd(true[at, 2])) > FLAT * e.weight  # which no scale makes the same to nine digits
+    if float(np.nanmin(true[at, 2] - top)) < -limits.clipped_below * e.weight:
+        return None
+    varies = (
+        float(np.nanstd(true[at, 2])) > limits.flat * e.weight
+    )  # which no scale makes the same to nine digits
     return Evidence(
-        0.998 if varies else 0.985,
+        ranks.clipped if varies else ranks.clipped_flat,
         f"stays at {top:.4g} N in {100 * at.mean():.0f} % of the rows, none is higher",
     )
 
@@ -248,11 +262,13 @@ def clipped(e: Episode, true: FloatArray) -> Evidence | None:
 @compared
 def phantom_force(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether a sensor reports force in the air, where the true one, (m, 3) [N], is none."""
-    air = e.gap > 1e-3
-    none = np.linalg.norm(true[air], axis=1) < 0.03 * e.weight
-    if air.mean() < 0.5 or none.mean() < 0.8:
+    limits = e.limits.measured
+    air = e.gap > limits.phantom_gap
+    none = np.linalg.norm(true[air], axis=1) < limits.phantom_true * e.weight
+    if air.mean() < limits.phantom_air or none.mean() < limits.phantom_share:
         return None
-    return Evidence(0.98, f"{float(np.abs(e.force[air, 2]).max()):.3g} N while the leg carries nothing")
+    text = f"{float(np.abs(e.force[air, 2]).max()):.3g} N while the leg carries nothing"
+    return Evidence(e.limits.ranks.phantom_force, text)
 
 
 @symptom(
@@ -264,7 +280,7 @@ def phantom_force(e: Episode, true: FloatArray) -> Evidence | None:
 )
 def joint_stop(e: Episode) -> Evidence | None:
     """Tell whether a joint rests on its mechanical stop, whose torque no log has."""
-    robot = e.rows.setting.robot
+    robot, limits = e.rows.setting.robot, e.limits.measured
     if robot is None:
         return None
     leg = robot.contact_points.support[e.column][robot.base_dof :]
@@ -272,12 +288,13 @@ def joint_stop(e: Episode) -> Evidence | None:
     low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
     if q.shape[1] != len(leg):
         return None  # joints whose configuration has more numbers than their velocity
-    beyond = ((q < low + AT_STOP) | (q > high - AT_STOP)) & leg
+    beyond = ((q < low + limits.at_stop) | (q > high - limits.at_stop)) & leg
     share = float(beyond.any(axis=1).mean())
-    if share < 0.3:
+    if share < limits.stop_share:
         return None
     name = robot.joint_names[int(beyond.sum(axis=0).argmax())]
-    return Evidence(1.0, f"{name} is at the end of its range in {100 * share:.0f} % of the rows")
+    text = f"{name} is at the end of its range in {100 * share:.0f} % of the rows"
+    return Evidence(e.limits.ranks.joint_stop, text)
 
 
 @symptom(
@@ -294,11 +311,11 @@ def dead_torque(e: Episode) -> Evidence | None:
         return None
     leg = np.flatnonzero(robot.contact_points.support[e.column][robot.base_dof :])
     torques = np.asarray(log["torques"])[e.rows.core][:, leg]
-    dead = (torques == 0.0).mean(axis=0) > 0.9
+    dead = (torques == 0.0).mean(axis=0) > e.limits.measured.dead_share
     if dead.sum() != 1 or not (torques[:, ~dead] != 0.0).any():
         return None
     joint = robot.joint_names[int(leg[int(np.argmax(dead))])]
-    return Evidence(1.0, f"{joint} has no torque while the leg carries")
+    return Evidence(e.limits.ranks.dead_torque, f"{joint} has no torque while the leg carries")
 
 
 @symptom(
@@ -314,9 +331,10 @@ def wrong_torques(e: Episode) -> Evidence | None:
     if rest is None:
         return None
     body = np.linalg.norm(rest.force[e.rows.core], axis=1)
-    if float(np.nanmean(body)) > 0.02 * e.weight:
+    if float(np.nanmean(body)) > e.limits.measured.torques_body * e.weight:
         return None
-    return Evidence(0.97, "the forces add up to the body's motion, and this leg's torques ask for others")
+    text = "the forces add up to the body's motion, and this leg's torques ask for others"
+    return Evidence(e.limits.ranks.wrong_torques, text)
 
 
 @symptom(
@@ -328,4 +346,5 @@ def wrong_torques(e: Episode) -> Evidence | None:
 )
 def unexplained_motion(e: Episode) -> Evidence | None:
     """Tell whether forces and motion do not belong together."""
-    return Evidence(0.3, f"{e.failed['motion'].value:.3g} N of this foot's force are unaccounted for")
+    text = f"{e.failed['motion'].value:.3g} N of this foot's force are unaccounted for"
+    return Evidence(e.limits.ranks.unexplained_motion, text)

@@ -8,9 +8,6 @@ from typing import NamedTuple
 
 from surefoot.records.audit.episode import Episode
 
-CERTAIN = 0.9995
-"""What explains this much comes before what all contacts share."""
-
 
 class Evidence(NamedTuple):
     """How strongly an episode speaks for a symptom, from 0 to 1, and the figures in words."""
