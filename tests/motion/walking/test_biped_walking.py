@@ -7,9 +7,12 @@ import pytest
 
 from surefoot.base.errors import ModelError, ProblemError
 from surefoot.base.spatial import GRAVITY
-from surefoot.mechanics.robot import load_robot
+from surefoot.mechanics.robot import load_robot, place
 from surefoot.mechanics.robot.actuators import actuators_of
 from surefoot.mechanics.terrain import FlatTerrain, rough_ground
+from surefoot.motion.control.controller import RobotState
+from surefoot.motion.walking.behaviours.arbiter import LOGGED
+from surefoot.motion.walking.biped.settings import BipedSettings
 from surefoot.motion.walking.biped.soles import sole_damping
 from surefoot.motion.walking.biped.walking import BipedController
 from surefoot.motion.walking.walkers import default_gait, walking_controller
@@ -19,6 +22,7 @@ from surefoot.records.audit import audit_log, summarise_walk
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 from surefoot.worlds.running.run import run
 from surefoot.worlds.running.scenario import Push, Scenario
+from tests.motion.walking.behaviours.views import Wanting
 
 pytest.importorskip("mujoco")
 SLOW = [("g1", 0.3, 3.0), ("icub", 0.2, 0.0), ("talos", 0.0, 0.0)]
@@ -114,3 +118,36 @@ def test_a_humanoid_is_slowed_to_what_its_soles_can_walk(share: float) -> None:
     usual = walking_controller(robot, VelocityCommand.constant(share * 0.6))
     assert usual.command.at(0.0)[0] == share * 0.6
     assert not usual.notes
+
+
+@pytest.fixture(scope="module")
+def wanting() -> tuple[BipedController, dict[str, int]]:
+    """A walk of G1 whose only behaviour asks for everything, and who has got its way by quantity."""
+    robot = load_robot("g1")
+    settings = BipedSettings(behaviours=(Wanting,))
+    walker = BipedController(robot, VelocityCommand.constant(0.3), settings=settings)
+    still, both = np.zeros(robot.model.nv), np.ones(2, dtype=bool)
+    command = walker.step(RobotState(place(robot), still, 0.0, both))
+    for time in np.arange(0.005, walker.start + 0.4, 0.005):
+        command = walker.step(RobotState(place(robot), still, float(time), both))
+    return walker, dict(zip(LOGGED, command.asked_by.tolist(), strict=True))
+
+
+def test_a_biped_does_what_a_behaviour_gets(wanting: tuple[BipedController, dict[str, int]]) -> None:
+    walker, got = wanting
+    assert got["mu"] == got["clearance"] == got["acceleration"] == 0
+    assert walker.whole_body.mu == 0.3
+    usual = walker.settings.clearance * walker.height
+    assert walker.feet is not None
+    assert walker.feet.clearance == pytest.approx(usual + 0.01)
+    assert walker.body.acceleration == 0.5
+    plan = walker._plan_made
+    assert plan is not None
+    sideways = np.hypot(plan.forces[..., 0], plan.forces[..., 1])
+    assert (sideways <= 0.3 * plan.forces[..., 2] + 1e-9).all()
+
+
+def test_a_biped_refuses_what_it_cannot_do(wanting: tuple[BipedController, dict[str, int]]) -> None:
+    _, got = wanting
+    refused = {"step_times", "hold", "foot_goals", "search", "recovery"}
+    assert {name for name, rank in got.items() if rank < 0} == refused

@@ -53,7 +53,7 @@ def reached(root: Any) -> dict[str, set[str]]:
 
 def test_how_much_is_reached_from_a_walking_controller(capsys: pytest.CaptureFixture[str]) -> None:
     robot = load_robot("go2")
-    for knowledge, classes, attributes in (("exact", 25, 200), ("blind", 34, 245), ("map", 37, 265)):
+    for knowledge, classes, attributes in (("exact", 25, 202), ("blind", 34, 247), ("map", 37, 267)):
         terrain = controller_ground(knowledge, FlatTerrain())
         walker = WalkingController(robot, VelocityCommand.constant(0.5), terrain=terrain)
         walker.step(RobotState(robot.nominal, np.zeros(robot.model.nv)))

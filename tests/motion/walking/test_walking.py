@@ -5,11 +5,16 @@ import pytest
 
 from surefoot.base.errors import ModelError
 from surefoot.mechanics.robot import place
-from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain, rough_ground
+from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain, Terrain, rough_ground
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.gaits.gait import ModeSchedule
+from surefoot.motion.ground.touched_ground import TouchedGround
+from surefoot.motion.walking.behaviours import BEHAVIOURS, StandStill
+from surefoot.motion.walking.behaviours.arbiter import LOGGED
+from surefoot.motion.walking.behaviours.behaviour import Request, WalkView
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController, WalkSettings
+from tests.motion.walking.behaviours.views import Wanting
 from tests.robots import robot_of
 
 FORWARD = VelocityCommand.constant(0.5)
@@ -81,6 +86,43 @@ def test_a_mode_schedule_serves_as_a_gait() -> None:
     q, v = place(robot), np.zeros(robot.model.nv)
     assert controller.step(RobotState(q, v, 0.0, ALL)).active.all()
     assert not controller.step(RobotState(q, v, 0.3, ALL)).active.all()
+
+
+def test_friction_that_a_behaviour_asks_for_is_that_of_the_step_alone() -> None:
+    class Ice(StandStill):
+        """Asks for little friction between two times [s]."""
+
+        def propose(self, view: WalkView) -> Request:
+            return Request(mu=0.1) if 0.1 < view.time < 0.2 else super().propose(view)
+
+    robot, settings = robot_of("go2"), WalkSettings(behaviours=(Ice, *BEHAVIOURS))
+    walker, q = WalkingController(robot, FORWARD, settings=settings), place(robot)
+    v, own = np.zeros(robot.model.nv), settings.mu * settings.friction_share
+    v[1] = 0.5  # pushed aside, which takes friction
+    counted, most = [], []
+    for time in (0.0, 0.15, 0.25):
+        command = walker.step(RobotState(q, v, time, ALL))
+        counted.append(walker.whole_body.mu)
+        sideways = np.hypot(command.forces[:, 0], command.forces[:, 1])
+        most.append(float((sideways / command.forces[:, 2]).max()))
+    assert counted == [own, 0.1, own]
+    assert most[1] <= 0.1 + 1e-9 < most[2]
+    walker.step(RobotState(q, v, 0.15, ALL))
+    walker.reset()
+    assert walker.whole_body.mu == own
+
+
+@pytest.mark.parametrize(("gait", "terrain", "refused"), [
+    ("trot", FlatTerrain(), {"search", "hold"}),
+    ("stand", FlatTerrain(), {"search", "hold", "step_times"}),
+    ("trot", TouchedGround(), set()),
+])  # fmt: skip
+def test_what_a_walk_cannot_do_nobody_gets(gait: str, terrain: Terrain, refused: set[str]) -> None:
+    robot, settings = robot_of("go2"), WalkSettings(behaviours=(Wanting,))
+    walker = WalkingController(robot, VelocityCommand.constant(0.0), gait, terrain, settings)
+    command = walker.step(RobotState(place(robot), np.zeros(robot.model.nv), 0.0, ALL))
+    granted = {name for name, rank in zip(LOGGED, command.asked_by, strict=True) if rank >= 0}
+    assert granted == set(LOGGED) - refused
 
 
 def test_what_cannot_walk_is_refused() -> None:

@@ -79,6 +79,8 @@ class WholeBodyController(Bound):
     ----------
     mass
         Of the robot with its load [kg].
+    mu
+        Friction that is counted on now [-].
     outside
         (6,) known wrench on the base beside the ground's, about its origin, base axes [N, N m].
 
@@ -118,6 +120,7 @@ class WholeBodyController(Bound):
         self._distributor = ForceDistributor(*bounds, 1.0, weight)
         self._limited = ForceDistributor(*bounds, 1.0, weight, torque_limit=self.limits)
         self._bounds: tuple[float, bytes] | None = None
+        self.mu = self._given_mu = mu  # that is counted on now, and of the construction
         self._stance: BoolArray = np.ones(len(robot.feet), dtype=bool)
         self._loose = self._unloaded()
 
@@ -153,17 +156,22 @@ class WholeBodyController(Bound):
         """(joints,) part of the last commanded torques that makes up for the motors' friction [N m]."""
         return np.asarray(self._span[2])
 
-    def set_friction(self, mu: float) -> None:
-        """Change the friction [-] that the controller believes in."""
+    def set_friction(self, mu: float = math.inf) -> None:
+        """Count on a friction [-] from now on; an infinite one stands for that of the construction."""
+        friction = self._given_mu if mu == math.inf else mu
+        if friction == self.mu:
+            return
+        self.mu = friction
         for distributor in (self._distributor, self._limited):
-            distributor.set_friction(np.full(len(self.point_foot), mu))
+            distributor.set_friction(np.full(len(self.point_foot), friction))
 
     def weigh_swing(self, times: float) -> None:
         """Let the places of feet in the air weigh so many times their usual weight [-]."""
         self._part(core.WEIGHTS, -1)[core.SWING] = times * self.swing
 
     def reset(self) -> None:
-        """Forget the forces of the step before, and which feet stood."""
+        """Forget the forces of the step before, which feet stood, and any other friction."""
+        self.set_friction()
         self._set_stance(np.ones(len(self._stance), dtype=bool))
         for distributor in (self._distributor, self._limited):
             distributor.reset()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -147,7 +148,11 @@ class Walker(Tick):
             s.friction_share,
         )  # fmt: skip
         made = [behaviour for make in s.behaviours if (behaviour := make(walk)) is not None]
-        self.arbiter = Arbiter(made, radius, self.notes)
+        self.arbiter = Arbiter(made, radius, self.notes, self._honoured())
+
+    @abstractmethod
+    def _honoured(self) -> frozenset[str]:
+        """Return the quantities of a `Request` that this walk can do something about."""
 
     @property
     def facts(self) -> dict[str, Any]:  # type: ignore[override]

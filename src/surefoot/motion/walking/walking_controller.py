@@ -22,6 +22,7 @@ from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.gaits.gait import Gait
 from surefoot.motion.ground.ground_belief import believed
 from surefoot.motion.ground.plane_ahead import plane_ahead
+from surefoot.motion.walking.behaviours.arbiter import EVERYTHING
 from surefoot.motion.walking.behaviours.behaviour import Recovery, Request
 from surefoot.motion.walking.command_limits import LeggedBody
 from surefoot.motion.walking.foothold import catching_place, step_place
@@ -152,6 +153,11 @@ class WalkingController(Walker):
         self.planner = ForcePlanner(self.mpc, self.schedule, offsets, radii, self.dt, s.ramp / self._pendulum)
         self.reset()
 
+    def _honoured(self) -> frozenset[str]:
+        """See `Walker`: late feet are looked after where touch is watched, the clock where a gait adapts."""
+        deaf = set() if self.terrain.learns else {"search", "hold"}
+        return EVERYTHING - deaf - (set() if self.schedule.adapts else {"step_times", "hold"})
+
     def reset(self) -> None:
         """Forget the past: the next step begins a walk from where the robot stands."""
         for part in (self.planner, self.whole_body, self.load, self._steps, self.schedule, self.arbiter):
@@ -230,8 +236,7 @@ class WalkingController(Walker):
             velocity = velocity * [pace, pace, 1.0]
         if self._touch is not None:
             self._touch.asked = request
-        if request.mu < math.inf:
-            self.whole_body.set_friction(request.mu)
+        self.whole_body.set_friction(request.mu)
         body.acceleration, body.ceiling = min(body.change, request.acceleration), request.height
         self._recover(request.recovery, now, clock)
         body.advance(velocity, now.com, self.dt)

@@ -67,6 +67,14 @@ def test_who_gets_his_way(quantity: str, high: object, low: object, winner: int)
     assert asked_by(alone, quantity) == 1
 
 
+def test_what_the_walk_cannot_do_is_refused() -> None:
+    asking = Asking("high", hold=True, mu=0.3), Asking("low", clearance=0.02, mu=0.2)
+    arbiter = Arbiter(asking, RADIUS, [], frozenset(("mu", "speed_cap")))
+    request = arbiter.merge(view_of())
+    assert (request.hold, request.clearance, request.mu) == (False, 0.0, 0.2)
+    assert [asked_by(arbiter, name) for name in ("hold", "clearance", "mu")] == [-1, -1, 1]
+
+
 def test_the_velocity_is_the_command_within_caps_at_the_pace() -> None:
     free = merged(Asking("none"))
     assert free.velocity.tolist() == free.asked.tolist() == [0.4, 0.0, 0.0]

@@ -11,7 +11,7 @@ from surefoot.motion.control.controller import HeightScan, RobotState
 from surefoot.motion.control.whole_body_tasks import Kinematics
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.gaits.library import named_gait
-from surefoot.motion.walking.behaviours.behaviour import WalkFacts, WalkView
+from surefoot.motion.walking.behaviours.behaviour import FootSearch, Recovery, Request, WalkFacts, WalkView
 
 N, WEIGHT, HEIGHT, RADIUS, DT, MU = 4, 160.0, 0.3, 0.25, 1e-3, 0.6
 HIPS = np.array([[0.19, 0.14], [0.19, -0.14], [-0.19, 0.14], [-0.19, -0.14]])
@@ -41,6 +41,27 @@ def level(
     q, v = np.zeros(19), np.zeros(18)
     q[0], q[2], q[6], v[0] = x, HEIGHT, 1.0, speed
     return RobotState(q, v, time, scan=scan)
+
+
+class Wanting:
+    """Asks for every quantity of a `Request` in each step."""
+
+    name = "wanting"
+
+    def __init__(self, walk: WalkFacts) -> None:
+        self.height = walk.height
+
+    def reset(self) -> None:
+        """Forget nothing."""
+
+    def propose(self, view: WalkView) -> Request:
+        """Return the request."""
+        slow = np.array([0.01, 0.0, 0.0])
+        return Request(
+            speed_cap=0.1, velocity=slow, at_most=slow, pace=0.5, step_times=slow, hold=True, clearance=0.01,
+            foot_goals=lambda place, start: place, search=FootSearch(0.1),
+            recovery=Recovery(1.0, slow, 1.0), mu=0.3, acceleration=0.5, height=0.98 * self.height,
+        )  # fmt: skip
 
 
 def view_of(command: Any = (0.0, 0.0, 0.0), **more: Any) -> WalkView:

@@ -39,6 +39,8 @@ RULES: dict[str, tuple[str, Callable[[Any, Any], bool]]] = {
 """Of each quantity the rule, and whether a new request takes the place of the one that is held."""
 LOGGED = Request._fields[: len(RULES)]
 """Quantities in the order of the channel ``asked_by``: those of `RULES`, all but the note."""
+EVERYTHING: frozenset[str] = frozenset(LOGGED)
+"""All that a walk may be able to do."""
 NOBODY: IntArray = np.full(len(LOGGED), -1)
 """What it says where nobody asks for anything [-]."""
 NOBODY.flags.writeable = False
@@ -55,6 +57,9 @@ class Arbiter:
         Distance of the feet from the middle [m].
     notes
         Lines of the walk; theirs are added.
+    honoured
+        Quantities that the walk can do something about. Requests for any other are refused: they are left
+        out of what is merged, and the log says that nobody has got its way.
 
     Attributes
     ----------
@@ -66,9 +71,13 @@ class Arbiter:
         (13,) rank of the behaviour that has got its way with each quantity of `LOGGED`; -1 for none.
     """
 
-    def __init__(self, behaviours: Sequence[Behaviour], radius: float, notes: list[str]) -> None:
+    def __init__(
+        self, behaviours: Sequence[Behaviour], radius: float, notes: list[str],
+        honoured: frozenset[str] = EVERYTHING,
+    ) -> None:  # fmt: skip
         self.behaviours, self.notes = tuple(behaviours), notes
         self.radius, self._said = radius, set[str]()
+        self._places = [(at, name) for at, name in enumerate(LOGGED) if name in honoured]
         self.reset()
 
     def reset(self) -> None:
@@ -97,7 +106,7 @@ class Arbiter:
     def _take(self, held: Request, new: Request, rank: int, asked_by: IntArray) -> Request:
         """Return a request with what another one of lower rank gets of its own by the rules."""
         taken: dict[str, Any] = {}
-        for at, name in enumerate(LOGGED):
+        for at, name in self._places:
             own, default = new[at], NOTHING[at]
             if own is None if default is None else own == default:
                 continue

@@ -43,6 +43,11 @@ from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, limi
 from surefoot.motion.walking.walking_feet import LEAST_CLEARANCE, Feet
 from surefoot.motion.walking.walking_kernels import follow, slope_frames
 
+HONOURED = frozenset(
+    ("speed_cap", "velocity", "at_most", "pace", "clearance", "mu", "acceleration", "height")
+)
+"""What behaviours may ask for of a biped. Its gait keeps its own time, its soles do not search for ground,
+and `catching` chooses their places after a push: the rest is refused."""
 DESCENT = 0.06
 """Speed of a sole towards the ground at touchdown, as a share of sqrt(g h)."""
 REACH = 0.194
@@ -173,6 +178,10 @@ class BipedController(Walker):
         self.mpc.fading = math.inf
         self.reset()
 
+    def _honoured(self) -> frozenset[str]:
+        """See `Walker`."""
+        return HONOURED
+
     def reset(self) -> None:
         """Forget the past: the next step begins a walk from where the robot stands."""
         for part in (self.mpc, self.whole_body, self.arbiter, self.load, self.catching):
@@ -218,9 +227,10 @@ class BipedController(Walker):
         """Move the wanted body by one step, which rises before it walks."""
         body = self.body
         self.soles.feet.hurry(self.catching.pace, self.dt)
+        self.whole_body.set_friction(request.mu)
         highest = self.height + float(self.load.shift[2])
         body.height = min(body.height + self._rise * self.dt / self.start, highest)
-        body.ceiling = request.height
+        body.acceleration, body.ceiling = min(body.change, request.acceleration), request.height
         body.advance(self.arbiter.velocity, now.com, self.dt)
 
     def _bound_forces(self, state: RobotState, now: Kinematics, clock: float, standing: BoolArray) -> None:
@@ -233,13 +243,14 @@ class BipedController(Walker):
         if changed or self._due(time):
             self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
             if not self.catching.active:
-                self._aim(clock, time)
-            self._replan(now, clock, time)
+                self._aim(request, clock, time)
+            self._replan(now, request.mu, clock, time)
 
-    def _aim(self, clock: float, time: float) -> None:
+    def _aim(self, request: Request, clock: float, time: float) -> None:
         """Choose where feet in the air land."""
         feet, usual = self.soles.feet, self.settings.clearance * self.height
-        feet.clearance = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
+        lifted = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
+        feet.clearance = lifted + request.clearance
         for k in np.flatnonzero(~feet.stance & ~feet.planned):
             left = max(self.schedule.phase(int(k), clock)[2] - clock, 0.0)
             divergent = self._divergence(time + left - self._planned_at)
@@ -257,8 +268,8 @@ class BipedController(Walker):
         speed = (1.0 - share) * plan.linear_velocity[i] + share * plan.linear_velocity[i + 1]
         return np.asarray((place + speed / self._pendulum)[:2])
 
-    def _replan(self, now: Kinematics, clock: float, time: float) -> None:
-        """Run the MPC for the footsteps from now on."""
+    def _replan(self, now: Kinematics, mu: float, clock: float, time: float) -> None:
+        """Run the MPC for the footsteps from now on, with a friction, or its own if that is infinite."""
         soles = self.soles
         N, dt = self.settings.horizon, self._mpc_dt
         toes = [soles.heading(r, k) for k, r in enumerate(self.whole_body.foot_rotations)]
@@ -277,7 +288,12 @@ class BipedController(Walker):
         state = BodyState(now.rotation @ self._upright.T, now.com, now.com_velocity, spin)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
         self._plan_made = plan = self.mpc.solve(
-            state, reference, places, contacts, soles.feet.frames[self._point_foot]
+            state,
+            reference,
+            places,
+            contacts,
+            soles.feet.frames[self._point_foot],
+            mu=None if mu == math.inf else np.full(len(self._point_foot), mu),
         )
         linear, angular, legs = (np.diff(v[:2], axis=0)[0] / dt for v in
                                  (plan.linear_velocity, plan.angular_velocity, self._leg_spin))  # fmt: skip
