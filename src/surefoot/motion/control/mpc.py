@@ -217,6 +217,12 @@ class ConvexMpc:
         self.mass, self.inertia = mass, inertia
         self._mobility: FloatArray = np.linalg.inv(np.asarray(inertia, dtype=np.float64)).astype(np.float64)
 
+    def expect(self, outside: FloatArray, fading: float | None = None) -> None:
+        """Count on a (6,) wrench [N, N m] that fades [s], see `outside`; None leaves how it fades."""
+        self.outside = outside
+        if fading is not None:
+            self.fading = fading
+
     def reset(self) -> None:
         """Forget the previous plan."""
         self._points[:] = np.nan

@@ -36,6 +36,7 @@ from surefoot.mechanics import Actuators, ForceDistributor, Robot, with_rotors
 from surefoot.motion.control import whole_body_step as core
 from surefoot.motion.control.damping import computable, damping_torques
 from surefoot.motion.control.model_views import ModelViews
+from surefoot.motion.control.whole_body_tasks import ForceLimits as ForceLimits
 from surefoot.motion.control.whole_body_tasks import Kinematics as Kinematics
 from surefoot.motion.control.whole_body_tasks import Tasks as Tasks
 from surefoot.motion.control.whole_body_tasks import TaskWeights as TaskWeights
@@ -47,6 +48,8 @@ PINNING_ROUNDS = 4
 """How often torques may be pinned in a step [-]: a bound on the time."""
 TORQUE_SLACK = 0.01
 """Share of their limits by which torques may exceed them in a feasible step [-]: clipped, it hardly shows."""
+FREE, NO_WRENCH = ForceLimits(), np.zeros(6)
+"""Limits of a step that has none of its own, and the wrench of nothing [N, N m]."""
 _Answer = tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]
 
 
@@ -81,8 +84,6 @@ class WholeBodyController(Bound):
         Of the robot with its load [kg].
     mu
         Friction that is counted on now [-].
-    outside
-        (6,) known wrench on the base beside the ground's, about its origin, base axes [N, N m].
 
     Raises
     ------
@@ -110,7 +111,7 @@ class WholeBodyController(Bound):
         self.mass = robot.mass
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
         self.actuators = actuators
-        self.outside, self._span = np.zeros(6), np.zeros((5, robot.joints))  # as for `torques_of`
+        self._span = np.zeros((5, robot.joints))  # as for `torques_of`
         self._span[1], self._span[3], self._span[4] = self.limits, -math.inf, math.inf  # of ideal motors
         self._stops = np.array([robot.model.lowerPositionLimit, robot.model.upperPositionLimit])[:, 7:]
         w = weights or TaskWeights()
@@ -121,6 +122,7 @@ class WholeBodyController(Bound):
         self._limited = ForceDistributor(*bounds, 1.0, weight, torque_limit=self.limits)
         self._bounds: tuple[float, bytes] | None = None
         self.mu = self._given_mu = mu  # that is counted on now, and of the construction
+        self._swing_factor = 1.0
         self._stance: BoolArray = np.ones(len(robot.feet), dtype=bool)
         self._loose = self._unloaded()
 
@@ -156,22 +158,8 @@ class WholeBodyController(Bound):
         """(joints,) part of the last commanded torques that makes up for the motors' friction [N m]."""
         return np.asarray(self._span[2])
 
-    def set_friction(self, mu: float = math.inf) -> None:
-        """Count on a friction [-] from now on; an infinite one stands for that of the construction."""
-        friction = self._given_mu if mu == math.inf else mu
-        if friction == self.mu:
-            return
-        self.mu = friction
-        for distributor in (self._distributor, self._limited):
-            distributor.set_friction(np.full(len(self.point_foot), friction))
-
-    def weigh_swing(self, times: float) -> None:
-        """Let the places of feet in the air weigh so many times their usual weight [-]."""
-        self._part(core.WEIGHTS, -1)[core.SWING] = times * self.swing
-
     def reset(self) -> None:
-        """Forget the forces of the step before, which feet stood, and any other friction."""
-        self.set_friction()
+        """Forget the forces of the step before, and which feet stood."""
         self._set_stance(np.ones(len(self._stance), dtype=bool))
         for distributor in (self._distributor, self._limited):
             distributor.reset()
@@ -231,27 +219,37 @@ class WholeBodyController(Bound):
         """(n, 3, 3) rotations of the frames of the feet at the last `update` [-]; its own array."""
         return self._part(core.ROTATIONS, -1, 3, 3)
 
-    def bound_normals(self, low: float, high: FloatArray) -> None:
-        """Change the bounds on normal forces [N], (n,) upper ones; a flat foot's hold for each corner."""
-        given = low, high.tobytes()
-        if given == self._bounds:
-            return  # most of the time: between the ramps of a stance
-        self._bounds = given
-        on, most = self._stance[self.point_foot], high[self.point_foot]
+    def _take(self, limits: ForceLimits) -> None:
+        """Bring the distributors up to the limits of a step; most of the time nothing of them has changed."""
+        friction = self._given_mu if limits.mu == math.inf else limits.mu
+        if friction != self.mu:
+            self.mu = friction
+            for distributor in (self._distributor, self._limited):
+                distributor.set_friction(np.full(len(self.point_foot), friction))
+        if limits.swing != self._swing_factor:
+            self._swing_factor = limits.swing
+            self._part(core.WEIGHTS, -1)[core.SWING] = limits.swing * self.swing
+        bounds = None if limits.most is None else (limits.least, limits.most.tobytes())
+        if limits.most is None or bounds == self._bounds:
+            return
+        self._bounds = bounds
+        on, most = self._stance[self.point_foot], limits.most[self.point_foot]
         for distributor in (self._distributor, self._limited):
-            distributor.set_bounds(np.minimum(low, most), most, on)
+            distributor.set_bounds(np.minimum(limits.least, most), most, on)
 
-    def solve(self, tasks: Tasks) -> WholeBodyCommand:
-        """Return the command for the state of the last `update`.
+    def solve(self, tasks: Tasks, limits: ForceLimits = FREE) -> WholeBodyCommand:
+        """Return the command for the state of the last `update`, within the limits of this step.
 
         Never raises on a hard instance and never returns NaN: see `WholeBodyCommand.feasible`.
         """
         if not self._known:
             return self.damping(self._v)
         views, numbers, memory = self._views, self._numbers, self._memory
+        self._take(limits)
         self._set_span()
+        outside = NO_WRENCH if limits.outside is None else limits.outside
         rows, sound = core.force_problem(
-            numbers, memory, views.mass_matrix, views.bias, self.mass, self.outside, tasks.stance,
+            numbers, memory, views.mass_matrix, views.bias, self.mass, outside, tasks.stance,
             tasks.com_acceleration, tasks.turn_acceleration, tasks.feet, tasks.joints, tasks.frames,
             tasks.gaps,
         )  # fmt: skip
@@ -278,10 +276,12 @@ class WholeBodyController(Bound):
         core.reduce(self._numbers, self._memory, 6)
         self.reset()
 
-    def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
+    def step(
+        self, q: FloatArray, v: FloatArray, tasks: Tasks, limits: ForceLimits = FREE
+    ) -> WholeBodyCommand:
         """Return the command for a state (nq,) [m, -, rad], (nv,) [m/s, rad/s]: `update`, then `solve`."""
         self.update(q, v)
-        return self.solve(tasks)
+        return self.solve(tasks, limits)
 
     def _part(self, which: int, *shape: int) -> FloatArray:
         """Return a view of a part of the memory of a step, see `part`."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -92,6 +93,30 @@ class Tasks(NamedTuple):
     forces: FloatArray
     frames: FloatArray
     gaps: FloatArray
+
+
+class ForceLimits(NamedTuple):
+    """What the contact forces of one step may be, and what acts on the robot beside them.
+
+    Attributes
+    ----------
+    mu
+        Friction to count on [-]; infinite for that of the controller.
+    least, most
+        Bounds on the normal forces [N], the upper one (n,) by foot, a flat foot's for each of its corners;
+        None for those of the controller.
+    outside
+        (6,) known wrench on the base beside the ground's, about its origin, base axes [N, N m]; None for
+        none.
+    swing
+        How many times their usual weight the places of feet in the air weigh [-].
+    """
+
+    mu: float = math.inf
+    least: float = 0.0
+    most: FloatArray | None = None
+    outside: FloatArray | None = None
+    swing: float = 1.0
 
 
 class WholeBodyCommand(NamedTuple):

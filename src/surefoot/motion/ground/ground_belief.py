@@ -54,6 +54,11 @@ class BeliefTerrain(Terrain):
     radius: float = 0.0
     struck_at: float = -math.inf
 
+    def start(self, state: RobotState, ground: FloatArray, height: float, radius: float) -> None:
+        """Start as by `begin`, with feet of a radius [m]."""
+        self.radius = radius
+        self.begin(state, ground, height)
+
     def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
         """Start from where the robot stands.
 

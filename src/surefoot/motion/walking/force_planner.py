@@ -13,6 +13,7 @@ an instant and does not touch any more waits with its ramp: pushed down in the a
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,12 +23,74 @@ from surefoot.motion.control.body_motion import BodyReference
 from surefoot.motion.control.mpc import BodyState, ConvexMpc
 from surefoot.motion.control.whole_body import Kinematics
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
+from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.walking_body import BodyPlan
 from surefoot.motion.walking.walking_feet import Feet
 from surefoot.motion.walking.walking_kernels import stance_places, turned_arms
 
 LANDED = 1e-3
 """A foot that touches has used this much of its ramp: it may push at once, if little [s]."""
+
+
+class Ramps(NamedTuple):
+    """When the ramps of the feet's normal forces began, see `ramp_shares`.
+
+    Attributes
+    ----------
+    landed
+        (n,) time of the schedule at which each foot began to carry [s].
+    stood
+        (n,) which feet carried in the step before.
+    time
+        Time of the schedule in the step before [s].
+    """
+
+    landed: FloatArray
+    stood: BoolArray
+    time: float = math.inf  # no time has passed before the first step
+
+    @staticmethod
+    def of(feet: int) -> Ramps:
+        """Return the ramps of so many feet that have always stood."""
+        return Ramps(np.full(feet, -math.inf), np.ones(feet, dtype=bool))
+
+
+class Horizon(NamedTuple):
+    """A plan that is set up and has still to be solved.
+
+    Attributes
+    ----------
+    reference
+        Of the body.
+    places, contacts
+        (N, n, 3), (N, n) where feet stand [m], and which.
+    """
+
+    reference: BodyReference
+    places: FloatArray
+    contacts: BoolArray
+
+
+class ForcePlan(NamedTuple):
+    """The forces and the motion that a plan begins with.
+
+    Attributes
+    ----------
+    made
+        Time at which it was made [s].
+    forces
+        (n, 3) of its first step, contact frames [N].
+    motion
+        (5, 3) at that time: centre of mass [m], its velocity [m/s], angular velocity [rad/s], and the
+        planned accelerations [m/s²], [rad/s²].
+    rotation
+        (3, 3) of the body then.
+    """
+
+    made: float
+    forces: FloatArray
+    motion: FloatArray
+    rotation: FloatArray
 
 
 class ForcePlanner:
@@ -37,8 +100,6 @@ class ForcePlanner:
     ----------
     mpc
         Solves for them.
-    schedule
-        When feet are planned to lift and land.
     offsets
         (n, >= 2) where the feet belong about the centre of mass, heading axes [m].
     radii
@@ -47,115 +108,92 @@ class ForcePlanner:
         Time between the steps of the controller [s].
     ramp
         Length of a ramp [s]; 0 for none.
-
-    Attributes
-    ----------
-    forces
-        (n, 3) of the first step of the last plan, contact frames [N]; None before the first plan.
-    motion
-        (5, 3) at the time of the plan: centre of mass [m], its velocity [m/s], angular velocity [rad/s], and
-        the planned accelerations [m/s²], [rad/s²].
-    rotation
-        (3, 3) of the body then.
-    rate
-        How many times as fast as time the schedule's clock goes.
-    begun, made
-        Times at which the last plan was set up, and solved [s].
     """
 
     def __init__(
-        self, mpc: ConvexMpc, schedule: ContactSchedule, offsets: FloatArray, radii: FloatArray, dt: float,
-        ramp: float,
-    ) -> None:  # fmt: skip
-        self.mpc, self.schedule, self.offsets, self.radii, self.dt = mpc, schedule, offsets, radii, dt
+        self, mpc: ConvexMpc, offsets: FloatArray, radii: FloatArray, dt: float, ramp: float
+    ) -> None:
+        self.mpc, self.offsets, self.radii, self.dt = mpc, offsets, radii, dt
         self.ramp = max(ramp, 1e-9)
-        self.motion, self.rotation = np.zeros((5, 3)), np.eye(3)
-        self.reset()
 
-    def reset(self) -> None:
-        """Forget the last plan."""
-        self.mpc.reset()
-        self.forces: FloatArray | None = None
-        self.begun = self.made = -math.inf
-        self._horizon: tuple[BodyReference, FloatArray, BoolArray] | None = None
-        self._landed = np.full(len(self.radii), -math.inf)
-        self._stood: BoolArray = np.ones(len(self.radii), dtype=bool)
-        self.rate = 1.0
-        self._time = math.inf  # no time has passed before the first step
-
-    @property
-    def pending(self) -> bool:
-        """Whether what is set up has still to be solved."""
-        return self._horizon is not None
-
-    def shares(self, time: float, stance: BoolArray, touching: BoolArray | None = None) -> FloatArray:
-        """Return the shares at a time of the schedule [s] for (n,) feet that carry: (n,), 0 to 1.
+    def shares(
+        self, ramps: Ramps, schedule: ContactSchedule, clock: GaitClock, stance: BoolArray,
+        touching: BoolArray | None = None,
+    ) -> tuple[Ramps, FloatArray]:  # fmt: skip
+        """Return the ramps, and the shares of the largest normal force for (n,) feet that carry: (n,), 0 to 1.
 
         To be called at every step: a foot's ramp begins when it first carries, and goes on while the foot
         feels the ground, (n,); None where that is not known, and all do.
         """
-        shares, phases = np.empty(len(self.radii)), self.schedule.phases(time)
-        elapsed = max(time - self._time, 0.0)
-        self._time = time
+        time, ramp = clock.time, self.ramp * clock.rate
+        shares, phases = np.empty(len(self.radii)), schedule.phases(time)
+        elapsed = max(time - ramps.time, 0.0)
+        ramps = Ramps(ramps.landed.copy(), ramps.stood.copy(), time)
         early = ramp_shares(
-            phases, stance, stance if touching is None else touching, self._stood,
-            self._landed, time, elapsed, LANDED, self.ramp * self.rate, shares,
+            phases, stance, stance if touching is None else touching, ramps.stood, ramps.landed, time,
+            elapsed, LANDED, ramp, shares,
         )  # fmt: skip
         for k in range(len(shares)) if early else ():
             if early >> k & 1:
-                left = (self._lift_off(k, time) - time) / (self.ramp * self.rate)
+                left = (_lift_off(schedule, k, time) - time) / ramp
                 shares[k] = min(shares[k], max(left, 0.0))
-        return shares
+        return ramps, shares
 
-    def _lift_off(self, k: int, time: float) -> float:
-        """Return when a foot that carries is planned to lift; one that landed early, after its stance."""
-        planned, _, end = self.schedule.phase(k, time)
-        return end if planned else self.schedule.phase(k, end)[2]
-
-    def set_up(self, time: float, clock: float, feet: Feet, body: BodyPlan, stance: float) -> None:
-        """Find out what the horizon that begins at the next step is like; at the first plan, at this one.
+    def set_up(
+        self, time: float, schedule: ContactSchedule, clock: GaitClock, feet: Feet, body: BodyPlan,
+        stance: float, before: ForcePlan | None, pending: bool,
+    ) -> Horizon:  # fmt: skip
+        """Return the horizon that begins at the next step; without a plan before it, at this one.
 
         Parameters
         ----------
-        time, clock
-            Now, and on the schedule's clock [s].
+        time
+            Now [s].
+        schedule, clock
+            When feet should stand, and the time on it.
         feet, body
-            What carries, where the body should be, and the feet's ramps.
+            What carries, and where the body should be.
         stance
             Length of a stance [s].
+        before, pending
+            The plan before, None for the first; whether one that is set up has still to be solved.
         """
         N, dt = self.mpc.horizon, self.mpc.dt
-        ahead = 0.0 if self.forces is None else self.dt
-        tick = dt * self.rate
+        ahead = 0.0 if before is None else self.dt
+        tick = dt * clock.rate
         # The plan is solved one step from now, so its horizon begins there; the clock of the gait runs at its
         # rate.
-        start = clock + ahead * self.rate
-        contacts = self.schedule.horizon(start, tick, N)
+        start = clock.time + ahead * clock.rate
+        contacts = schedule.horizon(start, tick, N)
         if start < 0.0:
             contacts[start + tick * (np.arange(N) + 0.5) < 0.0] = True
         # The first step is what is, not what was planned: forces are commanded of it.
-        contacts[0] = feet.stance
-        for k in np.flatnonzero(feet.stance & ~feet.planned):  # landed early: carries on
+        on = feet.stance
+        contacts[0] = on
+        for k in np.flatnonzero(on & ~feet.planned):  # landed early: carries on
             later = np.flatnonzero(contacts[1:, k])
             contacts[: 1 + (later[0] if len(later) else 0), k] = True
         reference = body.reference(N, dt, ahead)
         arms = turned_arms(self.offsets, body.yaw + body.velocity[2] * dt * np.arange(N + 1))
         places = stance_places(
-            contacts, feet.stance, feet.ground, feet.target, feet.frames, self.radii, reference.position,
-            arms, round(0.5 * stance / tick), body.ground, body.position, body.slope,
+            contacts, on, feet.ground, feet.target, feet.frames, self.radii, reference.position, arms,
+            round(0.5 * stance / tick), body.ground, body.position, body.slope,
         )  # fmt: skip
-        if self.forces is not None and not self.pending:
-            # Once for every plan made: while a horizon is pending, `made` is of the plan before, whose points
+        if before is not None and not pending:
+            # Once for every plan made: while a horizon is pending, the plan before is the one whose points
             # have been moved already.
-            self.mpc.shift(max(time + ahead - self.made, 0.0))
-        self._horizon = reference, places, contacts
-        self.begun = time
+            self.mpc.shift(max(time + ahead - before.made, 0.0))
+        return Horizon(reference, places, contacts)
 
-    def solve(self, time: float, now: Kinematics, frames: FloatArray, mu: float = math.inf) -> None:
-        """Plan from the state of now.
+    def solve(
+        self, horizon: Horizon, time: float, now: Kinematics, frames: FloatArray, mu: float = math.inf
+    ) -> ForcePlan:
+        """Return the plan of a horizon from the state of now.
 
         Parameters
         ----------
+        horizon
+            As it was set up.
         time
             Now [s].
         now
@@ -165,18 +203,21 @@ class ForcePlanner:
         mu
             Friction to count on; infinite for that of the MPC [-].
         """
-        assert self._horizon is not None, "set_up comes first"
-        reference, places, contacts = self._horizon
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
         plan = self.mpc.solve(
-            state, reference, places, contacts, frames,
-            mu=None if mu == math.inf else np.full(len(self.radii), mu),
-        )  # fmt: skip
-        motion, dt = self.motion, self.mpc.dt
+            state, *horizon, frames, mu=None if mu == math.inf else np.full(len(self.radii), mu)
+        )
+        motion, dt = np.empty((5, 3)), self.mpc.dt
         motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity
         motion[3] = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
         motion[4] = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
-        self.forces, self.rotation, self.made, self._horizon = plan.first, now.rotation.copy(), time, None
+        return ForcePlan(time, plan.first, motion, now.rotation.copy())
+
+
+def _lift_off(schedule: ContactSchedule, k: int, time: float) -> float:
+    """Return when a foot that carries is planned to lift; one that landed early, after its stance."""
+    planned, _, end = schedule.phase(k, time)
+    return end if planned else schedule.phase(k, end)[2]
 
 
 @kernel

@@ -40,6 +40,8 @@ class LoadAdaptation:
         Whose models.
     upright
         (3, 3) rotation from the base's axes to those that the MPC turns; None where they are the same.
+    fading
+        Time constant with which the MPC lets the rest of the wrench fade [s].
 
     Attributes
     ----------
@@ -53,12 +55,12 @@ class LoadAdaptation:
 
     def __init__(
         self, robot: Robot, dt: float, mpc: ConvexMpc, whole_body: WholeBodyController,
-        upright: FloatArray | None = None,
+        upright: FloatArray | None = None, fading: float = FADING,
     ) -> None:  # fmt: skip
         self.robot, self.dt = robot, dt
         self.observer = WrenchObserver(robot, dt)
         self.mpc, self.whole_body = mpc, whole_body
-        mpc.fading = FADING
+        mpc.expect(np.zeros(6), fading)
         self.inertia, self.com, _ = composite_inertia(robot, robot.nominal)
         self.upright = np.eye(3) if upright is None else upright
         self.reset()
@@ -76,7 +78,7 @@ class LoadAdaptation:
         self.observer.reset()
         self.whole_body.carry(None)
         self.mpc.carry(self.robot.mass, self.upright @ self.inertia @ self.upright.T)
-        self.whole_body.outside[:] = self.mpc.outside[:] = 0.0
+        self.mpc.expect(np.zeros(6))
 
     def observe(self, state: RobotState) -> None:
         """Learn from the (finite) state in which the last step has ended."""
@@ -120,15 +122,20 @@ class LoadAdaptation:
         self.mpc.carry(total, self.upright @ inertia @ self.upright.T)
         if body is not None:
             moved = shift - self.shift
-            body.height += float(moved[2])
-            body.position += self.rotation @ moved
+            body.recentre(moved, self.rotation @ moved)
             self.shift = shift
         self.load = self.observer.carried
 
-    def pull(self, now: Kinematics, base: FloatArray) -> None:
-        """Hand on the rest of the wrench at a state, with (3,) the place of the base [m]."""
+    def pull(self, now: Kinematics, base: FloatArray) -> FloatArray:
+        """Return the rest of the wrench at a state, and let the MPC count on it.
+
+        `base` (3,) is the place of the base [m]. What is returned is (6,) about it, base axes [N, N m].
+        """
         self.rotation = now.rotation.copy()
+        on_base, on_com = np.zeros(6), np.zeros(6)
         tell_wrench(
             self.observer.wrench, MOST, self.observer.wrench_unit,
-            now.rotation, base, now.com, self.whole_body.outside, self.mpc.outside,
+            now.rotation, base, now.com, on_base, on_com,
         )  # fmt: skip
+        self.mpc.expect(on_com)
+        return on_base

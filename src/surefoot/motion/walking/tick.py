@@ -10,19 +10,20 @@ is how feet touch the ground, where they go, and what is planned over them.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable
-from functools import partial
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import FloatArray
 from surefoot.motion.control.controller import Controller, RobotState
 from surefoot.motion.control.damping import computable
-from surefoot.motion.control.whole_body import WholeBodyCommand, WholeBodyController
+from surefoot.motion.control.whole_body import ForceLimits, WholeBodyCommand, WholeBodyController
 from surefoot.motion.control.whole_body_tasks import Kinematics, Tasks
 from surefoot.motion.walking.behaviours.arbiter import Arbiter
 from surefoot.motion.walking.behaviours.behaviour import Request, WalkView
+from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
-from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, take_posture
-from surefoot.motion.walking.walking_feet import Feet
+from surefoot.motion.walking.touchdown_detection import TouchMemory
+from surefoot.motion.walking.walk_state import StepInput, WalkState
+from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand
+from surefoot.motion.walking.walking_feet import Feet, FeetContact
 from surefoot.motion.walking.walking_settings import WalkCommand
 
 
@@ -37,8 +38,6 @@ class Tick(Controller):
         Whether plans wait until a command is given, and count from the next on; False until it is set.
     command
         Wanted velocity over time, after limits.
-    body, feet
-        The motion of the body that is wanted; where the feet stand and go, None before the first step.
     arbiter
         What the behaviours have asked for.
     load, whole_body
@@ -46,105 +45,132 @@ class Tick(Controller):
     """
 
     command: VelocityCommand
-    body: BodyPlan
-    feet: Feet | None
     load: LoadAdaptation | None
     arbiter: Arbiter
     whole_body: WholeBodyController
     start: float
     dt: float
     answers_first = False
-    _outstanding: Callable[[], None] | None = None
+    _walk: WalkState | None = None
+    _outstanding: StepInput | None = None
 
-    def step(self, state: RobotState) -> WalkCommand:
+    def step(self, measured: RobotState) -> WalkCommand:
         """Return the command for a state; where no foot senses, the gait's plan is taken for the contacts.
 
         Never raises on a hard instance; see `WholeBodyCommand.feasible`. A state that is not finite, or too
         large to compute with, gets a command that slows the joints, and changes nothing else.
         """
         self.plan_ahead()  # if nobody has
-        if not computable(state.q, state.v):
-            return self._damped(state.v)
+        if not computable(measured.q, measured.v):
+            return self._damped(measured.v)
         # sense: what the robot carries, where it is, which feet stand
-        self._adapt(state)
-        now = self.whole_body.update(state.q, state.v)
-        begins = self.feet is None
-        feet = self._begin(now, state) if self.feet is None else self.feet
-        clock = state.time - self.start - feet.wait
-        sensed = feet.planned.copy() if state.contact is None else state.contact
-        standing = self._sort_touches(state, now, sensed, clock)
-        changed = clock >= 0.0 and self._move_feet(now, standing, clock)
+        self._observe_load(measured)
+        now = self.whole_body.update(measured.q, measured.v)
+        begins = self._walk is None
+        s = self._begin(now, measured) if self._walk is None else self._walk
+        clock = s.clock.at(measured.time - self.start)
+        touch, feet, contact = self._classify_contact(s, measured, now, clock)
+        s, feet, changed = self._advance_feet(s, feet, contact, now, clock)
         # ground: what the feet have found
-        self._learn(state, now, clock)
+        touch, feet, waits = self._learn_ground(s, touch, feet, measured, now, clock)
         # behaviours propose, the arbiter merges
-        request = self.arbiter.merge(self._view(state, now, feet, clock))
-        take_posture(self.body, self.command.posture_at(max(clock, 0.0)), self.dt)
-        # plan: body, and footholds, swing and forces as they fall due
-        self._move_body(request, now, clock)
-        self._bound_forces(state, now, clock, standing)
+        request = self.arbiter.merge(self._view(s, feet, measured, now, clock))
+        # plan: body, then footholds and forces as they fall due
+        s.body.take_posture(self.command.posture_at(max(clock.time, 0.0)), self.dt)
+        s = self._move(s, touch, feet, request, now, clock, waits)
+        s, limits = self._limit_forces(s, request, measured, now, contact)
+        given = StepInput(now, request, measured.time, changed)
         if begins or not self.answers_first:
-            self._plan(now, request, clock, state.time, changed)
+            s = self._plan(s, given)
         else:
-            self._outstanding = partial(self._plan, now, request, clock, state.time, changed)
+            self._outstanding = given
         # torques
-        body = self.whole_body.solve(self._tasks(state, now, clock))
+        body = self.whole_body.solve(self._tasks(s, measured, now), limits)
         if self.load is not None:
-            self.load.acted(state.time, body.torques, feet.stance)
-        return self._commanded(body, feet)
+            self.load.acted(measured.time, body.torques, s.feet.stance)
+        self._walk = s
+        return self._commanded(body, s)
 
     def plan_ahead(self) -> None:
         """Make the plan that the last step has left to this; see `answers_first`."""
-        plan, self._outstanding = self._outstanding, None
-        if plan is not None:
-            plan()
+        given, self._outstanding = self._outstanding, None
+        if given is not None and self._walk is not None:
+            self._walk = self._plan(self._walk, given)
 
-    def _view(self, state: RobotState, now: Kinematics, feet: Feet, clock: float) -> WalkView:
+    @property
+    def feet(self) -> Feet | None:
+        """Where the feet stand and go; None before the first step."""
+        return None if self._walk is None else self._walk.feet
+
+    @property
+    def body(self) -> BodyPlan:
+        """The motion of the body that is wanted, after the first step."""
+        assert self._walk is not None, "the walk has not begun"
+        return self._walk.body
+
+    def _view(
+        self, s: WalkState, feet: Feet, measured: RobotState, now: Kinematics, clock: GaitClock
+    ) -> WalkView:
         """Return what behaviours may read."""
         return WalkView(
-            state.time, clock, state, now, self.command.at(max(clock, 0.0)), self.body.velocity,
-            self.body.position, feet.stance, feet.ground, feet.frames, self._fits, self._waiting,
+            measured.time, clock.time, measured, now, self.command.at(max(clock.time, 0.0)), s.body.velocity,
+            s.body.position, feet.stance, feet.ground, feet.frames, s.gait.fits, self._waiting,
         )  # fmt: skip
 
-    _fits, _waiting = True, False  # of gaits that do not follow the speed
+    _waiting = False  # of gaits that do not get in step with the ground
 
-    def _adapt(self, state: RobotState) -> None:
+    def _observe_load(self, measured: RobotState) -> None:
         """Learn what the robot carries, if that is observed."""
 
     @abstractmethod
-    def _begin(self, now: Kinematics, state: RobotState) -> Feet:
-        """Start from where the robot stands."""
+    def _begin(self, now: Kinematics, measured: RobotState) -> WalkState:
+        """Return the state of a walk that begins where the robot stands."""
 
-    def _sort_touches(self, state: RobotState, now: Kinematics, sensed: BoolArray, clock: float) -> BoolArray:
-        """Return which feet stand on the ground of those that sense anything, (n,): all."""
-        return sensed
-
-    @abstractmethod
-    def _move_feet(self, now: Kinematics, standing: BoolArray, clock: float) -> bool:
-        """Bring the feet up to the clock; return whether one has lifted or landed."""
-
-    def _learn(self, state: RobotState, now: Kinematics, clock: float) -> None:
-        """Learn what the feet have found of the ground, where it is not known."""
+    def _classify_contact(
+        self, s: WalkState, measured: RobotState, now: Kinematics, clock: GaitClock
+    ) -> tuple[TouchMemory | None, Feet, FeetContact]:
+        """Return what is kept of touch, the feet, and which of them touch the ground: all that sense any."""
+        sensed = s.feet.planned if measured.contact is None else measured.contact
+        return s.touch, s.feet, FeetContact.of(sensed)
 
     @abstractmethod
-    def _move_body(self, request: Request, now: Kinematics, clock: float) -> None:
-        """Move the wanted body by one step, as is asked for."""
+    def _advance_feet(
+        self, s: WalkState, feet: Feet, contact: FeetContact, now: Kinematics, clock: GaitClock
+    ) -> tuple[WalkState, Feet, bool]:
+        """Return state and feet at the time of the clock, and whether a foot has lifted, landed or lost touch."""
+
+    def _learn_ground(
+        self, s: WalkState, touch: TouchMemory | None, feet: Feet, measured: RobotState, now: Kinematics,
+        clock: GaitClock,
+    ) -> tuple[TouchMemory | None, Feet, bool]:  # fmt: skip
+        """Learn what the feet have found of the ground; return whether the gait waits for one of them."""
+        return touch, feet, False
 
     @abstractmethod
-    def _bound_forces(self, state: RobotState, now: Kinematics, clock: float, standing: BoolArray) -> None:
-        """Bound the forces by what the feet do now, and tell the torques of the load."""
+    def _move(
+        self, s: WalkState, touch: TouchMemory | None, feet: Feet, request: Request, now: Kinematics,
+        clock: GaitClock, waits: bool,
+    ) -> WalkState:  # fmt: skip
+        """Return the state with body, gait and clock moved on by one step, as is asked for."""
 
     @abstractmethod
-    def _plan(self, now: Kinematics, request: Request, clock: float, time: float, changed: bool) -> None:
-        """Plan footholds, swings and forces, if they are due or a foot has lifted or landed."""
+    def _limit_forces(
+        self, s: WalkState, request: Request, measured: RobotState, now: Kinematics, contact: FeetContact
+    ) -> tuple[WalkState, ForceLimits]:
+        """Return the state, and the limits of the contact forces of this step."""
+
+    @abstractmethod
+    def _plan(self, s: WalkState, given: StepInput) -> WalkState:
+        """Return the state with footholds, swings and forces planned, as far as they are due."""
+
+    @abstractmethod
+    def _tasks(self, s: WalkState, measured: RobotState, now: Kinematics) -> Tasks:
+        """Return what the whole body should do now."""
 
     @abstractmethod
     def _damped(self, v: FloatArray) -> WalkCommand:
         """Return the command for a state that is not finite, whose joints move with (nv,) v."""
 
     @abstractmethod
-    def _commanded(self, body: WholeBodyCommand, feet: Feet) -> WalkCommand:
+    def _commanded(self, body: WholeBodyCommand, s: WalkState) -> WalkCommand:
         """Return the command that says what the parts have decided."""
-
-    @abstractmethod
-    def _tasks(self, state: RobotState, now: Kinematics, clock: float) -> Tasks:
-        """Return what the whole body should do now."""

@@ -26,6 +26,7 @@ References
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,9 +34,12 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import GRAVITY, base_velocity, heading_of
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.control.whole_body_tasks import Kinematics
+from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.ground.ground_belief import BeliefTerrain
-from surefoot.motion.walking.behaviours.behaviour import NOTHING, FootSearch, Request
-from surefoot.motion.walking.walking_feet import SEARCH_SPEED, Feet
+from surefoot.motion.walking.behaviours.behaviour import FootSearch, Request
+from surefoot.motion.walking.foot_phases import SWING
+from surefoot.motion.walking.gait_clock import GaitClock
+from surefoot.motion.walking.walking_feet import SEARCH_SPEED, Feet, FeetContact, FeetModel
 
 LONGEST_WAIT, WAIT_CAREFUL = 1.5, 3.0
 """Longest time that the gait waits for a foot, over sqrt(h / g), and where it goes carefully."""
@@ -66,8 +70,48 @@ YOUNG, SILENT = 0.04, 0.008
 """So long after a landing it may be taken back [s], if nothing has touched the foot for this long [s]."""
 
 
+class TouchMemory(NamedTuple):
+    """What the sense of touch keeps from one step to the next.
+
+    Attributes
+    ----------
+    felt, silent, stood
+        (n,) for how long each foot has felt something, has felt nothing, and has been taken to stand [s].
+    search
+        How searching feet go down in this step.
+    fastest, lead
+        Largest speed of the search now [m/s], and the speed along with the body over the body's [-], as far
+        as they have come to those of `search`.
+    waited
+        For how long the gait has waited for feet [s].
+    hold
+        Whether feet that stand should stay on the ground in this step.
+    heading
+        (2,) where the body points along the level in this step.
+    """
+
+    felt: FloatArray
+    silent: FloatArray
+    stood: FloatArray
+    search: FootSearch = USUAL
+    fastest: float | None = None
+    lead: float = 0.0
+    waited: float = 0.0
+    hold: bool = False
+    heading: FloatArray = np.array([1.0, 0.0])
+
+    @staticmethod
+    def of(feet: int) -> TouchMemory:
+        """Return the memory of a walk that begins on so many feet."""
+        return TouchMemory(np.zeros(feet), np.zeros(feet), np.full(feet, np.inf))
+
+    def asked(self, request: Request) -> TouchMemory:
+        """Return the memory with what behaviours ask for the next step."""
+        return self._replace(search=request.search or USUAL, hold=request.hold)
+
+
 class TouchSense:
-    """Feeds a belief about the ground, and reacts to what contradicts it.
+    """Tells landings from other touches, and decides when the gait waits.
 
     Parameters
     ----------
@@ -75,109 +119,105 @@ class TouchSense:
         The ground that the controller plans on.
     weight, height
         m g [N], and of the centre of mass [m].
+    feet
+        What does not change about the feet.
     dt
         Time between steps [s].
-
-    Attributes
-    ----------
-    asked
-        What behaviours agreed on in the last step.
     """
 
-    def __init__(self, belief: BeliefTerrain, weight: float, height: float, dt: float) -> None:
-        self.belief, self.dt = belief, dt
+    def __init__(
+        self, belief: BeliefTerrain, weight: float, height: float, feet: FeetModel, dt: float
+    ) -> None:
+        self.belief, self.feet, self.dt = belief, feet, dt
         self._weight, self.height = weight, height
         self._fall, self._root = math.sqrt(height / GRAVITY), math.sqrt(GRAVITY * height)
-        self._waited = self._lead = 0.0
-        self.asked: Request = NOTHING
 
-    def begin(self, state: RobotState, centres: FloatArray, radii: FloatArray) -> None:
-        """Start a walk with feet of `radii` (n,) at (n, 3) `centres` [m]."""
-        self._waited, self.asked = 0.0, NOTHING
-        self._landings = LandingWatch(len(radii), self.dt)
-        self.belief.radius = float(radii.mean())
-        self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self.height)
+    def begin(self, state: RobotState, centres: FloatArray) -> TouchMemory:
+        """Start a walk with feet at (n, 3) `centres` [m]."""
+        radii = self.feet.radii
+        self.belief.start(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self.height, float(radii.mean()))
+        return TouchMemory.of(len(radii))
 
-    def sort(
-        self, state: RobotState, feet: Feet, sensed: BoolArray, clock: float, now: Kinematics
-    ) -> BoolArray:
-        """Return which feet stand on the ground, (n,); those that have struck an edge begin their swing anew.
+    def seek(
+        self, memory: TouchMemory, state: RobotState, feet: Feet, clock: GaitClock
+    ) -> tuple[TouchMemory, Feet]:
+        """Return the memory, and the feet of which those that search are sent down as is asked for."""
+        search, fastest = memory.search, memory.search.speed * self._root
+        memory = memory._replace(heading=heading_of(state.q[3:7]))
+        if memory.fastest is None or not search.careful:
+            return memory._replace(fastest=fastest, lead=0.0), feet
+        slower = max(fastest, memory.fastest - SLOWING * GRAVITY * self.dt)
+        change = self.dt / LEAD_TIME
+        lead = memory.lead + min(max(search.lead - memory.lead, -change), change)
+        flow = base_velocity(state.q, state.v)
+        feet = self.feet.slow_search(feet, clock, memory.fastest, slower, lead * self.dt * flow[:2])
+        return memory._replace(fastest=slower, lead=lead), feet
+
+    def classify(
+        self, memory: TouchMemory, state: RobotState, feet: Feet, sensed: BoolArray, clock: GaitClock,
+        now: Kinematics,
+    ) -> tuple[TouchMemory, FeetContact]:  # fmt: skip
+        """Return the memory, and which feet touch the ground, have struck an edge, or have not landed.
 
         Parameters
         ----------
-        state, feet
+        memory
+            Of the step before.
+        state, feet, clock
             At this step.
         sensed
             (n,) which feet touch anything.
-        clock
-            On the schedule [s].
         now
             Where the robot is.
         """
-        self._seek(state, feet, clock, self.asked.search or USUAL)
-        if not self.asked.hold:
-            feet.schedule.release()
-        elif clock >= 0.0:
-            feet.schedule.hold(clock)
         if state.forces is None:
-            return sensed
-        soles = now.centres - feet.radii[:, None] * feet.frames[:, :, 2]
-        ground = sensed
-        if not feet.stance.all():
-            speeds = feet.motions(clock)[:, 1]
+            return memory, FeetContact.of(sensed)
+        soles, stance = self.feet.soles(feet, now.centres), feet.stance
+        ground, struck = sensed, np.zeros(len(sensed), dtype=bool)
+        if not stance.all():
+            speeds = self.feet.motions(feet, clock, memory.fastest)[:, 1]
             moving = now.twists[:, :3]
             ground, struck = sort_touches(feet, sensed, state.forces, speeds, moving, self._weight)
             for k in np.flatnonzero(struck).tolist():
-                if self.belief.may_strike(soles[k], speeds[k]):
+                struck[k] = self.belief.may_strike(soles[k], speeds[k])
+                if struck[k]:
                     self.belief.stumbled(state.time)
-                    feet.interrupt(k, clock, now.centres[k])
-        above = self.belief.above(soles, ground & ~feet.stance)
-        ground = self._landings.believe(ground, feet.stance, above)
-        for k in np.flatnonzero(self._landings.taken_back(feet.stance)).tolist():
-            feet.take_back(k, now.centres[k])
-        return ground
+        above = self.belief.above(soles, ground & ~stance)
+        memory, ground = believe_landings(memory, ground, stance, above, self.dt)
+        memory, false = false_landings(memory, stance, self.dt)
+        return memory, FeetContact(np.ascontiguousarray(ground), struck, false)
 
-    def _seek(self, state: RobotState, feet: Feet, clock: float, search: FootSearch) -> None:
-        """Send late feet down as is asked for."""
-        fastest = search.speed * self._root
-        if feet.fastest is None or not search.careful:
-            feet.fastest, self._lead = fastest, 0.0
-        else:
-            slower = max(fastest, feet.fastest - SLOWING * GRAVITY * self.dt)
-            change = self.dt / LEAD_TIME
-            self._lead += min(max(search.lead - self._lead, -change), change)
-            flow = base_velocity(state.q, state.v)
-            feet.slow_search(clock, slower, self._lead * self.dt * flow[:2])
-        feet.heading, feet.careful = heading_of(state.q[3:7]), search.careful
-
-    def learn(self, state: RobotState, feet: Feet, now: Kinematics, clock: float) -> None:
-        """Let the belief learn where the feet are, and hold the gait while one looks for the ground.
+    def learn(
+        self, memory: TouchMemory, state: RobotState, feet: Feet, schedule: ContactSchedule,
+        clock: GaitClock, now: Kinematics,
+    ) -> tuple[TouchMemory, Feet, bool]:  # fmt: skip
+        """Let the belief learn where the feet are; return memory, feet, and whether the gait waits for one.
 
         Parameters
         ----------
-        state, feet, clock, now
-            As for `sort`.
+        memory, state, feet, clock, now
+            As for `classify`.
+        schedule
+            When feet should stand.
         """
-        soles = now.centres - feet.radii[:, None] * feet.frames[:, :, 2]
-        sought = feet.late & ~feet.stance
+        soles, sought = self.feet.soles(feet, now.centres), feet.searching
+        careful = memory.search.careful
         self.belief.observe(state, feet.ground, feet.stance, sought, soles)
-        if feet.careful:  # the body comes down with its feet
-            feet.ground[sought] = soles[sought]
-        overdue = feet.overdue()
+        if careful:  # the body comes down with its feet
+            feet = self.feet.lowered(feet, sought, soles)
+        overdue = feet.overdue
         if not overdue.any():
-            self._waited = 0.0
-        elif self._waited < self._fall * (WAIT_CAREFUL if feet.careful else LONGEST_WAIT) and (
-            (feet.stance | overdue).all() or self._lifts_next(feet, clock)
+            return memory._replace(waited=0.0), feet, False
+        if memory.waited < self._fall * (WAIT_CAREFUL if careful else LONGEST_WAIT) and (
+            (feet.stance | overdue).all() or (careful and self._lifts_next(feet, schedule, clock))
         ):
-            self._waited += self.dt
-            feet.wait += self.dt
+            return memory._replace(waited=memory.waited + self.dt), feet, True
+        return memory, feet, False
 
-    def _lifts_next(self, feet: Feet, clock: float) -> bool:
-        """Return whether another foot would lift now, where care is taken not to stand on too few."""
-        if not feet.careful:
-            return False
-        phases = feet.schedule.phases(clock)
-        lifting = (phases[:, 0] > 0.0) & (phases[:, 2] <= clock + AT_ONCE * self.dt)
+    def _lifts_next(self, feet: Feet, schedule: ContactSchedule, clock: GaitClock) -> bool:
+        """Return whether another foot would lift now: careful gaits do not stand on too few."""
+        phases = schedule.phases(clock.time)
+        lifting = (phases[:, 0] > 0.0) & (phases[:, 2] <= clock.time + AT_ONCE * self.dt)
         return bool((feet.stance & lifting).any())
 
 
@@ -201,50 +241,43 @@ def sort_touches(
     weight
         m g [N].
     """
+    foot, stance = feet.foot, feet.stance
     normals = feet.frames[:, :, 2]
     along = (forces * normals).sum(axis=1)
     sideways = forces - along[:, None] * normals
     size = np.linalg.norm(sideways, axis=1)
-    struck = ~feet.stance & (size > STRUCK * weight) & (size > STEEP * along)
+    struck = ~stance & (size > STRUCK * weight) & (size > STEEP * along)
     against = (sideways[:, :2] * speeds[:, :2]).sum(axis=1) < 0.0
     stopped = (moving[:, :2] * speeds[:, :2]).sum(axis=1) < STOPPED * (speeds[:, :2] ** 2).sum(axis=1)
-    swinging = ~feet.late & ~feet.again & (feet.share > SOONEST) & (feet.share < LATEST)
-    light = ~feet.stance & (along < SENSED * weight)
+    once = (foot["phase"] == SWING) & (foot["restart"][:, 1] == -np.inf)
+    swinging = once & (foot["share"] > SOONEST) & (foot["share"] < LATEST)
+    light = ~stance & (along < SENSED * weight)
     return sensed & ~struck & ~light, struck & against & stopped & swinging
 
 
-class LandingWatch:
-    """Doubts landings.
+def believe_landings(
+    memory: TouchMemory, sensed: BoolArray, stance: BoolArray, above: FloatArray, dt: float
+) -> tuple[TouchMemory, BoolArray]:
+    """Return the memory, and which feet have landed of those that feel the ground: (n,).
 
     Parameters
     ----------
-    feet
-        Number of them.
+    memory
+        Of the step before, a step of `dt` [s] ago.
+    sensed, stance
+        (n,) which feet feel the ground, and which are taken to stand on it.
+    above
+        (n,) height above the ground by what is known of it, over what may be noise [-].
     dt
         Time between steps [s].
     """
+    felt = np.where(sensed, memory.felt + dt, 0.0)
+    silent = np.where(sensed, 0.0, memory.silent + dt)
+    lasting = np.where(above > FAR, LASTING_FAR, np.where(above > 1.0, LASTING, 0.0))
+    return memory._replace(felt=felt, silent=silent), sensed & (stance | (felt >= lasting))
 
-    def __init__(self, feet: int, dt: float) -> None:
-        self.dt = dt
-        self._sensed, self._silent = np.zeros((2, feet))
-        self._stood = np.full(feet, np.inf)
 
-    def believe(self, sensed: BoolArray, stance: BoolArray, above: FloatArray) -> BoolArray:
-        """Return which feet have landed of those that feel the ground: (n,).
-
-        Parameters
-        ----------
-        sensed, stance
-            (n,) which feet feel it, and which are taken to stand on it.
-        above
-            (n,) how far above the ground they are by what is known of it, over what may be noise [-].
-        """
-        self._sensed = np.where(sensed, self._sensed + self.dt, 0.0)
-        self._silent = np.where(sensed, 0.0, self._silent + self.dt)
-        lasting = np.where(above > FAR, LASTING_FAR, np.where(above > 1.0, LASTING, 0.0))
-        return sensed & (stance | (self._sensed >= lasting))
-
-    def taken_back(self, stance: BoolArray) -> BoolArray:
-        """Return which feet that carry have not landed after all: (n,); to be called at each step."""
-        self._stood = np.where(stance, self._stood + self.dt, 0.0)
-        return stance & (self._stood < YOUNG) & (self._silent >= SILENT)
+def false_landings(memory: TouchMemory, stance: BoolArray, dt: float) -> tuple[TouchMemory, BoolArray]:
+    """Return the memory, and which feet in (n,) stance have not landed after all: (n,); once a step of dt [s]."""
+    stood = np.where(stance, memory.stood + dt, 0.0)
+    return memory._replace(stood=stood), stance & (stood < YOUNG) & (memory.silent >= SILENT)

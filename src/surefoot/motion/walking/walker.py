@@ -22,9 +22,11 @@ from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.walking.behaviours.arbiter import Arbiter
 from surefoot.motion.walking.behaviours.behaviour import WalkFacts
 from surefoot.motion.walking.biped.settings import BipedSettings
+from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.tick import Tick
+from surefoot.motion.walking.walk_state import WalkState
 from surefoot.motion.walking.walking_body import VelocityCommand
-from surefoot.motion.walking.walking_feet import Feet
+from surefoot.motion.walking.walking_feet import FeetModel
 from surefoot.motion.walking.walking_settings import WalkCommand, WalkSettings
 from surefoot.records import CHANNELS, Channel
 
@@ -49,6 +51,7 @@ class Walker(Tick):
     schedule: ContactSchedule
     terrain: Terrain
     notes: list[str]
+    _feet_model: FeetModel
     _limit: Callable[[VelocityCommand], VelocityCommand]
     height: float
 
@@ -89,8 +92,8 @@ class Walker(Tick):
         times = np.concatenate([np.arange(0.0, block, self.dt), np.arange(block, end, IMAGINED)])
         for k, time in enumerate(times):
             self.step((thrown if time > end - THROWN_FOR and k % 2 else still)._replace(time=float(time)))
-        assert self.feet is not None
-        self.feet.motions(end)
+        self._feet_model.motions(self._feet_model.standing(self.whole_body.update(state.q, state.v).centres),
+                                 GaitClock(end))  # fmt: skip
         self.whole_body.warm_up()
         self.reset()
 
@@ -175,20 +178,20 @@ class Walker(Tick):
         """What is said of the load."""
         return {} if self.load is None else self.load.rows
 
-    def _commanded(self, body: WholeBodyCommand, feet: Feet) -> WalkCommand:
+    def _commanded(self, body: WholeBodyCommand, s: WalkState) -> WalkCommand:
         """Return the command that says what the parts have decided."""
+        feet = s.feet
         return WalkCommand(
             body.torques, body.forces, feet.stance[self.whole_body.point_foot], body.feasible, body.status,
-            body.accelerations, planned=feet.planned.copy(), frames=feet.frames.copy(),
-            wanted=self.body.base_velocity, targets=feet.target.copy(), load=self._load_rows,
-            asked_by=self.arbiter.asked_by,
+            body.accelerations, planned=feet.planned, frames=feet.frames, wanted=s.body.base_velocity,
+            targets=feet.target, load=self._load_rows, asked_by=self.arbiter.asked_by,
         )  # fmt: skip
 
     def _damped(self, v: FloatArray) -> WalkCommand:
         """Return the command for a state that is not finite, whose joints move with (nv,) v."""
         body = self.whole_body.damping(v)
-        if self.feet is not None:
-            return replace(self._commanded(body, self.feet), accelerations=None)
+        if self._walk is not None:
+            return replace(self._commanded(body, self._walk), accelerations=None)
         n = len(self.robot.feet)
         return WalkCommand(
             body.torques, body.forces, np.ones(len(body.forces), dtype=bool), False, body.status,

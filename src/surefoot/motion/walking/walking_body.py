@@ -181,7 +181,7 @@ class BodyPlan:
     ground
         Height of the ground below the wanted place [m], smoothed.
     acceleration, change
-        Largest change of the wanted velocity, now and on ground that holds any [m/s²].
+        Largest change of the wanted velocity, in the last step and on ground that holds any [m/s²].
     lowered
         How far the body has come down to the height that suits the slope, from 0 at the start to 1.
     dip
@@ -215,7 +215,10 @@ class BodyPlan:
             self.change *= (longest / stance) ** 2
         self.acceleration = self.change
 
-    def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:
+    def advance(
+        self, command: FloatArray, com: FloatArray, dt: float, acceleration: float | None = None,
+        ceiling: float = math.inf, velocity: FloatArray | None = None,
+    ) -> None:  # fmt: skip
         """Move the wanted pose by one step.
 
         Parameters
@@ -226,7 +229,16 @@ class BodyPlan:
             (3,) centre of mass [m].
         dt
             Step [s].
+        acceleration
+            Largest change of the wanted velocity in this step [m/s²]; None for `change`.
+        ceiling
+            The highest that the centre of mass may be from this step on, as `height` [m].
+        velocity
+            (3,) wanted velocity from which this step begins; None for the one that it has.
         """
+        self.acceleration, self.ceiling = self.change if acceleration is None else acceleration, ceiling
+        if velocity is not None:
+            self.velocity[:] = velocity
         if command[2] != 0.0:
             command = command + command[2] * self.swerve
         height = min(self.height + float(self.posture[0]), self.ceiling)
@@ -239,6 +251,25 @@ class BodyPlan:
     def base_velocity(self) -> FloatArray:
         """(3,) wanted velocity of the base now, as `velocity`."""
         return np.asarray(self.velocity - self.velocity[2] * self.swerve)
+
+    def take_posture(self, posture: FloatArray, dt: float) -> None:
+        """Come nearer to a commanded (3,) posture in a step of dt [s], see `VelocityCommand`."""
+        given, now = posture.tolist(), self.posture.tolist()
+        if not any(now + given):
+            return
+        wanted = min(max(given[0], -LOWEST * self.height), HIGHEST * self.height), given[1]
+        most = CROUCH_RATE * self.height * dt, PITCH_RATE * dt
+        self.posture[:2] = [a + min(max(b - a, -c), c) for a, b, c in zip(now, wanted, most, strict=False)]
+        self.posture[2] = given[2]
+
+    def rise(self, way: float, highest: float) -> None:
+        """Rise by a way [m], up to a height of the centre of mass [m]."""
+        self.height = min(self.height + way, highest)
+
+    def recentre(self, moved: FloatArray, way: FloatArray) -> None:
+        """Take another place in the body for its centre of mass: (3,) moved in its axes, in the world's [m]."""
+        self.height += float(moved[2])
+        self.position += way
 
     def fit_ground(self, feet: FloatArray, dt: float) -> None:
         """Follow the ground under (n, 3) places where feet last stood [m], `dt` after the last time [s]."""
@@ -272,17 +303,6 @@ class BodyPlan:
         if self.posture[1] != 0.0:
             frames = frames @ rotation_about([0.0, 1.0, 0.0], float(self.posture[1]))
         return BodyReference(frames, places, flow, spin)
-
-
-def take_posture(body: BodyPlan, posture: FloatArray, dt: float) -> None:
-    """Bring a body nearer to a commanded (3,) posture in a step of dt [s], see `VelocityCommand`."""
-    given, now = posture.tolist(), body.posture.tolist()
-    if not any(now + given):
-        return
-    wanted = min(max(given[0], -LOWEST * body.height), HIGHEST * body.height), given[1]
-    most = CROUCH_RATE * body.height * dt, PITCH_RATE * dt
-    body.posture[:2] = [a + min(max(b - a, -c), c) for a, b, c in zip(now, wanted, most, strict=False)]
-    body.posture[2] = given[2]
 
 
 def slowed_note(velocity: FloatArray, time: float, share: float) -> str:

@@ -8,32 +8,42 @@ The tick itself is `surefoot.motion.walking.tick.Tick.step`.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray, of_kind, real_number
+from surefoot.base.arrays import FloatArray, of_kind, real_number
 from surefoot.base.errors import ModelError
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, composite_inertia
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.control.posture import Posture
-from surefoot.motion.control.whole_body_tasks import Kinematics, Tasks
+from surefoot.motion.control.whole_body_tasks import ForceLimits, Kinematics, Tasks
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.gaits.gait import Gait
 from surefoot.motion.ground.ground_belief import believed
 from surefoot.motion.ground.plane_ahead import plane_ahead
 from surefoot.motion.walking.behaviours.arbiter import EVERYTHING
-from surefoot.motion.walking.behaviours.behaviour import Recovery, Request
+from surefoot.motion.walking.behaviours.behaviour import Request
 from surefoot.motion.walking.command_limits import LeggedBody
 from surefoot.motion.walking.foothold import catching_place, step_place
-from surefoot.motion.walking.force_planner import ForcePlanner
+from surefoot.motion.walking.force_planner import ForcePlanner, Ramps
 from surefoot.motion.walking.gait_choice import choose_gait
+from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.stair_phase import StepPhase
-from surefoot.motion.walking.touchdown_detection import TouchSense
+from surefoot.motion.walking.touchdown_detection import TouchMemory, TouchSense
+from surefoot.motion.walking.walk_state import GaitState, StepInput, WalkState
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walking_body import DIP, BodyPlan, VelocityCommand, first_stance
-from surefoot.motion.walking.walking_feet import DESCENT, LEAST_CLEARANCE, Feet
+from surefoot.motion.walking.walking_feet import (
+    DESCENT,
+    LEAST_CLEARANCE,
+    Feet,
+    FeetContact,
+    FeetModel,
+    SwingRequest,
+)
 from surefoot.motion.walking.walking_kernels import follow
 from surefoot.motion.walking.walking_settings import WalkCommand as WalkCommand
 from surefoot.motion.walking.walking_settings import WalkSettings as WalkSettings
@@ -145,12 +155,16 @@ class WalkingController(Walker):
         if cyclic and (self.terrain.highest_step > 0.0 or self.terrain.learns):
             margin = 2.0 * float(radii.mean())
             self._steps = StepPhase(self.terrain, self.schedule, offsets, margin)
+        clearance, descent = s.clearance * self.height, DESCENT * math.sqrt(GRAVITY * self.height)
+        self._feet_model = FeetModel(self.terrain, radii, clearance, descent)
         belief = believed(self.terrain)
-        self._touch = None if belief is None else TouchSense(belief, weight, self.height, self.dt)
+        self._touch = None
+        if belief is not None:
+            self._touch = TouchSense(belief, weight, self.height, self._feet_model, self.dt)
         self.load = None
         if s.watch_load:
             self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body)
-        self.planner = ForcePlanner(self.mpc, self.schedule, offsets, radii, self.dt, s.ramp / self._pendulum)
+        self.planner = ForcePlanner(self.mpc, offsets, radii, self.dt, s.ramp / self._pendulum)
         self.reset()
 
     def _honoured(self) -> frozenset[str]:
@@ -160,17 +174,10 @@ class WalkingController(Walker):
 
     def reset(self) -> None:
         """Forget the past: the next step begins a walk from where the robot stands."""
-        for part in (self.planner, self.whole_body, self.load, self._steps, self.schedule, self.arbiter):
+        for part in (self.mpc, self.whole_body, self.load, self._steps, self.schedule, self.arbiter):
             if part is not None:
                 part.reset()
-        self.feet: Feet | None = None
-        self._follow_feet()
-        self._outstanding = None
-        self._aimed_at = -math.inf
-        self._fits = True  # the gait follows the speed fast enough
-        self._new_load = True  # what has been learned of the load since the models were brought up
-        self._unease = 1.0  # how far the body is from its plan
-        self._aimless = False  # a foot has just lifted, and does not know yet where it goes
+        self._walk = self._outstanding = None
 
     @property
     def _waiting(self) -> bool:  # type: ignore[override]
@@ -182,207 +189,236 @@ class WalkingController(Walker):
         """Time between two plans, less half a step [s]."""
         return min(self.settings.plan_interval, self._mpc_dt) - 0.5 * self.dt
 
-    def _due(self, time: float) -> bool:
-        """Return whether it is time for another plan."""
-        return time - self.planner.begun >= self._interval
-
-    def _adapt(self, state: RobotState) -> None:
+    def _observe_load(self, measured: RobotState) -> None:
         """Learn of the load; bring the models up in a step without a plan and without footholds."""
         if self.load is None:
             return
-        self.load.observe(state)
-        if self._new_load and not (self._due(state.time) or self.planner.pending):
-            self.load.update_models(None if self.feet is None else self.body)
-            self._new_load = False
+        self.load.observe(measured)
+        s = self._walk
+        if s is None:
+            return
+        due = measured.time - s.times.begun >= self._interval or s.horizon is not None
+        if s.times.load_waits and not due:
+            self.load.update_models(s.body)
+            self._walk = replace(s, times=s.times._replace(load_waits=False))
 
-    def _begin(self, now: Kinematics, state: RobotState) -> Feet:
-        """Start from where the robot stands."""
-        clearance = self.settings.clearance * self.height
-        descent = DESCENT * math.sqrt(GRAVITY * self.height)
-        centres = now.centres.copy()
-        if self._touch is not None:
-            self._touch.begin(state, centres, self.planner.radii)
-        self.feet = Feet(self.schedule, self.terrain, self.planner.radii, clearance, descent, centres)
+    def _begin(self, now: Kinematics, measured: RobotState) -> WalkState:
+        """Return the state of a walk that begins where the robot stands."""
+        touch = None if self._touch is None else self._touch.begin(measured, now.centres)
+        feet = self._feet_model.standing(now.centres)
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
         dip = 0.0 if self.terrain.planar else DIP
-        self.body = BodyPlan(self.height, now.com.copy(), yaw, dip=dip, stance=first_stance(self.schedule))
-        self.body.swerve = self._swerve(now, state, yaw)
+        body = BodyPlan(
+            self.height, now.com.copy(), yaw, swerve=self._swerve(now, measured, yaw), dip=dip,
+            stance=first_stance(self.schedule),
+        )  # fmt: skip
         if self._posture is not None:
-            self._posture.hold(state.q)
-        self._follow_ground(math.inf)
-        return self.feet
+            self._posture.hold(measured.q)
+        self._follow_ground(body, feet, math.inf)
+        gait = GaitState(self.schedule, self._stance_time)
+        return WalkState(GaitClock(-self.start), gait, feet, body, Ramps.of(len(feet.foot)), touch)
 
-    def _sort_touches(self, state: RobotState, now: Kinematics, sensed: BoolArray, clock: float) -> BoolArray:
-        """Return which feet stand; on ground that is only believed a touch may be none."""
-        if self._touch is None or self.feet is None:
-            return sensed
-        return self._touch.sort(state, self.feet, sensed, clock, now)
+    def _classify_contact(
+        self, s: WalkState, measured: RobotState, now: Kinematics, clock: GaitClock
+    ) -> tuple[TouchMemory | None, Feet, FeetContact]:
+        """See `Tick`; on estimated terrain a detected contact may be false."""
+        if self._touch is None or s.touch is None:
+            return super()._classify_contact(s, measured, now, clock)
+        touch, feet = self._touch.seek(s.touch, measured, s.feet, clock)
+        if not touch.hold:
+            s.gait.schedule.release()
+        elif clock.time >= 0.0:
+            s.gait.schedule.hold(clock.time)
+        sensed = feet.planned if measured.contact is None else measured.contact
+        touch, contact = self._touch.classify(touch, measured, feet, sensed, clock, now)
+        return touch, feet, contact
 
-    def _move_feet(self, now: Kinematics, standing: BoolArray, clock: float) -> bool:
-        """Bring the feet up to the clock; return whether one has lifted or landed."""
-        assert self.feet is not None
-        return self.feet.update(clock, standing, now.centres)
+    def _advance_feet(
+        self, s: WalkState, feet: Feet, contact: FeetContact, now: Kinematics, clock: GaitClock
+    ) -> tuple[WalkState, Feet, bool]:
+        """See `Tick`; before the gait begins all feet stand."""
+        if clock.time < 0.0:
+            return s, feet, False
+        careful = s.touch is not None and s.touch.search.careful
+        return s, *self._feet_model.advance(feet, s.gait.schedule, clock, contact, now.centres, careful)
 
-    def _learn(self, state: RobotState, now: Kinematics, clock: float) -> None:
-        """Learn what the feet have found of the ground."""
-        if self._touch is not None and self.feet is not None:
-            self._touch.learn(state, self.feet, now, clock)
+    def _learn_ground(
+        self, s: WalkState, touch: TouchMemory | None, feet: Feet, measured: RobotState, now: Kinematics,
+        clock: GaitClock,
+    ) -> tuple[TouchMemory | None, Feet, bool]:  # fmt: skip
+        """See `Tick`."""
+        if self._touch is None or touch is None:
+            return touch, feet, False
+        return self._touch.learn(touch, measured, feet, s.gait.schedule, clock, now)
 
-    def _move_body(self, request: Request, now: Kinematics, clock: float) -> None:
-        """Move the wanted body by one step, and let the models know of friction and load."""
-        velocity, body = self.arbiter.velocity, self.body
+    def _move(
+        self, s: WalkState, touch: TouchMemory | None, feet: Feet, request: Request, now: Kinematics,
+        clock: GaitClock, waits: bool,
+    ) -> WalkState:  # fmt: skip
+        """See `Tick`."""
+        velocity, recovery, body, times = self.arbiter.velocity, request.recovery, s.body, s.times
         if self._steps is not None:
             pace = self._steps.pace(math.hypot(velocity[0], velocity[1]), self.dt)
             velocity = velocity * [pace, pace, 1.0]
-        if self._touch is not None:
-            self._touch.asked = request
-        self.whole_body.set_friction(request.mu)
-        body.acceleration, body.ceiling = min(body.change, request.acceleration), request.height
-        self._recover(request.recovery, now, clock)
-        body.advance(velocity, now.com, self.dt)
+        gait = s.gait
+        if recovery is not None or gait.leaps:
+            gait, feet = self._leap(gait, feet, recovery is not None and recovery.leaps, now, clock)
+            if gait is not s.gait:
+                times = times._replace(begun=-math.inf)
+        rate = 1.0 if recovery is None or gait.leaps else recovery.rate
+        feet = self._feet_model.hurried(feet, clock.rate, rate)
+        clock = clock.advanced(self.dt, rate, waits)
+        if recovery is None:
+            change = min(body.change, request.acceleration)
+            body.advance(velocity, now.com, self.dt, change, request.height)
+        else:
+            body.advance(velocity, now.com, self.dt, recovery.acceleration, request.height, recovery.velocity)
+        touch = None if touch is None else touch.asked(request)
+        return replace(s, clock=clock, gait=gait, feet=feet, touch=touch, times=times)
 
-    def _recover(self, recovery: Recovery | None, now: Kinematics, clock: float) -> None:
-        """Let clock, body and feet do what a recovery asks for, and as ever without one."""
-        assert self.feet is not None
-        if recovery is not None or self._leaping:
-            self._leap(recovery is not None and recovery.leaps, now, clock)
-        self.feet.hurry(1.0 if recovery is None or self._leaping else recovery.rate, self.dt)
-        self.planner.rate = self.feet.rate
-        if recovery is not None:
-            self.body.velocity[:], self.body.acceleration = recovery.velocity, recovery.acceleration
-
-    def _leap(self, wanted: bool, now: Kinematics, clock: float) -> None:
+    def _leap(
+        self, gait: GaitState, feet: Feet, wanted: bool, now: Kinematics, clock: GaitClock
+    ) -> tuple[GaitState, Feet]:
         """Let all feet leave the ground and meet it together if wanted; end late in a stance if not."""
-        feet, unit = self.feet, 1.0 / self._pendulum
-        assert feet is not None
-        if self._leaping:
-            landed, begin, end = feet.schedule.phase(0, clock)
-            if not wanted and landed and clock > 0.5 * (begin + end):
-                feet.follow(self.schedule, clock)
-                self._follow_feet()
+        unit, time = 1.0 / self._pendulum, clock.time
+        if gait.leaps:
+            landed, begin, end = gait.schedule.phase(0, time)
+            if not wanted and landed and time > 0.5 * (begin + end):
+                feet = self._feet_model.following(feet, self.schedule, time)
+                return gait._replace(schedule=self.schedule, leaps=False), feet
         elif wanted:
             period, air = (LEAP + LAND) * unit, LEAP * unit
-            begun = [(clock + air) / period] * len(feet.radii)
-            feet.leap(Gait.from_phases("leap", period, LAND * unit / period, begun), clock, air, now.centres)
-            self._follow_feet()
+            begun = [(time + air) / period] * len(feet.foot)
+            leap = Gait.from_phases("leap", period, LAND * unit / period, begun)
+            return gait._replace(schedule=leap, leaps=True), self._feet_model.leap(
+                feet, clock, air, now.centres
+            )
+        return gait, feet
 
-    @property
-    def _leaping(self) -> bool:
-        """Whether all feet leave the ground and meet it together."""
-        return self.planner.schedule is not self.schedule
-
-    def _follow_feet(self) -> None:
-        """Let plans follow the feet's schedule, from a new one on."""
-        self.planner.schedule = self.schedule if self.feet is None else self.feet.schedule
-        self.planner.begun = -math.inf
-        self.whole_body.weigh_swing(1.0)
-
-    def _bound_forces(self, state: RobotState, now: Kinematics, clock: float, standing: BoolArray) -> None:
-        """Bound the forces by the ramps of the feet, and tell the torques of the load."""
-        assert self.feet is not None
-        if self.load is not None:
-            self.load.pull(now, state.q[:3])
+    def _limit_forces(
+        self, s: WalkState, request: Request, measured: RobotState, now: Kinematics, contact: FeetContact
+    ) -> tuple[WalkState, ForceLimits]:
+        """Return this step's friction, normal-force bounds by the ramps of the feet, and external wrench."""
+        outside = None if self.load is None else self.load.pull(now, measured.q[:3])
         low, high = self._normals
-        top = high * self.planner.shares(clock, self.feet.stance, standing)
-        self.whole_body.bound_normals(low, top)
+        stance = s.feet.stance
+        ramps, shares = self.planner.shares(s.ramps, s.gait.schedule, s.clock, stance, contact.touching)
+        swing = FLYING if s.gait.leaps and not stance.any() else 1.0
+        return replace(s, ramps=ramps), ForceLimits(request.mu, low, high * shares, outside, swing)
 
-    def _plan(self, now: Kinematics, request: Request, clock: float, time: float, changed: bool) -> None:
+    def _plan(self, s: WalkState, given: StepInput) -> WalkState:
         """Set up a plan, solve one that is set up, or choose footholds: one a step."""
-        assert self.feet is not None
-        if changed or self._due(time):
-            self.planner.set_up(time, clock, self.feet, self.body, self._stand(self.feet))
-            self._aimless |= changed
-            if self.planner.forces is None:
-                self.planner.solve(time, now, self.feet.frames, request.mu)
-        elif self.planner.pending:
-            self.planner.solve(time, now, self.feet.frames, request.mu)
-        elif self._aimless or time - self._aimed_at >= self._interval:
-            self._aim(now, request, clock, time)
-            self._new_load = True
+        now, request, time, changed = given
+        times, plan, horizon = s.times, s.plan, s.horizon
+        if changed or time - times.begun >= self._interval:
+            horizon = self.planner.set_up(
+                time,
+                s.gait.schedule,
+                s.clock,
+                s.feet,
+                s.body,
+                s.gait.coming_stance,
+                plan,
+                horizon is not None,
+            )
+            times = times._replace(begun=time, aimless=times.aimless or changed)
+            if plan is None:
+                plan, horizon = self.planner.solve(horizon, time, now, s.feet.frames, request.mu), None
+            return replace(s, plan=plan, horizon=horizon, times=times)
+        if horizon is not None:
+            plan = self.planner.solve(horizon, time, now, s.feet.frames, request.mu)
+            return replace(s, plan=plan, horizon=None)
+        if times.aimless or time - times.aimed_at >= self._interval:
+            gait, feet = self._aim(s, now, request, time)
+            times = times._replace(aimed_at=time, aimless=False, load_waits=True)
+            return replace(s, gait=gait, feet=feet, times=times)
+        return s
 
-    def _follow_ground(self, elapsed: float) -> None:
+    def _follow_ground(self, body: BodyPlan, feet: Feet, elapsed: float) -> None:
         """Let the body follow the ground, `elapsed` after the last time [s]."""
-        feet, body = self.feet, self.body
-        assert feet is not None
         if self.terrain.planar or self.terrain.unsure:
             body.fit_ground(feet.ground, elapsed)
             return
         plane = plane_ahead(self.terrain, body.position[:2], body.yaw, body.flow(), self.height)
         body.follow_plane(*plane, elapsed)
 
-    def _aim(self, now: Kinematics, request: Request, clock: float, time: float) -> None:
+    def _aim(self, s: WalkState, now: Kinematics, request: Request, time: float) -> tuple[GaitState, Feet]:
         """Follow the ground, time the steps, and choose the footholds of feet in the air."""
-        feet, schedule = self.feet, self.schedule
-        assert feet is not None
-        self._follow_ground(min(time - self._aimed_at, 1.0))
-        self._aimed_at, self._aimless = time, False
-        if schedule.adapts:
-            self._time_steps(request, max(clock, 0.0))
-        own = schedule.clearance
-        usual = self._eased(now) * (self.settings.clearance * self.height if own is None else own)
-        lifted = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
-        feet.clearance = lifted + request.clearance
-        if request.recovery is not None and not self._leaping:
-            feet.clearance *= LOW
-        if self._steps is not None and clock >= 0.0:
-            self._steps.look(self.body, clock, self.terrain.unsure)
-            feet.stride = self._steps.stride
+        feet, gait, body, clock = s.feet, s.gait, s.body, s.clock
+        self._follow_ground(body, feet, min(time - s.times.aimed_at, 1.0))
+        if self.schedule.adapts:
+            gait = self._time_steps(gait, body, request, max(clock.time, 0.0))
+        gait, swing = self._swing_request(s, gait, request, now)
+        caught = request.recovery is not None
         for k in np.flatnonzero(~(feet.stance | feet.planned)).tolist():
-            _, _, end = feet.schedule.phase(k, clock)
-            caught, left = request.recovery is not None, max(end - clock, 0.0) / feet.rate
+            _, _, end = gait.schedule.phase(k, clock.time)
+            left = max(end - clock.time, 0.0) / clock.rate
             place = (catching_place if caught else step_place)(
-                now.com, now.com_velocity, self.planner.offsets[k], self.body.yaw,
-                self.arbiter.asked if caught else self.body.velocity, left, self.height,
-                self._stand(feet) / feet.rate,
+                now.com, now.com_velocity, self.planner.offsets[k], body.yaw,
+                self.arbiter.asked if caught else body.velocity, left, self.height,
+                gait.coming_stance / clock.rate,
             )  # fmt: skip
             if request.foot_goals is not None:
-                place = request.foot_goals(place, feet.start[k])
-            feet.aim(k, place)
+                place = request.foot_goals(place, feet.foot[k]["start"])
+            feet = self._feet_model.aimed(feet, k, place, swing)
+        return gait, feet
 
-    def _stand(self, feet: Feet) -> float:
-        """Return the length of the feet's coming stances [s]."""
-        return feet.schedule.stance_time if self._leaping else self._stance_time
+    def _swing_request(
+        self, s: WalkState, gait: GaitState, request: Request, now: Kinematics
+    ) -> tuple[GaitState, SwingRequest]:
+        """Return the gait, and how high feet are lifted, along which way, and over which stride."""
+        body, clock = s.body, s.clock
+        own, stride = self.schedule.clearance, None
+        share, gait = self._ease(gait, body, now)
+        usual = share * (self.settings.clearance * self.height if own is None else own)
+        lifted = max(usual + float(body.posture[2]), LEAST_CLEARANCE * usual) + request.clearance
+        if request.recovery is not None and not gait.leaps:
+            lifted *= LOW
+        if self._steps is not None and clock.time >= 0.0:
+            self._steps.look(body, clock.time, self.terrain.unsure)
+            stride = self._steps.stride
+        heading = None if s.touch is None else s.touch.heading
+        return gait, SwingRequest(lifted, heading, stride)
 
-    def _eased(self, now: Kinematics) -> float:
-        """Return the share of the usual clearance that a swing is to have."""
+    def _ease(self, gait: GaitState, body: BodyPlan, now: Kinematics) -> tuple[float, GaitState]:
+        """Return the share of the usual clearance that a swing is to have, and the gait."""
         if not self.terrain.planar:
-            return 1.0
-        error = now.com_velocity[:2] - self.body.flow()
+            return 1.0, gait
+        error = now.com_velocity[:2] - body.flow()
         size = math.hypot(error[0], error[1]) / math.sqrt(GRAVITY * self.height)
         fresh = min(max((size - CALM) / (UNEASY - CALM), 0.0), 1.0)
-        self._unease = max(fresh, self._unease - self._interval / UNEASE_TIME)
-        return self.settings.ease + (1.0 - self.settings.ease) * self._unease
+        unease = max(fresh, gait.unease - self._interval / UNEASE_TIME)
+        share = self.settings.ease + (1.0 - self.settings.ease) * unease
+        return share, gait._replace(unease=unease)
 
-    def _time_steps(self, request: Request, clock: float) -> None:
+    def _time_steps(self, gait: GaitState, body: BodyPlan, request: Request, time: float) -> GaitState:
         """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""
-        schedule, command, own = self.schedule, self.arbiter.asked, self.body.velocity
+        schedule, command, own = self.schedule, self.arbiter.asked, body.velocity
         if self._steps is not None:
             own = self._steps.unhurried(own, command)
         wanted = max(command, own, key=lambda v: float(v @ v))
         if not wanted.any() and request.step_times is not None:
             wanted = request.step_times
-        schedule.follow(clock, wanted)
-        self._stance_time = schedule.stance_time
+        schedule.follow(time, wanted)
         # in step with the ground a stride is long, and the horizon with it
         step = schedule.coming_period / self.settings.steps_per_period if schedule.in_step else self._mpc_dt
         if abs(step / self.mpc.dt - 1.0) > 1e-3:
             self.mpc.pace(step)
-        self._fits = schedule.fits(LEAD * self.body.velocity)
+        return gait._replace(stance_time=schedule.stance_time, fits=schedule.fits(LEAD * body.velocity))
 
-    def _tasks(self, state: RobotState, now: Kinematics, clock: float) -> Tasks:
+    def _tasks(self, s: WalkState, measured: RobotState, now: Kinematics) -> Tasks:
         """Return the whole-body tasks: the plan's motion now, feedback on it, and the feet in the air."""
-        feet, planner = self.feet, self.planner
-        assert feet is not None
-        assert planner.forces is not None
-        if self._leaping:
-            self.whole_body.weigh_swing(1.0 if feet.stance.any() else FLYING)
+        feet, plan = s.feet, s.plan
+        assert plan is not None, "the first step makes a plan"
         gain = self._gain(self.settings.body_stiffness)
-        body = follow(planner.motion, planner.rotation, state.time - planner.made, *now[:4], *gain)
-        wanted = feet.accelerations(clock, now.centres, now.twists, self._gain(self.settings.swing_stiffness))
+        body = follow(plan.motion, plan.rotation, measured.time - plan.made, *now[:4], *gain)
+        wanted = self._feet_model.accelerations(
+            feet, s.clock, None if s.touch is None else s.touch.fastest, now.centres, now.twists,
+            self._gain(self.settings.swing_stiffness),
+        )  # fmt: skip
         joints = np.zeros(self.robot.joints)
         if self._posture is not None:
-            joints = self._posture.accelerations(state.q, state.v)
+            joints = self._posture.accelerations(measured.q, measured.v)
         return Tasks(
-            feet.stance, body[0], body[1], wanted, joints, planner.forces, feet.frames,
-            np.zeros(len(feet.radii)),
-        )  # fmt: skip
+            feet.stance, body[0], body[1], wanted, joints, plan.forces, feet.frames, np.zeros(len(feet.foot))
+        )

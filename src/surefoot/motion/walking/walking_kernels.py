@@ -13,7 +13,6 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.kernels import kernel
 from surefoot.base.numerics.rotations import log_between
 from surefoot.base.spatial import GRAVITY
-from surefoot.motion.walking.swing import swing_motion
 
 # rows of the motion that is followed: the body when the plan was made, and the plan's accelerations
 COM, VELOCITY, SPIN, ACCELERATION, TURNING = 0, 1, 2, 3, 4
@@ -210,65 +209,6 @@ def plane_through(places: FloatArray, about: FloatArray, damping: float) -> tupl
 
 
 @kernel
-def swing_paths(
-    flying: BoolArray, ends: FloatArray, timing: FloatArray, descent: float, search: float, fastest: float
-) -> FloatArray:
-    """Return wanted place, velocity and acceleration of the feet in the air: (n, 3, 3), zero for the others.
-
-    Parameters
-    ----------
-    flying
-        (n,) which feet are in the air.
-    ends
-        (2, n, 3) lift-off and wanted touchdown.
-    timing
-        (n, 6) rows apex, share of the swing, its duration, share to lift first (negative over even
-        ground), the time since which the foot has been late, negative for one that is not, and
-        the share from which it only sinks.
-    descent, search, fastest
-        Speed towards the ground at the end [m/s]; acceleration with which a late foot goes down [m/s²], and
-        largest speed that it gets so [m/s].
-    """
-    out = np.zeros((len(flying), 3, 3))
-    for k in range(len(flying)):
-        if not flying[k]:
-            continue
-        path, late = out[k], timing[k, 4]
-        apex, share, duration = timing[k, 0], timing[k, 1], timing[k, 2]
-        lift_first, down = timing[k, 3], timing[k, 5]
-        path[:] = swing_motion(ends[0, k], ends[1, k], apex, share, duration, descent, lift_first, down)
-        # A late foot searches below its target: down at the acceleration `search` until it is `fastest`, then
-        # steadily, beside the swing's own descent.
-        if late >= 0.0:
-            rush = min(late, fastest / search)
-            path[0, 2] -= search * rush * (late - 0.5 * rush)
-            path[1, 2] -= search * rush
-            if rush == late:
-                path[2, 2] -= search
-    return out
-
-
-@kernel
-def swing_accelerations(
-    flying: BoolArray, ends: FloatArray, timing: FloatArray, centres: FloatArray, twists: FloatArray,
-    descent: float, search: float, fastest: float, stiffness: float, damping: float,
-) -> FloatArray:  # fmt: skip
-    """Return the (n, 6) wanted accelerations of the feet in the air, zero for the others.
-
-    As `swing_paths`, with feedback of `stiffness` [1/s²] and `damping` [1/s] on where the feet are and how
-    they move: centres (n, 3), twists (n, 6).
-    """
-    out = np.zeros((len(flying), 6))
-    paths = swing_paths(flying, ends, timing, descent, search, fastest)
-    for k in range(len(flying)):
-        if flying[k]:
-            for i in range(3):
-                miss, lag = paths[k, 0, i] - centres[k, i], paths[k, 1, i] - twists[k, i]
-                out[k, i] = paths[k, 2, i] + stiffness * miss + damping * lag
-    return out
-
-
-@kernel
 def stance_places(
     contacts: BoolArray, stance: BoolArray, stands: FloatArray, target: FloatArray, frames: FloatArray,
     radii: FloatArray, com: FloatArray, arms: FloatArray, half_stance: int, ground: float, middle: FloatArray,
@@ -326,74 +266,3 @@ def turned_arms(offsets: FloatArray, yaw: FloatArray) -> FloatArray:
             x, y = offsets[k, 0], offsets[k, 1]
             out[i, k, 0], out[i, k, 1] = c * x - s * y, s * x + c * y
     return out
-
-
-@kernel
-def follow_phases(
-    phases: FloatArray, time: float, wait: float, sensed: BoolArray, early: float, lost_time: float,
-    stance: BoolArray, planned: BoolArray, late: BoolArray, share: FloatArray, sensed_at: FloatArray,
-    retry: FloatArray, lifted: FloatArray,
-) -> int:  # fmt: skip
-    """Bring the feet up to a time, but for those that something happens to; return these as a sum of 2^k.
-
-    Parameters
-    ----------
-    phases
-        (n, 3) see `ContactSchedule.phases`.
-    time, wait
-        On the schedule's clock, and by how much that has been held up [s].
-    sensed
-        (n,) which feet feel the ground.
-    early, lost_time
-        Share of the swing from which touch is touchdown; time without touch in stance that is borne [s].
-    stance, planned, late, share
-        (n,) each: see `Feet`.
-    sensed_at, retry, lifted
-        (n,) when each foot last touched the ground; (n, 2) when its interrupted swing began anew and ends;
-        (n,) when its last swing began [s].
-    """
-    # Most steps change nothing: what does not change is done here, the rest is told by a bit for each foot.
-    events = 0
-    for k in range(phases.shape[0]):
-        on, begin, end = phases[k, 0] > 0.0, phases[k, 1], phases[k, 2]
-        planned[k] = on
-        if sensed[k]:
-            sensed_at[k] = time
-        if not stance[k] and time + wait < retry[k, 1]:
-            events |= 1 << k
-        # Planned to stand: nothing to do for one that does and has felt the ground of late; else it is to
-        # land, is late, or has lost the ground.
-        elif on:
-            if not (stance[k] and time - sensed_at[k] <= lost_time):
-                events |= 1 << k
-        else:
-            late[k] = False
-            share[k] = (time - begin) / (end - begin)
-            if stance[k]:
-                if begin > lifted[k]:
-                    events |= 1 << k
-            elif sensed[k] and share[k] > early:
-                events |= 1 << k
-    return events
-
-
-@kernel
-def set_timing(
-    timing: FloatArray, share: FloatArray, late: BoolArray, late_from: FloatArray, now: float
-) -> None:
-    """Fill the columns of `swing_paths`' timing (n, 6) that change from step to step.
-
-    Parameters
-    ----------
-    timing
-        The duration of the swings, its third column, is read [s].
-    share, late, late_from
-        (n,) of the swing; (n,) which feet are late, and (n,) from when on [s].
-    now
-        On the clock of `late_from` [s].
-    """
-    for k in range(timing.shape[0]):
-        timing[k, 1], timing[k, 4] = share[k], -1.0
-        if late[k]:
-            overdue = max(now - late_from[k], 0.0)
-            timing[k, 1], timing[k, 4] = 1.0 + overdue / timing[k, 2], overdue

@@ -12,6 +12,7 @@ from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.walking.biped.soles import Soles
 from surefoot.motion.walking.swing import swing_motion
 from surefoot.motion.walking.walking_body import BodyPlan
+from surefoot.motion.walking.walking_feet import Feet
 
 LONGEST = 30.0
 """A stance that ends later than this from now has no end that matters [s]."""
@@ -208,32 +209,33 @@ class StepPlanner:
         return g.within_reach(wanted, support, heading, side), toes
 
     def ahead(
-        self, soles: Soles, toes: list[float], body: BodyPlan, clock: float, time: float, pace: float = 1.0
+        self, feet: Feet, toes: list[float], body: BodyPlan, clock: float, time: float, pace: float = 1.0
     ) -> list[Footstep]:
         """Return the stances of now and of the `time` ahead [s], those of now first.
 
         `toes` are the headings of the feet [rad], `clock` is the gait's time [s], which goes on `pace` times
         as fast as time. After the coming foothold steps follow the wanted velocity.
         """
-        feet, later, steps = soles.feet, [], []
+        later, steps = [], []
+        on, ground, target = feet.stance, feet.ground, feet.target
         for k in range(2):
             spans = stances(self.gait, k, clock, time * pace)
             if pace != 1.0:
                 spans = [(clock + (a - clock) / pace, clock + (b - clock) / pace) for a, b in spans]
-            if feet.stance[k]:
+            if on[k]:
                 if not spans or spans[0][0] > clock:  # landed early
                     spans = [(clock, spans[0][1] if spans else math.inf), *spans[1:]]
-                steps.append(Footstep(k, *spans[0], feet.ground[k, :2].copy(), toes[k]))
+                steps.append(Footstep(k, *spans[0], ground[k, :2], toes[k]))
                 spans = spans[1:]
             later += [(begin, end, k) for begin, end in spans]
-        flying = {k for k in range(2) if not feet.stance[k]}
+        flying = {k for k in range(2) if not on[k]}
         last = max(steps, key=lambda one: one.begin, default=None)
         stride, rate = body.velocity[:2] * self.step_time, float(body.velocity[2])
         for begin, end, k in sorted(later):
             yaw = body.yaw + rate * (begin - clock)
             if k in flying or last is None:
                 flying.discard(k)
-                place = feet.target[k, :2].copy()
+                place = target[k, :2]
             else:
                 place = last.place + _turn(yaw) @ (
                     stride + np.array([0.0, self.sides[k] * self.geometry.width])
@@ -242,20 +244,22 @@ class StepPlanner:
             steps.append(last)
         return steps
 
-    def corners(self, soles: Soles, steps: list[Footstep], times: FloatArray) -> tuple[BoolArray, FloatArray]:
+    def corners(
+        self, soles: Soles, feet: Feet, corners: FloatArray, steps: list[Footstep], times: FloatArray
+    ) -> tuple[BoolArray, FloatArray]:
         """Return which corners of the soles stand at (t,) times [s]: (t, p), and where: (t, p, 3) [m].
 
-        The first of the times is now: there the feet stand as they do.
+        The first of the times is now: there the feet stand as they do, on (p, 3) corners [m].
         """
-        feet, foot = soles.feet, soles.point_foot
+        foot = soles.point_foot
         on, which = touching(steps, times, 2)
         on[0] = feet.stance
         standing = int(feet.stance.sum())  # so many of the steps are those of now
         spots = [
-            soles.corners[foot == one.foot] if i < standing else soles.spread(one.foot, one.place, one.yaw)
+            corners[foot == one.foot] if i < standing else soles.spread(one.foot, one.place, one.yaw)
             for i, one in enumerate(steps)
         ]
-        places = np.tile(soles.corners, (len(times), 1, 1))
+        places = np.tile(corners, (len(times), 1, 1))
         for t, row in enumerate(which):
             for k, i in enumerate(row):
                 if i >= 0:
@@ -263,26 +267,29 @@ class StepPlanner:
         return np.asarray(on[:, foot]), places
 
 
-def foot_speeds(soles: Soles, steps: list[Footstep], times: FloatArray, clearance: float) -> FloatArray:
+def foot_speeds(
+    feet: Feet, descent: float, steps: list[Footstep], times: FloatArray, clearance: float
+) -> FloatArray:
     """Return the velocities of the feet at (t,) times of the gait's clock [s]: (t, 2, 3) [m/s], world axes.
 
     Standing feet rest; flying ones go to their next footstep, later ones `clearance` [m] high.
     """
-    feet = soles.feet
+    on = feet.stance
     out = np.zeros((len(times), 2, 3))
     for k in range(2):
         own = [one for one in steps if one.foot == k]
-        lifted, start = times[0], feet.start[k]
-        if not feet.stance[k]:
-            lifted = times[0] - float(feet.share[k] * feet.duration[k])
+        foot = feet.foot[k]
+        lifted, start = times[0], foot["start"]
+        if not on[k]:
+            lifted = times[0] - float(foot["share"] * foot["duration"])
         for one in own:
             flight = one.begin - lifted
-            goal = feet.target[k] if one is own[0] else np.array([*one.place, start[2]])
-            apex = float(feet.apex[k]) if one is own[0] else max(start[2], goal[2]) + clearance
+            goal = foot["target"] if one is own[0] else np.array([*one.place, start[2]])
+            apex = float(foot["apex"]) if one is own[0] else max(start[2], goal[2]) + clearance
             if math.isfinite(flight) and flight > 1e-3:
                 for t in np.flatnonzero((times >= lifted) & (times < one.begin)):
                     share = (float(times[t]) - lifted) / flight
-                    out[t, k] = swing_motion(start, goal, apex, share, flight, feet.descent)[1]
+                    out[t, k] = swing_motion(start, goal, apex, share, flight, descent)[1]
             lifted, start = one.end, goal
     return out
 

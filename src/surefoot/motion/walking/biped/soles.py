@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import rotation_exp, rotation_log
 from surefoot.mechanics import Robot, Terrain, sole_plane
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
+from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.swing import minimum_jerk
-from surefoot.motion.walking.walking_feet import Feet
+from surefoot.motion.walking.walking_feet import Feet, FeetContact, FeetModel, SwingRequest
 
 TURN_FIRST, TURN_LAST = 0.1, 0.9
 """A foot turns between these shares of its swing: it lifts and lands without turning."""
@@ -20,74 +21,83 @@ DAMPED = 0.2
 
 
 class Soles:
-    """The state machine of `Feet`, with what flat feet have beyond points.
+    """What does not change about the soles of a walk: `FeetModel`, with what flat feet have beyond points.
+
+    No method changes the feet that it is given: each returns those that it has made of them.
 
     Parameters
     ----------
     robot
         With flat feet; in its nominal pose they are level and point ahead.
-    schedule
-        When they should stand.
     terrain
-        The ground that is believed in.
+        The ground that is planned on.
     clearance, descent
         Height of the swing [m], and speed towards the ground at its end [m/s].
-    centres, rotations
-        (n, 3), (n, 3, 3) where the feet are and how their frames are turned, at the start.
 
     Attributes
     ----------
-    feet
-        `Feet`; its centres are the middles of the soles.
+    model
+        Of the feet, whose centres are the middles of the soles.
     point_foot
         (p,) index of each corner's foot.
-    corners
-        (p, 3) where the corners of each foot touched the ground last [m].
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        schedule: ContactSchedule,
-        terrain: Terrain,
-        clearance: float,
-        descent: float,
-        centres: FloatArray,
-        rotations: FloatArray,
-    ) -> None:
+    def __init__(self, robot: Robot, terrain: Terrain, clearance: float, descent: float) -> None:
         points = robot.contact_points
         self.terrain = terrain
         self.point_foot, self._radii = points.foot, points.foot_radii
         self._arms = points.centres - points.middles[points.foot]
         self._level = level_rotations(robot)
-        self.feet = Feet(schedule, terrain, points.foot_radii, clearance, descent, centres)
-        self._start, self._goal = rotations.copy(), rotations.copy()
-        self.corners = np.empty((len(self.point_foot), 3))
-        for k in range(len(centres)):
-            self._rest(k, centres, rotations)
+        self.model = FeetModel(terrain, points.foot_radii, clearance, descent)
 
-    def update(self, time: float, sensed: BoolArray, centres: FloatArray, rotations: FloatArray) -> bool:
-        """Move on to a time of the schedule [s]; return whether a foot has lifted or landed.
+    def standing(self, centres: FloatArray, rotations: FloatArray) -> tuple[Feet, FloatArray]:
+        """Return feet that stand, and where their corners touch the ground: (p, 3) [m].
 
-        `sensed` (n,) says which feet feel the ground; centres (n, 3) [m], rotations (n, 3, 3) are theirs.
+        Centres (n, 3) [m] and rotations (n, 3, 3) are those of the feet's frames.
         """
-        before = self.feet.stance.copy()
-        changed = self.feet.update(time, sensed, centres)
-        for k in np.flatnonzero(self.feet.stance != before):
-            if self.feet.stance[k]:
-                self._rest(int(k), centres, rotations)
-            else:
-                self._start[k] = self._goal[k] = rotations[k]
-        return changed
+        feet, corners = self.model.standing(centres), np.empty((len(self.point_foot), 3))
+        feet.foot["lift_rotation"] = feet.foot["land_rotation"] = rotations
+        for k in range(len(centres)):
+            self._rest(feet, corners, k, centres, rotations)
+        return feet, corners
 
-    def _rest(self, k: int, centres: FloatArray, rotations: FloatArray) -> None:
-        """Take the ground under a foot that has landed."""
+    def advance(
+        self, feet: Feet, corners: FloatArray, schedule: ContactSchedule, clock: GaitClock,
+        contact: FeetContact, centres: FloatArray, rotations: FloatArray,
+    ) -> tuple[Feet, FloatArray, bool]:  # fmt: skip
+        """Return feet and corners at a time of a schedule, and whether a foot has lifted or landed.
+
+        Parameters
+        ----------
+        feet, schedule, clock, contact, centres
+            As for `FeetModel.advance`.
+        corners
+            (p, 3) where the corners touched the ground last [m].
+        rotations
+            (n, 3, 3) of the feet's frames.
+        """
+        before = feet.stance
+        feet, changed = self.model.advance(feet, schedule, clock, contact, centres)
+        after = feet.stance
+        for k in np.flatnonzero(after != before).tolist():
+            if after[k]:
+                corners = corners.copy()
+                self._rest(feet, corners, k, centres, rotations)
+            else:
+                foot = feet.foot[k]
+                foot["lift_rotation"] = foot["land_rotation"] = rotations[k]
+        return feet, corners, changed
+
+    def _rest(
+        self, feet: Feet, corners: FloatArray, k: int, centres: FloatArray, rotations: FloatArray
+    ) -> None:
+        """Write the ground under a foot that has landed."""
         yaw = self.heading(rotations[k], k)
         frame, _ = self.ground(k, centres[k, :2], yaw)
-        feet, own = self.feet, self.point_foot == k
-        feet.frames[k] = frame
-        feet.ground[k] = centres[k] - self._radii[k] * frame[:, 2]
-        self.corners[own] = centres[k] + self._arms[own] @ rotations[k].T - self._radii[k] * frame[:, 2]
+        foot, own = feet.foot[k], self.point_foot == k
+        foot["frame"] = frame
+        foot["ground"] = centres[k] - self._radii[k] * frame[:, 2]
+        corners[own] = centres[k] + self._arms[own] @ rotations[k].T - self._radii[k] * frame[:, 2]
 
     def heading(self, rotation: FloatArray, k: int) -> float:
         """Return where the toes of a foot point [rad] whose frame is turned by (3, 3) `rotation`."""
@@ -99,21 +109,23 @@ class Soles:
         corners = self._arms[self.point_foot == k] @ self._level[k].T
         return sole_plane(self.terrain, corners, xy, yaw, float(self._radii[k]))
 
-    def aim(self, k: int, place: FloatArray, yaw: float, latest: float | None = None) -> None:
-        """Set where a foot in the air will touch: (2,) place of its middle [m], and its heading [rad].
+    def aimed(
+        self, feet: Feet, k: int, place: FloatArray, yaw: float, request: SwingRequest,
+        latest: float | None = None,
+    ) -> Feet:  # fmt: skip
+        """Return feet of which one in the air goes to a (2,) place of its middle [m], with a heading [rad].
 
-        `latest` as for `Feet.aim`.
+        Request and latest as for `FeetModel.aimed`.
         """
-        feet = self.feet
-        old = feet.target[k].copy()
-        feet.aim(k, place, latest)
-        if (feet.target[k] == old).all():  # too late to change
-            return
-        frame, height = self.ground(k, feet.target[k, :2], yaw)
-        feet.apex[k] += max(height - feet.target[k, 2], 0.0)
-        feet.target[k, 2] = height
-        feet.frames[k] = frame
-        self._goal[k] = frame @ self._level[k]
+        old, feet = feet.foot[k]["target"].copy(), self.model.aimed(feet, k, place, request, latest)
+        foot = feet.foot[k]
+        if (foot["target"] == old).all():  # too late to change
+            return feet
+        frame, height = self.ground(k, foot["target"][:2], yaw)
+        foot["apex"] += max(height - foot["target"][2], 0.0)
+        foot["target"][2] = height
+        foot["frame"], foot["land_rotation"] = frame, frame @ self._level[k]
+        return feet
 
     def spread(self, k: int, place: FloatArray, yaw: float) -> FloatArray:
         """Return where the corners of a sole at (2,) place, with a heading [rad], touch: (c, 3) [m]."""
@@ -121,16 +133,16 @@ class Soles:
         middle = np.array([place[0], place[1], height]) - self._radii[k] * frame[:, 2]
         return np.asarray(middle + (self._arms[self.point_foot == k] @ self._level[k].T) @ frame.T)
 
-    def turning(self, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def turning(self, feet: Feet, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return how a foot in the air should be turned: (3, 3), (3,) [rad/s], (3,) [rad/s²], world axes."""
-        feet = self.feet
+        foot = feet.foot[k]
         length = TURN_LAST - TURN_FIRST
-        s, ds, dds = minimum_jerk((float(feet.share[k]) - TURN_FIRST) / length)
+        s, ds, dds = minimum_jerk((float(foot["share"]) - TURN_FIRST) / length)
         # Along the shortest turn, at a rate of constant direction: ω and its rate are then those of the
         # share.
-        whole = rotation_log(self._goal[k] @ self._start[k].T)
-        turned = rotation_exp(s * whole) @ self._start[k]
-        time = length * float(feet.duration[k])
+        whole = rotation_log(foot["land_rotation"] @ foot["lift_rotation"].T)
+        turned = rotation_exp(s * whole) @ foot["lift_rotation"]
+        time = length * float(foot["duration"])
         return turned, whole * (ds / time), whole * (dds / (time * time))
 
 

@@ -10,18 +10,19 @@ was pushed, the one of now (`catching`).
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from surefoot.base.arrays import BoolArray, FloatArray, real_number
+from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.errors import ModelError, ProblemError
 from surefoot.base.spatial import GRAVITY, rotation_exp, rotation_log
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, chain, composite_inertia
 from surefoot.motion.control.controller import RobotState
-from surefoot.motion.control.mpc import BodyReference, BodyState, MpcPlan
+from surefoot.motion.control.mpc import BodyReference, BodyState
 from surefoot.motion.control.posture import Posture, stretching
-from surefoot.motion.control.whole_body import Kinematics, Tasks
+from surefoot.motion.control.whole_body import ForceLimits, Kinematics, Tasks
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.gaits.library import named_gait
 from surefoot.motion.walking.behaviours.behaviour import Request
@@ -37,10 +38,15 @@ from surefoot.motion.walking.biped.leg_momentum import LegMomentum
 from surefoot.motion.walking.biped.pendulum import PendulumPreview
 from surefoot.motion.walking.biped.settings import BipedSettings
 from surefoot.motion.walking.biped.soles import Soles, sole_damping
+from surefoot.motion.walking.foot_phases import FootPhase
+from surefoot.motion.walking.force_planner import ForcePlan, Ramps
+from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
+from surefoot.motion.walking.touchdown_detection import TouchMemory
+from surefoot.motion.walking.walk_state import BipedState, GaitState, StepInput, WalkState
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, limit_command
-from surefoot.motion.walking.walking_feet import LEAST_CLEARANCE, Feet
+from surefoot.motion.walking.walking_feet import LEAST_CLEARANCE, Feet, FeetContact, SwingRequest
 from surefoot.motion.walking.walking_kernels import follow, slope_frames
 
 HONOURED = frozenset(
@@ -170,12 +176,15 @@ class BipedController(Walker):
         share = LegMomentum(self.robot, Posture(self.robot, 1.0, most).swing).balancing()
         self._posture = Posture(self.robot, s.joint_stiffness * self._pendulum, min(share, 1.0) * most)
         self._legs = LegMomentum(self.robot, self._posture.swing)
-        self._point_foot = self.whole_body.point_foot
         self._pressed = np.full(2, s.sole_press * self.height)
         self._set_behaviours(self.robot.contact_points.foot_radii, 0.5 * self._geometry.width, False)
-        self.load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, self._upright)
+        clearance, descent = s.clearance * self.height, DESCENT * math.sqrt(GRAVITY * self.height)
+        self.soles = Soles(self.robot, self.terrain, clearance, descent)
+        self._feet_model = self.soles.model
         # what is left of the wrench changes with every step of a biped: no plan beyond it may count on it
-        self.mpc.fading = math.inf
+        self.load = LoadAdaptation(
+            self.robot, self.dt, self.mpc, self.whole_body, self._upright, fading=math.inf
+        )
         self.reset()
 
     def _honoured(self) -> frozenset[str]:
@@ -186,144 +195,163 @@ class BipedController(Walker):
         """Forget the past: the next step begins a walk from where the robot stands."""
         for part in (self.mpc, self.whole_body, self.arbiter, self.load, self.catching):
             part.reset()
-        self.feet = self._outstanding = None
-        self._planned_at, self._laden = -math.inf, False
-        self._plan_made: MpcPlan | None = None
+        self._walk = self._outstanding = None
+        self._laden = False
 
-    def _adapt(self, state: RobotState) -> None:
+    def _observe_load(self, measured: RobotState) -> None:
         """Learn of the load; one that is found before the first step goes into all models."""
-        load, due = self.load, self._due(state.time)
-        load.observe(state)
-        if due and NOTICED < state.time < self.start:
+        load, time = self.load, measured.time
+        begun = -math.inf if self._walk is None else self._walk.times.begun
+        load.observe(measured)
+        if not self._due(begun, time):
+            return
+        if NOTICED < time < self.start:
             self._laden |= load.observer.load.mass > LADEN * self.robot.mass
-        if due and self._laden:
-            load.update_models(None if self.feet is None else self.body)
-
-    def _due(self, time: float) -> bool:
-        """Return whether it is time for another plan."""
-        return time - self._planned_at >= self._interval - 0.5 * self.dt
-
-    def _begin(self, now: Kinematics, state: RobotState) -> Feet:
-        """Start from where the robot stands."""
-        clearance = self.settings.clearance * self.height
-        descent = DESCENT * math.sqrt(GRAVITY * self.height)
-        turned = self.whole_body.foot_rotations.copy()
-        self.soles = Soles(
-            self.robot, self.schedule, self.terrain, clearance, descent, now.centres.copy(), turned
-        )
-        self.feet = self.soles.feet
-        ahead = now.rotation @ self._upright.T[:, 0]
-        self.body = BodyPlan(self.height - self._rise, now.com.copy(), math.atan2(ahead[1], ahead[0]))
-        self.body.swerve = self._swerve(now, state, self.body.yaw)
-        self.body.position[:2] = now.centres[:, :2].mean(axis=0)
-        self.body.fit_ground(self.soles.corners, math.inf)
-        return self.feet
-
-    def _move_feet(self, now: Kinematics, standing: BoolArray, clock: float) -> bool:
-        """Bring the soles up to the clock; return whether one has lifted or landed."""
-        return self.soles.update(clock, standing, now.centres, self.whole_body.foot_rotations)
-
-    def _move_body(self, request: Request, now: Kinematics, clock: float) -> None:
-        """Move the wanted body by one step, which rises before it walks."""
-        body = self.body
-        self.soles.feet.hurry(self.catching.pace, self.dt)
-        self.whole_body.set_friction(request.mu)
-        highest = self.height + float(self.load.shift[2])
-        body.height = min(body.height + self._rise * self.dt / self.start, highest)
-        body.acceleration, body.ceiling = min(body.change, request.acceleration), request.height
-        body.advance(self.arbiter.velocity, now.com, self.dt)
-
-    def _bound_forces(self, state: RobotState, now: Kinematics, clock: float, standing: BoolArray) -> None:
-        """Tell the torques of the load."""
         if self._laden:
-            self.load.pull(now, state.q[:3])
+            load.update_models(None if self._walk is None else self._walk.body)
 
-    def _plan(self, now: Kinematics, request: Request, clock: float, time: float, changed: bool) -> None:
+    def _due(self, begun: float, time: float) -> bool:
+        """Return whether it is time for another plan after one that was begun at a time [s]."""
+        return time - begun >= self._interval - 0.5 * self.dt
+
+    def _begin(self, now: Kinematics, measured: RobotState) -> WalkState:
+        """Return the state of a walk that begins where the robot stands."""
+        feet, corners = self.soles.standing(now.centres, self.whole_body.foot_rotations)
+        ahead = now.rotation @ self._upright.T[:, 0]
+        yaw, place = math.atan2(ahead[1], ahead[0]), now.com.copy()
+        place[:2] = now.centres[:, :2].mean(axis=0)
+        body = BodyPlan(self.height - self._rise, place, yaw, swerve=self._swerve(now, measured, yaw))
+        body.fit_ground(corners, math.inf)
+        gait = GaitState(self.schedule, self.schedule.stance_time)
+        return WalkState(
+            GaitClock(-self.start), gait, feet, body, Ramps.of(2), biped=BipedState(corners),
+            swing=SwingRequest(self.settings.clearance * self.height),
+        )  # fmt: skip
+
+    def _advance_feet(
+        self, s: WalkState, feet: Feet, contact: FeetContact, now: Kinematics, clock: GaitClock
+    ) -> tuple[WalkState, Feet, bool]:
+        """See `Tick`; before the gait begins both feet stand."""
+        if clock.time < 0.0:
+            return s, feet, False
+        kept = _kept(s)
+        feet, corners, changed = self.soles.advance(
+            feet, kept.corners, self.schedule, clock, contact, now.centres, self.whole_body.foot_rotations
+        )
+        return replace(s, biped=kept._replace(corners=corners)), feet, changed
+
+    def _move(
+        self, s: WalkState, touch: TouchMemory | None, feet: Feet, request: Request, now: Kinematics,
+        clock: GaitClock, waits: bool,
+    ) -> WalkState:  # fmt: skip
+        """See `Tick`; the body rises before it walks."""
+        body, pace = s.body, self.catching.pace
+        feet = self.soles.model.hurried(feet, clock.rate, pace)
+        body.rise(self._rise * self.dt / self.start, self.height + float(self.load.shift[2]))
+        change = min(body.change, request.acceleration)
+        body.advance(self.arbiter.velocity, now.com, self.dt, change, request.height)
+        return replace(s, clock=clock.advanced(self.dt, pace, waits), feet=feet)
+
+    def _limit_forces(
+        self, s: WalkState, request: Request, measured: RobotState, now: Kinematics, contact: FeetContact
+    ) -> tuple[WalkState, ForceLimits]:
+        """Return this step's friction, and the external wrench of a robot that carries a load."""
+        outside = self.load.pull(now, measured.q[:3]) if self._laden else None
+        return s, ForceLimits(request.mu, outside=outside)
+
+    def _plan(self, s: WalkState, given: StepInput) -> WalkState:
         """Choose the landings of feet in the air, and plan the forces of the steps ahead, if it is time."""
-        if changed or self._due(time):
-            self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
-            if not self.catching.active:
-                self._aim(request, clock, time)
-            self._replan(now, request.mu, clock, time)
+        time = given.time
+        if not (given.changed or self._due(s.times.begun, time)):
+            return s
+        s.body.fit_ground(_kept(s).corners, min(time - s.times.begun, 1.0))
+        if not self.catching.active:
+            s = self._aim(s, given.request, time)
+        return self._replan(s, given)
 
-    def _aim(self, request: Request, clock: float, time: float) -> None:
+    def _aim(self, s: WalkState, request: Request, time: float) -> WalkState:
         """Choose where feet in the air land."""
-        feet, usual = self.soles.feet, self.settings.clearance * self.height
-        lifted = max(usual + float(self.body.posture[2]), LEAST_CLEARANCE * usual)
-        feet.clearance = lifted + request.clearance
-        for k in np.flatnonzero(~feet.stance & ~feet.planned):
-            left = max(self.schedule.phase(int(k), clock)[2] - clock, 0.0)
-            divergent = self._divergence(time + left - self._planned_at)
-            place, support = divergent - self._offsets[k], feet.ground[1 - k, :2]
-            self.soles.aim(int(k), *self.steps.foothold(int(k), self.body, left, place, support))
+        feet, usual, clock = s.feet, self.settings.clearance * self.height, s.clock
+        lifted = max(usual + float(s.body.posture[2]), LEAST_CLEARANCE * usual)
+        swing = SwingRequest(lifted + request.clearance)
+        for k in np.flatnonzero(~feet.stance & ~feet.planned).tolist():
+            left = max(self.schedule.phase(k, clock.time)[2] - clock.time, 0.0)
+            place = self._divergence(s, time + left - s.times.begun) - _kept(s).offsets[k]
+            place, yaw = self.steps.foothold(k, s.body, left, place, feet.ground[1 - k, :2])
+            feet = self.soles.aimed(feet, k, place, yaw, swing)
+        return replace(s, feet=feet, swing=swing)
 
-    def _divergence(self, after: float) -> FloatArray:
+    def _divergence(self, s: WalkState, after: float) -> FloatArray:
         """Return the divergent motion that the last plan predicts for a time after it was made: (2,) [m]."""
-        plan = self._plan_made
-        assert plan is not None
+        places, speeds = _kept(s).predicted
         at = min(max(after / self._mpc_dt, 0.0), float(self.settings.horizon))
         i = min(int(at), self.settings.horizon - 1)
         share = at - i
-        place = (1.0 - share) * plan.position[i] + share * plan.position[i + 1]
-        speed = (1.0 - share) * plan.linear_velocity[i] + share * plan.linear_velocity[i + 1]
+        place = (1.0 - share) * places[i] + share * places[i + 1]
+        speed = (1.0 - share) * speeds[i] + share * speeds[i + 1]
         return np.asarray((place + speed / self._pendulum)[:2])
 
-    def _replan(self, now: Kinematics, mu: float, clock: float, time: float) -> None:
+    def _replan(self, s: WalkState, given: StepInput) -> WalkState:
         """Run the MPC for the footsteps from now on, with a friction, or its own if that is infinite."""
-        soles = self.soles
-        N, dt = self.settings.horizon, self._mpc_dt
+        soles, clock, (now, request, time, _) = self.soles, s.clock.time, given
+        N, dt, kept = self.settings.horizon, self._mpc_dt, _kept(s)
         toes = [soles.heading(r, k) for k, r in enumerate(self.whole_body.foot_rotations)]
-        ahead = partial(self.steps.ahead, soles, toes, self.body, clock, self.settings.preview)
+        ahead = partial(self.steps.ahead, s.feet, toes, s.body, clock, self.settings.preview)
         steps = ahead(self.catching.pace)
-        reference = self._reference(now, steps, clock)
+        reference, kept = self._reference(s, kept, now, steps)
         miss = (now.com_velocity - reference.linear_velocity[0])[:2] / self._pendulum
         if clock > 0.0 and self.catching.notice(miss):
             divergent = (now.com + now.com_velocity / self._pendulum)[:2]
             steps = self.catching.steps(ahead, miss, divergent, clock)
-            self._send_feet(steps, clock)
-            reference = self._reference(now, steps, clock)
+            s = replace(s, feet=self._send_feet(s, steps))
+            reference, kept = self._reference(s, kept, now, steps)
         middles = clock + dt * (np.arange(N, dtype=np.float64) + 0.5)
-        contacts, places = self.steps.corners(soles, steps, middles)
-        spin = now.angular_velocity + self._leg_spin[0]
+        contacts, places = self.steps.corners(soles, s.feet, kept.corners, steps, middles)
+        spin = now.angular_velocity + kept.leg_spin[0]
         state = BodyState(now.rotation @ self._upright.T, now.com, now.com_velocity, spin)
-        self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
-        self._plan_made = plan = self.mpc.solve(
-            state,
-            reference,
-            places,
-            contacts,
-            soles.feet.frames[self._point_foot],
-            mu=None if mu == math.inf else np.full(len(self._point_foot), mu),
-        )
+        before, mu, points = s.times.begun, request.mu, soles.point_foot
+        self.mpc.shift(max(time - before, 0.0) if math.isfinite(before) else 0.0)
+        plan = self.mpc.solve(
+            state, reference, places, contacts, s.feet.frames[points],
+            mu=None if mu == math.inf else np.full(len(points), mu),
+        )  # fmt: skip
         linear, angular, legs = (np.diff(v[:2], axis=0)[0] / dt for v in
-                                 (plan.linear_velocity, plan.angular_velocity, self._leg_spin))  # fmt: skip
-        self._motion = np.array([now.com, now.com_velocity, now.angular_velocity, linear, angular - legs])
-        self._planned_at, self._rotation = time, now.rotation.copy()
+                                 (plan.linear_velocity, plan.angular_velocity, kept.leg_spin))  # fmt: skip
+        motion = np.array([now.com, now.com_velocity, now.angular_velocity, linear, angular - legs])
+        predicted = np.array([plan.position, plan.linear_velocity])
+        return replace(
+            s, plan=ForcePlan(time, plan.first, motion, now.rotation.copy()),
+            times=s.times._replace(begun=time), biped=kept._replace(predicted=predicted),
+        )  # fmt: skip
 
-    def _send_feet(self, steps: list[Footstep], clock: float) -> None:
-        """Send a foot in the air to the coming one of the steps, also late in its swing."""
-        coming = next((one for one in steps if one.begin > clock), None)
-        if coming is not None and not self.soles.feet.stance[coming.foot]:
-            self.soles.aim(coming.foot, coming.place, coming.yaw, LATEST)
+    def _send_feet(self, s: WalkState, steps: list[Footstep]) -> Feet:
+        """Return the feet with one in the air sent to the coming one of the steps, also late in its swing."""
+        coming = next((one for one in steps if one.begin > s.clock.time), None)
+        if coming is None or s.feet.stance[coming.foot] or s.swing is None:
+            return s.feet
+        return self.soles.aimed(s.feet, coming.foot, coming.place, coming.yaw, s.swing, LATEST)
 
-    def _reference(self, now: Kinematics, steps: list[Footstep], clock: float) -> BodyReference:
-        """Return the reference: the pendulum over the footsteps, upright along the heading.
+    def _reference(
+        self, s: WalkState, kept: BipedState, now: Kinematics, steps: list[Footstep]
+    ) -> tuple[BodyReference, BipedState]:
+        """Return the reference: the pendulum over the footsteps, upright along the heading; and what is kept.
 
         The legs' angular momentum is put down to the body as if it turned by itself: the spin and the turn
         that it would have with that momentum are added to its reference (and the spin to its state), and
         the pressure that gives the momentum to the pendulum's.
         """
-        N, dt, body = self.settings.horizon, self._mpc_dt, self.body
+        N, dt, body, clock = self.settings.horizon, self._mpc_dt, s.body, s.clock.time
         pressure = pressure_path(steps, clock + self._preview.middles)
         flow = self._preview.motion(now.com[:2], pressure)[1][::2]
         times = dt * np.arange(len(flow), dtype=np.float64)
         yaw = body.yaw + body.velocity[2] * times
-        speeds = foot_speeds(self.soles, steps, clock + times, self.settings.clearance * self.height)
+        lifted = self.settings.clearance * self.height
+        speeds = foot_speeds(s.feet, self.soles.model.descent, steps, clock + times, lifted)
         momentum = self._legs.momentum(speeds, np.column_stack([flow, flow @ body.slope]), yaw)
         gained = np.repeat(np.diff(momentum, axis=0), 2, axis=0)[:, :2] / (dt * self.mpc.mass * GRAVITY)
         pressure += np.column_stack([gained[:, 1], -gained[:, 0]])
         xy, flow = self._preview.motion(now.com[:2], pressure)
-        self._note_offsets(steps, clock, pressure)
+        offsets = self._offsets(steps, clock, pressure)
         place, speed = np.empty((N + 1, 3)), np.zeros((N + 1, 3))
         place[:, :2], speed[:, :2] = xy[: 2 * N + 1 : 2], flow[: 2 * N + 1 : 2]
         place[:, 2] = body.position[2] + (place[:, :2] - body.position[:2]) @ body.slope
@@ -331,48 +359,54 @@ class BipedController(Walker):
         rotation = slope_frames(yaw[: N + 1], np.zeros(2))
         mobility = np.linalg.inv(np.asarray(self.mpc.inertia, dtype=np.float64))
         inverse = rotation @ mobility @ rotation.transpose(0, 2, 1)
-        self._leg_spin = np.einsum("tij,tj->ti", inverse, momentum[: N + 1])
+        leg_spin = np.einsum("tij,tj->ti", inverse, momentum[: N + 1])
         turned = np.zeros((N + 1, 3))
-        turned[1:] = np.cumsum(0.5 * dt * (self._leg_spin[1:] + self._leg_spin[:-1]), axis=0)
-        spin = self._leg_spin + np.array([0.0, 0.0, body.velocity[2]])
-        return BodyReference(np.array([rotation_exp(t) for t in turned]) @ rotation, place, speed, spin)
+        turned[1:] = np.cumsum(0.5 * dt * (leg_spin[1:] + leg_spin[:-1]), axis=0)
+        spin = leg_spin + np.array([0.0, 0.0, body.velocity[2]])
+        turned_frames = np.array([rotation_exp(t) for t in turned]) @ rotation
+        reference = BodyReference(turned_frames, place, speed, spin)
+        return reference, kept._replace(offsets=offsets, leg_spin=leg_spin)
 
-    def _note_offsets(self, steps: list[Footstep], clock: float, pressure: FloatArray) -> None:
-        """Note where the divergent motion is over the next landing of each foot, when it lands."""
-        ahead = self._preview.divergent(pressure)
-        self._offsets = np.zeros((2, 2))
+    def _offsets(self, steps: list[Footstep], clock: float, pressure: FloatArray) -> FloatArray:
+        """Return where the divergent motion is over the next landing of each foot, when it lands: (2, 2) [m]."""
+        ahead, offsets = self._preview.divergent(pressure), np.zeros((2, 2))
         for one in reversed(steps):
             at = (one.begin - clock) / self._preview.dt
             if 0.0 < at < self._preview.steps:
                 i = int(at)
                 xi = ahead[i] + (at - i) * (ahead[i + 1] - ahead[i])
-                self._offsets[one.foot] = xi - one.place
+                offsets[one.foot] = xi - one.place
+        return offsets
 
-    def _tasks(self, state: RobotState, now: Kinematics, clock: float) -> Tasks:
+    def _tasks(self, s: WalkState, measured: RobotState, now: Kinematics) -> Tasks:
         """Return the whole-body tasks: the plan's motion now, feedback on it, feet in the air, posture."""
-        soles, feet, plan = self.soles, self.soles.feet, self._plan_made
-        assert plan is not None
-        since, gain = state.time - self._planned_at, self._gain(self.settings.body_stiffness)
-        com, turn = follow(self._motion, self._rotation, since, *now[:4], *gain)
-        swing = self._gain(self.settings.swing_stiffness)
-        wanted = feet.accelerations(clock, now.centres, now.twists, swing)
-        ks, ds = swing
-        for k in np.flatnonzero(~feet.stance):
-            goal, spin, change = soles.turning(int(k))
+        feet, plan, stance = s.feet, s.plan, s.feet.stance
+        assert plan is not None, "the first step makes a plan"
+        gain = self._gain(self.settings.body_stiffness)
+        com, turn = follow(plan.motion, plan.rotation, measured.time - plan.made, *now[:4], *gain)
+        ks, ds = self._gain(self.settings.swing_stiffness)
+        wanted = self.soles.model.accelerations(feet, s.clock, None, now.centres, now.twists, (ks, ds))
+        for k in np.flatnonzero(~stance).tolist():
+            foot = feet.foot[k]
+            goal, spin, change = self.soles.turning(feet, k)
             off = rotation_log(goal @ self.whole_body.foot_rotations[k].T)
             wanted[k, 3:] = change + ks * off + ds * (spin - now.twists[k, 3:])
-            if self.catching.active and not feet.late[k]:
+            if self.catching.active and foot["phase"] != FootPhase.SEARCHING:
                 # the least squared acceleration to be there at rest in time, from wherever the foot is
-                left = max((1.0 - feet.share[k]) * feet.duration[k], SOONEST)
-                way, speed = feet.target[k, :2] - now.centres[k, :2], now.twists[k, :2]
+                left = max((1.0 - foot["share"]) * foot["duration"], SOONEST)
+                way, speed = foot["target"][:2] - now.centres[k, :2], now.twists[k, :2]
                 wanted[k, :2] = (6.0 * way / left - 4.0 * speed) / left
-        c, s = math.cos(self.body.yaw), math.sin(self.body.yaw)
+        c, sine = math.cos(s.body.yaw), math.sin(s.body.yaw)
         apart = (now.centres[0] - now.centres[1], now.twists[0] - now.twists[1])
-        lead, rate_of_lead = (c * float(a[0]) + s * float(a[1]) for a in apart)
-        joints = self._posture.accelerations(state.q, state.v, lead, rate_of_lead)
-        return Tasks(
-            feet.stance, com, turn, wanted, joints, plan.first, feet.frames, self._pressed
-        )  # fmt: skip
+        lead, rate_of_lead = (c * float(a[0]) + sine * float(a[1]) for a in apart)
+        joints = self._posture.accelerations(measured.q, measured.v, lead, rate_of_lead)
+        return Tasks(stance, com, turn, wanted, joints, plan.forces, feet.frames, self._pressed)
+
+
+def _kept(s: WalkState) -> BipedState:
+    """Return what a walk on two flat feet keeps beside."""
+    assert s.biped is not None, "the state of a biped"
+    return s.biped
 
 
 def _leg_share(robot: Robot) -> float:
