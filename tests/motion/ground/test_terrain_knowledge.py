@@ -12,14 +12,14 @@ from surefoot.base.errors import ProblemError
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
 from surefoot.motion.control.controller import HeightScan, RobotState
-from surefoot.motion.gaits.library import named_gait
 from surefoot.motion.ground.ground_belief import BeliefTerrain
 from surefoot.motion.ground.mapped_ground import MappedGround
 from surefoot.motion.ground.plane_ahead import plane_ahead
 from surefoot.motion.ground.terrain_knowledge import controller_ground
 from surefoot.motion.ground.touched_ground import TouchedGround
+from surefoot.motion.walking.foot_phases import FootPhase
 from surefoot.motion.walking.touchdown_detection import sort_touches
-from surefoot.motion.walking.walking_feet import Feet
+from surefoot.motion.walking.walking_feet import FeetModel
 from surefoot.worlds.running.height_scan import ActiveRangeSensor, RangeSensor
 from tests.motion.walking.behaviours.views import ALL, HEIGHT, HIPS, NONE, level
 
@@ -149,9 +149,8 @@ def test_the_names_of_knowledge() -> None:
 
 def test_an_edge_is_told_from_the_ground_by_the_force() -> None:
     centres = np.column_stack([HIPS, np.full(4, 0.02)])
-    feet = Feet(named_gait("trot", 4, period=0.4), FlatTerrain(), np.full(4, 0.02), 0.07, 0.1, centres)
-    feet.stance[:] = False
-    feet.share[:] = [0.4, 0.8, 0.8, 0.4]
+    feet = FeetModel(FlatTerrain(), np.full(4, 0.02), 0.07, 0.1).standing(centres)
+    feet.foot["phase"], feet.foot["share"] = FootPhase.SWING, [0.4, 0.8, 0.8, 0.4]
     ahead = np.tile([1.0, 0.0, 0.0], (4, 1))
     forces = np.array([[-40.0, 0.0, 5.0], [-10.0, 0.0, 40.0], [0.0, 0.0, 1.0], [40.0, 0.0, 5.0]])
     still = np.zeros((4, 3))
@@ -162,8 +161,7 @@ def test_an_edge_is_told_from_the_ground_by_the_force() -> None:
         1
     ].any()  # it goes on: a leg that brakes
     assert sort_touches(feet, ALL, forces, ahead, -0.2 * ahead, 160.0)[1][0]  # thrown back
-    feet.update(0.05, NONE, centres)
-    feet.interrupt(0, 0.05, centres[0])
+    feet.foot["restart"][0] = 0.05, 0.19
     assert not sort_touches(feet, ALL, forces, ahead, still, 160.0)[1].any()  # once in a swing
 
 

@@ -138,13 +138,11 @@ def test_a_biped_does_what_a_behaviour_gets(wanting: tuple[BipedController, dict
     assert got["mu"] == got["clearance"] == got["acceleration"] == 0
     assert walker.whole_body.mu == 0.3
     usual = walker.settings.clearance * walker.height
-    assert walker.feet is not None
-    assert walker.feet.clearance == pytest.approx(usual + 0.01)
+    swing = walker.state.swing
+    assert swing.clearance == pytest.approx(usual + 0.01)
     assert walker.body.acceleration == 0.5
-    plan = walker._plan_made
-    assert plan is not None
-    sideways = np.hypot(plan.forces[..., 0], plan.forces[..., 1])
-    assert (sideways <= 0.3 * plan.forces[..., 2] + 1e-9).all()
+    forces = walker.state.plan.forces
+    assert (np.hypot(forces[:, 0], forces[:, 1]) <= 0.3 * forces[:, 2] + 1e-9).all()
 
 
 def test_a_biped_refuses_what_it_cannot_do(wanting: tuple[BipedController, dict[str, int]]) -> None:

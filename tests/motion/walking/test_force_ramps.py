@@ -5,28 +5,38 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.motion.control.mpc import ConvexMpc
 from surefoot.motion.gaits.gait import Gait
-from surefoot.motion.walking.force_planner import ForcePlanner
+from surefoot.motion.walking.force_planner import ForcePlanner, Ramps
+from surefoot.motion.walking.gait_clock import GaitClock
 
 TROT = Gait.from_phases("trot", 0.4, 0.6, [0.0, 0.5, 0.5, 0.0])
 LENGTH = 0.03
 
 
-def planner() -> ForcePlanner:
-    mpc = ConvexMpc(15.0, np.diag([0.1, 0.25, 0.3]))
-    return ForcePlanner(mpc, TROT, np.zeros((4, 2)), np.zeros(4), 1e-3, LENGTH)
+class Ramped:
+    """The ramps of a trot's feet, moved on step by step."""
+
+    def __init__(self) -> None:
+        mpc = ConvexMpc(15.0, np.diag([0.1, 0.25, 0.3]))
+        self.planner = ForcePlanner(mpc, np.zeros((4, 2)), np.zeros(4), 1e-3, LENGTH)
+        self.ramps = Ramps.of(4)
+
+    def shares(self, time: float, stance: BoolArray, touching: BoolArray | None = None) -> FloatArray:
+        self.ramps, shares = self.planner.shares(self.ramps, TROT, GaitClock(time), stance, touching)
+        return shares
 
 
-def walked(until: float) -> ForcePlanner:
-    ramps = planner()
+def walked(until: float) -> Ramped:
+    ramps = Ramped()
     for time in np.arange(0.0, until, 1e-3):
         ramps.shares(float(time), TROT.contacts(time))
     return ramps
 
 
 def test_the_bound_follows_the_foot_that_lands_and_lifts() -> None:
-    ramps = planner()
+    ramps = Ramped()
     shares = np.array([ramps.shares(t, TROT.contacts(t)) for t in np.arange(0.0, 0.8, 1e-3)])
     since = np.arange(0.8e3) * 1e-3 - 0.4  # of the stance of the first foot that begins at 0.4 s
     expected = np.clip(np.minimum(since + 1e-3, 0.24 - since) / LENGTH, 0.0, 1.0)

@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.motion.walking.touchdown_detection import (
     FAR,
     LASTING,
     LASTING_FAR,
     SILENT,
     YOUNG,
-    LandingWatch,
+    TouchMemory,
+    believe_landings,
+    false_landings,
 )
 
 DT = 1e-3
@@ -19,9 +22,24 @@ AIR = np.zeros(1, dtype=bool)
 GROUND = ~AIR
 
 
+class LandingWatch:
+    """The sense of touch of one foot, moved on step by step."""
+
+    def __init__(self) -> None:
+        self.memory = TouchMemory.of(1)
+
+    def believe(self, sensed: BoolArray, stance: BoolArray, above: FloatArray) -> BoolArray:
+        self.memory, ground = believe_landings(self.memory, sensed, stance, above, DT)
+        return ground
+
+    def taken_back(self, stance: BoolArray) -> BoolArray:
+        self.memory, false = false_landings(self.memory, stance, DT)
+        return false
+
+
 @pytest.mark.parametrize(("above", "after"), [(0.0, DT), (0.9, DT), (2.0, LASTING), (2.0 * FAR, LASTING_FAR)])
 def test_the_higher_a_force_is_felt_the_longer_it_must_last(above: float, after: float) -> None:
-    watch = LandingWatch(1, DT)
+    watch = LandingWatch()
     heights, times = np.array([above]), []
     for k in range(200):
         if watch.believe(GROUND, AIR, heights)[0]:
@@ -36,7 +54,7 @@ def test_the_higher_a_force_is_felt_the_longer_it_must_last(above: float, after:
 def test_only_a_young_landing_is_taken_back_and_only_when_it_is_silent() -> None:
     cases = (0.01, SILENT + DT, True), (0.01, 0.5 * SILENT, False), (YOUNG, 0.05, False)
     for stood, silent, wanted in cases:
-        watch = LandingWatch(1, DT)
+        watch = LandingWatch()
         watch.taken_back(AIR)  # it has been in the air
         backs = []
         for k in range(round((stood + silent) / DT)):
@@ -46,7 +64,7 @@ def test_only_a_young_landing_is_taken_back_and_only_when_it_is_silent() -> None
 
 
 def test_feet_that_stood_from_the_start_are_not_doubted() -> None:
-    watch = LandingWatch(1, DT)
+    watch = LandingWatch()
     for _ in range(30):
         watch.believe(AIR, GROUND, np.zeros(1))
         assert not watch.taken_back(GROUND)[0]

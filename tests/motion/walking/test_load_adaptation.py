@@ -10,7 +10,7 @@ from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics.robot import Robot, place
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.control.mpc import ConvexMpc
-from surefoot.motion.control.whole_body import Tasks, WholeBodyController
+from surefoot.motion.control.whole_body import ForceLimits, Tasks, WholeBodyController
 from surefoot.motion.estimation.wrench_observer import Load
 from surefoot.motion.walking import load_adaptation
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
@@ -87,14 +87,14 @@ def test_whatever_is_found_leaves_masses_that_can_be(mass: float) -> None:
 def test_a_known_wrench_is_part_of_the_equations_of_motion() -> None:
     robot = robot_of("go2")
     control, q, v = WholeBodyController(robot), place(robot), np.zeros(18)
-    control.outside = np.array([20.0, -10.0, -30.0, 2.0, 3.0, -1.0])
+    outside = np.array([20.0, -10.0, -30.0, 2.0, 3.0, -1.0])
     now = control.update(q, v)
     frames, n = np.tile(np.eye(3), (4, 1, 1)), 4
     tasks = Tasks(
         np.ones(n, dtype=bool), np.zeros(3), np.zeros(3), np.zeros((n, 6)), np.zeros(12),
         np.tile([0.0, 0.0, 40.0], (n, 1)), frames, np.zeros(n),
     )  # fmt: skip
-    command = control.solve(tasks)
+    command = control.solve(tasks, ForceLimits(outside=outside))
     M, bias, *_ = control.instant()
     points = now.centres - [[0.0, 0.0, foot.radius] for foot in robot.feet]
     data = robot.model.createData()
@@ -103,7 +103,7 @@ def test_a_known_wrench_is_part_of_the_equations_of_motion() -> None:
         f @ (J[:3] - pinocchio.skew(p) @ J[3:]) * s
         for f, p, s in zip(command.forces, points, robot.contact_points.foot_support, strict=True)
     )
-    rest = M @ command.accelerations + bias - push - np.r_[control.outside, command.torques]
+    rest = M @ command.accelerations + bias - push - np.r_[outside, command.torques]
     assert np.abs(rest).max() < 1e-6
 
 
@@ -126,11 +126,11 @@ def test_of_a_wrench_no_more_is_handed_on_than_the_bound() -> None:
     out = adaptation(robot)
     now = out.whole_body.update(robot.nominal, np.zeros(18))
     out.observer.values[4:] = out.observer.wrench_unit * [0.2, -0.2, 0.03, 0.0, 0.0, -0.2]
-    out.pull(now, robot.nominal[:3])
+    on_base = out.pull(now, robot.nominal[:3])
     weight, height = robot.mass * 9.81, out.observer.height
     wanted = np.array([0.1, -0.1, 0.03, 0.0, 0.0, -0.1 * height]) * weight
     base = pinocchio.Quaternion(robot.nominal[3:7]).matrix()
-    assert np.allclose(out.whole_body.outside, np.r_[base.T @ wanted[:3], base.T @ wanted[3:]])
+    assert np.allclose(on_base, np.r_[base.T @ wanted[:3], base.T @ wanted[3:]])
     arm = robot.nominal[:3] - now.com
     assert np.allclose(out.mpc.outside, np.r_[wanted[:3], wanted[3:] + np.cross(arm, wanted[:3])])
 

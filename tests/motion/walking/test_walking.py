@@ -139,7 +139,7 @@ def test_feet_are_lifted_less_at_ease_on_known_flat_ground_and_in_full_off_cours
         for k in range(900):
             v[1] = push if k > 400 else 0.0
             controller.step(RobotState(q, v, 1e-3 * k, ALL))
-        apexes.append(controller.feet.clearance / controller.height)
+        apexes.append(controller.state.swing.clearance / controller.height)
     settings = WalkSettings()
     assert apexes[0] == pytest.approx(settings.ease * settings.clearance, rel=0.3)
     assert apexes[1:] == pytest.approx([settings.clearance] * 2, rel=1e-6)

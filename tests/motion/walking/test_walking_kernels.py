@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from surefoot.motion.walking import walking_kernels as kernels
+from surefoot.motion.walking.foot_phases import FOOT, FootPhase, swing_accelerations, swing_paths
 from surefoot.motion.walking.foothold import step_place
 from surefoot.motion.walking.swing import swing_motion
 
@@ -29,17 +30,20 @@ def test_feet_in_the_air_follow_their_paths(seed: int, fastest: float) -> None:
     timing = np.array(
         [[2.0, 0.3, 0.2, 0.1, -1.0, 0.95], [2.0, 1.2, 0.2, 0.1, 0.04, 0.85], [2.0, 0.5, 0.2, 0.1, -1.0, 0.9]]
     )
-    flying = np.array([True, True, False])
-    out = kernels.swing_accelerations(flying, ends, timing, centres, twists, 0.1, 3.0, fastest, 400.0, 40.0)
+    flying, now = np.array([True, True, False]), 1.0
+    feet = np.zeros(3, dtype=FOOT)
+    feet["phase"] = FootPhase.SWING, FootPhase.SEARCHING, FootPhase.STANCE
+    feet["start"], feet["target"] = ends
+    feet["apex"], feet["share"], feet["duration"], feet["lift_first"], _, feet["sink_from"] = timing.T
+    feet["search_from"] = now - 0.04
+    out = swing_accelerations(feet, now, 0.1, 3.0, fastest, centres, twists, 400.0, 40.0)
     for k in range(3):
         apex, share, duration, lift, late, down = timing[k]
         path = swing_motion(ends[0, k], ends[1, k], apex, share, duration, 0.1, lift, down)
         if late >= 0.0:
             ramp = min(late, fastest / 3.0)  # then on at the largest speed
             path[:, 2] -= [1.5 * ramp**2 + 3.0 * ramp * (late - ramp), 3.0 * ramp, 3.0 * (ramp == late)]
-        assert kernels.swing_paths(flying, ends, timing, 0.1, 3.0, fastest)[k] == pytest.approx(
-            path * flying[k]
-        )
+        assert swing_paths(feet, now, 0.1, 3.0, fastest)[k] == pytest.approx(path * flying[k])
         wanted = path[2] + 400.0 * (path[0] - centres[k]) + 40.0 * (path[1] - twists[k, :3])
         assert out[k, :3] == pytest.approx(wanted * flying[k])
     assert (out[:, 3:] == 0.0).all()

@@ -13,9 +13,10 @@ from surefoot.mechanics.terrain import SlopeTerrain, StairsTerrain, Terrain
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.gaits.library import named_gait
 from surefoot.motion.ground.terrain_knowledge import controller_ground
+from surefoot.motion.walking.foot_phases import FootPhase
 from surefoot.motion.walking.walkers import walking_controller
 from surefoot.motion.walking.walking_body import VelocityCommand, first_stance
-from surefoot.motion.walking.walking_feet import Feet
+from surefoot.motion.walking.walking_feet import FeetModel, SwingRequest
 from surefoot.records.audit import summarise_walk
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 from surefoot.worlds.running.height_scan import RangeSensor
@@ -47,13 +48,14 @@ def test_a_fast_trot_on_a_slope_that_is_learned_does_not_fall(
     assert knowledge == "map" or not summary.laws_broken  # a noisy map lets a foot down hard now and then
 
 
-def swing(terrain: Terrain, way: float) -> Feet:
-    """Feet of which the first has just been lifted to go a way over a terrain [m]."""
+def swing(terrain: Terrain, way: float) -> float:
+    """Return the share in which a foot only lifts that has just begun its way over a terrain [m]."""
     centres = np.array([[0.2, 0.15, 0.02], [0.2, -0.15, 0.02], [-0.2, 0.15, 0.02], [-0.2, -0.15, 0.02]])
-    feet = Feet(named_gait("trot", 4, period=0.4), terrain, np.full(4, 0.02), 0.07, 0.21, centres)
-    feet.duration[:], feet.share[:] = 0.18, 0.0
-    feet.aim(0, centres[0, :2] + [way, 0.0])
-    return feet
+    model = FeetModel(terrain, np.full(4, 0.02), 0.07, 0.21)
+    feet = model.standing(centres)
+    feet.foot["phase"], feet.foot["duration"] = FootPhase.SWING, 0.18
+    feet = model.aimed(feet, 0, centres[0, :2] + [way, 0.0], SwingRequest(0.07))
+    return float(feet.foot["lift_first"][0])
 
 
 def test_fast_swings_over_learned_even_ground_are_those_of_even_ground() -> None:
@@ -62,10 +64,10 @@ def test_fast_swings_over_learned_even_ground_are_those_of_even_ground() -> None
 
     flat, riser = Learned(0.12, 9.0), Learned(0.12, 0.3)
     flat.rise = 0.0
-    assert swing(flat, 0.3)._lift_first[0] < 0.0
-    assert swing(flat, 0.1)._lift_first[0] > 0.0  # slow enough to lift first
-    assert swing(riser, 0.3)._lift_first[0] > 0.0  # over an edge
-    assert swing(StairsTerrain(0.12, 9.0), 0.3)._lift_first[0] > 0.0  # known ground is as it is
+    assert swing(flat, 0.3) < 0.0
+    assert swing(flat, 0.1) > 0.0  # slow enough to lift first
+    assert swing(riser, 0.3) > 0.0  # over an edge
+    assert swing(StairsTerrain(0.12, 9.0), 0.3) > 0.0  # known ground is as it is
 
 
 def test_a_body_whose_feet_stand_for_long_changes_its_speed_slowly() -> None:

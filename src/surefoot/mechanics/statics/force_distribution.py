@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import BoolArray, FloatArray, finite_array, numbers, real_array, real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import MATRIX, VECTOR, entry_point
+from surefoot.base.memory import Remembering
 from surefoot.contact import RowsWork, Status, distribute_with_rows, distribute_wrench, rows_work
 from surefoot.contact import distribution_memory as layout
 from surefoot.mechanics.statics.force_parameters import (
@@ -40,7 +41,7 @@ def _call_directly() -> None:
     _distribute = entry_point(distribute_wrench, MATRIX, VECTOR, MATRIX, MATRIX)
 
 
-class ForceDistributor:
+class ForceDistributor(Remembering):
     """Find the contact forces that give a wanted wrench best, again and again.
 
     Minimises ``||A f - w||²_W + r ||f - f_ref||² + s ||f - f_last||²`` over the truncated friction
@@ -92,6 +93,8 @@ class ForceDistributor:
     >>> forces.shape, distributor.status.value
     ((4, 3), 'solved')
     """
+
+    MEMORY = ("work", "_bounds", "_code", "_rows")
 
     def __init__(
         self,

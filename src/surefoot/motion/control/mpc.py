@@ -24,6 +24,7 @@ from surefoot.base.arrays import (
     whole_number,
 )
 from surefoot.base.errors import ProblemError
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import Status
 from surefoot.motion.control import mpc_model
@@ -122,7 +123,7 @@ PATIENCE = 16
 
 
 @dataclass
-class ConvexMpc:
+class ConvexMpc(Remembering):
     """Model-predictive control of a single rigid body on exact friction cones.
 
     Every step of the horizon, every foot in contact carries one force; together they minimise the weighted
@@ -173,6 +174,8 @@ class ConvexMpc:
     >>> bool(abs(plan.first[:, 2].sum() - 15.0 * 9.81) < 1e-3), plan.solved
     (True, True)
     """
+
+    MEMORY = ("mass", "inertia", "dt", "outside", "fading", "_points", "_mobility")
 
     mass: float
     inertia: ArrayLike

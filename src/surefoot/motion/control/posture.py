@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.mechanics import Robot, chain
 
 ALONG = 0.8
@@ -15,7 +16,7 @@ ASIDE = 0.3
 """What hangs on it lies beside the body by more than this share of the feet's distance from the middle."""
 
 
-class Posture:
+class Posture(Remembering):
     """Wanted accelerations of the joints outside the legs.
 
     An arm swings by the first of its joints that turns it ahead, in proportion to how far the foot of its own
@@ -37,6 +38,8 @@ class Posture:
     swing
         (joints,) angle of each joint over how far the left foot is ahead of the right one [rad/m].
     """
+
+    MEMORY = ("_rest",)
 
     def __init__(self, robot: Robot, frequency: float, swing: float) -> None:
         self._rest = robot.nominal[7:].copy()

@@ -31,6 +31,7 @@ import numpy as np
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray, of_kind
 from surefoot.base.errors import ModelError
 from surefoot.base.live_arrays import Bound
+from surefoot.base.memory import Memory, Remembering
 from surefoot.contact import Status
 from surefoot.mechanics import Actuators, ForceDistributor, Robot, with_rotors
 from surefoot.motion.control import whole_body_step as core
@@ -53,7 +54,7 @@ FREE, NO_WRENCH = ForceLimits(), np.zeros(6)
 _Answer = tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]
 
 
-class WholeBodyController(Bound):
+class WholeBodyController(Bound, Remembering):
     """Turns tasks into torques at every step of a fast loop: `update`, then `solve`.
 
     Parameters
@@ -91,6 +92,11 @@ class WholeBodyController(Bound):
         If the robot has a fixed base or no feet.
     """
 
+    MEMORY = (
+        "_load", "_q", "_v", "_known", "_memory", "mu", "_swing_factor", "_bounds", "_stance", "_loose",
+        "_span", "_distributor", "_limited",
+    )  # fmt: skip
+
     def __init__(
         self,
         robot: Robot,
@@ -123,6 +129,8 @@ class WholeBodyController(Bound):
         self._bounds: tuple[float, bytes] | None = None
         self.mu = self._given_mu = mu  # that is counted on now, and of the construction
         self._swing_factor = 1.0
+        self._load: Load | None = None
+        self._q, self._v = robot.nominal, np.zeros(robot.model.nv)
         self._stance: BoolArray = np.ones(len(robot.feet), dtype=bool)
         self._loose = self._unloaded()
 
@@ -159,7 +167,8 @@ class WholeBodyController(Bound):
         return np.asarray(self._span[2])
 
     def reset(self) -> None:
-        """Forget the forces of the step before, and which feet stood."""
+        """Forget the forces of the step before, its limits, and which feet stood."""
+        self._take(FREE)
         self._set_stance(np.ones(len(self._stance), dtype=bool))
         for distributor in (self._distributor, self._limited):
             distributor.reset()
@@ -186,6 +195,13 @@ class WholeBodyController(Bound):
         )  # fmt: skip
         return Kinematics(*self._moved)
 
+    def resume(self, memory: Memory) -> None:
+        """See `Remembering`: what follows from the load and the state is computed again."""
+        self.carry(memory["_load"])
+        self.update(memory["_q"].copy(), memory["_v"].copy())
+        super().resume(memory)
+        self._bind()
+
     def carry(self, load: Load | None) -> None:
         """Take a load on the base into the model from the next `update` on, in place of the one before.
 
@@ -194,6 +210,7 @@ class WholeBodyController(Bound):
         """
         import pinocchio
 
+        self._load = load
         base, inertias = self.robot.model.inertias[1], self._views.model.inertias
         self.mass = self.robot.mass
         if load is None:

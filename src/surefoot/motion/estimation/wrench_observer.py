@@ -30,6 +30,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, real_number
 from surefoot.base.kernels import kernel
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
 from surefoot.motion.estimation import wrench_kernels as kernels
@@ -124,7 +125,7 @@ def _decay(block: float) -> tuple[FloatArray, FloatArray, float]:
     return keep, drive, 1.0 - math.exp(-block / WATCH)
 
 
-class WrenchObserver:
+class WrenchObserver(Remembering):
     """Estimates payload and external wrench step by step: `observe` after every step that was taken.
 
     Parameters
@@ -143,6 +144,8 @@ class WrenchObserver:
     height
         Of the centre of mass over the feet [m].
     """
+
+    MEMORY = ("state", "_covariance", "_sum", "_count", "_spread", "_last", "values")
 
     def __init__(self, robot: Robot, dt: float) -> None:
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)

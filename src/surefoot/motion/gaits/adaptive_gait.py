@@ -111,6 +111,8 @@ class AdaptiveGait(ContactSchedule):
         The newest cycle's, and the one that suits the velocity that is `asked` for, (3,) [m/s, m/s, rad/s].
     """
 
+    MEMORY = ("stride", "wanted", "_stances", "asked", "_next", "_resting", "held")
+
     adapts = True
 
     def __init__(self, name: str, choose: Choose, first: Stride) -> None:

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.memory import Remembering
 
 SAME_TIME = 1e-9
 """Events closer than this are one event [s]."""
 
 
-class ContactSchedule(ABC):
+class ContactSchedule(Remembering, ABC):
     """When each foot carries: what a walk asks of any gait.
 
     A schedule that changes calls `_forget_phases`. One that follows the speed writes `follow`, `hold`,
@@ -40,6 +41,8 @@ class ContactSchedule(ABC):
     asked
         (3,) velocity that it follows: forward, left [m/s], turn [rad/s].
     """
+
+    MEMORY = ("_rows", "_since", "_until")
 
     name: str = "schedule"
     feet: int

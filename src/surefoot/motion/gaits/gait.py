@@ -107,6 +107,8 @@ class Gait(_ModeTable):
     ([9, 6], [0.0, 0.25, 0.5])
     """
 
+    MEMORY = ("_last",)
+
     def __init__(
         self,
         name: str,

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray, finite_array, real_number
+from surefoot.base.memory import Remembering
 from surefoot.mechanics import Terrain
 from surefoot.motion.ground.elevation_kernels import bilinear, fill_unknown, fuse_points, leave_out_strays
 
@@ -73,7 +74,7 @@ class MapSettings:
             real_number(name, getattr(self, name), low=0.0)
 
 
-class ElevationMap(Terrain):
+class ElevationMap(Remembering, Terrain):
     """A robot-centric height map that is a `Terrain` for whoever plans on it.
 
     Parameters
@@ -98,6 +99,19 @@ class ElevationMap(Terrain):
     >>> seen.height([[0.45, 0.0], [0.6, 0.0], [0.1, 0.5]]).round(3)
     array([0.  , 0.12, 0.  ])
     """
+
+    MEMORY = (
+        "_heights",
+        "_variances",
+        "_filled",
+        "_alone",
+        "_sure",
+        "offset",
+        "_corner",
+        "_place",
+        "_level",
+        "_slope",
+    )
 
     noise = 0.012
 

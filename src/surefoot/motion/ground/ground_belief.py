@@ -14,6 +14,7 @@ from typing import cast
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.mechanics import Terrain
 from surefoot.motion.state import RobotState
 
@@ -33,7 +34,7 @@ LOW = 0.22
 """Steps lower than this share of the height of the centre of mass need nothing."""
 
 
-class BeliefTerrain(Terrain):
+class BeliefTerrain(Remembering, Terrain):
     """A terrain that learns from what the robot senses.
 
     Attributes
@@ -47,6 +48,19 @@ class BeliefTerrain(Terrain):
     finds_drops
         Whether it finds drops by touch, as `TouchedGround` does.
     """
+
+    MEMORY = (
+        "radius",
+        "struck_at",
+        "_height",
+        "_landings",
+        "_stood",
+        "_sought",
+        "_spread",
+        "_about",
+        "_level",
+        "_slope",
+    )
 
     learns = True
     seen = False

@@ -37,6 +37,8 @@ class MappedGround(BeliefTerrain):
         See there.
     """
 
+    MEMORY = ("map", "watch", "_poses", "_seen_at")
+
     seen = True
 
     def __init__(self) -> None:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.mechanics import Terrain
 from surefoot.motion.ground.stair_fit import StairFit, StairSteps
 
@@ -100,7 +101,7 @@ def find_stairs(heights: FloatArray) -> StairFlight | None:
     return best
 
 
-class StairWatch:
+class StairWatch(Remembering):
     """Remembers the stairs that a robot is on, or is about to step on.
 
     Attributes
@@ -110,6 +111,8 @@ class StairWatch:
     flight
         Where exactly they are, as `FlightFit.parameters` has it, (10,); None as long as that is not known.
     """
+
+    MEMORY = ("steps", "flight", "_fit", "_seen", "_time", "_begun", "_looks")
 
     def __init__(self) -> None:
         self.reset()

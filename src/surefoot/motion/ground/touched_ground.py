@@ -150,6 +150,8 @@ class TouchedGround(BeliefTerrain):
     (np.float64(0.04), array([0.1, 0. ]))
     """
 
+    MEMORY = ("drop", "_heading", "_expected", "_slid")
+
     finds_drops = True
 
     def __init__(self) -> None:

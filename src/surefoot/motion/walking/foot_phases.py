@@ -7,7 +7,7 @@
     SWING ───── an edge is struck, once a swing ───────────> RESTARTED
     SWING ───── the window is over without touch ──────────> SEARCHING
     RESTARTED ─ touch after the share `EARLY` ─────────────> STANCE
-    RESTARTED ─ its window is over ────────────────────────> SEARCHING, or SWING while the schedule's swing lasts
+    RESTARTED ─ its window is over ────────────────────────> SEARCHING, or SWING while the schedule's lasts
     SEARCHING ─ touch ─────────────────────────────────────> STANCE
     SEARCHING ─ the schedule's next swing begins ──────────> SWING
 
@@ -33,7 +33,7 @@ from surefoot.motion.walking.swing import DOWN, LIFT_LATER, swing_motion
 FootArray: TypeAlias = NDArray[np.void]
 """(n,) records of `FOOT`, one a foot."""
 EARLY = 0.6
-"""Share of its swing after which a foot that touches has landed early; before, it only brushes the ground [-]."""
+"""Share of its swing after which a foot that touches has landed early; before, it brushes the ground [-]."""
 LOST_TIME = 0.03
 """Time without touch after which a foot in stance has lost the ground, and searches for it below [s]."""
 RETRY = 0.7

@@ -120,7 +120,7 @@ class ForcePlanner:
         self, ramps: Ramps, schedule: ContactSchedule, clock: GaitClock, stance: BoolArray,
         touching: BoolArray | None = None,
     ) -> tuple[Ramps, FloatArray]:  # fmt: skip
-        """Return the ramps, and the shares of the largest normal force for (n,) feet that carry: (n,), 0 to 1.
+        """Return the ramps, and the shares of the largest normal forces of (n,) feet that carry: (n,).
 
         To be called at every step: a foot's ramp begins when it first carries, and goes on while the foot
         feels the ground, (n,); None where that is not known, and all do.

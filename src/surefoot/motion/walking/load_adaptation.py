@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.mechanics import Robot, composite_inertia
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.control.mpc import ConvexMpc
@@ -27,7 +28,7 @@ LEAN = 0.8
 """The observer stands still while the base leans further than this: the robot falls [rad]."""
 
 
-class LoadAdaptation:
+class LoadAdaptation(Remembering):
     """Observes, and changes the models of the MPC and the whole-body controller; see the module.
 
     Parameters
@@ -52,6 +53,8 @@ class LoadAdaptation:
     load
         (4,) mass and first moment that the models have, base axes [kg, kg m].
     """
+
+    MEMORY = ("observer", "_torques", "_time", "_pushing", "shift", "rotation", "load")
 
     def __init__(
         self, robot: Robot, dt: float, mpc: ConvexMpc, whole_body: WholeBodyController,

@@ -15,6 +15,7 @@ import math
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.mechanics import Terrain
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.walking.foothold import FINE, LOOK, nearest_shift, step_windows
@@ -36,7 +37,7 @@ EASE, KEEP = 0.05, 1.0
 """What a move of the body costs, and one away from what was best before, against the same move of a foot."""
 
 
-class StepPhase:
+class StepPhase(Remembering):
     """Finds by how much a body should be further on, see the module.
 
     Parameters
@@ -61,6 +62,8 @@ class StepPhase:
     stride
         (2,) way of each foot from stand to stand on stairs that have been seen [m]; None elsewhere.
     """
+
+    MEMORY = ("_costs", "_next", "lead", "share", "stride", "waiting", "_off", "_waits_from")
 
     def __init__(
         self, terrain: Terrain, schedule: ContactSchedule, offsets: FloatArray, margin: float

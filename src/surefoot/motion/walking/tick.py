@@ -9,9 +9,12 @@ is how feet touch the ground, where they go, and what is planned over them.
 
 from __future__ import annotations
 
+import copy
 from abc import abstractmethod
+from dataclasses import replace
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.motion.control.controller import Controller, RobotState
 from surefoot.motion.control.damping import computable
 from surefoot.motion.control.whole_body import ForceLimits, WholeBodyCommand, WholeBodyController
@@ -108,6 +111,34 @@ class Tick(Controller):
         assert self._walk is not None, "the walk has not begun"
         return self._walk.body
 
+    @abstractmethod
+    def _parts(self) -> dict[str, Remembering | None]:
+        """Return the parts of the controller that remember something, in the order in which they resume."""
+
+    @property
+    def state(self) -> WalkState | None:
+        """A copy of all that lasts from one step to the next, for `resume`; None before the first.
+
+        A plan that has been left to `plan_ahead` is made first.
+        """
+        self.plan_ahead()
+        if self._walk is None:
+            return None
+        parts = {name: part.remembered() for name, part in self._parts().items() if part is not None}
+        return replace(copy.deepcopy(self._walk), parts={**parts, "command": copy.deepcopy(self.command)})
+
+    def resume(self, state: WalkState | None) -> None:
+        """Go on from a state of a controller that was made in the same way; None is the beginning."""
+        self.reset()
+        if state is None:
+            return
+        state = copy.deepcopy(state)
+        self.command = state.parts["command"]
+        for name, part in self._parts().items():
+            if part is not None:
+                part.resume(state.parts[name])
+        self._walk = replace(state, parts={})
+
     def _view(
         self, s: WalkState, feet: Feet, measured: RobotState, now: Kinematics, clock: GaitClock
     ) -> WalkView:
@@ -137,7 +168,7 @@ class Tick(Controller):
     def _advance_feet(
         self, s: WalkState, feet: Feet, contact: FeetContact, now: Kinematics, clock: GaitClock
     ) -> tuple[WalkState, Feet, bool]:
-        """Return state and feet at the time of the clock, and whether a foot has lifted, landed or lost touch."""
+        """Return state and feet at the time of the clock, and whether one has lifted, landed or lost touch."""
 
     def _learn_ground(
         self, s: WalkState, touch: TouchMemory | None, feet: Feet, measured: RobotState, now: Kinematics,

@@ -278,6 +278,6 @@ def believe_landings(
 
 
 def false_landings(memory: TouchMemory, stance: BoolArray, dt: float) -> tuple[TouchMemory, BoolArray]:
-    """Return the memory, and which feet in (n,) stance have not landed after all: (n,); once a step of dt [s]."""
+    """Return the memory, and which of the (n,) feet in stance have not landed; once a step of dt [s]."""
     stood = np.where(stance, memory.stood + dt, 0.0)
     return memory._replace(stood=stood), stance & (stood < YOUNG) & (memory.silent >= SILENT)

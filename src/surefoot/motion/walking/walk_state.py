@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.memory import Arrays, Memory, alike, read_back, write_down
+from surefoot.motion.control.body_motion import BodyReference
 from surefoot.motion.control.whole_body_tasks import Kinematics
-from surefoot.motion.gaits.contact_schedule import ContactSchedule
-from surefoot.motion.walking.behaviours.behaviour import Request
+from surefoot.motion.estimation.wrench_observer import Load
+from surefoot.motion.gaits.adaptive_gait import Pace, Stride
+from surefoot.motion.gaits.gait import Gait
+from surefoot.motion.ground.stair_detection import StairFlight
+from surefoot.motion.ground.stair_fit import FlightFit, StairSteps
+from surefoot.motion.ground.touched_ground import Ledge
+from surefoot.motion.walking.behaviours.behaviour import FootSearch, Request
 from surefoot.motion.walking.force_planner import ForcePlan, Horizon, Ramps
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.touchdown_detection import TouchMemory
-from surefoot.motion.walking.walking_body import BodyPlan
+from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand
 from surefoot.motion.walking.walking_feet import Feet, SwingRequest
 
 
@@ -24,28 +31,26 @@ class GaitState(NamedTuple):
 
     Attributes
     ----------
-    schedule
-        When feet should stand: the walk's own schedule, or that of a leap.
     stance_time
         Length of the coming stances of the walk's own schedule [s].
-    leaps
-        Whether all feet leave the ground and meet it together, by a schedule of their own.
+    leap
+        The schedule by which all feet leave the ground and meet it together; None while they follow the
+        walk's own.
     fits
         Whether the gait is fit for a little more than the body's speed.
     unease
         How far the body is from its plan, from 0 to 1: feet are lifted in full at 1.
     """
 
-    schedule: ContactSchedule
     stance_time: float
-    leaps: bool = False
+    leap: Gait | None = None
     fits: bool = True
     unease: float = 1.0
 
     @property
     def coming_stance(self) -> float:
         """Length of the feet's coming stances [s]."""
-        return self.schedule.stance_time if self.leaps else self.stance_time
+        return self.stance_time if self.leap is None else self.leap.stance_time
 
 
 class PlanTimes(NamedTuple):
@@ -112,7 +117,7 @@ class BipedState(NamedTuple):
     laden: bool = False
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class WalkState:
     """All that lasts from one step to the next.
 
@@ -131,6 +136,19 @@ class WalkState:
         How the swings of feet were last asked to go.
     biped
         Of a walk on two flat feet.
+    parts
+        Memories of the parts of the controller by name, see `Remembering`; empty in the state that a
+        controller works on itself.
+
+    Examples
+    --------
+    >>> from surefoot.motion.walking.walking_feet import FeetModel
+    >>> from surefoot.mechanics.terrain import FlatTerrain
+    >>> feet = FeetModel(FlatTerrain(), np.full(4, 0.02), 0.06, 0.1).standing(np.zeros((4, 3)))
+    >>> body = BodyPlan(0.3, np.array([0.0, 0.0, 0.3]), 0.0)
+    >>> state = WalkState(GaitClock(0.0), GaitState(0.2), feet, body, Ramps.of(4))
+    >>> WalkState.from_arrays(*state.to_arrays()) == state
+    True
     """
 
     clock: GaitClock
@@ -141,6 +159,35 @@ class WalkState:
     touch: TouchMemory | None = None
     plan: ForcePlan | None = None
     horizon: Horizon | None = None
-    times: PlanTimes = PlanTimes()
+    times: PlanTimes = field(default_factory=PlanTimes)
     swing: SwingRequest | None = None
     biped: BipedState | None = None
+    parts: Memory = field(default_factory=dict)
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether another state is the same to the last bit."""
+        return isinstance(other, WalkState) and alike(self, other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def to_arrays(self) -> tuple[Arrays, Any]:
+        """Return the state as plain arrays by path, and facts that JSON can hold."""
+        return write_down(self, KINDS)
+
+    @staticmethod
+    def from_arrays(arrays: Arrays, facts: Any) -> WalkState:
+        """Return the state that `to_arrays` has written down."""
+        state = read_back(arrays, facts, KINDS)
+        assert isinstance(state, WalkState), "the facts of a state"
+        return state
+
+
+KINDS: dict[str, type] = {
+    kind.__name__: kind
+    for kind in (
+        WalkState, GaitClock, GaitState, Feet, BodyPlan, Ramps, TouchMemory, ForcePlan, Horizon, PlanTimes,
+        SwingRequest, BipedState, FootSearch, BodyReference, VelocityCommand, Gait, Stride, Pace, Load, Ledge,
+        StairSteps, StairFlight, FlightFit,
+    )
+}  # fmt: skip
+"""Classes of what a state consists of, by the names that they are written down with."""

@@ -267,7 +267,7 @@ class BodyPlan:
         self.height = min(self.height + way, highest)
 
     def recentre(self, moved: FloatArray, way: FloatArray) -> None:
-        """Take another place in the body for its centre of mass: (3,) moved in its axes, in the world's [m]."""
+        """Take another place for the centre of mass: (3,) how it moves in the body, and in the world [m]."""
         self.height += float(moved[2])
         self.position += way
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, of_kind, real_number
 from surefoot.base.errors import ModelError
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, composite_inertia
 from surefoot.motion.control.controller import RobotState
@@ -179,6 +180,18 @@ class WalkingController(Walker):
                 part.reset()
         self._walk = self._outstanding = None
 
+    def _followed(self, gait: GaitState) -> ContactSchedule:
+        """Return the schedule that the feet follow now."""
+        return self.schedule if gait.leap is None else gait.leap
+
+    def _parts(self) -> dict[str, Remembering | None]:
+        """See `Tick`; the ground comes first, for a behaviour may refer to what it remembers."""
+        belief = believed(self.terrain)
+        return {
+            "ground": belief, "schedule": self.schedule, "mpc": self.mpc, "whole_body": self.whole_body,
+            "load": self.load, "steps": self._steps, "posture": self._posture, "arbiter": self.arbiter,
+        }  # fmt: skip
+
     @property
     def _waiting(self) -> bool:  # type: ignore[override]
         """Whether the body waits to set off onto steps."""
@@ -215,7 +228,7 @@ class WalkingController(Walker):
         if self._posture is not None:
             self._posture.hold(measured.q)
         self._follow_ground(body, feet, math.inf)
-        gait = GaitState(self.schedule, self._stance_time)
+        gait = GaitState(self._stance_time)
         return WalkState(GaitClock(-self.start), gait, feet, body, Ramps.of(len(feet.foot)), touch)
 
     def _classify_contact(
@@ -226,9 +239,9 @@ class WalkingController(Walker):
             return super()._classify_contact(s, measured, now, clock)
         touch, feet = self._touch.seek(s.touch, measured, s.feet, clock)
         if not touch.hold:
-            s.gait.schedule.release()
+            self._followed(s.gait).release()
         elif clock.time >= 0.0:
-            s.gait.schedule.hold(clock.time)
+            self._followed(s.gait).hold(clock.time)
         sensed = feet.planned if measured.contact is None else measured.contact
         touch, contact = self._touch.classify(touch, measured, feet, sensed, clock, now)
         return touch, feet, contact
@@ -240,7 +253,9 @@ class WalkingController(Walker):
         if clock.time < 0.0:
             return s, feet, False
         careful = s.touch is not None and s.touch.search.careful
-        return s, *self._feet_model.advance(feet, s.gait.schedule, clock, contact, now.centres, careful)
+        return s, *self._feet_model.advance(
+            feet, self._followed(s.gait), clock, contact, now.centres, careful
+        )
 
     def _learn_ground(
         self, s: WalkState, touch: TouchMemory | None, feet: Feet, measured: RobotState, now: Kinematics,
@@ -249,7 +264,7 @@ class WalkingController(Walker):
         """See `Tick`."""
         if self._touch is None or touch is None:
             return touch, feet, False
-        return self._touch.learn(touch, measured, feet, s.gait.schedule, clock, now)
+        return self._touch.learn(touch, measured, feet, self._followed(s.gait), clock, now)
 
     def _move(
         self, s: WalkState, touch: TouchMemory | None, feet: Feet, request: Request, now: Kinematics,
@@ -261,11 +276,11 @@ class WalkingController(Walker):
             pace = self._steps.pace(math.hypot(velocity[0], velocity[1]), self.dt)
             velocity = velocity * [pace, pace, 1.0]
         gait = s.gait
-        if recovery is not None or gait.leaps:
+        if recovery is not None or gait.leap is not None:
             gait, feet = self._leap(gait, feet, recovery is not None and recovery.leaps, now, clock)
             if gait is not s.gait:
                 times = times._replace(begun=-math.inf)
-        rate = 1.0 if recovery is None or gait.leaps else recovery.rate
+        rate = 1.0 if recovery is None or gait.leap is not None else recovery.rate
         feet = self._feet_model.hurried(feet, clock.rate, rate)
         clock = clock.advanced(self.dt, rate, waits)
         if recovery is None:
@@ -281,18 +296,16 @@ class WalkingController(Walker):
     ) -> tuple[GaitState, Feet]:
         """Let all feet leave the ground and meet it together if wanted; end late in a stance if not."""
         unit, time = 1.0 / self._pendulum, clock.time
-        if gait.leaps:
-            landed, begin, end = gait.schedule.phase(0, time)
+        if gait.leap is not None:
+            landed, begin, end = gait.leap.phase(0, time)
             if not wanted and landed and time > 0.5 * (begin + end):
                 feet = self._feet_model.following(feet, self.schedule, time)
-                return gait._replace(schedule=self.schedule, leaps=False), feet
+                return gait._replace(leap=None), feet
         elif wanted:
             period, air = (LEAP + LAND) * unit, LEAP * unit
             begun = [(time + air) / period] * len(feet.foot)
             leap = Gait.from_phases("leap", period, LAND * unit / period, begun)
-            return gait._replace(schedule=leap, leaps=True), self._feet_model.leap(
-                feet, clock, air, now.centres
-            )
+            return gait._replace(leap=leap), self._feet_model.leap(feet, clock, air, now.centres)
         return gait, feet
 
     def _limit_forces(
@@ -302,8 +315,10 @@ class WalkingController(Walker):
         outside = None if self.load is None else self.load.pull(now, measured.q[:3])
         low, high = self._normals
         stance = s.feet.stance
-        ramps, shares = self.planner.shares(s.ramps, s.gait.schedule, s.clock, stance, contact.touching)
-        swing = FLYING if s.gait.leaps and not stance.any() else 1.0
+        ramps, shares = self.planner.shares(
+            s.ramps, self._followed(s.gait), s.clock, stance, contact.touching
+        )
+        swing = 1.0 if s.gait.leap is None or stance.any() else FLYING
         return replace(s, ramps=ramps), ForceLimits(request.mu, low, high * shares, outside, swing)
 
     def _plan(self, s: WalkState, given: StepInput) -> WalkState:
@@ -312,15 +327,9 @@ class WalkingController(Walker):
         times, plan, horizon = s.times, s.plan, s.horizon
         if changed or time - times.begun >= self._interval:
             horizon = self.planner.set_up(
-                time,
-                s.gait.schedule,
-                s.clock,
-                s.feet,
-                s.body,
-                s.gait.coming_stance,
-                plan,
+                time, self._followed(s.gait), s.clock, s.feet, s.body, s.gait.coming_stance, plan,
                 horizon is not None,
-            )
+            )  # fmt: skip
             times = times._replace(begun=time, aimless=times.aimless or changed)
             if plan is None:
                 plan, horizon = self.planner.solve(horizon, time, now, s.feet.frames, request.mu), None
@@ -329,9 +338,9 @@ class WalkingController(Walker):
             plan = self.planner.solve(horizon, time, now, s.feet.frames, request.mu)
             return replace(s, plan=plan, horizon=None)
         if times.aimless or time - times.aimed_at >= self._interval:
-            gait, feet = self._aim(s, now, request, time)
+            gait, feet, swing = self._aim(s, now, request, time)
             times = times._replace(aimed_at=time, aimless=False, load_waits=True)
-            return replace(s, gait=gait, feet=feet, times=times)
+            return replace(s, gait=gait, feet=feet, swing=swing, times=times)
         return s
 
     def _follow_ground(self, body: BodyPlan, feet: Feet, elapsed: float) -> None:
@@ -342,16 +351,18 @@ class WalkingController(Walker):
         plane = plane_ahead(self.terrain, body.position[:2], body.yaw, body.flow(), self.height)
         body.follow_plane(*plane, elapsed)
 
-    def _aim(self, s: WalkState, now: Kinematics, request: Request, time: float) -> tuple[GaitState, Feet]:
+    def _aim(
+        self, s: WalkState, now: Kinematics, request: Request, time: float
+    ) -> tuple[GaitState, Feet, SwingRequest]:
         """Follow the ground, time the steps, and choose the footholds of feet in the air."""
         feet, gait, body, clock = s.feet, s.gait, s.body, s.clock
         self._follow_ground(body, feet, min(time - s.times.aimed_at, 1.0))
         if self.schedule.adapts:
             gait = self._time_steps(gait, body, request, max(clock.time, 0.0))
         gait, swing = self._swing_request(s, gait, request, now)
-        caught = request.recovery is not None
+        caught, schedule = request.recovery is not None, self._followed(gait)
         for k in np.flatnonzero(~(feet.stance | feet.planned)).tolist():
-            _, _, end = gait.schedule.phase(k, clock.time)
+            _, _, end = schedule.phase(k, clock.time)
             left = max(end - clock.time, 0.0) / clock.rate
             place = (catching_place if caught else step_place)(
                 now.com, now.com_velocity, self.planner.offsets[k], body.yaw,
@@ -361,7 +372,7 @@ class WalkingController(Walker):
             if request.foot_goals is not None:
                 place = request.foot_goals(place, feet.foot[k]["start"])
             feet = self._feet_model.aimed(feet, k, place, swing)
-        return gait, feet
+        return gait, feet, swing
 
     def _swing_request(
         self, s: WalkState, gait: GaitState, request: Request, now: Kinematics
@@ -372,7 +383,7 @@ class WalkingController(Walker):
         share, gait = self._ease(gait, body, now)
         usual = share * (self.settings.clearance * self.height if own is None else own)
         lifted = max(usual + float(body.posture[2]), LEAST_CLEARANCE * usual) + request.clearance
-        if request.recovery is not None and not gait.leaps:
+        if request.recovery is not None and gait.leap is None:
             lifted *= LOW
         if self._steps is not None and clock.time >= 0.0:
             self._steps.look(body, clock.time, self.terrain.unsure)

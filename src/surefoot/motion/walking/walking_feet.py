@@ -251,7 +251,7 @@ class FeetModel:
 
     @staticmethod
     def lowered(feet: Feet, which: BoolArray, soles: FloatArray) -> Feet:
-        """Return feet of which the (n,) given ones take the ground to be at their (n, 3) lowest points [m]."""
+        """Return feet of which (n,) some take the ground to be at their (n, 3) lowest points [m]."""
         foot = feet.foot.copy()
         foot["ground"][which] = soles[which]
         return Feet(foot)
@@ -356,7 +356,7 @@ class FeetModel:
 
 
 def _search(fastest: float | None) -> tuple[float, float]:
-    """Return acceleration [m/s²] and largest speed [m/s] of the search, given the latter if ground is unknown."""
+    """Return acceleration [m/s²] and largest speed [m/s] of the search, given it where ground is unknown."""
     if fastest is None:
         return SEARCH * GRAVITY, math.inf
     return SEARCH_FAST * GRAVITY, fastest

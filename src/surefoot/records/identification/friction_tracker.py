@@ -17,6 +17,7 @@ from surefoot.base.arrays import BoolArray, FloatArray, finite_array, real_numbe
 from surefoot.base.errors import ProblemError
 from surefoot.base.kernels import kernel
 from surefoot.base.loaded import UNLOADED
+from surefoot.base.memory import Remembering
 
 SUSTAINED = 0.01
 """A use of friction counts as a lower bound when no reading of so long was less [s]."""
@@ -50,7 +51,7 @@ class FrictionBounds(NamedTuple):
     sliding: BoolArray
 
 
-class FrictionTracker:
+class FrictionTracker(Remembering):
     """Bounds on the friction under each contact, step by step.
 
     Parameters
@@ -81,6 +82,8 @@ class FrictionTracker:
     >>> tracker.believed(0.3)  # more than was assumed
     array([0.4])
     """
+
+    MEMORY = ("_ring", "_state", "_lows", "_highs", "_low", "_high", "_sliding", "_bucket", "_age")
 
     def __init__(
         self,

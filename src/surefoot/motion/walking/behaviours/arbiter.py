@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, IntArray
+from surefoot.base.memory import Memory, Remembering
 from surefoot.motion.walking.behaviours.behaviour import NOTHING, Behaviour, Request, WalkView
 
 
@@ -46,7 +47,7 @@ NOBODY: IntArray = np.full(len(LOGGED), -1)
 NOBODY.flags.writeable = False
 
 
-class Arbiter:
+class Arbiter(Remembering):
     """Asks the behaviours and merges what they ask for.
 
     Parameters
@@ -71,6 +72,8 @@ class Arbiter:
         (13,) rank of the behaviour that has got its way with each quantity of `LOGGED`; -1 for none.
     """
 
+    MEMORY = ("asked", "velocity", "asked_by", "_said")
+
     def __init__(
         self, behaviours: Sequence[Behaviour], radius: float, notes: list[str],
         honoured: frozenset[str] = EVERYTHING,
@@ -88,6 +91,20 @@ class Arbiter:
         self._said.clear()
         self.asked, self.velocity = np.zeros(3), np.zeros(3)
         self.asked_by = NOBODY
+
+    def remembered(self) -> Memory:
+        """Return what lasts: notes, and the memories of the behaviours that have any, by rank."""
+        own = [one.remembered() if isinstance(one, Remembering) else {} for one in self.behaviours]
+        return {**super().remembered(), "notes": list(self.notes), "behaviours": own}
+
+    def resume(self, memory: Memory) -> None:
+        """See `Remembering`; the list of notes stays the one that the walk shows."""
+        own = {name: value for name, value in memory.items() if name not in ("notes", "behaviours")}
+        super().resume(own)
+        self.notes[:] = memory["notes"]
+        for one, kept in zip(self.behaviours, memory["behaviours"], strict=True):
+            if isinstance(one, Remembering):
+                one.resume(kept)
 
     def merge(self, view: WalkView) -> Request:
         """Return what all behaviours together ask for."""

@@ -22,6 +22,7 @@ import math
 
 import numpy as np
 
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.motion.walking.behaviours.behaviour import NOTHING, Recovery, Request, WalkFacts, WalkView
 
@@ -42,7 +43,7 @@ BACK = 0.3
 """Change of the wanted velocity on the way back, as a share of g: half of the friction that is counted on."""
 
 
-class PushRecovery:
+class PushRecovery(Remembering):
     """Catches a body that was pushed.
 
     Parameters
@@ -50,6 +51,8 @@ class PushRecovery:
     walk
         What it is for.
     """
+
+    MEMORY = ("_calm", "_aside")
 
     name = "push recovery"
 

@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.motion.walking.behaviours.behaviour import Request, WalkFacts, WalkView
 from surefoot.records import FrictionTracker
@@ -39,7 +40,7 @@ FALLING, RISING = 0.002, 1.0
 """Time constants with which the believed friction falls and rises again [s]."""
 
 
-class Slip:
+class Slip(Remembering):
     """Follows the friction under a robot's feet.
 
     Parameters
@@ -54,6 +55,8 @@ class Slip:
     sliding
         (n,) which feet slide now.
     """
+
+    MEMORY = ("mu", "sliding", "_speeds", "_slid", "_quick", "_quick_age", "_tracker")
 
     name = "slip"
 

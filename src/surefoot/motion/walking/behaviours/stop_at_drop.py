@@ -12,6 +12,7 @@ from typing import cast
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.memory import Memory, Remembering
 from surefoot.base.spatial import GRAVITY, base_velocity, heading_of
 from surefoot.motion.ground.ground_belief import believed
 from surefoot.motion.ground.touched_ground import DROP, Ledge, TouchedGround
@@ -25,7 +26,7 @@ SHIFT_TIME, FASTEST_SHIFT = 0.3, 0.25
 """Time in which a standing body goes to the middle of its feet [s], and how fast at most [m/s]."""
 
 
-class StopAtDrop:
+class StopAtDrop(Remembering):
     """What a robot does that finds drops by touch; which feet catch its fall is known of four.
 
     Parameters
@@ -35,6 +36,8 @@ class StopAtDrop:
     ground
         What its feet have found.
     """
+
+    MEMORY = ("_standing", "note")
 
     name = "stop at drop"
 
@@ -53,6 +56,11 @@ class StopAtDrop:
         """Forget the last drop."""
         self._drop: Ledge | None = None
         self._standing, self.note = False, ""
+
+    def resume(self, memory: Memory) -> None:
+        """See `Remembering`: the drop is the one that the ground remembers, which is resumed before."""
+        super().resume(memory)
+        self._drop = self._ground.drop
 
     def propose(self, view: WalkView) -> Request:
         """Ask for no speed before a drop, and for rest once the body can come to it."""

@@ -25,6 +25,7 @@ from functools import cache
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.memory import Remembering
 from surefoot.motion.walking.biped.footstep_planner import Footstep, StepPlanner, pressure_path
 from surefoot.motion.walking.biped.pendulum import PendulumPreview
 
@@ -39,7 +40,7 @@ worth it [m]."""
 
 
 @dataclass
-class Catching:
+class Catching(Remembering):
     """Whether a body is being caught, and the steps that do it.
 
     Attributes
@@ -53,6 +54,8 @@ class Catching:
     pace
         How many times as fast as time the gait's clock goes.
     """
+
+    MEMORY = ("calm", "pace")
 
     preview: PendulumPreview
     planner: StepPlanner

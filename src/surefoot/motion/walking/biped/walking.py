@@ -17,6 +17,7 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
 from surefoot.base.errors import ModelError, ProblemError
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY, rotation_exp, rotation_log
 from surefoot.mechanics import FlatTerrain, Robot, Terrain, chain, composite_inertia
 from surefoot.motion.control.controller import RobotState
@@ -198,6 +199,13 @@ class BipedController(Walker):
         self._walk = self._outstanding = None
         self._laden = False
 
+    def _parts(self) -> dict[str, Remembering | None]:
+        """See `Tick`."""
+        return {
+            "schedule": self.schedule, "mpc": self.mpc, "whole_body": self.whole_body, "load": self.load,
+            "catching": self.catching, "arbiter": self.arbiter,
+        }  # fmt: skip
+
     def _observe_load(self, measured: RobotState) -> None:
         """Learn of the load; one that is found before the first step goes into all models."""
         load, time = self.load, measured.time
@@ -222,7 +230,7 @@ class BipedController(Walker):
         place[:2] = now.centres[:, :2].mean(axis=0)
         body = BodyPlan(self.height - self._rise, place, yaw, swerve=self._swerve(now, measured, yaw))
         body.fit_ground(corners, math.inf)
-        gait = GaitState(self.schedule, self.schedule.stance_time)
+        gait = GaitState(self.schedule.stance_time)
         return WalkState(
             GaitClock(-self.start), gait, feet, body, Ramps.of(2), biped=BipedState(corners),
             swing=SwingRequest(self.settings.clearance * self.height),
@@ -265,7 +273,7 @@ class BipedController(Walker):
         if not (given.changed or self._due(s.times.begun, time)):
             return s
         s.body.fit_ground(_kept(s).corners, min(time - s.times.begun, 1.0))
-        if not self.catching.active:
+        if s.plan is not None and not self.catching.active:
             s = self._aim(s, given.request, time)
         return self._replan(s, given)
 
@@ -368,7 +376,7 @@ class BipedController(Walker):
         return reference, kept._replace(offsets=offsets, leg_spin=leg_spin)
 
     def _offsets(self, steps: list[Footstep], clock: float, pressure: FloatArray) -> FloatArray:
-        """Return where the divergent motion is over the next landing of each foot, when it lands: (2, 2) [m]."""
+        """Return where the divergent motion is over the next landing of each foot then: (2, 2) [m]."""
         ahead, offsets = self._preview.divergent(pressure), np.zeros((2, 2))
         for one in reversed(steps):
             at = (one.begin - clock) / self._preview.dt

@@ -1,0 +1,177 @@
+"""Memory as a value: what an object keeps from one step to the next, copied, compared, and written down.
+
+An object that is used step by step names in `MEMORY` the attributes that last. Its memory is then a
+dictionary of plain values, which another object made in the same way can take over: it goes on as the first
+would have.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import math
+from collections import deque
+from collections.abc import Mapping
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Memory: TypeAlias = dict[str, Any]
+"""Names of attributes and their values; that of a part with a memory of its own is a dictionary again."""
+Arrays: TypeAlias = dict[str, NDArray[Any]]
+"""Arrays by the path to them."""
+
+
+class Remembering:
+    """Something with a memory.
+
+    Attributes
+    ----------
+    MEMORY
+        Names of the attributes that last from one step to the next; those of base classes are added.
+    """
+
+    MEMORY: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def lasting_names(cls) -> tuple[str, ...]:
+        """Return the names of all attributes that last."""
+        return tuple(name for base in cls.__mro__ for name in base.__dict__.get("MEMORY", ()))
+
+    def remembered(self) -> Memory:
+        """Return a copy of what lasts, as far as there is any yet."""
+        own = vars(self)
+        return {name: _copied(own[name]) for name in self.lasting_names() if name in own}
+
+    def resume(self, memory: Memory) -> None:
+        """Go on from a memory, which stays as it is."""
+        for name, value in memory.items():
+            part = getattr(self, name, None)
+            if isinstance(part, Remembering):
+                part.resume(value)
+            else:
+                setattr(self, name, copy.deepcopy(value))
+
+
+def _copied(value: Any) -> Any:
+    """Return a copy of a value, or the memory of a part that has one."""
+    return value.remembered() if isinstance(value, Remembering) else copy.deepcopy(value)
+
+
+def alike(one: Any, other: Any) -> bool:
+    """Return whether two values are the same to the last bit; NaN is like NaN.
+
+    Examples
+    --------
+    >>> alike({"a": np.array([1.0, np.nan])}, {"a": np.array([1.0, np.nan])}), alike((1.0,), [1.0])
+    (True, False)
+    """
+    one, other = (value.item() if isinstance(value, np.generic) else value for value in (one, other))
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray):
+        same = one.dtype == other.dtype and one.shape == other.shape
+        return bool(same and one.tobytes() == other.tobytes())
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(alike(value, other[key]) for key, value in one.items())
+    if isinstance(one, (list, tuple, deque)):
+        return len(one) == len(other) and all(map(alike, one, other))
+    if isinstance(one, float):
+        return one == other or (math.isnan(one) and math.isnan(other))
+    inside = _fields(one)
+    return bool(one == other) if inside is None else alike(inside, _fields(other))
+
+
+def _fields(value: Any) -> dict[str, Any] | None:
+    """Return what an object of Surefoot's consists of; None for a plain value."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        named = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+        return {**named, **getattr(value, "__dict__", {})}
+    return vars(value) if hasattr(value, "__dict__") else None
+
+
+def write_down(value: Any, kinds: Mapping[str, type]) -> tuple[Arrays, Any]:
+    """Return arrays by path, and the rest as what JSON can hold.
+
+    Parameters
+    ----------
+    value
+        Numbers, texts, None, arrays, and lists, tuples, sets, queues, dictionaries and objects of them.
+    kinds
+        By name the classes of the objects.
+
+    Examples
+    --------
+    >>> arrays, facts = write_down({"a": np.zeros(2), "b": (1, math.inf)}, {})
+    >>> sorted(arrays), facts
+    (['a'], {'dict': [['a', {'array': 'a'}], ['b', {'tuple': [1, {'float': 'inf'}]}]]})
+    >>> read_back(arrays, facts, {})
+    {'a': array([0., 0.]), 'b': (1, inf)}
+    """
+    arrays: Arrays = {}
+    return arrays, _written(value, "", arrays, {kind: name for name, kind in kinds.items()})
+
+
+def _written(value: Any, path: str, arrays: Arrays, names: Mapping[type, str]) -> Any:
+    """Return a value as what JSON can hold, its arrays put down by path."""
+    if isinstance(value, np.ndarray):
+        arrays[path] = value.copy()
+        return {"array": path}
+    if isinstance(value, np.generic):
+        value = value.item()
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    if isinstance(value, bytes):
+        return {"bytes": value.hex()}
+    if isinstance(value, float):
+        return value if math.isfinite(value) else {"float": repr(value)}
+    within = f"{path}." if path else ""
+    if type(value) in names:
+        fields = value._asdict() if isinstance(value, tuple) else _fields(value) or {}
+        rest = {name: _written(part, within + name, arrays, names) for name, part in fields.items()}
+        return {"kind": names[type(value)], "fields": rest}
+    if isinstance(value, dict):
+        items = [[key, _written(part, f"{within}{key}", arrays, names)] for key, part in value.items()]
+        return {"dict": items}
+    for kind in (list, tuple, set, deque):
+        if type(value) is kind:
+            parts = sorted(value) if kind is set else value
+            out = [_written(part, f"{within}{k}", arrays, names) for k, part in enumerate(parts)]
+            return {kind.__name__: out} | ({"maxlen": value.maxlen} if kind is deque else {})
+    raise TypeError(f"{path}: a memory cannot hold a {type(value).__name__}")
+
+
+def read_back(arrays: Arrays, facts: Any, kinds: Mapping[str, type]) -> Any:
+    """Return the value that `write_down` has put into arrays and facts."""
+    if not isinstance(facts, dict):
+        return facts
+
+    def inside(parts: Any) -> list[Any]:
+        return [read_back(arrays, part, kinds) for part in parts]
+
+    (what, held), *more = facts.items()
+    if what == "array":
+        return arrays[held].copy()
+    if what == "float":
+        return float(held)
+    if what == "bytes":
+        return bytes.fromhex(held)
+    if what == "dict":
+        return {key: read_back(arrays, part, kinds) for key, part in held}
+    if what == "kind":
+        fields = {name: read_back(arrays, part, kinds) for name, part in more[0][1].items()}
+        return _made(kinds[held], fields)
+    if what == "deque":
+        return deque(inside(held), maxlen=more[0][1])
+    return {"list": list, "tuple": tuple, "set": set}[what](inside(held))
+
+
+def _made(kind: type, fields: dict[str, Any]) -> Any:
+    """Return an object of a class with given fields, as it was when it was written down."""
+    if issubclass(kind, tuple):
+        return kind(**fields)
+    out = object.__new__(kind)
+    for name, value in fields.items():
+        object.__setattr__(out, name, value)
+    return out
