@@ -86,8 +86,7 @@ def alike(one: Any, other: Any) -> bool:
 def _fields(value: Any) -> dict[str, Any] | None:
     """Return what an object of Surefoot's consists of; None for a plain value."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        named = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
-        return {**named, **getattr(value, "__dict__", {})}
+        return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     return vars(value) if hasattr(value, "__dict__") else None
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from surefoot.base.arrays import BoolArray
 from surefoot.mechanics.terrain import SlopeTerrain, StairsTerrain
 from surefoot.motion.gaits.gait import Gait
 from surefoot.motion.walking.foot_phases import EARLY, LOST_TIME, FootPhase
@@ -217,11 +218,13 @@ TRANSITIONS = [
 
 
 @pytest.mark.parametrize(("events", "phase"), TRANSITIONS)
-def test_the_table_of_phases(feet: WalkedFeet, events: list[tuple[float, object]], phase: FootPhase) -> None:
+def test_the_table_of_phases(
+    feet: WalkedFeet, events: list[tuple[float, BoolArray | str]], phase: FootPhase
+) -> None:
     feet.update(0.001, UP, CENTRES)
     for time, what in events:
-        touch = UP if isinstance(what, str) else np.asarray(what)
-        feet.update(
-            time, touch, CENTRES, struck=1 if what == "struck" else None, false=1 if what == "false" else None
-        )
+        named = what if isinstance(what, str) else ""
+        touching = UP if isinstance(what, str) else what
+        struck, false = 1 if named == "struck" else None, 1 if named == "false" else None
+        feet.update(time, touching, CENTRES, struck=struck, false=false)
     assert FootPhase(int(feet.now.foot["phase"][1])) is phase

@@ -21,10 +21,11 @@ from surefoot.motion.control.whole_body import ForceLimits, WholeBodyCommand, Wh
 from surefoot.motion.control.whole_body_tasks import Kinematics, Tasks
 from surefoot.motion.walking.behaviours.arbiter import Arbiter
 from surefoot.motion.walking.behaviours.behaviour import Request, WalkView
+from surefoot.motion.walking.force_planner import Ramps
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.touchdown_detection import TouchMemory
-from surefoot.motion.walking.walk_state import StepInput, WalkState
+from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand
 from surefoot.motion.walking.walking_feet import Feet, FeetContact
 from surefoot.motion.walking.walking_settings import WalkCommand
@@ -73,15 +74,19 @@ class Tick(Controller):
         s = self._begin(now, measured) if self._walk is None else self._walk
         clock = s.clock.at(measured.time - self.start)
         touch, feet, contact = self._classify_contact(s, measured, now, clock)
-        s, feet, changed = self._advance_feet(s, feet, contact, now, clock)
+        feet, biped, changed = self._advance_feet(s, feet, contact, now, clock)
         # ground: what the feet have found
         touch, feet, waits = self._learn_ground(s, touch, feet, measured, now, clock)
         # behaviours propose, the arbiter merges
         request = self.arbiter.merge(self._view(s, feet, measured, now, clock))
         # plan: body, then footholds and forces as they fall due
         s.body.take_posture(self.command.posture_at(max(clock.time, 0.0)), self.dt)
-        s = self._move(s, touch, feet, request, now, clock, waits)
-        s, limits = self._limit_forces(s, request, measured, now, contact)
+        clock, gait, feet, times = self._move(s, feet, request, now, clock, waits)
+        ramps, limits = self._limit_forces(s.ramps, gait, clock, feet, request, measured, now, contact)
+        s = WalkState(
+            clock, gait, feet, s.body, ramps, None if touch is None else touch.asked(request), s.plan,
+            s.horizon, times, s.swing, biped, s.parts,
+        )  # fmt: skip
         given = StepInput(now, request, measured.time, changed)
         if begins or not self.answers_first:
             s = self._plan(s, given)
@@ -167,8 +172,8 @@ class Tick(Controller):
     @abstractmethod
     def _advance_feet(
         self, s: WalkState, feet: Feet, contact: FeetContact, now: Kinematics, clock: GaitClock
-    ) -> tuple[WalkState, Feet, bool]:
-        """Return state and feet at the time of the clock, and whether one has lifted, landed or lost touch."""
+    ) -> tuple[Feet, BipedState | None, bool]:
+        """Return the feet at the time of the clock, and whether one has lifted, landed or lost the ground."""
 
     def _learn_ground(
         self, s: WalkState, touch: TouchMemory | None, feet: Feet, measured: RobotState, now: Kinematics,
@@ -179,16 +184,16 @@ class Tick(Controller):
 
     @abstractmethod
     def _move(
-        self, s: WalkState, touch: TouchMemory | None, feet: Feet, request: Request, now: Kinematics,
-        clock: GaitClock, waits: bool,
-    ) -> WalkState:  # fmt: skip
-        """Return the state with body, gait and clock moved on by one step, as is asked for."""
+        self, s: WalkState, feet: Feet, request: Request, now: Kinematics, clock: GaitClock, waits: bool
+    ) -> tuple[GaitClock, GaitState, Feet, PlanTimes]:
+        """Move the body by one step, as is asked for; return clock, gait, feet, and what is to be planned."""
 
     @abstractmethod
     def _limit_forces(
-        self, s: WalkState, request: Request, measured: RobotState, now: Kinematics, contact: FeetContact
-    ) -> tuple[WalkState, ForceLimits]:
-        """Return the state, and the limits of the contact forces of this step."""
+        self, ramps: Ramps, gait: GaitState, clock: GaitClock, feet: Feet, request: Request,
+        measured: RobotState, now: Kinematics, contact: FeetContact,
+    ) -> tuple[Ramps, ForceLimits]:  # fmt: skip
+        """Return the ramps of the normal forces, and the limits of the contact forces of this step."""
 
     @abstractmethod
     def _plan(self, s: WalkState, given: StepInput) -> WalkState:

@@ -207,6 +207,8 @@ class BodyPlan:
     stance: InitVar[float] = 0.0
     ceiling: float = math.inf
     posture: FloatArray = field(default_factory=lambda: np.zeros(3))
+    change: float = field(init=False)
+    acceleration: float = field(init=False)
 
     def __post_init__(self, stance: float) -> None:
         self.change = ACCELERATION * GRAVITY

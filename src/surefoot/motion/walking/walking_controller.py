@@ -34,7 +34,7 @@ from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.stair_phase import StepPhase
 from surefoot.motion.walking.touchdown_detection import TouchMemory, TouchSense
-from surefoot.motion.walking.walk_state import GaitState, StepInput, WalkState
+from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walking_body import DIP, BodyPlan, VelocityCommand, first_stance
 from surefoot.motion.walking.walking_feet import (
@@ -132,6 +132,7 @@ class WalkingController(Walker):
         period = chosen.shortest or PERIOD * math.sqrt(self.height / 0.3)
         self._stance_time = self.schedule.stance_time or STANCE * period
         self._mpc_dt = period / s.steps_per_period
+        self._interval = min(s.plan_interval, self._mpc_dt) - 0.5 * self.dt
         self._set_parts(inertia, offsets, radii, chosen.shortest > 0.0)
 
     def _measure(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -197,11 +198,6 @@ class WalkingController(Walker):
         """Whether the body waits to set off onto steps."""
         return self._steps is not None and self._steps.waiting
 
-    @property
-    def _interval(self) -> float:
-        """Time between two plans, less half a step [s]."""
-        return min(self.settings.plan_interval, self._mpc_dt) - 0.5 * self.dt
-
     def _observe_load(self, measured: RobotState) -> None:
         """Learn of the load; bring the models up in a step without a plan and without footholds."""
         if self.load is None:
@@ -248,14 +244,14 @@ class WalkingController(Walker):
 
     def _advance_feet(
         self, s: WalkState, feet: Feet, contact: FeetContact, now: Kinematics, clock: GaitClock
-    ) -> tuple[WalkState, Feet, bool]:
+    ) -> tuple[Feet, BipedState | None, bool]:
         """See `Tick`; before the gait begins all feet stand."""
         if clock.time < 0.0:
-            return s, feet, False
+            return feet, None, False
         careful = s.touch is not None and s.touch.search.careful
-        return s, *self._feet_model.advance(
-            feet, self._followed(s.gait), clock, contact, now.centres, careful
-        )
+        schedule = self._followed(s.gait)
+        feet, changed = self._feet_model.advance(feet, schedule, clock, contact, now.centres, careful)
+        return feet, None, changed
 
     def _learn_ground(
         self, s: WalkState, touch: TouchMemory | None, feet: Feet, measured: RobotState, now: Kinematics,
@@ -267,9 +263,8 @@ class WalkingController(Walker):
         return self._touch.learn(touch, measured, feet, self._followed(s.gait), clock, now)
 
     def _move(
-        self, s: WalkState, touch: TouchMemory | None, feet: Feet, request: Request, now: Kinematics,
-        clock: GaitClock, waits: bool,
-    ) -> WalkState:  # fmt: skip
+        self, s: WalkState, feet: Feet, request: Request, now: Kinematics, clock: GaitClock, waits: bool
+    ) -> tuple[GaitClock, GaitState, Feet, PlanTimes]:
         """See `Tick`."""
         velocity, recovery, body, times = self.arbiter.velocity, request.recovery, s.body, s.times
         if self._steps is not None:
@@ -288,8 +283,7 @@ class WalkingController(Walker):
             body.advance(velocity, now.com, self.dt, change, request.height)
         else:
             body.advance(velocity, now.com, self.dt, recovery.acceleration, request.height, recovery.velocity)
-        touch = None if touch is None else touch.asked(request)
-        return replace(s, clock=clock, gait=gait, feet=feet, touch=touch, times=times)
+        return clock, gait, feet, times
 
     def _leap(
         self, gait: GaitState, feet: Feet, wanted: bool, now: Kinematics, clock: GaitClock
@@ -309,17 +303,16 @@ class WalkingController(Walker):
         return gait, feet
 
     def _limit_forces(
-        self, s: WalkState, request: Request, measured: RobotState, now: Kinematics, contact: FeetContact
-    ) -> tuple[WalkState, ForceLimits]:
+        self, ramps: Ramps, gait: GaitState, clock: GaitClock, feet: Feet, request: Request,
+        measured: RobotState, now: Kinematics, contact: FeetContact,
+    ) -> tuple[Ramps, ForceLimits]:  # fmt: skip
         """Return this step's friction, normal-force bounds by the ramps of the feet, and external wrench."""
         outside = None if self.load is None else self.load.pull(now, measured.q[:3])
         low, high = self._normals
-        stance = s.feet.stance
-        ramps, shares = self.planner.shares(
-            s.ramps, self._followed(s.gait), s.clock, stance, contact.touching
-        )
-        swing = 1.0 if s.gait.leap is None or stance.any() else FLYING
-        return replace(s, ramps=ramps), ForceLimits(request.mu, low, high * shares, outside, swing)
+        schedule, stance = self._followed(gait), feet.stance
+        ramps, shares = self.planner.shares(ramps, schedule, clock, stance, contact.touching)
+        swing = 1.0 if gait.leap is None or stance.any() else FLYING
+        return ramps, ForceLimits(request.mu, low, high * shares, outside, swing)
 
     def _plan(self, s: WalkState, given: StepInput) -> WalkState:
         """Set up a plan, solve one that is set up, or choose footholds: one a step."""

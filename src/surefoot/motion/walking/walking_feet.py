@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +16,6 @@ from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.walking import swing
 from surefoot.motion.walking.foot_phases import (
     SEARCHING,
-    STANCE,
     FootArray,
     advance_feet,
     feet_in_stance,
@@ -92,8 +93,9 @@ class SwingRequest(NamedTuple):
     stride: FloatArray | None = None
 
 
-class Feet(NamedTuple):
-    """The feet of a walk: one array of records; what is read of it has a row per foot.
+@dataclass(frozen=True, eq=False)
+class Feet:
+    """The feet of a walk: one array of records; what is read of it has a row per foot, and is read once.
 
     Attributes
     ----------
@@ -103,40 +105,40 @@ class Feet(NamedTuple):
 
     foot: FootArray
 
-    @property
+    @cached_property
     def stance(self) -> BoolArray:
         """(n,) which feet push now."""
-        return np.asarray(self.foot["phase"] == STANCE)
+        return np.logical_not(self.foot["phase"])  # STANCE is 0
 
-    @property
+    @cached_property
     def searching(self) -> BoolArray:
         """(n,) which feet should be on the ground but have not found it."""
         return np.asarray(self.foot["phase"] == SEARCHING)
 
-    @property
+    @cached_property
     def planned(self) -> BoolArray:
         """(n,) which feet the gait wants on the ground now."""
-        return np.asarray(self.foot["planned"] != 0)
+        return self.foot["planned"].astype(np.bool_)
 
-    @property
+    @cached_property
     def overdue(self) -> BoolArray:
         """(n,) which feet should stand by now and do not."""
         return self.planned & ~self.stance
 
-    @property
+    @cached_property
     def target(self) -> FloatArray:
         """(n, 3) where feet in the air will touch (centre of the foot), or last did."""
-        return np.asarray(self.foot["target"])
+        return self.foot["target"].copy()
 
-    @property
+    @cached_property
     def ground(self) -> FloatArray:
         """(n, 3) contact point where each foot last stood."""
-        return np.asarray(self.foot["ground"])
+        return self.foot["ground"].copy()
 
-    @property
+    @cached_property
     def frames(self) -> FloatArray:
         """(n, 3, 3) rotation_world_contact of each foot's ground."""
-        return np.asarray(self.foot["frame"])
+        return self.foot["frame"].copy()
 
 
 class FeetModel:

@@ -43,8 +43,7 @@ from surefoot.motion.walking.foot_phases import FootPhase
 from surefoot.motion.walking.force_planner import ForcePlan, Ramps
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
-from surefoot.motion.walking.touchdown_detection import TouchMemory
-from surefoot.motion.walking.walk_state import BipedState, GaitState, StepInput, WalkState
+from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, limit_command
 from surefoot.motion.walking.walking_feet import LEAST_CLEARANCE, Feet, FeetContact, SwingRequest
@@ -238,34 +237,34 @@ class BipedController(Walker):
 
     def _advance_feet(
         self, s: WalkState, feet: Feet, contact: FeetContact, now: Kinematics, clock: GaitClock
-    ) -> tuple[WalkState, Feet, bool]:
+    ) -> tuple[Feet, BipedState | None, bool]:
         """See `Tick`; before the gait begins both feet stand."""
-        if clock.time < 0.0:
-            return s, feet, False
         kept = _kept(s)
+        if clock.time < 0.0:
+            return feet, kept, False
         feet, corners, changed = self.soles.advance(
             feet, kept.corners, self.schedule, clock, contact, now.centres, self.whole_body.foot_rotations
         )
-        return replace(s, biped=kept._replace(corners=corners)), feet, changed
+        return feet, kept._replace(corners=corners), changed
 
     def _move(
-        self, s: WalkState, touch: TouchMemory | None, feet: Feet, request: Request, now: Kinematics,
-        clock: GaitClock, waits: bool,
-    ) -> WalkState:  # fmt: skip
+        self, s: WalkState, feet: Feet, request: Request, now: Kinematics, clock: GaitClock, waits: bool
+    ) -> tuple[GaitClock, GaitState, Feet, PlanTimes]:
         """See `Tick`; the body rises before it walks."""
         body, pace = s.body, self.catching.pace
         feet = self.soles.model.hurried(feet, clock.rate, pace)
         body.rise(self._rise * self.dt / self.start, self.height + float(self.load.shift[2]))
         change = min(body.change, request.acceleration)
         body.advance(self.arbiter.velocity, now.com, self.dt, change, request.height)
-        return replace(s, clock=clock.advanced(self.dt, pace, waits), feet=feet)
+        return clock.advanced(self.dt, pace, waits), s.gait, feet, s.times
 
     def _limit_forces(
-        self, s: WalkState, request: Request, measured: RobotState, now: Kinematics, contact: FeetContact
-    ) -> tuple[WalkState, ForceLimits]:
+        self, ramps: Ramps, gait: GaitState, clock: GaitClock, feet: Feet, request: Request,
+        measured: RobotState, now: Kinematics, contact: FeetContact,
+    ) -> tuple[Ramps, ForceLimits]:  # fmt: skip
         """Return this step's friction, and the external wrench of a robot that carries a load."""
         outside = self.load.pull(now, measured.q[:3]) if self._laden else None
-        return s, ForceLimits(request.mu, outside=outside)
+        return ramps, ForceLimits(request.mu, outside=outside)
 
     def _plan(self, s: WalkState, given: StepInput) -> WalkState:
         """Choose the landings of feet in the air, and plan the forces of the steps ahead, if it is time."""
