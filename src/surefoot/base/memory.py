@@ -11,7 +11,7 @@ import copy
 import dataclasses
 import math
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
@@ -98,7 +98,8 @@ def write_down(value: Any, kinds: Mapping[str, type]) -> tuple[Arrays, Any]:
     value
         Numbers, texts, None, arrays, and lists, tuples, sets, queues, dictionaries and objects of them.
     kinds
-        By name the classes of the objects.
+        By name the classes of the objects. One that has `_asdict`, as named tuples have, is made again of
+        what that returns; any other of its attributes.
 
     Examples
     --------
@@ -127,18 +128,23 @@ def _written(value: Any, path: str, arrays: Arrays, names: Mapping[type, str]) -
         return value if math.isfinite(value) else {"float": repr(value)}
     within = f"{path}." if path else ""
     if type(value) in names:
-        fields = value._asdict() if isinstance(value, tuple) else _fields(value) or {}
+        fields = value._asdict() if hasattr(value, "_asdict") else _fields(value) or {}
         rest = {name: _written(part, within + name, arrays, names) for name, part in fields.items()}
         return {"kind": names[type(value)], "fields": rest}
     if isinstance(value, dict):
         items = [[key, _written(part, f"{within}{key}", arrays, names)] for key, part in value.items()]
         return {"dict": items}
-    for kind in (list, tuple, set, deque):
+    if isinstance(value, deque):
+        return {"deque": _each(value, within, arrays, names), "maxlen": value.maxlen}
+    for kind in (list, tuple, set):
         if type(value) is kind:
-            parts = sorted(value) if kind is set else value
-            out = [_written(part, f"{within}{k}", arrays, names) for k, part in enumerate(parts)]
-            return {kind.__name__: out} | ({"maxlen": value.maxlen} if kind is deque else {})
+            return {kind.__name__: _each(sorted(value) if kind is set else value, within, arrays, names)}
     raise TypeError(f"{path}: a memory cannot hold a {type(value).__name__}")
+
+
+def _each(parts: Iterable[Any], within: str, arrays: Arrays, names: Mapping[type, str]) -> list[Any]:
+    """Return each of some values as what JSON can hold."""
+    return [_written(part, f"{within}{k}", arrays, names) for k, part in enumerate(parts)]
 
 
 def read_back(arrays: Arrays, facts: Any, kinds: Mapping[str, type]) -> Any:
@@ -168,9 +174,9 @@ def read_back(arrays: Arrays, facts: Any, kinds: Mapping[str, type]) -> Any:
 
 def _made(kind: type, fields: dict[str, Any]) -> Any:
     """Return an object of a class with given fields, as it was when it was written down."""
-    if issubclass(kind, tuple):
+    if hasattr(kind, "_asdict"):
         return kind(**fields)
-    out = object.__new__(kind)
+    out: Any = object.__new__(kind)
     for name, value in fields.items():
         object.__setattr__(out, name, value)
     return out

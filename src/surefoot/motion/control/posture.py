@@ -118,3 +118,10 @@ def stretching(robot: Robot, share: float) -> float:
         length = float(sum(np.linalg.norm(b - a) for a, b in pairwise(places)))
         out = max(out, share * length - float(places[0][2] - places[-1][2]))
     return out
+
+
+def leg_share(robot: Robot) -> float:
+    """Return the share of a robot's mass that its legs have."""
+    frames = [robot.model.getFrameId(foot.name) for foot in robot.feet]
+    legs = {joint for frame in frames for joint in chain(robot.model, frame)}
+    return float(sum(robot.model.inertias[joint].mass for joint in legs)) / robot.mass

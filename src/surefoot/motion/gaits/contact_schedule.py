@@ -42,7 +42,7 @@ class ContactSchedule(Remembering, ABC):
         (3,) velocity that it follows: forward, left [m/s], turn [rad/s].
     """
 
-    MEMORY = ("_rows", "_since", "_until")
+    MEMORY: ClassVar[tuple[str, ...]] = ("_rows", "_since", "_until")
 
     name: str = "schedule"
     feet: int

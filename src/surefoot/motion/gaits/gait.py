@@ -12,6 +12,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -107,7 +108,7 @@ class Gait(_ModeTable):
     ([9, 6], [0.0, 0.25, 0.5])
     """
 
-    MEMORY = ("_last",)
+    MEMORY: ClassVar[tuple[str, ...]] = ("_last",)
 
     def __init__(
         self,

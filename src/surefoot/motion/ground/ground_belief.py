@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections import deque
-from typing import cast
+from typing import ClassVar, cast
 
 import numpy as np
 
@@ -49,7 +49,7 @@ class BeliefTerrain(Remembering, Terrain):
         Whether it finds drops by touch, as `TouchedGround` does.
     """
 
-    MEMORY = (
+    MEMORY: ClassVar[tuple[str, ...]] = (
         "radius",
         "struck_at",
         "_height",

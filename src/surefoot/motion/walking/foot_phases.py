@@ -96,6 +96,11 @@ def feet_in_stance(
     return feet
 
 
+def copied_feet(feet: FootArray) -> FootArray:
+    """Return a copy of feet: as plain numbers, for NumPy copies records field by field, and slowly."""
+    return feet.view(np.float64).copy().view(FOOT)
+
+
 @kernel
 def lift_foot(
     feet: Any, k: int, begin: float, duration: float, centre: FloatArray, lift_first: float

@@ -24,7 +24,7 @@ class GaitClock(NamedTuple):
 
     def at(self, since_start: float) -> GaitClock:
         """Return the clock at a time since the gait's start [s]."""
-        return self._replace(time=since_start - self.behind)
+        return GaitClock(since_start - self.behind, self.behind, self.rate)
 
     def advanced(self, dt: float, rate: float, held: bool = False) -> GaitClock:
         """Return the clock that a step of dt [s] leaves, at a rate, and held up for the step or not.

@@ -52,9 +52,11 @@ class LoadAdaptation(Remembering):
         (3,) how far the load moves the centre of mass, base axes [m].
     load
         (4,) mass and first moment that the models have, base axes [kg, kg m].
+    laden
+        Whether a load has been noticed, see `notice`.
     """
 
-    MEMORY = ("observer", "_torques", "_time", "_pushing", "shift", "rotation", "load")
+    MEMORY = ("observer", "_torques", "_time", "_pushing", "shift", "rotation", "load", "laden")
 
     def __init__(
         self, robot: Robot, dt: float, mpc: ConvexMpc, whole_body: WholeBodyController,
@@ -77,7 +79,7 @@ class LoadAdaptation(Remembering):
         """Forget the load."""
         self._torques: FloatArray | None = None  # of the step that has begun
         self._time, self.shift, self.rotation = 0.0, np.zeros(3), np.eye(3)
-        self.load = np.zeros(4)
+        self.load, self.laden = np.zeros(4), False
         self.observer.reset()
         self.whole_body.carry(None)
         self.mpc.carry(self.robot.mass, self.upright @ self.inertia @ self.upright.T)
@@ -104,10 +106,14 @@ class LoadAdaptation(Remembering):
         torques
             (joints,) during it [N m].
         pushing
-            (n,) which feet may push.
+            (n,) which feet may push; kept as it is.
         """
         self._torques = torques - self.whole_body.friction
-        self._time, self._pushing = time, pushing.copy()
+        self._time, self._pushing = time, pushing
+
+    def notice(self, least: float) -> None:
+        """Take note of a load of more than a share of the robot's mass, for good."""
+        self.laden |= self.observer.load.mass > least * self.robot.mass
 
     def update_models(self, body: BodyPlan | None) -> None:
         """Bring the models up to the estimate, and the plan for the (new) centre of mass, not the body's.
@@ -135,7 +141,7 @@ class LoadAdaptation(Remembering):
         `base` (3,) is the place of the base [m]. What is returned is (6,) about it, base axes [N, N m].
         """
         self.rotation = now.rotation.copy()
-        on_base, on_com = np.zeros(6), np.zeros(6)
+        on_base, on_com = np.empty(6), np.empty(6)
         tell_wrench(
             self.observer.wrench, MOST, self.observer.wrench_unit,
             now.rotation, base, now.com, on_base, on_com,

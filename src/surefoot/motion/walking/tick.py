@@ -58,13 +58,14 @@ class Tick(Controller):
     _walk: WalkState | None = None
     _outstanding: StepInput | None = None
 
-    def step(self, measured: RobotState) -> WalkCommand:
+    def step(self, state: RobotState) -> WalkCommand:
         """Return the command for a state; where no foot senses, the gait's plan is taken for the contacts.
 
         Never raises on a hard instance; see `WholeBodyCommand.feasible`. A state that is not finite, or too
         large to compute with, gets a command that slows the joints, and changes nothing else.
         """
         self.plan_ahead()  # if nobody has
+        measured = state
         if not computable(measured.q, measured.v):
             return self._damped(measured.v)
         # sense: what the robot carries, where it is, which feet stand

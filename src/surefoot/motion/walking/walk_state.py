@@ -106,15 +106,31 @@ class BipedState(NamedTuple):
         (2, 2) where the divergent motion is over the next landing of each foot, when it lands [m].
     leg_spin
         (N + 1, 3) spin that the angular momentum of the legs is put down to [rad/s].
-    laden
-        Whether the robot carries a load from its first step on.
     """
 
     corners: FloatArray
     predicted: FloatArray = np.zeros((2, 1, 3))
     offsets: FloatArray = np.zeros((2, 2))
     leg_spin: FloatArray = np.zeros((1, 3))
-    laden: bool = False
+
+    def divergence(self, after: float, omega: float) -> FloatArray:
+        """Return the divergent motion that is predicted for a time after the plan: (2,) [m].
+
+        Parameters
+        ----------
+        after
+            The time, in steps of the plan [-].
+        omega
+            Rate of the pendulum [1/s].
+        """
+        places, speeds = self.predicted
+        last = len(places) - 1
+        at = min(max(after, 0.0), float(last))
+        i = min(int(at), last - 1)
+        share = at - i
+        place = (1.0 - share) * places[i] + share * places[i + 1]
+        speed = (1.0 - share) * speeds[i] + share * speeds[i + 1]
+        return np.asarray((place + speed / omega)[:2])
 
 
 @dataclass(slots=True, eq=False)

@@ -6,6 +6,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -120,13 +121,13 @@ class Walker(Tick):
             robot, mu, low, high, s.whole_body, baumgarte, None, s.actuators, sole_damping
         )
 
-    @property
+    @cached_property
     def _normals(self) -> tuple[float, float]:
         """Least and largest normal force of a contact point [N]."""
         weight = self.robot.mass * GRAVITY
         return self.settings.normal_min * weight, self.settings.normal_max * weight
 
-    @property
+    @cached_property
     def _pendulum(self) -> float:
         """sqrt(g / h) [rad/s]."""
         return math.sqrt(GRAVITY / self.height)
@@ -137,6 +138,11 @@ class Walker(Tick):
         x, y = (now.com - state.q[:3])[:2].tolist()
         c, s = math.cos(yaw), math.sin(yaw)
         return np.array([s * x - c * y, c * x + s * y, 0.0])
+
+    @cached_property
+    def _gains(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Stiffness [1/s²] and damping [1/s] of the feedback on the body and on feet in the air."""
+        return self._gain(self.settings.body_stiffness), self._gain(self.settings.swing_stiffness)
 
     def _gain(self, share: float) -> tuple[float, float]:
         """Return stiffness [1/s²] and critical damping [1/s] at a multiple of the pendulum's rate."""

@@ -21,7 +21,6 @@ from surefoot.motion.control.controller import RobotState
 from surefoot.motion.control.posture import Posture
 from surefoot.motion.control.whole_body_tasks import ForceLimits, Kinematics, Tasks
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
-from surefoot.motion.gaits.gait import Gait
 from surefoot.motion.ground.ground_belief import believed
 from surefoot.motion.ground.plane_ahead import plane_ahead
 from surefoot.motion.walking.behaviours.arbiter import EVERYTHING
@@ -31,6 +30,7 @@ from surefoot.motion.walking.foothold import catching_place, step_place
 from surefoot.motion.walking.force_planner import ForcePlanner, Ramps
 from surefoot.motion.walking.gait_choice import choose_gait
 from surefoot.motion.walking.gait_clock import GaitClock
+from surefoot.motion.walking.leaping import leap, unease
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.stair_phase import StepPhase
 from surefoot.motion.walking.touchdown_detection import TouchMemory, TouchSense
@@ -53,14 +53,9 @@ LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
 LOW = 0.5
 """Height of the swings over the usual one while a body is caught, for they are quick."""
-CALM, UNEASY, UNEASE_TIME = 0.06, 0.15, 1.0
-"""Up to the first error of its velocity, as a share of sqrt(g h), a body moves as planned; from the second on
-feet are lifted in full, and ever less for so long after it [s]."""
 HELD = 3.0
 """Natural frequency of joints outside the legs, which hold the pose that the walk begins in, in units of
 sqrt(g / h): a biped's arms have the same."""
-LEAP, LAND = 0.5, 0.44
-"""Times in the air and on the ground of a body that leaps, in units of sqrt(h / g)."""
 FLYING = 10.0
 """Weight of the feet then, in the air, over the usual one: what holds a body level that no foot holds throws
 its legs about."""
@@ -160,6 +155,7 @@ class WalkingController(Walker):
         clearance, descent = s.clearance * self.height, DESCENT * math.sqrt(GRAVITY * self.height)
         self._feet_model = FeetModel(self.terrain, radii, clearance, descent)
         belief = believed(self.terrain)
+        self._still, self._no_gaps = np.zeros(self.robot.joints), np.zeros(len(radii))
         self._touch = None
         if belief is not None:
             self._touch = TouchSense(belief, weight, self.height, self._feet_model, self.dt)
@@ -272,7 +268,8 @@ class WalkingController(Walker):
             velocity = velocity * [pace, pace, 1.0]
         gait = s.gait
         if recovery is not None or gait.leap is not None:
-            gait, feet = self._leap(gait, feet, recovery is not None and recovery.leaps, now, clock)
+            wanted, unit = recovery is not None and recovery.leaps, 1.0 / self._pendulum
+            gait, feet = leap(gait, feet, wanted, self._feet_model, self.schedule, clock, now.centres, unit)
             if gait is not s.gait:
                 times = times._replace(begun=-math.inf)
         rate = 1.0 if recovery is None or gait.leap is not None else recovery.rate
@@ -284,23 +281,6 @@ class WalkingController(Walker):
         else:
             body.advance(velocity, now.com, self.dt, recovery.acceleration, request.height, recovery.velocity)
         return clock, gait, feet, times
-
-    def _leap(
-        self, gait: GaitState, feet: Feet, wanted: bool, now: Kinematics, clock: GaitClock
-    ) -> tuple[GaitState, Feet]:
-        """Let all feet leave the ground and meet it together if wanted; end late in a stance if not."""
-        unit, time = 1.0 / self._pendulum, clock.time
-        if gait.leap is not None:
-            landed, begin, end = gait.leap.phase(0, time)
-            if not wanted and landed and time > 0.5 * (begin + end):
-                feet = self._feet_model.following(feet, self.schedule, time)
-                return gait._replace(leap=None), feet
-        elif wanted:
-            period, air = (LEAP + LAND) * unit, LEAP * unit
-            begun = [(time + air) / period] * len(feet.foot)
-            leap = Gait.from_phases("leap", period, LAND * unit / period, begun)
-            return gait._replace(leap=leap), self._feet_model.leap(feet, clock, air, now.centres)
-        return gait, feet
 
     def _limit_forces(
         self, ramps: Ramps, gait: GaitState, clock: GaitClock, feet: Feet, request: Request,
@@ -373,7 +353,10 @@ class WalkingController(Walker):
         """Return the gait, and how high feet are lifted, along which way, and over which stride."""
         body, clock = s.body, s.clock
         own, stride = self.schedule.clearance, None
-        share, gait = self._ease(gait, body, now)
+        share = 1.0
+        if self.terrain.planar:
+            gait = gait._replace(unease=unease(gait.unease, body, now, self.height, self._interval))
+            share = self.settings.ease + (1.0 - self.settings.ease) * gait.unease
         usual = share * (self.settings.clearance * self.height if own is None else own)
         lifted = max(usual + float(body.posture[2]), LEAST_CLEARANCE * usual) + request.clearance
         if request.recovery is not None and gait.leap is None:
@@ -383,17 +366,6 @@ class WalkingController(Walker):
             stride = self._steps.stride
         heading = None if s.touch is None else s.touch.heading
         return gait, SwingRequest(lifted, heading, stride)
-
-    def _ease(self, gait: GaitState, body: BodyPlan, now: Kinematics) -> tuple[float, GaitState]:
-        """Return the share of the usual clearance that a swing is to have, and the gait."""
-        if not self.terrain.planar:
-            return 1.0, gait
-        error = now.com_velocity[:2] - body.flow()
-        size = math.hypot(error[0], error[1]) / math.sqrt(GRAVITY * self.height)
-        fresh = min(max((size - CALM) / (UNEASY - CALM), 0.0), 1.0)
-        unease = max(fresh, gait.unease - self._interval / UNEASE_TIME)
-        share = self.settings.ease + (1.0 - self.settings.ease) * unease
-        return share, gait._replace(unease=unease)
 
     def _time_steps(self, gait: GaitState, body: BodyPlan, request: Request, time: float) -> GaitState:
         """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""
@@ -414,15 +386,13 @@ class WalkingController(Walker):
         """Return the whole-body tasks: the plan's motion now, feedback on it, and the feet in the air."""
         feet, plan = s.feet, s.plan
         assert plan is not None, "the first step makes a plan"
-        gain = self._gain(self.settings.body_stiffness)
+        gain, swing_gain = self._gains
         body = follow(plan.motion, plan.rotation, measured.time - plan.made, *now[:4], *gain)
         wanted = self._feet_model.accelerations(
             feet, s.clock, None if s.touch is None else s.touch.fastest, now.centres, now.twists,
-            self._gain(self.settings.swing_stiffness),
+            swing_gain,
         )  # fmt: skip
-        joints = np.zeros(self.robot.joints)
+        joints = self._still
         if self._posture is not None:
             joints = self._posture.accelerations(measured.q, measured.v)
-        return Tasks(
-            feet.stance, body[0], body[1], wanted, joints, plan.forces, feet.frames, np.zeros(len(feet.foot))
-        )
+        return Tasks(feet.stance, body[0], body[1], wanted, joints, plan.forces, feet.frames, self._no_gaps)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.memory import alike
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Terrain
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
@@ -18,6 +18,7 @@ from surefoot.motion.walking.foot_phases import (
     SEARCHING,
     FootArray,
     advance_feet,
+    copied_feet,
     feet_in_stance,
     lift_foot,
     swing_accelerations,
@@ -71,8 +72,16 @@ class FeetContact(NamedTuple):
     @staticmethod
     def of(sensed: BoolArray) -> FeetContact:
         """Return the contact of feet that touch the ground where they sense anything, (n,)."""
-        none = np.zeros(len(sensed), dtype=bool)
-        return FeetContact(np.ascontiguousarray(sensed, dtype=bool), none, none)
+        none = _none(len(sensed))
+        return FeetContact(np.ascontiguousarray(sensed, dtype=np.bool_), none, none)
+
+
+@cache
+def _none(feet: int) -> BoolArray:
+    """Return a mask of none of so many feet, which is not to be written to."""
+    mask = np.zeros(feet, dtype=np.bool_)
+    mask.setflags(write=False)
+    return mask
 
 
 class SwingRequest(NamedTuple):
@@ -93,52 +102,58 @@ class SwingRequest(NamedTuple):
     stride: FloatArray | None = None
 
 
-@dataclass(frozen=True, eq=False)
 class Feet:
-    """The feet of a walk: one array of records; what is read of it has a row per foot, and is read once.
+    """The feet of a walk: one array of records, and what is read of it in every step, a row per foot.
+
+    Parameters
+    ----------
+    foot
+        (n,) records of `FOOT`, which nobody changes any more.
 
     Attributes
     ----------
     foot
-        (n,) records of `FOOT`.
+        As given.
+    stance, planned
+        (n,) which feet push now, and which the gait wants on the ground.
+    target
+        (n, 3) where feet in the air will touch (centre of the foot), or last did [m].
+    ground, frames
+        (n, 3) contact point where each foot last stood [m], (n, 3, 3) rotation_world_contact of its ground.
     """
 
-    foot: FootArray
+    __slots__ = ("foot", "frames", "ground", "planned", "stance", "target")
 
-    @cached_property
-    def stance(self) -> BoolArray:
-        """(n,) which feet push now."""
-        return np.logical_not(self.foot["phase"])  # STANCE is 0
+    def __init__(self, foot: FootArray) -> None:
+        self.foot = foot
+        self.stance: BoolArray = np.logical_not(foot["phase"])  # STANCE is 0
+        self.planned: BoolArray = foot["planned"].astype(np.bool_)
+        self.target, self.ground = foot["target"].copy(), foot["ground"].copy()
+        self.frames: FloatArray = foot["frame"].copy()
 
-    @cached_property
+    def __eq__(self, other: object) -> bool:
+        """Return whether other feet are the same to the last bit."""
+        return isinstance(other, Feet) and alike(self.foot, other.foot)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _asdict(self) -> dict[str, Any]:
+        """Return what other feet are made of to be the same."""
+        return {"foot": self.foot}
+
+    def __reduce__(self) -> tuple[type, tuple[FootArray]]:
+        """Return what makes a copy."""
+        return Feet, (self.foot.copy(),)
+
+    @property
     def searching(self) -> BoolArray:
         """(n,) which feet should be on the ground but have not found it."""
         return np.asarray(self.foot["phase"] == SEARCHING)
 
-    @cached_property
-    def planned(self) -> BoolArray:
-        """(n,) which feet the gait wants on the ground now."""
-        return self.foot["planned"].astype(np.bool_)
-
-    @cached_property
+    @property
     def overdue(self) -> BoolArray:
         """(n,) which feet should stand by now and do not."""
         return self.planned & ~self.stance
-
-    @cached_property
-    def target(self) -> FloatArray:
-        """(n, 3) where feet in the air will touch (centre of the foot), or last did."""
-        return self.foot["target"].copy()
-
-    @cached_property
-    def ground(self) -> FloatArray:
-        """(n, 3) contact point where each foot last stood."""
-        return self.foot["ground"].copy()
-
-    @cached_property
-    def frames(self) -> FloatArray:
-        """(n, 3, 3) rotation_world_contact of each foot's ground."""
-        return self.foot["frame"].copy()
 
 
 class FeetModel:
@@ -211,13 +226,13 @@ class FeetModel:
         """Return feet whose swings go at a rate in place of the one before, see `GaitClock`."""
         if rate == before:
             return feet
-        foot = feet.foot.copy()
+        foot = copied_feet(feet.foot)
         foot["duration"] *= before / rate
         return Feet(foot)
 
     def leap(self, feet: Feet, clock: GaitClock, air: float, centres: FloatArray) -> Feet:
         """Return feet that all leave the ground at once, from (n, 3) `centres` [m], for `air` [s]."""
-        foot = feet.foot.copy()
+        foot = copied_feet(feet.foot)
         for k, centre in enumerate(centres):
             lift_foot(foot, k, clock.time, air / clock.rate, centre, self.lift_first)
         return Feet(foot)
@@ -225,7 +240,7 @@ class FeetModel:
     @staticmethod
     def following(feet: Feet, schedule: ContactSchedule, time: float) -> Feet:
         """Return feet that follow another schedule from a time on: who stands waits for the next swing."""
-        foot = feet.foot.copy()
+        foot = copied_feet(feet.foot)
         foot["lifted_at"] = schedule.phases(time)[:, 1]
         return Feet(foot)
 
@@ -242,19 +257,18 @@ class FeetModel:
         ahead
             (2,) how much farther along x and y of the world they come down than before [m].
         """
-        search, feet = SEARCH_FAST * GRAVITY, Feet(feet.foot.copy())
+        search, foot = SEARCH_FAST * GRAVITY, copied_feet(feet.foot)
         for k in np.flatnonzero(feet.searching).tolist():
-            foot = feet.foot[k]
-            late = clock.time + clock.behind - float(foot["search_from"])
+            late = clock.time + clock.behind - float(foot[k]["search_from"])
             rush, was = (min(late, speed / search) for speed in (fastest, before))
-            foot["target"][2] += search * (rush * (late - 0.5 * rush) - was * (late - 0.5 * was))
-            foot["target"][:2] += ahead
-        return feet
+            foot[k]["target"][2] += search * (rush * (late - 0.5 * rush) - was * (late - 0.5 * was))
+            foot[k]["target"][:2] += ahead
+        return Feet(foot)
 
     @staticmethod
     def lowered(feet: Feet, which: BoolArray, soles: FloatArray) -> Feet:
         """Return feet of which (n,) some take the ground to be at their (n, 3) lowest points [m]."""
-        foot = feet.foot.copy()
+        foot = copied_feet(feet.foot)
         foot["ground"][which] = soles[which]
         return Feet(foot)
 
@@ -274,8 +288,8 @@ class FeetModel:
         share = float(feet.foot[k]["share"])
         if share > (latest or (FREEZE if self.terrain.planar else FREEZE_ROUGH)):
             return feet
-        feet = Feet(feet.foot.copy())
-        foot = feet.foot[k]
+        feet_now = copied_feet(feet.foot)
+        foot = feet_now[k]
         if share > FREEZE_ROUGH and latest is None:  # ever less can be changed without a rush
             trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
             place = foot["target"][:2] + trust * (place - foot["target"][:2])
@@ -308,7 +322,7 @@ class FeetModel:
                 foot["start"], foot["target"], float(foot["apex"]), self.terrain, float(self.radii[k]),
                 0.5 * float(self.radii[k]),
             )  # fmt: skip
-        return feet
+        return Feet(feet_now)
 
     def _below(self, foot: Any, radius: float) -> FloatArray:
         """Return the least heights of a foot over the ground on its way: (PATH_SAMPLES,) [m]."""

@@ -44,7 +44,7 @@ EVERYTHING: frozenset[str] = frozenset(LOGGED)
 """All that a walk may be able to do."""
 NOBODY: IntArray = np.full(len(LOGGED), -1)
 """What it says where nobody asks for anything [-]."""
-NOBODY.flags.writeable = False
+NOBODY.setflags(write=False)
 
 
 class Arbiter(Remembering):

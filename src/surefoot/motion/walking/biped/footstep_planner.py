@@ -9,6 +9,7 @@ import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
+from surefoot.motion.walking.biped.pendulum import PendulumPreview
 from surefoot.motion.walking.biped.soles import Soles
 from surefoot.motion.walking.swing import swing_motion
 from surefoot.motion.walking.walking_body import BodyPlan
@@ -292,6 +293,22 @@ def foot_speeds(
                     out[t, k] = swing_motion(start, goal, apex, share, flight, descent)[1]
             lifted, start = one.end, goal
     return out
+
+
+def landing_offsets(
+    preview: PendulumPreview, steps: list[Footstep], clock: float, pressure: FloatArray
+) -> FloatArray:
+    """Return where the divergent motion is over the next landing of each foot then: (2, 2) [m].
+
+    `pressure` (k, 2) [m] is the centre of pressure ahead of the time of the gait's `clock` [s].
+    """
+    ahead, offsets = preview.divergent(pressure), np.zeros((2, 2))
+    for one in reversed(steps):
+        at = (one.begin - clock) / preview.dt
+        if 0.0 < at < preview.steps:
+            i = int(at)
+            offsets[one.foot] = ahead[i] + (at - i) * (ahead[i + 1] - ahead[i]) - one.place
+    return offsets
 
 
 def _turn(yaw: float) -> FloatArray:

@@ -10,6 +10,7 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import rotation_exp, rotation_log
 from surefoot.mechanics import Robot, Terrain, sole_plane
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
+from surefoot.motion.walking.foot_phases import FootArray
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.swing import minimum_jerk
 from surefoot.motion.walking.walking_feet import Feet, FeetContact, FeetModel, SwingRequest
@@ -55,11 +56,11 @@ class Soles:
 
         Centres (n, 3) [m] and rotations (n, 3, 3) are those of the feet's frames.
         """
-        feet, corners = self.model.standing(centres), np.empty((len(self.point_foot), 3))
-        feet.foot["lift_rotation"] = feet.foot["land_rotation"] = rotations
+        foot, corners = self.model.standing(centres).foot, np.empty((len(self.point_foot), 3))
+        foot["lift_rotation"] = foot["land_rotation"] = rotations
         for k in range(len(centres)):
-            self._rest(feet, corners, k, centres, rotations)
-        return feet, corners
+            self._rest(foot, corners, k, centres, rotations)
+        return Feet(foot), corners
 
     def advance(
         self, feet: Feet, corners: FloatArray, schedule: ContactSchedule, clock: GaitClock,
@@ -78,23 +79,24 @@ class Soles:
         """
         before = feet.stance
         feet, changed = self.model.advance(feet, schedule, clock, contact, centres)
-        after = feet.stance
-        for k in np.flatnonzero(after != before).tolist():
-            if after[k]:
-                corners = corners.copy()
-                self._rest(feet, corners, k, centres, rotations)
+        turned = np.flatnonzero(feet.stance != before).tolist()
+        if not turned:
+            return feet, corners, changed
+        foot, corners = feet.foot, corners.copy()
+        for k in turned:
+            if feet.stance[k]:
+                self._rest(foot, corners, k, centres, rotations)
             else:
-                foot = feet.foot[k]
-                foot["lift_rotation"] = foot["land_rotation"] = rotations[k]
-        return feet, corners, changed
+                foot[k]["lift_rotation"] = foot[k]["land_rotation"] = rotations[k]
+        return Feet(foot), corners, changed
 
     def _rest(
-        self, feet: Feet, corners: FloatArray, k: int, centres: FloatArray, rotations: FloatArray
+        self, feet: FootArray, corners: FloatArray, k: int, centres: FloatArray, rotations: FloatArray
     ) -> None:
         """Write the ground under a foot that has landed."""
         yaw = self.heading(rotations[k], k)
         frame, _ = self.ground(k, centres[k, :2], yaw)
-        foot, own = feet.foot[k], self.point_foot == k
+        foot, own = feet[k], self.point_foot == k
         foot["frame"] = frame
         foot["ground"] = centres[k] - self._radii[k] * frame[:, 2]
         corners[own] = centres[k] + self._arms[own] @ rotations[k].T - self._radii[k] * frame[:, 2]
@@ -117,15 +119,15 @@ class Soles:
 
         Request and latest as for `FeetModel.aimed`.
         """
-        old, feet = feet.foot[k]["target"].copy(), self.model.aimed(feet, k, place, request, latest)
-        foot = feet.foot[k]
-        if (foot["target"] == old).all():  # too late to change
-            return feet
+        aimed = self.model.aimed(feet, k, place, request, latest)
+        if (aimed.target[k] == feet.target[k]).all():  # too late to change
+            return aimed
+        foot = aimed.foot[k]
         frame, height = self.ground(k, foot["target"][:2], yaw)
         foot["apex"] += max(height - foot["target"][2], 0.0)
         foot["target"][2] = height
         foot["frame"], foot["land_rotation"] = frame, frame @ self._level[k]
-        return feet
+        return Feet(aimed.foot)
 
     def spread(self, k: int, place: FloatArray, yaw: float) -> FloatArray:
         """Return where the corners of a sole at (2,) place, with a heading [rad], touch: (c, 3) [m]."""

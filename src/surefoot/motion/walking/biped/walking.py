@@ -15,14 +15,14 @@ from functools import partial
 
 import numpy as np
 
-from surefoot.base.arrays import FloatArray, real_number
+from surefoot.base.arrays import real_number
 from surefoot.base.errors import ModelError, ProblemError
 from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY, rotation_exp, rotation_log
-from surefoot.mechanics import FlatTerrain, Robot, Terrain, chain, composite_inertia
+from surefoot.mechanics import FlatTerrain, Robot, Terrain, composite_inertia
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.control.mpc import BodyReference, BodyState
-from surefoot.motion.control.posture import Posture, stretching
+from surefoot.motion.control.posture import Posture, leg_share, stretching
 from surefoot.motion.control.whole_body import ForceLimits, Kinematics, Tasks
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.gaits.library import named_gait
@@ -33,6 +33,7 @@ from surefoot.motion.walking.biped.footstep_planner import (
     StepGeometry,
     StepPlanner,
     foot_speeds,
+    landing_offsets,
     pressure_path,
 )
 from surefoot.motion.walking.biped.leg_momentum import LegMomentum
@@ -119,7 +120,7 @@ class BipedController(Walker):
     ) -> None:
         if not robot.floating or len(robot.feet) != 2 or not all(f.flat for f in robot.feet):
             raise ModelError(f"{robot.name} cannot walk here: it needs a free base and two flat feet")
-        if (share := _leg_share(robot)) > HEAVY:
+        if (share := leg_share(robot)) > HEAVY:
             raise ModelError(
                 f"{robot.name} cannot walk here: its legs have {share:.0%} of its mass, and steps are "
                 f"planned for {HEAVY:.0%} at most; give it its trunk"
@@ -196,7 +197,6 @@ class BipedController(Walker):
         for part in (self.mpc, self.whole_body, self.arbiter, self.load, self.catching):
             part.reset()
         self._walk = self._outstanding = None
-        self._laden = False
 
     def _parts(self) -> dict[str, Remembering | None]:
         """See `Tick`."""
@@ -213,8 +213,8 @@ class BipedController(Walker):
         if not self._due(begun, time):
             return
         if NOTICED < time < self.start:
-            self._laden |= load.observer.load.mass > LADEN * self.robot.mass
-        if self._laden:
+            load.notice(LADEN)
+        if load.laden:
             load.update_models(None if self._walk is None else self._walk.body)
 
     def _due(self, begun: float, time: float) -> bool:
@@ -263,7 +263,7 @@ class BipedController(Walker):
         measured: RobotState, now: Kinematics, contact: FeetContact,
     ) -> tuple[Ramps, ForceLimits]:  # fmt: skip
         """Return this step's friction, and the external wrench of a robot that carries a load."""
-        outside = self.load.pull(now, measured.q[:3]) if self._laden else None
+        outside = self.load.pull(now, measured.q[:3]) if self.load.laden else None
         return ramps, ForceLimits(request.mu, outside=outside)
 
     def _plan(self, s: WalkState, given: StepInput) -> WalkState:
@@ -283,20 +283,11 @@ class BipedController(Walker):
         swing = SwingRequest(lifted + request.clearance)
         for k in np.flatnonzero(~feet.stance & ~feet.planned).tolist():
             left = max(self.schedule.phase(k, clock.time)[2] - clock.time, 0.0)
-            place = self._divergence(s, time + left - s.times.begun) - _kept(s).offsets[k]
+            after = (time + left - s.times.begun) / self._mpc_dt
+            place = _kept(s).divergence(after, self._pendulum) - _kept(s).offsets[k]
             place, yaw = self.steps.foothold(k, s.body, left, place, feet.ground[1 - k, :2])
             feet = self.soles.aimed(feet, k, place, yaw, swing)
         return replace(s, feet=feet, swing=swing)
-
-    def _divergence(self, s: WalkState, after: float) -> FloatArray:
-        """Return the divergent motion that the last plan predicts for a time after it was made: (2,) [m]."""
-        places, speeds = _kept(s).predicted
-        at = min(max(after / self._mpc_dt, 0.0), float(self.settings.horizon))
-        i = min(int(at), self.settings.horizon - 1)
-        share = at - i
-        place = (1.0 - share) * places[i] + share * places[i + 1]
-        speed = (1.0 - share) * speeds[i] + share * speeds[i + 1]
-        return np.asarray((place + speed / self._pendulum)[:2])
 
     def _replan(self, s: WalkState, given: StepInput) -> WalkState:
         """Run the MPC for the footsteps from now on, with a friction, or its own if that is infinite."""
@@ -358,7 +349,7 @@ class BipedController(Walker):
         gained = np.repeat(np.diff(momentum, axis=0), 2, axis=0)[:, :2] / (dt * self.mpc.mass * GRAVITY)
         pressure += np.column_stack([gained[:, 1], -gained[:, 0]])
         xy, flow = self._preview.motion(now.com[:2], pressure)
-        offsets = self._offsets(steps, clock, pressure)
+        offsets = landing_offsets(self._preview, steps, clock, pressure)
         place, speed = np.empty((N + 1, 3)), np.zeros((N + 1, 3))
         place[:, :2], speed[:, :2] = xy[: 2 * N + 1 : 2], flow[: 2 * N + 1 : 2]
         place[:, 2] = body.position[2] + (place[:, :2] - body.position[:2]) @ body.slope
@@ -374,24 +365,12 @@ class BipedController(Walker):
         reference = BodyReference(turned_frames, place, speed, spin)
         return reference, kept._replace(offsets=offsets, leg_spin=leg_spin)
 
-    def _offsets(self, steps: list[Footstep], clock: float, pressure: FloatArray) -> FloatArray:
-        """Return where the divergent motion is over the next landing of each foot then: (2, 2) [m]."""
-        ahead, offsets = self._preview.divergent(pressure), np.zeros((2, 2))
-        for one in reversed(steps):
-            at = (one.begin - clock) / self._preview.dt
-            if 0.0 < at < self._preview.steps:
-                i = int(at)
-                xi = ahead[i] + (at - i) * (ahead[i + 1] - ahead[i])
-                offsets[one.foot] = xi - one.place
-        return offsets
-
     def _tasks(self, s: WalkState, measured: RobotState, now: Kinematics) -> Tasks:
         """Return the whole-body tasks: the plan's motion now, feedback on it, feet in the air, posture."""
         feet, plan, stance = s.feet, s.plan, s.feet.stance
         assert plan is not None, "the first step makes a plan"
-        gain = self._gain(self.settings.body_stiffness)
+        gain, (ks, ds) = self._gains
         com, turn = follow(plan.motion, plan.rotation, measured.time - plan.made, *now[:4], *gain)
-        ks, ds = self._gain(self.settings.swing_stiffness)
         wanted = self.soles.model.accelerations(feet, s.clock, None, now.centres, now.twists, (ks, ds))
         for k in np.flatnonzero(~stance).tolist():
             foot = feet.foot[k]
@@ -414,10 +393,3 @@ def _kept(s: WalkState) -> BipedState:
     """Return what a walk on two flat feet keeps beside."""
     assert s.biped is not None, "the state of a biped"
     return s.biped
-
-
-def _leg_share(robot: Robot) -> float:
-    """Return the share of a robot's mass that its legs have."""
-    frames = [robot.model.getFrameId(foot.name) for foot in robot.feet]
-    legs = {joint for frame in frames for joint in chain(robot.model, frame)}
-    return float(sum(robot.model.inertias[joint].mass for joint in legs)) / robot.mass
