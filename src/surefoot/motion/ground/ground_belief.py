@@ -69,7 +69,7 @@ class BeliefTerrain(Remembering, Terrain):
     struck_at: float = -math.inf
 
     def start(self, state: RobotState, ground: FloatArray, height: float, radius: float) -> None:
-        """Start as by `begin`, with feet of a radius [m]."""
+        """Start as by `begin`, with (n, 3) contact points and feet of a radius [m]."""
         self.radius = radius
         self.begin(state, ground, height)
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from enum import IntEnum
 from functools import cache
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numba
 import numpy as np
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.kernels import BOOLEAN, MATRIX, REAL, entry_point, kernel
+from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.swing import DOWN, LIFT_LATER, swing_motion
 
 FootArray: TypeAlias = NDArray[np.void]
@@ -80,6 +81,38 @@ lift_rotation       of a sole: rotation of its frame when it lifted, and the one
 land_rotation       point feet are zero
 ==================  ========================================================================================
 """
+
+
+class FeetContact(NamedTuple):
+    """Contact of the feet at a step, as it is classified.
+
+    Attributes
+    ----------
+    touching
+        (n,) which feet feel the ground.
+    struck
+        (n,) which feet in the air have struck an edge.
+    false
+        (n,) which feet have been taken to stand by a false touchdown.
+    """
+
+    touching: BoolArray
+    struck: BoolArray
+    false: BoolArray
+
+    @staticmethod
+    def of(sensed: BoolArray) -> FeetContact:
+        """Return the contact of feet that touch the ground where they sense anything, (n,)."""
+        none = _none(len(sensed))
+        return FeetContact(np.ascontiguousarray(sensed, dtype=np.bool_), none, none)
+
+
+@cache
+def _none(feet: int) -> BoolArray:
+    """Return a mask of none of so many feet, which is not to be written to."""
+    mask = np.zeros(feet, dtype=np.bool_)
+    mask.setflags(write=False)
+    return mask
 
 
 def feet_in_stance(
@@ -199,8 +232,8 @@ def _advancing() -> Any:
 
 
 def advance_feet(
-    feet: FootArray, phases: FloatArray, clock: float, behind: float, rate: float, touching: BoolArray,
-    struck: BoolArray, false: BoolArray, centres: FloatArray, careful: bool, lift_first: float,
+    feet: FootArray, phases: FloatArray, clock: GaitClock, contact: FeetContact, centres: FloatArray,
+    careful: bool, lift_first: float,
 ) -> tuple[FootArray, bool, int]:  # fmt: skip
     """Return the feet at a time, whether any has lifted, landed or lost the ground, and which have landed.
 
@@ -210,10 +243,10 @@ def advance_feet(
         (n,) records of `FOOT`, as they were.
     phases
         (n, 3) see `ContactSchedule.phases`.
-    clock, behind, rate
-        See `GaitClock` [s], [s], [-].
-    touching, struck, false
-        (n,) which feet touch the ground, which have struck an edge, and whose touchdown is false.
+    clock
+        The time on the schedule.
+    contact
+        What the feet feel.
     centres
         (n, 3) where the feet are [m].
     careful
@@ -227,7 +260,7 @@ def advance_feet(
     is still that of their last stance.
     """
     out: tuple[FootArray, bool, int] = _advancing()(
-        feet, phases, clock, behind, rate, touching, struck, false, centres, careful, lift_first
+        feet, phases, *clock, *contact, centres, careful, lift_first
     )
     return out
 

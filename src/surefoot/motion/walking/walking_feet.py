@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +15,7 @@ from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.walking import swing
 from surefoot.motion.walking.foot_phases import (
     SEARCHING,
+    FeetContact,
     FootArray,
     advance_feet,
     copied_feet,
@@ -50,38 +50,6 @@ is decided up to this share of the swing."""
 DOWN_NOISY, NOISY, RAISE = 0.85, 0.012, 0.7
 """On ground of this noise [m], the share of a swing after which a foot only sinks, and how much higher than
 believed the ground is taken for, over its noise: so that it is met gently where it is higher, too."""
-
-
-class FeetContact(NamedTuple):
-    """Contact of the feet at a step, as it is classified.
-
-    Attributes
-    ----------
-    touching
-        (n,) which feet feel the ground.
-    struck
-        (n,) which feet in the air have struck an edge.
-    false
-        (n,) which feet have been taken to stand by a false touchdown.
-    """
-
-    touching: BoolArray
-    struck: BoolArray
-    false: BoolArray
-
-    @staticmethod
-    def of(sensed: BoolArray) -> FeetContact:
-        """Return the contact of feet that touch the ground where they sense anything, (n,)."""
-        none = _none(len(sensed))
-        return FeetContact(np.ascontiguousarray(sensed, dtype=np.bool_), none, none)
-
-
-@cache
-def _none(feet: int) -> BoolArray:
-    """Return a mask of none of so many feet, which is not to be written to."""
-    mask = np.zeros(feet, dtype=np.bool_)
-    mask.setflags(write=False)
-    return mask
 
 
 class SwingRequest(NamedTuple):
@@ -213,8 +181,7 @@ class FeetModel:
             See `advance_feet`.
         """
         foot, changed, landed = advance_feet(
-            feet.foot, schedule.phases(clock.time), clock.time, clock.behind, clock.rate, *contact, centres,
-            careful, self.lift_first,
+            feet.foot, schedule.phases(clock.time), clock, contact, centres, careful, self.lift_first
         )  # fmt: skip
         for k in range(len(centres)) if landed else ():
             if landed >> k & 1:
