@@ -1,7 +1,7 @@
 """How much hangs on a walking controller: Surefoot's objects that can be reached from one after a step.
 
-Values are not counted: what lasts of a walk is one of them, `WalkState`; test_walk_state.py says that it is all
-that lasts.
+Values are not counted: what lasts of a walk is one of them, `WalkState`; test_walk_state.py says that this is
+all that lasts.
 """
 
 from __future__ import annotations

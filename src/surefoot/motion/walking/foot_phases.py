@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.base.kernels import BOOLEAN, MATRIX, REAL, entry_point, kernel
+from surefoot.base.kernels import BOOLEAN, INTEGER, MATRIX, REAL, VECTOR, entry_point, kernel
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.swing import DOWN, LIFT_LATER, swing_motion
 
@@ -262,6 +262,39 @@ def advance_feet(
     out: tuple[FootArray, bool, int] = _advancing()(
         feet, phases, *clock, *contact, centres, careful, lift_first
     )
+    return out
+
+
+@kernel
+def _aim(
+    before: Any, k: int, target: FloatArray, frame: FloatArray, apex: float, lift_first: float,
+    sink_from: float,
+) -> Any:  # fmt: skip
+    """Return what `aim_foot` does."""
+    feet = np.empty_like(before)
+    for i in range(before.shape[0]):
+        feet[i] = before[i]
+    foot = feet[k]
+    foot.apex, foot.lift_first, foot.sink_from = apex, lift_first, sink_from
+    for i in range(3):
+        foot.target[i] = target[i]
+        for j in range(3):
+            foot.frame[i, j] = frame[i, j]
+    return feet
+
+
+@cache
+def _aiming() -> Any:
+    """Return `_aim` past the look at its arguments."""
+    return entry_point(_aim, _record(), INTEGER, VECTOR, MATRIX, REAL, REAL, REAL)
+
+
+def aim_foot(
+    feet: FootArray, k: int, target: FloatArray, frame: FloatArray, apex: float, lift_first: float,
+    sink_from: float,
+) -> FootArray:  # fmt: skip
+    """Return feet of which foot k swings to a (3,) target [m] on ground with a (3, 3) frame, see `FOOT`."""
+    out: FootArray = _aiming()(feet, k, target, frame, apex, lift_first, sink_from)
     return out
 
 

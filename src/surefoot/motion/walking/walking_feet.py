@@ -18,6 +18,7 @@ from surefoot.motion.walking.foot_phases import (
     FeetContact,
     FootArray,
     advance_feet,
+    aim_foot,
     copied_feet,
     feet_in_stance,
     lift_foot,
@@ -146,6 +147,7 @@ class FeetModel:
 
     def __init__(self, terrain: Terrain, radii: FloatArray, clearance: float, descent: float) -> None:
         self.terrain, self.radii, self.descent, self.reach = terrain, radii, descent, 1.2 * clearance
+        self._margin = float(2.0 * radii.mean())  # to edges [m]
 
     def standing(self, centres: FloatArray) -> Feet:
         """Return feet that stand at (n, 3) centres [m]."""
@@ -252,62 +254,55 @@ class FeetModel:
 
         Up to the share `latest` of the swing it is taken as it is, for a caller that leads the foot there.
         """
-        share = float(feet.foot[k]["share"])
-        if share > (latest or (FREEZE if self.terrain.planar else FREEZE_ROUGH)):
+        foot, radius, terrain = feet.foot[k], float(self.radii[k]), self.terrain
+        share, start, target = float(foot["share"]), foot["start"], feet.target[k].copy()
+        if share > (latest or (FREEZE if terrain.planar else FREEZE_ROUGH)):
             return feet
-        feet_now = copied_feet(feet.foot)
-        foot = feet_now[k]
         if share > FREEZE_ROUGH and latest is None:  # ever less can be changed without a rush
             trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
-            place = foot["target"][:2] + trust * (place - foot["target"][:2])
-        way = place - foot["start"][:2] if request.heading is None else request.heading
-        before = None if request.stride is None else foot["start"][:2] + request.stride
+            place = target[:2] + trust * (place - target[:2])
+        way = place - start[:2] if request.heading is None else request.heading
+        before = None if request.stride is None else start[:2] + request.stride
         if share > CHOSEN:
-            before = foot["target"][:2]
-        more = math.inf if share > CHOSEN else SAME_TREAD * float(self.radii[k])
-        margin = float(2.0 * self.radii.mean())
-        xy = choose_foothold(self.terrain, place, self.reach, margin, way, before, more)
-        normal = foot["frame"][:, 2] if self.terrain.planar else self.terrain.normal(xy)
-        foot["target"][:2] = xy
+            before = target[:2].copy()
+        more = math.inf if share > CHOSEN else SAME_TREAD * radius
+        xy = choose_foothold(terrain, place, self.reach, self._margin, way, before, more)
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
-        noise = self.terrain.noise_at(xy)
-        foot["sink_from"] = DOWN - (DOWN - DOWN_NOISY) * min(noise / NOISY, 1.0)
-        above = RAISE * noise + self.radii[k] / normal[2]
-        foot["target"][2] = float(self.terrain.height(xy)) + above
-        if not self.terrain.planar:
-            foot["frame"] = self.terrain.frame(xy)
-        if self.terrain.planar or self._even(foot, float(self.radii[k]), noise):
-            foot["lift_first"] = swing.EVEN
-            foot["target"][2] -= RAISE * noise  # a late foot costs more than an early one
+        noise, upwards = (
+            terrain.noise_at(xy),
+            feet.frames[k, 2, 2] if terrain.planar else terrain.normal(xy)[2],
+        )
+        sink_from = DOWN - (DOWN - DOWN_NOISY) * min(noise / NOISY, 1.0)
+        target[:2], target[2] = xy, float(terrain.height(xy)) + (RAISE * noise + radius / upwards)
+        frame = feet.frames[k] if terrain.planar else np.ascontiguousarray(terrain.frame(xy))
+        if terrain.planar or self._even(foot, target, radius, noise):
+            lift_first = swing.EVEN
+            target[2] -= RAISE * noise  # a late foot costs more than an early one
             # the bump is put on the line between both ends, which is as steep as the plane
-            foot["apex"] = 0.5 * float(foot["start"][2] + foot["target"][2]) + request.clearance
+            apex = 0.5 * float(start[2] + target[2]) + request.clearance
         else:
-            foot["apex"] = apex_height(
-                foot["start"], foot["target"], self._below(foot, float(self.radii[k])), request.clearance
-            )
-            foot["lift_first"] = clear_lift(
-                foot["start"], foot["target"], float(foot["apex"]), self.terrain, float(self.radii[k]),
-                0.5 * float(self.radii[k]),
-            )  # fmt: skip
-        return Feet(feet_now)
+            apex = float(apex_height(start, target, self._below(start, target, radius), request.clearance))
+            lift_first = clear_lift(start, target, apex, terrain, radius, 0.5 * radius)
+        return Feet(aim_foot(feet.foot, k, target, frame, apex, lift_first, sink_from))
 
-    def _below(self, foot: Any, radius: float) -> FloatArray:
+    def _below(self, start: FloatArray, target: FloatArray, radius: float) -> FloatArray:
         """Return the least heights of a foot over the ground on its way: (PATH_SAMPLES,) [m]."""
-        start, way = foot["start"][:2], foot["target"][:2] - foot["start"][:2]
-        path = start + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * way
+        path = start[:2] + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * (target[:2] - start[:2])
         return np.asarray(self.terrain.height(path) + radius)
 
-    def _even(self, foot: Any, radius: float, noise: float) -> bool:
+    def _even(self, foot: Any, target: FloatArray, radius: float, noise: float) -> bool:
         """Return whether a fast swing goes over ground that is even but for some noise [m].
 
         A leg that trails behind a fast body is stretched if its foot has to lift first.
         """
         if foot["share"] > EVEN_UNTIL or not self.terrain.learns:
             return bool(foot["lift_first"] < 0.0)
-        way = max(float(np.linalg.norm(foot["target"][:2] - foot["start"][:2])), 1e-9)
-        line = np.linspace(foot["start"][2], foot["target"][2], PATH_SAMPLES)
+        start = foot["start"]
+        way = max(float(np.linalg.norm(target[:2] - start[:2])), 1e-9)
+        line = np.linspace(start[2], target[2], PATH_SAMPLES)
         hurry = way / (self.descent / DESCENT * foot["duration"]) + abs(line[-1] - line[0]) / way
-        return bool(hurry > FAST and np.abs(self._below(foot, radius) - line).max() < EVEN * radius + noise)
+        off = np.abs(self._below(start, target, radius) - line).max()
+        return bool(hurry > FAST and off < EVEN * radius + noise)
 
     def accelerations(
         self, feet: Feet, clock: GaitClock, fastest: float | None, centres: FloatArray,
