@@ -19,7 +19,7 @@ from surefoot.motion.ground.terrain_knowledge import controller_ground
 from surefoot.motion.ground.touched_ground import TouchedGround
 from surefoot.motion.walking.foot_phases import FootPhase
 from surefoot.motion.walking.touchdown_detection import sort_touches
-from surefoot.motion.walking.walking_feet import FeetModel
+from surefoot.motion.walking.walking_feet import Feet, FeetModel
 from surefoot.worlds.running.height_scan import ActiveRangeSensor, RangeSensor
 from tests.motion.walking.behaviours.views import ALL, HEIGHT, HIPS, NONE, level
 
@@ -149,8 +149,9 @@ def test_the_names_of_knowledge() -> None:
 
 def test_an_edge_is_told_from_the_ground_by_the_force() -> None:
     centres = np.column_stack([HIPS, np.full(4, 0.02)])
-    feet = FeetModel(FlatTerrain(), np.full(4, 0.02), 0.07, 0.1).standing(centres)
-    feet.foot["phase"], feet.foot["share"] = FootPhase.SWING, [0.4, 0.8, 0.8, 0.4]
+    foot = FeetModel(FlatTerrain(), np.full(4, 0.02), 0.07, 0.1).standing(centres).foot
+    foot["phase"], foot["share"] = FootPhase.SWING, [0.4, 0.8, 0.8, 0.4]
+    feet = Feet(foot)
     ahead = np.tile([1.0, 0.0, 0.0], (4, 1))
     forces = np.array([[-40.0, 0.0, 5.0], [-10.0, 0.0, 40.0], [0.0, 0.0, 1.0], [40.0, 0.0, 5.0]])
     still = np.zeros((4, 3))

@@ -8,8 +8,9 @@ from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.mechanics.terrain import FlatTerrain, Terrain
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.gaits.gait import Gait
+from surefoot.motion.walking.foot_phases import FeetContact
 from surefoot.motion.walking.gait_clock import GaitClock
-from surefoot.motion.walking.walking_feet import Feet, FeetContact, FeetModel, SwingRequest
+from surefoot.motion.walking.walking_feet import Feet, FeetModel, SwingRequest
 
 TROT = Gait.from_phases("trot", 0.4, 0.5, [0.0, 0.5, 0.5, 0.0])
 CENTRES = np.array([[0.2, 0.15, 0.02], [0.2, -0.15, 0.02], [-0.2, 0.15, 0.02], [-0.2, -0.15, 0.02]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 from surefoot.base.arrays import FloatArray
@@ -9,6 +10,14 @@ from surefoot.base.live_arrays import live_parts
 
 PARTS = "rotation", "translation"
 """Of a pose."""
+
+
+@cache
+def pinocchio_module() -> Any:
+    """Return Pinocchio, which takes long to load: called in every step this is faster than an import."""
+    import pinocchio
+
+    return pinocchio
 
 
 class ModelViews:

@@ -36,7 +36,7 @@ from surefoot.contact import Status
 from surefoot.mechanics import Actuators, ForceDistributor, Robot, with_rotors
 from surefoot.motion.control import whole_body_step as core
 from surefoot.motion.control.damping import computable, damping_torques
-from surefoot.motion.control.model_views import ModelViews
+from surefoot.motion.control.model_views import ModelViews, pinocchio_module
 from surefoot.motion.control.whole_body_tasks import ForceLimits as ForceLimits
 from surefoot.motion.control.whole_body_tasks import Kinematics as Kinematics
 from surefoot.motion.control.whole_body_tasks import Tasks as Tasks
@@ -179,8 +179,7 @@ class WholeBodyController(Bound, Remembering):
         q is (nq,) [m, -, rad], v is (nv,) [m/s, rad/s], both in Pinocchio's order. What is returned are this
         controller's own arrays, which the next `update` changes.
         """
-        import pinocchio as pin
-
+        pin = pinocchio_module()
         self._known, views = computable(q, v), self._views
         model, data = views.model, views.data
         pin.crba(model, data, q)

@@ -176,7 +176,7 @@ class ForcePlanner:
         reference = body.reference(N, dt, ahead)
         arms = turned_arms(self.offsets, body.yaw + body.velocity[2] * dt * np.arange(N + 1))
         places = stance_places(
-            contacts, on, feet.ground, feet.target, feet.frames, self.radii, reference.position, arms,
+            contacts, on, feet.ground.copy(), feet.target, feet.frames, self.radii, reference.position, arms,
             round(0.5 * stance / tick), body.ground, body.position, body.slope,
         )  # fmt: skip
         if before is not None and not pending:

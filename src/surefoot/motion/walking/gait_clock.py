@@ -38,5 +38,7 @@ class GaitClock(NamedTuple):
         >>> GaitClock(0.5).advanced(0.01, 1.5).at(0.51).time
         0.515
         """
+        if not held and rate == self.rate == 1.0:
+            return self
         behind = self.behind + dt if held else self.behind
         return GaitClock(self.time, behind - (rate - 1.0) * dt, rate)

@@ -21,13 +21,14 @@ from surefoot.motion.control.whole_body import ForceLimits, WholeBodyCommand, Wh
 from surefoot.motion.control.whole_body_tasks import Kinematics, Tasks
 from surefoot.motion.walking.behaviours.arbiter import Arbiter
 from surefoot.motion.walking.behaviours.behaviour import Request, WalkView
+from surefoot.motion.walking.foot_phases import FeetContact
 from surefoot.motion.walking.force_planner import Ramps
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.touchdown_detection import TouchMemory
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand
-from surefoot.motion.walking.walking_feet import Feet, FeetContact
+from surefoot.motion.walking.walking_feet import Feet
 from surefoot.motion.walking.walking_settings import WalkCommand
 
 

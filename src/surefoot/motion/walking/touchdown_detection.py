@@ -37,9 +37,9 @@ from surefoot.motion.control.whole_body_tasks import Kinematics
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.ground.ground_belief import BeliefTerrain
 from surefoot.motion.walking.behaviours.behaviour import FootSearch, Request
-from surefoot.motion.walking.foot_phases import SWING
+from surefoot.motion.walking.foot_phases import SWING, FeetContact
 from surefoot.motion.walking.gait_clock import GaitClock
-from surefoot.motion.walking.walking_feet import SEARCH_SPEED, Feet, FeetContact, FeetModel
+from surefoot.motion.walking.walking_feet import SEARCH_SPEED, Feet, FeetModel
 
 LONGEST_WAIT, WAIT_CAREFUL = 1.5, 3.0
 """Longest time that the gait waits for a foot, over sqrt(h / g), and where it goes carefully."""

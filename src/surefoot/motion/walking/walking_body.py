@@ -252,7 +252,8 @@ class BodyPlan:
     @property
     def base_velocity(self) -> FloatArray:
         """(3,) wanted velocity of the base now, as `velocity`."""
-        return np.asarray(self.velocity - self.velocity[2] * self.swerve)
+        (x, y, turn), (ahead, aside, about) = self.velocity.tolist(), self.swerve.tolist()
+        return np.array([x - turn * ahead, y - turn * aside, turn - turn * about])
 
     def take_posture(self, posture: FloatArray, dt: float) -> None:
         """Come nearer to a commanded (3,) posture in a step of dt [s], see `VelocityCommand`."""

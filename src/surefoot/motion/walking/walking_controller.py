@@ -26,6 +26,7 @@ from surefoot.motion.ground.plane_ahead import plane_ahead
 from surefoot.motion.walking.behaviours.arbiter import EVERYTHING
 from surefoot.motion.walking.behaviours.behaviour import Request
 from surefoot.motion.walking.command_limits import LeggedBody
+from surefoot.motion.walking.foot_phases import FeetContact
 from surefoot.motion.walking.foothold import catching_place, step_place
 from surefoot.motion.walking.force_planner import ForcePlanner, Ramps
 from surefoot.motion.walking.gait_choice import choose_gait
@@ -37,14 +38,7 @@ from surefoot.motion.walking.touchdown_detection import TouchMemory, TouchSense
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walking_body import DIP, BodyPlan, VelocityCommand, first_stance
-from surefoot.motion.walking.walking_feet import (
-    DESCENT,
-    LEAST_CLEARANCE,
-    Feet,
-    FeetContact,
-    FeetModel,
-    SwingRequest,
-)
+from surefoot.motion.walking.walking_feet import DESCENT, LEAST_CLEARANCE, Feet, FeetModel, SwingRequest
 from surefoot.motion.walking.walking_kernels import follow
 from surefoot.motion.walking.walking_settings import WalkCommand as WalkCommand
 from surefoot.motion.walking.walking_settings import WalkSettings as WalkSettings

@@ -97,7 +97,8 @@ class Feet:
         self.foot = foot
         self.stance: BoolArray = np.logical_not(foot["phase"])  # STANCE is 0
         self.planned: BoolArray = foot["planned"].astype(np.bool_)
-        self.target, self.ground = foot["target"].copy(), foot["ground"].copy()
+        self.target: FloatArray = foot["target"].copy()
+        self.ground: FloatArray = foot["ground"]
         self.frames: FloatArray = foot["frame"].copy()
 
     def __eq__(self, other: object) -> bool:

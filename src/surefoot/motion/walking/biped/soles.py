@@ -10,10 +10,10 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import rotation_exp, rotation_log
 from surefoot.mechanics import Robot, Terrain, sole_plane
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
-from surefoot.motion.walking.foot_phases import FootArray
+from surefoot.motion.walking.foot_phases import FeetContact, FootArray
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.swing import minimum_jerk
-from surefoot.motion.walking.walking_feet import Feet, FeetContact, FeetModel, SwingRequest
+from surefoot.motion.walking.walking_feet import Feet, FeetModel, SwingRequest
 
 TURN_FIRST, TURN_LAST = 0.1, 0.9
 """A foot turns between these shares of its swing: it lifts and lands without turning."""

@@ -40,14 +40,14 @@ from surefoot.motion.walking.biped.leg_momentum import LegMomentum
 from surefoot.motion.walking.biped.pendulum import PendulumPreview
 from surefoot.motion.walking.biped.settings import BipedSettings
 from surefoot.motion.walking.biped.soles import Soles, sole_damping
-from surefoot.motion.walking.foot_phases import FootPhase
+from surefoot.motion.walking.foot_phases import FeetContact, FootPhase
 from surefoot.motion.walking.force_planner import ForcePlan, Ramps
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, limit_command
-from surefoot.motion.walking.walking_feet import LEAST_CLEARANCE, Feet, FeetContact, SwingRequest
+from surefoot.motion.walking.walking_feet import LEAST_CLEARANCE, Feet, SwingRequest
 from surefoot.motion.walking.walking_kernels import follow, slope_frames
 
 HONOURED = frozenset(
