@@ -61,7 +61,7 @@ def reached(root: Any) -> dict[str, set[str]]:
 
 def test_how_much_is_reached_from_a_walking_controller(capsys: pytest.CaptureFixture[str]) -> None:
     robot = load_robot("go2")
-    for knowledge, classes, attributes in (("exact", 21, 161), ("blind", 28, 200), ("map", 30, 220)):
+    for knowledge, classes, attributes in (("exact", 21, 162), ("blind", 28, 201), ("map", 30, 221)):
         terrain = controller_ground(knowledge, FlatTerrain())
         walker = WalkingController(robot, VelocityCommand.constant(0.5), terrain=terrain)
         walker.step(RobotState(robot.nominal, np.zeros(robot.model.nv)))

@@ -93,8 +93,9 @@ class Walker(Tick):
         times = np.concatenate([np.arange(0.0, block, self.dt), np.arange(block, end, IMAGINED)])
         for k, time in enumerate(times):
             self.step((thrown if time > end - THROWN_FOR and k % 2 else still)._replace(time=float(time)))
-        self._feet_model.motions(self._feet_model.standing(self.whole_body.update(state.q, state.v).centres),
-                                 GaitClock(end))  # fmt: skip
+        model, clock = self._feet_model, GaitClock(end)
+        centres = self.whole_body.update(state.q, state.v).centres
+        model.motions(model.leap(model.standing(centres), clock, 0.1, centres), clock)
         self.whole_body.warm_up()
         self.reset()
 
