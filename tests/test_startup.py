@@ -100,7 +100,9 @@ print(ours, [m for m in others.split() if m in sys.modules])
     assert lines[:2] == ["False", "[]"]
     count, others = lines[2].split(" ", 1)
     assert others == "[]"
-    assert int(count) <= 55
+    assert (
+        int(count) <= 60
+    )  # of them seven wings and rooms whose `__init__` is a line, and the model of the file
 
 
 @pytest.mark.parametrize(

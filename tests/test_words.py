@@ -42,7 +42,6 @@ EXCEPTIONS: dict[str, str] = {
     "asked": LATER,
     "asked_by": PUBLIC,
     "belief": LATER,
-    "believe": LATER,
     "believed": PUBLIC,
     "believed_mu": PUBLIC,
     "carried": LATER,
@@ -61,16 +60,17 @@ EXCEPTIONS: dict[str, str] = {
     "wanted": PUBLIC,
 }
 """Name to the reason why its private word stays."""
-MOST_EXCEPTIONS = 26
+MOST_EXCEPTIONS = 25
 """How many there may be: lower it with each that goes."""
 
 PARTICIPLES: dict[str, int] = {
-    "app/cli": 1,
     "app/lab": 4,
-    "base/compilation": 1,
+    "base/compilation": 5,
     "base/errors": 2,
-    "base/kernels": 2,
+    "base/file_models": 4,
+    "base/memory": 4,
     "base/numerics": 1,
+    "base/settings": 2,
     "contact/batch": 4,
     "contact/derivative": 2,
     "contact/files": 2,
@@ -88,10 +88,10 @@ PARTICIPLES: dict[str, int] = {
     "motion/ground": 2,
     "motion/planning": 2,
     "motion/standing": 2,
-    "motion/walking": 16,
-    "records/audit": 8,
-    "records/identification": 11,
-    "records/log": 4,
+    "motion/walking": 27,
+    "records/audit": 9,
+    "records/identification": 12,
+    "records/log": 3,
     "worlds/experiments": 1,
     "worlds/interface": 1,
     "worlds/mujoco": 1,

@@ -21,7 +21,7 @@ import json, resource, sys, time
 from pathlib import Path
 import numpy as np
 import surefoot as sf
-from surefoot.contact.problem import fclib, files
+from surefoot.contact.files import fclib, formats
 resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
 for line in sys.stdin:
     start, said = time.process_time(), "read"

@@ -174,14 +174,14 @@ class _Refusal:
             return f"{above and f'{above}: '}{unknown_name(key, value, _names(node))}"
         names = [name for each in node.get("anyOf", ()) for name in _names(each)]
         also = f"; valid names: {', '.join(names)}" if names else ""
-        return f"{place} must be {self._wanted(node)}, got {shown(value)}{also}"
+        return f"{place} must be {self._expected(node)}, got {shown(value)}{also}"
 
-    def _wanted(self, node: Schema) -> str:
+    def _expected(self, node: Schema) -> str:
         """Return what a schema's node asks for, in words."""
         node = self._resolved(node)
         if "anyOf" in node:
             branches = [each for each in map(self._resolved, node["anyOf"]) if not _names(each)]
-            *most, last = [self._wanted(each) for each in branches]
+            *most, last = [self._expected(each) for each in branches]
             return f"{', '.join(most)} or {last}" if most else last
         kind = node.get("type", "")
         if kind == "array":

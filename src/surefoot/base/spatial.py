@@ -186,7 +186,7 @@ def heading_of(quaternion: FloatArray) -> FloatArray:
 
 
 def tilt_of(quaternion: FloatArray) -> float:
-    """Return the angle [rad] between a body's z axis and the vertical, for a quaternion of any length.
+    """Return the angle [rad] between a body's z axis and the vertical, for a quaternion (4,) of any length.
 
     Examples
     --------

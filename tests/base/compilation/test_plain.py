@@ -16,7 +16,7 @@ import pytest
 import surefoot
 from surefoot.base.compilation import plain
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SOURCES = Path(surefoot.__file__).parents[1]
 FILES = {
     "below.py": """
@@ -41,7 +41,7 @@ import json, sys
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 import numpy as np
-from surefoot import compilation, kernels
+from surefoot.base import compilation, kernels
 from surefoot.base.kernels import MATRIX, REAL, VECTOR, entry_point, kernel, releasing_kernel
 from surefoot.base.kernels import borrowed, keep, window
 import below

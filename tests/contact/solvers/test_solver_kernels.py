@@ -97,7 +97,7 @@ def test_fields_read_late_are_those_read_at_once() -> None:
     assert found.solved
     assert found.forces.shape == found.velocities.shape == (4, 3)
     assert np.allclose(found.velocities, p.velocity(found.forces), atol=1e-12)
-    again = sf.contact.residuals(p, found.forces)
+    again = sf.residuals(p, found.forces)
     assert found.residuals == again
     assert pickle.loads(pickle.dumps(sf.solve(p))).forces.tolist() == found.forces.tolist()
     assert "velocity_error" in repr(sf.solve(p))

@@ -107,7 +107,7 @@ def test_limits_that_no_motor_has_are_unknown(go2):
     ],
 )
 def test_what_a_task_does_not_take_is_named(go2, task, asked, told):
-    with pytest.raises(sf.errors.ProblemError, match=told):
+    with pytest.raises(sf.ProblemError, match=told):
         sf.plan(None if task == "ball" else go2, task, **asked)
 
 
@@ -115,7 +115,7 @@ def test_what_a_task_does_not_take_is_named(go2, task, asked, told):
 def test_a_start_off_the_ground_is_refused(go2, by, told):
     q = sf.place(go2)
     q[2] += by
-    with pytest.raises(sf.errors.ProblemError, match=told):
+    with pytest.raises(sf.ProblemError, match=told):
         sf.plan(go2, "jump", start=q)
 
 
@@ -128,7 +128,7 @@ def test_a_search_from_a_near_plan_ends_in_the_same_motion_sooner(go2, monkeypat
     assert np.abs(near["q"] - far["q"]).max() < 1e-3
     monkeypatch.setattr(scheduled, "BRIEF", 1e-9)  # a search from a plan that is not near begins anew
     assert sf.plan(go2, "jump", 0.35, dt=0.02, near=kept).iterations == far.iterations
-    with pytest.raises(sf.errors.ProblemError, match="the same robot, kind of task and knots"):
+    with pytest.raises(sf.ProblemError, match="the same robot, kind of task and knots"):
         sf.plan(go2, "jump", near=kept)
 
 

@@ -13,7 +13,7 @@ from surefoot.motion.walking.touchdown_detection import (
     SILENT,
     YOUNG,
     TouchMemory,
-    believe_landings,
+    accept_landings,
     false_landings,
 )
 
@@ -29,7 +29,7 @@ class LandingWatch:
         self.memory = TouchMemory.of(1)
 
     def believe(self, sensed: BoolArray, stance: BoolArray, above: FloatArray) -> BoolArray:
-        self.memory, ground = believe_landings(self.memory, sensed, stance, above, DT)
+        self.memory, ground = accept_landings(self.memory, sensed, stance, above, DT)
         return ground
 
     def taken_back(self, stance: BoolArray) -> BoolArray:

@@ -17,7 +17,7 @@ from surefoot.base.memory import Remembering, alike, read_back, write_down
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.terrain import read_terrain
 from surefoot.motion.control.controller import RobotState, Wrapper
-from surefoot.motion.ground.terrain_knowledge import believed_ground
+from surefoot.motion.ground.terrain_knowledge import controller_ground
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.walk_state import WalkState
 from surefoot.motion.walking.walker import Walker
@@ -37,7 +37,7 @@ ALL = np.ones(4, dtype=bool)
 
 def walker_of(name: str, knowledge: str, ground: str, watch: bool) -> Walker:
     """Return a controller, made in the same way by every process."""
-    belief = believed_ground(knowledge, read_terrain(ground, "terrain"))
+    belief = controller_ground(knowledge, read_terrain(ground, "terrain"))
     command = VelocityCommand.constant(0.4)
     return walking_controller(load_robot(name), command, terrain=belief, watch_friction=watch)
 
@@ -195,7 +195,7 @@ def parts_of(one: Any, path: str = "", seen: set[int] | None = None) -> list[tup
 def test_what_changes_in_a_part_is_named_in_its_memory(knowledge: str) -> None:
     """No part keeps anything that a resumed walk would not know of."""
     robot = robot_of("go2")
-    belief = believed_ground(knowledge, read_terrain("flat", "terrain"))
+    belief = controller_ground(knowledge, read_terrain("flat", "terrain"))
     walker = walking_controller(robot, VelocityCommand.constant(0.4), terrain=belief, watch_friction=True)
     weight = np.tile([0.0, 0.0, 40.0], (4, 1))
     still, q = np.zeros(robot.model.nv), robot.nominal

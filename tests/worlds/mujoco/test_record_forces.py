@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.records.audit.balance import left_over
 from surefoot.records.audit.log_context import setting_of
 from surefoot.records.audit.report import AuditReport
@@ -235,7 +236,7 @@ def test_momentum_and_energy_are_those_of_the_model() -> None:
     for row in (0, 150, 299):
         data.qpos[:], data.qvel[:] = log["q"][row], log["v"][row]
         data.qpos[3:7] = log["q"][row][[6, 3, 4, 5]]
-        turn = sf.spatial.rotation_from_quaternion(log["q"][row][3:7])
+        turn = rotation_from_quaternion(log["q"][row][3:7])
         data.qvel[:3] = turn @ log["v"][row][:3]
         mujoco.mj_forward(model, data)
         assert log["energy"][row] == pytest.approx(data.energy.sum(), rel=1e-9)

@@ -171,7 +171,7 @@ def stair_heights(
     xy
         Places [m].
     flight
-        (10,) as `FlightFit.parameters` gives: a unit vector across its edges, the place beside it about
+        (10,) as `StairFit.parameters` gives: a unit vector across its edges, the place beside it about
         which it turns, the place of its edge 0, the depth of its treads, its turn [-], the height before the
         edge 0, the rise, and the numbers of its first and its last edge.
     """

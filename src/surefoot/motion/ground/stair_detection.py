@@ -109,7 +109,7 @@ class StairWatch(Remembering):
     steps
         None where there are none.
     flight
-        Where exactly they are, as `FlightFit.parameters` has it, (10,); None as long as that is not known.
+        Where exactly they are, as `StairFit.parameters` has it, (10,); None as long as that is not known.
     """
 
     MEMORY = ("steps", "flight", "_fit", "_seen", "_time", "_begun", "_looks")

@@ -55,7 +55,7 @@ class Ramps(NamedTuple):
         return Ramps(np.full(feet, -math.inf), np.ones(feet, dtype=bool))
 
 
-class Horizon(NamedTuple):
+class ForceHorizon(NamedTuple):
     """A plan that is set up and has still to be solved.
 
     Attributes
@@ -142,7 +142,7 @@ class ForcePlanner:
     def set_up(
         self, time: float, schedule: ContactSchedule, clock: GaitClock, feet: Feet, body: BodyPlan,
         stance: float, before: ForcePlan | None, pending: bool,
-    ) -> Horizon:  # fmt: skip
+    ) -> ForceHorizon:  # fmt: skip
         """Return the horizon that begins at the next step; without a plan before it, at this one.
 
         Parameters
@@ -183,10 +183,10 @@ class ForcePlanner:
             # Once for every plan made: while a horizon is pending, the plan before is the one whose points
             # have been moved already.
             self.mpc.shift(max(time + ahead - before.made, 0.0))
-        return Horizon(reference, places, contacts)
+        return ForceHorizon(reference, places, contacts)
 
     def solve(
-        self, horizon: Horizon, time: float, now: Kinematics, frames: FloatArray, mu: float = math.inf
+        self, horizon: ForceHorizon, time: float, now: Kinematics, frames: FloatArray, mu: float = math.inf
     ) -> ForcePlan:
         """Return the plan of a horizon from the state of now.
 

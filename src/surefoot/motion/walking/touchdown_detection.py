@@ -183,7 +183,7 @@ class TouchSense:
                 if struck[k]:
                     self.belief.stumbled(state.time)
         above = self.belief.above(soles, ground & ~stance)
-        memory, ground = believe_landings(memory, ground, stance, above, self.dt)
+        memory, ground = accept_landings(memory, ground, stance, above, self.dt)
         memory, false = false_landings(memory, stance, self.dt)
         return memory, FeetContact(np.ascontiguousarray(ground), struck, false)
 
@@ -255,7 +255,7 @@ def sort_touches(
     return sensed & ~struck & ~light, struck & against & stopped & swinging
 
 
-def believe_landings(
+def accept_landings(
     memory: TouchMemory, sensed: BoolArray, stance: BoolArray, above: FloatArray, dt: float
 ) -> tuple[TouchMemory, BoolArray]:
     """Return the memory, and which feet have landed of those that feel the ground: (n,).

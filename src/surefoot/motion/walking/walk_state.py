@@ -16,10 +16,10 @@ from surefoot.motion.estimation.wrench_observer import Load
 from surefoot.motion.gaits.adaptive_gait import Pace, Stride
 from surefoot.motion.gaits.gait import Gait
 from surefoot.motion.ground.stair_detection import StairFlight
-from surefoot.motion.ground.stair_fit import FlightFit, StairSteps
+from surefoot.motion.ground.stair_fit import StairFit, StairSteps
 from surefoot.motion.ground.touched_ground import Ledge
 from surefoot.motion.walking.behaviours.behaviour import FootSearch, Request
-from surefoot.motion.walking.force_planner import ForcePlan, Horizon, Ramps
+from surefoot.motion.walking.force_planner import ForceHorizon, ForcePlan, Ramps
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.touchdown_detection import TouchMemory
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand
@@ -174,7 +174,7 @@ class WalkState:
     ramps: Ramps
     touch: TouchMemory | None = None
     plan: ForcePlan | None = None
-    horizon: Horizon | None = None
+    horizon: ForceHorizon | None = None
     times: PlanTimes = field(default_factory=PlanTimes)
     swing: SwingRequest | None = None
     biped: BipedState | None = None
@@ -201,9 +201,9 @@ class WalkState:
 KINDS: dict[str, type] = {
     kind.__name__: kind
     for kind in (
-        WalkState, GaitClock, GaitState, Feet, BodyPlan, Ramps, TouchMemory, ForcePlan, Horizon, PlanTimes,
-        SwingRequest, BipedState, FootSearch, BodyReference, VelocityCommand, Gait, Stride, Pace, Load, Ledge,
-        StairSteps, StairFlight, FlightFit,
+        WalkState, GaitClock, GaitState, Feet, BodyPlan, Ramps, TouchMemory, ForcePlan, ForceHorizon,
+        PlanTimes, SwingRequest, BipedState, FootSearch, BodyReference, VelocityCommand, Gait, Stride, Pace, Load, Ledge,
+        StairSteps, StairFlight, StairFit,
     )
 }  # fmt: skip
 """Classes of what a state consists of, by the names that they are written down with."""

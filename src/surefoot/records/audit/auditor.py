@@ -134,7 +134,7 @@ def _faults(rows: Rows, tracks: dict[str, Track], before: float) -> float:
     step = np.diff(time, prepend=before if np.isfinite(before) else time[:1] - rows.setting.dt)
     bad = ~(step > 0.0) | ~np.isfinite(time)
     if rows.setting.dt > 0.0:
-        bad |= step > rows.setting.limits.records.lost_step * rows.setting.dt
+        bad |= step > rows.setting.limits.records.missing_step * rows.setting.dt
     if bad.any():
         tracks[CLOCK].add(
             bad[:, None], step[:, None], np.full((len(step), 1), rows.setting.dt), first, rows.points

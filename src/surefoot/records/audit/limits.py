@@ -144,7 +144,7 @@ class RecordLimits(Settings):
     """Limits of what a log says of itself, before any law is judged."""
 
     least_rows: int = setting(4, "-", "rows without which no log is lawful", low=2, tuned=ALIKE + "2 to 24")
-    lost_step: float = setting(
+    missing_step: float = setting(
         5.5, "dt", "step of the clock from which rows are lost", low=1.0, tuned=VARIED + "1.833 to 16.5"
     )
     known_step_low: float = setting(

@@ -319,7 +319,7 @@ class MeasuredLimits(Settings):
         high=1.0,
         tuned=ALIKE + "0 to 0.9967",
     )
-    dropout_carried: float = setting(
+    dropout_load: float = setting(
         0.04, "m g", "true force from which a foot carries", low=0.0, tuned=VARIED + "0.001333 to 0.12"
     )
     dropout_share: float = setting(

@@ -178,17 +178,25 @@ class _Valley:
 
     def descend(self, values: FloatArray) -> bool:
         """Go down from values (d,) by a trust region; return whether the loss stopped falling."""
-        steps = self._steps
+        free = self._ends[0] < self._ends[1]  # a range that is a point leaves nothing to search
+        if not free.any():
+            return True
+        steps = self._steps[free]
+
+        def point(x: FloatArray) -> FloatArray:
+            out = values.copy()
+            out[free] = x * steps
+            return out
 
         def residuals(x: FloatArray) -> FloatArray:
-            return _scaled(self.at(x * steps), self._frames)
+            return _scaled(self.at(point(x)), self._frames)
 
         def jacobian(x: FloatArray) -> FloatArray:
-            here = self.at(x * steps)
-            return _scaled_slopes(here, self.slopes(x * steps, here), self._frames)
+            here = self.at(point(x))
+            return _scaled_slopes(here, self.slopes(point(x), here), self._frames)[:, free]
 
         found = least_squares(
-            residuals, values / steps, jacobian, (self._ends[0] / steps, self._ends[1] / steps),
+            residuals, values[free] / steps, jacobian, tuple(end[free] / steps for end in self._ends),
             method="trf", ftol=SAME, xtol=1e-4, gtol=1e-12, x_scale="jac", max_nfev=TRIALS,
         )  # fmt: skip
         return bool(found.status > 0)

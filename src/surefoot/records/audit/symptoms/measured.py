@@ -197,7 +197,7 @@ def swapped_feet(e: Episode, true: FloatArray) -> Evidence | None:
 def dropout(e: Episode, true: FloatArray) -> Evidence | None:
     """Tell whether a foot that carries its true force, (m, 3) [N], reports nothing."""
     none = np.linalg.norm(e.force, axis=1) <= e.rows.setting.threshold
-    carried = np.nan_to_num(true[:, 2]) > e.limits.measured.dropout_carried * e.weight
+    carried = np.nan_to_num(true[:, 2]) > e.limits.measured.dropout_load * e.weight
     share = float((none & carried).mean())
     if share < e.limits.measured.dropout_share:
         return None
