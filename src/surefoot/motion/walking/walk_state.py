@@ -202,8 +202,8 @@ KINDS: dict[str, type] = {
     kind.__name__: kind
     for kind in (
         WalkState, GaitClock, GaitState, Feet, BodyPlan, Ramps, TouchMemory, ForcePlan, ForceHorizon,
-        PlanTimes, SwingRequest, BipedState, FootSearch, BodyReference, VelocityCommand, Gait, Stride, Pace, Load, Ledge,
-        StairSteps, StairFlight, StairFit,
+        PlanTimes, SwingRequest, BipedState, FootSearch, BodyReference, VelocityCommand, Gait, Stride, Pace,
+        Load, Ledge, StairSteps, StairFlight, StairFit,
     )
 }  # fmt: skip
 """Classes of what a state consists of, by the names that they are written down with."""

@@ -181,7 +181,7 @@ class _Valley:
         free = self._ends[0] < self._ends[1]  # a range that is a point leaves nothing to search
         if not free.any():
             return True
-        steps = self._steps[free]
+        steps, (low, high) = self._steps[free], (end[free] for end in self._ends)
 
         def point(x: FloatArray) -> FloatArray:
             out = values.copy()
@@ -196,7 +196,7 @@ class _Valley:
             return _scaled_slopes(here, self.slopes(point(x), here), self._frames)[:, free]
 
         found = least_squares(
-            residuals, values[free] / steps, jacobian, tuple(end[free] / steps for end in self._ends),
+            residuals, values[free] / steps, jacobian, (low / steps, high / steps),
             method="trf", ftol=SAME, xtol=1e-4, gtol=1e-12, x_scale="jac", max_nfev=TRIALS,
         )  # fmt: skip
         return bool(found.status > 0)
