@@ -167,7 +167,7 @@ def test_nowhere_to_write_is_no_error(
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("room", ["numerics", "cones"])
+@pytest.mark.parametrize("room", ["base/numerics", "contact/cones"])
 def test_a_rooms_tests_pass(room: str, tmp_path: Path) -> None:
     environment = os.environ | {"SUREFOOT_PLAIN_NUMBA": "1", "NUMBA_CACHE_DIR": str(tmp_path)}
     words = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"tests/{room}"]

@@ -7,24 +7,65 @@ Coulomb friction in the plane, every contact problem solved by `surefoot.solve` 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.libraries import import_casadi
 from surefoot.contact import ContactProblem, Planar, Status, solve
-from surefoot.mechanics import StepOptions, Stepper
-from surefoot.motion.planning.direct.direct_problem import DirectProblem
+from surefoot.mechanics import Robot, StepOptions, Stepper, Terrain
 from surefoot.motion.planning.trajectory import TOLERANCE, TorquePolicy, Trajectory
+from surefoot.motion.planning.transcription.contact_pairs import PlanarContactPair
 
 PLANAR = np.array([0, 2])
 """Tangent and normal among a contact's axes."""
 
 
+class PairProblem(Protocol):
+    """A start, a ground and pairs of bodies that may touch: see `DirectProblem`, which is one."""
+
+    @property
+    def robot(self) -> Robot:
+        """The planar robot."""
+
+    @property
+    def terrain(self) -> Terrain:
+        """The ground."""
+
+    @property
+    def q(self) -> FloatArray:
+        """(nq,) the configuration at the start."""
+
+    @property
+    def v(self) -> FloatArray:
+        """(nv,) the velocity at the start."""
+
+    @property
+    def knots(self) -> int:
+        """How many steps there are."""
+
+    @property
+    def dt(self) -> float:
+        """Length of a step [s]."""
+
+    @property
+    def mu(self) -> float:
+        """Friction coefficient of the ground [-]."""
+
+    @property
+    def touches(self) -> tuple[PlanarContactPair, ...]:
+        """Contacts between bodies of the robot, beside those of its feet with the ground."""
+
+    @property
+    def frictions(self) -> FloatArray:
+        """(p,) friction coefficients of all contacts [-]: the feet's points, then the pairs."""
+
+
 class PairStep:
     """Takes exact steps of a problem whose bodies touch each other."""
 
-    def __init__(self, problem: DirectProblem) -> None:
+    def __init__(self, problem: PairProblem) -> None:
         ca, robot = import_casadi(), problem.robot
         self.problem, self._data = problem, robot.model.createData()
         self.stepper = Stepper(
@@ -64,7 +105,7 @@ class PairStep:
         return free + Y @ impulses, impulses.reshape(-1, 2), error, solved
 
 
-def rollout_with_pairs(problem: DirectProblem, policy: TorquePolicy) -> Trajectory:
+def rollout_with_pairs(problem: PairProblem, policy: TorquePolicy) -> Trajectory:
     """Return where a policy leads from a problem's start, by exact steps in which bodies touch each other."""
     step, dt = PairStep(problem), problem.dt
     out = Trajectory.blank(problem.robot, problem.knots, dt, problem.mu)
