@@ -52,16 +52,6 @@ def shown(package: str) -> dict[str, str]:
     return {name: f"{package}.{module}" for module, name in lines}
 
 
-def is_module_level(tree: ast.Module, node: ast.AST) -> bool:
-    """Tell whether an import runs when its module is loaded: not one in a function or for type checkers."""
-    return any(node is inside for part in tree.body if not isinstance(part, ast.FunctionDef | ast.ClassDef)
-               for inside in ast.walk(part) if not _for_checkers(part))  # fmt: skip
-
-
-def _for_checkers(part: ast.stmt) -> bool:
-    return isinstance(part, ast.If) and ast.unparse(part.test) == "TYPE_CHECKING"
-
-
 def target(module: str, name: str) -> str:
     """Return the module that `from module import name` needs: through faces, and packages that hand on."""
     if f"{module}.{name}" in modules():
@@ -81,14 +71,12 @@ def _is_package(module: str) -> bool:
 
 
 @cache
-def imports(at_load: bool = False) -> frozenset[Import]:
+def imports() -> frozenset[Import]:
     """Return every import within the package, each name followed to its home."""
     out = set[Import]()
     for name, tree in modules().items():
         for node in ast.walk(tree):
             if not isinstance(node, ast.ImportFrom) or node.module not in modules():
-                continue
-            if at_load and not is_module_level(tree, node):
                 continue
             out |= {(name, target(node.module, alias.name)) for alias in node.names}
     return frozenset(one for one in out if one[0] != one[1])
