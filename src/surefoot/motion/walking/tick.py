@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import copy
 from abc import abstractmethod
-from dataclasses import replace
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.memory import Remembering
@@ -87,7 +86,7 @@ class Tick(Controller):
         ramps, limits = self._limit_forces(s.ramps, gait, clock, feet, request, measured, now, contact)
         s = WalkState(
             clock, gait, feet, s.body, ramps, None if touch is None else touch.asked(request), s.plan,
-            s.horizon, times, s.swing, biped, s.parts,
+            s.horizon, times, s.swing, biped,
         )  # fmt: skip
         given = StepInput(now, request, measured.time, changed)
         if begins or not self.answers_first:
@@ -132,7 +131,8 @@ class Tick(Controller):
         if self._walk is None:
             return None
         parts = {name: part.remembered() for name, part in self._parts().items() if part is not None}
-        return replace(copy.deepcopy(self._walk), parts={**parts, "command": copy.deepcopy(self.command)})
+        parts["command"] = copy.deepcopy(self.command)
+        return copy.deepcopy(self._walk)._replace(parts=parts)
 
     def resume(self, state: WalkState | None) -> None:
         """Go on from a state of a controller that was made in the same way; None is the beginning."""
@@ -140,11 +140,12 @@ class Tick(Controller):
         if state is None:
             return
         state = copy.deepcopy(state)
+        assert state.parts is not None, "a state that a controller has given"
         self.command = state.parts["command"]
         for name, part in self._parts().items():
             if part is not None:
                 part.resume(state.parts[name])
-        self._walk = replace(state, parts={})
+        self._walk = state._replace(parts=None)
 
     def _view(
         self, s: WalkState, feet: Feet, measured: RobotState, now: Kinematics, clock: GaitClock

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -133,8 +132,7 @@ class BipedState(NamedTuple):
         return np.asarray((place + speed / omega)[:2])
 
 
-@dataclass(slots=True, eq=False)
-class WalkState:
+class WalkState(NamedTuple):
     """All that lasts from one step to the next.
 
     Attributes
@@ -153,7 +151,7 @@ class WalkState:
     biped
         Of a walk on two flat feet.
     parts
-        Memories of the parts of the controller by name, see `Remembering`; empty in the state that a
+        Memories of the parts of the controller by name, see `Remembering`; None in the state that a
         controller works on itself.
 
     Examples
@@ -175,10 +173,10 @@ class WalkState:
     touch: TouchMemory | None = None
     plan: ForcePlan | None = None
     horizon: ForceHorizon | None = None
-    times: PlanTimes = field(default_factory=PlanTimes)
+    times: PlanTimes = PlanTimes()
     swing: SwingRequest | None = None
     biped: BipedState | None = None
-    parts: Memory = field(default_factory=dict)
+    parts: Memory | None = None
 
     def __eq__(self, other: object) -> bool:
         """Return whether another state is the same to the last bit."""

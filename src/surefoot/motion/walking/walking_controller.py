@@ -8,7 +8,6 @@ The tick itself is `surefoot.motion.walking.tick.Tick.step`.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -199,7 +198,7 @@ class WalkingController(Walker):
         due = measured.time - s.times.begun >= self._interval or s.horizon is not None
         if s.times.load_waits and not due:
             self.load.update_models(s.body)
-            self._walk = replace(s, times=s.times._replace(load_waits=False))
+            self._walk = s._replace(times=s.times._replace(load_waits=False))
 
     def _begin(self, now: Kinematics, measured: RobotState) -> WalkState:
         """Return the state of a walk that begins where the robot stands."""
@@ -300,14 +299,14 @@ class WalkingController(Walker):
             times = times._replace(begun=time, aimless=times.aimless or changed)
             if plan is None:
                 plan, horizon = self.planner.solve(horizon, time, now, s.feet.frames, request.mu), None
-            return replace(s, plan=plan, horizon=horizon, times=times)
+            return s._replace(plan=plan, horizon=horizon, times=times)
         if horizon is not None:
             plan = self.planner.solve(horizon, time, now, s.feet.frames, request.mu)
-            return replace(s, plan=plan, horizon=None)
+            return s._replace(plan=plan, horizon=None)
         if times.aimless or time - times.aimed_at >= self._interval:
             gait, feet, swing = self._aim(s, now, request, time)
             times = times._replace(aimed_at=time, aimless=False, load_waits=True)
-            return replace(s, gait=gait, feet=feet, swing=swing, times=times)
+            return s._replace(gait=gait, feet=feet, swing=swing, times=times)
         return s
 
     def _follow_ground(self, body: BodyPlan, feet: Feet, elapsed: float) -> None:

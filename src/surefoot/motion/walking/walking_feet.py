@@ -78,6 +78,10 @@ class Feet:
     ----------
     foot
         (n,) records of `FOOT`, which nobody changes any more.
+    same
+        Feet whose stance, `planned`, targets and ground are the same, so that they need not be read again.
+    but
+        The foot whose target and frame differ from theirs; None for none.
 
     Attributes
     ----------
@@ -93,8 +97,15 @@ class Feet:
 
     __slots__ = ("foot", "frames", "ground", "planned", "stance", "target")
 
-    def __init__(self, foot: FootArray) -> None:
+    def __init__(self, foot: FootArray, same: Feet | None = None, but: int | None = None) -> None:
         self.foot = foot
+        if same is not None:  # reading the records takes longer than the step that made them
+            self.stance, self.planned, self.target = same.stance, same.planned, same.target
+            self.ground, self.frames = same.ground, same.frames
+            if but is not None:
+                self.target, self.frames = same.target.copy(), same.frames.copy()
+                self.target[but], self.frames[but] = foot[but]["target"], foot[but]["frame"]
+            return
         self.stance: BoolArray = np.logical_not(foot["phase"])  # STANCE is 0
         self.planned: BoolArray = foot["planned"].astype(np.bool_)
         self.target: FloatArray = foot["target"].copy()
@@ -183,9 +194,11 @@ class FeetModel:
         careful
             See `advance_feet`.
         """
-        foot, changed, landed = advance_feet(
+        foot, changed, landed, as_before = advance_feet(
             feet.foot, schedule.phases(clock.time), clock, contact, centres, careful, self.lift_first
         )  # fmt: skip
+        if as_before:
+            return Feet(foot, feet), changed
         for k in range(len(centres)) if landed else ():
             if landed >> k & 1:
                 self._stand(foot[k], self.radii[k], centres[k])
@@ -284,7 +297,7 @@ class FeetModel:
         else:
             apex = float(apex_height(start, target, self._below(start, target, radius), request.clearance))
             lift_first = clear_lift(start, target, apex, terrain, radius, 0.5 * radius)
-        return Feet(aim_foot(feet.foot, k, target, frame, apex, lift_first, sink_from))
+        return Feet(aim_foot(feet.foot, k, target, frame, apex, lift_first, sink_from), feet, k)
 
     def _below(self, start: FloatArray, target: FloatArray, radius: float) -> FloatArray:
         """Return the least heights of a foot over the ground on its way: (PATH_SAMPLES,) [m]."""

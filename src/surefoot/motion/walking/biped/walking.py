@@ -10,7 +10,6 @@ was pushed, the one of now (`catching`).
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -287,7 +286,7 @@ class BipedController(Walker):
             place = _kept(s).divergence(after, self._pendulum) - _kept(s).offsets[k]
             place, yaw = self.steps.foothold(k, s.body, left, place, feet.ground[1 - k, :2])
             feet = self.soles.aimed(feet, k, place, yaw, swing)
-        return replace(s, feet=feet, swing=swing)
+        return s._replace(feet=feet, swing=swing)
 
     def _replan(self, s: WalkState, given: StepInput) -> WalkState:
         """Run the MPC for the footsteps from now on, with a friction, or its own if that is infinite."""
@@ -301,7 +300,7 @@ class BipedController(Walker):
         if clock > 0.0 and self.catching.notice(miss):
             divergent = (now.com + now.com_velocity / self._pendulum)[:2]
             steps = self.catching.steps(ahead, miss, divergent, clock)
-            s = replace(s, feet=self._send_feet(s, steps))
+            s = s._replace(feet=self._send_feet(s, steps))
             reference, kept = self._reference(s, kept, now, steps)
         middles = clock + dt * (np.arange(N, dtype=np.float64) + 0.5)
         contacts, places = self.steps.corners(soles, s.feet, kept.corners, steps, middles)
@@ -317,8 +316,8 @@ class BipedController(Walker):
                                  (plan.linear_velocity, plan.angular_velocity, kept.leg_spin))  # fmt: skip
         motion = np.array([now.com, now.com_velocity, now.angular_velocity, linear, angular - legs])
         predicted = np.array([plan.position, plan.linear_velocity])
-        return replace(
-            s, plan=ForcePlan(time, plan.first, motion, now.rotation.copy()),
+        return s._replace(
+            plan=ForcePlan(time, plan.first, motion, now.rotation.copy()),
             times=s.times._replace(begun=time), biped=kept._replace(predicted=predicted),
         )  # fmt: skip
 
