@@ -13,7 +13,7 @@ import copy
 from abc import abstractmethod
 
 from surefoot.base.arrays import FloatArray
-from surefoot.base.memory import Remembering
+from surefoot.base.memory import Memory, Remembering
 from surefoot.motion.control.controller import Controller, RobotState
 from surefoot.motion.control.damping import computable
 from surefoot.motion.control.whole_body import ForceLimits, WholeBodyCommand, WholeBodyController
@@ -130,7 +130,7 @@ class Tick(Controller):
         self.plan_ahead()
         if self._walk is None:
             return None
-        parts = {name: part.remembered() for name, part in self._parts().items() if part is not None}
+        parts: Memory = {name: part.remembered() for name, part in self._parts().items() if part is not None}
         parts["command"] = copy.deepcopy(self.command)
         return copy.deepcopy(self._walk)._replace(parts=parts)
 

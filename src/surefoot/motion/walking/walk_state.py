@@ -182,7 +182,9 @@ class WalkState(NamedTuple):
         """Return whether another state is the same to the last bit."""
         return isinstance(other, WalkState) and alike(self, other)
 
-    __hash__ = None  # type: ignore[assignment]
+    def __hash__(self) -> int:
+        """Refuse: a state holds arrays."""
+        raise TypeError("a WalkState has no hash")
 
     def to_arrays(self) -> tuple[Arrays, Any]:
         """Return the state as plain arrays by path, and facts that JSON can hold."""

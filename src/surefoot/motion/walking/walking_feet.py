@@ -96,6 +96,11 @@ class Feet:
     """
 
     __slots__ = ("foot", "frames", "ground", "planned", "stance", "target")
+    stance: BoolArray
+    planned: BoolArray
+    target: FloatArray
+    ground: FloatArray
+    frames: FloatArray
 
     def __init__(self, foot: FootArray, same: Feet | None = None, but: int | None = None) -> None:
         self.foot = foot
@@ -106,11 +111,11 @@ class Feet:
                 self.target, self.frames = same.target.copy(), same.frames.copy()
                 self.target[but], self.frames[but] = foot[but]["target"], foot[but]["frame"]
             return
-        self.stance: BoolArray = np.logical_not(foot["phase"])  # STANCE is 0
-        self.planned: BoolArray = foot["planned"].astype(np.bool_)
-        self.target: FloatArray = foot["target"].copy()
-        self.ground: FloatArray = foot["ground"]
-        self.frames: FloatArray = foot["frame"].copy()
+        self.stance = np.logical_not(foot["phase"])  # STANCE is 0
+        self.planned = foot["planned"].astype(np.bool_)
+        self.target = foot["target"].copy()
+        self.ground = foot["ground"]
+        self.frames = foot["frame"].copy()
 
     def __eq__(self, other: object) -> bool:
         """Return whether other feet are the same to the last bit."""
