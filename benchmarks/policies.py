@@ -19,7 +19,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 import surefoot as sf
-from benchmarks import strangers
+from benchmarks import audit_models
 from surefoot.records.audit.motion import foot_forces, heading_velocity
 from surefoot.records.log import Ending
 from surefoot.worlds.running.faults import Faults
@@ -86,7 +86,7 @@ def _trained(policy: sf.Policy, file: Path) -> tuple[str, sf.Log]:
     """Return the name and the log of a walk in the physics of training."""
     own = file.with_suffix(".xml")
     if own.is_file():
-        return "training", strangers.walked(next(strangers.models_under([own]))[1], 10.0, policy)
+        return "training", audit_models.walked(next(audit_models.models_under([own]))[1], 10.0, policy)
     return "default", walked(policy, 10.0, **DEFAULT)
 
 

@@ -1,4 +1,4 @@
-"""Draw docs/images/architecture.svg: wings and rooms, from pyproject.toml's layers and their first lines.
+"""Draw docs/images/architecture.svg: wings and packages, from pyproject.toml's layers and their first lines.
 
 Run: python docs/architecture.py [--check] (exit code 1 with --check if the picture is not up to date).
 """
@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCE, PICTURE = ROOT / "src" / "surefoot", ROOT / "docs" / "images" / "architecture.svg"
 WIDTH, LINE, HEAD, LEFT, GAP, NAMES = 1180, 21, 30, 60, 9, 150
 OUTSIDE = (
-    ("tests", "mirror wings and rooms; axioms, conformance tables, attempts to make certificates lie"),
+    ("tests", "mirror wings and packages; axioms, conformance tables, attempts to make certificates lie"),
     ("benchmarks", "measurements against rivals; in the repository, not in the wheel"),
     ("examples", "short scripts on public names"),
 )
@@ -36,8 +36,8 @@ def wings() -> list[str]:
     return list(next(contract["layers"] for contract in contracts if contract["type"] == "layers"))
 
 
-def rooms(wing: str) -> list[tuple[str, str]]:
-    """Return (name, purpose) of the rooms of a wing: its packages, and modules of its own."""
+def packages(wing: str) -> list[tuple[str, str]]:
+    """Return (name, purpose) of the packages of a wing: its packages, and modules of its own."""
     places = sorted(SOURCE.joinpath(wing).iterdir(), key=lambda place: (place.is_file(), place.name))
     found = [
         p for p in places if (p / "__init__.py").is_file() or (p.suffix == ".py" and p.stem != "__init__")
@@ -70,7 +70,7 @@ def picture() -> str:
         y += HEAD
     y = top = y + GAP
     for k, wing in enumerate(wings()):
-        inside = rooms(wing)
+        inside = packages(wing)
         height = HEAD + LINE * len(inside) + 4
         parts += [box(y, height, SHADES[k % 2]), text(LEFT + 12, y + 20, wing, 16, 'font-weight="bold"')]
         parts.append(text(LEFT + NAMES, y + 20, purpose(SOURCE / wing), 14, 'font-weight="bold"'))

@@ -7,7 +7,7 @@ from typing import Any
 from docs.measured import Rows, Table, printed
 
 PROBLEMS = ("ball", "slide", "hopper", "push")
-ROADS = ("given schedule", "own shooting", "direct method")
+METHODS = ("given schedule", "own shooting", "direct method")
 
 
 def _softening(data: Any, table: str, product: bool = True) -> Rows:
@@ -115,7 +115,7 @@ def _executed(data: Any) -> Rows:
 
 
 def _slopes(data: Any, title: str, *columns: str) -> Rows:
-    """Return a row per road and a column per task, the named cells of each together."""
+    """Return a row per method and a column per task, the named cells of each together."""
 
     def short(cell: str) -> str:
         number = float(cell.removesuffix(" %"))
@@ -124,27 +124,27 @@ def _slopes(data: Any, title: str, *columns: str) -> Rows:
     cells: dict[str, list[str]] = {}
     for table in data:
         if title in table["title"]:
-            for road, *found in printed([table], title, "road", *columns):
-                cells.setdefault(road, []).append(" / ".join(map(short, found)))
-    return [[road, *row] for road, row in cells.items()]
+            for method, *found in printed([table], title, "method", *columns):
+                cells.setdefault(method, []).append(" / ".join(map(short, found)))
+    return [[method, *row] for method, row in cells.items()]
 
 
 def _searches(data: Any) -> Rows:
     cells: dict[str, list[str]] = {}
     for table in data:
         if "steps downhill" in table["title"]:
-            names = ("road", "arrived", "off the best (median)", "CPU s a search")
-            for road, arrived, off, spent in printed([table], "steps downhill", *names):
-                cells.setdefault(road, []).append(f"{arrived}, {off}, {spent} s")
-    return [[road, *row] for road, row in cells.items()]
+            names = ("method", "arrived", "off the best (median)", "CPU s a search")
+            for method, arrived, off, spent in printed([table], "steps downhill", *names):
+                cells.setdefault(method, []).append(f"{arrived}, {off}, {spent} s")
+    return [[method, *row] for method, row in cells.items()]
 
 
-HOPPER = "python -m benchmarks.three_roads"
+HOPPER = "python -m benchmarks.three_methods"
 GRADIENTS = "python -m benchmarks.gradients"
 SOFTENING = "surefoot bench softening --table race --table recommended --starts 5"
 PLAN = "surefoot bench plan"
 FROM_STARTS = (
-    "road", "own start", "CPU s", "iterations", "cost", "law residual", "misses by", "random starts",
+    "method", "own start", "CPU s", "iterations", "cost", "law residual", "misses by", "random starts",
     "CPU s, median", "cost, median",
 )  # fmt: skip
 FIVE_TASKS = ("", "ball and wall", "pushed block", "hopper", "friction of a slide", "Go2 landing")
@@ -166,12 +166,14 @@ TABLES = {
         "surefoot bench softening --table first --few 4", "softening.md", BY_PROBLEM,
         lambda data: _softening(data, "first", product=False),
     ),
-    "roads": Table(HOPPER, "three-roads.md", FROM_STARTS, lambda data: printed(data, "from its own start")),
+    "methods": Table(
+        HOPPER, "three-methods.md", FROM_STARTS, lambda data: printed(data, "from its own start")
+    ),
     "changes": Table(
-        HOPPER, "three-roads.md", ("change", *ROADS), lambda data: printed(data, "task is changed")
+        HOPPER, "three-methods.md", ("change", *METHODS), lambda data: printed(data, "task is changed")
     ),
     "by_hand": Table(
-        HOPPER, "three-roads.md", ("take-off", "touchdown", "given schedule"),
+        HOPPER, "three-methods.md", ("take-off", "touchdown", "given schedule"),
         lambda data: printed(data, "schedules by hand"),
     ),
     "bias": Table(

@@ -8,7 +8,7 @@ Where Python is told to keep no bytecode beside the sources, it is kept in pytes
 every worker compiles four hundred files of tests anew, and every process that a test starts the package.
 
 Several workers are given whole files, see `pytest_xdist_make_scheduler`: what the tests of a file share is
-made once, and what the kernels of a room share is compiled once. (The groups of pytest-xdist 3.8, `--dist
+made once, and what the kernels of a package share is compiled once. (The groups of pytest-xdist 3.8, `--dist
 loadgroup`, have no effect under pytest 9.2.)
 
 One function of a package is replaced, Pinocchio's reader of meshes, by one that reads each file once: a
@@ -105,13 +105,13 @@ with contextlib.suppress(ImportError):  # the tests that need it say so themselv
 
     pinocchio.buildGeomFromUrdf = _shapes_read_once(pinocchio.buildGeomFromUrdf)
 
-ROOMS = (
+PACKAGES = (
     "contact/batch", "mechanics/dynamics", "parity", "contact/derivative", "contact/problem", "conformance",
     "contact/solvers", "adversary", "benchmarks", "app/cli", "", "worlds/experiments", "examples",
     "mechanics/statics", "motion/planning", "records/identification", "motion/estimation", "worlds/rigid",
     "worlds/running", "motion/control", "motion/walking",
 )  # fmt: skip
-"""Rooms that compile the same kernels stand together, all others at the empty name in the middle.
+"""Packages that compile the same kernels stand together, all others at the empty name in the middle.
 
 One worker begins at the left, the next at the right: what two compile both is 34 s of CPU in place of 39.
 """
@@ -130,15 +130,15 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
             return "contact/batch/test_jax" if file in WITH_JAX else file
 
         def _assign_work_unit(self, node: Any) -> None:
-            rooms = ROOMS[::-1] if self.nodes.index(node) % 2 else ROOMS
+            packages = PACKAGES[::-1] if self.nodes.index(node) % 2 else PACKAGES
 
             def place(file: str) -> int:
                 names = (
                     "/".join(file.split("/")[:k]) for k in (2, 1)
-                )  # wing and room, or one of tests' own folders
-                return rooms.index(next((name for name in names if name in rooms), ""))
+                )  # wing and package, or one of tests' own folders
+                return packages.index(next((name for name in names if name in packages), ""))
 
-            # of a room the file with the most tests, which is first in the queue
+            # of a package the file with the most tests, which is first in the queue
             self.workqueue.move_to_end(min(self.workqueue, key=place), last=False)
             super()._assign_work_unit(node)
 

@@ -1,12 +1,12 @@
-"""How strong the tests are: single lines of the package are changed, and a room's own tests judge each.
+"""How strong the tests are: single lines of the package are changed, and a package's own tests judge each.
 
-    python -m tests.mutations --seed 0 --count 100 [--room contact/cones] [--tests "tests/axioms"]
+    python -m tests.mutations --seed 0 --count 100 [--package contact/cones] [--tests "tests/axioms"]
 
 A change is an operator (+ and -, * and /, < and <=, and, or, ...), a constant, or a dropped statement, drawn
-with the seed from the lines of code of a room (all rooms, by their lines, if none is named). It is made in a
-copy of the checkout that is removed afterwards. A change is caught when the room's tests fail, or run
+with the seed from the lines of code of a package (all packages, by their lines, if none is named). It is made
+in a copy of the checkout that is removed afterwards. A change is caught when the package's tests fail, or run
 for much longer than without it; `--all` judges by the tests that are marked long as well. The last line tells
-how many of how many were caught; the exit code is 0 unless a room's tests fail without any change.
+how many of how many were caught; the exit code is 0 unless a package's tests fail without any change.
 """
 
 from __future__ import annotations
@@ -46,16 +46,16 @@ class Mutation(NamedTuple):
     after: str
 
 
-def room_of(file: Path) -> str:
-    """Return wing and room of a file below the package; a module at the top of a wing is a room."""
+def package_of(file: Path) -> str:
+    """Return wing and package of a file below the package; a module at the top of a wing is a package."""
     return "/".join(file.with_suffix("").parts[:2])
 
 
-def tests_of(room: str) -> list[str]:
-    """Return where the tests of a room are."""
-    wing, _, own = room.rpartition("/")
+def tests_of(package: str) -> list[str]:
+    """Return where the tests of a package are."""
+    wing, _, own = package.rpartition("/")
     beside = ROOT.glob(f"tests/{wing}/test_{own}*.py")
-    places = [f"tests/{room}", *(str(p.relative_to(ROOT)) for p in beside)]
+    places = [f"tests/{package}", *(str(p.relative_to(ROOT)) for p in beside)]
     return [place for place in places if (ROOT / place).exists()]
 
 
@@ -121,12 +121,12 @@ def _with(node: ast.AST, name: str, value: object) -> ast.AST:
     return type(node)(**{**fields, name: value})
 
 
-def drawn(rooms: list[str], count: int, seed: int) -> list[Mutation]:
-    """Return changes of as many different lines, drawn from the rooms' files (all, if none is named)."""
+def drawn(packages: list[str], count: int, seed: int) -> list[Mutation]:
+    """Return changes of as many different lines, drawn from the packages' files (all, if none is named)."""
     per_line: dict[tuple[Path, int], list[Mutation]] = {}
     for path in sorted((ROOT / PACKAGE).rglob("*.py")):
         file = path.relative_to(ROOT / PACKAGE)
-        if (not rooms or room_of(file) in rooms) and tests_of(room_of(file)):
+        if (not packages or package_of(file) in packages) and tests_of(package_of(file)):
             for one in mutations(file, path.read_text(encoding="utf-8")):
                 per_line.setdefault((file, one.line), []).append(one)
     chance = random.Random(seed)
@@ -138,14 +138,14 @@ def drawn(rooms: list[str], count: int, seed: int) -> list[Mutation]:
 
 
 class Judge:
-    """Runs rooms' tests in a copy of the checkout, without a change and with each.
+    """Runs packages' tests in a copy of the checkout, without a change and with each.
 
     Parameters
     ----------
     copy
         The copy's folder.
     places
-        Tests to judge by; empty for those of the room.
+        Tests to judge by; empty for those of the package.
     everything
         Whether long ones judge, too.
     """
@@ -154,13 +154,13 @@ class Judge:
         self._copy, self._places, self._everything = copy, places, everything
         self._seconds: dict[str, float] = {}
 
-    def _fails(self, room: str, limit: float | None) -> bool:
+    def _fails(self, package: str, limit: float | None) -> bool:
         words = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider"]
         words += [] if self._everything else ["-m", "not long"]
         command = ["env", f"PYTHONPATH={self._copy / 'src'}:{self._copy}", *words]
         try:
             done = subprocess.run(
-                [*command, *(self._places or tests_of(room))],
+                [*command, *(self._places or tests_of(package))],
                 cwd=self._copy,
                 capture_output=True,
                 timeout=limit,
@@ -169,23 +169,23 @@ class Judge:
             return True
         return done.returncode != 0
 
-    def clean(self, room: str) -> bool:
-        """Return whether a room's tests pass without a change; the first look at a room takes its time."""
-        if room not in self._seconds:
+    def clean(self, package: str) -> bool:
+        """Return whether a package's tests pass without a change, and time them at the first call."""
+        if package not in self._seconds:
             begin = time.perf_counter()
-            if self._fails(room, None):
+            if self._fails(package, None):
                 return False
-            self._seconds[room] = time.perf_counter() - begin
+            self._seconds[package] = time.perf_counter() - begin
         return True
 
     def caught(self, one: Mutation) -> bool:
-        """Return whether the tests of its room find a change."""
+        """Return whether the tests of its package find a change."""
         path = self._copy / PACKAGE / one.file
         source = path.read_text(encoding="utf-8")
         path.write_text(_changed_file(one, self._copy), encoding="utf-8")
-        room = room_of(one.file)
+        package = package_of(one.file)
         try:
-            return self._fails(room, max(LEAST, PATIENCE * self._seconds[room]))
+            return self._fails(package, max(LEAST, PATIENCE * self._seconds[package]))
         finally:
             path.write_text(source, encoding="utf-8")
 
@@ -195,11 +195,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--count", type=int, default=100)
-    parser.add_argument("--room", action="append", default=[], help="repeatable; all rooms if none")
-    parser.add_argument("--tests", default="", help="what judges, in place of the rooms' own tests")
+    parser.add_argument("--package", action="append", default=[], help="repeatable; all packages if none")
+    parser.add_argument("--tests", default="", help="what judges, in place of the packages' own tests")
     parser.add_argument("--all", action="store_true", help="long tests judge as well")
     asked = parser.parse_args()
-    chosen = drawn(asked.room, asked.count, asked.seed)
+    chosen = drawn(asked.package, asked.count, asked.seed)
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "copy"
         shutil.copytree(
@@ -207,8 +207,8 @@ def main() -> int:
         )
         judge, found, judged = Judge(copy, asked.tests.split(), asked.all), 0, 0
         for one in sorted(chosen):
-            if not judge.clean(room_of(one.file)):
-                print(f"{room_of(one.file)}: its tests fail without any change")
+            if not judge.clean(package_of(one.file)):
+                print(f"{package_of(one.file)}: its tests fail without any change")
                 return 1
             caught = judge.caught(one)
             found, judged = found + caught, judged + 1

@@ -166,14 +166,26 @@ def test_no_circle_of_files() -> None:
     assert circles(imports()) == []
 
 
-def test_no_circle_of_rooms_within_a_wing() -> None:
-    """A room is a folder of a wing, or a file that stands beside them."""
-    rooms = {
+def test_no_circle_through_a_package() -> None:
+    """Whoever imports a module runs the `__init__` of each package around it first."""
+    packages = {name for name in modules() if any(other.startswith(f"{name}.") for other in modules())}
+    around = {
+        (one, package)
+        for one, other in imports()
+        for package in packages
+        if other.startswith(f"{package}.") and not f"{one}.".startswith(f"{package}.")
+    }
+    assert circles({*imports(), *around}) == []
+
+
+def test_no_circle_of_packages_within_a_wing() -> None:
+    """A package is a folder of a wing, or a file that stands beside them."""
+    packages = {
         (".".join(one.split(".")[1:3]), ".".join(other.split(".")[1:3]))
         for one, other in imports()
         if wing_of(one) == wing_of(other) and one.count(".") > 1 and other.count(".") > 1
     }
-    assert circles((a, b) for a, b in rooms if a != b) == []
+    assert circles((a, b) for a, b in packages if a != b) == []
 
 
 def reached(start: str) -> dict[str, str]:

@@ -39,7 +39,7 @@ REFERENCE = re.compile(r"\b([Aa]s (for|in|of|on)|[Ss]ee|[Ll]ike|that of|those of
 ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: ?:.*)?$")
 
 NAMESPACES = ("contact.sets", "contact.laws", "contact.laws.soft", "contact.laws.pressure")
-"""Rooms whose names are shown as `sf.contact_sets` and `sf.laws`."""
+"""Packages whose names are shown as `sf.contact_sets` and `sf.laws`."""
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -190,12 +190,12 @@ def _faults(item: Item) -> Iterator[str]:
 def _functions() -> Iterator[tuple[str, Function]]:
     """Yield every public function and method of public classes with the module that has it."""
     for file, tree in _modules().items():
-        room = file.removesuffix(".py").replace("/", ".")
+        package = file.removesuffix(".py").replace("/", ".")
         for node in tree.body:
             if isinstance(node, Function) and not node.name.startswith("_"):
-                yield f"{room}.{node.name}", node
+                yield f"{package}.{node.name}", node
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-                yield from ((f"{room}.{node.name}.{method.name}", method) for method in _public(node))
+                yield from ((f"{package}.{node.name}.{method.name}", method) for method in _public(node))
 
 
 def test_exported_names_say_shapes_and_units() -> None:

@@ -1,4 +1,4 @@
-"""The house's limits, held by counting: files, functions, signatures, and no ladders over families.
+"""Limits of size, held by counting: files, functions, signatures, and no ladders over families.
 
 Docstrings do not count as lines of a function, `self` and `cls` not as parameters. What a limit is not meant
 for stands in a table with its reason.

@@ -102,7 +102,7 @@ print(ours, [m for m in others.split() if m in sys.modules])
     assert others == "[]"
     assert (
         int(count) <= 60
-    )  # of them seven wings and rooms whose `__init__` is a line, and the model of the file
+    )  # of them seven wings and packages whose `__init__` is a line, and the model of the file
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ PRIVATE = frozenset(
 """Words that leave open what is meant: reference, command, request, measured and estimated do not."""
 
 PUBLIC = "public: a name of the interface, a key of a file or of printed JSON"
-LATER = "its room is being rewritten; renamed with it"
+LATER = "its package is being rewritten; renamed with it"
 
 EXCEPTIONS: dict[str, str] = {
     "BeliefTerrain": LATER,
@@ -98,7 +98,7 @@ PARTICIPLES: dict[str, int] = {
     "worlds/rigid": 2,
     "worlds/running": 3,
 }
-"""Room to the most functions that a bare participle names; none where a room is missing."""
+"""Most functions that a bare participle names; none where a package is missing."""
 
 NOT_PARTICIPLES = frozenset(("need", "feed", "speed", "seed", "embed", "shed", "exceed", "proceed", "bleed"))
 IRREGULAR = frozenset(
@@ -192,8 +192,8 @@ def participles(tree: ast.Module) -> list[str]:
     return [node.name for node in functions if is_participle(node.name) and not is_value(node)]
 
 
-def room_of(path: str) -> str:
-    """Return the wing and room of a module's path."""
+def package_of(path: str) -> str:
+    """Return the wing and package of a module's path."""
     return "/".join(path.split("/")[:2]).removesuffix(".py")
 
 
@@ -215,11 +215,11 @@ def test_names_have_no_private_words() -> None:
 
 
 def test_functions_are_verbs() -> None:
-    """No function is named by a bare participle; rooms that still have some may not get more."""
+    """No function is named by a bare participle; packages that still have some may not get more."""
     found: dict[str, list[str]] = {}
     for path, tree in trees().items():
-        found.setdefault(room_of(path), []).extend(participles(tree))
-    more = {room: names for room, names in found.items() if len(names) > PARTICIPLES.get(room, 0)}
+        found.setdefault(package_of(path), []).extend(participles(tree))
+    more = {package: names for package, names in found.items() if len(names) > PARTICIPLES.get(package, 0)}
     assert more == {}
 
 

@@ -26,7 +26,7 @@ TITLES = {
     "race": "every form on the same path: a b = 0.1 to 1e-13, from the same starts",
     "causes": "one thing changed at a time",
     "first": "the first smoothing",
-    "recommended": "the direct road: relaxed to 1e-8, then the modes held",
+    "recommended": "the direct method: relaxed to 1e-8, then the modes held",
 }
 
 

@@ -1,1 +1,1 @@
-"""Gradients through contact on three roads: penalty, implicit, randomised smoothing; docs/gradients.md."""
+"""Gradients through contact by three methods: penalty, implicit, randomised smoothing; docs/gradients.md."""

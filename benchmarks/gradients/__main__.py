@@ -33,9 +33,9 @@ def tasks() -> list[Task]:
 
 def bias_table(grid: Grid, points: int) -> Table:
     """Return the table of biases and spreads of a task."""
-    names = ("road", "bias, exact slope", "bias, smoothed loss", "spread of a sample", "wrong way")
+    names = ("method", "bias, exact slope", "bias, smoothed loss", "spread of a sample", "wrong way")
     found = compare(grid, points, SMOOTHINGS, STIFFNESSES)
-    rows = [(road, *(f"{100 * x:.3g} %" for x in numbers)) for road, *numbers in found]
+    rows = [(method, *(f"{100 * x:.3g} %" for x in numbers)) for method, *numbers in found]
     return table(names, rows, f"{grid.task.name}: slopes at {points} points")
 
 
@@ -45,9 +45,9 @@ def search_table(grid: Grid, starts: int, iterations: int) -> Table:
     for row in race(grid, starts, iterations):
         spent = (time.process_time() - begin) / starts
         arrived, off = f"{row.arrived} of {row.starts}", f"{100 * row.off:.2g} %"
-        rows.append((row.road, arrived, off, f"{row.rollouts}", f"{spent:.2f}"))
+        rows.append((row.method, arrived, off, f"{row.rollouts}", f"{spent:.2f}"))
         begin = time.process_time()
-    names = ("road", "arrived", "off the best (median)", "rollouts", "CPU s a search")
+    names = ("method", "arrived", "off the best (median)", "rollouts", "CPU s a search")
     return table(names, rows, f"{grid.task.name}: {iterations} steps downhill from {starts} starts")
 
 

@@ -1,4 +1,4 @@
-"""Bias and spread of gradients: what each road says about the slope of a loss, and what is true.
+"""Bias and spread of gradients: what each method says about the slope of a loss, and what is true.
 
 A task's loss and exact slope are computed once on a fine grid. Randomised smoothing with Gaussian noise of
 deviation sigma then has its mean and variance by quadrature on that grid, not by sampling:
@@ -33,7 +33,7 @@ MATTERS = 0.02
 
 @dataclass(frozen=True)
 class Task:
-    """A loss of one parameter on every road.
+    """A loss of one parameter, by every method.
 
     Attributes
     ----------
@@ -134,9 +134,9 @@ def _moments(density: FloatArray, values: FloatArray) -> tuple[float, float]:
 
 
 class Row(NamedTuple):
-    """A line of the table: a road's bias and the spread of one sample, as shares of the slopes' size."""
+    """A line of the table: a method's bias and the spread of one sample, as shares of the slopes' size."""
 
-    road: str
+    method: str
     bias_exact: float
     bias_smoothed: float
     spread: float
@@ -144,7 +144,7 @@ class Row(NamedTuple):
 
 
 def compare(grid: Grid, points: int, smoothings: FloatArray, stiffnesses: FloatArray) -> Iterator[Row]:
-    """Yield how far each road's mean slope is from the exact one and from the smoothed loss'.
+    """Yield how far each method's mean slope is from the exact one and from the smoothed loss'.
 
     Biases are root mean squares over points of mean - reference, over that of the reference; `wrong_way` is
     the share of points at which the mean points uphill of the smoothed loss, or is zero where that is not.
@@ -156,12 +156,12 @@ def compare(grid: Grid, points: int, smoothings: FloatArray, stiffnesses: FloatA
     size = float(np.sqrt(np.mean(smoothed**2)))
     matters = np.abs(smoothed) > MATTERS * size
 
-    def row(road: str, means: FloatArray, spread: float = 0.0) -> Row:
+    def row(method: str, means: FloatArray, spread: float = 0.0) -> Row:
         of_exact, of_smoothed = (
             float(np.sqrt(np.mean((means - r) ** 2) / np.mean(r**2))) for r in (exact, smoothed)
         )
         downhill = means * np.sign(smoothed) > MATTERS**2 * size
-        return Row(road, of_exact, of_smoothed, spread / size, float(np.mean(~downhill[matters])))
+        return Row(method, of_exact, of_smoothed, spread / size, float(np.mean(~downhill[matters])))
 
     for k in stiffnesses:
         yield row(f"penalty, k = {k:g} N/m", np.array([task.penalty_slope(t, k) for t in thetas]))

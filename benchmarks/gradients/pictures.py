@@ -1,4 +1,4 @@
-"""The picture of the landscapes: the loss and its smoothed cousin, and the slope that each road tells."""
+"""The picture of the landscapes: the loss and its smoothed cousin, and the slope that each method tells."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SPREAD = 25
 
 
 def draw_landscapes(grids: Sequence[Grid], smoothing: float, stiffness: float, path: Path) -> Path:
-    """Draw a column for each task: the loss above, below the slopes of the roads."""
+    """Draw a column for each task: the loss above, below the slopes of the methods."""
     figure, axes = new_figure(2, len(grids), size=(max(4.2 * len(grids), 6.0), 6.4))
     for column, grid in enumerate(grids):
         _draw_loss(axes[0, column], grid)

@@ -1,4 +1,4 @@
-"""Each road's gradients put to use: the same descent from the same starts, and who arrives."""
+"""Each method's gradients put to use: the same descent from the same starts, and who arrives."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ Slope = Callable[[float, np.random.Generator], float]
 
 
 class Outcome(NamedTuple):
-    """How a road's searches ended: arrivals, starts, median distance from the best parameter, rollouts.
+    """How a method's searches ended: arrivals, starts, median distance from the best parameter, rollouts.
 
     The distance is a share of the range; rollouts are those of one search, a derivative counted as one more.
     """
 
-    road: str
+    method: str
     arrived: int
     starts: int
     off: float
     rollouts: int
 
 
-def roads(task: Task) -> dict[str, tuple[Slope, int]]:
-    """Return each road's gradient, and how many rollouts it takes."""
+def methods(task: Task) -> dict[str, tuple[Slope, int]]:
+    """Return each method's gradient, and how many rollouts it takes."""
 
     def first(theta: float, random: np.random.Generator) -> float:
         return float(np.mean([task.exact(theta + task.sigma * w) for w in random.normal(size=SAMPLES)]))
@@ -71,13 +71,13 @@ def descend(task: Task, slope: Slope, start: float, iterations: int, seed: int) 
 
 
 def race(grid: Grid, starts: int, iterations: int) -> Iterator[Outcome]:
-    """Yield how the searches of every road end."""
+    """Yield how the searches of every method end."""
     task = grid.task
     inside = grid.loss[grid.inside]
     least, most = float(inside.min()), float(inside.max())
     best = float(grid.theta[grid.inside][int(np.argmin(inside))])
     begin = np.linspace(task.low, task.high, starts + 2)[1:-1]
-    for name, (slope, rollouts) in roads(task).items():
+    for name, (slope, rollouts) in methods(task).items():
         ends = np.array([descend(task, slope, s, iterations, seed) for seed, s in enumerate(begin)])
         above = np.array([task.loss(theta) for theta in ends]) - least
         arrived = int(np.count_nonzero(above <= CLOSE * (most - least)))

@@ -57,7 +57,7 @@ class Variant:
     polished
         Whether a last stage holds the modes of the contacts.
     planned
-        Whether it is the road of `plan_direct`, as the tasks take it.
+        Whether it is the method of `plan_direct`, as the tasks take it.
     """
 
     name: str
@@ -149,7 +149,7 @@ def _polished(nlp: DirectNlp, motion: Guess) -> tuple[Guess, Stage]:
 
 
 def _planned(small: SmallProblem, variant: Variant, seed: int) -> Answer:
-    """Return what the tasks' own road makes of a start."""
+    """Return what the tasks' own method makes of a start."""
     begun, problem = time.process_time(), small.problem
     found = plan_direct(problem, guess=small.guess(seed), smoothings=variant.smoothings, total=variant.most)
     spent, nlp = time.process_time() - begun, DirectNlp(problem, GivenModes())
@@ -209,7 +209,7 @@ FIRST = tuple(
 )
 """What the first smoothing does."""
 RECOMMENDED = Variant("recommended", _RELAXED, SMOOTHINGS, 2000, planned=True)
-"""What the tasks use: the direct road, relaxed to 1e-8 and then the modes held."""
+"""What the tasks use: the direct method, relaxed to 1e-8 and then the modes held."""
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ def test_randomised_moments_of_a_known_loss() -> None:
     assert told.zeroth == pytest.approx(3.0 / (sigma * np.sqrt(2.0 * np.pi)), rel=0.02)
     assert told.first == pytest.approx(0.0, abs=1e-9)
     assert told.first_spread == pytest.approx(2.0 * sigma, rel=0.02)
-    rows = {row.road: row for row in compare(grid, 21, np.array([1e-2]), np.array([1e4]))}
+    rows = {row.method: row for row in compare(grid, 21, np.array([1e-2]), np.array([1e4]))}
     assert rows["randomised, zeroth order"].bias_smoothed == 0.0
     assert rows["randomised, first order"].bias_smoothed > 0.5
     assert rows["implicit, exact"].bias_exact == 0.0
@@ -58,7 +58,7 @@ def test_a_descent_arrives_where_the_slope_leads() -> None:
     end = descend(task, lambda x, _: task.exact(x), 0.7, 40, 0)
     assert abs(end) < 0.02
     grid = Grid(task, 201)
-    outcomes = {o.road: o for o in race(grid, 3, 30)}
+    outcomes = {o.method: o for o in race(grid, 3, 30)}
     assert outcomes["implicit, exact"].arrived == 3
 
 

@@ -86,7 +86,7 @@ def test_contacts_that_are_off_pad_smaller_problems() -> None:
 
 
 def test_what_a_mask_takes_out_is_not_read() -> None:
-    """On the road of JAX and PyTorch over the CPU: whatever stands in the rows of a contact that is off."""
+    """In the CPU fallback of JAX and PyTorch: whatever stands in the rows of a contact that is off."""
     G, g = problems(6)
     on, broken = np.array([True, False, True, True]), G.copy()
     broken[:, 3, 3] = -1.0

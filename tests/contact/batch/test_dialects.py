@@ -47,13 +47,13 @@ def compiled(G: Any, g: Any, mu: Any, law: str, weights: Any) -> Said:
     return Said(found.forces, found.velocities, back.G, back.g, back.mu, found.solved, near)
 
 
-def in_jax(G: Any, g: Any, mu: Any, law: str, weights: Any, road: str = "solve") -> Said:
+def in_jax(G: Any, g: Any, mu: Any, law: str, weights: Any, method: str = "solve") -> Said:
     import jax
 
     from surefoot.contact.batch import jax as sfj
 
     def number(*given: Any) -> Any:
-        found = getattr(sfj, road)(*given, law=law)
+        found = getattr(sfj, method)(*given, law=law)
         return (weights[0] * found.forces).sum() + (weights[1] * found.velocities).sum(), found
 
     with jax.enable_x64(True):
@@ -85,7 +85,7 @@ NEEDS = {"jax": "jax", "jax on the host": "jax", "torch on the host": "torch", "
 FORMS: dict[str, Callable[..., Said]] = {
     "compiled": compiled,
     "jax": in_jax,
-    "jax on the host": lambda *a: in_jax(*a, road="solve_on_host"),
+    "jax on the host": lambda *a: in_jax(*a, method="solve_on_host"),
     "torch on the host": lambda *a: in_torch(*a, True),
     "torch in its arrays": lambda *a: in_torch(*a, False),
 }

@@ -17,7 +17,7 @@ from surefoot.contact.solution import Status
 jax = pytest.importorskip("jax", reason="JAX is not installed (extra jax)")
 jnp = jax.numpy
 sfj = pytest.importorskip("surefoot.contact.batch.jax")
-ROADS = (sfj.solve, sfj.solve_on_host)
+METHODS = (sfj.solve, sfj.solve_on_host)
 
 
 @pytest.fixture(autouse=True)
@@ -108,12 +108,12 @@ def test_absent_contacts_are_no_contacts(problems: Any) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("road", ROADS)
-def test_open_contacts_have_true_zeros_and_smoothing_fills_them(road: Any) -> None:
+@pytest.mark.parametrize("method", METHODS)
+def test_open_contacts_have_true_zeros_and_smoothing_fills_them(method: Any) -> None:
     G, g, mu = jnp.eye(3), jnp.array([0.1, 0.0, 2.0]), jnp.array([0.5])
-    found = road(G, g, mu)
+    found = method(G, g, mu)
     assert found.modes.tolist() == [1]
-    assert (jax.grad(lambda g: road(G, g, mu).forces.sum())(g) == 0.0).all()
+    assert (jax.grad(lambda g: method(G, g, mu).forces.sum())(g) == 0.0).all()
     slope = jax.grad(lambda g: sfj.solve(G, g, mu, smoothing=1e-2).forces[0, 2])(g)
     assert -1.0 < slope[2] < -1e-4
 

@@ -12,6 +12,7 @@ from surefoot.mechanics.robot import place
 from surefoot.motion.planning import Plan, PlanSearch, plan_from, rollout
 from surefoot.motion.planning import planner as planners
 from surefoot.motion.planning.tasks import task_names
+from surefoot.records.log import Log
 
 FOUND = PlanSearch("stand", "by hand", cost=1.5, reached=True, iterations=3, seconds=0.25, goal="stands")
 
@@ -28,7 +29,7 @@ def test_a_lawful_motion_that_reaches_its_goal_is_solved(go2, standing):
     plan = plan_from(standing, go2, FOUND)
     assert plan.status is Status.SOLVED
     assert plan.raise_if_failed() is plan
-    assert (plan.task, plan.road, plan.cost, plan.iterations, plan.time) == (
+    assert (plan.task, plan.method, plan.cost, plan.iterations, plan.time) == (
         "stand",
         "by hand",
         1.5,
@@ -99,6 +100,14 @@ def test_a_log_that_is_no_plan_is_refused(go2, standing, tmp_path):
         Plan.of(plan)
 
 
+@pytest.mark.usefixtures("wait")
+def test_plans_that_call_their_method_road_are_read(go2):
+    plan = planners.plan(go2, "wait")
+    facts = {"road" if name == "method" else name: fact for name, fact in plan.facts.items()}
+    old = Plan.of(Log(plan.arrays, facts, channels=plan.channels))
+    assert (old.method, "road" in old.facts) == ("pd", False)
+
+
 class Wait:
     """Stands still."""
 
@@ -109,7 +118,7 @@ class Wait:
         steps = round(request.amount / (request.dt or 0.002))
         policy = lambda k, a, v: 60.0 * (q[7:] - a[7:]) - 2.0 * v[6:]  # noqa: E731
         motion = rollout(request.robot, q, np.zeros(18), policy, dt=request.dt or 0.002, steps=steps)
-        return plan_from(motion, request.robot, replace(FOUND, task="wait", road="pd"))
+        return plan_from(motion, request.robot, replace(FOUND, task="wait", method="pd"))
 
 
 @pytest.fixture
@@ -121,5 +130,5 @@ def wait(monkeypatch):
 @pytest.mark.usefixtures("wait")
 def test_a_task_from_outside_is_planned(go2):
     plan = planners.plan(go2, "wait")
-    assert (len(plan), plan.road) == (20, "pd")
+    assert (len(plan), plan.method) == (20, "pd")
     assert len(planners.plan(go2, "wait", 0.02, dt=0.004, payload=1.0)) == 5

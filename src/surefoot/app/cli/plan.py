@@ -181,7 +181,7 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
     return {
         "task": made.task,
         "robot": made.facts["robot"],
-        "road": made.road,
+        "method": made.method,
         "status": made.status.value,
         "goal": made.facts["goal"],
         "cost": made.cost,
@@ -228,7 +228,7 @@ def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
     """Return the tables of a plan."""
     rows = [
         ["status", facts["status"]],
-        ["road", facts["road"]],
+        ["method", facts["method"]],
         ["cost", f"{facts['cost']:.5g}"],
         ["law residual", f"{facts['law_residual']:.2e}"],
         ["iterations", str(facts["iterations"])],

@@ -270,7 +270,7 @@ def audit_page(recording: RecordedMotion, report: AuditReport) -> RecordingPage:
 def plan_page(recording: RecordedMotion, plan: Plan) -> RecordingPage:
     """Return the page of a plan."""
     head = [
-        f"{plan.status.value}, {plan.road}; {plan.facts['goal']}; law residual {plan.law_residual:.1e}.",
+        f"{plan.status.value}, {plan.method}; {plan.facts['goal']}; law residual {plan.law_residual:.1e}.",
         "Forces act until the next knot.",
     ]
     return RecordingPage(recording, f"Plan: {plan.task}", head)

@@ -40,7 +40,7 @@ _STYLE = {
 def new_figure(
     rows: int = 1, columns: int = 1, size: tuple[float, float] = (8.0, 4.5), **subplots: Any
 ) -> tuple[Any, Any]:
-    """Return a matplotlib figure and its (rows, columns) array of axes, in the house style.
+    """Return a matplotlib figure and its (rows, columns) array of axes, in the package's style.
 
     `size` is in inches; further keywords go to `Figure.subplots` (for 3-D axes pass
     ``subplot_kw={"projection": "3d"}``).
@@ -57,7 +57,7 @@ def new_figure(
 
 
 def new_axis(size: tuple[float, float], title: str = "", **labels: Any) -> tuple[Any, Any]:
-    """Return a figure of one axis in the house style, and the axis; `labels` are those of `Axes.set`."""
+    """Return a figure of one axis in the package's style, and the axis; `labels` are those of `Axes.set`."""
     figure, axes = new_figure(size=size)
     axes[0, 0].set(title=title, **labels)
     return figure, axes[0, 0]
@@ -112,7 +112,7 @@ def draw_panels(
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Draw in the house style inside this context; nothing global is left changed.
+    """Draw in the package's style inside this context; nothing global is left changed.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The road of the frameworks' batches over the CPU: NumPy in and out, in double precision."""
+"""CPU fallback of the JAX and PyTorch batches: through NumPy, in double precision."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The referee's projection onto a friction cone or pyramid, and its De Saxcé shift.
+"""Projection onto a friction cone or pyramid for the residuals of a solution, and its De Saxcé shift.
 
 Written apart from those of the solvers (`contact/solvers/`), which do not import it: a certificate is an
 independent opinion.

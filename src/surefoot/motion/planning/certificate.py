@@ -46,7 +46,7 @@ from surefoot.motion.planning.trajectory import TorquePolicy, Trajectory
 from surefoot.motion.planning.transcription.planar import passive_joints
 
 if TYPE_CHECKING:
-    from surefoot.motion.planning.direct.direct_problem import DirectProblem
+    from surefoot.motion.planning.transcription.direct_problem import DirectProblem
 
 MOMENTUM, APART, FAST = 0.01, 0.02, 1.05
 """Most that momentum may be off the impulses, as a share of the largest; most that the replay may end off the

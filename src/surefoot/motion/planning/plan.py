@@ -21,7 +21,7 @@ from surefoot.motion.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.records import Log, read_log
 
 if TYPE_CHECKING:
-    from surefoot.motion.planning.direct.direct_problem import DirectProblem
+    from surefoot.motion.planning.transcription.direct_problem import DirectProblem
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class PlanSearch:
     ----------
     task
         Its name.
-    road
+    method
         The way that was taken.
     cost
         Of what was found.
@@ -58,7 +58,7 @@ class PlanSearch:
     """
 
     task: str
-    road: str
+    method: str
     cost: float
     reached: bool
     iterations: int
@@ -107,13 +107,13 @@ class Plan(Log):
         return str(self.facts["task"])
 
     @property
-    def road(self) -> str:
+    def method(self) -> str:
         """The way that found it."""
-        return str(self.facts["road"])
+        return str(self.facts["method"])
 
     @property
     def cost(self) -> float:
-        """Of the road's own objective, in the unit of that."""
+        """Of the method's own objective, in the unit of that."""
         return float(self.facts["cost"])
 
     @property
@@ -123,7 +123,7 @@ class Plan(Log):
 
     @property
     def iterations(self) -> int:
-        """Of the road."""
+        """Of the method."""
         return int(self.facts["iterations"])
 
     @property
@@ -192,9 +192,13 @@ class Plan(Log):
         ProblemError
             If it does not tell what a plan tells.
         """
-        for name in ("task", "road", "status", "cost", "law_residual", "iterations", "search_time", "goal"):
-            log.fact(name)
-        return cls(log.arrays, log.facts, channels=log.channels)
+        facts = dict(log.facts)
+        if "road" in facts:  # as plans of 0.1.0's first weeks call it
+            facts.setdefault("method", facts.pop("road"))
+        plan = cls(log.arrays, facts, channels=log.channels)
+        for name in ("task", "method", "status", "cost", "law_residual", "iterations", "search_time", "goal"):
+            plan.fact(name)
+        return plan
 
 
 def planned_ground(plan: Log) -> Terrain | None:
@@ -276,7 +280,7 @@ def plan_facts(
     """
     points, (dt, mu) = robot.contact_points, numbers
     return {
-        "kind": "plan", "task": search.task, "road": search.road, "status": status.value,
+        "kind": "plan", "task": search.task, "method": search.method, "status": status.value,
         "goal": search.goal, "cost": float(search.cost), "law_residual": law_residual,
         "iterations": int(search.iterations), "search_time": float(search.seconds), "robot": robot.name,
         "world": "first-order steps", "mass": robot.mass, "mass_controller": robot.mass, "dt": dt,

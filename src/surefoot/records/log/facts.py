@@ -109,7 +109,7 @@ FACTS: dict[str, Fact] = {
     "doubts": Fact("what is not plausible in it, see Log.doubts", ("doubts",), text=True),
     "computed": Fact("channels that its source did not have, and from what", ("lines",), text=True),
     "task": Fact("what a plan does", text=True),
-    "method": Fact("which road found it", text=True),
+    "method": Fact("which method found it", text=True),
     "status": Fact("whether it is solved, see `surefoot.Status`", text=True),
     "goal": Fact("what was asked for and what is reached", text=True),
     "cost": Fact("of the method's own objective"),

@@ -97,7 +97,7 @@ def test_the_modes_of_a_plan_given_as_a_schedule_lead_to_it(hop) -> None:
     nlp = DirectNlp(problem, GivenModes())
     modes = read_modes(found.motion.impulses, *nlp.contact_speeds(found.motion), problem.mu)
     again = plan_with_modes(problem, modes)
-    assert reached(again).road == "given modes"
+    assert reached(again).method == "given modes"
     assert again.plan.cost == pytest.approx(found.plan.cost, rel=1e-3)
     stuck = plan_with_modes(problem, np.full_like(modes, STICK), max_iterations=60)
     assert stuck.plan.status.value == "stalled"

@@ -1,4 +1,4 @@
-"""The small problems are found on the direct road, and bodies that touch each other take exact steps."""
+"""The small problems are found by the direct method, and bodies that touch each other take exact steps."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_a_task_is_solved_and_lawful(task: str) -> None:
     heard = []
     made = plan(None, task, mu=0.5, tell=heard.append)
     assert made.status.value == "solved", made.facts["goal"]
-    assert (made.road, made.law_residual < 1e-8) == ("direct", True)
+    assert (made.method, made.law_residual < 1e-8) == ("direct", True)
     assert heard[-1].note == "modes"
     assert heard[-1].number == made.iterations
 

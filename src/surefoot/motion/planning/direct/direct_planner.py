@@ -3,7 +3,7 @@
 Posa, Cantu, Tedrake, "A direct method for trajectory optimization of rigid bodies through contact", IJRR 33
 (2014): states, torques and contact impulses of all knots are variables of one NLP, and the laws of contact
 are among its constraints. No contact is given. Here the step is that of `dynamics.Knot`, so that a
-solution is a motion of the exact step. The road:
+solution is a motion of the exact step. The method:
 
 1. Ipopt on the softened laws, a b <= eps, for eps falling from 1 J to 1e-8 J, each from the last;
 2. the modes of all contacts are read off, and Ipopt solves the equations of these modes: nothing is soft;
@@ -22,7 +22,6 @@ import numpy as np
 from surefoot.base.arrays import FloatArray, IntArray, whole_number
 from surefoot.base.errors import ProblemError
 from surefoot.contact import Status
-from surefoot.motion.planning.direct.direct_problem import DirectProblem
 from surefoot.motion.planning.direct.direct_transcription import DirectNlp
 from surefoot.motion.planning.plan import Plan, PlanSearch, plan_from
 from surefoot.motion.planning.tasks.task import Iteration, Tell
@@ -35,6 +34,7 @@ from surefoot.motion.planning.transcription.contact_rows import (
     GivenModes,
     read_modes,
 )
+from surefoot.motion.planning.transcription.direct_problem import DirectProblem
 from surefoot.motion.planning.transcription.exact_rollout import follow
 from surefoot.motion.planning.transcription.initial_guess import Guess
 from surefoot.motion.planning.transcription.motion_errors import REACH, departure, exact_cost, window_miss

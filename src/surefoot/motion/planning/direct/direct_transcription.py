@@ -12,8 +12,8 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.libraries import import_casadi
-from surefoot.motion.planning.direct.direct_problem import DirectProblem
 from surefoot.motion.planning.transcription.contact_rows import ContactLaw
+from surefoot.motion.planning.transcription.direct_problem import DirectProblem
 from surefoot.motion.planning.transcription.initial_guess import Guess
 from surefoot.motion.planning.transcription.nlp import Block, Iterate, Nlp, Sides, pack, unpack
 from surefoot.motion.planning.transcription.symbolic_knot import SymbolicKnot, stack_rows

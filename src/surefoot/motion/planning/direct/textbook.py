@@ -11,9 +11,9 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
-from surefoot.motion.planning.direct.direct_problem import DirectProblem, Weights
 from surefoot.motion.planning.transcription import planar
 from surefoot.motion.planning.transcription.contact_pairs import PlanarContactPair
+from surefoot.motion.planning.transcription.direct_problem import DirectProblem, Weights
 from surefoot.motion.planning.transcription.initial_guess import Guess
 from surefoot.motion.planning.transcription.state_window import StateWindow
 

@@ -18,7 +18,7 @@ from surefoot.motion.planning.trajectory import Trajectory
 if TYPE_CHECKING:
     from surefoot.motion.planning.schedule import ScheduleProblem
 
-ROAD = "schedule"
+METHOD = "schedule"
 FEEDBACK = 0.95
 """Share of the torque limits that the exact motion may use: the optimiser used less."""
 DRIFT = 5e-3
@@ -115,7 +115,7 @@ def scheduled_plan(
         said += f"; the exact motion departs by {off:.1e} from the optimiser's"
     stopped = Status.MAX_ITERATIONS if ended.startswith("Maximum_") else Status.STALLED
     search = PlanSearch(
-        task, ROAD, motion.iterate.cost, bool(done and motion.found), iterations,
+        task, METHOD, motion.iterate.cost, bool(done and motion.found), iterations,
         time.perf_counter() - begun, said, stopped,
     )  # fmt: skip
     held = (motion.iterate.variables, *motion.iterate.multipliers)

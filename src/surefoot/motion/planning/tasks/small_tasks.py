@@ -1,4 +1,4 @@
-"""Small tasks on the direct road: a ball, a hopper and a push, whose contacts nobody gives."""
+"""Small tasks for the direct method: a ball, a hopper and a push, whose contacts nobody gives."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ class Iteration:
     cost
         Of the current candidate.
     law_residual
-        How far it is from the laws, in the road's own measure.
+        How far it is from the laws, in the method's own measure.
     note
         What the search does: a stage of a continuation, say.
     """

@@ -7,8 +7,6 @@ are. The torques that were applied in the end are those of the plan: they need n
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias, cast
-
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
@@ -16,11 +14,7 @@ from surefoot.base.errors import NoSolution
 from surefoot.mechanics import MomentumKnot, StepOptions, Stepper
 from surefoot.motion.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.motion.planning.transcription.motion_errors import Motion
-from surefoot.motion.planning.transcription.pair_rollout import rollout_with_pairs
-
-if TYPE_CHECKING:
-    from surefoot.motion.planning.direct.direct_problem import DirectProblem
-    from surefoot.motion.planning.schedule.schedule_problem import ScheduleProblem
+from surefoot.motion.planning.transcription.pair_rollout import PairProblem, rollout_with_pairs
 
 EFFORT = 1e-4
 """Weight of a torque's square against that of a distance [m, rad] and of a velocity [m/s, rad/s]."""
@@ -28,11 +22,7 @@ SMOOTHING = 1e-6
 """Of the steps' derivative [J]: less than what contacts exchange, more than what solvers leave."""
 
 
-Followed: TypeAlias = "DirectProblem | ScheduleProblem"
-"""Who moves on what, from where, how long, and how large torques may be."""
-
-
-def follow(problem: Followed, motion: Motion, feedback: bool = True) -> Trajectory:
+def follow(problem: PairProblem, motion: Motion, feedback: bool = True) -> Trajectory:
     """Return where exact steps lead that follow a motion.
 
     Parameters
@@ -59,14 +49,14 @@ def follow(problem: Followed, motion: Motion, feedback: bool = True) -> Trajecto
         return np.asarray(np.clip(torques, -limits, limits))
 
     if problem.touches:
-        return rollout_with_pairs(cast("DirectProblem", problem), policy)
+        return rollout_with_pairs(problem, policy)
     return rollout(
         problem.robot, problem.q, problem.v, policy, dt=problem.dt, mu=problem.mu, terrain=problem.terrain,
         steps=problem.knots,
     )  # fmt: skip
 
 
-def gains(problem: Followed, motion: Motion) -> FloatArray:
+def gains(problem: PairProblem, motion: Motion) -> FloatArray:
     """Return the feedback (N, joints, 2nv) of a linear-quadratic regulator about a motion.
 
     Zero from where a step of the motion has no derivative, backwards.

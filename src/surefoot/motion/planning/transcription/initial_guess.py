@@ -12,7 +12,7 @@ from surefoot.base.errors import ProblemError
 from surefoot.motion.planning.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from surefoot.motion.planning.direct.direct_problem import DirectProblem
+    from surefoot.motion.planning.transcription.direct_problem import DirectProblem
 
 
 @dataclass(frozen=True, eq=False)

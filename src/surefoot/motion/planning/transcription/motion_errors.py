@@ -1,4 +1,4 @@
-"""One judge for all roads: how far a motion is from windows, laws and another motion; its cost."""
+"""One judge for all methods: how far a motion is from windows, laws and another motion; its cost."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from surefoot.motion.planning.transcription.initial_guess import Guess
 
 if TYPE_CHECKING:
     from surefoot.mechanics import Robot
-    from surefoot.motion.planning.direct.direct_problem import DirectProblem
+    from surefoot.motion.planning.transcription.direct_problem import DirectProblem
 
 Motion: TypeAlias = Trajectory | Guess
 """States q and v of knots, and their torques."""

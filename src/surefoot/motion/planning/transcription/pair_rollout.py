@@ -58,8 +58,8 @@ class PairProblem(Protocol):
         """Contacts between bodies of the robot, beside those of its feet with the ground."""
 
     @property
-    def frictions(self) -> FloatArray:
-        """(p,) friction coefficients of all contacts [-]: the feet's points, then the pairs."""
+    def torque_limits(self) -> FloatArray | None:
+        """(joints,) largest torques [N m]."""
 
 
 class PairStep:
@@ -73,7 +73,8 @@ class PairStep:
         )
         q = ca.SX.sym("q", robot.model.nq)
         self._touches = [ca.Function("touch", [q], [*touch.at(q)]) for touch in problem.touches]
-        self._laws = [Planar(mu) for mu in problem.frictions.tolist()]
+        frictions = [problem.mu] * len(robot.contact_points) + [touch.mu for touch in problem.touches]
+        self._laws = [Planar(mu) for mu in frictions]
 
     def contacts(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return gaps (p,) and Jacobians (p, 2, nv), tangent and normal: of feet, then of touches."""

@@ -1,4 +1,4 @@
-"""A knot of the exact step in symbols, and rows with their bounds: what every road writes its program with.
+"""A knot of the exact step in symbols, and rows with their bounds: what every method writes its program with.
 
 Semi-implicit Euler as `dynamics.MomentumKnot` takes it, written as inverse dynamics of the joints
 (no mass matrix is inverted) and momentum of the whole robot::

@@ -1,4 +1,4 @@
-"""The task that all roads are given, its variations, and the one judgement of what they return."""
+"""The task that all methods are given, its variations, and the one judgement of what they return."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NEAR = 0.02
 TOP = 0.55
 """Share of the time at which a jump is to be at its height: a robot pushes off more slowly than it lands."""
 WEIGHTS = Weights(change=0.0)
-"""What all roads can write: torques, velocities and posture."""
+"""What all methods can write: torques, velocities and posture."""
 
 IN_LESS_TIME = "in 24 knots"
 """A change that no schedule of 36 knots fits."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import surefoot as sf
-from benchmarks.strangers import main, measure, models_under, own_models
+from benchmarks.audit_models import main, measure, models_under, own_models
 
 pytest.importorskip("mujoco")
 

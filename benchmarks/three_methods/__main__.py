@@ -1,6 +1,6 @@
-"""Print the tables of docs/three-roads.md.
+"""Print the tables of docs/three-methods.md.
 
-Run: python -m benchmarks.three_roads [--starts N] [--quick] [--json].
+Run: python -m benchmarks.three_methods [--starts N] [--quick] [--json].
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.printing import options, show, table
-from benchmarks.three_roads.roads import ROADS, Outcome, travel
-from benchmarks.three_roads.task import IN_LESS_TIME, SHORT, JumpTask, hopper_jump
+from benchmarks.three_methods.methods import METHODS, Outcome, solve_task
+from benchmarks.three_methods.task import IN_LESS_TIME, SHORT, JumpTask, hopper_jump
 
 
 def start_table(task: JumpTask, starts: int) -> Table:
-    """Return how the roads do from their own start and from random ones."""
-    columns = ("road", "own start", "CPU s", "iterations", "cost", "law residual", "misses by",
+    """Return how the methods do from their own start and from random ones."""
+    columns = ("method", "own start", "CPU s", "iterations", "cost", "law residual", "misses by",
                "random starts", "CPU s, median", "cost, median")  # fmt: skip
     rows = []
-    for name, road in ROADS.items():
-        own = travel(road, task, task.problem, None)
-        many = [travel(road, task, task.problem, seed) for seed in range(starts)]
+    for name, method in METHODS.items():
+        own = solve_task(method, task, task.problem, None)
+        many = [solve_task(method, task, task.problem, seed) for seed in range(starts)]
         solved = [o for o in many if o.solved]
         rows.append((
             name, _said(own), f"{own.seconds:.1f}", f"{own.iterations}", f"{own.cost:.3g}",
@@ -35,14 +35,14 @@ def start_table(task: JumpTask, starts: int) -> Table:
 
 
 def change_table(task: JumpTask, only: int | None = None) -> Table:
-    """Return what the roads make of a changed task, with nothing else changed."""
+    """Return what the methods make of a changed task, with nothing else changed."""
     rows = []
     for change, changed in list(task.variations.items())[:only]:
         problem = changed(task.problem)
-        outcomes = [travel(road, task, problem, None) for road in ROADS.values()]
+        outcomes = [solve_task(method, task, problem, None) for method in METHODS.values()]
         rows.append((change, *(f"{_said(o)}, {o.seconds:.1f} s" for o in outcomes)))
     title = f"{task.name}: the task is changed, the schedule and the settings are not"
-    return table(("change", *ROADS), rows, title)
+    return table(("change", *METHODS), rows, title)
 
 
 def schedule_table(task: JumpTask, schedules: Sequence[tuple[int, int]]) -> Table:
@@ -51,7 +51,7 @@ def schedule_table(task: JumpTask, schedules: Sequence[tuple[int, int]]) -> Tabl
     problem = task.variations[IN_LESS_TIME](task.problem)
     for take_off, touchdown in schedules:
         by_hand = replace(task, take_off=take_off, touchdown=touchdown)
-        outcome = travel(ROADS["given schedule"], by_hand, problem, None)
+        outcome = solve_task(METHODS["given schedule"], by_hand, problem, None)
         rows.append((str(take_off), str(touchdown), f"{_said(outcome)}, {outcome.seconds:.1f} s"))
     columns = ("take-off", "touchdown", "given schedule")
     return table(columns, rows, f"{task.name}, {IN_LESS_TIME}: schedules by hand")

@@ -1,4 +1,4 @@
-"""The roads: each takes a task's problem and a start, and returns an exact motion; an entry each in ROADS."""
+"""The methods: each takes a task's problem and a start, and returns an exact motion; listed in METHODS."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.three_roads.task import JumpTask, reached
+from benchmarks.three_methods.task import JumpTask, reached
 from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.mechanics.dynamics import StepOptions, Stepper
@@ -25,14 +25,14 @@ from surefoot.motion.planning.trajectory import Trajectory, rollout
 from surefoot.motion.planning.transcription.motion_errors import exact_cost, window_miss
 
 PRICES = (1e3, 1e4, 1e5)
-"""Of missing the end and the height, where a road can only price them: per m² and rad²; speeds a tenth."""
+"""Of missing the end and the height, where a method can only price them: per m² and rad²; speeds a tenth."""
 MOST = 300
 """Iterations of shooting at each price."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a road made of a task.
+    """What a method made of a task.
 
     Attributes
     ----------
@@ -41,9 +41,9 @@ class Outcome:
     seconds
         Processor time [s].
     iterations
-        Of the road's own.
+        Of the method's own.
     cost
-        Of the exact motion, by the task's weights, for all roads alike.
+        Of the exact motion, by the task's weights, for all methods alike.
     law_residual
         Of the exact motion.
     miss
@@ -58,15 +58,15 @@ class Outcome:
     miss: float
 
 
-Road = Callable[[JumpTask, DirectProblem, np.random.Generator | None], tuple[Trajectory, int]]
+Method = Callable[[JumpTask, DirectProblem, np.random.Generator | None], tuple[Trajectory, int]]
 """Task, the problem (perhaps one of its variations) and noise for a random start, to motion, iterations."""
 
 
-def travel(road: Road, task: JumpTask, problem: DirectProblem, seed: int | None) -> Outcome:
-    """Return what a road makes of a problem, from its own start (None) or a random one."""
+def solve_task(method: Method, task: JumpTask, problem: DirectProblem, seed: int | None) -> Outcome:
+    """Return what a method makes of a problem, from its own start (None) or a random one."""
     rng = None if seed is None else np.random.default_rng(seed)
     begin = time.process_time()
-    motion, iterations = road(task, problem, rng)
+    motion, iterations = method(task, problem, rng)
     spent = time.process_time() - begin
     miss = window_miss(problem, motion)
     return Outcome(
@@ -166,7 +166,7 @@ def holding(problem: DirectProblem) -> FloatArray:
     return np.where(driven, weight - seen.J.T @ forces, 0.0)[robot.base_dof :]
 
 
-ROADS: dict[str, Road] = {
+METHODS: dict[str, Method] = {
     "given schedule": given_schedule,
     "own shooting": shooting,
     "direct method": direct,

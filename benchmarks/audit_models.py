@@ -1,6 +1,7 @@
 """What the audit says of other people's MuJoCo models: every model under the folders that are given.
 
-    python -m benchmarks.strangers PATH ... [--seconds 4] [--cones] [--iterations 100] [--step 5e-4] [--quick]
+    python -m benchmarks.audit_models PATH ... [--seconds 4] [--cones] [--iterations 100] [--step 5e-4]
+        [--quick]
 
 A model with a keyframe is held there by joint control and marches on the spot; one without gets seeded
 random controls within their range, as an untrained policy gives them; ``--policy NETWORK --spec YAML`` lets a

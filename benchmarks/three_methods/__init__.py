@@ -1,0 +1,1 @@
+"""One jump by three methods: a given schedule, own shooting, the direct method; docs/three-methods.md."""
