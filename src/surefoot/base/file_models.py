@@ -148,7 +148,7 @@ class _Refusal:
         if kind in ("extra_forbidden", "missing"):
             *above, key = loc
             path, table = self._walk(tuple(above))
-            where = _dotted(path) if path else "the file"
+            where = _path_text(path) if path else "the file"
             if kind == "missing":
                 return f"{where} needs the key {key!r}" if self.spoken else f"{where}: {key} is missing"
             return self._unknown(path, key, table.get("properties", ()))
@@ -157,14 +157,14 @@ class _Refusal:
 
     def _unknown(self, path: Loc, key: object, valid: Iterable[str]) -> str:
         """Return the line for a key that no table of its place has."""
-        where = _dotted(path)
+        where = _path_text(path)
         if self.spoken:
             return unknown_key(f"key of {where}" if where else "key", key, valid)
         return f"{where or 'the file'}: {unknown_key('key', key, valid)}"
 
     def _value(self, kind: str, path: Loc, node: Schema, error: Any) -> str:
         """Return the line for a value."""
-        place, value = self._place(path), self._written(path, error["input"])
+        place, value = self._place(path), self._entry_at(path, error["input"])
         if kind == "value_error":
             return f"{place} {error['ctx']['error']}, got {shown(value)}"
         if kind == "finite_number" and not _bounds(node):
@@ -174,14 +174,14 @@ class _Refusal:
             return f"{above and f'{above}: '}{unknown_name(key, value, _names(node))}"
         names = [name for each in node.get("anyOf", ()) for name in _names(each)]
         also = f"; valid names: {', '.join(names)}" if names else ""
-        return f"{place} must be {self._expected(node)}, got {shown(value)}{also}"
+        return f"{place} must be {self._expectation(node)}, got {shown(value)}{also}"
 
-    def _expected(self, node: Schema) -> str:
+    def _expectation(self, node: Schema) -> str:
         """Return what a schema's node asks for, in words."""
-        node = self._resolved(node)
+        node = self._resolve(node)
         if "anyOf" in node:
-            branches = [each for each in map(self._resolved, node["anyOf"]) if not _names(each)]
-            *most, last = [self._expected(each) for each in branches]
+            branches = [each for each in map(self._resolve, node["anyOf"]) if not _names(each)]
+            *most, last = [self._expectation(each) for each in branches]
             return f"{', '.join(most)} or {last}" if most else last
         kind = node.get("type", "")
         if kind == "array":
@@ -196,12 +196,12 @@ class _Refusal:
     def _place(self, path: Loc) -> str:
         """Return what the entry at a path is called: the table that holds it, then its key."""
         last = max((k for k, part in enumerate(path) if isinstance(part, str)), default=0)
-        above, entry = _dotted(path[:last]), _dotted(path[last:])
+        above, entry = _path_text(path[:last]), _path_text(path[last:])
         if not entry:
             return "the file"
         return f"{above}{' ' if self.spoken else ': '}{entry}" if above else entry
 
-    def _written(self, path: Loc, read: Any) -> Any:
+    def _entry_at(self, path: Loc, read: Any) -> Any:
         """Return what the file has at a path; what was `read` where a model takes several forms for one."""
         found = self.content
         for part in path:
@@ -213,7 +213,7 @@ class _Refusal:
 
     def _walk(self, loc: Loc, node: Schema | None = None) -> tuple[Loc, Schema]:
         """Return how far a location leads in the schema, without the tags of unions, and the node there."""
-        node = self._resolved(self.schema if node is None else node)
+        node = self._resolve(self.schema if node is None else node)
         if not loc:
             return (), node
         below = self._below(node, loc[0])
@@ -231,18 +231,18 @@ class _Refusal:
             found = node.get("properties", {}).get(part, node.get("additionalProperties"))
         return {} if found is True else found or None
 
-    def _resolved(self, node: Schema) -> Schema:
+    def _resolve(self, node: Schema) -> Schema:
         """Return a node in place of a reference to it, and what is no null in place of what may be null."""
         if "$ref" in node:
             node = self.schema["$defs"][node["$ref"].rsplit("/", 1)[-1]]
         some = [each for each in node.get("anyOf", ()) if each != {"type": "null"}]
-        return self._resolved(some[0]) if len(some) == 1 else node
+        return self._resolve(some[0]) if len(some) == 1 else node
 
 
-def _dotted(path: Sequence[int | str]) -> str:
+def _path_text(path: Sequence[int | str]) -> str:
     """Return a path as text; a key is a file's, and a file's may be long or of several lines.
 
-    >>> _dotted(("phases", 0, "contacts", 2))
+    >>> _path_text(("phases", 0, "contacts", 2))
     'phases[0].contacts[2]'
     """
     parts = (f"[{part}]" if isinstance(part, int) else f".{shown(part)[1:-1]}" for part in path)

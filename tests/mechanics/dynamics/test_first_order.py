@@ -219,7 +219,7 @@ def knot_at(
 ) -> tuple[Knot, np.ndarray]:
     """Return a knot after a step, and the velocity that it has on the central path."""
     assert knot.step(q, v, torques, 0.5)
-    return knot, knot._smoothed(kappa)[-1]
+    return knot, knot._exchange_on_path(kappa)[-1]
 
 
 def test_outputs_are_the_callers_and_a_step_depends_on_its_arguments_alone() -> None:

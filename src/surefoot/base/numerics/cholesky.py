@@ -13,7 +13,7 @@ zero."""
 
 
 @inline_kernel
-def _reduced(A: FloatArray, i: int, j: int) -> float:
+def _remainder(A: FloatArray, i: int, j: int) -> float:
     """Return A[i, j] less the product of what rows i and j of the factor have before column j."""
     total: float = A[i, j]
     for k in range(j):
@@ -25,14 +25,14 @@ def _reduced(A: FloatArray, i: int, j: int) -> float:
 def _fill_column(A: FloatArray, j: int) -> None:
     """Set column j of the factor below its diagonal: by columns no entry waits for another."""
     for i in range(j + 1, A.shape[0]):
-        A[i, j] = _reduced(A, i, j) / A[j, j]
+        A[i, j] = _remainder(A, i, j) / A[j, j]
 
 
 @kernel
 def cholesky(A: FloatArray) -> bool:
     """Replace the lower triangle of A (n, n) by its Cholesky factor; False if A is not positive definite."""
     for j in range(A.shape[0]):
-        square = _reduced(A, j, j)
+        square = _remainder(A, j, j)
         # "not >" catches a NaN as well
         if not square > 0.0:
             return False

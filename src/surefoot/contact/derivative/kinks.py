@@ -153,7 +153,7 @@ def directional(
         # all signs right: for a regular system that is the B-derivative
         if worst <= CONSISTENT:
             return modes, True
-        trial = None if step >= PIVOTS else _changed(choices, picked, faults, seen)
+        trial = None if step >= PIVOTS else _change_choice(choices, picked, faults, seen)
         if trial is None:
             following = next(rest, None)
             if following is None:
@@ -166,7 +166,7 @@ def directional(
     return best[1], False
 
 
-def _changed(
+def _change_choice(
     choices: Sequence[Continuation],
     picked: Sequence[int],
     faults: Sequence[float],

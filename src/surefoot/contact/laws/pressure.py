@@ -165,7 +165,7 @@ class PressureField:
         wetted = _square_below(solid.corners @ R.T + p)
         # Sutherland and Hodgman: the ground's square cut by one face of the sole after another
         for axis, offset in zip(axes, offsets, strict=True):
-            wetted = _clipped(wetted, offset - wetted @ axis)
+            wetted = _clip(wetted, offset - wetted @ axis)
 
         def pressure(points: FloatArray) -> FloatArray:
             return np.asarray(self.modulus / self.thickness * (offsets[0] - points @ axes[0]))
@@ -251,7 +251,7 @@ def _levelling(normal: FloatArray) -> FloatArray:
     return turned
 
 
-def _clipped(polygon: FloatArray, values: FloatArray) -> FloatArray:
+def _clip(polygon: FloatArray, values: FloatArray) -> FloatArray:
     """Return the part of a polygon (k, 3) where a linear function, `values` (k,) at its corners, is >= 0."""
     if (values >= 0.0).all():
         return polygon

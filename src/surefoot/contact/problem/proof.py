@@ -105,7 +105,9 @@ def check_proof(problem: ContactProblem, direction: FloatArray) -> Infeasibility
     worst = float(slack.max(initial=0.0))
     reach = -work / worst if worst > 0.0 else np.inf
     own = problem.contact_set.split(d) if problem.general else d
-    return InfeasibilityProof(d, work, reach, _needed(problem, np.array([np.any(part) for part in own])))
+    return InfeasibilityProof(
+        d, work, reach, _forces_needed(problem, np.array([np.any(part) for part in own]))
+    )
 
 
 def _drift(problem: ContactProblem, d: FloatArray) -> FloatArray:
@@ -141,7 +143,7 @@ def connected_parts(problem: ContactProblem) -> IntArray:
     return np.asarray(sp.csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
-def _needed(problem: ContactProblem, pushed: BoolArray) -> float:
+def _forces_needed(problem: ContactProblem, pushed: BoolArray) -> float:
     """Return `InfeasibilityProof.needed`, of the connected parts that the direction lies in."""
     label = connected_parts(problem)
     part = np.isin(label, label[pushed])

@@ -49,13 +49,13 @@ def _candidates(problem: LCP, guess: FloatArray | None, max_time: float) -> Iter
     M, d = equilibrated(problem.M)
     q = np.ldexp(problem.q, d - int(d.max(initial=0)))
     if guess is not None and np.isfinite(guess).all() and (guess > 0.0).any():
-        yield from _rounded(np.ldexp(np.maximum(guess, 0.0), -d), d)
+        yield from _round_candidates(np.ldexp(np.maximum(guess, 0.0), -d), d)
     found = _strictest(M, q / (float(np.abs(q).max()) or 1.0), max_time)
     if found is not None:
-        yield from _rounded(found, d)
+        yield from _round_candidates(found, d)
 
 
-def _rounded(v: FloatArray, exponents: IntArray) -> Iterator[FloatArray]:
+def _round_candidates(v: FloatArray, exponents: IntArray) -> Iterator[FloatArray]:
     """Yield v >= 0 of the equilibrated problem, cleaned and rounded, in the problem's own scale."""
     size = float(v.max())
     if not 0.0 < size < np.inf:

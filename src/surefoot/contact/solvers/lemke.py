@@ -146,7 +146,7 @@ def solve_lemke(problem: LCP, settings: SolverSettings) -> Answer:
     limit = 50 * problem.size + 1000 if settings.max_iterations is None else settings.max_iterations
     pivots = 0
     for least in PIVOTS:
-        found = _pivoted(scaled, least, limit - pivots, end)
+        found = _pivot_to_end(scaled, least, limit - pivots, end)
         pivots += found.iterations
         # a pivot as small as the first bound refuses may be needed after all: only then the smaller bound,
         # since small pivots spoil the tableau
@@ -158,7 +158,7 @@ def solve_lemke(problem: LCP, settings: SolverSettings) -> Answer:
     return found._replace(forces=z, iterations=pivots, ray=ray)
 
 
-def _pivoted(problem: LCP, least: float, limit: int, end: float) -> Answer:
+def _pivot_to_end(problem: LCP, least: float, limit: int, end: float) -> Answer:
     """Pivot from the start to a solution, a ray, or a limit; entries below `least` are no pivots."""
     n, q = problem.size, problem.q
     T = np.hstack([np.eye(n), -problem.M, -np.ones((n, 1)), q[:, None] / float(np.abs(q).max())])

@@ -112,7 +112,7 @@ class Comparison(NamedTuple):
 
     def proven(self, measured: float | None) -> bool:
         """Return whether what an engine was seen to do is what was given, too; None where it was not run."""
-        return self.agrees and (measured is None or _compared(self.given, measured).agrees)
+        return self.agrees and (measured is None or _compare(self.given, measured).agrees)
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ class Translation:
     def agreement(self) -> dict[str, Comparison]:
         """Return rest depth [m], restitution, frequency [rad/s] and settling time [s] of both contacts."""
         return {
-            name: _compared(getattr(self.given, name), getattr(self.translated, name))
+            name: _compare(getattr(self.given, name), getattr(self.translated, name))
             for name in ("rest_depth", "restitution", "frequency", "settling_time")
         }
 
@@ -226,7 +226,7 @@ def translate(
     return Translation(contact, made, tuple(lost), given, translated)
 
 
-def _compared(given: float, translated: float) -> Comparison:
+def _compare(given: float, translated: float) -> Comparison:
     return Comparison(
         given, translated, given == translated or abs(given - translated) <= AGREED * abs(given)
     )

@@ -115,7 +115,7 @@ def fly(
     states = [(robot.configuration(q), finite_array("v", v, (model.nv,)))]
     for k in range(steps):
         states.append(_munthe_kaas(robot, *states[-1], rates, k * h, h))
-    return _recorded(robot, h, states)
+    return _to_log(robot, h, states)
 
 
 def follow_shape(
@@ -162,7 +162,7 @@ def follow_shape(
         now, _ = _munthe_kaas(robot, *states[-1], rates, k * h, h)
         now[7:] = shape((k + 1) * h)[0]
         states.append((now, velocity((k + 1) * h, now)))
-    return _recorded(robot, h, states)
+    return _to_log(robot, h, states)
 
 
 def _steps(seconds: float, dt: float) -> tuple[int, float]:
@@ -199,7 +199,7 @@ def _munthe_kaas(
     return q_next, v + h / 6.0 * total_v
 
 
-def _recorded(robot: Robot, h: float, states: list[tuple[FloatArray, FloatArray]]) -> FlightRecord:
+def _to_log(robot: Robot, h: float, states: list[tuple[FloatArray, FloatArray]]) -> FlightRecord:
     kept = [momentum(robot, q, v) for q, v in states]
     return FlightRecord(
         h * np.arange(len(states), dtype=np.float64),

@@ -109,9 +109,9 @@ class Bodies:
         """
         if push is not None:
             effort = self.pushed(effort, push, self.base_rotation)
-        return self._gained(effort - against, v, dt)
+        return self._velocity_after(effort - against, v, dt)
 
-    def _gained(self, force: FloatArray, v: FloatArray, dt: float) -> FloatArray:
+    def _velocity_after(self, force: FloatArray, v: FloatArray, dt: float) -> FloatArray:
         """Return the velocity after a time under all (nv,) forces but the ground's."""
         return arithmetic.free_velocity(self.L, force, v, dt)
 

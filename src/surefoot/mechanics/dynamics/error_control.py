@@ -94,7 +94,7 @@ class ErrorControl:
             self.error, self.taken = self.error + way, self.taken + 1
             state, whole, left, self._last = second.state, None, left - h, half
             kept += [first, second]
-        return self._joined(kept)
+        return self._join(kept)
 
     def _part(
         self, state: State, h: float, last: float, torques: FloatArray, push: FloatArray | None, mu: float
@@ -122,7 +122,7 @@ class ErrorControl:
         way = pinocchio.difference(self.stepper.bodies.model, whole.q, halves.q)
         return float(np.abs(way).max(initial=0.0)), float(np.abs(whole.v - halves.v).max(initial=0.0))
 
-    def _joined(self, parts: list[Step]) -> Step:
+    def _join(self, parts: list[Step]) -> Step:
         """Return parts as one step: the sum of their impulses, and what the last impact saw."""
         dt, total = self._options.dt, np.zeros(parts[-1].impulses.shape)
         for part in parts:

@@ -74,7 +74,7 @@ class FreeBodies(Bodies):
         """See `Bodies.bias`: (nv,) [N, N m]."""
         return -(self._masses @ self.flight.acceleration(q, v).reshape(-1, 6, 1)).ravel()
 
-    def _gained(self, force: FloatArray, v: FloatArray, dt: float) -> FloatArray:
+    def _velocity_after(self, force: FloatArray, v: FloatArray, dt: float) -> FloatArray:
         return np.asarray(v + dt * (self.flight.light @ force.reshape(-1, 6, 1)).ravel())
 
     def energy(self, q: FloatArray, v: FloatArray) -> float:

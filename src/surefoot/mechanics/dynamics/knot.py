@@ -175,14 +175,14 @@ class Knot:
         except LostMotion:
             self.q, self.v, self.solved = np.full(model.nq, np.nan), np.full(model.nv, np.nan), False
             return False
-        self.q = self._gone()
+        self.q = self._configuration_after()
         return self.solved
 
     def _less_bias(self, effort: FloatArray) -> FloatArray:
         """Return an effort (nv,) less what keeps the velocity of the start as it is."""
         return np.asarray(effort - self._bias(self._model, self._data, self._q, self._v))
 
-    def _gone(self) -> FloatArray:
+    def _configuration_after(self) -> FloatArray:
         """Return where the velocity after the step leads (nq,)."""
         return np.asarray(self._integrate(self._model, self._q, self._dt * self.v))
 
@@ -246,7 +246,9 @@ class Knot:
             raise NoSolution("no derivative of a step whose contact problem is not SOLVED")
         n = self._first.size
         A, B = _outputs(out, (2 * n, 2 * n), (2 * n, n - self._base))
-        near, Y, by_g, impulses, after = self._answer() if smoothing == 0.0 else self._smoothed(smoothing)
+        near, Y, by_g, impulses, after = (
+            self._answer() if smoothing == 0.0 else self._exchange_on_path(smoothing)
+        )
         dt, data = self._dt, self._data
         if self._curved:
             self._look_below()
@@ -281,7 +283,7 @@ class Knot:
             by_g[:, : 3 * k], by_g[:, 3 * k :] = Response(solution, 0.0).blocks
         return near, Y, by_g, self.impulses, self._reached
 
-    def _smoothed(self, kappa: float) -> Linearisation:
+    def _exchange_on_path(self, kappa: float) -> Linearisation:
         """Return the ground's answer on the central path."""
         kappa = real_number("smoothing", kappa, low=0.0, high=1e300)
         impulses, after = self.impulses.copy(), np.empty_like(self.v)

@@ -63,8 +63,8 @@ class MomentumKnot(Knot):
             model, data = self._model, self._data
             self._A = np.array(data.Ag)
             self._X = _rigid_motion(data, n)
-            self._arrived = _arriving(model, self._other, self._q, self._v, self._dt)
-            gained = self._arrived - self._A @ self._v
+            self._arrive = _arriving(model, self._other, self._q, self._v, self._dt)
+            gained = self._arrive - self._A @ self._v
             # the base's rows: gravity alone, and the change of momentum in place of its rate
             weight = self._pin.computeGeneralizedGravity(model, self._other, self._q)[:n]
             self._more = data.nle[:n] - weight + self._X.T @ gained / self._dt
@@ -80,8 +80,8 @@ class MomentumKnot(Knot):
         finally:
             self._effort[:n] = own
 
-    def _gone(self) -> FloatArray:
-        q = super()._gone()
+    def _configuration_after(self) -> FloatArray:
+        q = super()._configuration_after()
         if self._ways.size:
             start, data = np.array(self._data.com[0]), self._data
             end = self._pin.centerOfMass(self._model, self._other, q)
@@ -114,7 +114,7 @@ class MomentumKnot(Knot):
         by_back, _, _, map_back = change(model, other, back, self._v, self._still)
         A, X = self._A, self._X
         # world axes, about the centre of mass; what is left over is turned with the base's axes
-        left = A @ after - self._arrived
+        left = A @ after - self._arrive
         left[2] += dt * self._data.mass[0] * GRAVITY
         mass, com = self._data.mass[0], self._data.com[0]
         turned = _turned_wrench(self._twists, self._first, A[:3] / mass, com, left, n)

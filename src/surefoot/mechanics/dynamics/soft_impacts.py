@@ -97,18 +97,18 @@ class SoftMeeting(Meeting):
         """
         guess = self.contacts.swerves(self.before, leaving, last, self.foot, SWERVE)
         if guess is None:
-            return self._agreed(last, None)
+            return self._agree(last, None)
         arriving, swerve = guess
         swerve[:, 2] = 0.0
-        impact = self._agreed(last, swerve)
+        impact = self._agree(last, swerve)
         sideways = impact.impulses.copy()
         sideways[:, 2] = 0.0
         work, _ = arithmetic.mean_work(sideways, arriving, impact.leaving)
         if work <= GAIN * float(impact.impulses[:, 2].sum()) * GRAVITY * self.options.dt:
             return impact
-        return self._agreed(last, None)
+        return self._agree(last, None)
 
-    def _agreed(self, warm: FloatArray, swerve: FloatArray | None) -> Impact:
+    def _agree(self, warm: FloatArray, swerve: FloatArray | None) -> Impact:
         """Return the exchange in which contact problem and law agree."""
         law, contacts = self.options.soft, self.contacts
         assert law is not None
@@ -122,8 +122,8 @@ class SoftMeeting(Meeting):
             rows = SoftRows(graph, speeds, at_wall)
             taken = np.flatnonzero(rows.on)
             if parts is None or not np.array_equal(parts[0], taken):
-                parts = self._assembled(taken, swerve)
-            impact = self._solved(parts, rows, warm, swerve, FINER if count else 1.0)
+                parts = self._assemble(taken, swerve)
+            impact = self._solve_rows(parts, rows, warm, swerve, FINER if count else 1.0)
             warm, found = impact.impulses, impact.velocities[:, 2]
             error, walled = _disagreement(graph, rows, impact, parts)
             if error <= AGREED and np.array_equal(walled, at_wall):
@@ -136,7 +136,7 @@ class SoftMeeting(Meeting):
         self.tally.add_law(error, AGREED)
         return impact
 
-    def _assembled(self, taken: IntArray, swerve: FloatArray | None) -> FreeProblem:
+    def _assemble(self, taken: IntArray, swerve: FloatArray | None) -> FreeProblem:
         """Return the rows of J, G and g of the contacts that take part, without the law."""
         if not taken.size:
             return FreeProblem(taken, None, np.zeros((0, 0)), np.zeros(0))
@@ -147,7 +147,7 @@ class SoftMeeting(Meeting):
             g += swerve[taken].ravel()
         return FreeProblem(taken, Y, G, g)
 
-    def _solved(
+    def _solve_rows(
         self, parts: FreeProblem, rows: SoftRows, warm: FloatArray, swerve: FloatArray | None, finer: float
     ) -> Impact:
         """Return the exchange under linear rows, to `finer` times the tolerance if it can be had."""

@@ -262,14 +262,14 @@ class Stepper:
         `effort` are the motors' generalised forces (nv,); `seconds` its length [s], None for the options'.
         """
         bodies, dt, tally = self.bodies, seconds or self.options.dt, Tally()
-        v, last, leaving, arrival = self._arrived(state, mu, tally)
+        v, last, leaving, arrival = self._arrive(state, mu, tally)
         # free motion up to the middle
         rate = state.rate if v is state.v else None
         q, before, _ = moved(bodies.coasting, state.q, v, 0.5 * dt, rate=rate)
         contacts = self.detect(q)
         bodies.weigh(q)
         if self.options.stabilisation == "projection":
-            q, contacts = self._projected(q, contacts)
+            q, contacts = self._project_out(q, contacts)
         # all forces but the ground's
         free = self._free(before, effort, push, bodies.gravity(q), dt)
         # the ground's
@@ -290,7 +290,7 @@ class Stepper:
             contacts.positions, impact, tally.unsolved, tally.worst, tally.law_error,
         )  # fmt: skip
 
-    def _arrived(
+    def _arrive(
         self, state: State, mu: float, tally: Tally
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray | None]:
         """Return v, the last impulses, the velocities after them (p, 3), and impulses of a start's own.
@@ -337,7 +337,7 @@ class Stepper:
             return np.ones(len(self._foot))
         return np.asarray((high.friction - low.friction) / (mu + NUDGE - max(mu - NUDGE, 0.0)))
 
-    def _projected(self, q: FloatArray, contacts: Contacts) -> tuple[FloatArray, Contacts]:
+    def _project_out(self, q: FloatArray, contacts: Contacts) -> tuple[FloatArray, Contacts]:
         """Return q and contacts moved out of the ground where they are in it by more than `SLOP`.
 
         Minimises ||dq||_M subject to gap + J_n dq >= 0: a frictionless contact problem in positions.

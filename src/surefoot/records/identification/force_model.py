@@ -179,11 +179,11 @@ class ForceModel:
         most = round(LATEST / log.dt)
         late = min(range(-most, most + 1), key=lambda rows: (left(tried[length], rows) ** 2).sum())
         X, target = _later(tried[length], late), reading - _later(still, late)
-        model = cls._fitted(robot, motion.joints, X, target, turn, length, lines, late * log.dt)
+        model = cls._fit(robot, motion.joints, X, target, turn, length, lines, late * log.dt)
         return dataclasses.replace(model, ends=_ends(log), notes=model._findings(motion, log))
 
     @classmethod
-    def _fitted(
+    def _fit(
         cls, robot: Robot, joints: tuple[str, ...], X: FloatArray, left: FloatArray, turn: FloatArray,
         length: float, lines: tuple[tuple[float, ...], ...], delay: float,
     ) -> ForceModel:  # fmt: skip

@@ -212,7 +212,7 @@ def identify(
             progress(count)
 
     if found is None:
-        body = _thrown(model, tosses, others)
+        body = _body_of_tosses(model, tosses, others)
         first = ThrownModel(steps=simulator.steps if isinstance(simulator, ThrownModel) else None)
         found = identify_body(tosses, body, first, draws, tick, find_levelled(tosses, body))
     tosses = found.upright(tosses)
@@ -245,7 +245,7 @@ def identify(
     )  # fmt: skip
 
 
-def _thrown(model: Robot | str | Path | None, tosses: Tosses, others: Tosses | None) -> ThrownBody:
+def _body_of_tosses(model: Robot | str | Path | None, tosses: Tosses, others: Tosses | None) -> ThrownBody:
     """Return the body of a model, or the cube that the tosses name; it has the joints of all of them."""
     body = cube_body(tosses.cube) if model is None else thrown_body(model)
     for one in (tosses, others):

@@ -63,7 +63,7 @@ class Levelling:
 
     def upright(self, tosses: Tosses) -> Tosses:
         """Return the tosses in upright axes, over one board."""
-        turned = _turned(tosses, self.turn)
+        turned = _turn(tosses, self.turn)
         ends = _lowest(sphere_places(self.body.tree, turned.poses[turned.starts[1:] - 1]))
         turned.states[:, 2] += np.repeat(ends[:, :2] @ self.slope - ends[:, 2], turned.frames)
         return turned
@@ -76,7 +76,7 @@ def find_levelled(tosses: Tosses, body: ThrownBody) -> Levelling | None:
         return None
     fall = _fall(tosses, body)
     turn = GroundPlane(0.0, -fall[:2] / fall[2]).rotation.inv()
-    touches = _touches(_turned(tosses, turn), body)
+    touches = _touches(_turn(tosses, turn), body)
     return Levelling(body, turn, touches, touches.planes(np.ones((1, len(tosses))))[0, 1:])
 
 
@@ -85,7 +85,7 @@ def _lowest(corners: FloatArray) -> FloatArray:
     return np.asarray(corners[np.arange(len(corners)), corners[:, :, 2].argmin(axis=1)])
 
 
-def _turned(tosses: Tosses, turn: Rotation) -> Tosses:
+def _turn(tosses: Tosses, turn: Rotation) -> Tosses:
     """Return tosses in axes that are turned; angular velocities are the body's own already."""
     states, at = tosses.states.copy(), 7 + tosses.joints
     for k in (0, at):

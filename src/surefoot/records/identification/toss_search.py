@@ -189,7 +189,7 @@ class _Valley:
             return out
 
         def residuals(x: FloatArray) -> FloatArray:
-            return _scaled(self.at(point(x)), self._frames)
+            return _robust_deviations(self.at(point(x)), self._frames)
 
         def jacobian(x: FloatArray) -> FloatArray:
             here = self.at(point(x))
@@ -212,13 +212,13 @@ class _Valley:
         return None if better and not losses[best] < (1.0 - SAME) * least else points[best]
 
 
-def _scaled(here: TossResiduals, frames: IntArray) -> FloatArray:
+def _robust_deviations(here: TossResiduals, frames: IntArray) -> FloatArray:
     """Return the deviations (N m,), scaled: half the sum of their squares is Σ c (sqrt(c² + e²) - c)."""
     return np.asarray((here.rows * _weights(here, frames)[0][:, None]).ravel())
 
 
 def _scaled_slopes(here: TossResiduals, slopes: Slopes, frames: IntArray) -> FloatArray:
-    """Return the derivatives (N m, d) of `_scaled`, per step of the parameters."""
+    """Return the derivatives (N m, d) of `_robust_deviations`, per step of the parameters."""
     weight, lean = _weights(here, frames)
     # The weight s of a toss falls with its error: ds = -s e de / (2 q (q + c)), e de the toss's mean of r dr.
     mean = slopes.moments * np.sqrt(here.scale**2 + here.errors**2)[:, None]

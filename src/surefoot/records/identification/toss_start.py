@@ -85,11 +85,11 @@ class TossFlight:
 
     def corrected(self, tree: FallingBody, gravity: float) -> FloatArray:
         """Return the first states (B, nq + nv) of another body, by one more Gauss-Newton step."""
-        return self._moved(self.starts, self._change(self._off(self.starts, tree, gravity)))
+        return self._add_change(self.starts, self._change(self._off(self.starts, tree, gravity)))
 
     def _change(self, off: FloatArray) -> FloatArray:
         """Return the Gauss-Newton step (B, 2 nv) for (rows, nv) differences; 0 where too few frames fly."""
-        return np.where(self.used[:, None] == 0, 0.0, -self._explained(off))
+        return np.where(self.used[:, None] == 0, 0.0, -self._explain(off))
 
     def _descend(self, off: FloatArray, tree: FallingBody, gravity: float) -> bool:
         """Take for every toss so much of the Gauss-Newton step as fits it better; return if all are at rest.
@@ -99,7 +99,7 @@ class TossFlight:
         """
         change, before = self._change(off), self._squares(off)
         for _ in range(HALVINGS):
-            ahead = self._moved(self.starts, change)
+            ahead = self._add_change(self.starts, change)
             after = self._squares(self._off(ahead, tree, gravity))
             worse = ~(after <= before)
             if not worse.any():
@@ -114,9 +114,9 @@ class TossFlight:
 
     def apart(self, poses: FloatArray) -> FloatArray:
         """Return how far the first states (B, 2 nv) of other motions are, from poses in the rows used."""
-        return self._explained(pose_differences(poses, self._tosses.poses[self._rows]))
+        return self._explain(pose_differences(poses, self._tosses.poses[self._rows]))
 
-    def _explained(self, off: FloatArray) -> FloatArray:
+    def _explain(self, off: FloatArray) -> FloatArray:
         """Return the change of the first states (B, 2 nv) that explains (rows, nv) differences best."""
         moment = np.zeros((len(self.starts), 2 * self._nv))
         np.add.at(moment, self._owner, np.einsum("nik,ni->nk", self._J, off))
@@ -132,7 +132,7 @@ class TossFlight:
         """Return first states (B, nq + nv) with errors as noise makes them."""
         factors = np.linalg.cholesky(self._spread(noise) + 1e-18 * np.eye(2 * self._nv))
         draws = random.normal(size=(len(starts), 2 * self._nv))
-        return self._moved(starts, np.einsum("bkl,bl->bk", factors, draws))
+        return self._add_change(starts, np.einsum("bkl,bl->bk", factors, draws))
 
     def _spread(self, noise: tuple[float, float]) -> FloatArray:
         """Return the covariances (B, 2 nv, 2 nv) of the first states."""
@@ -167,7 +167,7 @@ class TossFlight:
             step = 1e-4 if k < nv else 1e-3
             change = np.zeros((count, 2 * nv))
             change[:, k] = step
-            self._J[:, :, k] = (self._off(self._moved(self.starts, change), tree, gravity) - here) / step
+            self._J[:, :, k] = (self._off(self._add_change(self.starts, change), tree, gravity) - here) / step
         # Normal equations of each toss on its own, of noise alike in metres and radians.
         square = np.zeros((count, 2 * nv, 2 * nv))
         np.add.at(square, self._owner, np.einsum("nik,nil->nkl", self._J, self._J))
@@ -187,7 +187,7 @@ class TossFlight:
         poses[~lost, :3] -= SKY
         return pose_differences(poses, recorded)
 
-    def _moved(self, starts: FloatArray, change: FloatArray) -> FloatArray:
+    def _add_change(self, starts: FloatArray, change: FloatArray) -> FloatArray:
         """Return states with (B, 2 nv) added, turns in world axes."""
         out = starts.copy()
         out[:, :3] += change[:, :3]

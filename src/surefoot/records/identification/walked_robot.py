@@ -132,7 +132,7 @@ def identify_robot(robot: Robot, log: Log, seed: int = 0) -> RobotFit:
     q, v, tau = q[cut], v[cut], tau[cut]
     normals = log.arrays.get("normals")
     rows = _rows(robot, q, v, tau, normals, dt)
-    once, error = _fitted(rows, motors, round(WINDOW / dt), CREEP)
+    once, error = _fit(rows, motors, round(WINDOW / dt), CREEP)
     # Second differences 1, -2, 1 of white noise have six times its variance; a motion hardly shows in them,
     # and the median passes over touchdowns.
     noise = stats.median_abs_deviation(np.diff(v, 2, axis=0), scale="normal") / math.sqrt(6.0)
@@ -143,7 +143,7 @@ def identify_robot(robot: Robot, log: Log, seed: int = 0) -> RobotFit:
         heard = shift(tau, (late, 0.0), order=1, mode="nearest")
         other = _rows(robot, q + zeros, v + noise * random.normal(size=v.shape), heard, normals, dt)
         window, creep = WINDOW * random.uniform(0.6, 1.4), CREEP * 3.0 ** random.uniform(-1.0, 1.0)
-        draws[k] = _fitted(other, motors, round(window / dt), creep, LEAD * random.uniform(-1.0, 1.0))[0]
+        draws[k] = _fit(other, motors, round(window / dt), creep, LEAD * random.uniform(-1.0, 1.0))[0]
     best = 2.0 * once - draws.mean(axis=0)  # what as much noise again has changed is taken off
     half = np.hypot(error, stats.t.ppf(0.975, DRAWS - 1) * draws.std(axis=0, ddof=1))
     units = dict.fromkeys(FACTORS, "x nominal") | {"payload": "kg"}
@@ -247,7 +247,7 @@ def _feet(rows: WalkRows) -> FloatArray:
     return np.asarray(levers.reshape(T, -1, nv).transpose(0, 2, 1))
 
 
-def _fitted(
+def _fit(
     rows: WalkRows, motors: Actuators, window: int, creep: float, lead: float = 0.0
 ) -> tuple[FloatArray, FloatArray]:
     """Return the parameters (13,) and the half-widths of their 95 % intervals by the jackknife."""
@@ -259,16 +259,16 @@ def _fitted(
     system = _smooth(system, window)[window :: max(1, window // 4)]
     weights = np.ones(rows.v.shape[1])
     for _ in range(3):
-        theta = _solved(system, weights)
+        theta = _solve(system, weights)
         left = system[:, :, -1] - system[:, :, :-1] @ theta
         weights = 1.0 / (left.std(axis=0) + 1e-9)
     cuts = np.linspace(0, len(system), PARTS + 1).astype(int)
-    parts = [_solved(np.delete(system, slice(a, b), axis=0), weights) for a, b in pairwise(cuts)]
+    parts = [_solve(np.delete(system, slice(a, b), axis=0), weights) for a, b in pairwise(cuts)]
     error = np.sqrt((PARTS - 1) * np.var(parts, axis=0))
     return theta, stats.t.ppf(0.975, PARTS - 1) * error
 
 
-def _solved(system: FloatArray, weights: FloatArray) -> FloatArray:
+def _solve(system: FloatArray, weights: FloatArray) -> FloatArray:
     """Return the least squares' parameters (13,); zero where nothing tells one."""
     flat = (system * weights[:, None]).reshape(-1, system.shape[2])
     size = np.linalg.norm(flat[:, :-1], axis=0)

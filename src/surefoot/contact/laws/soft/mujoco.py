@@ -72,7 +72,7 @@ class MujocoLaw(SoftLaw):
     @property
     def stiffness_and_damping(self) -> tuple[float, float]:
         """Return k / d(r) [1/s²] and b [1/s] of the reference acceleration."""
-        largest = _limited(self.solimp[1])
+        largest = _limit_impedance(self.solimp[1])
         first, second = self.solref
         if first > 0.0:
             time = max(first, 2.0 * self.dt)
@@ -82,7 +82,7 @@ class MujocoLaw(SoftLaw):
     def impedance(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return d(r) and its derivative by depth [1/m] at (...,) depths [m]."""
         low, high, width, middle, power = self.solimp
-        low, high = _limited(low), _limited(high)
+        low, high = _limit_impedance(low), _limit_impedance(high)
         middle = min(max(middle, IMPEDANCE_RANGE[0]), IMPEDANCE_RANGE[1])
         power = max(power, 1.0)
         if low == high or width <= 1e-15:
@@ -150,5 +150,5 @@ class MujocoLaw(SoftLaw):
         return own if engine == "mujoco" else None
 
 
-def _limited(impedance: float) -> float:
+def _limit_impedance(impedance: float) -> float:
     return min(max(impedance, IMPEDANCE_RANGE[0]), IMPEDANCE_RANGE[1])

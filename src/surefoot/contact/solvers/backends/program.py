@@ -163,11 +163,11 @@ class ConeProgram:
             raise ProblemError("a QP solver takes linear rows only, no second-order cones")
         A = self.A if isinstance(self.A, np.ndarray) else sp.csr_matrix(self.A)
         rows, limits = A[self.zero :], self.b[self.zero :]
-        keep, low = _paired(sp.csr_matrix(rows), limits)
+        keep, low = _pair_rows(sp.csr_matrix(rows), limits)
         C, high = rows[keep], limits[keep]
         lower, upper = np.full(self.q.size, -np.inf), np.full(self.q.size, np.inf)
         if bounds:
-            C, low, high = _bounded(C, low, high, lower, upper)
+            C, low, high = _rows_to_bounds(C, low, high, lower, upper)
         return TwoSided(A[: self.zero], self.b[: self.zero], C, low, high, lower, upper)
 
 
@@ -203,7 +203,7 @@ def pattern(*matrices: Any) -> tuple[Any, ...]:
     )
 
 
-def _paired(rows: Any, limits: FloatArray) -> tuple[list[int], FloatArray]:
+def _pair_rows(rows: Any, limits: FloatArray) -> tuple[list[int], FloatArray]:
     """Return the rows to keep and their lower limits, from those whose opposite comes later."""
     first: dict[tuple[bytes, bytes], int] = {}
     keep: list[int] = []
@@ -221,7 +221,7 @@ def _paired(rows: Any, limits: FloatArray) -> tuple[list[int], FloatArray]:
     return keep, np.array(low)
 
 
-def _bounded(
+def _rows_to_bounds(
     C: Any, low: FloatArray, high: FloatArray, lower: FloatArray, upper: FloatArray
 ) -> tuple[Any, FloatArray, FloatArray]:
     """Return the rows that are left when those with a single entry have become bounds, written in place."""

@@ -85,7 +85,7 @@ EXTRA, LESS_NOISE = 10.0, 0.01  # iterations beyond that, and the share of it at
 
 
 @inline_kernel
-def _pulled(work: FloatArray, k: int, y: Six, rho: float) -> tuple[float, float, float]:
+def _pull_back(work: FloatArray, k: int, y: Six, rho: float) -> tuple[float, float, float]:
     """Return rho B_iᵀ y."""
     return (
         rho * dot(column(work, k, BLOCK_X), y),
@@ -99,7 +99,7 @@ def _place(work: FloatArray, contacts: int, y: Six, kappa: float) -> None:
     """Set the points to c + Bᵀ y / kappa."""
     for k in range(contacts):
         if work[k, HIGH] > 0.0:
-            c, move = vector(work, k, CENTRE), _pulled(work, k, y, 1.0 / kappa)
+            c, move = vector(work, k, CENTRE), _pull_back(work, k, y, 1.0 / kappa)
             store_vector(work, k, POINT, (c[0] + move[0], c[1] + move[1], c[2] + move[2]))
 
 
@@ -181,7 +181,7 @@ def _direction(memory: Memory, F: Six, kappa: float) -> tuple[Six, float]:
     for k in range(contacts):
         if work[k, HIGH] > 0.0:
             store_vector(work, k, OLD, vector(work, k, POINT))
-            store_vector(work, k, STEP, _pulled(work, k, d, 1.0 / kappa))
+            store_vector(work, k, STEP, _pull_back(work, k, d, 1.0 / kappa))
     return d, dot(F, d)
 
 

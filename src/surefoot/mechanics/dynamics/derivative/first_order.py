@@ -25,7 +25,7 @@ class FirstOrderStages(Stages):
         self.speed = request.state.v
         options, seen = stepper.options, self._seen(request.state.q)
         if request.smoothing > 0.0:
-            impact = self._smoothed(impact, seen)
+            impact = self._exchange_on_path(impact, seen)
         self.main = self._exchange(
             self._work.heavy, options.dt, impact, seen, options.dt, options.pull, request.smoothing
         )

@@ -85,7 +85,7 @@ class FlowDerivative:
         X[:, 2 * size + np.arange(active.size), active] = 1.0
         turned = seconds * float(np.abs(v).max(initial=0.0))
         if turned <= SLOW:
-            X = _carried(seconds * self._rate(q, v, 0.5 * seconds, effort, inputs), X)
+            X = _exponential_times(seconds * self._rate(q, v, 0.5 * seconds, effort, inputs), X)
         else:
             count = max(math.ceil(turned / TURN), 1)
             h = seconds / count
@@ -95,7 +95,7 @@ class FlowDerivative:
                 )
                 # Magnus of fourth order: h/2 (F₁ + F₂) + √3/12 h² [F₂, F₁], at the two points of Gauss.
                 swerve = second @ first - first @ second
-                X = _carried(0.5 * h * (first + second) + math.sqrt(3.0) / 12.0 * h * h * swerve, X)
+                X = _exponential_times(0.5 * h * (first + second) + math.sqrt(3.0) / 12.0 * h * h * swerve, X)
         return np.asarray(X[:, : 2 * size].reshape(-1, 2, size, columns).swapaxes(0, 1).reshape(T.shape))
 
     def _rate(
@@ -109,7 +109,10 @@ class FlowDerivative:
         if inputs is None:
             return blocks
         F = np.zeros((len(blocks), *(2 * n + inputs[0].shape[1],) * 2))
-        F[:, : 2 * n, : 2 * n], F[:, n : 2 * n, 2 * n :] = blocks, self._pulled(q, v, effort, *inputs)
+        F[:, : 2 * n, : 2 * n], F[:, n : 2 * n, 2 * n :] = (
+            blocks,
+            self._acceleration_rates(q, v, effort, *inputs),
+        )
         return F
 
     def _blocks(self, q: FloatArray, v: FloatArray, effort: FloatArray | None) -> FloatArray:
@@ -120,7 +123,7 @@ class FlowDerivative:
         variation(v, self._free, self._balls, self.data.ddq_dq, self.data.ddq_dv, F[0])
         return F
 
-    def _pulled(
+    def _acceleration_rates(
         self, q: FloatArray, v: FloatArray, effort: FloatArray | None, more: FloatArray,
         inertia: FloatArray | None,
     ) -> FloatArray:  # fmt: skip
@@ -185,7 +188,7 @@ def variation(
 
 
 @kernel
-def _carried(matrices: FloatArray, X: FloatArray) -> FloatArray:
+def _exponential_times(matrices: FloatArray, X: FloatArray) -> FloatArray:
     """Return the exponentials of matrices (k, n, n) times X (k, n, c), by their series to rounding."""
     # The exponential's action on the columns, Σ Mᵏ X / k!: the exponential itself is never formed.
     out = X.copy()

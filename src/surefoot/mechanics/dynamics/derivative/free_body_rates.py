@@ -56,7 +56,7 @@ class FreeFlowDerivative(FlowDerivative):
             variation(twists[b], self._one, self._none, by_q[b], by_v[b], F[b])
         return F
 
-    def _pulled(
+    def _acceleration_rates(
         self, q: FloatArray, v: FloatArray, effort: FloatArray | None, more: FloatArray,
         inertia: FloatArray | None,
     ) -> FloatArray:  # fmt: skip

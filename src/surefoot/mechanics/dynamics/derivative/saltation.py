@@ -60,7 +60,7 @@ class LocatedStages(Stages):
                 rest = self.rest.through(given._replace(q=T[:n], v=T[n:], leaving=left, seconds=-late))
                 total, left = total + rest[2 * n : -len(left)], rest[-len(left) :]
                 return np.vstack([rest[: 2 * n], total, left])
-            T = self._coasted(k, T, effort, given.inertia)
+            T = self._free_motion_rates(k, T, effort, given.inertia)
             wait = -late  # the end of the step stays where it is
             if touch is not None:
                 # The gap of whoever touches first stays zero: δs = -(∂gap δq) / (∂gap v⁻), see above.

@@ -117,7 +117,7 @@ class Stages:
         self._push_out(impact)
         seen = self._seen(impact.q)
         if request.smoothing > 0.0:
-            impact = self._smoothed(impact, seen)
+            impact = self._exchange_on_path(impact, seen)
         pull = stepper.options.pull
         self.main = self._exchange(work.heavy, dt, impact, seen, dt, pull, request.smoothing)
         if (memory := state.memory) is not None:
@@ -176,7 +176,7 @@ class Stages:
             nothing, nothing, horizon, stepper.options, pull, response,
         )  # fmt: skip
 
-    def _smoothed(self, impact: Impact, seen: Contacts) -> Impact:
+    def _exchange_on_path(self, impact: Impact, seen: Contacts) -> Impact:
         """Return the exchange on the central path, with all contact points."""
         stepper, every = self.stepper, np.arange(len(seen.gaps))
         if not every.size:
@@ -202,7 +202,7 @@ class Stages:
         found = [] if self.step.impact is None else [self.arrival, self.main]
         return [(e.response, e.impact.near) for e in found if e is not None and e.response is not None]
 
-    def _coasted(
+    def _free_motion_rates(
         self, k: int, T: FloatArray, more: FloatArray | None, inertia: FloatArray | None
     ) -> FloatArray:
         """Return the rates of (q, v) (2nv, c) after a piece of free motion."""
@@ -216,25 +216,25 @@ class Stages:
         effort = np.zeros_like(given.v)
         effort[self.stepper.motors] = given.torques
         if self.step.impact is None:
-            return np.vstack([self._coasted(0, T, effort, inertia), impulses, impulses])
+            return np.vstack([self._free_motion_rates(0, T, effort, inertia), impulses, impulses])
         if self.arrival is not None:
             after, _, got = self.arrival.through(given._replace(leaving=impulses, seconds=None))
             T, impulses = np.vstack([T[:n], after]), impulses + got
-        T = self._coasted(0, T, None, inertia)
+        T = self._free_motion_rates(0, T, None, inertia)
         if seconds is not None:
             T += np.outer(self.coasts[0].pace, 0.5 * seconds)
         for out in self.projections:
-            T = self._pushed(out, T, given)
+            T = self._push_out_rates(out, T, given)
         effort = self.dt * (effort + self._pushing(T[:n], given.push))
         if seconds is not None:
             effort += np.outer(self.main.force, seconds)
         after, left, got = self.main.through(given._replace(q=T[:n], v=T[n:]), effort)
-        T = self._coasted(1, np.vstack([T[:n], after]), None, inertia)
+        T = self._free_motion_rates(1, np.vstack([T[:n], after]), None, inertia)
         if seconds is not None:
             T += np.outer(self.coasts[1].pace, 0.5 * seconds)
         return np.vstack([T, impulses + got, left])
 
-    def _pushed(self, out: Exchange, T: FloatArray, given: InputRates) -> FloatArray:
+    def _push_out_rates(self, out: Exchange, T: FloatArray, given: InputRates) -> FloatArray:
         """Return the rates of (q, v) after a motion out of the ground."""
         import pinocchio
 
