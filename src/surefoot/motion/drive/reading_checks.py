@@ -47,7 +47,7 @@ def beyond(
     said: FloatArray, low: FloatArray, high: FloatArray, fastest: FloatArray, turning: float, hardest: float
 ) -> int:
     """Return what of a reading is out of range, by (joints,) ranges [rad], [rad/s] and sizes, or `SOUND`."""
-    for x in said:
+    for x in said:  # first: no comparison below finds a NaN
         if not math.isfinite(x):
             return ReadingFault.ENDLESS.value
     length = math.sqrt(said[0] ** 2 + said[1] ** 2 + said[2] ** 2 + said[3] ** 2)
@@ -85,6 +85,7 @@ def frozen(said: FloatArray, before: FloatArray, repeated: IntArray, moving: flo
     joints = len(repeated) - 3
     moves, found = 0, False
     for j in range(joints):
+        # A robot at rest repeats itself rightly: what counts is a sensor that does while others move.
         moves += abs(said[TORQUES + joints + j]) > moving
     for k in range(3 + joints):
         own = 0
@@ -96,7 +97,7 @@ def frozen(said: FloatArray, before: FloatArray, repeated: IntArray, moving: flo
         else:
             at = TORQUES + k - 3
             same = said[at] == before[at] and said[at + joints] == before[at + joints]
-            own = int(abs(said[at + joints]) > moving)
+            own = int(abs(said[at + joints]) > moving)  # its own frozen speed is no witness against it
         repeated[k] = repeated[k] + 1 if same and moves - own > 0 else 0
         found = found or repeated[k] >= most
     before[:] = said
@@ -127,6 +128,9 @@ def contradicts(
         (joints,) largest speeds [rad/s], and for how long joints may have had them [s].
     """
     joints = len(fastest)
+    # With e the drift, s the room, and `keep` = exp(-elapsed / time constant):
+    #     e+ = keep e + Δq - (v + v_last)/2 Δt,    s+ = keep s + |v - v_last|/2 Δt,    |e| <= mismatch + s
+    # Both forget at one rate, so that rounding and small biases do not add up for ever.
     after = np.empty_like(kept)
     apart = False
     for j in range(joints):
@@ -138,6 +142,7 @@ def contradicts(
         apart = apart or abs(after[j]) > mismatch + after[joints + j]
     if apart:
         return ReadingFault.DRIFTS.value
+    # The same for the attitude: its turn less that of the mean gyro rate, as a rotation vector.
     far, change = 0.0, 0.0
     turn = _unexplained_turn(said, last, elapsed)
     for r in range(3):
@@ -154,6 +159,7 @@ def contradicts(
 @inline_kernel
 def _unexplained_turn(said: FloatArray, last: FloatArray, elapsed: float) -> FloatArray:
     """Return the turn between two readings that their gyros do not tell, as a rotation vector (3,) [rad]."""
+    # exp of the mean rate (ω + ω_last)/2 over `elapsed`, as a quaternion: half its angle is |ω + ω_last| Δt/4
     way = np.empty(4)
     rate = math.sqrt((said[4] + last[4]) ** 2 + (said[5] + last[5]) ** 2 + (said[6] + last[6]) ** 2)
     half = 0.25 * elapsed * rate

@@ -95,6 +95,8 @@ class StairFit:
     ) -> None:
         self.along, self.across = along, np.array([-along[1], along[0]])
         self.aside = float(place @ self.across)
+        # Two Kalman filters. Edge k lies at x0 + k x1 + x2 w along the line, w aside of it (x2: the turn of
+        # the edges); the tread after it at z0 + (k + 1) z1, as a sensor sees it whose pitch is off by z2.
         self._x = np.array([edge, steps.tread, 0.0])
         self._P = np.diag([0.1 * steps.tread, 0.06 * steps.tread, 0.06]) ** 2
         self._z = np.array([level, steps.rise, 0.0])
@@ -164,11 +166,14 @@ class StairFit:
         points
             (k, 3) where they ended [m].
         """
+        # s along the line, w aside of it, z up
         s, w, z = points[:, :2] @ self.along, points[:, :2] @ self.across - self.aside, points[:, 2]
         begin = np.array([origin[:2] @ self.along, origin[:2] @ self.across - self.aside, origin[2]])
         low = math.floor((float(s.min(initial=begin[0])) - self._x[0]) / self.tread)
         high = math.ceil((float(s.max(initial=begin[0])) - self._x[0]) / self.tread)
         low, high = max(low, self.first - 1), min(high, self.last + 1)
+        # Nearest edges first: they are measured best, and those farther away are looked for where the
+        # corrected state has them. Both sides apart, or a turned edge would be averaged away.
         for number in sorted(range(low, high + 1), key=lambda k: abs(self.edge(k) - begin[0])):
             for side in (-1.0, 1.0):
                 seen = self._find_edge(number, begin, s, w, z, side)
@@ -195,7 +200,7 @@ class StairFit:
         s = float(point[:2] @ self.along) - float(self._x[2]) * (float(point[:2] @ self.across) - self.aside)
         share = (s - float(self._x[0])) / self.tread
         number = math.floor(share) + 1
-        inside = 0.1 < share - math.floor(share) < 0.9
+        inside = 0.1 < share - math.floor(share) < 0.9  # nearer to an edge it may be on either side
         if not inside or not self.first - BESIDE <= number <= self.last + 1 + BESIDE:
             return None
         return float(min(max(number, self.first), self.last + 1))
@@ -244,11 +249,12 @@ class StairFit:
         share = (s - self._x[2] * w - self._x[0]) / self.tread
         number = np.floor(share) + 1.0
         low, high = self.first, self.last + 1
-        inner = np.abs(share - np.floor(share) - 0.5) < 0.3
+        inner = np.abs(share - np.floor(share) - 0.5) < 0.3  # rays near an edge see two levels
         inner &= (number >= low - BESIDE) & (number <= high + BESIDE)
         there = int((inner & (number >= low) & (number <= high)).sum())
         level = self._z[0] + np.clip(number, low, high) * self._z[1]
         inner &= np.abs(z - level) < 0.4 * abs(self.rise)
+        # A scan that finds too few of its points at the heights of the treads contradicts the stairs.
         here = int((inner & (number >= low) & (number <= high)).sum())
         if here < AGREEING * there:
             self._missed += 1

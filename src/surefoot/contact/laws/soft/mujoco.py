@@ -72,6 +72,8 @@ class MujocoLaw(SoftLaw):
     @property
     def stiffness_and_damping(self) -> tuple[float, float]:
         """Return k / d(r) [1/s²] and b [1/s] of the reference acceleration."""
+        # Standard form: b = 2 / (d_max T), k = 1 / (d_max T ζ)², so that a unit mass under d_max has the time
+        # constant T and the damping ratio ζ; direct form: the numbers over d_max² and d_max.
         largest = _limit_impedance(self.solimp[1])
         first, second = self.solref
         if first > 0.0:
@@ -87,12 +89,14 @@ class MujocoLaw(SoftLaw):
         power = max(power, 1.0)
         if low == high or width <= 1e-15:
             return np.full(np.shape(depth), 0.5 * (low + high)), np.zeros(np.shape(depth))
+        # Two powers that meet at (middle, middle) with one slope: y = m (x / m)^p below the midpoint m, and
+        # y = 1 - (1 - m) ((1 - x) / (1 - m))^p above; dy/dx = p (...)^(p-1) on both sides.
         x = np.clip(np.abs(depth) / width, 0.0, 1.0)
         before = x <= middle
         rise, fall = np.where(before, x, middle) / middle, np.where(before, middle, 1.0 - x) / (1.0 - middle)
         share = np.where(before, middle * rise**power, 1.0 - (1.0 - middle) * fall**power)
         slope = power * np.where(before, rise ** (power - 1.0), fall ** (power - 1.0))
-        slope = np.where(x < 1.0, slope, 0.0)
+        slope = np.where(x < 1.0, slope, 0.0)  # constant beyond the width
         return low + share * (high - low), slope * (high - low) / width
 
     def pressed(self, depth: FloatArray, rate: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -151,4 +155,5 @@ class MujocoLaw(SoftLaw):
 
 
 def _limit_impedance(impedance: float) -> float:
+    """Return an impedance within `IMPEDANCE_RANGE`, as MuJoCo takes it."""
     return min(max(impedance, IMPEDANCE_RANGE[0]), IMPEDANCE_RANGE[1])

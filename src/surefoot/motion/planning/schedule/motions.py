@@ -85,6 +85,8 @@ def lift_speed(robot: Robot, q: FloatArray) -> float:
 
     Straight up in the base's axes; the joint that first runs at its limit decides.
     """
+    # Joint rates per speed of the foot along z: the third column of the leg's inverse Jacobian. A foot on the
+    # ground moves against the body, and the sign plays no part in what is the first limit.
     rates = [np.linalg.pinv(slope)[:, 2] for slope in Legs(robot).slopes(q[7:])]
     return float(1.0 / np.abs(np.array(rates) / robot.speed_limits).max())
 
@@ -131,6 +133,8 @@ def jump(
     q = begun(robot, ground, distance) if q is None else q
     end = landing_configuration(robot, q, distance, way, ground)
     end[2] += (climb := climb_of(ground, robot, q, end))
+    # A body that leaves the ground at v and lands at the same height flies for 2 v / g, one that rises by h
+    # for at least 2 sqrt(2 h / g).
     longest = min(FLIGHT * scale, 2.0 * QUICK * lift_speed(robot, q) / GRAVITY)
     flight = max(longest, 2.0 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY))
     dt = round(KNOT * scale, 3) if dt is None else dt
@@ -142,16 +146,21 @@ def jump(
     schedule, length = modes(robot, [(push, "all"), *over, (land, "all")])
     knots = round(length / dt)
     t = dt * np.arange(knots + 1)
+    # The reference begins to move in the last 30 % of the push and has arrived 10 % of it after touchdown:
+    # there the body accelerates and brakes. The optimiser is free to do otherwise.
     share = np.clip((t - 0.7 * push) / (flight + 0.4 * push), 0.0, 1.0)
     reference = np.tile(q, (knots + 1, 1))
     reference[:, :3] += share[:, None] * (end - q)[:3]
+    # The parabola of free fall over the flight, zero at both ends: g/2 t (T - t).
     flown = np.clip(t - push, 0.0, flight)
     reference[:, 2] += 0.5 * GRAVITY * flown * (flight - flown)
     up = rotation_from_quaternion(q[3:7]).T @ np.asarray(ground.normal(q[:2]))
     reference[:, 3:7] = _rotate_about(q[3:7], up, way[1] * share)
+    # At the end: 1 cm ahead, 2 cm aside and in height, 0.015 in a quaternion's entries (1.7 degrees), and
+    # 0.02 rad of each joint.
     within = np.concatenate([[0.01, 0.02, 0.02], np.full(4, 0.015), np.full(robot.joints, 0.02)])
     windows = {knots: StateWindow.at(reference[-1], np.zeros(robot.model.nv), within, REST)}
-    if height > 0.0:
+    if height > 0.0:  # reached in the middle of the flight at the latest
         low = np.full(len(q), -np.inf)
         low[2] = q[2] + height
         windows[round((push + 0.5 * flight) / dt)] = StateWindow(low)
@@ -159,7 +168,7 @@ def jump(
     if climb > 0.0:
         _tuck(robot, reference, min(climb, TUCK * float(robot.nominal[2])) * np.sin(math.pi * flown / flight))
         weights = replace(weights, **ONTO)
-        if not own_image(robot, reference):
+        if not own_image(robot, reference):  # a price on what differs would forbid the way that it goes
             weights = replace(weights, symmetry=0.0)
     reach = float(robot.nominal[2])
     return ScheduleProblem(
@@ -175,6 +184,8 @@ def jump(
 
 def _step_up(flight: float, lead: float, ahead: float) -> list[tuple[float, str]]:
     """Return the phases of a flight [s] onto a step `ahead`: feet that go ahead leave and land first."""
+    # The longer flight is spread over three phases, and half a `lead` of it is taken back: the body is over
+    # the edge while two feet still push or push already.
     behind, first = ("rear", "front") if ahead > 0.0 else ("front", "rear")
     return [(lead, behind), (LONGER * flight - 1.5 * lead, "none"), (lead, first)]
 
@@ -204,6 +215,7 @@ def landing_configuration(
     `way` holds the direction of the jump and its turn [rad].
     """
     feet, (direction, turn) = robot.foot_positions(q), way
+    # Directions are measured in the plane of the ground, from the projection of the base's x axis on it.
     middle, frame = feet.mean(axis=0), terrain.frame(q[:2])
     ahead = frame.T @ rotation_from_quaternion(q[3:7])[:, 0]
     along = math.atan2(ahead[1], ahead[0]) + direction
@@ -239,13 +251,18 @@ def backflip(
     t, nv = dt * np.arange(knots + 1), int(robot.model.nv)
     share = np.clip((t - push) / (rear + flight + front), 0.0, 1.0)
     reference = np.tile(q, (knots + 1, 1))
+    # One turn about -y at constant rate, from the lift-off of the front feet to the touchdown of the rear
+    # ones; the base moves back by 0.6 of its height, about as far as it pivots over its rear feet.
     reference[:, 0] -= 0.6 * float(robot.nominal[2]) * share
     reference[:, 2] += RISE * (0.5 - 0.5 * np.cos(2.0 * math.pi * share))
     reference[:, 3:7] = _rotate_about(q[3:7], np.array([0.0, 1.0, 0.0]), -2.0 * math.pi * share)
     reach = float(robot.nominal[2])
+    # Where along x it lands is left to the optimiser, and joints end within 0.12 rad: it has to stand, not to
+    # stand in a given place.
     within = np.concatenate([[1.05 * reach, 0.02, 0.03], np.full(4, 0.03), np.full(robot.joints, 0.12)])
     end = StateWindow.at(reference[-1], np.zeros(nv), within, REST)
     touchdown = round((push + rear + flight) / dt)
+    # Between lift-off and touchdown nothing else would keep legs from passing through each other.
     windows = {k: _spread(robot, q) for k in range(round((push + rear) / dt), touchdown)}
     windows |= {knots: end}
     weights = ScheduleWeights(
