@@ -79,6 +79,8 @@ class StepGeometry:
         c, s = math.cos(yaw), math.sin(yaw)
         x, y = float(place[0] - support[0]), float(place[1] - support[1])
         ahead, out = c * x + s * y, side * (c * y - s * x)
+        # Ahead and outwards the reach is half an ellipse about the usual place beside the other foot; inwards
+        # it ends where the feet would meet.
         room = self.widest - self.width
         far = math.hypot(ahead / self.longest, max(out - self.width, 0.0) / room)
         if far > 1.0:
@@ -114,6 +116,8 @@ def pressure_path(steps: list[Footstep], times: FloatArray) -> FloatArray:
     On the standing foot; on two feet it moves evenly to the one that stays longer; standing still it is
     between them. Where no foot stands it is where it last was.
     """
+    # Shares of the load by footstep; the centre of pressure is their mean. In double support a share goes
+    # linearly from one foot to the other, so that the path has no jump.
     share = np.zeros((len(times), len(steps)))
     for i, one in enumerate(steps):
         load = ((times >= one.begin) & (times < one.end)).astype(np.float64)
@@ -203,6 +207,9 @@ class StepPlanner:
         """
         yaw, middle, _ = body.places(np.array([left]))
         heading, side, g = float(yaw[0]), float(self.sides[k]), self.geometry
+        # Feet meet the ground half a stride before the body and half a step's width beside its path; toes
+        # point where the body heads in the middle of the stance. Then the divergent motion's share, see
+        # `capture`.
         stride = body.velocity[:2] * self.step_time
         nominal = middle[0, :2] + _turn(heading) @ (0.5 * stride + np.array([0.0, 0.5 * side * g.width]))
         wanted = (1.0 - self.capture) * nominal + self.capture * place
@@ -221,7 +228,7 @@ class StepPlanner:
         on, ground, target = feet.stance, feet.ground, feet.target
         for k in range(2):
             spans = stances(self.gait, k, clock, time * pace)
-            if pace != 1.0:
+            if pace != 1.0:  # from the gait's clock to time
                 spans = [(clock + (a - clock) / pace, clock + (b - clock) / pace) for a, b in spans]
             if on[k]:
                 if not spans or spans[0][0] > clock:  # landed early
@@ -304,7 +311,7 @@ def landing_offsets(
     """
     ahead, offsets = preview.divergent(pressure), np.zeros((2, 2))
     for one in reversed(steps):
-        at = (one.begin - clock) / preview.dt
+        at = (one.begin - clock) / preview.dt  # between two steps of the preview: linear
         if 0.0 < at < preview.steps:
             i = int(at)
             offsets[one.foot] = ahead[i] + (at - i) * (ahead[i + 1] - ahead[i]) - one.place
