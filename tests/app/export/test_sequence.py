@@ -74,6 +74,7 @@ def spoiled(path: str, value: object) -> dict:
     ("path", "value", "told"),
     [
         ("version", 2, "version"),
+        ("version", True, "version True"),
         ("frames", None, "frames is missing"),
         ("frames", ["LF_FOOT"], "unknown frame"),
         ("colour", "red", "unknown key"),

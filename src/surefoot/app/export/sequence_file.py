@@ -54,7 +54,7 @@ def sequence_from_dict(content: Any) -> ContactSequence:
 
     if isinstance(content, dict) and {"format", "version"} <= content.keys():
         found = content["format"], content["version"]
-        if found != (FORMAT, VERSION):
+        if found != (FORMAT, VERSION) or isinstance(found[1], bool):  # True == 1
             told = f"{shown(found[0])} version {shown(found[1])}"
             raise ProblemError(f"a contact sequence has the format {FORMAT!r} version {VERSION}, got {told}")
     top = read_as(Sequence, content)
