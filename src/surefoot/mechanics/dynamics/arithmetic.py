@@ -12,6 +12,9 @@ from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.base.numerics.cholesky import cholesky, solve_lower, solve_upper
 from surefoot.base.numerics.vectors import advance, dot
 
+FASTEST = 1e12
+"""Velocities beyond this count as lost [m/s, rad/s]."""
+
 
 @kernel
 def factorise(upper: FloatArray, L: FloatArray) -> None:

@@ -16,6 +16,7 @@ from surefoot.base.numerics.vectors import largest
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import ContactProblem, ContactSolution, solve
 from surefoot.mechanics.dynamics import arithmetic
+from surefoot.mechanics.dynamics.arithmetic import FASTEST
 from surefoot.mechanics.dynamics.detection import Contacts, Surfaces
 from surefoot.mechanics.dynamics.options import StepOptions
 from surefoot.mechanics.dynamics.state import Impact
@@ -24,8 +25,6 @@ SWERVE = 1e-6
 """Change of a contact's velocity from impulses to impulses that is worth a guess [m/s]."""
 GAIN = 1e-3
 """Energy that this guess may make in a step, as a share of what their load gains in a fall over dt."""
-FASTEST = 1e12
-"""Velocities beyond this count as lost [m/s, rad/s]."""
 
 
 class LostMotion(Exception):

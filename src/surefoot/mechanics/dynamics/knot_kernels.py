@@ -29,6 +29,7 @@ from surefoot.contact import (
     solve_compiled,
 )
 from surefoot.mechanics.dynamics.arithmetic import (
+    FASTEST,
     apply_impulses,
     assemble,
     bounces,
@@ -40,8 +41,6 @@ from surefoot.mechanics.dynamics.arithmetic import (
 )
 from surefoot.mechanics.dynamics.derivative.rate_kernels import force_rates, velocity_rates
 
-FASTEST = 1e12
-"""Velocities beyond this count as lost [m/s, rad/s]."""
 DT, RESTITUTION, REST_SPEED, PULL, TOL, REACH, MU = range(7)
 """Places in the settings of a step."""
 SOLVED, NOT_SOLVED, LOST = 0, 1, 2

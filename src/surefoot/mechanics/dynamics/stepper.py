@@ -40,11 +40,12 @@ from surefoot.base.errors import ProblemError, SimulationError
 from surefoot.base.numerics.vectors import largest
 from surefoot.contact import ContactProblem, ContactSolution, solve
 from surefoot.mechanics.collision import Geometry
+from surefoot.mechanics.dynamics.arithmetic import FASTEST
 from surefoot.mechanics.dynamics.bodies import finite_vector
 from surefoot.mechanics.dynamics.detection import Contacts, Surfaces
 from surefoot.mechanics.dynamics.free_bodies import bodies_of
 from surefoot.mechanics.dynamics.free_motion import moved
-from surefoot.mechanics.dynamics.impacts import FASTEST, LostMotion, Meeting, Tally, finite_problem
+from surefoot.mechanics.dynamics.impacts import LostMotion, Meeting, Tally, finite_problem
 from surefoot.mechanics.dynamics.located_impacts import touching_step
 from surefoot.mechanics.dynamics.options import StepOptions
 from surefoot.mechanics.dynamics.pair_impacts import PairMeeting

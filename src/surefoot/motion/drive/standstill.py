@@ -11,11 +11,10 @@ from surefoot.base.discrete_damping import DELAYED, largest_damping
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
 from surefoot.motion.control.controller import Command, RobotState
+from surefoot.motion.drive.postures import DAMPING
 
 APPROACH = 0.4
 """Time in which the joints go to the nominal pose [s]."""
-DAMPING = 0.04
-"""Ratio of a joint's damping to its stiffness [s]."""
 
 
 class Standstill:
