@@ -17,8 +17,9 @@ from surefoot.mechanics.terrain import Terrain
 from surefoot.motion.control.controller import Controller
 from surefoot.motion.drive.latency_compensation import LatencyCompensation
 from surefoot.motion.ground.terrain_knowledge import controller_ground
+from surefoot.motion.walking.body_settings import BODY_MOTION
 from surefoot.motion.walking.walkers import walking_controller
-from surefoot.motion.walking.walking_body import ACCELERATION, VelocityCommand
+from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkSettings
 
 START = WalkSettings().start
@@ -122,13 +123,13 @@ def ramped(asked: Sequence[float], time: float, height: float, start: float = ST
     >>> ramped((0.5, 0.0, 0.0), 0.3, 0.3).tolist(), ramped((0.5, 0.0, 0.0), 2.0, 0.3).tolist()
     ([0.0, 0.0, 0.0], [0.5, 0.0, 0.0])
     """
-    most = ACCELERATION * GRAVITY * max(time - start, 0.0) * np.array([1.0, 1.0, 1.0 / height])
+    most = BODY_MOTION.acceleration * GRAVITY * max(time - start, 0.0) * np.array([1.0, 1.0, 1.0 / height])
     return np.asarray(np.clip(np.asarray(asked, dtype=np.float64), -most, most))
 
 
 def ramp_time(asked: Sequence[float], height: float, start: float = START) -> float:
     """Return when the command of `ramped` is the asked one [s]."""
-    rates = ACCELERATION * GRAVITY * np.array([1.0, 1.0, 1.0 / height])
+    rates = BODY_MOTION.acceleration * GRAVITY * np.array([1.0, 1.0, 1.0 / height])
     return start + float((np.abs(np.asarray(asked, dtype=np.float64)) / rates).max())
 
 

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any
 
-from surefoot.base.arrays import real_number, whole_number
+from surefoot.base.arrays import finite_array, real_number, whole_number
 from surefoot.base.errors import ProblemError, shown
 
 JUDGEMENT = "judgement, not measured"
@@ -62,12 +62,12 @@ class DescribedSetting:
     """A setting of a value: its name (dotted in a nested one), its value, and what is known of it."""
 
     name: str
-    value: float | bool | str | None
+    value: Any
     info: SettingInfo
 
 
 def setting(
-    default: float | bool | str | None,
+    default: float | bool | str | tuple[float, ...] | None,
     unit: str,
     meaning: str,
     *,
@@ -80,8 +80,8 @@ def setting(
     Parameters
     ----------
     default
-        The value; its type is the setting's: a float, a whole number, a bool or a text. None for a number
-        that may be left out.
+        The value; its type is the setting's: a float, a whole number, a bool, a text, or as many floats. None
+        for a number that may be left out.
     unit
         "-" for none.
     meaning
@@ -160,6 +160,9 @@ def _checked(name: str, value: Any, default: Any, info: SettingInfo) -> Any:
     """Return a value in its default's type, if it is allowed."""
     if value is None and default is None:
         return None
+    if isinstance(default, tuple):
+        parts = finite_array(name, value, (len(default),)).tolist()
+        return tuple(_checked(f"{name}[{k}]", part, 0.0, info) for k, part in enumerate(parts))
     for kind, word in ((bool, "True or False"), (str, "a text")):
         if isinstance(default, kind):
             if not isinstance(value, kind):

@@ -14,7 +14,8 @@ from surefoot.mechanics.robot.sole_plane import sole_plane
 from surefoot.mechanics.terrain import SlopeTerrain, rough_ground
 from surefoot.motion.control.posture import Posture, stretching
 from surefoot.motion.gaits.library import named_gait
-from surefoot.motion.walking.biped.catching import BEGINS, CALM, PACES, Catching
+from surefoot.motion.walking.biped.biped_settings import CATCHING
+from surefoot.motion.walking.biped.catching import PACES, Catching
 from surefoot.motion.walking.biped.footstep_planner import (
     Footstep,
     StepGeometry,
@@ -132,11 +133,13 @@ def test_steps_come_sooner_where_legs_do_not_reach() -> None:
     assert catching.pace in PACES[1:]
     assert steps[1].begin == pytest.approx(plain[1].begin / catching.pace)
     assert np.hypot(*left) < 0.2 * np.hypot(0.2, 0.1)
-    for _ in range(CALM - 1):
+    for _ in range(CATCHING.calm_plans - 1):
         assert catching.notice(np.zeros(2))
     assert not catching.notice(np.zeros(2))
     assert catching.pace == 1.0
-    assert not catching.notice(np.array([0.9 * BEGINS * 0.6, 0.0]))  # begins from a larger miss alone
+    assert not catching.notice(
+        np.array([0.9 * CATCHING.begin_miss * 0.6, 0.0])
+    )  # begins from a larger miss alone
 
 
 def test_leg_momentum_is_the_centroidal_one() -> None:

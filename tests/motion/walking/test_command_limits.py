@@ -12,16 +12,10 @@ from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain, StairsTerrain,
 from surefoot.motion.gaits.adaptive_gait import AdaptiveGait, Pace
 from surefoot.motion.gaits.gait import Gait
 from surefoot.motion.gaits.library import named_gait
-from surefoot.motion.walking.command_limits import (
-    SPEED_MOST,
-    SPEED_SHARE,
-    LeggedBody,
-    Limits,
-    ground_left,
-    hurried,
-)
+from surefoot.motion.walking.command_limits import LeggedBody, Limits, ground_left, hurried
 from surefoot.motion.walking.gait_choice import GaitChoice, choose_gait
 from surefoot.motion.walking.leg_demand import LegDemand
+from surefoot.motion.walking.pace_settings import SPEED_LIMITS
 from surefoot.motion.walking.walking_body import VelocityCommand
 from tests.robots import go2
 
@@ -61,9 +55,9 @@ def test_an_impossible_command_is_slowed_to_the_edge_of_the_possible(
     assert "limit" in out.notes[0] or "allowed" in out.notes[0] or "reach" in out.notes[0]
     table = LegDemand(go2(), np.array(velocity), HEIGHT)
     pace = hurried(PACE, out.hurry_at(bound.size_of(slowed)))
-    assert bound.use(table, pace, share)[0] <= SPEED_MOST + 1e-3
+    assert bound.use(table, pace, share)[0] <= SPEED_LIMITS.most_speed + 1e-3
     faster = [bound.use(table, hurried(PACE, s), 1.02 * share) for s in np.linspace(0.0, 1.0, 21)]
-    assert all(speed > SPEED_MOST or torque > 1.0 for speed, torque, _ in faster)
+    assert all(speed > SPEED_LIMITS.most_speed or torque > 1.0 for speed, torque, _ in faster)
 
 
 def test_the_gait_hurries_no_more_than_the_joints_need() -> None:
@@ -73,8 +67,8 @@ def test_the_gait_hurries_no_more_than_the_joints_need() -> None:
     assert 0.3 < out.hurry_at(2.0) < 1.0
     assert out.hurry_at(0.6) == 0.0
     table = LegDemand(go2(), np.array([2.0, 0.0, 0.0]), HEIGHT)
-    assert bound.use(table, hurried(PACE, out.hurry_at(2.0)), 1.0)[0] <= SPEED_SHARE
-    assert bound.use(table, hurried(PACE, out.hurry_at(2.0) - 0.1), 1.0)[0] > SPEED_SHARE
+    assert bound.use(table, hurried(PACE, out.hurry_at(2.0)), 1.0)[0] <= SPEED_LIMITS.timing_speed
+    assert bound.use(table, hurried(PACE, out.hurry_at(2.0) - 0.1), 1.0)[0] > SPEED_LIMITS.timing_speed
 
 
 def test_a_gait_with_given_times_keeps_them_and_is_slowed_earlier() -> None:

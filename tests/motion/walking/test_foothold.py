@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from surefoot.mechanics.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, rough_ground
 from surefoot.motion.walking import foothold
+from surefoot.motion.walking.feet_settings import FootholdSettings
 from surefoot.motion.walking.foothold import choose_foothold
 from surefoot.motion.walking.walking_kernels import plane_through, slope_frames
 
@@ -32,7 +33,7 @@ def test_the_search_keeps_off_edges(x: float) -> None:
 
 
 def test_the_search_prefers_level_places_on_bumps(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(foothold, "TILT_WEIGHT", 0.5)
+    monkeypatch.setattr(foothold, "FOOTHOLDS", FootholdSettings(tilt_weight=0.5))
     ground = rough_ground(3, 0.1)
     rng = np.random.default_rng(0)
     places = rng.uniform(-2.0, 2.0, (60, 2))

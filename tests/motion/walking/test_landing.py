@@ -6,16 +6,8 @@ import numpy as np
 import pytest
 
 from surefoot.base.arrays import BoolArray, FloatArray
-from surefoot.motion.walking.touchdown_detection import (
-    FAR,
-    LASTING,
-    LASTING_FAR,
-    SILENT,
-    YOUNG,
-    TouchMemory,
-    accept_landings,
-    false_landings,
-)
+from surefoot.motion.walking.feet_settings import TOUCHDOWN
+from surefoot.motion.walking.touchdown_detection import TouchMemory, accept_landings, false_landings
 
 DT = 1e-3
 AIR = np.zeros(1, dtype=bool)
@@ -37,7 +29,10 @@ class LandingWatch:
         return false
 
 
-@pytest.mark.parametrize(("above", "after"), [(0.0, DT), (0.9, DT), (2.0, LASTING), (2.0 * FAR, LASTING_FAR)])
+@pytest.mark.parametrize(
+    ("above", "after"),
+    [(0.0, DT), (0.9, DT), (2.0, TOUCHDOWN.lasting), (2.0 * TOUCHDOWN.far, TOUCHDOWN.lasting_far)],
+)
 def test_the_higher_a_force_is_felt_the_longer_it_must_last(above: float, after: float) -> None:
     watch = LandingWatch()
     heights, times = np.array([above]), []
@@ -52,7 +47,11 @@ def test_the_higher_a_force_is_felt_the_longer_it_must_last(above: float, after:
 
 
 def test_only_a_young_landing_is_taken_back_and_only_when_it_is_silent() -> None:
-    cases = (0.01, SILENT + DT, True), (0.01, 0.5 * SILENT, False), (YOUNG, 0.05, False)
+    cases = (
+        (0.01, TOUCHDOWN.silent + DT, True),
+        (0.01, 0.5 * TOUCHDOWN.silent, False),
+        (TOUCHDOWN.young, 0.05, False),
+    )
     for stood, silent, wanted in cases:
         watch = LandingWatch()
         watch.taken_back(AIR)  # it has been in the air

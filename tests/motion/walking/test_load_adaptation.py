@@ -13,6 +13,7 @@ from surefoot.motion.control.mpc import ConvexMpc
 from surefoot.motion.control.whole_body import ForceLimits, Tasks, WholeBodyController
 from surefoot.motion.estimation.wrench_observer import Load
 from surefoot.motion.walking import load_adaptation
+from surefoot.motion.walking.body_settings import LoadSettings
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController, WalkSettings
@@ -159,7 +160,7 @@ def test_the_observer_stands_still_while_the_robot_falls_or_steps_are_missing(
     assert steps_seen(0.1)
     assert not steps_seen(1.0)
     assert not steps_seen(0.1, gap=3.0 * DT)
-    monkeypatch.setattr(load_adaptation, "LEAN", 1.2)
+    monkeypatch.setattr(load_adaptation, "LOAD", LoadSettings(lean=1.2))
     assert steps_seen(1.0)
 
 

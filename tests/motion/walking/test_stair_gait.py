@@ -7,14 +7,8 @@ import pytest
 
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.terrain import StairsTerrain, Terrain, read_terrain
-from surefoot.motion.walking.stair_gait import (
-    LONGEST,
-    LONGEST_STRIDE,
-    SHORTEST,
-    SHORTEST_SEVERAL,
-    speed_in_step,
-    stair_gait,
-)
+from surefoot.motion.walking.pace_settings import STAIR_GAIT
+from surefoot.motion.walking.stair_gait import speed_in_step, stair_gait
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController
 
@@ -28,9 +22,9 @@ def test_a_tread_takes_a_whole_number_of_cycles(rise: float, speed: float) -> No
     assert gait is not None
     strides = 0.3 / (abs(speed) * gait.period)
     assert strides == pytest.approx(round(strides), abs=1e-9)
-    assert gait.period <= LONGEST * PERIOD * (1.0 + 1e-9)
+    assert gait.period <= STAIR_GAIT.longest_cycle * PERIOD * (1.0 + 1e-9)
     # with one stride less it would be too long
-    assert round(strides) == 1 or gait.period * strides / (strides - 1.0) > LONGEST * PERIOD
+    assert round(strides) == 1 or gait.period * strides / (strides - 1.0) > STAIR_GAIT.longest_cycle * PERIOD
 
 
 @pytest.mark.parametrize("terrain", ["flat", "slope:20", "stairs:0.05,0.3", "rough:1,0.03", "pit:1,0.3,0.1"])
@@ -46,21 +40,24 @@ def test_between_one_stride_and_two_the_body_is_slowed_until_its_cycle_is_long_e
 ) -> None:
     stairs = StairsTerrain(rise, tread)
     high = abs(rise) / HEIGHT
-    one, more = (PERIOD * min(c[0] + c[1] * high, LONGEST) for c in (SHORTEST, SHORTEST_SEVERAL))
+    one, more = (
+        PERIOD * min(c[0] + c[1] * high, STAIR_GAIT.longest_cycle)
+        for c in (STAIR_GAIT.single, STAIR_GAIT.several)
+    )
     for speed in np.linspace(0.05, 1.0, 60).tolist():
         left = speed_in_step(stairs, speed, HEIGHT, PERIOD)
         gait = stair_gait(stairs, VelocityCommand.constant(left), HEIGHT, PERIOD, 4)
         assert gait is not None
         several = tread / (left * gait.period) > 1.5
         assert (more if several else one) <= gait.period * (1.0 + 1e-6)
-        assert gait.period <= LONGEST * PERIOD * (1.0 + 1e-6)
+        assert gait.period <= STAIR_GAIT.longest_cycle * PERIOD * (1.0 + 1e-6)
         assert left <= speed
         # what is left is the fastest: between it and the given speed no number of strides will do
         for between in np.linspace(left, speed, 7)[1:].tolist() if left < speed else []:
             strides = np.arange(1, 60)
             cycles, least = tread / (between * strides), np.where(strides > 1, more, one)
-            short = tread / strides < LONGEST_STRIDE * HEIGHT
-            assert not (short & (cycles > least) & (cycles < LONGEST * PERIOD)).any()
+            short = tread / strides < STAIR_GAIT.longest_stride * HEIGHT
+            assert not (short & (cycles > least) & (cycles < STAIR_GAIT.longest_cycle * PERIOD)).any()
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.0])

@@ -9,10 +9,12 @@ import pytest
 
 from surefoot.mechanics.terrain import FlatTerrain, StairsTerrain, Terrain
 from surefoot.motion.gaits.adaptive_gait import AdaptiveGait, Pace, Stride
-from surefoot.motion.walking.foothold import SHIN, step_windows
+from surefoot.motion.walking.feet_settings import FOOTHOLDS
+from surefoot.motion.walking.foothold import step_windows
+from surefoot.motion.walking.pace_settings import STAIR_PHASE
 from surefoot.motion.walking.stair_gait import OFFSETS as STAIR_OFFSETS
 from surefoot.motion.walking.stair_gait import stair_gait
-from surefoot.motion.walking.stair_phase import CHANGE, StepPhase
+from surefoot.motion.walking.stair_phase import StepPhase
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand
 
 OFFSETS = np.array([[0.19, 0.14], [0.19, -0.14], [-0.19, 0.14], [-0.19, -0.14]])
@@ -46,7 +48,7 @@ def _worst_move(phase: StepPhase, body: BodyPlan, clock: float) -> float:
         moves = np.arange(-0.15, 0.15, 1e-3)
         level = phase.terrain.height(np.column_stack([x + moves, 0.0 * moves]))
         free = np.ones(len(moves), dtype=bool)
-        for ahead in np.arange(-SHIN, MARGIN, 1e-3):
+        for ahead in np.arange(-FOOTHOLDS.shin, MARGIN, 1e-3):
             near = phase.terrain.height(np.column_stack([x + moves + ahead, 0.0 * moves]))
             free &= ~((near - level > 0.03) if ahead < -MARGIN else (np.abs(near - level) > 0.03))
         worst = max(worst, float(np.abs(moves[free]).min()))
@@ -78,10 +80,10 @@ def test_out_of_step_and_without_edges_the_pace_is_the_commands() -> None:
 
 def test_the_pace_is_bounded_and_takes_up_the_lead() -> None:
     phase = _phase(StairsTerrain(-0.12, 0.3))
-    for lead, share in ((1.0, 1.0 + CHANGE), (-1.0, 1.0 - CHANGE)):
+    for lead, share in ((1.0, 1.0 + STAIR_PHASE.most_change), (-1.0, 1.0 - STAIR_PHASE.most_change)):
         phase.lead = lead
         assert phase.pace(SPEED, DT) == pytest.approx(share)
-        assert abs(phase.lead) == pytest.approx(1.0 - CHANGE * SPEED * DT)
+        assert abs(phase.lead) == pytest.approx(1.0 - STAIR_PHASE.most_change * SPEED * DT)
     phase.reset()
     assert phase.lead == 0.0
     assert phase.pace(SPEED, DT) == 1.0
@@ -89,7 +91,7 @@ def test_the_pace_is_bounded_and_takes_up_the_lead() -> None:
 
 def test_windows_keep_from_edges_and_more_from_those_come_down_over() -> None:
     down, up = StairsTerrain(-0.12, 0.3), StairsTerrain(0.12, 0.3)
-    for stairs, behind in ((down, SHIN), (up, MARGIN)):
+    for stairs, behind in ((down, FOOTHOLDS.shin), (up, MARGIN)):
         windows = step_windows(stairs, np.array([0.75, 0.1]), np.array([1.0, 0.0]), MARGIN)
         assert windows is not None
         np.testing.assert_allclose(windows[0], [-np.inf, -0.15 + behind, 0.15 + behind], atol=0.004)
@@ -97,7 +99,9 @@ def test_windows_keep_from_edges_and_more_from_those_come_down_over() -> None:
     assert step_windows(FlatTerrain(), np.zeros(2), np.array([1.0, 0.0]), MARGIN) is None
     turned = step_windows(up, np.array([0.75, 0.1]), np.array([-1.0, 0.0]), MARGIN)  # down backwards
     assert turned is not None
-    np.testing.assert_allclose(turned[0], [-np.inf, -0.15 + SHIN, 0.15 + SHIN], atol=0.004)
+    np.testing.assert_allclose(
+        turned[0], [-np.inf, -0.15 + FOOTHOLDS.shin, 0.15 + FOOTHOLDS.shin], atol=0.004
+    )
 
 
 @pytest.mark.parametrize("start", np.linspace(-0.75, -0.6, 4))

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from surefoot.base.errors import ProblemError
-from surefoot.motion.walking.walking_body import ACCELERATION, BodyPlan, VelocityCommand, limit_command
+from surefoot.motion.walking.body_settings import BODY_MOTION
+from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, limit_command
 from surefoot.motion.walking.walking_kernels import advance_body, body_rise
 
 FEET = np.array([[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])
@@ -64,10 +65,10 @@ def test_an_impossible_speed_is_slowed_and_said() -> None:
 def test_the_velocity_is_ramped_and_integrated() -> None:
     plan = BodyPlan(0.3, np.array([0.0, 0.0, 0.3]), 0.0)
     run(plan, (0.6, 0.0, 0.0), 0.1)
-    assert plan.velocity[0] == pytest.approx(ACCELERATION * 9.81 * 0.1)
+    assert plan.velocity[0] == pytest.approx(BODY_MOTION.acceleration * 9.81 * 0.1)
     run(plan, (0.6, 0.0, 0.0), 2.9)
     assert plan.velocity.tolist() == pytest.approx([0.6, 0.0, 0.0])
-    ramp = 0.6 / (ACCELERATION * 9.81)
+    ramp = 0.6 / (BODY_MOTION.acceleration * 9.81)
     assert plan.position[0] == pytest.approx(0.6 * (3.0 - 0.5 * ramp), rel=1e-3)
 
 

@@ -6,8 +6,8 @@ import pytest
 from surefoot.base.arrays import BoolArray
 from surefoot.mechanics.terrain import SlopeTerrain, StairsTerrain
 from surefoot.motion.gaits.gait import Gait
+from surefoot.motion.walking.feet_settings import FOOTHOLDS
 from surefoot.motion.walking.foot_phases import EARLY, LOST_TIME, FootPhase
-from surefoot.motion.walking.foothold import SHIN
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.walking_feet import Feet
 from tests.motion.walking.walked_feet import CENTRES, WalkedFeet
@@ -156,7 +156,7 @@ def test_with_a_heading_feet_move_off_edges_along_it() -> None:
     feet.now.foot["start"][1, :2] = [0.4, -0.15]
     feet.request = feet.request._replace(heading=np.array([1.0, 0.0]))
     feet.aim(1, np.array([0.38, -0.2]))  # back and aside, 8 cm beyond the edge that it came down over
-    assert feet.now.target[1, 0] - 0.3 == pytest.approx(SHIN, abs=0.01)
+    assert feet.now.target[1, 0] - 0.3 == pytest.approx(FOOTHOLDS.shin, abs=0.01)
     assert feet.now.target[1, 1] == pytest.approx(-0.2)
 
 

@@ -11,7 +11,8 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.errors import ProblemError
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics.robot import load_robot
-from surefoot.motion.walking.walking_body import ACCELERATION, VelocityCommand
+from surefoot.motion.walking.body_settings import BODY_MOTION
+from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController
 from surefoot.records.log import Ending
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
@@ -123,7 +124,9 @@ def test_a_walk_follows_the_keys_and_ends_with_its_window() -> None:
     assert wanted[log["time"] < 0.35].max() == 0.0
     assert wanted[log["time"].searchsorted(0.79)] == pytest.approx(0.3)
     assert wanted[-1] == pytest.approx(0.0, abs=1e-9)
-    assert np.abs(np.diff(wanted)).max() <= ACCELERATION * GRAVITY * 1e-3 + 1e-12, "ramped as any other"
+    assert np.abs(np.diff(wanted)).max() <= BODY_MOTION.acceleration * GRAVITY * 1e-3 + 1e-12, (
+        "ramped as any other"
+    )
     assert [tuple(v) for v in view.asked[-2:]] == [(0.0, 0.0, 0.0)] * 2
 
 

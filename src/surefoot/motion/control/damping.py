@@ -7,11 +7,12 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import kernel
 from surefoot.mechanics import Robot
+from surefoot.motion.control.control_settings import BODY_CONTROL
 
 LARGEST = 1e6
 """A state with a larger number is as good as none [m, rad, m/s, rad/s]."""
-DAMPING_RATE = 10.0
-"""Rate at which joints are slowed when nothing else can be done [1/s]."""
+DAMPING_RATE = BODY_CONTROL.damping_rate
+"""A setting, as compiled code folds it."""
 
 
 @kernel

@@ -25,6 +25,7 @@ from surefoot.base.arrays import (
 )
 from surefoot.base.errors import ProblemError
 from surefoot.base.memory import Remembering
+from surefoot.base.settings import Settings, setting
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import Status
 from surefoot.motion.control import mpc_model
@@ -32,19 +33,21 @@ from surefoot.motion.control.body_motion import BodyReference, BodyState
 
 
 @dataclass(frozen=True)
-class MpcWeights:
+class MpcWeights(Settings):
     """What deviations cost, per step; the axes are the heading's (forward, left, up).
 
     The body's errors are in m, rad, m/s, rad/s; `force` is the weight on the squared deviation of every
     force [N²] from its share of the body's weight. Velocity weights must be positive.
     """
 
-    position: tuple[float, float, float] = (10.0, 10.0, 100.0)
-    orientation: tuple[float, float, float] = (50.0, 50.0, 30.0)
-    linear_velocity: tuple[float, float, float] = (2.0, 2.0, 1.0)
-    angular_velocity: tuple[float, float, float] = (0.3, 0.3, 0.3)
-    force: float = 1e-5
-    terminal: float = 1.0
+    position: tuple[float, float, float] = setting((10.0, 10.0, 100.0), "1/m²", "weight on places")
+    orientation: tuple[float, float, float] = setting((50.0, 50.0, 30.0), "1/rad²", "weight on orientation")
+    linear_velocity: tuple[float, float, float] = setting((2.0, 2.0, 1.0), "s²/m²", "weight on velocity")
+    angular_velocity: tuple[float, float, float] = setting(
+        (0.3, 0.3, 0.3), "s²/rad²", "weight on angular velocity"
+    )
+    force: float = setting(1e-5, "1/N²", "weight on a force's deviation from its share of the weight")
+    terminal: float = setting(1.0, "-", "weight of the last step over that of the others")
 
     def matrix(self) -> FloatArray:
         """Return the (2, 6) weights on [position; orientation] and on their rates, in one unit of cost.

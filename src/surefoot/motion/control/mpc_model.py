@@ -31,11 +31,12 @@ from surefoot.base.numerics.rotations import log_between
 from surefoot.base.numerics.vectors import cross, times
 from surefoot.base.spatial import GRAVITY
 from surefoot.contact import costates, newton, tracking
+from surefoot.motion.control.control_settings import BODY_CONTROL
 
 GOOD, NOT_FINITE, NOT_ROTATION = 0, 1, 2
 """What `build` found in its input."""
-CALM = 0.1
-"""Time within which an error of velocity is expected to die out [s]."""
+CALM = BODY_CONTROL.calm_time
+"""A setting, as compiled code folds it."""
 
 
 class Given(NamedTuple):

@@ -17,6 +17,7 @@ from surefoot.base.kernels import inline_kernel, kernel, window
 from surefoot.base.numerics.points import contact_jacobian
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import ContactPoints
+from surefoot.motion.control.control_settings import BODY_CONTROL
 from surefoot.motion.control.whole_body_kernels import (
     base_tasks,
     contact_rows,
@@ -45,8 +46,8 @@ NORMALS, ARMS, TOUCHING, FRAMES, SPOTS = range(24, 29)
 PINNED_SLACK = 1e-6
 """Share of its range by which a torque or an acceleration exceeds it before it is pinned [-]: rounding is
 less."""
-SPEEDING, STOPPING = 200.0, 30.0
-"""Rates at which joints that no contact loads approach their speed limits, and their stops [1/s]."""
+SPEEDING, STOPPING = BODY_CONTROL.speeding_rate, BODY_CONTROL.stopping_rate
+"""Settings, as compiled code folds them."""
 SWING, TURN, RATES = range(2, 5)
 """What the weights are, behind two of the base's tasks: of feet in the air, and four rates as for
 `contact_rows`."""

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from surefoot.base.arrays import BoolArray, FloatArray
+from surefoot.base.settings import Settings, setting
 from surefoot.contact import Status
 
 
 @dataclass(frozen=True)
-class TaskWeights:
+class TaskWeights(Settings):
     """Weights of the tasks; all act on squared accelerations.
 
     Attributes
@@ -33,12 +34,14 @@ class TaskWeights:
         Distance of the contact forces from the wanted ones, divided by the robot's mass.
     """
 
-    linear: float = 1.0
-    angular: float = 1.0
-    swing: float = 0.02
-    joints: float = 2e-5
-    body: float = 5e3
-    force: float = 0.1
+    linear: float = setting(1.0, "s⁴/m²", "weight of the centre of mass", low=0.0)
+    angular: float = setting(
+        1.0, "s⁴/m²", "weight of the base's orientation, over the base's height", low=0.0
+    )
+    swing: float = setting(0.02, "s⁴/m²", "weight of feet in the air", low=0.0)
+    joints: float = setting(2e-5, "s⁴/m²", "weight of the legs' joints, over the base's height", low=0.0)
+    body: float = setting(5e3, "-", "factor on it for joints outside the legs", low=0.0)
+    force: float = setting(0.1, "s⁴/m²", "weight of contact forces, over the mass", low=0.0)
 
 
 class Kinematics(NamedTuple):

@@ -18,24 +18,10 @@ from numpy.typing import ArrayLike
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.motion.gaits.contact_schedule import SAME_TIME, ContactSchedule
+from surefoot.motion.gaits.gait_settings import GAIT_CHANGE
 
-STANCE_STEP, AIR_STEP, OFFSET_STEP = 1.35, 1.15, 0.07
-"""Most that times on the ground and in the air grow or shrink by from one cycle to the next, as factors, and
-that the feet's offsets move by, as a share of the period."""
-SLOW_OFFSET_STEP = 0.02
-"""The same for offsets into step with the ground and out of it: stances there are short."""
-NEARLY = 0.08
-"""A cycle whose period is so near to that of steps, as a share of it, is in step with them."""
-UNFIT = 1.1
-"""A cycle is not fit for a speed if its feet would carry this much longer than they should there."""
 AHEAD = 0.6
 """Stances are remembered that ended less than this ago [s]."""
-FIRST_LIFT = 0.02
-"""A foot at rest lifts no sooner than this after a walk is wanted again [s]."""
-EARLIER = 0.25
-"""Feet that would lift so much earlier than the first one wait for a cycle, as a share of it."""
-LEAST_AIR = 0.95
-"""Least time in the air between two cycles, as a share of that of the later one."""
 
 
 @dataclass(frozen=True)
@@ -196,7 +182,10 @@ class AdaptiveGait(ContactSchedule):
         if not self.wanted.in_step or self._resting:
             return False
         turned = float(np.abs(self.stride.offset - self.wanted.offset).max())
-        return turned > SLOW_OFFSET_STEP or abs(self.period / self.wanted.pace.period - 1.0) > NEARLY
+        return (
+            turned > GAIT_CHANGE.slow_offset_step
+            or abs(self.period / self.wanted.pace.period - 1.0) > GAIT_CHANGE.nearly
+        )
 
     def fits(self, velocity: FloatArray) -> bool:
         """Return whether the newest cycle is fit for a (3,) velocity [m/s, m/s, rad/s]."""
@@ -206,7 +195,10 @@ class AdaptiveGait(ContactSchedule):
         # a pattern for more speed, which is asked for, is fit for less as well: it begins from rest
         suits = (wanted.offset, self.wanted.offset)
         turned = min(float(np.abs(self.stride.offset - offset).max()) for offset in suits)
-        return turned < OFFSET_STEP and self.stance_time < UNFIT * wanted.pace.stance_time
+        return (
+            turned < GAIT_CHANGE.offset_step
+            and self.stance_time < GAIT_CHANGE.unfit * wanted.pace.stance_time
+        )
 
     def contacts(self, times: ArrayLike) -> BoolArray:
         """Return which feet carry at (...) times [s]: (..., feet)."""
@@ -249,9 +241,9 @@ class AdaptiveGait(ContactSchedule):
         self.stride = stride = self.wanted
         pace = stride.pace
         air = pace.period - pace.stance_time
-        lifts = [max(time + FIRST_LIFT, s[-1][0] + pace.stance_time) for s in self._stances]
+        lifts = [max(time + GAIT_CHANGE.first_lift, s[-1][0] + pace.stance_time) for s in self._stances]
         shares = [float(o) for o in stride.offset]
-        others = [o < shares[0] - EARLIER for o in shares]  # lift a cycle later
+        others = [o < shares[0] - GAIT_CHANGE.earlier for o in shares]  # lift a cycle later
         shares = [o + other for o, other in zip(shares, others, strict=True)]
         # The cycle begins when the last foot could have lifted and flown: the others stand as much longer as
         # that takes.
@@ -266,7 +258,7 @@ class AdaptiveGait(ContactSchedule):
         if not first:
             self.stride = _between(self.stride, self.wanted)
         pace, shares = self.stride.pace, self.stride.offset.tolist()
-        air = LEAST_AIR * (pace.period - pace.stance_time)
+        air = GAIT_CHANGE.least_air * (pace.period - pace.stance_time)
         lifts = [stances[-1][1] for stances in self._stances]
         # a shorter cycle waits until the feet that lifted last have had their time in the air
         ready = [lift + air - o * pace.period for lift, o in zip(lifts, shares, strict=True)]
@@ -281,10 +273,14 @@ class AdaptiveGait(ContactSchedule):
 def _between(now: Stride, wanted: Stride) -> Stride:
     """Return the stride a bounded step from one towards another."""
     a, b = now.pace, wanted.pace
-    stance = a.stance_time * _bounded(b.stance_time / a.stance_time, STANCE_STEP)
+    stance = a.stance_time * _bounded(b.stance_time / a.stance_time, GAIT_CHANGE.stance_step)
     air, wanted_air = a.period - a.stance_time, b.period - b.stance_time
-    air *= _bounded(wanted_air / air, AIR_STEP)
-    most = OFFSET_STEP if wanted.in_step == now.in_step and not wanted.in_step else SLOW_OFFSET_STEP
+    air *= _bounded(wanted_air / air, GAIT_CHANGE.air_step)
+    most = (
+        GAIT_CHANGE.offset_step
+        if wanted.in_step == now.in_step and not wanted.in_step
+        else GAIT_CHANGE.slow_offset_step
+    )
     offset = now.offset + np.clip(wanted.offset - now.offset, -most, most)
     return replace(wanted, pace=Pace(stance + air, stance / (stance + air), b.clearance), offset=offset)
 

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import FloatArray, finite_array, whole_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.motion.gaits.gait import Gait
+from surefoot.motion.gaits.gait_settings import GAITS
 
 
 @dataclass(frozen=True)
@@ -45,27 +46,19 @@ class GaitPattern:
 PATTERNS: dict[int, dict[str, GaitPattern]] = {
     4: {
         "stand": GaitPattern(0.5, 1.0, (0.0, 0.0, 0.0, 0.0)),
-        "trot": GaitPattern(0.40, 0.55, (0.0, 0.5, 0.5, 0.0)),
-        "walk": GaitPattern(0.80, 0.78, (0.25, 0.75, 0.0, 0.5)),
-        "pace": GaitPattern(0.36, 0.60, (0.0, 0.5, 0.0, 0.5)),
-        "bound": GaitPattern(0.34, 0.55, (0.0, 0.0, 0.5, 0.5)),
-        "flying_trot": GaitPattern(0.34, 0.44, (0.0, 0.5, 0.5, 0.0)),
+        "trot": GaitPattern(GAITS.trot_period, GAITS.trot_duty, (0.0, 0.5, 0.5, 0.0)),
+        "walk": GaitPattern(GAITS.walk_period, GAITS.walk_duty, (0.25, 0.75, 0.0, 0.5)),
+        "pace": GaitPattern(GAITS.pace_period, GAITS.pace_duty, (0.0, 0.5, 0.0, 0.5)),
+        "bound": GaitPattern(GAITS.bound_period, GAITS.bound_duty, (0.0, 0.0, 0.5, 0.5)),
+        "flying_trot": GaitPattern(GAITS.flying_trot_period, GAITS.flying_trot_duty, (0.0, 0.5, 0.5, 0.0)),
     },
     2: {
         "stand": GaitPattern(0.5, 1.0, (0.0, 0.0)),
-        "walk": GaitPattern(0.70, 0.60, (0.0, 0.5)),
+        "walk": GaitPattern(GAITS.two_feet_period, GAITS.two_feet_duty, (0.0, 0.5)),
     },
 }
 REFERENCE_LEG = 0.3
 """Leg length that the patterns' periods are given for [m]."""
-
-
-STEP_TIME = 0.17
-"""Time of a foot in the air in gaits by place, for a leg of `REFERENCE_LEG` [s]."""
-TRIPOD = (0.45, 0.6)
-"""Period [s] and duty of the gait of every other foot."""
-BESIDE = 0.2
-"""A foot nearer to the middle than this share of the robot's half width is of neither side."""
 
 
 def gait_names(feet: int = 4) -> tuple[str, ...]:
@@ -101,7 +94,7 @@ def patterns_of(feet: int, places: ArrayLike | None = None) -> Mapping[str, Gait
 
 def _by_place(x: FloatArray, y: FloatArray) -> dict[str, GaitPattern]:
     """Return the gaits of feet at places along the robot and to its left, (n,) each [m]."""
-    n, reach = len(x), BESIDE * float(np.abs(y).max())
+    n, reach = len(x), GAITS.beside * float(np.abs(y).max())
     sides = [[k for k in np.argsort(x) if y[k] > reach], [k for k in np.argsort(x) if y[k] < -reach]]
     for k in np.flatnonzero(np.abs(y) <= reach):  # one in the middle joins the side of fewer feet
         shorter = min(sides, key=len)
@@ -117,9 +110,9 @@ def _by_place(x: FloatArray, y: FloatArray) -> dict[str, GaitPattern]:
     share = min(1.0 / n, 0.2)
     found = {"stand": GaitPattern(0.5, 1.0, (0.0,) * n)}
     if n >= 5:
-        found["tripod"] = GaitPattern(*TRIPOD, tuple(tripod.tolist()))
-        found["ripple"] = GaitPattern(STEP_TIME * longest, 1.0 - 1.0 / longest, tuple(ripple.tolist()))
-    found["wave"] = GaitPattern(STEP_TIME / share, 1.0 - share, tuple(wave.tolist()))
+        found["tripod"] = GaitPattern(GAITS.tripod_period, GAITS.tripod_duty, tuple(tripod.tolist()))
+        found["ripple"] = GaitPattern(GAITS.swing_time * longest, 1.0 - 1.0 / longest, tuple(ripple.tolist()))
+    found["wave"] = GaitPattern(GAITS.swing_time / share, 1.0 - share, tuple(wave.tolist()))
     return found
 
 

@@ -19,26 +19,9 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot, Terrain
 from surefoot.motion.gaits.adaptive_gait import Pace
 from surefoot.motion.walking.leg_demand import LegDemand
+from surefoot.motion.walking.pace_settings import SPEED_LIMITS
 from surefoot.motion.walking.walking_body import VelocityCommand, slowed_note
 
-SPEED_SHARE, SPEED_MOST = 0.85, 0.9
-"""Share of the joints' speed limits that a gait's timing is chosen for, and that commands may need."""
-TORQUE_SHARE = 1.0
-"""Share of the torque limits that a stance may need."""
-FORCE_FACTOR = 1.1
-"""Force of a foot in the middle of its stance over its mean: ramps at the ends, the body's motion."""
-SLOPE_SPEED = 0.75
-"""Speed at which walking doubles the share of friction that a slope needs, as a share of sqrt(g h)."""
-STEEP_STAIRS, STEEPEST_STAIRS = 0.5, 0.53
-"""Rise over tread of stairs up to which only the rise bounds the speed, and beyond which nothing is tried."""
-STEP_SPEED = 0.142
-"""Speed at which steps of the body's height are taken, as a share of sqrt(g h); it goes with the root of h
-over the rise."""
-HURRIED_PERIOD, HURRIED_DUTY, HURRIED_CLEARANCE = 0.7, 0.36, 0.4
-"""A gait in the greatest hurry: period and clearance over its own, and its feet's time on the ground."""
-BRISK, BRISK_FROM, BRISK_TO = 0.26, 0.35, 0.55
-"""A gait hurries by this from the speed `BRISK_TO` on, as a share of sqrt(g h), and by nothing up to the
-other on a plane, whatever joints can do: longer swings take less work (tuned on Go2 at 1 m/s)."""
 HURRIES = np.linspace(0.0, 1.0, 21)
 """How far a gait may hurry, tried in turn."""
 FRACTIONS = np.linspace(0.1, 1.0, 10)
@@ -47,7 +30,7 @@ COMMANDS_KEPT = 3
 """Commands whose speeds a gait stays ready for."""
 
 
-def hurried(pace: Pace, share: float, least_duty: float = HURRIED_DUTY) -> Pace:
+def hurried(pace: Pace, share: float, least_duty: float = SPEED_LIMITS.hurried_duty) -> Pace:
     """Return the pace of a gait that hurries by a share between 0 and 1.
 
     Clearance and time on the ground give way first, then the period.
@@ -61,8 +44,8 @@ def hurried(pace: Pace, share: float, least_duty: float = HURRIED_DUTY) -> Pace:
         return pace
     duty = pace.duty + share * (min(least_duty, pace.duty) - pace.duty)
     square = share * share
-    period = pace.period * (1.0 + square * (HURRIED_PERIOD - 1.0))
-    return Pace(period, duty, pace.clearance * (1.0 + share * (HURRIED_CLEARANCE - 1.0)))
+    period = pace.period * (1.0 + square * (SPEED_LIMITS.hurried_period - 1.0))
+    return Pace(period, duty, pace.clearance * (1.0 + share * (SPEED_LIMITS.hurried_clearance - 1.0)))
 
 
 @dataclass(frozen=True)
@@ -145,7 +128,7 @@ class Limits:
     """
 
     def __init__(
-        self, body: LeggedBody, pace: Pace, adaptable: bool, least_duty: float = HURRIED_DUTY
+        self, body: LeggedBody, pace: Pace, adaptable: bool, least_duty: float = SPEED_LIMITS.hurried_duty
     ) -> None:
         self.robot, self.height, self.pace, self.least_duty = body.robot, body.height, pace, least_duty
         self.hurries = HURRIES if adaptable else HURRIES[:1]
@@ -201,16 +184,18 @@ class Limits:
     def _needed(self, table: LegDemand, share: float, size: float) -> FloatArray:
         """Return how far the gait must hurry at `FRACTIONS` of a share of a velocity, of a size: (10,)."""
         out, at, root = [], 0, math.sqrt(GRAVITY * self.height)
-        most = min(BRISK, self.hurries[-1]) if self.terrain.planar else 0.0
+        most = min(SPEED_LIMITS.brisk, self.hurries[-1]) if self.terrain.planar else 0.0
         for part in FRACTIONS:
             # Hurry grows with the speed: the search for a larger part goes on where that for the smaller one
             # ended.
             while at + 1 < len(self.hurries):
                 speeds = table.speeds(self.hurried(self.hurries[at]), share * float(part))
-                if use_of(speeds, self.robot.speed_limits).max() <= SPEED_SHARE:
+                if use_of(speeds, self.robot.speed_limits).max() <= SPEED_LIMITS.timing_speed:
                     break
                 at += 1
-            brisk = np.interp(part * size / root, (BRISK_FROM, BRISK_TO), (0.0, most))
+            brisk = np.interp(
+                part * size / root, (SPEED_LIMITS.brisk_from, SPEED_LIMITS.brisk_to), (0.0, most)
+            )
             out.append(max(self.hurries[at], brisk))
         return np.array(out)
 
@@ -218,12 +203,16 @@ class Limits:
         """Return the shares of joint speed and torque limits that a pace needs, and the joint in the way."""
         speeds = use_of(table.speeds(pace, times), self.robot.speed_limits)
         torques = self._torques(table, pace, times)
-        worst = speeds if speeds.max() / SPEED_MOST >= torques.max() / TORQUE_SHARE else torques
+        worst = (
+            speeds
+            if speeds.max() / SPEED_LIMITS.most_speed >= torques.max() / SPEED_LIMITS.most_torque
+            else torques
+        )
         return float(speeds.max()), float(torques.max()), int(worst.argmax())
 
     def _torques(self, table: LegDemand, pace: Pace, times: float) -> FloatArray:
         """Return the shares of the torque limits that a pace needs: (joints,)."""
-        torques = table.torques(pace, times, self.ground.up, FORCE_FACTOR)
+        torques = table.torques(pace, times, self.ground.up, SPEED_LIMITS.force_factor)
         return use_of(torques, self.robot.effort_limits)
 
     def _share(self, table: LegDemand, size: float) -> tuple[float, str]:
@@ -243,8 +232,8 @@ class Limits:
         """Return whether some timing keeps joint speeds and torques within their shares."""
         for share in self.hurries[::-1]:
             pace = self.hurried(share)
-            fits = use_of(table.speeds(pace, times), self.robot.speed_limits).max() <= SPEED_MOST
-            if fits and self._torques(table, pace, times).max() <= TORQUE_SHARE:
+            fits = use_of(table.speeds(pace, times), self.robot.speed_limits).max() <= SPEED_LIMITS.most_speed
+            if fits and self._torques(table, pace, times).max() <= SPEED_LIMITS.most_torque:
                 return True
         return False
 
@@ -254,9 +243,11 @@ class Limits:
         if not math.isfinite(max(speed, torque)):
             return "its legs do not reach that far"
         name = self.robot.joint_names[joint]
-        if speed / SPEED_MOST >= torque / TORQUE_SHARE:
-            return f"{name} would need {100.0 * speed:.0f} % of its speed ({100 * SPEED_MOST:.0f} % allowed)"
-        return f"{name} would need {100.0 * torque:.0f} % of its torque ({100 * TORQUE_SHARE:.0f} % allowed)"
+        if speed / SPEED_LIMITS.most_speed >= torque / SPEED_LIMITS.most_torque:
+            used, most, what = speed, SPEED_LIMITS.most_speed, "speed"
+        else:
+            used, most, what = torque, SPEED_LIMITS.most_torque, "torque"
+        return f"{name} would need {100.0 * used:.0f} % of its {what} ({100 * most:.0f} % allowed)"
 
 
 def use_of(wanted: FloatArray, limits: FloatArray) -> FloatArray:
@@ -276,8 +267,8 @@ def ground_left(terrain: Terrain, mu: float, height: float) -> GroundLimit:
     """Return what a ground leaves for motion, with the friction mu [-] that may be used, at a height [m].
 
     Walking multiplies the force along a slope: the share tan(slope) of the normal force that standing
-    needs grows by v / (`SLOPE_SPEED` sqrt(g h)) (fitted to Go2's walks on 15, 20 and 25 degrees), and may
-    not exceed mu. Stairs are taken at up to `STEP_SPEED` h sqrt(g / rise) (fitted to Go2's walks on steps of
+    needs grows by v / (`slope_speed` sqrt(g h)) (fitted to Go2's walks on 15, 20 and 25 degrees), and may
+    not exceed mu. Stairs are taken at up to `step_speed` h sqrt(g / rise) (fitted to Go2's walks on steps of
     5 to 15 cm with treads of 20 to 50 cm): the body leans along them, and feet must be lifted in time.
     """
     steepness = terrain.steepness
@@ -286,8 +277,9 @@ def ground_left(terrain: Terrain, mu: float, height: float) -> GroundLimit:
     if terrain.highest_step > 0.0 and not terrain.planar:
         fastest = step_speed(terrain, height)
         reason = f"steps of {1e3 * terrain.highest_step:.0f} mm are taken at up to {fastest:.2g} m/s"
-        if steepness > STEEP_STAIRS:
-            reason = f"stairs of steepness {steepness:.2f} are too steep (up to {STEEP_STAIRS:g} is well)"
+        if steepness > SPEED_LIMITS.steep_stairs:
+            most = SPEED_LIMITS.steep_stairs
+            reason = f"stairs of steepness {steepness:.2f} are too steep (up to {most:g} is well)"
         return GroundLimit(np.array([0.0, 0.0, 1.0]), fastest, reason)
     fastest = slope_speed(steepness, mu, height)
     lean = steepness / math.hypot(1.0, steepness)
@@ -302,11 +294,13 @@ def slope_speed(steepness: float, mu: float, height: float) -> float:
     """Return how fast friction mu [-] lets a body of a height [m] walk on a slope: `ground_left` [m/s]."""
     if steepness <= 1e-9:
         return math.inf
-    return SLOPE_SPEED * math.sqrt(GRAVITY * height) * max(mu / steepness - 1.0, 0.0)
+    return SPEED_LIMITS.slope_speed * math.sqrt(GRAVITY * height) * max(mu / steepness - 1.0, 0.0)
 
 
 def step_speed(terrain: Terrain, height: float) -> float:
     """Return how fast a body of a height [m] may take the stairs of a ground, see `ground_left` [m/s]."""
-    fastest = STEP_SPEED * height * math.sqrt(GRAVITY / terrain.highest_step)
-    steep = (STEEPEST_STAIRS - terrain.steepness) / (STEEPEST_STAIRS - STEEP_STAIRS)
+    fastest = SPEED_LIMITS.step_speed * height * math.sqrt(GRAVITY / terrain.highest_step)
+    steep = (SPEED_LIMITS.steepest_stairs - terrain.steepness) / (
+        SPEED_LIMITS.steepest_stairs - SPEED_LIMITS.steep_stairs
+    )
     return fastest * min(max(steep, 0.0), 1.0)

@@ -28,17 +28,14 @@ from numpy.typing import NDArray
 
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.kernels import BOOLEAN, INTEGER, MATRIX, REAL, VECTOR, entry_point, kernel
+from surefoot.motion.walking.feet_settings import FOOT_PHASES
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.swing import DOWN, LIFT_LATER, swing_motion
 
 FootArray: TypeAlias = NDArray[np.void]
 """(n,) records of `FOOT`, one a foot."""
-EARLY = 0.6
-"""Share of its swing after which a foot that touches has landed early; before, it brushes the ground [-]."""
-LOST_TIME = 0.03
-"""Time without touch after which a foot in stance has lost the ground, and searches for it below [s]."""
-RETRY = 0.7
-"""Least time for the rest of a restarted swing, as a share of the whole swing's [-]."""
+EARLY, LOST_TIME, RETRY = FOOT_PHASES.early, FOOT_PHASES.lost_time, FOOT_PHASES.retry
+"""Settings, as compiled code folds them."""
 RESTART_LIFT = LIFT_LATER[-1]
 """Share of a restarted swing in which the foot only lifts [-]: an edge is before it."""
 

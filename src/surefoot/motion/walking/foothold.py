@@ -23,22 +23,13 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import kernel
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Terrain
+from surefoot.motion.walking.feet_settings import FOOTHOLDS
 
-SHIN, LOW_STEP = 0.13, 0.03
-"""Distance that a descending foot keeps from the edge behind it, and what is a step [m]."""
-UNSURE = 0.01
-"""What it keeps more where edges are only believed to be where they are [m]."""
 LOOK, FINE = 0.3, 0.005
 """How far along the way edges are looked for, and in what steps [m]."""
-FARTHEST = 0.15
-"""Farthest that a foot is moved for an edge [m]."""
-CATCH_REACH, CATCH_ASIDE = 0.8, 0.35
-"""Farthest from its place that a foot catches a body, in heights of the centre of mass, and nearest to the
-middle of the body, as a share of the foot's own distance from there."""
+CATCH_REACH, CATCH_ASIDE = FOOTHOLDS.catch_reach, FOOTHOLDS.catch_aside
+"""Settings, as compiled code folds them."""
 NEAR = np.arange(-LOOK, LOOK + 0.5 * FINE, FINE)
-EDGE_WEIGHT, TILT_WEIGHT = 3.0, 0.05
-"""Cost of a height difference within the margin to edges, and of the ground's slope, over that of the
-distance [-]."""
 
 
 @kernel
@@ -157,14 +148,14 @@ def step_windows(
     """
     heights = terrain.height(place + ways[:, None] * along)
     jumps = heights[2:] - heights[:-2]
-    at = np.flatnonzero(np.abs(jumps) > max(2.0 * terrain.noise, LOW_STEP))
+    at = np.flatnonzero(np.abs(jumps) > max(2.0 * terrain.noise, FOOTHOLDS.low_step))
     if not len(at):
         return None
     first = np.concatenate([[True], np.diff(at) > 1])  # an edge is seen by two or more differences
     begin = np.flatnonzero(first)
     last = np.append(begin[1:], len(at)) - 1
     edges = 0.5 * (ways[at[begin] + 1] + ways[at[last] + 1])
-    shin = max(SHIN + (UNSURE if terrain.learns else 0.0), margin)
+    shin = max(FOOTHOLDS.shin + (FOOTHOLDS.unsure if terrain.learns else 0.0), margin)
     behind = np.where(jumps[at[begin]] < 0.0, shin, margin)
     low = np.concatenate([[-math.inf], edges + behind])
     high = np.concatenate([edges - margin, [math.inf]])
@@ -226,8 +217,8 @@ def choose_foothold(
             last = float((before - place) @ way) / length
             tread = int(np.abs(np.clip(last, *windows) - last).argmin())
             kept = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
-            shift = kept if abs(kept) <= min(FARTHEST, abs(shift) + more) else shift
-        if abs(shift) <= FARTHEST:
+            shift = kept if abs(kept) <= min(FOOTHOLDS.farthest, abs(shift) + more) else shift
+        if abs(shift) <= FOOTHOLDS.farthest:
             return np.asarray(place + shift * (way / length))
     return _most_level(terrain, place, reach, margin)
 
@@ -246,5 +237,5 @@ def _most_level(terrain: Terrain, place: FloatArray, reach: float, margin: float
     lean = np.abs(around - middle[:, None]).max(axis=1)
     if terrain.noise > 0.0:  # what may be noise is no edge
         rise, lean = np.maximum(rise - terrain.noise, 0.0), np.maximum(lean - terrain.noise, 0.0)
-    cost = np.linalg.norm(grid, axis=1) + EDGE_WEIGHT * rise + TILT_WEIGHT * lean / margin
+    cost = np.linalg.norm(grid, axis=1) + FOOTHOLDS.edge_weight * rise + FOOTHOLDS.tilt_weight * lean / margin
     return np.asarray(candidates[int(np.argmin(cost))])

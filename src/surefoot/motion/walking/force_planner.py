@@ -23,13 +23,11 @@ from surefoot.motion.control.body_motion import BodyReference
 from surefoot.motion.control.mpc import BodyState, ConvexMpc
 from surefoot.motion.control.whole_body import Kinematics
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
+from surefoot.motion.walking.body_settings import BODY_MOTION
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.walking_body import BodyPlan
 from surefoot.motion.walking.walking_feet import Feet
 from surefoot.motion.walking.walking_kernels import stance_places, turned_arms
-
-LANDED = 1e-3
-"""A foot that touches has used this much of its ramp: it may push at once, if little [s]."""
 
 
 class Ramps(NamedTuple):
@@ -131,7 +129,7 @@ class ForcePlanner:
         ramps = Ramps(ramps.landed.copy(), ramps.stood.copy(), time)
         early = ramp_shares(
             phases, stance, stance if touching is None else touching, ramps.stood, ramps.landed, time,
-            elapsed, LANDED, ramp, shares,
+            elapsed, BODY_MOTION.landed, ramp, shares,
         )  # fmt: skip
         for k in range(len(shares)) if early else ():
             if early >> k & 1:

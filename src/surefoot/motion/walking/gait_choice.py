@@ -20,18 +20,21 @@ from surefoot.motion.gaits.adaptive_gait import AdaptiveGait, Pace, Stride
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.gaits.gait import Gait
 from surefoot.motion.gaits.library import REFERENCE_LEG, GaitPattern, named_gait, patterns_of
-from surefoot.motion.walking.command_limits import HURRIED_DUTY, LeggedBody, Limits
-from surefoot.motion.walking.stair_gait import DUTY, OFFSETS, speed_in_step, stair_gait
+from surefoot.motion.walking.command_limits import LeggedBody, Limits
+from surefoot.motion.walking.pace_settings import GAIT_CHOICE, SPEED_LIMITS, STAIR_GAIT
+from surefoot.motion.walking.stair_gait import OFFSETS, speed_in_step, stair_gait
 from surefoot.motion.walking.walking_body import VelocityCommand
 
 AUTO = "auto"
 """Name of the choice by speed."""
-WALKS_BELOW, HYSTERESIS = 0.12, 0.15
-"""Speed up to which `auto` walks, as a share of sqrt(g h), and the share by which it must be passed."""
 AUTO_WALK = (-0.125, 0.375, 0.625, 0.125)
 """Offsets of a walk that are nearest to a trot's: no foot moves by more than an eighth between them."""
-LEAST_DUTY = {"walk": 0.65, "pace": 0.5, "tripod": 0.5, "ripple": 0.6, "wave": 0.75}
-"""A gait in the greatest hurry keeps its feet on the ground for this share; others for `HURRIED_DUTY`."""
+LEAST_DUTY = {
+    "walk": GAIT_CHOICE.walk_least_duty, "pace": GAIT_CHOICE.pace_least_duty,
+    "tripod": GAIT_CHOICE.tripod_least_duty, "ripple": GAIT_CHOICE.ripple_least_duty,
+    "wave": GAIT_CHOICE.wave_least_duty,
+}  # fmt: skip
+"""A gait in the greatest hurry keeps its feet on the ground for this share; others for `hurried_duty`."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +90,7 @@ def choose_gait(body: LeggedBody, command: VelocityCommand, gait: str | ContactS
         return stairs
     pattern = patterns[gait]
     pace = _pace(body, pattern)
-    limits = Limits(body, pace, True, LEAST_DUTY.get(gait, HURRIED_DUTY))
+    limits = Limits(body, pace, True, LEAST_DUTY.get(gait, SPEED_LIMITS.hurried_duty))
     limited = limits.limit(command)
     most = float(limited.hurry.max())
     if (
@@ -101,7 +104,9 @@ def choose_gait(body: LeggedBody, command: VelocityCommand, gait: str | ContactS
             body.terrain, VelocityCommand.constant(*velocity.tolist()), body.height, own.period, feet
         )
         if gait == "trot" and steps is not None:
-            return Stride(gait, Pace(steps.period, DUTY, body.clearance), np.array(OFFSETS), in_step=True)
+            return Stride(
+                gait, Pace(steps.period, STAIR_GAIT.duty, body.clearance), np.array(OFFSETS), in_step=True
+            )
         return Stride(gait, limits.pace_at(velocity), np.array(pattern.offset))
 
     schedule = AdaptiveGait(gait, stride, stride(np.zeros(3), gait))
@@ -117,7 +122,7 @@ def choose_gait(body: LeggedBody, command: VelocityCommand, gait: str | ContactS
 
 def _on_stairs(body: LeggedBody, command: VelocityCommand, own: Gait) -> GaitChoice | None:
     """Return the trot in step with stairs, None where a trot keeps to its own timing."""
-    limited = Limits(body, _pace(body, GaitPattern(0.4, DUTY, ())), False).limit(command)
+    limited = Limits(body, _pace(body, GaitPattern(0.4, STAIR_GAIT.duty, ())), False).limit(command)
     slowed, notes = _in_step(body, limited.command, own.period)
     gait = stair_gait(body.terrain, slowed, body.height, own.period, len(body.robot.feet))
     if gait is None:
@@ -167,7 +172,7 @@ def _automatic(body: LeggedBody, command: VelocityCommand) -> GaitChoice:
     trot, walk = _pace(body, patterns["trot"]), _pace(body, patterns["walk"])
     limits = Limits(body, trot, True)
     limited = limits.limit(command)
-    slow = WALKS_BELOW * math.sqrt(GRAVITY * body.height)
+    slow = GAIT_CHOICE.walks_below * math.sqrt(GRAVITY * body.height)
     trot_offset, walk_offset = np.array(patterns["trot"].offset), np.array(AUTO_WALK)
 
     def stride(velocity: FloatArray, now: str) -> Stride:
@@ -175,7 +180,7 @@ def _automatic(body: LeggedBody, command: VelocityCommand) -> GaitChoice:
         if size == 0.0:
             stands = (walk, walk_offset) if now == "walk" else (trot, trot_offset)
             return Stride(now, *stands, moving=False)
-        edge = slow * (1.0 + HYSTERESIS if now == "walk" else 1.0 - HYSTERESIS)
+        edge = slow * (1.0 + GAIT_CHOICE.hysteresis if now == "walk" else 1.0 - GAIT_CHOICE.hysteresis)
         if size < edge:
             return Stride("walk", walk, walk_offset)
         return Stride("trot", limits.pace_at(velocity), trot_offset)

@@ -10,15 +10,10 @@ from surefoot.motion.control.whole_body_tasks import Kinematics
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.gaits.gait import Gait
 from surefoot.motion.walking.gait_clock import GaitClock
+from surefoot.motion.walking.pace_settings import LEAPING
 from surefoot.motion.walking.walk_state import GaitState
 from surefoot.motion.walking.walking_body import BodyPlan
 from surefoot.motion.walking.walking_feet import Feet, FeetModel
-
-LEAP, LAND = 0.5, 0.44
-"""Times in the air and on the ground of a body that leaps, in units of sqrt(h / g)."""
-CALM, UNEASY, UNEASE_TIME = 0.06, 0.15, 1.0
-"""Up to the first error of its velocity, as a share of sqrt(g h), a body moves as planned; from the second on
-feet are lifted in full, and ever less for so long after it [s]."""
 
 
 def leap(
@@ -50,9 +45,9 @@ def leap(
         if not wanted and landed and time > 0.5 * (begin + end):
             return gait._replace(leap=None), model.following(feet, schedule, time)
     elif wanted:
-        period, air = (LEAP + LAND) * unit, LEAP * unit
+        period, air = (LEAPING.air_time + LEAPING.ground_time) * unit, LEAPING.air_time * unit
         begun = [(time + air) / period] * len(feet.foot)
-        together = Gait.from_phases("leap", period, LAND * unit / period, begun)
+        together = Gait.from_phases("leap", period, LEAPING.ground_time * unit / period, begun)
         return gait._replace(leap=together), model.leap(feet, clock, air, centres)
     return gait, feet
 
@@ -64,5 +59,5 @@ def unease(before: float, body: BodyPlan, now: Kinematics, height: float, elapse
     """
     error = now.com_velocity[:2] - body.flow()
     size = math.hypot(error[0], error[1]) / math.sqrt(GRAVITY * height)
-    fresh = min(max((size - CALM) / (UNEASY - CALM), 0.0), 1.0)
-    return max(fresh, before - elapsed / UNEASE_TIME)
+    fresh = min(max((size - LEAPING.calm) / (LEAPING.uneasy - LEAPING.calm), 0.0), 1.0)
+    return max(fresh, before - elapsed / LEAPING.unease_time)

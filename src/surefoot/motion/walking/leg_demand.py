@@ -19,6 +19,7 @@ from surefoot.base.kernels import kernel
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Robot
 from surefoot.motion.gaits.adaptive_gait import Pace
+from surefoot.motion.walking.pace_settings import SPEED_LIMITS
 from surefoot.motion.walking.swing import LAND, ramped_step, smooth_bump
 
 LINES, ALONG, UPWARDS, SIDE = 16, 15, 5, 0.85
@@ -27,8 +28,6 @@ MIDDLE = ALONG // 2
 """Index of the places below the nominal ones."""
 HIGHEST = 0.3
 """Highest place of the table, in heights of the body."""
-ENDS = 0.7
-"""Share by which the force of a foot is lower at the ends of its stance than in the middle."""
 SAMPLES, SWEEP = 33, 9
 """Instants of a swing, and of a stance."""
 SOLVED, ROUNDS = 2e-4, 8
@@ -93,12 +92,12 @@ class LegDemand:
         factor
             Force in the middle of a stance over its mean.
         """
-        # The force over a stance is a parabola, lower at the ends by `ENDS`; its mean is what carries the
+        # The force over a stance is a parabola, lower at the ends by `stance_ends`; its mean carries the
         # weight on the share of the period that the foot stands.
         half = 0.5 * times * self.rates * pace.stance_time
         far = self._grid[0] * np.abs(np.arange(ALONG) - MIDDLE)[:, None]  # (ALONG, 1)
         push = factor * self.robot.mass * GRAVITY / (len(self.rates) * pace.duty)
-        share = push * (1.0 - ENDS * np.minimum(far / np.maximum(half, 1e-9), 1.0) ** 2)
+        share = push * (1.0 - SPEED_LIMITS.stance_ends * np.minimum(far / np.maximum(half, 1e-9), 1.0) ** 2)
         found = np.abs((self._lever @ up) * share[:, :, None] + self._weight)
         counts = (far <= np.maximum(half, self._grid[0]))[:, :, None] & self._own
         return np.asarray(np.where(counts, np.nan_to_num(found, nan=np.inf), 0.0).max(axis=(0, 1)))

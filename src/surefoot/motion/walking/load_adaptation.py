@@ -19,13 +19,8 @@ from surefoot.motion.control.mpc import ConvexMpc
 from surefoot.motion.control.whole_body import Kinematics, WholeBodyController
 from surefoot.motion.estimation.wrench_kernels import point_inertia, tell_wrench
 from surefoot.motion.estimation.wrench_observer import FADING, WrenchObserver
+from surefoot.motion.walking.body_settings import LOAD
 from surefoot.motion.walking.walking_body import BodyPlan
-
-MOST = 0.1
-"""Bound on the rest that the controllers are given, along each axis: force over m g, moment over m g h [-].
-With more of it feet slip where the ground gives less friction than is believed (docs/loads.md)."""
-LEAN = 0.8
-"""The observer stands still while the base leans further than this: the robot falls [rad]."""
 
 
 class LoadAdaptation(Remembering):
@@ -91,7 +86,7 @@ class LoadAdaptation(Remembering):
         if torques is None or not 0.5 * self.dt < state.time - self._time < 1.5 * self.dt:
             return  # a step is missing in between
         before = self.whole_body.instant()
-        if before.pose[2, 2] < math.cos(LEAN):
+        if before.pose[2, 2] < math.cos(LOAD.lean):
             return
         touching = self._pushing if state.contact is None else self._pushing | state.contact
         self.observer.observe(before, state.v, torques, touching, self.load)
@@ -143,7 +138,7 @@ class LoadAdaptation(Remembering):
         self.rotation = now.rotation.copy()
         on_base, on_com = np.empty(6), np.empty(6)
         tell_wrench(
-            self.observer.wrench, MOST, self.observer.wrench_unit,
+            self.observer.wrench, LOAD.most, self.observer.wrench_unit,
             now.rotation, base, now.com, on_base, on_com,
         )  # fmt: skip
         self.mpc.expect(on_com)

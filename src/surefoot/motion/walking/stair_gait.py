@@ -17,20 +17,11 @@ import math
 from surefoot.mechanics import Terrain
 from surefoot.motion.gaits.gait import Gait
 from surefoot.motion.ground.ground_belief import LOW
+from surefoot.motion.walking.pace_settings import STAIR_GAIT
 from surefoot.motion.walking.walking_body import VelocityCommand
 
-DUTY = 0.6
-"""Share of the cycle that each foot carries."""
 OFFSETS = (-0.0625, 0.4375, 0.5625, 0.0625)
 """When feet touch down, front to back and left before right: between a trot's and a walk's."""
-LONGEST = 2.2
-"""Longest cycle over the trot's own; slower bodies take more strides for a tread."""
-SHORTEST, SHORTEST_SEVERAL = (1.1, 1.15), (-0.2, 5.5)
-"""Shortest cycle that does, likewise, where a tread takes one stride, and several, of which only some climb:
-on steps of no height, and how it grows with their rise over the height of the centre of mass (fitted to Go2's
-walks on steps of 8 to 15 cm)."""
-LONGEST_STRIDE = 1.2
-"""Longest stride up or down steps, over the height of the centre of mass."""
 
 
 def stair_gait(
@@ -69,7 +60,7 @@ def stair_gait(
     cycle, shortest = _cycles(terrain, speed, height, period)
     if cycle < (1.0 - 1e-9) * shortest:
         return None
-    return Gait.from_phases("trot", cycle, DUTY, [share % 1.0 for share in OFFSETS])
+    return Gait.from_phases("trot", cycle, STAIR_GAIT.duty, [share % 1.0 for share in OFFSETS])
 
 
 def speed_in_step(terrain: Terrain, speed: float, height: float, period: float) -> float:
@@ -107,7 +98,10 @@ def _high(terrain: Terrain, height: float) -> bool:
 def _cycles(terrain: Terrain, speed: float, height: float, period: float) -> tuple[float, float]:
     """Return the longest cycle that is not too long, and the shortest in which feet can be lifted [s]."""
     tread = terrain.highest_step / terrain.steepness
-    strides = math.ceil(max(tread / (speed * LONGEST * period), tread / (LONGEST_STRIDE * height)) - 1e-9)
-    least, grows = SHORTEST if strides == 1 else SHORTEST_SEVERAL
-    shortest = period * min(max(least + grows * terrain.highest_step / height, 1.0), LONGEST)
+    strides = math.ceil(
+        max(tread / (speed * STAIR_GAIT.longest_cycle * period), tread / (STAIR_GAIT.longest_stride * height))
+        - 1e-9
+    )
+    least, grows = STAIR_GAIT.single if strides == 1 else STAIR_GAIT.several
+    shortest = period * min(max(least + grows * terrain.highest_step / height, 1.0), STAIR_GAIT.longest_cycle)
     return tread / (speed * strides), shortest

@@ -19,22 +19,9 @@ from surefoot.base.memory import Remembering
 from surefoot.mechanics import Terrain
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.walking.foothold import FINE, LOOK, nearest_shift, step_windows
+from surefoot.motion.walking.pace_settings import STAIR_PHASE
 from surefoot.motion.walking.walking_body import BodyPlan
 from surefoot.motion.walking.walking_kernels import turned_arms
-
-STRIDES, FURTHER = 3, 6
-"""So many strides ahead of the next one are looked at, on ground that is known, and on stairs that have been
-seen: they come into view one after the other, and what is best should not change with each."""
-PACE, CHANGE = 0.75, 0.15
-"""Time in which the body takes up its place [s], and the largest share of its speed that this may cost."""
-IN_STEP = 0.1
-"""A stride that is so far from a tread, as a share of it, is out of step."""
-SET_OFF, LONGEST_WAIT = 0.01, 1.2
-"""A body sets off when its feet would fall so near to their best places [m], or after so many cycles."""
-LAST = 0.2
-"""So much of a tread beyond the last edge that has been seen is looked at, to see that edge."""
-EASE, KEEP = 0.05, 1.0
-"""What a move of the body costs, and one away from what was best before, against the same move of a foot."""
 
 
 class StepPhase(Remembering):
@@ -111,7 +98,10 @@ class StepPhase(Remembering):
         if not self._in_step(length):
             self.lead, self.waiting = 0.0, False
             return
-        if self._off and math.hypot(*(stride - period * body.flow() / self.share)) < IN_STEP * length:
+        if (
+            self._off
+            and math.hypot(*(stride - period * body.flow() / self.share)) < STAIR_PHASE.in_step * length
+        ):
             self.stride = stride
         if not self.waiting:
             self._next = (self._next + 1) % len(self.offsets)
@@ -121,7 +111,10 @@ class StepPhase(Remembering):
         for k in range(len(self.offsets)):
             self._weigh(k, body.yaw, place, flow, stride, clock)
         lead = self._best(None)
-        if abs(lead) <= SET_OFF or clock - self._waits_from > LONGEST_WAIT * self.schedule.period:
+        if (
+            abs(lead) <= STAIR_PHASE.set_off
+            or clock - self._waits_from > STAIR_PHASE.longest_wait * self.schedule.period
+        ):
             self.waiting, self._off, self.lead = False, True, lead
 
     def _should_wait(self, place: FloatArray, flow: FloatArray, clock: float) -> bool:
@@ -146,13 +139,13 @@ class StepPhase(Remembering):
         costs = self._costs[k]
         costs[:] = 0.0
         length = math.hypot(float(stride[0]), float(stride[1]))
-        along, strides, known = stride / length, STRIDES, math.inf
+        along, strides, known = stride / length, STAIR_PHASE.strides, math.inf
         if self.terrain.learns:
             known = self.terrain.steps_until(place, along)
-            strides = FURTHER if known > -math.inf else 0
+            strides = STAIR_PHASE.strides_seen if known > -math.inf else 0
         begin, end = -LOOK, LOOK + strides * length
         if math.isfinite(known):  # all edges back from the last one that has been seen
-            begin, end = min(known, 0.0) - LOOK - length, min(end, known + LAST * length)
+            begin, end = min(known, 0.0) - LOOK - length, min(end, known + STAIR_PHASE.last_tread * length)
         ways = np.arange(begin, end, FINE)
         windows = step_windows(self.terrain, place, along, self.margin, ways)
         if windows is not None:
@@ -163,8 +156,10 @@ class StepPhase(Remembering):
 
     def _best(self, before: float | None) -> float:
         """Return how much further on the body should be, near what was best `before` if that is said [m]."""
-        total, moved = self._costs.sum(axis=0), EASE * np.square(self._ahead)
-        total += moved if before is None else moved + KEEP * np.square(self._ahead - before)
+        total, moved = self._costs.sum(axis=0), STAIR_PHASE.move_cost * np.square(self._ahead)
+        total += (
+            moved if before is None else moved + STAIR_PHASE.change_cost * np.square(self._ahead - before)
+        )
         return float(self._ahead[int(total.argmin())])
 
     def unhurried(self, velocity: FloatArray, asked: FloatArray) -> FloatArray:
@@ -176,7 +171,7 @@ class StepPhase(Remembering):
             (3,) of the body, and as commanded [m/s, m/s, rad/s].
         """
         if self.schedule.in_step:
-            most = (1.0 + CHANGE) * math.hypot(float(asked[0]), float(asked[1]))
+            most = (1.0 + STAIR_PHASE.most_change) * math.hypot(float(asked[0]), float(asked[1]))
             if math.hypot(float(velocity[0]), float(velocity[1])) <= most:
                 return asked
         return velocity / [self.share, self.share, 1.0]
@@ -185,8 +180,8 @@ class StepPhase(Remembering):
         """Return the share of its speed [m/s] with which the body goes on for `dt` [s]."""
         if speed <= 0.0:
             return 1.0
-        most = CHANGE * speed
-        change = min(max(self.lead / PACE, -most), most)
+        most = STAIR_PHASE.most_change * speed
+        change = min(max(self.lead / STAIR_PHASE.pace_time, -most), most)
         self.lead -= change * dt
         self.share = 1.0 + change / speed
         return self.share
@@ -196,7 +191,7 @@ class StepPhase(Remembering):
         terrain = self.terrain
         if length < 1e-3 or terrain.highest_step <= 0.0 or terrain.steepness <= 0.0:
             return False
-        return abs(terrain.highest_step / (terrain.steepness * length) - 1.0) < IN_STEP
+        return abs(terrain.highest_step / (terrain.steepness * length) - 1.0) < STAIR_PHASE.in_step
 
     def _touchdown(self, k: int, clock: float) -> float:
         """Return the time to the next touchdown of foot k [s]."""

@@ -18,21 +18,16 @@ import numpy as np
 from surefoot.base.arrays import FloatArray
 from surefoot.base.kernels import inline_kernel, kernel
 from surefoot.mechanics import Terrain
+from surefoot.motion.walking.feet_settings import SWING_PATH
 
-RISE = 0.45
-"""Share of the swing after which the foot is at its highest."""
-DOWN = 0.95
-"""Share of the swing after which the foot only sinks, with the speed at which it is to meet the ground."""
-LIFT_FIRST, DOWN_LAST = 0.08, 0.92
-"""The foot moves sideways between these shares of the swing, so that it lifts first and lands straight."""
+RISE, DOWN = SWING_PATH.rise, SWING_PATH.down
+LIFT_FIRST, DOWN_LAST = SWING_PATH.lift_first, SWING_PATH.straight_from
+RAMP, LAND = SWING_PATH.ramp, SWING_PATH.land
+"""Settings, as compiled code folds them."""
 LIFT_LATER = (LIFT_FIRST, 0.16, 0.24, 0.32)
 """Shares to try in place of `LIFT_FIRST` where an edge is in the way."""
 EVEN = -1.0
 """Stands in place of `LIFT_FIRST` for the swing over even ground."""
-RAMP = 0.15
-"""Share of the swing over which the acceleration along the ground rises from zero, and falls to it."""
-LAND = 0.9
-"""Share of the swing after which the foot does not move along the ground any more."""
 BUMP = 1.0 / ((6.0 / 11.0) ** 3 * (5.0 / 11.0) ** 2.5)
 """Makes the height of the bump s³ (1 - s)^2.5 one."""
 

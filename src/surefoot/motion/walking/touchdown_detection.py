@@ -37,37 +37,13 @@ from surefoot.motion.control.whole_body_tasks import Kinematics
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.ground.ground_belief import BeliefTerrain
 from surefoot.motion.walking.behaviours.behaviour import FootSearch, Request
+from surefoot.motion.walking.feet_settings import FEET, TOUCHDOWN
 from surefoot.motion.walking.foot_phases import SWING, FeetContact
 from surefoot.motion.walking.gait_clock import GaitClock
-from surefoot.motion.walking.walking_feet import SEARCH_SPEED, Feet, FeetModel
+from surefoot.motion.walking.walking_feet import Feet, FeetModel
 
-LONGEST_WAIT, WAIT_CAREFUL = 1.5, 3.0
-"""Longest time that the gait waits for a foot, over sqrt(h / g), and where it goes carefully."""
-SLOWING = 1.3
-"""Deceleration of late feet that should go on more slowly, as a share of g."""
-AT_ONCE = 3.0
-"""A foot that lifts after no more than so many steps lifts now."""
-LEAD_TIME = 0.03
-"""Time in which late feet gain the body's speed [s]."""
-USUAL = FootSearch(SEARCH_SPEED)
+USUAL = FootSearch(FEET.search_speed)
 """How late feet look for ground that nothing is known of."""
-STRUCK = 0.1
-"""Force against its motion from which a foot has struck something, as a share of m g."""
-STEEP = 1.0
-"""Ground gives no more force sideways than this times that along its normal."""
-SENSED = 0.06
-"""Force along the normal below which a foot in the air has not found the ground, likewise: what is estimated
-of the force on a leg that is braked in the air is not zero."""
-STOPPED = 0.5
-"""A foot that has struck something has less than this share of the speed that it should have, along it."""
-SOONEST, LATEST = 0.15, 1.0
-"""Shares of its swing between which a foot can strike something: lift-off drags."""
-LASTING, LASTING_FAR = 0.02, 0.1
-"""How long a force must last that is measured above the ground, and far above it [s]."""
-FAR = 3.0
-"""How far above the ground is far, over what may be noise."""
-YOUNG, SILENT = 0.04, 0.008
-"""So long after a landing it may be taken back [s], if nothing has touched the foot for this long [s]."""
 
 
 class TouchMemory(NamedTuple):
@@ -146,8 +122,8 @@ class TouchSense:
         memory = memory._replace(heading=heading_of(state.q[3:7]))
         if memory.fastest is None or not search.careful:
             return memory._replace(fastest=fastest, lead=0.0), feet
-        slower = max(fastest, memory.fastest - SLOWING * GRAVITY * self.dt)
-        change = self.dt / LEAD_TIME
+        slower = max(fastest, memory.fastest - TOUCHDOWN.slowing * GRAVITY * self.dt)
+        change = self.dt / TOUCHDOWN.lead_time
         lead = memory.lead + min(max(search.lead - memory.lead, -change), change)
         flow = base_velocity(state.q, state.v)
         feet = self.feet.slow_search(feet, clock, memory.fastest, slower, lead * self.dt * flow[:2])
@@ -208,7 +184,7 @@ class TouchSense:
         overdue = feet.overdue
         if not overdue.any():
             return memory._replace(waited=0.0), feet, False
-        if memory.waited < self._fall * (WAIT_CAREFUL if careful else LONGEST_WAIT) and (
+        if memory.waited < self._fall * (TOUCHDOWN.careful_wait if careful else TOUCHDOWN.longest_wait) and (
             (feet.stance | overdue).all() or (careful and self._lifts_next(feet, schedule, clock))
         ):
             return memory._replace(waited=memory.waited + self.dt), feet, True
@@ -217,7 +193,7 @@ class TouchSense:
     def _lifts_next(self, feet: Feet, schedule: ContactSchedule, clock: GaitClock) -> bool:
         """Return whether another foot would lift now: careful gaits do not stand on too few."""
         phases = schedule.phases(clock.time)
-        lifting = (phases[:, 0] > 0.0) & (phases[:, 2] <= clock.time + AT_ONCE * self.dt)
+        lifting = (phases[:, 0] > 0.0) & (phases[:, 2] <= clock.time + TOUCHDOWN.at_once * self.dt)
         return bool((feet.stance & lifting).any())
 
 
@@ -246,12 +222,14 @@ def sort_touches(
     along = (forces * normals).sum(axis=1)
     sideways = forces - along[:, None] * normals
     size = np.linalg.norm(sideways, axis=1)
-    struck = ~stance & (size > STRUCK * weight) & (size > STEEP * along)
+    struck = ~stance & (size > TOUCHDOWN.struck * weight) & (size > TOUCHDOWN.steep * along)
     against = (sideways[:, :2] * speeds[:, :2]).sum(axis=1) < 0.0
-    stopped = (moving[:, :2] * speeds[:, :2]).sum(axis=1) < STOPPED * (speeds[:, :2] ** 2).sum(axis=1)
+    stopped = (moving[:, :2] * speeds[:, :2]).sum(axis=1) < TOUCHDOWN.stopped * (speeds[:, :2] ** 2).sum(
+        axis=1
+    )
     once = (foot["phase"] == SWING) & (foot["restart"][:, 1] == -np.inf)
-    swinging = once & (foot["share"] > SOONEST) & (foot["share"] < LATEST)
-    light = ~stance & (along < SENSED * weight)
+    swinging = once & (foot["share"] > TOUCHDOWN.strikes_from) & (foot["share"] < TOUCHDOWN.strikes_until)
+    light = ~stance & (along < TOUCHDOWN.sensed * weight)
     return sensed & ~struck & ~light, struck & against & stopped & swinging
 
 
@@ -273,11 +251,15 @@ def accept_landings(
     """
     felt = np.where(sensed, memory.felt + dt, 0.0)
     silent = np.where(sensed, 0.0, memory.silent + dt)
-    lasting = np.where(above > FAR, LASTING_FAR, np.where(above > 1.0, LASTING, 0.0))
+    lasting = np.where(
+        above > TOUCHDOWN.far, TOUCHDOWN.lasting_far, np.where(above > 1.0, TOUCHDOWN.lasting, 0.0)
+    )
     return memory._replace(felt=felt, silent=silent), sensed & (stance | (felt >= lasting))
 
 
 def false_landings(memory: TouchMemory, stance: BoolArray, dt: float) -> tuple[TouchMemory, BoolArray]:
     """Return the memory, and which of the (n,) feet in stance have not landed; once a step of dt [s]."""
     stood = np.where(stance, memory.stood + dt, 0.0)
-    return memory._replace(stood=stood), stance & (stood < YOUNG) & (memory.silent >= SILENT)
+    return memory._replace(stood=stood), stance & (stood < TOUCHDOWN.young) & (
+        memory.silent >= TOUCHDOWN.silent
+    )

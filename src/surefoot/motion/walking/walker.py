@@ -155,7 +155,7 @@ class Walker(Tick):
         s, weight = self.settings, self.robot.mass * GRAVITY
         walk = WalkFacts(
             self.terrain, self.schedule, radii, self.height, radius, weight, s.mu, self.dt, watch_friction,
-            s.friction_share,
+            s.friction_share, s.behaviour_settings,
         )  # fmt: skip
         made = [behaviour for make in s.behaviours if (behaviour := make(walk)) is not None]
         self.arbiter = Arbiter(made, radius, self.notes, self._honoured())

@@ -14,6 +14,7 @@ from surefoot.base.spatial import GRAVITY, rotation_about
 from surefoot.base.text_files import read_text
 from surefoot.motion.control.body_motion import BodyReference
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
+from surefoot.motion.walking.body_settings import BODY_MOTION
 from surefoot.motion.walking.walking_kernels import (
     advance_body,
     body_rise,
@@ -21,29 +22,6 @@ from surefoot.motion.walking.walking_kernels import (
     plane_through,
     slope_frames,
 )
-
-LEAD = 0.05
-"""The wanted place never runs further ahead of the body than it goes in this time [s], at Froude speed 1 or
-at the wanted one if that is higher: less, and a fast trot stays behind its command for good."""
-GROUND_TIME = 0.12
-"""Time constant with which the ground's slope under the feet is followed [s]."""
-FLATTENING = 1e-4
-"""Pull of the slopes of the plane through the feet to zero where their places do not tell them [m²]."""
-DIP = 0.25
-"""`BodyPlan.dip` on ground with steps: at a slope of 0.4, a tenth of the body's height less."""
-LOWERING = 0.3
-"""Time constant with which the body comes down to the height that suits a slope [s]."""
-ACCELERATION = 0.12
-"""Largest change of the wanted velocity, as a share of g."""
-STEEPEST_PITCH = 0.4
-"""Largest pitch that may be commanded [rad]."""
-LOWEST, HIGHEST = 0.4, 0.08
-"""How much lower and higher than usual a body may go, as shares of its height: legs fold and reach so far."""
-CROUCH_RATE, PITCH_RATE = 0.4, 0.5
-"""How fast a commanded height is taken, in heights of the body a second, and a pitch [rad/s]."""
-LONG_STANCE = 2.5
-"""Feet that stand for longer than this many sqrt(h / g) stay behind a body that changes its speed as fast: it
-then changes as slowly as keeps what it gains in a stance."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +54,10 @@ class VelocityCommand:
         finite_array("command values", self.values, (len(times), 3))
         postures = np.zeros((len(times), 3)) if self.postures is None else self.postures
         postures = finite_array("command postures", postures, (len(times), 3))
-        if (np.abs(postures[:, 1]) > STEEPEST_PITCH).any():
-            raise ProblemError(f"pitch must be within ±{STEEPEST_PITCH:g} rad, got {postures[:, 1]}")
+        if (np.abs(postures[:, 1]) > BODY_MOTION.steepest_pitch).any():
+            raise ProblemError(
+                f"pitch must be within ±{BODY_MOTION.steepest_pitch:g} rad, got {postures[:, 1]}"
+            )
         object.__setattr__(self, "postures", postures)
         if len(times) == 0 or times[0] != 0.0 or (np.diff(times) <= 0.0).any():
             raise ProblemError(f"command times must rise from 0, got {times.tolist()}")
@@ -211,8 +191,8 @@ class BodyPlan:
     acceleration: float = field(init=False)
 
     def __post_init__(self, stance: float) -> None:
-        self.change = ACCELERATION * GRAVITY
-        longest = LONG_STANCE * math.sqrt(self.height / GRAVITY)
+        self.change = BODY_MOTION.acceleration * GRAVITY
+        longest = BODY_MOTION.long_stance * math.sqrt(self.height / GRAVITY)
         if stance > longest:
             self.change *= (longest / stance) ** 2
         self.acceleration = self.change
@@ -246,7 +226,8 @@ class BodyPlan:
         height = min(self.height + float(self.posture[0]), self.ceiling)
         self.yaw, self.ground, self.lowered = advance_body(
             self.position, self.velocity, self.slope, command, com, dt, height,
-            self.yaw, self.ground, self.lowered, self.acceleration, self.dip, LEAD, LOWERING,
+            self.yaw, self.ground, self.lowered, self.acceleration, self.dip, BODY_MOTION.lead_time,
+            BODY_MOTION.lowering_time,
         )  # fmt: skip
 
     @property
@@ -260,8 +241,11 @@ class BodyPlan:
         given, now = posture.tolist(), self.posture.tolist()
         if not any(now + given):
             return
-        wanted = min(max(given[0], -LOWEST * self.height), HIGHEST * self.height), given[1]
-        most = CROUCH_RATE * self.height * dt, PITCH_RATE * dt
+        wanted = (
+            min(max(given[0], -BODY_MOTION.lowest * self.height), BODY_MOTION.highest * self.height),
+            given[1],
+        )
+        most = BODY_MOTION.crouch_rate * self.height * dt, BODY_MOTION.pitch_rate * dt
         self.posture[:2] = [a + min(max(b - a, -c), c) for a, b, c in zip(now, wanted, most, strict=False)]
         self.posture[2] = given[2]
 
@@ -276,12 +260,12 @@ class BodyPlan:
 
     def fit_ground(self, feet: FloatArray, dt: float) -> None:
         """Follow the ground under (n, 3) places where feet last stood [m], `dt` after the last time [s]."""
-        level, *slope = plane_through(feet, self.position[:2], FLATTENING)
+        level, *slope = plane_through(feet, self.position[:2], BODY_MOTION.flattening)
         self.follow_plane(level, np.array(slope), dt)
 
     def follow_plane(self, level: float, slope: FloatArray, dt: float) -> None:
         """Follow a plane of height `level` [m] below the wanted place, with a (2,) `slope`."""
-        share = 1.0 - math.exp(-dt / GROUND_TIME)
+        share = 1.0 - math.exp(-dt / BODY_MOTION.ground_time)
         self.slope = self.slope + share * (slope - self.slope)
         self.ground += share * (level - self.ground)
         height = min(self.height + float(self.posture[0]), self.ceiling)

@@ -24,7 +24,9 @@ from surefoot.motion.ground.ground_belief import believed
 from surefoot.motion.ground.plane_ahead import plane_ahead
 from surefoot.motion.walking.behaviours.arbiter import EVERYTHING
 from surefoot.motion.walking.behaviours.behaviour import Request
+from surefoot.motion.walking.body_settings import BODY_MOTION
 from surefoot.motion.walking.command_limits import LeggedBody
+from surefoot.motion.walking.feet_settings import FEET
 from surefoot.motion.walking.foot_phases import FeetContact
 from surefoot.motion.walking.foothold import catching_place, step_place
 from surefoot.motion.walking.force_planner import ForcePlanner, Ramps
@@ -36,25 +38,11 @@ from surefoot.motion.walking.stair_phase import StepPhase
 from surefoot.motion.walking.touchdown_detection import TouchMemory, TouchSense
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walker import Walker
-from surefoot.motion.walking.walking_body import DIP, BodyPlan, VelocityCommand, first_stance
-from surefoot.motion.walking.walking_feet import DESCENT, LEAST_CLEARANCE, Feet, FeetModel, SwingRequest
+from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, first_stance
+from surefoot.motion.walking.walking_feet import Feet, FeetModel, SwingRequest
 from surefoot.motion.walking.walking_kernels import follow
 from surefoot.motion.walking.walking_settings import WalkCommand as WalkCommand
 from surefoot.motion.walking.walking_settings import WalkSettings as WalkSettings
-
-LEAD = 1.15
-"""A body goes faster once its gait is fit for this multiple of its speed."""
-LOW = 0.5
-"""Height of the swings over the usual one while a body is caught, for they are quick."""
-HELD = 3.0
-"""Natural frequency of joints outside the legs, which hold the pose that the walk begins in, in units of
-sqrt(g / h): a biped's arms have the same."""
-FLYING = 10.0
-"""Weight of the feet then, in the air, over the usual one: what holds a body level that no foot holds throws
-its legs about."""
-PERIOD, STANCE = 0.4, 0.55
-"""Cycle that the horizon of a schedule without one is measured by, for a body of 0.3 m [s], and its stance as
-a share of it: a trot's."""
 
 
 class WalkingController(Walker):
@@ -117,8 +105,8 @@ class WalkingController(Walker):
         chosen = choose_gait(body, command, gait)
         self.schedule, self.command, self.notes = chosen.schedule, chosen.command, chosen.notes
         self._limit = chosen.limit
-        period = chosen.shortest or PERIOD * math.sqrt(self.height / 0.3)
-        self._stance_time = self.schedule.stance_time or STANCE * period
+        period = chosen.shortest or self.settings.horizon_period * math.sqrt(self.height / 0.3)
+        self._stance_time = self.schedule.stance_time or self.settings.horizon_stance * period
         self._mpc_dt = period / s.steps_per_period
         self._interval = min(s.plan_interval, self._mpc_dt) - 0.5 * self.dt
         self._set_parts(inertia, offsets, radii, chosen.shortest > 0.0)
@@ -137,7 +125,7 @@ class WalkingController(Walker):
         """Make what gives the forces, and what looks after ground, steps and load."""
         s, weight = self.settings, self.robot.mass * GRAVITY
         self._set_controllers(inertia, self._mpc_dt, (0.0, 2.0 * self._pendulum))
-        posture = Posture(self.robot, HELD * self._pendulum, swing=0.0)
+        posture = Posture(self.robot, self.settings.held_stiffness * self._pendulum, swing=0.0)
         self._posture = posture if posture.free.any() else None
         radius = float(np.linalg.norm(offsets[:, :2], axis=1).max())
         self._set_behaviours(radii, radius, s.watch_friction)
@@ -145,7 +133,7 @@ class WalkingController(Walker):
         if cyclic and (self.terrain.highest_step > 0.0 or self.terrain.learns):
             margin = 2.0 * float(radii.mean())
             self._steps = StepPhase(self.terrain, self.schedule, offsets, margin)
-        clearance, descent = s.clearance * self.height, DESCENT * math.sqrt(GRAVITY * self.height)
+        clearance, descent = s.clearance * self.height, FEET.descent * math.sqrt(GRAVITY * self.height)
         self._feet_model = FeetModel(self.terrain, radii, clearance, descent)
         belief = believed(self.terrain)
         self._still, self._no_gaps = np.zeros(self.robot.joints), np.zeros(len(radii))
@@ -205,7 +193,7 @@ class WalkingController(Walker):
         touch = None if self._touch is None else self._touch.begin(measured, now.centres)
         feet = self._feet_model.standing(now.centres)
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
-        dip = 0.0 if self.terrain.planar else DIP
+        dip = 0.0 if self.terrain.planar else BODY_MOTION.dip
         body = BodyPlan(
             self.height, now.com.copy(), yaw, swerve=self._swerve(now, measured, yaw), dip=dip,
             stance=first_stance(self.schedule),
@@ -284,7 +272,7 @@ class WalkingController(Walker):
         low, high = self._normals
         schedule, stance = self._followed(gait), feet.stance
         ramps, shares = self.planner.shares(ramps, schedule, clock, stance, contact.touching)
-        swing = 1.0 if gait.leap is None or stance.any() else FLYING
+        swing = 1.0 if gait.leap is None or stance.any() else self.settings.flying_weight
         return ramps, ForceLimits(request.mu, low, high * shares, outside, swing)
 
     def _plan(self, s: WalkState, given: StepInput) -> WalkState:
@@ -351,9 +339,9 @@ class WalkingController(Walker):
             gait = gait._replace(unease=unease(gait.unease, body, now, self.height, self._interval))
             share = self.settings.ease + (1.0 - self.settings.ease) * gait.unease
         usual = share * (self.settings.clearance * self.height if own is None else own)
-        lifted = max(usual + float(body.posture[2]), LEAST_CLEARANCE * usual) + request.clearance
+        lifted = max(usual + float(body.posture[2]), FEET.least_clearance * usual) + request.clearance
         if request.recovery is not None and gait.leap is None:
-            lifted *= LOW
+            lifted *= self.settings.catch_clearance
         if self._steps is not None and clock.time >= 0.0:
             self._steps.look(body, clock.time, self.terrain.unsure)
             stride = self._steps.stride
@@ -373,7 +361,9 @@ class WalkingController(Walker):
         step = schedule.coming_period / self.settings.steps_per_period if schedule.in_step else self._mpc_dt
         if abs(step / self.mpc.dt - 1.0) > 1e-3:
             self.mpc.pace(step)
-        return gait._replace(stance_time=schedule.stance_time, fits=schedule.fits(LEAD * body.velocity))
+        return gait._replace(
+            stance_time=schedule.stance_time, fits=schedule.fits(self.settings.gait_lead * body.velocity)
+        )
 
     def _tasks(self, s: WalkState, measured: RobotState, now: Kinematics) -> Tasks:
         """Return the whole-body tasks: the plan's motion now, feedback on it, and the feet in the air."""

@@ -13,6 +13,7 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Terrain
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.walking import swing
+from surefoot.motion.walking.feet_settings import FEET
 from surefoot.motion.walking.foot_phases import (
     SEARCHING,
     FeetContact,
@@ -29,28 +30,7 @@ from surefoot.motion.walking.foothold import choose_foothold
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.swing import DOWN, LIFT_FIRST, apex_height, clear_lift
 
-FREEZE, FREEZE_ROUGH = 0.75, 0.4
-"""After this share of the swing the target stays where it is; where the path must clear edges, earlier."""
-LEAST_CLEARANCE = 0.3
-"""Feet are lifted at least this share of the usual height, whatever is commanded."""
-DESCENT = 0.12
-"""Speed towards the ground at touchdown, as a share of sqrt(g h)."""
-SEARCH = 0.3
-"""Acceleration with which a late foot goes down from there, as a share of g."""
-SEARCH_FAST, SEARCH_SPEED = 0.8, 0.4
-"""The same on unknown ground, and the largest speed of the search there, as a share of sqrt(g h)."""
-SAME_TREAD = 2.0
-"""A foot in step with stairs takes the tread next to its last one if that is farther by no more, in radii."""
 PATH_SAMPLES = 7
-CHOSEN = 0.1
-"""After this share of the swing a foot keeps to the tread that it is on its way to."""
-FAST, EVEN, EVEN_UNTIL = 0.7, 0.5, 0.05
-"""A swing over learned ground is as one over even ground if its speed, as a share of sqrt(g h), and its slope
-come to more than this, and the ground is off a line by no more than its noise and this share of a radius; it
-is decided up to this share of the swing."""
-DOWN_NOISY, NOISY, RAISE = 0.85, 0.012, 0.7
-"""On ground of this noise [m], the share of a swing after which a foot only sinks, and how much higher than
-believed the ground is taken for, over its noise: so that it is met gently where it is higher, too."""
 
 
 class SwingRequest(NamedTuple):
@@ -245,7 +225,7 @@ class FeetModel:
         ahead
             (2,) how much farther along x and y of the world they come down than before [m].
         """
-        search, foot = SEARCH_FAST * GRAVITY, copied_feet(feet.foot)
+        search, foot = FEET.search_fast * GRAVITY, copied_feet(feet.foot)
         for k in np.flatnonzero(feet.searching).tolist():
             late = clock.time + clock.behind - float(foot[k]["search_from"])
             rush, was = (min(late, speed / search) for speed in (fastest, before))
@@ -275,28 +255,28 @@ class FeetModel:
         """
         foot, radius, terrain = feet.foot[k], float(self.radii[k]), self.terrain
         share, start, target = float(foot["share"]), foot["start"], feet.target[k].copy()
-        if share > (latest or (FREEZE if terrain.planar else FREEZE_ROUGH)):
+        if share > (latest or (FEET.freeze if terrain.planar else FEET.freeze_rough)):
             return feet
-        if share > FREEZE_ROUGH and latest is None:  # ever less can be changed without a rush
-            trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
+        if share > FEET.freeze_rough and latest is None:  # ever less can be changed without a rush
+            trust = (FEET.freeze - share) / (FEET.freeze - FEET.freeze_rough)
             place = target[:2] + trust * (place - target[:2])
         way = place - start[:2] if request.heading is None else request.heading
         before = None if request.stride is None else start[:2] + request.stride
-        if share > CHOSEN:
+        if share > FEET.chosen:
             before = target[:2].copy()
-        more = math.inf if share > CHOSEN else SAME_TREAD * radius
+        more = math.inf if share > FEET.chosen else FEET.same_tread * radius
         xy = choose_foothold(terrain, place, self.reach, self._margin, way, before, more)
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
         noise, upwards = (
             terrain.noise_at(xy),
             feet.frames[k, 2, 2] if terrain.planar else terrain.normal(xy)[2],
         )
-        sink_from = DOWN - (DOWN - DOWN_NOISY) * min(noise / NOISY, 1.0)
-        target[:2], target[2] = xy, float(terrain.height(xy)) + (RAISE * noise + radius / upwards)
+        sink_from = DOWN - (DOWN - FEET.down_noisy) * min(noise / FEET.noisy, 1.0)
+        target[:2], target[2] = xy, float(terrain.height(xy)) + (FEET.raised * noise + radius / upwards)
         frame = feet.frames[k] if terrain.planar else np.ascontiguousarray(terrain.frame(xy))
         if terrain.planar or self._even(foot, target, radius, noise):
             lift_first = swing.EVEN
-            target[2] -= RAISE * noise  # a late foot costs more than an early one
+            target[2] -= FEET.raised * noise  # a late foot costs more than an early one
             # the bump is put on the line between both ends, which is as steep as the plane
             apex = 0.5 * float(start[2] + target[2]) + request.clearance
         else:
@@ -314,14 +294,14 @@ class FeetModel:
 
         A leg that trails behind a fast body is stretched if its foot has to lift first.
         """
-        if foot["share"] > EVEN_UNTIL or not self.terrain.learns:
+        if foot["share"] > FEET.even_until or not self.terrain.learns:
             return bool(foot["lift_first"] < 0.0)
         start = foot["start"]
         way = max(float(np.linalg.norm(target[:2] - start[:2])), 1e-9)
         line = np.linspace(start[2], target[2], PATH_SAMPLES)
-        hurry = way / (self.descent / DESCENT * foot["duration"]) + abs(line[-1] - line[0]) / way
+        hurry = way / (self.descent / FEET.descent * foot["duration"]) + abs(line[-1] - line[0]) / way
         off = np.abs(self._below(start, target, radius) - line).max()
-        return bool(hurry > FAST and off < EVEN * radius + noise)
+        return bool(hurry > FEET.fast and off < FEET.even * radius + noise)
 
     def accelerations(
         self, feet: Feet, clock: GaitClock, fastest: float | None, centres: FloatArray,
@@ -355,5 +335,5 @@ class FeetModel:
 def _search(fastest: float | None) -> tuple[float, float]:
     """Return acceleration [m/s²] and largest speed [m/s] of the search, given it where ground is unknown."""
     if fastest is None:
-        return SEARCH * GRAVITY, math.inf
-    return SEARCH_FAST * GRAVITY, fastest
+        return FEET.search * GRAVITY, math.inf
+    return FEET.search_fast * GRAVITY, fastest

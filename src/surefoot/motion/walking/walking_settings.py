@@ -9,16 +9,18 @@ from typing import Any
 import numpy as np
 
 from surefoot.base.arrays import BoolArray, FloatArray, IntArray
+from surefoot.base.settings import Settings, setting
 from surefoot.mechanics import Actuators
 from surefoot.motion.control.controller import Command
 from surefoot.motion.control.mpc import MpcWeights
 from surefoot.motion.control.whole_body import TaskWeights
 from surefoot.motion.walking.behaviours import BEHAVIOURS, MakeBehaviour
 from surefoot.motion.walking.behaviours.arbiter import LOGGED
+from surefoot.motion.walking.behaviours.behaviour_settings import BehaviourSettings
 
 
 @dataclass(frozen=True)
-class WalkSettings:
+class WalkSettings(Settings):
     """How a robot walks; the defaults suit every robot.
 
     Attributes
@@ -50,27 +52,61 @@ class WalkSettings:
     ramp
         Time over which the upper one grows after touchdown, and falls before lift-off, in units of
         sqrt(h / g) [-].
+    gait_lead, catch_clearance, held_stiffness, flying_weight, horizon_period, horizon_stance
+        See docs/settings.md, as for all numbers.
+    behaviour_settings
+        Settings of the behaviours, a part for each.
     actuators
         The motors that it believes to command; None for ideal ones.
     behaviours
         What makes each behaviour, the highest rank first; see docs/add-a-behaviour.md.
     """
 
-    mu: float = 0.6
+    mu: float = setting(0.6, "-", "friction that the controller counts on", low=0.0)
     watch_friction: bool = False
-    friction_share: float = 0.9
-    start: float = 0.3
-    clearance: float = 0.22
-    ease: float = 0.55
-    horizon: int = 10
-    steps_per_period: int = 14
-    plan_interval: float = 0.02
-    body_stiffness: float = 2.0
-    swing_stiffness: float = 8.0
-    normal_min: float = 0.02
-    normal_max: float = 1.5
+    friction_share: float = setting(
+        0.9, "-", "share of the friction that commanded forces may use", low=0.0, high=1.0
+    )
+    start: float = setting(0.3, "s", "time to stand before the gait begins", low=0.0)
+    clearance: float = setting(0.22, "h", "height of the swing over the ground", low=0.0)
+    ease: float = setting(
+        0.55, "-", "share of it over a known plane while the body moves as planned", low=0.0, high=1.0
+    )
+    horizon: int = setting(10, "-", "steps of the MPC", low=1)
+    steps_per_period: int = setting(14, "-", "MPC steps in a cycle of the gait", low=1)
+    plan_interval: float = setting(0.02, "s", "longest time between plans", low=0.0)
+    body_stiffness: float = setting(
+        2.0, "sqrt(g / h)", "natural frequency of the feedback on the body's plan", low=0.0
+    )
+    swing_stiffness: float = setting(
+        8.0, "sqrt(g / h)", "natural frequency of the feedback on feet in the air", low=0.0
+    )
+    normal_min: float = setting(0.02, "m g", "least normal force of a stance foot", low=0.0)
+    normal_max: float = setting(1.5, "m g", "largest normal force of a stance foot", low=0.0)
     watch_load: bool = True
-    ramp: float = 0.17
+    ramp: float = setting(
+        0.17, "sqrt(h / g)", "time of the normal force's ramp after touchdown and before lift-off", low=0.0
+    )
+    gait_lead: float = setting(
+        1.15, "-", "multiple of its speed that the gait must be fit for before the body goes faster", low=1.0
+    )
+    catch_clearance: float = setting(
+        0.5, "-", "height of the swings over the usual one while a body is caught: they are quick", low=0.0
+    )
+    held_stiffness: float = setting(
+        3.0, "sqrt(g / h)", "natural frequency of joints outside the legs, which hold their pose", low=0.0
+    )
+    flying_weight: float = setting(
+        10.0, "-", "factor on the swing-foot weight while no foot stands, so that legs are not swung", low=0.0
+    )
+    horizon_period: float = setting(
+        0.4, "s", "cycle that the horizon of a schedule without one is measured by, at a height of 0.3 m",
+        low=1e-3,
+    )  # fmt: skip
+    horizon_stance: float = setting(
+        0.55, "-", "stance of such a schedule as a share of that cycle", low=0.0, high=1.0
+    )
+    behaviour_settings: BehaviourSettings = field(default_factory=BehaviourSettings)
     mpc: MpcWeights = field(default_factory=MpcWeights)
     whole_body: TaskWeights = field(default_factory=TaskWeights)
     actuators: Actuators | None = None

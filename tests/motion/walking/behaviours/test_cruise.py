@@ -16,7 +16,8 @@ from surefoot.motion.gaits.library import named_gait
 from surefoot.motion.ground.mapped_ground import MappedGround
 from surefoot.motion.ground.touched_ground import TouchedGround
 from surefoot.motion.walking.behaviours.behaviour import NOTHING
-from surefoot.motion.walking.behaviours.cruise import SLACK, Cruise
+from surefoot.motion.walking.behaviours.behaviour_settings import CruiseSettings
+from surefoot.motion.walking.behaviours.cruise import Cruise
 from surefoot.motion.walking.command_limits import ground_left
 from surefoot.motion.walking.stair_gait import speed_in_step
 from surefoot.motion.walking.walking_body import VelocityCommand
@@ -64,7 +65,7 @@ def test_a_gait_that_is_not_fit_for_more_speed_keeps_what_it_has() -> None:
 
 def test_a_slope_that_feet_have_found_slows_as_a_known_one_does() -> None:
     one = cruise(begun(TouchedGround(), math.tan(math.radians(20.0))))
-    most = SLACK * ground_left(SlopeTerrain(20.0), MU, HEIGHT).fastest
+    most = CruiseSettings().slack * ground_left(SlopeTerrain(20.0), MU, HEIGHT).fastest
     assert cap(one, np.array([0.8, 0.3, 0.0])) == pytest.approx(
         most, rel=5e-3
     )  # the plane is damped a little
@@ -75,7 +76,7 @@ def test_a_slope_that_feet_have_found_slows_as_a_known_one_does() -> None:
 def test_stairs_that_have_been_found_are_taken_as_known_ones_are(speed: float) -> None:
     schedule, command = adaptive(), np.array([speed, 0.0, 0.0])
     stairs = StairsTerrain(0.12, 0.3)
-    most = min(abs(speed), SLACK * ground_left(stairs, MU, HEIGHT).fastest)
+    most = min(abs(speed), CruiseSettings().slack * ground_left(stairs, MU, HEIGHT).fastest)
     wanted = speed_in_step(stairs, most, HEIGHT, TROT.period)
     assert min(abs(speed), cap(cruise(begun(Stairs()), schedule), command)) == pytest.approx(wanted)
     # a gait with a timing of its own does not walk in step

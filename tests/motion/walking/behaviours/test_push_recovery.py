@@ -14,15 +14,8 @@ from benchmarks.stacks.trial import carry_out
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics.terrain import read_terrain
 from surefoot.motion.walking.behaviours.behaviour import NOTHING, Request
-from surefoot.motion.walking.behaviours.push_recovery import (
-    ASIDE,
-    ENDS,
-    GIVE,
-    LEAPS,
-    LOW,
-    QUICKEST,
-    PushRecovery,
-)
+from surefoot.motion.walking.behaviours.behaviour_settings import PushRecoverySettings
+from surefoot.motion.walking.behaviours.push_recovery import PushRecovery
 from surefoot.motion.walking.foothold import CATCH_REACH, catching_place
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController
@@ -50,18 +43,18 @@ def test_a_pushed_body_is_gone_with_in_quick_steps_until_it_is_caught(way: tuple
         flow = share * UNIT * np.array([*way, 0.0])
         return recovery.propose(view_of(now=motion(com_velocity=flow), velocity=velocity))
 
-    assert asked(1.4).height == LOW * HEIGHT
+    assert asked(1.4).height == PushRecoverySettings().height * HEIGHT
     caught = asked(1.4).recovery
     assert caught is not None
-    assert 1.0 < caught.rate <= QUICKEST
+    assert 1.0 < caught.rate <= PushRecoverySettings().quickest
     off = 1.4 * UNIT * np.array(way) - caught.velocity[:2]
-    assert math.hypot(*off) == pytest.approx(GIVE * UNIT)
+    assert math.hypot(*off) == pytest.approx(PushRecoverySettings().give * UNIT)
     assert caught.velocity[2] == wanted[2]
     still = asked(0.35).recovery  # slower than what it begins at, and yet not caught
     assert still is not None
     assert still.rate == 1.0
     flow = 0.35 * UNIT * np.array([*way, 0.0])
-    assert asked(0.35, flow + np.array([0.5 * ENDS * UNIT, 0.0, 0.0])) is NOTHING
+    assert asked(0.35, flow + np.array([0.5 * PushRecoverySettings().end_error * UNIT, 0.0, 0.0])) is NOTHING
     assert asked(0.35) is NOTHING  # begins anew from a larger error alone
 
 
@@ -90,13 +83,16 @@ def test_a_body_leaps_that_was_thrown_aside_over_a_plane_until_it_is_slower() ->
         asked = behaviour.propose(view_of(now=motion(com_velocity=(x * UNIT, y * UNIT, 0.0)))).recovery
         return asked is not None and asked.leaps
 
-    assert not leaps(LEAPS, 0.9 * ASIDE * LEAPS)  # as much ahead,
+    assert not leaps(
+        PushRecoverySettings().leap_error,
+        0.9 * PushRecoverySettings().aside * PushRecoverySettings().leap_error,
+    )  # as much ahead,
     assert not leaps(0.0, 1.4)  # at first
     recovery.reset()
-    assert not leaps(0.0, 0.9 * LEAPS)
-    assert leaps(0.2 * LEAPS, -1.1 * LEAPS)
-    assert leaps(1.1 * LEAPS, 0.0)  # on its way
-    assert not leaps(0.0, 0.9 * LEAPS)
+    assert not leaps(0.0, 0.9 * PushRecoverySettings().leap_error)
+    assert leaps(0.2 * PushRecoverySettings().leap_error, -1.1 * PushRecoverySettings().leap_error)
+    assert leaps(1.1 * PushRecoverySettings().leap_error, 0.0)  # on its way
+    assert not leaps(0.0, 0.9 * PushRecoverySettings().leap_error)
     assert not leaps(0.0, 1.4, PushRecovery(walk_of(read_terrain("rough:1,0.04", "terrain"))))
 
 

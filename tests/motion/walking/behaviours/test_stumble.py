@@ -14,7 +14,8 @@ from surefoot.motion.ground.ground_belief import BeliefTerrain
 from surefoot.motion.ground.mapped_ground import MappedGround
 from surefoot.motion.ground.touched_ground import TouchedGround
 from surefoot.motion.walking.behaviours.behaviour import NOTHING
-from surefoot.motion.walking.behaviours.stumble import HIGHEST, LIFT, MEMORY, Stumble
+from surefoot.motion.walking.behaviours.behaviour_settings import StumbleSettings
+from surefoot.motion.walking.behaviours.stumble import Stumble
 from surefoot.motion.walking.walking_body import VelocityCommand
 from surefoot.motion.walking.walking_controller import WalkingController
 from surefoot.worlds.rigid.rigid_world import RigidWorld
@@ -31,10 +32,16 @@ def test_a_stumble_is_remembered_for_a_while(belief: BeliefTerrain) -> None:
     belief.begin(RobotState(np.zeros(19), np.zeros(18)), np.column_stack([HIPS, np.zeros(4)]), HEIGHT)
     assert one.propose(view_of(time=1.0)) is NOTHING
     belief.stumbled(1.0)
-    assert one.propose(view_of(time=1.0)).clearance == pytest.approx(LIFT * HEIGHT)
-    assert one.propose(view_of(time=1.0 + 0.49 * MEMORY)).clearance == pytest.approx(LIFT * HEIGHT)
-    assert 0.0 < one.propose(view_of(time=1.0 + 0.9 * MEMORY)).clearance < 0.5 * LIFT * HEIGHT
-    assert one.propose(view_of(time=1.0 + MEMORY)) is NOTHING
+    assert one.propose(view_of(time=1.0)).clearance == pytest.approx(StumbleSettings().lift * HEIGHT)
+    assert one.propose(view_of(time=1.0 + 0.49 * StumbleSettings().memory)).clearance == pytest.approx(
+        StumbleSettings().lift * HEIGHT
+    )
+    assert (
+        0.0
+        < one.propose(view_of(time=1.0 + 0.9 * StumbleSettings().memory)).clearance
+        < 0.5 * StumbleSettings().lift * HEIGHT
+    )
+    assert one.propose(view_of(time=1.0 + StumbleSettings().memory)) is NOTHING
 
 
 def test_bumps_that_are_not_seen_are_stepped_over_and_not_too_high() -> None:
@@ -45,7 +52,9 @@ def test_bumps_that_are_not_seen_are_stepped_over_and_not_too_high() -> None:
     high.bumps = 1.0  # type: ignore[assignment]
     assert one is not None
     assert one.propose(view_of()).clearance == pytest.approx(0.03)
-    assert Stumble(walk_of(high), high).propose(view_of()).clearance == pytest.approx(HIGHEST * HEIGHT)
+    assert Stumble(walk_of(high), high).propose(view_of()).clearance == pytest.approx(
+        StumbleSettings().highest * HEIGHT
+    )
     assert Stumble.of(walk_of()) is None  # known ground
 
 

@@ -11,6 +11,7 @@ from surefoot.mechanics import Terrain
 from surefoot.motion.control.controller import RobotState
 from surefoot.motion.control.whole_body_tasks import Kinematics
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
+from surefoot.motion.walking.behaviours.behaviour_settings import BehaviourSettings
 
 FootGoals: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
 """From the nominal place (2,) of a foot [m] and where it lifted (>= 2,) [m] to the (2,) place where it should
@@ -75,6 +76,8 @@ class WalkFacts(NamedTuple):
         Whether less friction is believed in where feet slide.
     friction_share
         Share of the friction that commanded forces may use.
+    settings
+        Of all behaviours.
     """
 
     terrain: Terrain
@@ -87,6 +90,7 @@ class WalkFacts(NamedTuple):
     dt: float
     watch_friction: bool = False
     friction_share: float = 1.0
+    settings: BehaviourSettings = BehaviourSettings()
 
 
 class WalkView(NamedTuple):

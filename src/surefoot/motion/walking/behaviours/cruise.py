@@ -15,9 +15,6 @@ from surefoot.motion.walking.behaviours.behaviour import NOTHING, Request, WalkF
 from surefoot.motion.walking.command_limits import slope_speed, step_speed
 from surefoot.motion.walking.stair_gait import speed_in_step
 
-SLACK = 1.08
-"""What is believed may be off by so much: a command at the limit should not be slowed by it."""
-
 
 class Cruise:
     """Keeps the speed to what gait and ground allow.
@@ -31,6 +28,7 @@ class Cruise:
     name = "cruise"
 
     def __init__(self, walk: WalkFacts) -> None:
+        self.settings = walk.settings.cruise
         self._belief = believed(walk.terrain)
         self.mu, self.height, self.radius = walk.friction_share * walk.mu, walk.height, walk.radius
         in_step = walk.schedule.adapts and walk.schedule.name == "trot" and walk.schedule.feet == 4
@@ -49,8 +47,8 @@ class Cruise:
     def _allowed(self, belief: BeliefTerrain, view: WalkView) -> float:
         """Return how fast the ground can be walked on by what is believed of it now [m/s]."""
         if belief.highest_step == 0.0:
-            return SLACK * slope_speed(math.hypot(*belief.slope), self.mu, self.height)
-        fastest = SLACK * step_speed(belief, self.height)
+            return self.settings.slack * slope_speed(math.hypot(*belief.slope), self.mu, self.height)
+        fastest = self.settings.slack * step_speed(belief, self.height)
         x, y, turn = (float(part) for part in view.command)
         size = math.hypot(x, y) + abs(turn) * self.radius
         slowed = min(1.0, fastest / size) if size > 0.0 else 1.0

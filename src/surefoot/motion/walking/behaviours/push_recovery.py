@@ -26,22 +26,6 @@ from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.motion.walking.behaviours.behaviour import NOTHING, Recovery, Request, WalkFacts, WalkView
 
-BEGINS, ENDS = 0.4, 0.2
-"""A body that is off its wanted velocity by so much is caught, until it is off by no more and no faster than
-before by twice as much, as shares of sqrt(g h)."""
-GIVE = 0.5
-"""The wanted velocity is never farther from the body's, likewise."""
-STRIDE, QUICKEST = 0.75, 1.6
-"""Way of the body over a stance, in heights of the centre of mass, and most that the gait is hurried by."""
-LOW = 0.8
-"""Height of the body meanwhile, as a share of its own: feet far aside of a tall body are out of their legs'
-reach, and drag."""
-LEAPS, ASIDE = 0.7, 2.0
-"""A body leaps while it is off the commanded velocity by more than the first, a share of sqrt(g h), if at
-first it was to the side by so many times as much as ahead (begun at 1.12 it falls more often)."""
-BACK = 0.3
-"""Change of the wanted velocity on the way back, as a share of g: half of the friction that is counted on."""
-
 
 class PushRecovery(Remembering):
     """Catches a body that was pushed.
@@ -59,6 +43,7 @@ class PushRecovery(Remembering):
     def __init__(self, walk: WalkFacts) -> None:
         self.schedule, self.height, self.terrain = walk.schedule, walk.height, walk.terrain
         self._unit = math.sqrt(GRAVITY * walk.height)
+        self.settings = walk.settings.push_recovery
         self.reset()
 
     def reset(self) -> None:
@@ -73,20 +58,26 @@ class PushRecovery(Remembering):
         c, s = c / math.hypot(c, s), s / math.hypot(c, s)
         ahead, aside = c * x + s * y - forward, c * y - s * x - left
         off, speed = math.hypot(ahead, aside) / self._unit, math.hypot(x, y)
-        if self._calm is None and off < BEGINS:  # nearly always: the cheapest way here
+        if self._calm is None and off < self.settings.begin_error:  # nearly always: the cheapest way here
             return NOTHING
-        caught = off < ENDS and speed < (self._calm or 0.0) + 2.0 * ENDS * self._unit
+        caught = (
+            off < self.settings.end_error
+            and speed < (self._calm or 0.0) + 2.0 * self.settings.end_error * self._unit
+        )
         if caught or view.clock < 0.0 or self.schedule.held or self.schedule.stance_time == 0.0:
             self.reset()
             return NOTHING
         if self._calm is None:
             self._calm = math.hypot(forward, left)
         onward, across = ahead + forward - view.command[0], aside + left - view.command[1]
-        lost = self.terrain.planar and math.hypot(onward, across) > LEAPS * self._unit
+        lost = self.terrain.planar and math.hypot(onward, across) > self.settings.leap_error * self._unit
         if lost and self._aside is None:
-            self._aside = abs(across) > ASIDE * abs(onward)
-        rate = min(max(self.schedule.stance_time * speed / (STRIDE * self.height), 1.0), QUICKEST)
-        more = 1.0 - min(1.0, GIVE / off)
+            self._aside = abs(across) > self.settings.aside * abs(onward)
+        rate = min(
+            max(self.schedule.stance_time * speed / (self.settings.stride * self.height), 1.0),
+            self.settings.quickest,
+        )
+        more = 1.0 - min(1.0, self.settings.give / off)
         velocity = np.array([forward + more * ahead, left + more * aside, turn])
-        recovery = Recovery(rate, velocity, BACK * GRAVITY, lost and bool(self._aside))
-        return Request(recovery=recovery, height=LOW * self.height)
+        recovery = Recovery(rate, velocity, self.settings.back * GRAVITY, lost and bool(self._aside))
+        return Request(recovery=recovery, height=self.settings.height * self.height)

@@ -5,11 +5,6 @@ from __future__ import annotations
 from surefoot.motion.ground.ground_belief import believed
 from surefoot.motion.walking.behaviours.behaviour import NOTHING, FootSearch, Request, WalkFacts, WalkView
 
-APPROACH = 0.1
-"""Share of its speed with which a body comes near to steps, until its gait is in step with them."""
-SEEN_SPEED = 0.15
-"""Late feet go down at no more than this share of sqrt(g h) over ground that has been seen: it is near."""
-
 
 class SeenStairs:
     """Waits for gait and body to be in step with stairs.
@@ -24,10 +19,11 @@ class SeenStairs:
 
     def __init__(self, walk: WalkFacts) -> None:
         self.schedule = walk.schedule
+        self.settings = walk.settings.seen_stairs
         self._belief = believed(walk.terrain)
         seen = self._belief is not None and self._belief.seen
-        self._usual = Request(search=FootSearch(SEEN_SPEED)) if seen else NOTHING
-        self._slowly = self._usual._replace(pace=APPROACH)
+        self._usual = Request(search=FootSearch(self.settings.search_speed)) if seen else NOTHING
+        self._slowly = self._usual._replace(pace=self.settings.approach)
 
     @classmethod
     def of(cls, walk: WalkFacts) -> SeenStairs | None:

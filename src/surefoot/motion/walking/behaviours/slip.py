@@ -18,27 +18,6 @@ from surefoot.base.spatial import GRAVITY
 from surefoot.motion.walking.behaviours.behaviour import Request, WalkFacts, WalkView
 from surefoot.records import FrictionTracker
 
-LOADED = 0.08
-"""Normal force from which a foot shows friction, as a share of m g."""
-SLIDING = 0.07
-"""Speed from which it slides, as a share of sqrt(g h): above what encoders' noise makes of a foot at rest."""
-FILTER = 0.004
-"""Time constant with which the feet's speeds are smoothed [s]."""
-MEMORY = 5.0
-"""How long a slide is remembered [s]."""
-MARGIN = 0.1
-"""Share of the friction that a slide showed which is left alone."""
-LEAST = 0.05
-"""Friction that is believed in at least: with none at all, no force could be planned."""
-SPEED = 1.7
-"""Largest speed on slippery ground, over mu sqrt(g h)."""
-ACCELERATION = 0.1
-"""Largest change of the wanted velocity there, over mu g."""
-SOON, HOLD = 0.003, 0.1
-"""Age of a slide from which what its foot uses counts at once, and for how long after its end [s]."""
-FALLING, RISING = 0.002, 1.0
-"""Time constants with which the believed friction falls and rises again [s]."""
-
 
 class Slip(Remembering):
     """Follows the friction under a robot's feet.
@@ -63,9 +42,10 @@ class Slip(Remembering):
     def __init__(self, walk: WalkFacts) -> None:
         self.assumed, self.dt, self._radii, self._share = walk.mu, walk.dt, walk.radii, walk.friction_share
         self._froude = math.sqrt(GRAVITY * walk.height)
+        self.settings = walk.settings.slip
         self._tracker = FrictionTracker(
-            len(walk.radii), walk.dt, least=LOADED * walk.weight, memory=MEMORY,
-            sliding_speed=SLIDING * self._froude,
+            len(walk.radii), walk.dt, least=self.settings.loaded * walk.weight, memory=self.settings.memory,
+            sliding_speed=self.settings.sliding_speed * self._froude,
         )  # fmt: skip
         self.reset()
 
@@ -85,8 +65,10 @@ class Slip(Remembering):
     def propose(self, view: WalkView) -> Request:
         """Ask for the friction that the feet have found, and for speeds that suit it."""
         mu = self._follow(view)
-        cap = SPEED * mu * self._froude if mu < self.assumed else math.inf
-        return Request(speed_cap=cap, mu=self._share * mu, acceleration=ACCELERATION * mu * GRAVITY)
+        cap = self.settings.speed * mu * self._froude if mu < self.assumed else math.inf
+        return Request(
+            speed_cap=cap, mu=self._share * mu, acceleration=self.settings.acceleration * mu * GRAVITY
+        )
 
     def _follow(self, view: WalkView) -> float:
         """Return the friction to plan with [-] after one more step; feet in the air show nothing."""
@@ -96,25 +78,30 @@ class Slip(Remembering):
         normals = frames[:, :, 2]
         arms = -self._radii[:, None] * normals
         velocities = now.twists[:, :3] + np.cross(now.twists[:, 3:], arms)
-        self._speeds += min(self.dt / FILTER, 1.0) * (velocities - self._speeds)
+        self._speeds += min(self.dt / self.settings.filter_time, 1.0) * (velocities - self._speeds)
         own = np.where(stance[:, None], forces, 0.0)
         local = np.einsum("nji,nj->ni", frames, own)
         slow = np.einsum("nji,nj->ni", frames, self._speeds)
         if not (np.isfinite(local).all() and np.isfinite(slow).all()):
             return self.mu
         self.sliding = self._tracker.update(local, slow).sliding & stance
-        wanted = max(float(self._tracker.believed(self.assumed, MARGIN).min()), LEAST)
+        wanted = max(
+            float(self._tracker.believed(self.assumed, self.settings.margin).min()), self.settings.least
+        )
         wanted = min(wanted, self.assumed, self._at_once(local))
-        time = FALLING if wanted < self.mu else RISING
+        time = self.settings.falling_time if wanted < self.mu else self.settings.rising_time
         self.mu += min(self.dt / time, 1.0) * (wanted - self.mu)
         return self.mu
 
     def _at_once(self, forces: FloatArray) -> float:
         """Return what feet use that begin to slide, forces (n, 3) [N]: the tracker is surer, but later."""
         self._slid = np.where(self.sliding, self._slid + self.dt, 0.0)
-        begun = self._slid >= SOON
+        begun = self._slid >= self.settings.soon
         if begun.any():
             use = np.hypot(forces[begun, 0], forces[begun, 1]) / np.maximum(forces[begun, 2], 1e-9)
-            self._quick, self._quick_age = max((1.0 - MARGIN) * float(use.min()), LEAST), 0.0
+            self._quick, self._quick_age = (
+                max((1.0 - self.settings.margin) * float(use.min()), self.settings.least),
+                0.0,
+            )
         self._quick_age += self.dt
-        return self._quick if self._quick_age < HOLD else math.inf
+        return self._quick if self._quick_age < self.settings.hold else math.inf

@@ -9,8 +9,6 @@ import numpy as np
 from surefoot.base.spatial import GRAVITY
 from surefoot.motion.walking.behaviours.behaviour import NOTHING, Request, WalkFacts, WalkView
 
-UNREST = 0.1
-"""A body that should stand but moves faster than this share of sqrt(g h) takes steps, if its gait may."""
 STANDING = Request(pace=0.0)
 
 
@@ -27,6 +25,7 @@ class StandStill:
 
     def __init__(self, walk: WalkFacts) -> None:
         self._unit = math.sqrt(GRAVITY * walk.height)
+        self.settings = walk.settings.stand_still
 
     def reset(self) -> None:
         """Forget nothing: it knows the present alone."""
@@ -35,7 +34,7 @@ class StandStill:
         """Ask for no speed before the gait begins, and for steps of a body that moves."""
         x, y, _ = view.now.com_velocity.tolist()
         drift = None
-        if math.hypot(x, y) > UNREST * self._unit and not any(view.velocity.tolist()):
+        if math.hypot(x, y) > self.settings.unrest * self._unit and not any(view.velocity.tolist()):
             drift = np.array([x, y, 0.0])
         if view.clock < 0.0:
             return STANDING._replace(step_times=drift)

@@ -18,13 +18,6 @@ from surefoot.motion.ground.ground_belief import believed
 from surefoot.motion.ground.touched_ground import DROP, Ledge, TouchedGround
 from surefoot.motion.walking.behaviours.behaviour import NOTHING, FootSearch, Request, WalkFacts, WalkView
 
-FALLING = 1.8
-"""Lead of a foot over the body that falls into a drop (`FootSearch.lead`)."""
-GENTLE_SPEED = 0.03
-"""How fast late feet go down at a drop, as a share of sqrt(g h)."""
-SHIFT_TIME, FASTEST_SHIFT = 0.3, 0.25
-"""Time in which a standing body goes to the middle of its feet [s], and how fast at most [m/s]."""
-
 
 class StopAtDrop(Remembering):
     """What a robot does that finds drops by touch; which feet catch its fall is known of four.
@@ -43,6 +36,7 @@ class StopAtDrop(Remembering):
 
     def __init__(self, walk: WalkFacts, ground: TouchedGround) -> None:
         self._ground, self.height = ground, walk.height
+        self.settings = walk.settings.stop_at_drop
         self.reset()
 
     @classmethod
@@ -79,7 +73,9 @@ class StopAtDrop(Remembering):
         return Request(
             velocity=self._to_the_middle(view) if self._standing else np.zeros(3), hold=self._standing,
             foot_goals=lambda place, start: drop.nearest(place), note=self.note,
-            search=FootSearch(GENTLE_SPEED, 0.0 if drop.found else FALLING, careful=True),
+            search=FootSearch(
+                self.settings.search_speed, 0.0 if drop.found else self.settings.lead, careful=True
+            ),
         )  # fmt: skip
 
     def _rests(self, drop: Ledge, view: WalkView) -> bool:
@@ -90,10 +86,9 @@ class StopAtDrop(Remembering):
         rest = (q[:2] + math.sqrt(self.height / GRAVITY) * flow) @ drop.along
         return bool(rest < np.sort(view.ground[:, :2] @ drop.along)[-2:].mean())
 
-    @staticmethod
-    def _to_the_middle(view: WalkView) -> FloatArray:
+    def _to_the_middle(self, view: WalkView) -> FloatArray:
         """Return the (3,) velocity that takes a body over its feet [m/s, m/s, rad/s]."""
-        way = (view.ground[:, :2].mean(axis=0) - view.state.q[:2]) / SHIFT_TIME
-        way *= min(1.0, FASTEST_SHIFT / max(math.hypot(*way), 1e-9))
+        way = (view.ground[:, :2].mean(axis=0) - view.state.q[:2]) / self.settings.shift_time
+        way *= min(1.0, self.settings.fastest_shift / max(math.hypot(*way), 1e-9))
         c, s = heading_of(view.state.q[3:7])
         return np.array([c * way[0] + s * way[1], c * way[1] - s * way[0], 0.0])

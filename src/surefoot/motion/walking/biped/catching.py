@@ -26,17 +26,12 @@ import numpy as np
 
 from surefoot.base.arrays import FloatArray
 from surefoot.base.memory import Remembering
+from surefoot.motion.walking.biped.biped_settings import CATCHING
 from surefoot.motion.walking.biped.footstep_planner import Footstep, StepPlanner, pressure_path
 from surefoot.motion.walking.biped.pendulum import PendulumPreview
 
-BEGINS, ENDS, CALM = 0.04, 0.025, 10
-"""A body is caught whose divergent motion is off by this share of its height, until it has been off by no
-more than the second in so many plans."""
 PACES = (1.0, 1.2, 1.4, 1.6, 1.8)
 """How many times as fast as time the clock may go."""
-SPARED, HURRY = 0.02, 0.01
-"""What steps may leave to the pressure in a sole [m], and what a pace above 1 has to take off the miss to be
-worth it [m]."""
 
 
 @dataclass
@@ -60,22 +55,22 @@ class Catching(Remembering):
     preview: PendulumPreview
     planner: StepPlanner
     height: float
-    calm: int = CALM
+    calm: int = CATCHING.calm_plans
     pace: float = 1.0
 
     @property
     def active(self) -> bool:
         """Whether steps catch the body now."""
-        return self.calm < CALM
+        return self.calm < CATCHING.calm_plans
 
     def reset(self) -> None:
         """Forget the last push."""
-        self.calm, self.pace = CALM, 1.0
+        self.calm, self.pace = CATCHING.calm_plans, 1.0
 
     def notice(self, miss: FloatArray) -> bool:
         """Take note of a (2,) miss at a plan [m]; return whether steps have to catch the body."""
         off = float(np.hypot(*miss)) / self.height
-        self.calm = 0 if off > BEGINS else self.calm + (off < ENDS)
+        self.calm = 0 if off > CATCHING.begin_miss else self.calm + (off < CATCHING.end_miss)
         if not self.active:
             self.pace = 1.0
         return self.active
@@ -105,11 +100,11 @@ class Catching(Remembering):
         unseen = miss - (divergent - wanted)  # the legs' momentum, about the same at every pace
         best = math.inf
         for pace in PACES:
-            if HURRY * (pace - 1.0) >= best:
+            if CATCHING.hurry_cost * (pace - 1.0) >= best:
                 break  # whatever it leaves
             steps, wanted = led(pace)
             moved, left = self.moved(steps, unseen + divergent - wanted, clock)
-            cost = max(float(np.hypot(*left)) - SPARED, 0.0) + HURRY * (pace - 1.0)
+            cost = max(float(np.hypot(*left)) - CATCHING.spared, 0.0) + CATCHING.hurry_cost * (pace - 1.0)
             if cost < best:
                 best, self.pace, found = cost, pace, moved
         return found

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from surefoot.base.settings import Settings, setting
 from surefoot.mechanics import Actuators
 from surefoot.motion.control.mpc import MpcWeights
 from surefoot.motion.control.whole_body import TaskWeights
 from surefoot.motion.walking.behaviours import Cruise, MakeBehaviour, StandStill
+from surefoot.motion.walking.behaviours.behaviour_settings import BehaviourSettings
 
 
 @dataclass(frozen=True)
-class BipedSettings:
+class BipedSettings(Settings):
     """How a biped walks; the defaults suit every robot.
 
     Attributes
@@ -51,6 +53,8 @@ class BipedSettings:
         Angle of the arms over the distance of the feet, in units of 1 / h.
     normal_min, normal_max
         Bounds on the normal force of a corner, as shares of m g.
+    behaviour_settings
+        Settings of the behaviours, a part for each.
     mpc, whole_body
         Weights.
     actuators
@@ -59,24 +63,46 @@ class BipedSettings:
         What makes each behaviour, the highest rank first.
     """
 
-    mu: float = 0.6
-    friction_share: float = 0.9
-    start: float = 2.5
-    stretch: float = 0.83
-    clearance: float = 0.09
-    horizon: int = 14
-    mpc_steps: int = 20
-    preview: float = 2.4
-    plan_interval: float = 0.02
-    capture: float = 0.9
-    body_stiffness: float = 2.0
-    swing_stiffness: float = 8.0
-    joint_stiffness: float = 3.0
-    sole_damping: tuple[float, float] = (16.0, 40.0)
-    sole_press: float = 0.3
-    arm_swing: float = 0.8
-    normal_min: float = 0.002
-    normal_max: float = 1.2
+    mu: float = setting(0.6, "-", "friction that the controller counts on", low=0.0)
+    friction_share: float = setting(
+        0.9, "-", "share of the friction that commanded forces may use", low=0.0, high=1.0
+    )
+    start: float = setting(2.5, "sqrt(h / g)", "time to stand before the gait begins", low=0.0)
+    stretch: float = setting(
+        0.83,
+        "-",
+        "least height of the hips over the ankles, as a share of the leg's length",
+        low=0.0,
+        high=1.0,
+    )
+    clearance: float = setting(0.09, "h", "height of the swing over the ground", low=0.0)
+    horizon: int = setting(14, "-", "steps of the MPC", low=1)
+    mpc_steps: int = setting(20, "-", "MPC steps in a cycle of the gait", low=1)
+    preview: float = setting(2.4, "s", "time over which the footsteps ahead shape the reference", low=0.0)
+    plan_interval: float = setting(0.02, "s", "longest time between plans", low=0.0)
+    capture: float = setting(
+        0.9, "-", "share of the predicted divergence at touchdown that moves the foothold", low=0.0
+    )
+    body_stiffness: float = setting(
+        2.0, "sqrt(g / h)", "natural frequency of the feedback on the body's plan", low=0.0
+    )
+    swing_stiffness: float = setting(
+        8.0, "sqrt(g / h)", "natural frequency of the feedback on feet in the air", low=0.0
+    )
+    joint_stiffness: float = setting(
+        3.0, "sqrt(g / h)", "natural frequency of joints outside the legs", low=0.0
+    )
+    sole_damping: tuple[float, float] = setting(
+        (16.0, 40.0), "sqrt(g / h)", "rates at which stance soles stop moving along the normal, and turning",
+        low=0.0,
+    )  # fmt: skip
+    sole_press: float = setting(
+        0.3, "g", "acceleration with which stance soles press down beyond what keeps them at rest", low=0.0
+    )
+    arm_swing: float = setting(0.8, "1/h", "angle of the arms over the distance of the feet", low=0.0)
+    normal_min: float = setting(0.002, "m g", "least normal force of a corner of a stance sole", low=0.0)
+    normal_max: float = setting(1.2, "m g", "largest normal force of a corner of a stance sole", low=0.0)
+    behaviour_settings: BehaviourSettings = field(default_factory=BehaviourSettings)
     mpc: MpcWeights = field(
         default_factory=lambda: MpcWeights(
             position=(40.0, 40.0, 100.0),

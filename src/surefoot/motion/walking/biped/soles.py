@@ -7,18 +7,15 @@ import math
 import numpy as np
 
 from surefoot.base.arrays import FloatArray
+from surefoot.base.discrete_damping import DELAYED
 from surefoot.base.spatial import rotation_exp, rotation_log
 from surefoot.mechanics import Robot, Terrain, sole_plane
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
+from surefoot.motion.walking.biped.biped_settings import BIPED_WALK
 from surefoot.motion.walking.foot_phases import FeetContact, FootArray
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.swing import minimum_jerk
 from surefoot.motion.walking.walking_feet import Feet, FeetModel, SwingRequest
-
-TURN_FIRST, TURN_LAST = 0.1, 0.9
-"""A foot turns between these shares of its swing: it lifts and lands without turning."""
-DAMPED = 0.2
-"""Largest share of a velocity that the damping of a sole takes off in one step."""
 
 
 class Soles:
@@ -138,8 +135,8 @@ class Soles:
     def turning(self, feet: Feet, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return how a foot in the air should be turned: (3, 3), (3,) [rad/s], (3,) [rad/s²], world axes."""
         foot = feet.foot[k]
-        length = TURN_LAST - TURN_FIRST
-        s, ds, dds = minimum_jerk((float(foot["share"]) - TURN_FIRST) / length)
+        length = BIPED_WALK.turn_until - BIPED_WALK.turn_from
+        s, ds, dds = minimum_jerk((float(foot["share"]) - BIPED_WALK.turn_from) / length)
         # Along the shortest turn, at a rate of constant direction: ω and its rate are then those of the
         # share.
         whole = rotation_log(foot["land_rotation"] @ foot["lift_rotation"].T)
@@ -167,7 +164,7 @@ def sole_damping(rates: tuple[float, float], omega: float, dt: float) -> tuple[f
     >>> sole_damping((16.0, 40.0), 4.0, 2e-3)
     (64.0, 100.0)
     """
-    most = DAMPED / dt
+    most = DELAYED / dt
     return min(rates[0] * omega, most), min(rates[1] * omega, most)
 
 

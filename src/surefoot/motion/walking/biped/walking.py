@@ -26,6 +26,7 @@ from surefoot.motion.control.whole_body import ForceLimits, Kinematics, Tasks
 from surefoot.motion.gaits.contact_schedule import ContactSchedule
 from surefoot.motion.gaits.library import named_gait
 from surefoot.motion.walking.behaviours.behaviour import Request
+from surefoot.motion.walking.biped.biped_settings import BIPED_WALK
 from surefoot.motion.walking.biped.catching import Catching
 from surefoot.motion.walking.biped.footstep_planner import (
     Footstep,
@@ -39,6 +40,7 @@ from surefoot.motion.walking.biped.leg_momentum import LegMomentum
 from surefoot.motion.walking.biped.pendulum import PendulumPreview
 from surefoot.motion.walking.biped.settings import BipedSettings
 from surefoot.motion.walking.biped.soles import Soles, sole_damping
+from surefoot.motion.walking.feet_settings import FEET
 from surefoot.motion.walking.foot_phases import FeetContact, FootPhase
 from surefoot.motion.walking.force_planner import ForcePlan, Ramps
 from surefoot.motion.walking.gait_clock import GaitClock
@@ -46,7 +48,7 @@ from surefoot.motion.walking.load_adaptation import LoadAdaptation
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
 from surefoot.motion.walking.walker import Walker
 from surefoot.motion.walking.walking_body import BodyPlan, VelocityCommand, limit_command
-from surefoot.motion.walking.walking_feet import LEAST_CLEARANCE, Feet, SwingRequest
+from surefoot.motion.walking.walking_feet import Feet, SwingRequest
 from surefoot.motion.walking.walking_kernels import follow, slope_frames
 
 HONOURED = frozenset(
@@ -54,22 +56,6 @@ HONOURED = frozenset(
 )
 """What behaviours may ask for of a biped. Its gait keeps its own time, its soles do not search for ground,
 and `catching` chooses their places after a push: the rest is refused."""
-DESCENT = 0.06
-"""Speed of a sole towards the ground at touchdown, as a share of sqrt(g h)."""
-REACH = 0.194
-"""How far either side of its middle a flat foot goes while it carries, in heights of the centre of mass: with
-more its heel would have to rise (of one seed each, G1 walks at 0.6 m/s and falls at 0.62)."""
-HEAVY = 0.6
-"""Largest share of the mass in the legs: steps are planned for a body on light ones. (Talos has 0.39 there,
-G1 0.43, iCub 0.45; Alexander's file, which holds no trunk, has 0.80, and falls within 4 s at 0.2 m/s.)"""
-PERIOD = 2.0 * math.pi / 1.96
-"""Length of a cycle of the gait, in units of sqrt(h / g)."""
-LATEST, SOONEST = 0.93, 0.06
-"""Up to this share of its swing a foot that catches the body is sent elsewhere, and it gets there in no less
-than this time [s]."""
-LADEN, NOTICED = 0.05, 0.1
-"""A robot carries a load from this share of its mass on (less is how far documents are off), and how long it
-takes to tell [s]."""
 
 
 class BipedController(Walker):
@@ -119,17 +105,17 @@ class BipedController(Walker):
     ) -> None:
         if not robot.floating or len(robot.feet) != 2 or not all(f.flat for f in robot.feet):
             raise ModelError(f"{robot.name} cannot walk here: it needs a free base and two flat feet")
-        if (share := leg_share(robot)) > HEAVY:
+        if (share := leg_share(robot)) > BIPED_WALK.heavy_legs:
             raise ModelError(
                 f"{robot.name} cannot walk here: its legs have {share:.0%} of its mass, and steps are "
-                f"planned for {HEAVY:.0%} at most; give it its trunk"
+                f"planned for {BIPED_WALK.heavy_legs:.0%} at most; give it its trunk"
             )
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.settings = settings or BipedSettings()
         self.terrain = FlatTerrain() if terrain is None else terrain
         self._measure()
         if isinstance(gait, str):
-            gait = named_gait(gait, 2, period=PERIOD * math.sqrt(self.height / GRAVITY))
+            gait = named_gait(gait, 2, period=BIPED_WALK.period * math.sqrt(self.height / GRAVITY))
         if gait.feet != 2:
             raise ProblemError(f"the gait is for {gait.feet} feet, {robot.name} has 2")
         self.schedule = gait
@@ -143,7 +129,7 @@ class BipedController(Walker):
 
     def _slowed(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
         """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
-        reach, radius = REACH * self.height, 0.5 * self._geometry.width
+        reach, radius = BIPED_WALK.reach * self.height, 0.5 * self._geometry.width
         return limit_command(command, reach, self.steps.step_time, self.height, radius)
 
     def _measure(self) -> None:
@@ -178,7 +164,7 @@ class BipedController(Walker):
         self._legs = LegMomentum(self.robot, self._posture.swing)
         self._pressed = np.full(2, s.sole_press * self.height)
         self._set_behaviours(self.robot.contact_points.foot_radii, 0.5 * self._geometry.width, False)
-        clearance, descent = s.clearance * self.height, DESCENT * math.sqrt(GRAVITY * self.height)
+        clearance, descent = s.clearance * self.height, BIPED_WALK.descent * math.sqrt(GRAVITY * self.height)
         self.soles = Soles(self.robot, self.terrain, clearance, descent)
         self._feet_model = self.soles.model
         # what is left of the wrench changes with every step of a biped: no plan beyond it may count on it
@@ -211,8 +197,8 @@ class BipedController(Walker):
         load.observe(measured)
         if not self._due(begun, time):
             return
-        if NOTICED < time < self.start:
-            load.notice(LADEN)
+        if BIPED_WALK.noticed_time < time < self.start:
+            load.notice(BIPED_WALK.laden)
         if load.laden:
             load.update_models(None if self._walk is None else self._walk.body)
 
@@ -278,7 +264,7 @@ class BipedController(Walker):
     def _aim(self, s: WalkState, request: Request, time: float) -> WalkState:
         """Choose where feet in the air land."""
         feet, usual, clock = s.feet, self.settings.clearance * self.height, s.clock
-        lifted = max(usual + float(s.body.posture[2]), LEAST_CLEARANCE * usual)
+        lifted = max(usual + float(s.body.posture[2]), FEET.least_clearance * usual)
         swing = SwingRequest(lifted + request.clearance)
         for k in np.flatnonzero(~feet.stance & ~feet.planned).tolist():
             left = max(self.schedule.phase(k, clock.time)[2] - clock.time, 0.0)
@@ -326,7 +312,9 @@ class BipedController(Walker):
         coming = next((one for one in steps if one.begin > s.clock.time), None)
         if coming is None or s.feet.stance[coming.foot] or s.swing is None:
             return s.feet
-        return self.soles.aimed(s.feet, coming.foot, coming.place, coming.yaw, s.swing, LATEST)
+        return self.soles.aimed(
+            s.feet, coming.foot, coming.place, coming.yaw, s.swing, BIPED_WALK.catch_until
+        )
 
     def _reference(
         self, s: WalkState, kept: BipedState, now: Kinematics, steps: list[Footstep]
@@ -378,7 +366,7 @@ class BipedController(Walker):
             wanted[k, 3:] = change + ks * off + ds * (spin - now.twists[k, 3:])
             if self.catching.active and foot["phase"] != FootPhase.SEARCHING:
                 # the least squared acceleration to be there at rest in time, from wherever the foot is
-                left = max((1.0 - foot["share"]) * foot["duration"], SOONEST)
+                left = max((1.0 - foot["share"]) * foot["duration"], BIPED_WALK.catch_time)
                 way, speed = foot["target"][:2] - now.centres[k, :2], now.twists[k, :2]
                 wanted[k, :2] = (6.0 * way / left - 4.0 * speed) / left
         c, sine = math.cos(s.body.yaw), math.sin(s.body.yaw)

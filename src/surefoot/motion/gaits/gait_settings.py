@@ -1,0 +1,92 @@
+"""Settings of gaits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from surefoot.base.settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class GaitChangeSettings(Settings):
+    """How fast timing and pattern of a gait may change."""
+
+    stance_step: float = setting(
+        1.35, "-", "largest factor between times on the ground of one cycle and the next", low=1.0
+    )
+    air_step: float = setting(
+        1.15, "-", "largest factor between times in the air of one cycle and the next", low=1.0
+    )
+    offset_step: float = setting(
+        0.07,
+        "-",
+        "largest change of a foot's offset between cycles, as a share of the period",
+        low=0.0,
+        high=1.0,
+    )
+    slow_offset_step: float = setting(
+        0.02,
+        "-",
+        "that change into step with the ground and out of it, where stances are short",
+        low=0.0,
+        high=1.0,
+    )
+    nearly: float = setting(
+        0.08,
+        "-",
+        "distance of a cycle's period from that of steps, as a share, up to which it is in step with them",
+        low=0.0,
+        high=1.0,
+    )
+    unfit: float = setting(
+        1.1,
+        "-",
+        "time that feet carry over the one wanted at a speed from which a cycle is not fit for the speed",
+        low=1.0,
+    )
+    first_lift: float = setting(
+        0.02, "s", "least time before a foot at rest lifts after a walk is commanded again", low=0.0
+    )
+    earlier: float = setting(
+        0.25,
+        "-",
+        "share of a cycle by which feet that would lift earlier than the first wait for the next cycle",
+        low=0.0,
+        high=1.0,
+    )
+    least_air: float = setting(
+        0.95, "-", "least time in the air between two cycles over that of the later one", low=0.0, high=1.0
+    )
+
+
+GAIT_CHANGE = GaitChangeSettings()
+"""The values in use; compiled code folds them when it is compiled."""
+
+
+@dataclass(frozen=True)
+class GaitTimings(Settings):
+    """Period for a leg of 0.3 m, and share of it that each foot carries, of the named gaits."""
+
+    trot_period: float = setting(0.40, "s", "period of a trot", low=1e-3)
+    trot_duty: float = setting(0.55, "-", "share that feet of a trot carry", low=0.0, high=1.0)
+    walk_period: float = setting(0.80, "s", "period of a walk on four feet", low=1e-3)
+    walk_duty: float = setting(0.78, "-", "share that feet of a walk on four carry", low=0.0, high=1.0)
+    pace_period: float = setting(0.36, "s", "period of a pace", low=1e-3)
+    pace_duty: float = setting(0.60, "-", "share that feet of a pace carry", low=0.0, high=1.0)
+    bound_period: float = setting(0.34, "s", "period of a bound", low=1e-3)
+    bound_duty: float = setting(0.55, "-", "share that feet of a bound carry", low=0.0, high=1.0)
+    flying_trot_period: float = setting(0.34, "s", "period of a flying trot", low=1e-3)
+    flying_trot_duty: float = setting(0.44, "-", "share that feet of a flying trot carry", low=0.0, high=1.0)
+    two_feet_period: float = setting(0.70, "s", "period of a walk on two feet", low=1e-3)
+    two_feet_duty: float = setting(0.60, "-", "share that feet of a walk on two carry", low=0.0, high=1.0)
+    tripod_period: float = setting(0.45, "s", "period of a tripod gait", low=1e-3)
+    tripod_duty: float = setting(0.6, "-", "share that feet of a tripod gait carry", low=0.0, high=1.0)
+    swing_time: float = setting(0.17, "s", "time of a foot in the air in a wave and a ripple gait", low=1e-3)
+    beside: float = setting(
+        0.2, "-", "share of the half width nearer than which to the middle a foot is of neither side",
+        low=0.0, high=1.0,
+    )  # fmt: skip
+
+
+GAITS = GaitTimings()
+"""The values in use."""

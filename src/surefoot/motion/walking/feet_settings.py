@@ -1,0 +1,252 @@
+"""Settings of the feet of a walk: swing, foothold, touchdown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from surefoot.base.loaded import DEBOUNCE
+from surefoot.base.settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class SwingSettings(Settings):
+    """Shape of the path of a foot through the air, in shares of the swing."""
+
+    rise: float = setting(
+        0.45, "-", "share of the swing after which the foot is at its highest", low=0.0, high=1.0
+    )
+    down: float = setting(
+        0.95,
+        "-",
+        "share of the swing after which the foot only sinks, at its speed of touchdown",
+        low=0.0,
+        high=1.0,
+    )
+    lift_first: float = setting(
+        0.08,
+        "-",
+        "share of the swing before which the foot does not move sideways, so that it lifts first",
+        low=0.0,
+        high=1.0,
+    )
+    straight_from: float = setting(
+        0.92,
+        "-",
+        "share of the swing after which the foot does not move sideways, so that it lands straight",
+        low=0.0,
+        high=1.0,
+    )
+    ramp: float = setting(
+        0.15,
+        "-",
+        "share of the swing over which the acceleration along even ground rises from zero, and falls to it",
+        low=1e-06,
+        high=0.5,
+    )
+    land: float = setting(
+        0.9,
+        "-",
+        "share of the swing after which the foot does not move along even ground any more",
+        low=0.0,
+        high=1.0,
+    )
+
+
+SWING_PATH = SwingSettings()
+"""The values in use; compiled code folds them when it is compiled."""
+
+
+@dataclass(frozen=True)
+class FootPhaseSettings(Settings):
+    """When a foot in the air has landed, and what a foot does that has struck an edge."""
+
+    early: float = setting(
+        0.6,
+        "-",
+        "share of its swing after which a foot that touches has landed early; before, it brushes the ground",
+        low=0.0,
+        high=1.0,
+    )
+    lost_time: float = setting(
+        DEBOUNCE,
+        "s",
+        "time without touch after which a foot in stance has lost the ground and searches for it",
+        low=0.0,
+    )
+    retry: float = setting(
+        0.7,
+        "-",
+        "least time for the rest of a restarted swing, as a share of the whole swing's",
+        low=0.0,
+        high=1.0,
+    )
+
+
+FOOT_PHASES = FootPhaseSettings()
+"""The values in use; compiled code folds them when it is compiled."""
+
+
+@dataclass(frozen=True)
+class FootholdSettings(Settings):
+    """Distances that feet keep from edges, and how far they reach to catch a body."""
+
+    shin: float = setting(
+        0.13,
+        "m",
+        "distance that a descending foot keeps from the edge behind it, which the shin leans over",
+        low=0.0,
+    )
+    low_step: float = setting(0.03, "m", "height difference from which ground is a step", low=0.0)
+    unsure: float = setting(
+        0.01, "m", "additional distance to edges where their places are estimated", low=0.0
+    )
+    farthest: float = setting(0.15, "m", "farthest that a foot is moved for an edge", low=0.0)
+    catch_reach: float = setting(0.8, "h", "farthest from its place that a foot catches a body", low=0.0)
+    catch_aside: float = setting(
+        0.35,
+        "-",
+        "least distance of a catching foot from the body's middle over its usual distance",
+        low=0.0,
+        high=1.0,
+    )
+    edge_weight: float = setting(
+        3.0, "-", "cost of a height difference within the margin to edges over that of the distance", low=0.0
+    )
+    tilt_weight: float = setting(0.05, "m", "cost of the ground's slope over that of the distance", low=0.0)
+
+
+FOOTHOLDS = FootholdSettings()
+"""The values in use; compiled code folds them when it is compiled."""
+
+
+@dataclass(frozen=True)
+class FeetSettings(Settings):
+    """When footholds freeze, how feet come down, and how swings over learned ground differ."""
+
+    freeze: float = setting(
+        0.75, "-", "share of the swing after which the foothold stays where it is", low=0.0, high=1.0
+    )
+    freeze_rough: float = setting(
+        0.4,
+        "-",
+        "share of the swing after which the foothold changes ever less where the path must clear edges",
+        low=0.0,
+        high=1.0,
+    )
+    least_clearance: float = setting(
+        0.3, "-", "least height of a swing over the usual one, whatever is commanded", low=0.0, high=1.0
+    )
+    descent: float = setting(0.12, "sqrt(g h)", "speed towards the ground at touchdown", low=0.0)
+    search: float = setting(
+        0.3, "g", "acceleration with which a late foot goes down on known ground", low=0.0
+    )
+    search_fast: float = setting(
+        0.8, "g", "acceleration with which a late foot goes down on unknown ground", low=0.0
+    )
+    search_speed: float = setting(0.4, "sqrt(g h)", "largest speed of a late foot on unknown ground", low=0.0)
+    same_tread: float = setting(
+        2.0,
+        "radii",
+        "how much farther than the nearest tread the one next to the last may be in step with stairs",
+        low=0.0,
+    )
+    chosen: float = setting(
+        0.1, "-", "share of the swing after which a foot keeps to the tread that it is on its way to", low=0.0
+    )
+    fast: float = setting(
+        0.7,
+        "sqrt(g h)",
+        "speed of a swing plus its slope from which it is one over even ground where that is learned",
+        low=0.0,
+    )
+    even: float = setting(
+        0.5,
+        "radii",
+        "deviation of learned ground from a line, beyond its noise, up to which it is even",
+        low=0.0,
+    )
+    even_until: float = setting(
+        0.05,
+        "-",
+        "share of the swing up to which it is decided whether it goes over even ground",
+        low=0.0,
+        high=1.0,
+    )
+    down_noisy: float = setting(
+        0.85, "-", "share of the swing after which a foot only sinks on noisy ground", low=0.0, high=1.0
+    )
+    noisy: float = setting(0.012, "m", "noise of the ground at which that share applies", low=1e-09)
+    raised: float = setting(
+        0.7,
+        "-",
+        "how much higher than estimated the ground is taken for, over its noise, so that it is met gently",
+        low=0.0,
+    )
+
+
+FEET = FeetSettings()
+"""The values in use; compiled code folds them when it is compiled."""
+
+
+@dataclass(frozen=True)
+class TouchdownSettings(Settings):
+    """When a touch is a touchdown, and how long the gait waits for one."""
+
+    longest_wait: float = setting(1.5, "sqrt(h / g)", "longest time that the gait waits for a foot", low=0.0)
+    careful_wait: float = setting(
+        3.0, "sqrt(h / g)", "longest time that the gait waits for a foot at a drop", low=0.0
+    )
+    slowing: float = setting(1.3, "g", "deceleration of late feet that should go on more slowly", low=0.0)
+    at_once: float = setting(
+        3.0,
+        "steps",
+        "steps of the controller within which a foot that is about to lift counts as lifting",
+        low=0.0,
+    )
+    lead_time: float = setting(0.03, "s", "time in which late feet gain the body's speed", low=1e-06)
+    struck: float = setting(
+        0.1, "m g", "force against its motion from which a foot has struck something", low=0.0
+    )
+    steep: float = setting(
+        1.0, "-", "sideways force over the normal one from which a touch is an edge, no ground", low=0.0
+    )
+    sensed: float = setting(
+        0.06,
+        "m g",
+        "normal force below which a foot in the air has not landed: a braked leg seems to feel some",
+        low=0.0,
+    )
+    stopped: float = setting(
+        0.5,
+        "-",
+        "share of the reference speed below which a foot that is pushed back has struck something",
+        low=0.0,
+        high=1.0,
+    )
+    strikes_from: float = setting(
+        0.15,
+        "-",
+        "share of its swing from which a foot can strike something: lift-off drags",
+        low=0.0,
+        high=1.0,
+    )
+    strikes_until: float = setting(
+        1.0, "-", "share of its swing up to which a foot can strike something", low=0.0
+    )
+    lasting: float = setting(
+        0.02, "s", "time that a force must last which is measured above the map", low=0.0
+    )
+    lasting_far: float = setting(
+        0.1, "s", "time that a force must last which is measured far above the map", low=0.0
+    )
+    far: float = setting(
+        3.0, "-", "height over the map, in standard deviations, from which `lasting_far` applies", low=0.0
+    )
+    young: float = setting(
+        0.04, "s", "time after a touchdown within which it may be found to be false", low=0.0
+    )
+    silent: float = setting(0.008, "s", "time without touch after which such a touchdown is false", low=0.0)
+
+
+TOUCHDOWN = TouchdownSettings()
+"""The values in use; compiled code folds them when it is compiled."""
