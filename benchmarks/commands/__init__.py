@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from benchmarks.commands import (
+    ablation,
     batch,
     contact,
     execution,
@@ -32,6 +33,6 @@ def bench() -> None:
 for _command in (
     statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
-    stacks.stacks, speeds.speeds, wire.wire,
+    stacks.stacks, speeds.speeds, wire.wire, ablation.ablation,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

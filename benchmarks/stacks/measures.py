@@ -43,6 +43,8 @@ class Measures:
         lift-off as the forces have them [m].
     load
         Largest force of a foot over the weight.
+    friction_use
+        Share of the ground's friction that loaded contacts use, its 99th percentile.
     tilt
         Largest lean of the base against the vertical [deg].
     torque_use, speed_use
@@ -82,6 +84,7 @@ class Measures:
     estimate_velocity: float = math.nan
     estimate_drift: float = math.nan
     load: float = math.nan
+    friction_use: float = math.nan
 
 
 def measured(log: Log, asked: FloatArray, settled: float) -> Measures:
@@ -123,6 +126,7 @@ def measured(log: Log, asked: FloatArray, settled: float) -> Measures:
         estimate_velocity=math.nan if errors is None else errors.velocity_rms,
         estimate_drift=drift,
         load=float(np.linalg.norm(foot_forces(log), axis=-1).max()) / weight,
+        friction_use=friction_use(log, weight),
     )
 
 
@@ -163,6 +167,14 @@ def cost_of_transport(log: Log, weight: float) -> float:
     power = np.maximum(log["torques"] * log["v"][:, 6:], 0.0).sum(axis=1)
     way = float(np.linalg.norm(log["q"][-1, :2] - log["q"][0, :2]))
     return float(power.sum() * log.fact("dt") / (weight * way)) if way > 0.1 else math.nan
+
+
+def friction_use(log: Log, weight: float) -> float:
+    """Return the 99th percentile of the share of friction that loaded contacts use; NaN without any."""
+    f, mu = log["forces"], np.broadcast_to(log["mu"][:, None], log["forces"].shape[:2])
+    loaded = loaded_feet(f[..., 2], weight)
+    use = np.hypot(f[..., 0], f[..., 1])[loaded] / (mu * f[..., 2])[loaded]
+    return float(np.percentile(use, 99.0)) if use.size else math.nan
 
 
 def outside_cones(log: Log, least: float) -> BoolArray:

@@ -16,19 +16,8 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import BoolArray, FloatArray
 from surefoot.base.spatial import base_velocity, heading_of
 from surefoot.motion.ground.ground_belief import LOW, BeliefTerrain
+from surefoot.motion.ground.ground_settings import TOUCHED_GROUND
 from surefoot.motion.state import RobotState
-
-DROP = 0.29
-"""A drop of more than this share of the height of the centre of mass is not taken by touch alone; less is a
-small step, and the walk goes on."""
-BOTTOMLESS = 0.5
-"""No ground is found any more that is lower than this share of it."""
-SURE_TREAD = 0.75
-"""The ground beyond a drop is taken to be level for this share of the height of the centre of mass."""
-LIKE = 0.5
-"""A stand is one before the drop or beyond it if it is off by no more than this share of its depth."""
-REACH = 0.1
-"""Feet beyond the edge stand no nearer to it [m]: shins lean back over it."""
 
 
 class Ledge:
@@ -86,12 +75,14 @@ class Ledge:
     @property
     def shallow(self) -> bool:
         """Whether the ground beyond has been found, and is no lower than after a small step."""
-        return self.found and self.depth < DROP * self._height
+        return self.found and self.depth < TOUCHED_GROUND.drop * self._height
 
     @property
     def certain(self) -> bool:
         """Whether it is certain that the drop is not a small step."""
-        return self.depth > DROP * self._height and (self.found or self.depth > BOTTOMLESS * self._height)
+        return self.depth > TOUCHED_GROUND.drop * self._height and (
+            self.found or self.depth > TOUCHED_GROUND.bottomless * self._height
+        )
 
     def deeper(self, along: float, height: float) -> None:
         """Learn that a foot at a place has gone down to a height without finding ground [m]."""
@@ -104,9 +95,9 @@ class Ledge:
         below = self.level - height
         if not self.found and below > 0.5 * self.depth:
             self.depth, self.found = below, True
-        if abs(below) < LIKE * self.depth:
+        if abs(below) < TOUCHED_GROUND.like * self.depth:
             self._before = max(self._before, min(along, self._beyond))
-        elif self.found and abs(below - self.depth) < LIKE * self.depth:
+        elif self.found and abs(below - self.depth) < TOUCHED_GROUND.like * self.depth:
             self._beyond = max(min(self._beyond, along), self._before)
             self._farthest = max(self._farthest, along)
 
@@ -118,18 +109,10 @@ class Ledge:
         """Return the (2,) place nearest to one at which a foot may stand: where feet have stood [m]."""
         along = float(place @ self.along)
         top = self._before - 0.5 * self._radius
-        sure = self._beyond + SURE_TREAD * self._height - 2.0 * self._radius
-        below = min(max(along, self._beyond, self.edge + REACH), max(self._farthest, sure))
+        sure = self._beyond + TOUCHED_GROUND.sure_tread * self._height - 2.0 * self._radius
+        below = min(max(along, self._beyond, self.edge + TOUCHED_GROUND.reach), max(self._farthest, sure))
         goal = along if along <= top else top if along - top < below - along else below
         return place + (goal - along) * self.along
-
-
-UNMOVED = 0.1
-"""A slower body does not show which way a drop lies [m/s]."""
-DROP_NOISE = 0.02
-"""By how much the ground about a drop may be off [m]."""
-STEEP_TREAD = 0.9
-"""A drop is as steep as one with a tread of so many heights of the centre of mass."""
 
 
 class TouchedGround(BeliefTerrain):
@@ -152,7 +135,7 @@ class TouchedGround(BeliefTerrain):
 
     MEMORY = ("drop", "_heading", "_expected", "_slid")
 
-    finds_drops = True
+    finds_drops = TOUCHED_GROUND.finds_drops
 
     def __init__(self) -> None:
         self._about, self._level, self._slope = np.zeros(2), 0.0, np.zeros(2)
@@ -179,7 +162,7 @@ class TouchedGround(BeliefTerrain):
     ) -> None:
         """See `BeliefTerrain.observe`."""
         self._heading = heading_of(state.q[3:7])
-        if self._expected or sought.any():
+        if self.finds_drops and (self._expected or sought.any()):
             self._look_down(base_velocity(state.q, state.v), ground, stance, sought, soles)
         super().observe(state, ground, stance, sought, soles)
         if self.drop is not None and stance.all() and not self.drop.found:
@@ -200,7 +183,11 @@ class TouchedGround(BeliefTerrain):
             if self.drop is not None:
                 self.drop.deeper(float(sole[:2] @ self.drop.along), float(sole[2]))
             elif Ledge.begins(level - sole[2], self._height):
-                moved = flow[:2] if math.hypot(flow[0], flow[1]) > UNMOVED else sole[:2] - ground[k, :2]
+                moved = (
+                    flow[:2]
+                    if math.hypot(flow[0], flow[1]) > TOUCHED_GROUND.unmoved
+                    else sole[:2] - ground[k, :2]
+                )
                 along = self._way(moved)
                 before = float((ground[stance, :2] @ along).max(initial=-math.inf))
                 last, beyond = float(ground[k, :2] @ along), float(sole[:2] @ along)
@@ -228,7 +215,7 @@ class TouchedGround(BeliefTerrain):
     @property
     def steepness(self) -> float:
         """Of a drop [-]."""
-        return 0.0 if self.drop is None else self.drop.depth / (STEEP_TREAD * self._height)
+        return 0.0 if self.drop is None else self.drop.depth / (TOUCHED_GROUND.steep_tread * self._height)
 
     @property
     def highest_step(self) -> float:
@@ -241,7 +228,7 @@ class TouchedGround(BeliefTerrain):
 
     def noise_at(self, xy: FloatArray) -> float:
         """See `Terrain.noise_at`."""
-        return 0.0 if self.drop is None else DROP_NOISE
+        return 0.0 if self.drop is None else TOUCHED_GROUND.noise
 
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the expected height under (..., 2) places [m]: (...)."""

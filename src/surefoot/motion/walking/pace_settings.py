@@ -121,6 +121,7 @@ LEAPING = LeapSettings()
 class StairGaitSettings(Settings):
     """The trot in step with stairs."""
 
+    used: bool = setting(True, "-", "whether a trot gets in step with stairs")
     duty: float = setting(0.6, "-", "share of the cycle that each foot carries", low=0.0, high=1.0)
     longest_cycle: float = setting(
         2.2, "-", "longest cycle over the trot's own; slower bodies take more strides for a tread", low=1.0
@@ -144,6 +145,7 @@ STAIR_GAIT = StairGaitSettings()
 class StairPhaseSettings(Settings):
     """How a body takes up its phase over stairs."""
 
+    used: bool = setting(True, "-", "whether a body takes up its phase over stairs")
     strides: int = setting(3, "-", "strides looked ahead beyond the next one where stairs are known", low=0)
     strides_seen: int = setting(
         6,

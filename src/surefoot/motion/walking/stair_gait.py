@@ -92,7 +92,7 @@ def speed_in_step(terrain: Terrain, speed: float, height: float, period: float) 
 
 def _high(terrain: Terrain, height: float) -> bool:
     """Return whether a ground is stairs with steps high enough to matter."""
-    return terrain.steepness > 0.0 and terrain.highest_step >= LOW * height
+    return STAIR_GAIT.used and terrain.steepness > 0.0 and terrain.highest_step >= LOW * height
 
 
 def _cycles(terrain: Terrain, speed: float, height: float, period: float) -> tuple[float, float]:

@@ -34,6 +34,7 @@ from surefoot.motion.walking.gait_choice import choose_gait
 from surefoot.motion.walking.gait_clock import GaitClock
 from surefoot.motion.walking.leaping import leap, unease
 from surefoot.motion.walking.load_adaptation import LoadAdaptation
+from surefoot.motion.walking.pace_settings import STAIR_GAIT, STAIR_PHASE
 from surefoot.motion.walking.stair_phase import StepPhase
 from surefoot.motion.walking.touchdown_detection import TouchMemory, TouchSense
 from surefoot.motion.walking.walk_state import BipedState, GaitState, PlanTimes, StepInput, WalkState
@@ -130,7 +131,8 @@ class WalkingController(Walker):
         radius = float(np.linalg.norm(offsets[:, :2], axis=1).max())
         self._set_behaviours(radii, radius, s.watch_friction)
         self._steps = None
-        if cyclic and (self.terrain.highest_step > 0.0 or self.terrain.learns):
+        in_step = cyclic and STAIR_GAIT.used and STAIR_PHASE.used
+        if in_step and (self.terrain.highest_step > 0.0 or self.terrain.learns):
             margin = 2.0 * float(radii.mean())
             self._steps = StepPhase(self.terrain, self.schedule, offsets, margin)
         clearance, descent = s.clearance * self.height, FEET.descent * math.sqrt(GRAVITY * self.height)

@@ -8,7 +8,8 @@ import pytest
 from surefoot.base.spatial import rotation_from_quaternion
 from surefoot.mechanics.robot import load_robot
 from surefoot.mechanics.terrain import PitTerrain
-from surefoot.motion.ground.touched_ground import DROP, REACH, Ledge, TouchedGround
+from surefoot.motion.ground.ground_settings import TOUCHED_GROUND
+from surefoot.motion.ground.touched_ground import Ledge, TouchedGround
 from surefoot.motion.walking.behaviours.behaviour import NOTHING
 from surefoot.motion.walking.behaviours.stop_at_drop import StopAtDrop
 from surefoot.motion.walking.walking_body import VelocityCommand
@@ -70,7 +71,7 @@ def test_a_foot_that_finds_no_ground_stops_the_body_and_the_walk_says_why() -> N
 
 
 def test_a_small_step_is_none_and_the_walk_goes_on_as_on_a_plane() -> None:
-    low = 0.9 * DROP * HEIGHT
+    low = 0.9 * TOUCHED_GROUND.drop * HEIGHT
     ground = TouchedGround()
     stands = reach_down(ground, [0.0, 0.05, low - 0.005])
     assert ground.drop is not None
@@ -84,7 +85,7 @@ def test_feet_keep_to_where_feet_have_stood() -> None:
     drop.stand(0.6, -0.12)
     places = np.linspace(0.3, 1.2, 91)
     found = np.array([drop.nearest(np.array([s, 0.1]))[0] for s in places])
-    before, beyond = found <= 0.5, found >= drop.edge + REACH
+    before, beyond = found <= 0.5, found >= drop.edge + TOUCHED_GROUND.reach
     assert (before | beyond).all()
     assert before[places < 0.5].all()
     assert beyond[places > 0.65].all()

@@ -15,7 +15,8 @@ from surefoot.base.arrays import FloatArray
 from surefoot.base.memory import Memory, Remembering
 from surefoot.base.spatial import GRAVITY, base_velocity, heading_of
 from surefoot.motion.ground.ground_belief import believed
-from surefoot.motion.ground.touched_ground import DROP, Ledge, TouchedGround
+from surefoot.motion.ground.ground_settings import TOUCHED_GROUND
+from surefoot.motion.ground.touched_ground import Ledge, TouchedGround
 from surefoot.motion.walking.behaviours.behaviour import NOTHING, FootSearch, Request, WalkFacts, WalkView
 
 
@@ -65,9 +66,10 @@ class StopAtDrop(Remembering):
             return NOTHING
         self._standing = self._standing or self._rests(drop, view)
         if drop.certain and not self.note:
+            most = 1e3 * TOUCHED_GROUND.drop * self.height
             self.note = (
                 f"stopped from {view.time:.2f} s on: a foot found the ground {1e3 * drop.depth:.0f} mm "
-                f"lower, and drops of more than {1e3 * DROP * self.height:.0f} mm are not taken by "
+                f"lower, and drops of more than {most:.0f} mm are not taken by "
                 "touch alone"
             )
         return Request(

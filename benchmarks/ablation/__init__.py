@@ -1,0 +1,1 @@
+"""What walking loses without each of its behaviours and heuristics, and how its settings were chosen."""

@@ -1,0 +1,37 @@
+"""Other defaults of settings for one process, given before the modules that define them are imported."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import Field
+from typing import Any
+
+from surefoot.base.settings import Settings
+
+
+class Changes:
+    """Gives settings other defaults as their classes are made.
+
+    Compiled code folds the settings that it reads, so a process has one set of values from its start on.
+
+    Parameters
+    ----------
+    values
+        By "Class.setting".
+    """
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self.left = dict(values)
+        changes = self
+
+        def changed(cls: type[Settings], /, **_: Any) -> None:
+            for name, part in list(vars(cls).items()):
+                if isinstance(part, Field) and f"{cls.__name__}.{name}" in changes.left:
+                    part.default = changes.left.pop(f"{cls.__name__}.{name}")
+
+        Settings.__init_subclass__ = classmethod(changed)  # type: ignore[assignment]
+
+    def check(self) -> None:
+        """Raise an error if a setting that should be changed has not been met."""
+        if self.left:
+            raise LookupError(f"no such settings, or their modules were imported before: {self.left}")

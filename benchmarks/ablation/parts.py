@@ -1,0 +1,149 @@
+"""What can be left out of walking, and the tasks that it should help with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from benchmarks.stacks.tasks import TASKS as STACK_TASKS
+from benchmarks.stacks.tasks import Task
+from surefoot.base.errors import ProblemError, unknown_name
+
+FIRST_SEED = 1000
+"""First seed: those of the stacks begin at 0."""
+SHORT = 5.0
+"""Length of a walk over flat ground [s]."""
+
+
+@dataclass(frozen=True)
+class WalkTask(Task):
+    """A task of the stacks, or one that they do not have.
+
+    Attributes
+    ----------
+    watch
+        Whether the controller finds out friction.
+    stops
+        Whether it is enough to stay up: a robot that stops before a drop does not go on.
+    """
+
+    watch: bool = False
+    stops: bool = False
+
+
+def _stack(name: str, duration: float | None = None) -> WalkTask:
+    given = STACK_TASKS[name]
+    values = {key: getattr(given, key) for key in given.__dataclass_fields__}
+    return replace(WalkTask(**values), duration=duration or given.duration)
+
+
+def _own(name: str, title: str, speed: float, duration: float, **more: Any) -> WalkTask:
+    return WalkTask(name, title, (speed, 0.0, 0.0), duration=duration, **more)
+
+
+TASKS: dict[str, WalkTask] = {
+    task.name: task
+    for task in (
+        *(_stack(f"speed-{speed}", SHORT) for speed in ("0.5", "0.8", "1", "1.4")),
+        *(_stack(name) for name in ("push-left", "push-back-left", "shove-200-left")),
+        *(_stack(name) for name in ("stairs-up", "stairs-down", "stairs-up-map", "stairs-down-map")),
+        _stack("rough-blind", 6.0),
+        _own("drop", "a drop of 11 cm, found by touch", 0.4, SHORT, terrain="pit:0.6,2,0.11",
+             knowledge="blind", stops=True),
+        _own("stairs-blind", "stairs of 12 cm down, found by touch", 0.4, 6.0, terrain="stairs:-0.12,0.3",
+             knowledge="blind", stops=True),
+        _own("even-1", "flat ground, seen, 1 m/s", 1.0, 4.0, knowledge="map"),
+        _own("even-1.4", "flat ground, seen, 1.4 m/s", 1.4, 4.0, knowledge="map"),
+        _own("rough-map", "rough ground of 4 cm, seen, 0.8 m/s", 0.8, SHORT, terrain="rough:1,0.04",
+             knowledge="map"),
+        _own("ice-found", "mu 0.2, 0.6 believed, found out", 0.5, SHORT, mu=0.2, watch=True),
+        _own("stand", "standing, pushed", 0.0, 4.0, push=(0.0, 100.0)),
+        _own("walk-auto", "standing", 0.0, 3.0),
+    )
+}  # fmt: skip
+"""By name."""
+STAIRS = ("stairs-up", "stairs-down", "stairs-up-map", "stairs-down-map")
+
+
+@dataclass(frozen=True)
+class Part:
+    """A behaviour or a heuristic, and what leaves it out.
+
+    Attributes
+    ----------
+    name, title
+        On the command line, and in tables.
+    tasks
+        Those that it should help with.
+    without
+        Name of the behaviour that is left out; empty for none.
+    changes
+        Settings that leave it out, by "Class.setting".
+    """
+
+    name: str
+    title: str
+    tasks: tuple[str, ...]
+    without: str = ""
+    changes: Mapping[str, Any] = field(default_factory=dict)
+
+
+PARTS: dict[str, Part] = {
+    part.name: part
+    for part in (
+        Part("push-recovery", "behaviour: push recovery", ("push-left", "push-back-left", "shove-200-left"),
+             "push recovery"),
+        Part("stop-at-drop", "behaviour: stop at drop", ("drop", "stairs-blind"), "stop at drop"),
+        Part("slip", "behaviour: slip", ("ice-found",), "slip"),
+        Part("seen-stairs", "behaviour: seen stairs", ("stairs-up-map", "stairs-down-map"), "seen stairs"),
+        Part("stumble", "behaviour: stumble", ("rough-blind",), "stumble"),
+        Part("cruise", "behaviour: cruise", ("stairs-up-map", "stairs-down-map"), "cruise"),
+        Part("stand-still", "behaviour: stand still", ("stand", "speed-0.5"), "stand still"),
+        Part("ease", "lower swings while the body is calm", ("speed-0.8", "speed-1", "speed-1.4"),
+             changes={"WalkSettings.ease": 1.0}),
+        Part("brisk", "a gait hurries at brisk speeds", ("speed-0.8", "speed-1", "speed-1.4"),
+             changes={"SpeedLimitSettings.brisk": 0.0}),
+        Part("in-step", "in step with stairs: cycle and phase", STAIRS,
+             changes={"StairGaitSettings.used": False}),
+        Part("phase", "in step with stairs: phase alone", STAIRS, changes={"StairPhaseSettings.used": False}),
+        Part("drops", "drops found by touch", ("drop", "stairs-blind"),
+             changes={"TouchedGroundSettings.finds_drops": False}),
+        Part("dip", "lower body down steps", ("stairs-down", "stairs-down-map"),
+             changes={"BodyMotionSettings.dip": 0.0}),
+        Part("even", "even swings over learned ground", ("even-1", "even-1.4", "rough-map"),
+             changes={"FeetSettings.fast": 1e9}),
+    )
+}  # fmt: skip
+"""By name."""
+
+CLASS_TASKS: dict[str, tuple[str, ...]] = {
+    "PushRecoverySettings": ("push-left", "shove-200-left"),
+    "LeapSettings": ("push-left", "shove-200-left"),
+    "SlipSettings": ("ice-found",),
+    "StopAtDropSettings": ("drop", "stairs-blind"),
+    "TouchedGroundSettings": ("drop", "stairs-blind"),
+    "SeenStairsSettings": ("stairs-up-map", "stairs-down-map"),
+    "StairGaitSettings": STAIRS,
+    "StairPhaseSettings": STAIRS,
+    "StumbleSettings": ("rough-blind",),
+    "TouchdownSettings": ("rough-blind", "rough-map"),
+    "FootholdSettings": ("stairs-down", "rough-map"),
+}
+"""Tasks that settings of a class are varied over."""
+USUAL_TASKS = ("speed-0.5", "speed-1", "push-left")
+"""Tasks that all other settings are varied over."""
+
+
+def choose_parts(names: Sequence[str] | None) -> tuple[Part, ...]:
+    """Return the named parts, or all.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown name.
+    """
+    for name in names or ():
+        if name not in PARTS:
+            raise ProblemError(unknown_name("part of walking", name, tuple(PARTS)))
+    return tuple(PARTS[name] for name in names or PARTS)

@@ -1,0 +1,61 @@
+"""One trial of an ablation: a walk in the stacks' world, with a behaviour left out or none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from benchmarks.ablation.parts import TASKS
+from benchmarks.stacks.stack import Job, Surefoot, Timed, TimedController
+from benchmarks.stacks.trial import asked_velocity, carry_out
+from surefoot.motion.drive.latency_compensation import LatencyCompensation
+from surefoot.motion.ground.terrain_knowledge import controller_ground
+from surefoot.motion.ground.touched_ground import TouchedGround as TouchedGround
+from surefoot.motion.walking.behaviours import BEHAVIOURS, MakeBehaviour
+from surefoot.motion.walking.walking_body import VelocityCommand
+from surefoot.motion.walking.walking_controller import WalkingController, WalkSettings
+
+
+def behaviour_name(make: MakeBehaviour) -> str:
+    """Return the name of the behaviour that something makes: its class, or a method of it."""
+    return str(getattr(getattr(make, "__self__", make), "name", ""))
+
+
+@dataclass(frozen=True)
+class Walked(Surefoot):
+    """Surefoot's trot without a behaviour, or with all.
+
+    Attributes
+    ----------
+    without
+        The behaviour's name; empty for none.
+    watch
+        Whether friction is found out.
+    """
+
+    without: str = ""
+    watch: bool = False
+
+    def controller(self, job: Job) -> TimedController:
+        """See `Stack.controller`."""
+        kept = tuple(make for make in BEHAVIOURS if behaviour_name(make) != self.without)
+        if self.without and len(kept) == len(BEHAVIOURS):
+            raise LookupError(f"no behaviour {self.without!r}")
+        settings = WalkSettings(mu=job.mu, watch_friction=self.watch, actuators=job.motors, behaviours=kept)
+        walker = WalkingController(
+            job.robot, VelocityCommand.constant(*job.asked), "trot",
+            controller_ground(job.knowledge, job.terrain), settings, job.dt,
+        )  # fmt: skip
+        return Timed(walker, LatencyCompensation(walker, job.robot, job.dt))
+
+
+def carry_out_task(name: str, seed: int, without: str = "") -> dict[str, Any]:
+    """Return what became of a task with a seed: whether it was done, and its measures."""
+    task = TASKS[name]
+    trial = carry_out(Walked(without, task.watch), task, seed)
+    done = trial.upright if task.stops else trial.survived(asked_velocity(task))
+    m = trial.measures
+    return {
+        "task": name, "seed": seed, "done": done, "upright": trial.upright, "error": m.velocity_error,
+        "cost": m.cost_of_transport, "friction": m.friction_use, "load": m.load, "why": trial.why[:200],
+    }  # fmt: skip

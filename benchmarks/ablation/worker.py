@@ -1,0 +1,36 @@
+"""Trials with some of the settings changed, one JSON line each, in a process of their own.
+
+Run by `benchmarks.ablation.trials`: python -m benchmarks.ablation.worker JSON, with "changes" (settings by
+"Class.setting"), "without" (the name of a behaviour), "tasks" and "seeds".
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import Any
+
+from benchmarks.ablation.changes import Changes
+
+
+def main(words: list[str]) -> None:
+    """Carry out the trials of a request, seed after seed."""
+    given = json.loads(words[0])
+    changes = Changes(given["changes"])
+    from benchmarks.ablation.walked import carry_out_task
+
+    changes.check()
+    for seed in given["seeds"]:
+        for task in given["tasks"]:
+            print(json.dumps(_line(carry_out_task(task, seed, given["without"]))), flush=True)
+
+
+def _line(found: dict[str, Any]) -> dict[str, Any]:
+    """Return a record with None in place of numbers that are none."""
+    return {
+        key: None if isinstance(value, float) and value != value else value for key, value in found.items()
+    }
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
