@@ -24,7 +24,7 @@ WIDTH = 170
 """Columns that the table needs."""
 MEANINGS = (
     "done: survived, or upright where a robot should stop, before and after. chance: of so unequal a split "
-    "if nothing is lost. Differences: means over the seeds done both ways, 95 % intervals; * worse, + better, "
+    "if nothing is lost. Differences: means over seeds done both ways, 95 % intervals; * worse, + better, "
     "beyond noise and by enough to matter."
 )
 

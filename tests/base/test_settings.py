@@ -102,3 +102,16 @@ def test_a_number_of_a_user_is_checked_and_tuned_by_nobody() -> None:
     assert info is not None
     assert (info.unit, info.source) == ("kg", "")
     assert info_of(Trial, "name") is None
+
+
+def test_several_numbers_of_one_setting_are_checked_one_by_one() -> None:
+    @dataclass(frozen=True)
+    class Weights(Settings):
+        linear: tuple[float, float] = setting((2.0, 3.0), "-", "weights", low=0.0)
+
+    assert Weights().linear == (2.0, 3.0)
+    assert Weights(linear=[1, 4]).linear == (1.0, 4.0)  # type: ignore[arg-type]
+    with pytest.raises(ProblemError, match=r"linear\[1\]"):
+        Weights(linear=(1.0, -1.0))
+    with pytest.raises(ProblemError, match="linear"):
+        Weights(linear=(1.0, 2.0, 3.0))  # type: ignore[arg-type]

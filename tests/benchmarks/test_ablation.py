@@ -1,0 +1,137 @@
+"""Ablations of walking: comparisons tell loss from noise, parts name what there is, changes take effect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.ablation.changes import Changes
+from benchmarks.ablation.comparing import compare, difference, sign_test
+from benchmarks.ablation.parts import CLASS_TASKS, PARTS, TASKS, USUAL_TASKS, choose_parts
+from benchmarks.ablation.trials import Change, run_trials
+from benchmarks.ablation.varying import Tried, find_setting, verdict
+from benchmarks.ablation.walked import behaviour_name
+from surefoot.base.errors import ProblemError
+from surefoot.base.settings import Settings, setting
+from surefoot.motion.walking.behaviours import BEHAVIOURS
+
+
+def records(done: list[bool], cost: list[float]) -> list[dict[str, Any]]:
+    """Return records of one task, seed after seed."""
+    more = {"error": 0.01, "friction": 0.5, "load": 1.0}
+    return [
+        {"task": "walk", "seed": k, "done": d, "cost": c, **more}
+        for k, (d, c) in enumerate(zip(done, cost, strict=True))
+    ]
+
+
+def test_a_loss_is_told_from_noise_seed_by_seed() -> None:
+    rng = np.random.default_rng(3)
+    base = 0.4 + 0.1 * rng.standard_normal(8)  # seeds differ by far more than the loss
+    up = [True] * 8
+    lost = compare("walk", records(up, base.tolist()), records(up, (1.05 * base).tolist()))
+    assert lost.worse
+    assert not lost.better
+    (cost,) = (one for one in lost.differences if one.measure == "cost")
+    assert cost.size == pytest.approx(0.05)
+    noise = (base + 0.05 * np.tile([1.0, -1.0], 4)).tolist()
+    same = compare("walk", records(up, base.tolist()), records(up, noise))
+    assert not same.worse
+    assert not same.better
+    gained = compare("walk", records(up, (1.05 * base).tolist()), records(up, base.tolist()))
+    assert gained.better
+    assert not gained.worse
+
+
+def test_survival_is_lost_only_beyond_chance() -> None:
+    cost = [0.4] * 8
+    before = records([True] * 8, cost)
+    few = compare("walk", before, records([False] * 3 + [True] * 5, cost))
+    assert (few.before, few.after, few.worse) == (8, 5, False)
+    many = compare("walk", before, records([False] * 6 + [True] * 2, cost))
+    assert many.worse
+    assert many.chance == pytest.approx(2.0 / 2**6)
+    assert sign_test(3, 3) == 1.0
+    assert difference("cost", [1.0, 1.0], [2.0, 2.0]) is None, "two seeds say nothing of noise"
+
+
+def test_only_seeds_of_both_are_compared() -> None:
+    found = compare("walk", records([True] * 5, [0.4] * 5), records([True] * 3, [0.5] * 3))
+    assert found.trials == 3
+
+
+@pytest.mark.parametrize("part", PARTS.values(), ids=str)
+def test_parts_name_behaviours_settings_and_tasks_that_there_are(part: Any) -> None:
+    assert set(part.tasks) <= set(TASKS)
+    assert bool(part.without) != bool(part.changes)
+    assert not part.without or part.without in {behaviour_name(make) for make in BEHAVIOURS}
+    for name, value in part.changes.items():
+        assert find_setting(name).value != value
+
+
+def test_every_behaviour_is_a_part() -> None:
+    assert {behaviour_name(make) for make in BEHAVIOURS} == {p.without for p in PARTS.values()} - {""}
+    for names in (*CLASS_TASKS.values(), USUAL_TASKS):
+        assert set(names) <= set(TASKS)
+
+
+def test_wrong_names_are_refused() -> None:
+    with pytest.raises(ProblemError, match=r"unknown part of walking 'brisc'; valid names: brisk"):
+        choose_parts(["brisc"])
+    with pytest.raises(ProblemError, match=r"WalkSettings\.ease"):
+        find_setting("WalkSettings.eas")
+    with pytest.raises(ProblemError, match="only a single number"):
+        find_setting("MpcWeights.position")
+
+
+def test_values_stay_within_the_limits_of_a_setting() -> None:
+    assert find_setting("WalkSettings.friction_share").values(None) == [0.45, 1.0]
+    assert find_setting("WalkSettings.horizon").values(None) == [5, 20]
+    assert find_setting("StairPhaseSettings.used").values(None) == [False]
+    assert find_setting("WalkSettings.ease").values([0.9, 0.55, 0.1]) == [0.1, 0.9]
+
+
+def test_a_choice_is_repeated_if_no_value_is_better_and_one_is_worse() -> None:
+    base, up = [0.4, 0.5, 0.6], [True] * 3
+    worse = compare("walk", records(up, base), records(up, [1.1 * c for c in base]))
+    better = compare("walk", records(up, base), records(up, [0.9 * c for c in base]))
+    same = compare("walk", records(up, base), records(up, base))
+    ease = find_setting("WalkSettings.ease")
+    assert verdict(ease, [Tried(0.3, (same,)), Tried(0.9, (worse,))]) == "as good from 0.3 to 0.55"
+    assert verdict(ease, [Tried(0.3, (better, worse)), Tried(0.9, (same,))]) == "as good from 0.55 to 0.9"
+    assert verdict(ease, [Tried(0.3, (better,)), Tried(0.9, (worse,))]) == "better: 0.3"
+    assert verdict(ease, [Tried(0.3, (same,)), Tried(0.9, (same,))]).startswith("not decided")
+
+
+@pytest.fixture
+def _settings_as_they_were() -> Iterator[None]:
+    yield
+    del Settings.__init_subclass__
+
+
+@pytest.mark.usefixtures("_settings_as_they_were")
+def test_changes_reach_classes_that_are_made_afterwards() -> None:
+    changes = Changes({"Gains.stiffness": 3.0})
+    with pytest.raises(LookupError, match="stiffness"):
+        changes.check()
+
+    @dataclass(frozen=True)
+    class Gains(Settings):
+        stiffness: float = setting(2.0, "-", "stiffness")
+        damping: float = setting(1.0, "-", "damping")
+
+    changes.check()
+    assert (Gains().stiffness, Gains().damping) == (3.0, 1.0)
+
+
+@pytest.mark.long
+def test_a_trot_without_brisk_steps_takes_more_work() -> None:
+    change = Change("brisk", changes={"SpeedLimitSettings.brisk": 0.0})
+    (before,), (after,) = (run_trials(one, ["speed-1"], [1000]) for one in (Change(""), change))
+    assert before["done"]
+    assert after["done"]
+    assert after["cost"] > 1.1 * before["cost"]
