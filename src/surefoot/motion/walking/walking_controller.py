@@ -1,8 +1,8 @@
 """Walking on point feet: gait, footholds, convex MPC and whole-body control.
 
 Each `plan_interval`, and whenever a foot lifts or lands, the MPC plans the forces of the next steps again.
-Every gain scales with the robot's mass, inertia, leg length and foot places; no number is of one robot, but most were
-chosen on Go2 (docs/settings.md).
+Every gain scales with the robot's mass, inertia, leg length and foot places. No number is for one robot
+alone, but most were chosen on Go2 (docs/settings.md).
 The tick itself is `surefoot.motion.walking.tick.Tick.step`.
 """
 
