@@ -123,7 +123,7 @@ CLASS_TASKS: dict[str, tuple[str, ...]] = {
     "SlipSettings": ("ice-found",),
     "StopAtDropSettings": ("drop", "stairs-blind"),
     "TouchedGroundSettings": ("drop", "stairs-blind"),
-    "SeenStairsSettings": ("stairs-up-map", "stairs-down-map"),
+    "StairApproachSettings": ("stairs-up-map", "stairs-down-map"),
     "StairGaitSettings": STAIRS,
     "StairPhaseSettings": STAIRS,
     "StumbleSettings": ("rough-blind",),

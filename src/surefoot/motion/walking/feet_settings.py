@@ -67,7 +67,7 @@ class FootPhaseSettings(Settings):
         low=0.0,
         high=1.0,
     )
-    lost_time: float = setting(
+    release_time: float = setting(
         DEBOUNCE,
         "s",
         "time without touch after which a foot in stance has lost the ground and searches for it",

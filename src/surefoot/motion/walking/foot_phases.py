@@ -34,7 +34,7 @@ from surefoot.motion.walking.swing import DOWN, LIFT_LATER, swing_motion
 
 FootArray: TypeAlias = NDArray[np.void]
 """(n,) records of `FOOT`, one a foot."""
-EARLY, LOST_TIME, RETRY = FOOT_PHASES.early, FOOT_PHASES.lost_time, FOOT_PHASES.retry
+EARLY, LOST_TIME, RETRY = FOOT_PHASES.early, FOOT_PHASES.release_time, FOOT_PHASES.retry
 """Settings, as compiled code folds them."""
 RESTART_LIFT = LIFT_LATER[-1]
 """Share of a restarted swing in which the foot only lifts [-]: an edge is before it."""

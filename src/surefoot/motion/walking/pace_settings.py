@@ -147,7 +147,7 @@ class StairPhaseSettings(Settings):
 
     used: bool = setting(True, "-", "whether a body takes up its phase over stairs")
     strides: int = setting(3, "-", "strides looked ahead beyond the next one where stairs are known", low=0)
-    strides_seen: int = setting(
+    strides_mapped: int = setting(
         6,
         "-",
         "strides looked ahead beyond the next one on stairs that come into view one after the other",

@@ -142,7 +142,7 @@ class StepPhase(Remembering):
         along, strides, known = stride / length, STAIR_PHASE.strides, math.inf
         if self.terrain.learns:
             known = self.terrain.steps_until(place, along)
-            strides = STAIR_PHASE.strides_seen if known > -math.inf else 0
+            strides = STAIR_PHASE.strides_mapped if known > -math.inf else 0
         begin, end = -LOOK, LOOK + strides * length
         if math.isfinite(known):  # all edges back from the last one that has been seen
             begin, end = min(known, 0.0) - LOOK - length, min(end, known + STAIR_PHASE.last_tread * length)

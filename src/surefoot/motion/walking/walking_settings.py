@@ -52,8 +52,17 @@ class WalkSettings(Settings):
     ramp
         Time over which the upper one grows after touchdown, and falls before lift-off, in units of
         sqrt(h / g) [-].
-    gait_lead, catch_clearance, held_stiffness, flying_weight, horizon_period, horizon_stance
-        See docs/settings.md, as for all numbers.
+    gait_lead
+        Multiple of its speed that the gait must be fit for before the body goes faster [-].
+    catch_clearance
+        Height of the swings over the usual one while a body is caught [-].
+    held_stiffness
+        Natural frequency of joints outside the legs, which hold their pose, in units of sqrt(g / h).
+    flying_weight
+        Factor on the swing-foot weight while no foot stands [-].
+    horizon_period, horizon_stance
+        Cycle that the horizon of a schedule without one is measured by, at a height of 0.3 m [s], and its
+        stance as a share of it [-].
     behaviour_settings
         Settings of the behaviours, a part for each.
     actuators

@@ -111,7 +111,7 @@ class StandStillSettings(Settings):
 
 
 @dataclass(frozen=True)
-class SeenStairsSettings(Settings):
+class StairApproachSettings(Settings):
     """Coming to stairs that a sensor sees."""
 
     approach: float = setting(
@@ -172,6 +172,6 @@ class BehaviourSettings(Settings):
     push_recovery: PushRecoverySettings = field(default_factory=PushRecoverySettings)
     stop_at_drop: StopAtDropSettings = field(default_factory=StopAtDropSettings)
     slip: SlipSettings = field(default_factory=SlipSettings)
-    seen_stairs: SeenStairsSettings = field(default_factory=SeenStairsSettings)
+    stair_approach: StairApproachSettings = field(default_factory=StairApproachSettings)
     stumble: StumbleSettings = field(default_factory=StumbleSettings)
     cruise: CruiseSettings = field(default_factory=CruiseSettings)

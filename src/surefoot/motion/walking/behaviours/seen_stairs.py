@@ -19,7 +19,7 @@ class SeenStairs:
 
     def __init__(self, walk: WalkFacts) -> None:
         self.schedule = walk.schedule
-        self.settings = walk.settings.seen_stairs
+        self.settings = walk.settings.stair_approach
         self._belief = believed(walk.terrain)
         seen = self._belief is not None and self._belief.seen
         self._usual = Request(search=FootSearch(self.settings.search_speed)) if seen else NOTHING
