@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,9 +10,8 @@ from typing import Any
 from benchmarks.ablation.comparing import Comparison, compare
 from benchmarks.ablation.parts import CLASS_TASKS, USUAL_TASKS
 from benchmarks.ablation.trials import Change, Trials
-from docs.settings import rows_of, settings_classes
 from surefoot.base.errors import ProblemError, unknown_name
-from surefoot.base.settings import SettingInfo
+from surefoot.base.settings import SettingInfo, Settings, describe
 
 FACTORS = (0.5, 2.0)
 """Values that are tried, over the setting's own."""
@@ -67,11 +67,14 @@ def find_setting(name: str) -> Setting:
     ProblemError
         For an unknown name, and a setting that is not one number.
     """
+    importlib.import_module("surefoot.motion.walking.walking_controller")
+    importlib.import_module("surefoot.motion.walking.biped.walking")
     known = {
-        f"{owner.__name__}.{field}": Setting(f"{owner.__name__}.{field}", value, info)
-        for owner in settings_classes()
+        f"{owner.__name__}.{one.name}": Setting(f"{owner.__name__}.{one.name}", one.value, one.info)
+        for owner in Settings.__subclasses__()
         if owner.__module__.startswith("surefoot.motion.")
-        for field, value, info in rows_of(owner)
+        for one in describe(owner)
+        if "." not in one.name
     }
     if name not in known:
         raise ProblemError(unknown_name("setting", name, tuple(known)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,7 +56,8 @@ def carry_out_task(name: str, seed: int, without: str = "") -> dict[str, Any]:
     trial = carry_out(Walked(without, task.watch), task, seed)
     done = trial.upright if task.stops else trial.survived(asked_velocity(task))
     m = trial.measures
+    error = math.nan if task.stops else m.velocity_error  # it should not go on
     return {
-        "task": name, "seed": seed, "done": done, "upright": trial.upright, "error": m.velocity_error,
+        "task": name, "seed": seed, "done": done, "upright": trial.upright, "error": error,
         "cost": m.cost_of_transport, "friction": m.friction_use, "load": m.load, "why": trial.why[:200],
     }  # fmt: skip

@@ -29,6 +29,8 @@ class BodyMotionSettings(Settings):
         "how much lower the body goes down steps, per unit of slope, on ground that is no plane",
         low=0.0,
         high=1.0,
+        tuned="`surefoot bench ablation --only dip`, 2026-11-25: "
+        "without it feet land with 3.5 in place of 2.4 m g, for 3 % less work",
     )
     lowering_time: float = setting(
         0.3, "s", "time constant with which the body comes down to the height that suits a slope", low=1e-06
