@@ -14,12 +14,15 @@ MEASURES = {
     "cost": "cost of transport",
     "friction": "friction used",
     "load": "largest force",
+    "hits": "hits",
 }
 """Measures by their names in a record; less of each is better."""
 SIGNIFICANT = 0.05
 """Probability under which a difference of survivals is none of chance."""
-WORTH = {"error": 0.02, "cost": 0.02, "friction": 0.05, "load": 0.15}
-"""Difference that matters: of the error in m/s, of the others as a share."""
+WORTH = {"error": 0.02, "cost": 0.02, "friction": 0.05, "load": 0.15, "hits": 0.02}
+"""Difference that matters: of the error in m/s, of hits in steps with one, of the others as a share."""
+ABSOLUTE = ("error", "hits")
+"""Measures whose differences are not put over the measure itself."""
 
 Records = Sequence[Mapping[str, Any]]
 
@@ -46,11 +49,11 @@ class Difference:
 
     @property
     def size(self) -> float:
-        """How much is lost: of the error [m/s], of others as a share; 0 where it may be noise."""
+        """How much is lost, see `WORTH`; 0 where it may be noise."""
         if self.low <= 0.0 <= self.high:
             return 0.0
         change = self.after - self.before
-        return change if self.measure == "error" else change / max(self.before, 1e-9)
+        return change if self.measure in ABSOLUTE else change / max(self.before, 1e-9)
 
     @property
     def worse(self) -> bool:

@@ -59,5 +59,6 @@ def carry_out_task(name: str, seed: int, without: str = "") -> dict[str, Any]:
     error = math.nan if task.stops else m.velocity_error  # it should not go on
     return {
         "task": name, "seed": seed, "done": done, "upright": trial.upright, "error": error,
-        "cost": m.cost_of_transport, "friction": m.friction_use, "load": m.load, "why": trial.why[:200],
+        "cost": m.cost_of_transport, "friction": m.friction_use, "load": m.load, "hits": m.hits,
+        "why": trial.why[:200],
     }  # fmt: skip

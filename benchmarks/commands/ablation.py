@@ -25,7 +25,7 @@ WIDTH = 170
 MEANINGS = (
     "done: survived, or upright where a robot should stop, before and after. chance: of so unequal a split "
     "if nothing is lost. Differences: means over seeds done both ways, 95 % intervals; * worse, + better, "
-    "beyond noise and by enough to matter."
+    "beyond noise and by enough to matter. hits: share of the steps at which other links touch."
 )
 
 

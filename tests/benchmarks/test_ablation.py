@@ -22,7 +22,7 @@ from surefoot.motion.walking.behaviours import BEHAVIOURS
 
 def records(done: list[bool], cost: list[float]) -> list[dict[str, Any]]:
     """Return records of one task, seed after seed."""
-    more = {"error": 0.01, "friction": 0.5, "load": 1.0}
+    more = {"error": 0.01, "friction": 0.5, "load": 1.0, "hits": 0.0}
     return [
         {"task": "walk", "seed": k, "done": d, "cost": c, **more}
         for k, (d, c) in enumerate(zip(done, cost, strict=True))
