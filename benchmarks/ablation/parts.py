@@ -102,6 +102,8 @@ PARTS: dict[str, Part] = {
         Part("stand-still", "behaviour: stand still", ("stand", "speed-0.5"), "stand still"),
         Part("ease", "lower swings while the body is calm", ("speed-0.8", "speed-1", "speed-1.4"),
              changes={"WalkSettings.ease": 1.0}),
+        Part("unease", "swings in full after an error of the velocity", ("push-left", "shove-200-left"),
+             changes={"LeapSettings.calm": 10.0, "LeapSettings.uneasy": 20.0}),
         Part("brisk", "a gait hurries at brisk speeds", ("speed-0.8", "speed-1", "speed-1.4"),
              changes={"SpeedLimitSettings.brisk": 0.0}),
         Part("in-step", "in step with stairs: cycle and phase", STAIRS,
