@@ -67,8 +67,25 @@ GAIT_CHANGE = GaitChangeSettings()
 class GaitTimings(Settings):
     """Period for a leg of 0.3 m, and share of it that each foot carries, of the named gaits."""
 
-    trot_period: float = setting(0.40, "s", "period of a trot", low=1e-3)
-    trot_duty: float = setting(0.55, "-", "share that feet of a trot carry", low=0.0, high=1.0)
+    trot_period: float = setting(
+        0.40,
+        "s",
+        "period of a trot",
+        low=1e-3,
+        tuned="`surefoot bench ablation --vary GaitTimings.trot_period "
+        "--value 0.3 --value 0.5 --task speed-1 --seeds 3`, "
+        "2026-11-25: as good from 0.4 to 0.4",
+    )
+    trot_duty: float = setting(
+        0.55,
+        "-",
+        "share that feet of a trot carry",
+        low=0.0,
+        high=1.0,
+        tuned="`surefoot bench ablation --vary GaitTimings.trot_duty "
+        "--value 0.45 --value 0.65 --task speed-1 --seeds 3`, "
+        "2026-11-25: as good from 0.55 to 0.55",
+    )
     walk_period: float = setting(0.80, "s", "period of a walk on four feet", low=1e-3)
     walk_duty: float = setting(0.78, "-", "share that feet of a walk on four carry", low=0.0, high=1.0)
     pace_period: float = setting(0.36, "s", "period of a pace", low=1e-3)
