@@ -158,7 +158,7 @@ class FeetSettings(Settings):
         "sqrt(g h)",
         "speed of a swing plus its slope from which it is one over even ground where that is learned",
         low=0.0,
-        tuned="`surefoot bench ablation --only even`, 2026-11-25: "
+        tuned="judgement, not measured: `surefoot bench ablation --only even` compares it with none: "
         "without such swings a trot takes 53 to 64 % more work",
     )
     even: float = setting(
