@@ -145,17 +145,10 @@ def jump(
         flight = sum(length for length, _ in over)
     schedule, length = modes(robot, [(push, "all"), *over, (land, "all")])
     knots = round(length / dt)
-    t = dt * np.arange(knots + 1)
-    # The reference begins to move in the last 30 % of the push and has arrived 10 % of it after touchdown:
-    # there the body accelerates and brakes. The optimiser is free to do otherwise.
-    share = np.clip((t - 0.7 * push) / (flight + 0.4 * push), 0.0, 1.0)
-    reference = np.tile(q, (knots + 1, 1))
-    reference[:, :3] += share[:, None] * (end - q)[:3]
-    # The parabola of free fall over the flight, zero at both ends: g/2 t (T - t).
+    t: FloatArray = dt * np.arange(knots + 1)
     flown = np.clip(t - push, 0.0, flight)
-    reference[:, 2] += 0.5 * GRAVITY * flown * (flight - flown)
     up = rotation_from_quaternion(q[3:7]).T @ np.asarray(ground.normal(q[:2]))
-    reference[:, 3:7] = _rotate_about(q[3:7], up, way[1] * share)
+    reference = _jump_reference(q, end, t, push, flight, (up, way[1]))
     # At the end: 1 cm ahead, 2 cm aside and in height, 0.015 in a quaternion's entries (1.7 degrees), and
     # 0.02 rad of each joint.
     within = np.concatenate([[0.01, 0.02, 0.02], np.full(4, 0.015), np.full(robot.joints, 0.02)])
@@ -180,6 +173,32 @@ def jump(
         leg_spread=(WIDE if climb > 0.0 else SPREAD) * reach, body_clearance=BODY * reach,
         knee_clearance=KNEE * reach,
     )  # fmt: skip
+
+
+def _jump_reference(
+    q: FloatArray, end: FloatArray, t: FloatArray, push: float, flight: float, turn: tuple[FloatArray, float]
+) -> FloatArray:
+    """Return the reference (k, nq) of a jump from q to `end` at (k,) times [s].
+
+    Parameters
+    ----------
+    q, end
+        (nq,) where it begins and lands.
+    t, push, flight
+        (k,) times, and those of the push and of the flight after it [s].
+    turn
+        (3,) axis of the robot's turn in its own axes, and angle [rad].
+    """
+    # The reference begins to move in the last 30 % of the push and has arrived 10 % of it after touchdown:
+    # there the body accelerates and brakes. The optimiser is free to do otherwise.
+    share = np.clip((t - 0.7 * push) / (flight + 0.4 * push), 0.0, 1.0)
+    reference = np.tile(q, (len(t), 1))
+    reference[:, :3] += share[:, None] * (end - q)[:3]
+    # The parabola of free fall over the flight, zero at both ends: g/2 t (T - t).
+    flown = np.clip(t - push, 0.0, flight)
+    reference[:, 2] += 0.5 * GRAVITY * flown * (flight - flown)
+    reference[:, 3:7] = _rotate_about(q[3:7], turn[0], turn[1] * share)
+    return reference
 
 
 def _step_up(flight: float, lead: float, ahead: float) -> list[tuple[float, str]]:
