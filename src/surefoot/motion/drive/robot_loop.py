@@ -80,8 +80,9 @@ class RobotLoop:
         Why control was lost last; empty after the next `go`.
     time
         Steps made times `dt` [s].
-    command, state
-        What the balance controller asked for in the last step, and for which state; None in modes without.
+    command, estimate
+        What the balance controller asked for in the last step, and the estimated state that it was given.
+        Both are None in modes without.
     walker
         The balance controller, for what it notes.
 
@@ -172,7 +173,7 @@ class RobotLoop:
     def _forget(self) -> None:
         """Forget what the last mode was doing."""
         self.command: Command | None = None
-        self.state: RobotState | None = None
+        self.estimate: RobotState | None = None
         self._reading: Reading | None = None
         self._steered: tuple[bytes, ...] = ()
         self.walker, self._controller = self._balances[LoopMode.STAND]
@@ -351,7 +352,7 @@ class RobotLoop:
         """Return the balance controller's targets."""
         self._choose()
         state = self._sense(usable)
-        self.state, self.command = state, self._controller.step(state)
+        self.estimate, self.command = state, self._controller.step(state)
         self.tracker.plan(self.command)
         return self.command.joint_targets or self._damp._replace(feedforward=self.command.torques)
 
@@ -386,13 +387,13 @@ class RobotLoop:
 
     def _still(self) -> bool:
         """Whether a robot that balances stands on all feet and hardly moves."""
-        feet, state = self.walker.feet, self.state
+        feet, state = self.walker.feet, self.estimate
         if feet is None or state is None or not feet.stance.all():
             return False
         return float(np.linalg.norm(state.v[:2])) < SLOW * math.sqrt(GRAVITY * self.walker.height)
 
     def _down(self) -> bool:
         """Whether the base leans as one that has fallen, or is as low by the estimate."""
-        q = None if self.state is None else self.state.q
+        q = None if self.estimate is None else self.estimate.q
         low = q is not None and q[2] - self.terrain.height(q[:2]) < LOW * self.robot.nominal[2]
         return bool(low) or self.watch.lean > self.limits.tilt

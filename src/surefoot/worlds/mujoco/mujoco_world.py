@@ -207,7 +207,7 @@ class MujocoWorld:
                 self.data.qvel[:3] = base_velocity(q, v)
         self._mujoco.mj_forward(self.model, self.data)
 
-    def state(self) -> tuple[FloatArray, FloatArray]:
+    def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         q, v = self._qpos.copy(), self._qvel.copy()
         if self.robot.floating:

@@ -206,7 +206,7 @@ class RigidWorld:
         self.last: Step | None = None
         self.unsolved, self.worst_residual, self.law_error = 0, 0.0, 0.0
 
-    def state(self) -> tuple[FloatArray, FloatArray]:
+    def q_v(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         return self._state.q.copy(), self._state.v.copy()
 

@@ -94,14 +94,14 @@ class MotorRobot:
         """Go on to the next reading, under a (3,) force on the base [N], world axes."""
         for _ in range(self._steps):
             self._queue.append(self._given)
-            q, v = self.world.state()
+            q, v = self.world.q_v()
             self.world.step(self._queue[0].torques(q[7:], v[6:]), push)
         self.torques = np.asarray(self.world.applied)
         self._count += 1
 
     def read(self) -> RobotReadings:
         """Return what sensors and motors say now; once a step."""
-        q, v = self.world.state()
+        q, v = self.world.q_v()
         reading = self.sensors.read(q, v)
         attitude = quaternion_from_rotation(self._error @ rotation_from_quaternion(q[3:7]))
         return RobotReadings(self.time, attitude, *reading, self.sensors.torques(self.torques))

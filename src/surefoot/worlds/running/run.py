@@ -83,7 +83,7 @@ def run(
     SimulationError, WriteError
         If not even the first step could be made and logged.
     """
-    lacks = [name for name in ("robot", "terrain", "step", "contacts") if not hasattr(world, name)]
+    lacks = [name for name in ("robot", "terrain", "step", "contacts", "q_v") if not hasattr(world, name)]
     if lacks:
         kind = type(world).__name__
         raise ProblemError(f"world must be one as sf.MujocoWorld(robot) is, {kind} lacks {', '.join(lacks)}")
@@ -93,7 +93,7 @@ def run(
         raise ProblemError(f"scenario must be a Scenario, as sf.Scenario(5.0) is one, got {scenario!r:.60}")
     q, v = scenario.begin(world)
     world.reset(q)
-    controller.warm_up(RobotState(*world.state(), 0.0, np.ones(len(world.robot.feet), dtype=bool)))
+    controller.warm_up(RobotState(*world.q_v(), 0.0, np.ones(len(world.robot.feet), dtype=bool)))
     world.step(np.zeros(world.robot.joints))  # so that no step of the run waits for a compiler
     world.reset(q, v)
     height = float(q[2] - world.terrain.height(q[:2]))
@@ -204,7 +204,7 @@ class _Run:
             now = k * world.dt
             self.ground.advance(now, reading)
             push = push_at(scenario.pushes, now) if scenario.pushes else None
-            q, v = world.state()
+            q, v = world.q_v()
             state = sensing.state(q, v, now, touching_feet(foot, reading.forces, feet, weight))
             state = self.exteroception.add(state, q, reading)
             start = clock.perf_counter()
