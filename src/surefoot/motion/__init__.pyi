@@ -5,6 +5,7 @@ from .control.controller import Controller as Controller
 from .control.controller import JointTargets as JointTargets
 from .control.controller import Wrapper as Wrapper
 from .control.controller import as_controller as as_controller
+from .control.controller import state_of as state_of
 from .drive.postures import BodyPostures as BodyPostures
 from .drive.readings import RobotReadings as RobotReadings
 from .drive.readings import motor_order as motor_order
@@ -21,6 +22,7 @@ from .planning.stand_up.stand_up_controller import controller_of as controller_o
 from .planning.tracking.reference import Reference as Reference
 from .state import HeightScan as HeightScan
 from .state import RobotState as RobotState
+from .state_kinds import STATE_KINDS as STATE_KINDS
 from .walking.walking_body import VelocityCommand as VelocityCommand
 from .walking.walking_controller import WalkingController as WalkingController
 from .walking.walking_settings import WalkSettings as WalkSettings

@@ -74,6 +74,8 @@ class InvariantEkf(Bound):
     True
     """
 
+    MEMORY = ("filter", "feet", "memory", "stances")
+
     def __init__(
         self,
         robot: Robot,
