@@ -13,9 +13,6 @@ from .identification.toss_model import in_world as in_world
 from .log.channels import CHANNELS as CHANNELS
 from .log.channels import Channel as Channel
 from .log.from_arrays import log_from_arrays as log_from_arrays
-from .log.kept_states import KeptState as KeptState
-from .log.kept_states import keep_state as keep_state
-from .log.kept_states import read_kept_state as read_kept_state
 from .log.log import Ending as Ending
 from .log.log import Log as Log
 from .log.plausibility import find_doubts as find_doubts

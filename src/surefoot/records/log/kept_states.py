@@ -48,7 +48,7 @@ class KeptState(NamedTuple):
     facts: Any
     about: Any
 
-    def packed(self) -> bytes:
+    def pack(self) -> bytes:
         """Return the contents of a file."""
         names = list(self.arrays)
         head = {"form": FORM, "step": self.step, "time": self.time, "names": names}
@@ -107,7 +107,7 @@ def keep_state(folder: Path, state: KeptState) -> Path:
     with writing(path):
         path.parent.mkdir(exist_ok=True)
         new = path.with_name(f".{path.name}")
-        new.write_bytes(state.packed())
+        new.write_bytes(state.pack())
         new.replace(path)
     return path
 

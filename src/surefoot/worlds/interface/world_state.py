@@ -66,7 +66,7 @@ def digest(robot: Robot, terrain: Terrain, *numbers: Any) -> str:
 
 
 def fill(arrays: Iterable[tuple[str, NDArray[Any], Any]]) -> None:
-    """Write values into arrays, each by its name.
+    """Write values into arrays (...,), each by its name and of the array's own shape and type.
 
     Raises
     ------

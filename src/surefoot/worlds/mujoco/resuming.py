@@ -12,16 +12,13 @@ References
 from __future__ import annotations
 
 import copy
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.worlds.interface.world import ContactReading
 from surefoot.worlds.interface.world_state import WorldState, digest, fill
-
-if TYPE_CHECKING:
-    from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 
 MADE = (
     "body_parentid", "body_pos", "body_quat", "body_mass", "body_inertia", "body_ipos", "body_iquat",
@@ -36,7 +33,7 @@ CHANGED = ("geom_friction", "pair_friction", "geom_priority", "geom_solref", "ge
 """Arrays of a model that change during a run: with friction, and where it is another under each foot."""
 
 
-def _made(world: MujocoWorld) -> str:
+def _digest_model(world: Any) -> str:
     """Return a digest of what a world was made with."""
     model, option = world.model, world.model.opt
     numbers = [getattr(model, name) for name in MADE]
@@ -45,24 +42,26 @@ def _made(world: MujocoWorld) -> str:
     return digest(world.robot, world.terrain, *numbers, np.array(options, dtype=np.float64), world.dt)
 
 
-def _whole(world: MujocoWorld) -> tuple[Any, NDArray[np.float64]]:
+def _whole(world: Any) -> tuple[Any, NDArray[np.float64]]:
     """Return which of MuJoCo's states is whole, and room for it."""
     mujoco = world.mujoco
     spec = mujoco.mjtState.mjSTATE_INTEGRATION
     return spec, np.zeros(mujoco.mj_stateSize(world.model, spec))
 
 
-def mujoco_state(world: MujocoWorld) -> WorldState:
-    """Return a copy of all that lasts in a world from one step to the next."""
+def mujoco_state(world: Any) -> WorldState:
+    """Return a copy of all that lasts in a `MujocoWorld` from one step to the next."""
     spec, physics = _whole(world)
     world.mujoco.mj_getState(world.model, world.data, physics, spec)
     own = {"physics": physics} | {name: getattr(world.model, name).copy() for name in CHANGED}
     reading = copy.deepcopy(world.contacts())
     touching = sorted(world.touching())
-    return WorldState(type(world).__name__, _made(world), own, world.applied.copy(), reading, touching)
+    return WorldState(
+        type(world).__name__, _digest_model(world), own, world.applied.copy(), reading, touching
+    )
 
 
-def resume_mujoco(world: MujocoWorld, state: WorldState) -> tuple[ContactReading, set[tuple[str, str]]]:
+def resume_mujoco(world: Any, state: WorldState) -> tuple[ContactReading, set[tuple[str, str]]]:
     """Put a world into a state; return what the last step has left to be read, until the next one.
 
     Raises
@@ -70,7 +69,7 @@ def resume_mujoco(world: MujocoWorld, state: WorldState) -> tuple[ContactReading
     ProblemError
         For a state of another world, or arrays that do not fit; nothing has changed.
     """
-    state.check(type(world).__name__, _made(world))
+    state.check(type(world).__name__, _digest_model(world))
     mujoco, model, data = world.mujoco, world.model, world.data
     spec, physics = _whole(world)
     own = state.own

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from surefoot.mechanics import State
 from surefoot.worlds.interface.world_state import WorldState, digest
 
-if TYPE_CHECKING:
-    from surefoot.worlds.rigid.rigid_world import RigidWorld
 
-
-def _made(world: RigidWorld) -> str:
+def _digest_world(world: Any) -> str:
     """Return a digest of what a world was made with."""
     model, control, geometry = world.model, world.control, world.stepper.geometry
     masses = np.array([[one.mass, *one.lever, *one.inertia.ravel()] for one in model.inertias])
@@ -27,8 +24,8 @@ def _made(world: RigidWorld) -> str:
     return digest(world.robot, world.terrain, *numbers)
 
 
-def rigid_state(world: RigidWorld, state: State) -> WorldState:
-    """Return a copy of all that lasts in a world, whose stepper has come to `state`."""
+def rigid_state(world: Any, state: State) -> WorldState:
+    """Return a copy of all that lasts in a `RigidWorld`, whose stepper has come to `state`."""
     own = {
         "state": state.as_plain(), "mu": world.mu,
         "found": (world.unsolved, world.worst_residual, world.law_error),
@@ -37,10 +34,10 @@ def rigid_state(world: RigidWorld, state: State) -> WorldState:
     }  # fmt: skip
     applied = np.array(world.applied, dtype=np.float64)
     touching = sorted(world.touching())
-    return WorldState(type(world).__name__, _made(world), own, applied, world.contacts(), touching)
+    return WorldState(type(world).__name__, _digest_world(world), own, applied, world.contacts(), touching)
 
 
-def read_rigid_state(world: RigidWorld, now: State, state: WorldState) -> State:
+def read_rigid_state(world: Any, now: State, state: WorldState) -> State:
     """Return the stepper's state of a world's, after checking that it is of such a world.
 
     Raises
@@ -48,5 +45,5 @@ def read_rigid_state(world: RigidWorld, now: State, state: WorldState) -> State:
     ProblemError
         For a state of another world, or arrays that do not fit.
     """
-    state.check(type(world).__name__, _made(world))
+    state.check(type(world).__name__, _digest_world(world))
     return State.from_plain(state.own["state"], now)

@@ -25,7 +25,7 @@ from surefoot.worlds.interface.world_state import world_state
 from surefoot.worlds.running.faults import Faults
 from surefoot.worlds.running.ground_friction import GroundFriction
 from surefoot.worlds.running.observers import LinkContactObserver, Moment, Observer
-from surefoot.worlds.running.run_state import RunState, StateKeeper, setting_of
+from surefoot.worlds.running.run_state import RunState, StateKeeper, check_resumable, setting_of
 from surefoot.worlds.running.scenario import Ice as Ice
 from surefoot.worlds.running.scenario import IcePatch as IcePatch
 from surefoot.worlds.running.scenario import Push as Push
@@ -107,8 +107,7 @@ def run(
         raise ProblemError(f"scenario must be a Scenario, as sf.Scenario(5.0) is one, got {scenario!r:.60}")
     q, v = scenario.begin(world)
     world.reset(q)
-    if keep is not None or resume is not None:
-        world_state(world), state_of(controller)
+    check_resumable(world, controller, keep is not None or resume is not None)
     if keep is not None:
         keep.steps(world.dt)
     if resume is not None:
@@ -129,6 +128,7 @@ def run(
         gc.unfreeze()
     declare = getattr(world, "softness", None)
     log.facts.update({} if declare is None else declare(log))
+    log.facts.update({} if resume is None else {"resumed_at": resume.time})
     for observer in observers:
         observer.end(log)
     return log

@@ -1,4 +1,4 @@
-"""The state of a run as a value: all that lasts from step to step in the world, the controller and between."""
+"""The state of a run as a value: all that lasts from step to step in the world, controller and between."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import numpy as np
 from surefoot.base.arrays import real_number
 from surefoot.base.errors import ProblemError
 from surefoot.base.memory import Arrays, Memory, alike, read_back, write_down
-from surefoot.motion import STATE_KINDS, Command, Controller
+from surefoot.motion import STATE_KINDS, Command, Controller, state_of
 from surefoot.worlds.interface.world import ContactReading, World
-from surefoot.worlds.interface.world_state import WorldState
+from surefoot.worlds.interface.world_state import WorldState, world_state
 from surefoot.worlds.running.scenario import Ice, Scenario
 
 
@@ -154,6 +154,18 @@ class StateKeeper:
         """
         every = real_number("time between kept states", self.every, low=dt, high=1e6)
         return max(1, round(every / dt))
+
+
+def check_resumable(world: World, controller: Controller, asked: bool) -> None:
+    """Refuse, where it is asked for, a world or a controller that does not tell its whole state.
+
+    Raises
+    ------
+    ProblemError
+        Naming which.
+    """
+    if asked:
+        world_state(world), state_of(controller)
 
 
 def setting_of(world: World, controller: Controller, scenario: Scenario) -> dict[str, str]:
