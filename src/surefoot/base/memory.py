@@ -224,6 +224,11 @@ def _made(kind: type, fields: dict[str, Any]) -> Any:
     """Return an object of a class with given fields, as it was when it was written down."""
     if hasattr(kind, "_asdict"):
         return kind(**fields)
+    if dataclasses.is_dataclass(kind):
+        known = {field.name for field in dataclasses.fields(kind)}
+        if fields.keys() != known:
+            wrong = ", ".join(sorted(fields.keys() ^ known))
+            raise ValueError(f"a {kind.__name__} is not made of these fields: {wrong}")
     out: Any = object.__new__(kind)
     for name, value in fields.items():
         object.__setattr__(out, name, value)

@@ -10,6 +10,7 @@ from .drive.postures import BodyPostures as BodyPostures
 from .drive.readings import RobotReadings as RobotReadings
 from .drive.readings import motor_order as motor_order
 from .drive.standstill import Standstill as Standstill
+from .drive.state_kinds import STATE_KINDS as STATE_KINDS
 from .drive.state_tracker import StateTracker as StateTracker
 from .drive.watchdog import damping_targets as damping_targets
 from .drive.wire.dialect import Dialect as Dialect
@@ -22,7 +23,6 @@ from .planning.stand_up.stand_up_controller import controller_of as controller_o
 from .planning.tracking.reference import Reference as Reference
 from .state import HeightScan as HeightScan
 from .state import RobotState as RobotState
-from .state_kinds import STATE_KINDS as STATE_KINDS
 from .walking.walking_body import VelocityCommand as VelocityCommand
 from .walking.walking_controller import WalkingController as WalkingController
 from .walking.walking_settings import WalkSettings as WalkSettings

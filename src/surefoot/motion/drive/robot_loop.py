@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike
 from surefoot.base.arrays import finite_array, of_kind, real_number
 from surefoot.base.errors import ProblemError, check_name
 from surefoot.base.loaded import SENSED
+from surefoot.base.memory import Remembering
 from surefoot.base.spatial import GRAVITY
 from surefoot.mechanics import Actuators, FlatTerrain, Robot, Terrain, actuators_of, with_rotors
 from surefoot.motion.control.controller import Command, JointTargets, RobotState
 from surefoot.motion.drive.getting_up import FALLEN, TRIES, FallRecovery
 from surefoot.motion.drive.joint_targets import JointTargetController
 from surefoot.motion.drive.latency_compensation import LatencyCompensation
+from surefoot.motion.drive.loop_state import ResumableLoop
 from surefoot.motion.drive.modes import CONTROLLED, FOLLOWS, POWERLESS, LoopMode
 from surefoot.motion.drive.posture_player import PosturePlayer
 from surefoot.motion.drive.readings import ReadingLimits, ReadingWatch, RobotReadings, motor_order
@@ -38,7 +40,7 @@ SLOW = 0.05
 """Speed of a body, as a share of sqrt(g h), at which one that was commanded to stop stands."""
 
 
-class RobotLoop:
+class RobotLoop(ResumableLoop):
     """Turns a robot's readings into its joints' targets; call `step` at a fixed rate, and `go` at any time.
 
     Limits of joints, speeds and torques are enforced last. Readings that are late, repeated, not finite, out
@@ -137,11 +139,18 @@ class RobotLoop:
         names = {LoopMode.WALK: chosen, LoopMode.STAND: chosen if chosen == "auto" else "stand"}
         made = {name: self._balance(name, mu, latency) for name in dict.fromkeys(names.values())}
         self._balances = {mode: made[name] for mode, name in names.items()}
+        words = robot.name, self.dt, self._order.tolist(), [*made], mu, latency, self.terrain, self.limits
+        self._make = repr((*words, imu_position, self._motors and self._motors.name)), made
         self.reset()
-        self._rehearse()
+        self.warm_up()
 
-    def _rehearse(self) -> None:
-        """Walk, damp and stand in imagination, for all that a step calls to be compiled or loaded."""
+    def _parts(self) -> dict[str, Remembering]:
+        """See `ResumableLoop`."""
+        watch, recovery = self.watch, self._recovery
+        return {"watch": watch, "recovery": recovery, "player": self._player, "tracker": self.tracker}
+
+    def warm_up(self) -> None:
+        """Make a dry run of damping, standing and walking, so that all kernels are compiled, and reset."""
         robot, q, v = self.robot, self.robot.nominal, np.zeros(self.robot.model.nv)
         start = RobotState(q, v, 0.0, np.ones(len(robot.feet), dtype=bool), v[6:])
         for walker, controller in dict.fromkeys(self._balances.values()):
@@ -167,7 +176,7 @@ class RobotLoop:
         self.mode, self.fault, self.time = LoopMode.DAMP, "", -self.dt
         self.watch.reset()
         self._recovery.reset()
-        self._velocity, self._posture = np.zeros(3), np.zeros(3)
+        self._velocity, self._posture, self._began = np.zeros(3), np.zeros(3), 0.0
         self._forget()
 
     def _forget(self) -> None:
@@ -268,7 +277,7 @@ class RobotLoop:
             By the clock of this side [s]; None where every step is exactly `dt` after the last.
         """
         self.time += self.dt
-        came = None if readings is None else self._order_readings(readings)
+        came = None if readings is None else readings.arrange(self._order)
         usable = self.watch.look(came, self.time if now is None else now)
         if self.mode not in POWERLESS:
             self._judge()
@@ -282,14 +291,6 @@ class RobotLoop:
         """Plan coming steps once the targets are sent: from its first call on `step` leaves that to it."""
         self.walker.answers_first = True
         self.walker.plan_ahead()
-
-    def _order_readings(self, readings: RobotReadings) -> RobotReadings | None:
-        """Return readings in the order of the robot's joints; None for wrong shapes."""
-        joints = (self.robot.joints,)
-        rows = [np.asarray(row, dtype=np.float64) for row in readings[1:7]]
-        if [row.shape for row in rows] != [(4,), (3,), (3,), joints, joints, joints]:
-            return None
-        return RobotReadings._make([float(readings.time), *rows, readings.forces]).ordered(self._order)
 
     def _judge(self) -> None:
         """Damp for good where control has been impossible for too long, or the robot has fallen."""
