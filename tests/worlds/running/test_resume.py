@@ -6,6 +6,7 @@ import copy
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ from surefoot.worlds.running.faults import Faults
 from surefoot.worlds.running.height_scan import RangeSensor
 from surefoot.worlds.running.run_state import RunState, StateKeeper
 from surefoot.worlds.running.scenario import Ice, IcePatch
-from surefoot.worlds.running.sensors import SensorModel, TouchModel
+from surefoot.worlds.running.sensors import ImuModel, SensorModel, TouchModel
 
 pytest.importorskip("mujoco")
 LONG = pytest.mark.long
@@ -53,7 +54,6 @@ CASES: dict[str, dict[str, Any]] = {
     "map": {"terrain": "stairs:0.1,0.3", "knowledge": "map", "scanner": RangeSensor(), "seed": 7},
     "blind": {"terrain": "rough:3,0.06", "knowledge": "blind", "substeps": 8},
     "soft": {"solref": (0.03, 0.9)},
-    "lost": {"sensors": SensorModel(touch=TouchModel(missed=0.9)), "seed": 3},
 }  # fmt: skip
 
 
@@ -254,6 +254,17 @@ def test_a_run_goes_on_in_its_own_setting_alone(walk: tuple[Any, list[RunState],
     pushed = again(resume=kept[1], happens={"pushes": (sf.Push(0.15, (0.0, 90.0, 0.0), 0.05),)})
     assert differing(whole.rows(slice(100, 150)), pushed.rows(slice(0, 50)), 0) == []
     assert pushed["v"][:, 1].max() > whole["v"][:, 1].max() + 0.1
+
+
+def test_a_robot_that_has_lost_its_estimate_goes_on_standing_to_the_same_end() -> None:
+    broken = replace(SensorModel(), imu=ImuModel(accelerometer_range=6.0))
+    kept, again = list[RunState](), short(sensors=broken, seed=4)
+    whole = again(2.5, keep=StateKeeper(0.1, kept.append))
+    lost = next(state for state in kept if np.isfinite(state.stopped))
+    assert (whole.facts["outcome"], lost.time < 1.5) == ("lost", True)
+    log = again(2.5, resume=RunState.from_arrays(*lost.to_arrays()))
+    assert differing(whole, log, lost.step) == []
+    assert (log.facts["outcome"], log.facts["error"]) == ("lost", whole.facts["error"])
 
 
 class Counting(Wrapper):
