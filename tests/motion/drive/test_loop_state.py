@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from surefoot.base.errors import ProblemError
-from surefoot.base.memory import read_back, write_down
+from surefoot.base.memory import alike, read_back, write_down
 from surefoot.mechanics.robot import load_robot
 from surefoot.motion.control.controller import JointTargets
 from surefoot.motion.drive.loop_state import KINDS, LoopState
@@ -46,7 +46,7 @@ FRESH = """
 import json, sys
 from pathlib import Path
 import numpy as np
-from surefoot.base.memory import read_back
+from surefoot.base.memory import alike, read_back
 from surefoot.motion.drive.loop_state import KINDS, LoopState
 from surefoot.motion.drive.robot_loop import RobotLoop
 from tests.motion.drive.loop_faults import DT, GO2
@@ -116,6 +116,20 @@ def test_a_loop_resumed_in_a_fresh_process_goes_on_to_the_last_bit(
     done = subprocess.run(program, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == [str(steps), loop.mode.name]
+
+
+def test_loop_and_simulated_robot_go_on_together() -> None:
+    pair = walking(False)
+    states = pair[0].state, pair[1].state
+    told = go_on(*pair, 150, 3, False)
+    loop, robot = RobotLoop(GO2, DT), MotorRobot(GO2, DT, seed=9)
+    loop.resume(states[0])
+    robot.go_on(states[1])
+    again = go_on(loop, robot, 150, 3, False)
+    for (_, one), (_, other) in zip(told, again, strict=True):
+        assert np.array(one).tobytes() == np.array(other).tobytes()
+    assert alike(robot.state, pair[1].state)
+    assert loop.state == pair[0].state
 
 
 def test_a_loop_goes_on_from_a_state_of_its_own_make_alone() -> None:

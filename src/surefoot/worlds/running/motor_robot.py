@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surefoot.base.arrays import FloatArray, real_number
+from surefoot.base.memory import Memory, Remembering
 from surefoot.base.spatial import quaternion_from_rotation, rotation_from_quaternion
 from surefoot.mechanics import Robot, Terrain
 from surefoot.motion import BodyPostures, JointTargets, RobotReadings, damping_targets, motor_order
+from surefoot.worlds.interface.world_state import WorldState
 from surefoot.worlds.mujoco.mujoco_world import MujocoWorld
 from surefoot.worlds.running.sensors import SensorModel, Sensors
 
@@ -22,7 +24,7 @@ DROP = 0.01
 """How high above the ground a robot that lies is let go [m]."""
 
 
-class MotorRobot:
+class MotorRobot(Remembering):
     """Takes joint targets and gives readings; nothing else of the robot's motion is known outside.
 
     The drives close their loop at every step of the world, see `JointTargets.torques`, within the motors'
@@ -48,6 +50,8 @@ class MotorRobot:
     torques
         (joints,) that the motors gave last [N m].
     """
+
+    MEMORY = ("sensors", "_error", "_queue", "torques", "_count", "_given")
 
     def __init__(
         self,
@@ -80,6 +84,23 @@ class MotorRobot:
     def lie_down(self) -> None:
         """Put the robot on its belly, legs folded."""
         self.reset(lying(self.robot, self.world.terrain))
+
+    @property
+    def state(self) -> tuple[WorldState, Memory]:
+        """A copy of all that lasts from one reading to the next: of the world, and of sensors and targets."""
+        return self.world.state, self.remembered()
+
+    def go_on(self, state: tuple[WorldState, Memory]) -> None:
+        """Go on from the `state` of a robot that was made in the same way, to the last bit.
+
+        Raises
+        ------
+        ProblemError
+            For one that does not fit.
+        """
+        world, own = state
+        self.world.resume(world)
+        self.resume(own)
 
     def take(self, targets: JointTargets | None) -> None:
         """Take (joints,) targets for the drives; None damps the joints, as when nothing comes any more."""
