@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -99,7 +98,7 @@ def advance(before: WalkState, clock: GaitClock, contact: FeetContact) -> tuple[
     now = cast(Kinematics, SimpleNamespace(centres=centres))
     stage = cast(Any, WalkingController._advance_feet)
     feet, biped, changed = stage(walk, before, before.feet, contact, now, clock)
-    return replace(before, clock=clock, feet=feet, biped=biped), changed
+    return before._replace(clock=clock, feet=feet, biped=biped), changed
 
 
 def test_feet_lift_land_and_miss_the_ground_at_the_half_of_a_trot() -> None:
@@ -114,7 +113,7 @@ def test_feet_lift_land_and_miss_the_ground_at_the_half_of_a_trot() -> None:
 
 def test_before_the_gait_begins_all_feet_stand() -> None:
     clock = GaitClock(-0.1)
-    before = replace(BEFORE, clock=clock)
+    before = BEFORE._replace(clock=clock)
     after, changed = advance(before, clock, FeetContact.of(np.zeros(4, dtype=bool)))
     assert not changed
     assert after == before
